@@ -46,6 +46,7 @@ UNITS: dict[str, tuple[str, float]] = {
     'deg': ('rad', math.pi / 180.0),
     'rad/s': ('rad/s', 1.0),
     'deg/s': ('rad/s', math.pi / 180.0),
+    'rpm': ('rad/s', math.pi / 30.0),
     'N': ('N', 1.0),
     'mN': ('N', 1e-3),
     'N/m': ('N/m', 1.0),

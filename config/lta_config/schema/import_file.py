@@ -13,7 +13,9 @@ from pydantic import AliasChoices, Field, field_validator, model_validator
 
 Name = Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
 Column = Annotated[str, Field(min_length=1)]
-Format = Literal['csv', 'usd', 'ulog', 'bag']
+Format = Literal['csv', 'usd', 'ulog', 'bag', 'mat', 'numpy', 'parquet', 'dataflash', 'folder']
+# Formats whose tables have no time of their own
+TIMED_BY_MAPPING: tuple[Format, ...] = ('csv', 'mat', 'numpy', 'parquet', 'folder')
 Three = Annotated[list[Column], Field(min_length=3, max_length=3)]
 
 # Our x, y, z in terms of the log's. We use ENU for the world and FLU for the body
@@ -171,11 +173,71 @@ class OrientationField(StrictModel):
 
 
 class ActuatorFields(StrictModel):
-    """Commands of one actuator: duty or force as effort, place of a moving mass as position."""
+    """
+    Commands of one actuator: duty or force as effort, place of a moving mass as position.
+
+    `thrust` is a law c0, c1, c2 that derives the effort [N] from the speed w of a rotor [rad/s]:
+    c0 + c1 w + c2 w |w|.
+    """
 
     effort: ScalarField | None = None
     position: ScalarField | None = None
     velocity: ScalarField | None = None
+    thrust: tuple[float, float, float] | None = None
+
+    @field_validator('thrust', mode='before')
+    @classmethod
+    def _parse_law(cls, value: object) -> object:
+        return tuple(map(float, value)) if isinstance(value, list) else value
+
+    @model_validator(mode='after')
+    def _check_law(self) -> Self:
+        if self.thrust is not None and (self.velocity is None or self.effort is not None):
+            raise ValueError(
+                'has "thrust", which derives the effort from the speed of a rotor; give '
+                '"velocity", and no "effort"'
+            )
+        return self
+
+
+class AppliedForce(VectorField):
+    """A force in body axes and its point of application, in the same axes of the log."""
+
+    at: Quantity
+
+    @model_validator(mode='after')
+    def _check_point(self) -> Self:
+        if len(self.at.vector) != 3 or self.at.dimension != 'm':
+            raise ValueError(
+                f'has a point "at" with {len(self.at.vector)} numbers in {self.at.unit}, but '
+                'needs 3 (x, y and z) in a unit of length'
+            )
+        return self
+
+
+class TimeColumn(StrictModel):
+    """The time of each row of a text: a column, or uniform from the first row on."""
+
+    column: Column | None = None
+    unit: str = 's'
+    rate: Quantity | None = None
+    step: Quantity | None = None
+    start: Quantity | None = None  # added to every time; ROS takes a stamp of 0 as unset
+
+    @model_validator(mode='after')
+    def _check_source(self) -> Self:
+        if [self.column, self.rate, self.step].count(None) != 2:
+            raise ValueError('needs exactly one of "column", "rate" and "step"')
+        if UNITS.get(self.unit, ('', 0.0))[0] != 's':
+            raise ValueError(f'has the unit "{self.unit}", but must be in s, ms, us or ns')
+        for name, given, unit in (('rate', self.rate, 'Hz'), ('step', self.step, 's')):
+            if given is not None and (given.dimension != unit or given.si <= 0.0):
+                raise ValueError(f'has an invalid {name}; give a positive number in {unit}')
+        if self.start is not None and self.start.dimension != 's':
+            raise ValueError(
+                f'has a start in {self.start.unit}, but it must be a time, as in "1 s"'
+            )
+        return self
 
 
 class TopicMapping(_WithAxes):
@@ -187,6 +249,7 @@ class TopicMapping(_WithAxes):
     where: dict[str, float] = Field(default_factory=dict)
     optional: bool = False
     drop_empty: bool = False
+    time: TimeColumn | None = None  # of its table, if it differs from that of the mapping
     actuators: dict[str, ActuatorFields] | None = None
     position: VectorField | None = None
     orientation: OrientationField | None = None
@@ -195,6 +258,7 @@ class TopicMapping(_WithAxes):
     acceleration: VectorField | None = None
     force: VectorField | None = None
     torque: VectorField | None = None
+    forces: list[AppliedForce] | None = None
     vector: VectorField | None = None
     voltage: ScalarField | None = None
     current: ScalarField | None = None
@@ -223,38 +287,13 @@ class TopicMapping(_WithAxes):
         # Effort, position and velocity of each actuator
         scalars = [s for a in actuators.values() for s in (a.effort, a.position, a.velocity) if s]
         needed = list(self.where)
-        for part in (*self.parts.values(), *scalars):
+        for part in (*self.parts.values(), *(self.forces or []), *scalars):
             if isinstance(part, ScalarField):
                 needed += [part.column] if part.column else []
             else:
                 needed += part.columns or []
         # Without duplicates, in order
         return list(dict.fromkeys(needed))
-
-
-class TimeColumn(StrictModel):
-    """The time of each row of a text: a column, or uniform from the first row on."""
-
-    column: Column | None = None
-    unit: str = 's'
-    rate: Quantity | None = None
-    step: Quantity | None = None
-    start: Quantity | None = None  # added to every time; ROS takes a stamp of 0 as unset
-
-    @model_validator(mode='after')
-    def _check_source(self) -> Self:
-        if [self.column, self.rate, self.step].count(None) != 2:
-            raise ValueError('needs exactly one of "column", "rate" and "step"')
-        if UNITS.get(self.unit, ('', 0.0))[0] != 's':
-            raise ValueError(f'has the unit "{self.unit}", but must be in s, ms, us or ns')
-        for name, given, unit in (('rate', self.rate, 'Hz'), ('step', self.step, 's')):
-            if given is not None and (given.dimension != unit or given.si <= 0.0):
-                raise ValueError(f'has an invalid {name}; give a positive number in {unit}')
-        if self.start is not None and self.start.dimension != 's':
-            raise ValueError(
-                f'has a start in {self.start.unit}, but it must be a time, as in "1 s"'
-            )
-        return self
 
 
 class TextFormat(StrictModel):
@@ -288,16 +327,26 @@ class ImportMapping(_WithAxes):
     topics: Annotated[list[TopicMapping], Field(min_length=1)]
 
     @model_validator(mode='after')
-    def _check_format_keys(self) -> Self:
-        if (self.format == 'csv') != (self.time is not None):
-            word, remedy = (
-                ('needs', 'add it') if self.time is None else ('must not have', 'remove it')
-            )
-            raise ValueError(f'of format {self.format} {word} the key "time"; {remedy}')
-        if self.format == 'csv' and any(entry.drop_empty for entry in self.topics):
+    def _check_time(self) -> Self:
+        timed = self.time is not None or all(entry.time for entry in self.topics)
+        if self.format in TIMED_BY_MAPPING and not timed:
+            raise ValueError(f'of format {self.format} needs the key "time"; add it')
+        if self.format not in TIMED_BY_MAPPING and (
+            self.time is not None or any(entry.time for entry in self.topics)
+        ):
+            raise ValueError(f'of format {self.format} must not have the key "time"; remove it')
+        return self
+
+    @model_validator(mode='after')
+    def _check_csv_keys(self) -> Self:
+        if self.format != 'csv':
+            return self
+        if any(entry.drop_empty for entry in self.topics):
             raise ValueError('of format csv must not have the key "drop_empty"; remove it')
-        if self.format == 'csv' and any(entry.table or entry.join for entry in self.topics):
+        if any(entry.table or entry.join for entry in self.topics):
             raise ValueError('of format csv has only one table; remove "table" and "join"')
+        if any(entry.time for entry in self.topics):
+            raise ValueError('of format csv has only one time; remove "time" from its topics')
         return self
 
 

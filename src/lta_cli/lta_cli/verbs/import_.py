@@ -40,10 +40,24 @@ def import_(
     vehicle: Annotated[
         str | None, typer.Option(help='Flown vehicle, name or file; stored in the bag.')
     ] = None,
+    draft: Annotated[
+        bool,
+        typer.Option(
+            '--draft', help='Propose a mapping from the columns of a log, instead of importing it.'
+        ),
+    ] = False,
+    set: Annotated[
+        list[str] | None,
+        typer.Option(
+            '--set',
+            metavar='KEY=VALUE',
+            help='Decide a question of --draft, such as time.rate=60. Repeatable.',
+        ),
+    ] = None,
     json: Json = False,
 ) -> None:
     """
-    Convert logs to bags: CSV, ROS 1 and 2 bags, Crazyflie uSD logs, PX4 ULogs.
+    Convert logs to bags: CSV, MATLAB, NumPy, Parquet, ROS 1 and 2, PX4, ArduPilot, Crazyflie.
 
     Only units and axes are converted: nothing is smoothed, resampled or filled in. Anomalies (time
     that stops or runs backwards, cells without a number) are kept and reported. The bag stores the
@@ -52,6 +66,12 @@ def import_(
 
     A mapping defines the meaning, unit and axes of each column: docs/import.md. One source becomes
     FOLDER/bag, several become FOLDER/NAME/bag; if one cannot be imported, none is.
+
+    With --draft, columns, units, axes and rates are proposed from names and physics, with reasons
+    and a picture, and written to FOLDER/mapping.yaml. Where two readings fit, the command asks;
+    without a terminal it prints both with the --set that decides, and ends with status 2.
+
+    Example: lta import --draft flight.csv --out lab
 
     Example: lta import data_1.csv --vehicle rgblimp
 
@@ -64,6 +84,14 @@ def import_(
     from lta_data.importers.run import import_logs, ImportRequest
 
     console = plain_console(stderr=json)
+    if draft:
+        # Import here: drafting needs the whole importer and the report.
+        from lta_cli.options.draft_command import run_draft
+
+        run_draft(sources, set or [], out, console, json)
+        return
+    if set:
+        raise BadInput('--set decides a question of --draft; add --draft, or remove --set.')
     # The robot becomes a ROS namespace
     if not is_name(robot):
         raise BadInput(

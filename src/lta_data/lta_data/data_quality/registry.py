@@ -17,6 +17,7 @@ from lta_data.data_quality.checks import (
     stamps,
     units,
 )
+from lta_data.data_quality.checks.rereadings import find_rereadings, remove_explained_findings
 from lta_data.data_quality.finding import CheckVerdict, QualityFinding
 from lta_data.data_quality.limits import QualityLimits
 from lta_data.data_quality.recording import ChannelRecording
@@ -81,9 +82,11 @@ def run_checks(recording: ChannelRecording, limits: QualityLimits | None = None)
     evidence = CheckContext(recording, limits or QualityLimits())
     with np.errstate(invalid='ignore'):  # infinity is data: a range without a return
         verdicts = [check(evidence) for check in CHECKS.values()]
-    found = [finding for verdict in verdicts for finding in verdict.findings]
+        rereadings = find_rereadings(evidence)
+    found = [*rereadings, *(one for verdict in verdicts for one in verdict.findings)]
     kept = sorted(
-        remove_implied_findings(found), key=lambda finding: (finding.from_s, finding.channel)
+        remove_explained_findings(remove_implied_findings(found)),
+        key=lambda finding: (finding.from_s, finding.channel),
     )
     return QualityReport(
         tuple(kept), tuple(text for verdict in verdicts for text in verdict.unjudged)

@@ -5,7 +5,7 @@ from typing import Any, final, NamedTuple
 
 from lta_config.errors import BadInput
 from lta_config.quantity import UNITS
-from lta_config.schema.import_file import OrientationField, ScalarField, VectorField
+from lta_config.schema.import_file import AppliedForce, OrientationField, ScalarField, VectorField
 from lta_data.importers.attitude import compute_quaternions, convert_attitude, rotate_into_body
 from lta_data.importers.axes import convert_to_lta_axes
 from lta_data.importers.cdr_template import CdrTemplate
@@ -119,6 +119,7 @@ class TopicConverter:
             given |= dict.fromkeys(NOBODY.get(type_name, ()), np.nan)
             names = self._list_actuators()
             told = {field for name, field, _ in self.plan.iterate_joints() if name in names}
+            told |= {'effort' for name in self.plan.thrust_laws if name in names}
             lengths = {field: len(names) for field in told}
             if names:
                 given['name'] = names
@@ -134,6 +135,9 @@ class TopicConverter:
             (name, field): _convert_number(given, table, 1.0)
             for name, field, given in self.plan.iterate_joints()
         }
+        for name, (c0, c1, c2) in self.plan.thrust_laws.items():
+            speed = told[name, 'velocity']
+            told[name, 'effort'] = c0 + c1 * speed + c2 * speed * np.abs(speed)
         # Decide on the first part only: the layout is the same for all messages.
         if self.plan.entry.drop_empty and self._layout is None:
             valued = {name for (name, _), values in told.items() if not np.isnan(values).all()}
@@ -167,7 +171,26 @@ class TopicConverter:
                 )
             else:
                 numbers[part.place] = _convert_number(given, table, part.share)
+        if plan.entry.forces:
+            force, torque = _sum_forces(plan.entry.forces, plan, table)
+            parts_there = plan.target_parts
+            numbers |= _split_columns(parts_there['force'], force, 'xyz')
+            numbers |= _split_columns(parts_there['torque'], torque, 'xyz')
         return numbers
+
+
+def _sum_forces(
+    forces: Sequence[AppliedForce], plan: EntryPlan, table: LogTable
+) -> tuple[Numbers, Numbers]:
+    """Return force and torque about the body's origin, in LTA's axes, shape (n, 3) each."""
+    part = plan.target_parts['force']
+    total = np.zeros((2, len(table), 3))
+    for one in forces:
+        force = _convert_vector(one, part, plan, table, None)
+        point = np.asarray([one.at.vector], dtype=np.float64)
+        arm = convert_to_lta_axes(point, plan.find_axes('body'))
+        total += np.stack([force, np.cross(arm, force)])
+    return total[0], total[1]
 
 
 def _fill_unknown(part: MessagePart) -> dict[str, Any]:

@@ -12,6 +12,7 @@ from typing import final
 from lta_config.errors import BadInput, unknown_name_error
 from lta_config.quantity import UNITS
 from lta_config.schema.import_file import (
+    AppliedForce,
     ImportMapping,
     OrientationField,
     ScalarField,
@@ -64,6 +65,12 @@ class EntryPlan:
         """Return the axes of a frame, 'world' or 'body'."""
         return self.world if frame == 'world' else self.body
 
+    @property
+    def thrust_laws(self) -> dict[str, tuple[float, float, float]]:
+        """The laws by actuator: thrust [N] = c0 + c1 w + c2 w |w|, with w in rad/s."""
+        actuators = self.entry.actuators or {}
+        return {name: one.thrust for name, one in actuators.items() if one.thrust is not None}
+
     def iterate_joints(self) -> Iterator[tuple[str, str, ScalarField]]:
         """Yield actuator, message field and source, in the order of the mapping."""
         for name, actuator in (self.entry.actuators or {}).items():
@@ -104,6 +111,8 @@ def plan_entry(entry: TopicMapping, mapping: ImportMapping, robot: str) -> Entry
 def _check_parts(candidate: EntryPlan) -> None:
     """Raise BadInput for parts that the message lacks, and for wrong units."""
     entry, shape = candidate.entry, candidate.target_parts
+    if entry.forces is not None:
+        _check_forces(candidate, entry.forces)
     for name, given in entry.parts.items():
         if name not in shape:
             raise unknown_name_error(f'part of {entry.topic}', name, list(shape))
@@ -114,6 +123,23 @@ def _check_parts(candidate: EntryPlan) -> None:
         _check_unit(f'{entry.topic}: {name}', given, [shape[name].dimension])
         if isinstance(given, VectorField) and given.frame not in (None, shape[name].frame):
             _check_frame(candidate, name, given)
+
+
+def _check_forces(candidate: EntryPlan, forces: Sequence[AppliedForce]) -> None:
+    """Raise BadInput for forces of a message without them, or beside a total."""
+    entry = candidate.entry
+    if 'force' not in candidate.target_parts or entry.force or entry.torque:
+        raise BadInput(
+            f'In the mapping, topic \'{entry.topic}\' cannot have "forces": only wrench_command '
+            'can, and without "force" and "torque", which follow from them.'
+        )
+    for one in forces:
+        _check_unit(f'{entry.topic}: forces', one, ['N'])
+        if one.frame == 'world':
+            raise BadInput(
+                f'In the mapping, forces of {entry.topic} are in the world frame, but must be in '
+                'the body frame; remove "frame".'
+            )
 
 
 def _check_frame(candidate: EntryPlan, name: str, vector: VectorField) -> None:

@@ -1,6 +1,7 @@
 """List the formats that can be imported, and detect the format of a file from its content."""
 
 from collections.abc import Callable
+from functools import partial
 import gzip
 from pathlib import Path
 from typing import final, NamedTuple
@@ -10,7 +11,17 @@ from lta_bridge.bag.records import MAGIC as MCAP
 from lta_config.errors import BadInput, unknown_name_error
 from lta_config.schema.import_file import ImportMapping as MappingFile
 from lta_data.importers.protocol import LogReader
-from lta_data.importers.readers import crazyflie_usd, csv_text, mcap_bag, px4_ulog, rosbags_bag
+from lta_data.importers.readers import (
+    array_files,
+    column_log,
+    crazyflie_usd,
+    csv_text,
+    dataflash,
+    mcap_bag,
+    px4_ulog,
+    rosbags_bag,
+    sensor_folder,
+)
 from lta_data.importers.readers.line_stream import GZIP
 
 HEAD = 4096  # bytes read to detect the format
@@ -53,6 +64,14 @@ def _open_bag(path: Path, mapping: MappingFile | None) -> LogReader:
     return rosbags_bag.open_rosbags_log(path, mapping)
 
 
+def _open_columns(
+    path: Path, mapping: MappingFile | None, read: Callable[[Path], array_files.READ]
+) -> LogReader:
+    assert mapping is not None  # select_mapping has found one or raised
+    tables, notes = read(path)
+    return column_log.ColumnLog(path, tables, notes, mapping)
+
+
 FORMATS: dict[str, LogFormat] = {
     'csv': LogFormat('a text table such as CSV, also compressed with gzip', None, _open_csv),
     'usd': LogFormat(
@@ -60,6 +79,27 @@ FORMATS: dict[str, LogFormat] = {
     ),
     'ulog': LogFormat('a ULog of PX4', 'px4', px4_ulog.open_ulog),
     'bag': LogFormat('a bag of ROS 2 (MCAP or SQLite) or ROS 1', None, _open_bag),
+    'mat': LogFormat(
+        'a MATLAB file (version 5 to 7)',
+        None,
+        partial(_open_columns, read=array_files.read_mat_file),
+    ),
+    'numpy': LogFormat(
+        'arrays of NumPy (npy, npz)',
+        None,
+        partial(_open_columns, read=array_files.read_numpy_file),
+    ),
+    'parquet': LogFormat(
+        'a Parquet table', None, partial(_open_columns, read=array_files.read_parquet_file)
+    ),
+    'dataflash': LogFormat(
+        'a DataFlash log of ArduPilot (.bin)', 'ardupilot', dataflash.open_dataflash
+    ),
+    'folder': LogFormat(
+        'a folder with a file for each sensor',
+        None,
+        partial(_open_columns, read=sensor_folder.read_folder),
+    ),
 }
 
 
@@ -79,7 +119,11 @@ def detect_format(path: Path) -> str:
         # Without metadata.yaml too, which a killed recorder does not write
         if any(path.glob('*.mcap')) or any(path.glob('*.db3')):
             return 'bag'
-        raise BadInput(f"Folder '{path}' contains no bag; give the log files in it one by one.")
+        if sensor_folder.list_run_files(path):
+            return 'folder'
+        raise BadInput(
+            f"Folder '{path}' contains no bag and no data file; give a log file or such a folder."
+        )
     if not path.is_file():
         raise BadInput(f"'{path}' is not a regular file; give a log file or the folder of a bag.")
     head = _read_head(path)
@@ -87,6 +131,9 @@ def detect_format(path: Path) -> str:
         raise BadInput(f"'{path}' is empty; give a log with data.")
     if head.startswith((MCAP, SQLITE, ROS1)):
         return 'bag'
+    _refuse_pickle(path, head)
+    if binary := _detect_binary(path, head):
+        return binary
     if head.startswith(ULOG):
         return 'ulog'
     # One byte only, so test it after the longer magic numbers.
@@ -96,6 +143,28 @@ def detect_format(path: Path) -> str:
         return 'csv'
     known = '; '.join(f'{name}: {format_.about}' for name, format_ in FORMATS.items())
     raise BadInput(f"'{path}' is not in a known format ({known}); convert it to one of these.")
+
+
+def _detect_binary(path: Path, head: bytes) -> str | None:
+    """Return the format of arrays or of ArduPilot by the first bytes; None if it is another."""
+    if head.startswith(b'MATLAB 5.0') or array_files.HDF5 in head[:1024]:
+        return 'mat'
+    if head.startswith(b'\x93NUMPY') or (head.startswith(b'PK') and path.suffix == '.npz'):
+        return 'numpy'
+    if head.startswith(b'PAR1'):
+        return 'parquet'
+    # The first message defines the type of all definitions
+    return 'dataflash' if head.startswith(dataflash.HEAD + bytes([dataflash.FMT])) else None
+
+
+def _refuse_pickle(path: Path, head: bytes) -> None:
+    """Raise BadInput for a pickle, of any version."""
+    named = path.suffix.lower() in ('.pkl', '.pickle', '.p')
+    if named or (head[0] == 0x80 and len(head) > 1 and 2 <= head[1] <= 5):
+        raise BadInput(
+            f"'{path}' is a pickle, and LTA does not unpickle files, since a pickle can run any "
+            'program; save its table with DataFrame.to_csv, DataFrame.to_parquet or np.savez.'
+        )
 
 
 def find_format(name: str) -> LogFormat:

@@ -53,6 +53,11 @@ def select_mapping(
     name = requested or FORMATS[format_].mapping
     if name is None and format_ == 'csv':
         name = _detect_mapping(path)
+    if name is None and format_ != 'bag':
+        raise BadInput(
+            f"'{path}' needs a mapping, since no shipped one is for the format {format_}; propose "
+            f'one with --draft, and give it with --mapping.'
+        )
     if name is None:
         return None, ''
     mapping, text = load_mapping(name)
@@ -83,8 +88,8 @@ def _detect_mapping(path: Path) -> str:
             f"Several mappings fit '{path}': {', '.join(fitting)}; choose one with --mapping."
         )
     raise BadInput(
-        f"No shipped mapping fits the columns of '{path}'; write one as described in "
-        'docs/import.md and give it with --mapping.'
+        f"No shipped mapping fits the columns of '{path}'; propose one with --draft, or write one "
+        'as described in docs/import.md, and give it with --mapping.'
     )
 
 

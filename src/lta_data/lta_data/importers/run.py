@@ -8,6 +8,7 @@ from typing import final
 from lta_bridge.bag.storage import StorageFault
 from lta_bridge.bag.writer import prepare_empty_folder
 from lta_config.errors import BadInput, to_one_line
+from lta_config.schema.import_file import load_mapping
 from lta_data.bag.bag_folder import find_bag
 from lta_data.importers.formats import detect_format, find_format
 from lta_data.importers.log_provenance import build_provenance
@@ -19,6 +20,7 @@ from lta_data.importers.mapping_choice import (
 )
 from lta_data.importers.progress import ImportProgress
 from lta_data.importers.protocol import Reached
+from lta_data.importers.readers.sensor_folder import list_run_files
 from lta_report.results_folder import stage_results
 
 BAG = 'bag'  # as in a flight's results folder
@@ -77,19 +79,40 @@ def import_logs(order: ImportRequest, out: Path, progress: ImportProgress) -> li
 
     """
     done = []
+    sources = [one for source in order.sources for one in expand_source(source, order.mapping)]
     # Refuse before any work, rather than after a long import.
     if out.exists():
         prepare_empty_folder(out)
     # Written beside the target and moved at the end: all logs or none
     with stage_results(out, BAG) as folder:
-        for source, name in zip(order.sources, _name_folders(order.sources), strict=True):
+        for source, name in zip(sources, _name_folders(sources), strict=True):
             progress.begin_log(source.name)
-            inside = Path(name) / BAG if len(order.sources) > 1 else Path(BAG)
-            found = _import_log(order, find_bag(source), folder / inside, progress.show_fraction)
+            inside = Path(name) / BAG if len(sources) > 1 else Path(BAG)
+            found = _import_log(order, source, folder / inside, progress.show_fraction)
             found.bag = str(out / inside)
             done.append(found)
             progress.end_log()
     return done
+
+
+def expand_source(source: Path, mapping: str | None) -> list[Path]:
+    """
+    Return the logs of a source: the files of a folder with one run in each, else itself.
+
+    A folder is one log if it is a bag, or if the mapping is for the format folder.
+
+    Raises
+    ------
+    BadInput
+        If a folder contains no log.
+
+    """
+    log = find_bag(source)
+    if not log.is_dir() or detect_format(log) == 'bag':
+        return [log]
+    if mapping is not None and load_mapping(mapping)[0].format == 'folder':
+        return [source]
+    return list_run_files(source)
 
 
 def _name_folders(sources: Sequence[Path]) -> list[str]:

@@ -6,7 +6,7 @@ from pathlib import Path
 from lta_config.errors import BadInput
 import pytest
 
-from .csv_texts import POSE, text
+from .csv_texts import ODOM, POSE, text
 
 WRONG = {
     'missing column': (('t,x,y', '5,1,2'), "has no column 'z'; it has t, x, y"),
@@ -15,7 +15,7 @@ WRONG = {
     'comma as point': (('t,x,y,z', '5,"1,5",2,3'), "'1,5' in column 'x', row 1"),
     'no time': (('t,x,y,z', '5,1,2,3', ',1,2,3'), "Column 't' has nothing in row 2"),
     'wrong time': (('t,x,y,z', '5 o,1,2,3'), "Column 't' has '5 o' in row 1"),
-    'short row': (('t,x,y,z', '5,1,2,3', '6,1'), 'Expected 4 columns, got 2'),
+    'other delimiter': (('t,x,y,z', '5;1;2;3', '6;1;2;3'), 'have another number of cells'),
     'only names': (('t,x,y,z',), 'but no rows'),
     'too late': (('t,x,y,z', '5e9,1,2,3'), 'outside the range of ROS time stamps'),
     'too early': (('t,x,y,z', '5,1,2,3', '-6,1,2,3'), 'Row 2 of'),
@@ -127,3 +127,27 @@ def test_a_remark_on_a_name_with_a_line_break_stays_on_one_line(bring, tmp_path)
     found = bring(source, POSE.replace('topics:', f'{header}topics:'))
     assert 'one two' in found.notes
     assert found.notes.isprintable()
+
+
+def test_a_torn_line_names_once_more_and_mixed_separators_are_skipped_and_counted(bring, tmp_path):
+    source = tmp_path / 'a.csv'
+    lines = ['t,x,y,z', '5,1,2,3', '6;1;2;3', '7,1,2', 't,x,y,z', '8,4,5,6', '9,7,8,9', '10,1,2']
+    source.write_text('\n'.join(lines))
+    got = bring(source, POSE)
+    assert [m.pose.pose.position.x for m in got.messages[ODOM]] == [1.0, 4.0, 7.0]
+    assert got.stamps(ODOM) == [5_000_000_000, 8_000_000_000, 9_000_000_000]
+    assert '2 rows have another number of cells than the names of the columns' in got.notes
+    assert "the first as '6;1;2;3'" in got.notes
+    assert 'The names of the columns are repeated once' in got.notes
+    assert 'The last line is cut off and skipped.' in got.notes
+
+
+@pytest.mark.parametrize(('last', 'rows'), [('9,7,8,9', 2), ('9,7,8,-', 1), ('9,7,8,1e', 1)])
+def test_a_last_line_without_an_end_is_torn_only_if_it_lacks_something(
+    bring, tmp_path, last, rows
+):
+    source = tmp_path / 'a.csv'
+    source.write_text('t,x,y,z\n5,1,2,3\n' + last)
+    got = bring(source, POSE)
+    assert len(got.messages[ODOM]) == rows
+    assert ('cut off' in got.notes) == (rows == 1)

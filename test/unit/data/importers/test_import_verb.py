@@ -80,7 +80,12 @@ CASES = {
     'unknown': ('a.bin', b'\x00\x01\x02', (), 'is not in a known format (csv: '),
     'no mapping': ('a.csv', b't,x\n1,2\n', (), 'No shipped mapping fits the columns of'),
     'wrong mapping': ('a.csv', b't,x\n1,2\n', ('--mapping', 'px4'), 'is for the format ulog, but'),
-    'unknown mapping': ('a.csv', b't,x\n1,2\n', ('--mapping', 'mine'), 'known: crazyflie_usd'),
+    'unknown mapping': (
+        'a.csv',
+        b't,x\n1,2\n',
+        ('--mapping', 'mine'),
+        'known: ardupilot, crazyflie_usd, euroc',
+    ),
     'unknown format': ('a.csv', b't,x\n1,2\n', ('--format', 'xls'), "Unknown format 'xls'"),
     'other format': ('a.csv', b't,x\n1,2\n', ('--format', 'usd'), 'is not a Crazyflie log'),
     'robot': (

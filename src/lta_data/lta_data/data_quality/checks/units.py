@@ -56,6 +56,7 @@ class UnitSizeRule(NamedTuple):
     names: re.Pattern[str]
     of: Callable[[NDArray[np.float64]], float]
     units: tuple[tuple[float, float, str], ...]
+    most: bool = False  # whether most of the values, not only the largest, must have the size
 
 
 def median_magnitude(values: NDArray[np.float64]) -> float:
@@ -78,7 +79,7 @@ SIZES: Final = (
     UnitSizeRule(re.compile(r'^(battery|panel)/current$'), median_magnitude, ((60.0, 1e5, 'mA'),)),
     UnitSizeRule(
         re.compile(r'^motors/effort[.\[]'), upper_magnitude,
-        ((1.3, 100.0, '%'), (100.0, 255.0, 'of 255'), (1000.0, 65535.0, 'of 65535')),
+        ((1.3, 100.0, '%'), (100.0, 255.0, 'of 255'), (1000.0, 65535.0, 'of 65535')), True,
     ),
     UnitSizeRule(re.compile(r'/percentage$'), median_magnitude, ((1.5, 100.0, '%'),)),
     UnitSizeRule(re.compile(r'(^|/)range/range$'), median_magnitude, ((40.0, 1e5, 'mm or cm'),)),
@@ -152,6 +153,10 @@ def find_unit_by_size(channel: SignalChannel) -> Iterator[QualityFinding]:
         if not size.names.search(channel.name) or len(values) < 10:
             continue
         typical = size.of(values)
+        # Some corrupt commands are no other unit: in one, most would be above what a duty can be
+        busy = np.abs(values[values != 0.0])
+        if size.most and len(busy) and float(np.median(busy)) <= size.units[0][0]:
+            continue
         for low, high, unit in size.units:
             if low <= typical <= high:
                 yield QualityFinding(

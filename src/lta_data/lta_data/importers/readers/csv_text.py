@@ -18,7 +18,7 @@ from lta_config.topics import load_topic_table
 from lta_data.importers.log_provenance import CLOCK
 from lta_data.importers.log_table import LogTable, Times
 from lta_data.importers.protocol import PassThroughMessage, RawTopic, Reached
-from lta_data.importers.readers.line_stream import decompress_stream, open_text_lines
+from lta_data.importers.readers.line_stream import decompress_stream, NAMED, open_text_lines
 from lta_data.importers.readers.row_times import (
     compute_even_times,
     parse_exact_times,
@@ -89,7 +89,11 @@ class CsvLog:
     ) -> Iterator[Any]:
         """Yield the text as record batches; an invalid cell raises BadInput with its row."""
         try:
-            yield from open_csv_reader(stream, self._mapping.text, self._names, types)
+            rows = TextRows(stream, self._mapping.text, self._names, types)
+            yield from rows
+            self.notes += rows.describe_skipped()
+        except BadInput:
+            raise
         except (pa.ArrowInvalid, pa.ArrowKeyError, EOFError, OSError) as error:
             raise self._translate_error(str(error), types) from None
 
@@ -163,9 +167,7 @@ class CsvLog:
         """Return row and text of the first non-numeric cell of a column."""
         row = 0
         with self._path.open('rb') as stream:
-            for batch in open_csv_reader(
-                stream, self._mapping.text, self._names, {name: pa.binary()}
-            ):
+            for batch in TextRows(stream, self._mapping.text, self._names, {name: pa.binary()}):
                 for cell in map(decode_cell, batch.column(name).to_pylist()):
                     row += 1
                     if cell and not is_number(cell):
@@ -173,25 +175,86 @@ class CsvLog:
         return None
 
 
-def open_csv_reader(
-    stream: BinaryIO, text: TextFormat, names: list[str], types: Mapping[str, pa.DataType]
-) -> Any:  # noqa: ANN401 - of pyarrow
-    """Return a reader of the text's rows with only the columns of `types`."""
-    unread = text.skip + (1 if text.header is None else 0)
-    source, delimiter = open_text_lines(stream, text, unread)
-    # Bytes, since a text may not be UTF-8. Read at least one column to count the rows.
-    wanted = types or {names[0]: pa.binary()}
-    return pacsv.open_csv(
-        source,
-        read_options=pacsv.ReadOptions(column_names=names, block_size=PART, use_threads=False),
-        parse_options=pacsv.ParseOptions(delimiter=delimiter),
-        convert_options=pacsv.ConvertOptions(
-            include_columns=list(wanted),
-            column_types=dict(wanted),
-            null_values=[''],
-            strings_can_be_null=True,
-        ),
-    )
+@final
+class TextRows:
+    """The rows of a text as record batches; rows with too many or too few cells are skipped."""
+
+    def __init__(
+        self,
+        stream: BinaryIO,
+        text: TextFormat,
+        names: list[str],
+        types: Mapping[str, pa.DataType],
+    ) -> None:
+        unread = text.skip + (1 if text.header is None else 0)
+        self._lines, delimiter = open_text_lines(
+            stream, text, unread, delimiter_of(text).join(names).encode()
+        )
+        self._skipped: list[str] = []
+        self._rows = 0
+        # Bytes, since a text may not be UTF-8. Read at least one column to count the rows.
+        wanted = types or {names[0]: pa.binary()}
+        self._reader = pacsv.open_csv(
+            self._lines,
+            read_options=pacsv.ReadOptions(column_names=names, block_size=PART, use_threads=False),
+            parse_options=pacsv.ParseOptions(
+                delimiter=delimiter, invalid_row_handler=self._skip_row
+            ),
+            convert_options=pacsv.ConvertOptions(
+                include_columns=list(wanted),
+                column_types=dict(wanted),
+                null_values=[''],
+                strings_can_be_null=True,
+            ),
+        )
+
+    def __iter__(self) -> Iterator[Any]:
+        """Yield the rows as record batches."""
+        for batch in self._reader:
+            self._rows += batch.num_rows
+            yield batch
+
+    def describe_skipped(self) -> list[str]:
+        """
+        Return a remark on what was skipped, once all rows are read.
+
+        Raises
+        ------
+        BadInput
+            If most rows were.
+
+        """
+        skipped = len(self._skipped)
+        if skipped > self._rows:
+            raise BadInput(
+                f'{skipped} of {skipped + self._rows} rows have another number of cells than the '
+                f'names of the columns, as \'{self._skipped[0]}\'; correct "delimiter", "skip" or '
+                '"header" under "text" in the mapping.'
+            )
+        notes = []
+        if skipped:
+            notes.append(
+                f'{skipped} {"row has" if skipped == 1 else "rows have"} another number of cells '
+                f'than the names of the columns and {"is" if skipped == 1 else "are"} skipped, '
+                f"the first as '{self._skipped[0]}'."
+            )
+        if self._lines.headers:
+            times = 'once' if self._lines.headers == 1 else f'{self._lines.headers} times'
+            notes.append(
+                f'The names of the columns are repeated {times}; these lines are skipped.'
+            )
+        if self._lines.torn:
+            notes.append('The last line is cut off and skipped.')
+        return notes
+
+    def _skip_row(self, row: Any) -> str:  # noqa: ANN401 - pyarrow's InvalidRow
+        self._skipped.append(shorten_cell(row.text or ''))
+        return 'skip'
+
+
+def delimiter_of(text: TextFormat) -> str:
+    """Return the delimiter of a text as one character."""
+    return NAMED.get(text.delimiter, text.delimiter)
 
 
 def read_column_names(path: Path, text: TextFormat) -> list[str]:

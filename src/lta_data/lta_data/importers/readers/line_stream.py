@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 import gzip
 import io
-from typing import Any, BinaryIO, final, TYPE_CHECKING
+from typing import BinaryIO, final, TYPE_CHECKING
 import zlib
 
 from lta_config.limits import INFLATED_FREELY, INFLATION, LINE_BYTES
@@ -43,15 +43,18 @@ class BoundedGzipFile(gzip.GzipFile):
         return found
 
 
-def open_text_lines(stream: BinaryIO, text: TextFormat, unread: int) -> tuple[Any, str]:
+def open_text_lines(
+    stream: BinaryIO, text: TextFormat, unread: int, repeated: bytes = b''
+) -> tuple['CleanedLines', str]:
     """
     Return a stream from some line on, and its delimiter as one character.
 
-    `unread` lines are skipped; comments and empty lines do not count.
+    `unread` lines are skipped; comments and empty lines do not count. Lines equal to `repeated`,
+    the names of the columns, are left out and counted.
     """
     delimiter = NAMED.get(text.delimiter, text.delimiter)
     plain = decompress_stream(stream)
-    return CleanedLines(plain, text, unread), delimiter
+    return CleanedLines(plain, text, unread, repeated), delimiter
 
 
 def check_line_length(line: bytes) -> None:
@@ -62,12 +65,33 @@ def check_line_length(line: bytes) -> None:
 
 @final
 class CleanedLines(io.RawIOBase):
-    """A readable stream of the data lines; without comments it passes large blocks unchanged."""
+    """
+    A readable stream of the data lines; without comments it passes large blocks unchanged.
+
+    Attributes
+    ----------
+    headers : int
+        Lines left out so far because they repeat the names of the columns.
+    torn : bool
+        Whether the last line was left out, because it has no end and lacks cells or a number.
+
+    """
 
     PIECE = 1 << 20  # bytes
 
-    def __init__(self, source: BinaryIO | gzip.GzipFile, text: TextFormat, unread: int) -> None:
+    def __init__(
+        self,
+        source: BinaryIO | gzip.GzipFile,
+        text: TextFormat,
+        unread: int,
+        repeated: bytes = b'',
+    ) -> None:
         self._source = source
+        self._repeated = repeated.strip()
+        self._delimiter = NAMED.get(text.delimiter, text.delimiter).encode()
+        self._cells = 0  # of the first row
+        self.headers = 0
+        self.torn = False
         self._comment = None if text.comment is None else text.comment.encode()
         self._blank = text.delimiter == 'whitespace'
         self._rest = b''
@@ -100,27 +124,52 @@ class CleanedLines(io.RawIOBase):
                     return
                 check_line_length(line)
                 # Empty lines and comments do not count as skipped lines
-                unread -= self._is_data_line(line)
+                unread -= self._is_content(line)
             # No line needs a change: pass large blocks on
-            if self._comment is None and not self._blank:
-                while piece := self._source.read(self.PIECE):
-                    yield piece
-                return
-            while lines := self._read_lines():
-                yield b''.join(map(self._normalize_delimiters, filter(self._is_data_line, lines)))
+            plain = self._comment is None and not self._blank
+            for block in self._iterate_whole_lines():
+                if plain and not (self._repeated and self._repeated in block):
+                    yield block
+                    continue
+                lines = filter(self._is_data_line, block.splitlines(keepends=True))
+                yield b''.join(map(self._normalize_delimiters, lines))
         except (EOFError, zlib.error, gzip.BadGzipFile) as error:
             raise OSError(f'its compressed data are damaged or cut short: {error}') from None
 
-    def _read_lines(self) -> list[bytes]:
-        """Return the next lines, about one block."""
-        found, size = [], 0
-        while size < self.PIECE and (line := self._source.readline(LINE_BYTES)):
-            check_line_length(line)
-            found.append(line)
-            size += len(line)
-        return found
+    def _iterate_whole_lines(self) -> Iterator[bytes]:
+        """Yield blocks that end with a line; a torn last line is left out."""
+        rest = b''
+        while piece := self._source.read(self.PIECE):
+            lines, end, rest = (rest + piece).rpartition(b'\n')
+            check_line_length(rest)
+            if not self._cells and lines.strip():
+                self._cells = self._count_cells(lines.strip().split(b'\n', 1)[0])
+            if end:
+                yield lines + end
+        if rest.strip():
+            self.torn = self._is_content(rest) and self._is_torn(rest)
+            if not self.torn:
+                yield rest
+
+    def _is_torn(self, line: bytes) -> bool:
+        """Return whether a line without an end lacks cells, or ends with half a number."""
+        if self._cells and self._count_cells(line) < self._cells:
+            return True
+        last = line.strip().split(self._delimiter)[-1].strip()
+        return last[-1:] in (b'-', b'+', b'e', b'E')
+
+    def _count_cells(self, line: bytes) -> int:
+        return len(line.split()) if self._blank else line.count(self._delimiter) + 1
 
     def _is_data_line(self, line: bytes) -> bool:
+        """Return whether a line is neither empty, nor a comment, nor the names once more."""
+        bare = line.strip()
+        if self._repeated and bare == self._repeated:
+            self.headers += 1
+            return False
+        return self._is_content(bare)
+
+    def _is_content(self, line: bytes) -> bool:
         """Return whether a line is neither empty nor a comment."""
         bare = line.strip()
         return bool(bare) and (self._comment is None or not bare.startswith(self._comment))

@@ -1,0 +1,125 @@
+"""Run `lta import --draft`: propose a mapping, ask where two readings fit, and write it."""
+
+from collections.abc import Sequence
+from pathlib import Path
+import sys
+
+from lta_cli.options.common_options import print_json
+from lta_config.command_line import format_lta_command, relative_path
+from lta_config.errors import BadInput
+from lta_data.importers.draft.choices import DraftQuestion
+from lta_data.importers.draft.draft_mapping import draft_mapping, MappingDraft
+from lta_data.importers.draft.draft_report import (
+    build_draft_report,
+    build_question_table,
+    build_reason_table,
+    group_channels,
+    MAPPING,
+)
+from lta_data.plot.terminal import draw_curves
+from lta_report.report_output import PAGE, write_report
+from lta_report.report_terminal import print_report, print_table
+from lta_report.results_folder import (
+    check_creatable,
+    format_page_line,
+    resolve_folder,
+    stage_results,
+)
+from rich.console import Console
+import typer
+
+
+def run_draft(
+    sources: Sequence[Path],
+    settings: Sequence[str],
+    out: Path | None,
+    console: Console,
+    json: bool,
+) -> None:
+    """
+    Draft the mapping of one log or folder, and write it with its page.
+
+    Raises
+    ------
+    BadInput
+        If several sources are named, a setting is malformed, or nothing is recognised.
+
+    """
+    if len(sources) != 1:
+        raise BadInput('--draft needs one log or one folder; draft one, and import all with it.')
+    source = sources[0]
+    folder = resolve_folder(out, f'{source.name.split(".")[0] or "log"}-draft')
+    check_creatable(folder)
+    answers = parse_settings(settings)
+    draft = draft_mapping(source, answers)
+    while draft.choices.questions:
+        if not (console.is_terminal and sys.stdin.isatty()):
+            print_questions(draft, console)
+            raise typer.Exit(2)
+        print_table(build_reason_table(draft), console)
+        question = draft.choices.questions[0]
+        answers[question.key] = ask_user(question, console)
+        draft = draft_mapping(source, answers)
+    command = format_lta_command(
+        'import', relative_path(source), '--mapping', relative_path(folder / MAPPING)
+    )
+    report = build_draft_report(source, draft, {'Import with it': command})
+    with stage_results(folder, PAGE) as staged:
+        write_report(report, staged, page=True, pictures=None)
+    if json:
+        print_json(report.data, folder / PAGE)
+    print_report(report, console)
+    if console.is_terminal:
+        print_first_seconds(draft, console)
+    lines = (
+        f'Mapping {relative_path(folder / MAPPING)}',
+        format_page_line(relative_path(folder / PAGE)),
+        f'Import with it: {command}',
+    )
+    for line in lines:
+        console.print(line, highlight=False, markup=False, soft_wrap=True)
+
+
+def parse_settings(settings: Sequence[str]) -> dict[str, str]:
+    """Return the answers of --set by key; raise `BadInput` for one without '='."""
+    answers = {}
+    for setting in settings:
+        key, sign, value = setting.partition('=')
+        if not sign or not key or not value:
+            raise BadInput(f"--set '{setting}' is not KEY=VALUE, as in time.rate=60.")
+        answers[key] = value
+    return answers
+
+
+def print_questions(draft: MappingDraft, console: Console) -> None:
+    """Print the reasons, and for each question both readings with the option that decides."""
+    print_table(build_reason_table(draft), console)
+    for question in draft.choices.questions:
+        print_table(build_question_table(question), console)
+    count = len(draft.choices.questions)
+    words = 'One reading is' if count == 1 else f'{count} readings are'
+    console.print(
+        f'{words} not decided; repeat the command with the --set that is right. Nothing is '
+        'written.',
+        highlight=False, markup=False, soft_wrap=True,
+    )  # fmt: skip
+
+
+def ask_user(question: DraftQuestion, console: Console) -> str:
+    """Ask which reading is right, on the terminal."""
+    names = [name for name, _ in question.options]
+    console.print(question.reason, style='bold', highlight=False, markup=False)
+    for name, meaning in question.options:
+        console.print(f'  {name}: {meaning}', highlight=False, markup=False)
+    answer = ''
+    while answer not in names:
+        answer = str(typer.prompt(question.key, default=names[0]))
+    return answer
+
+
+def print_first_seconds(draft: MappingDraft, console: Console) -> None:
+    """Draw the first seconds on the terminal, one panel for each group of columns."""
+    for name, channels in group_channels(draft.channels).items():
+        if len(channels[0].time) > 1:
+            span = (float(channels[0].time[0]), float(channels[0].time[-1]))
+            console.print(draw_curves(name, channels, span, console.width), soft_wrap=True)

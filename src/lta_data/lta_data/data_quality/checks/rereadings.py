@@ -1,0 +1,349 @@
+"""
+Detect a log that was read with the wrong unit of time, length or angle, or with z upside down.
+
+Each is a reading of the whole topic, so that one cause has one finding: times 1000 times too
+short make a vehicle fast, its turns quick and its clock late, but only the times are wrong.
+"""
+
+from collections.abc import Iterator
+from typing import Final
+
+from lta_config.constants import STANDARD_GRAVITY
+from lta_data.data_quality.check_context import CheckContext
+from lta_data.data_quality.finding import QualityFinding, Severity
+from lta_data.data_quality.motion import PoseSeries, VectorSeries
+from lta_data.data_quality.motion_scales import (
+    DEGREES,
+    fit_rates,
+    fit_speed,
+    fit_tilt,
+    fit_velocity,
+    largest_angle,
+    magnify_angles,
+    OFFSETS,
+    quaternions_of,
+    shrink_angles,
+    tumbling_pace,
+    TURN,
+    upright_share,
+    VectorFit,
+)
+from lta_data.data_quality.smoothing import hann_kernel, median_period, smooth_columns
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+REREAD: Final = 'reread'  # figure of a finding that explains the others of its topic
+FASTEST: Final = 5000.0  # messages of a tracker or an IMU per second [Hz]
+SLOWEST: Final = 0.5  # [Hz]
+ALIKE: Final = 0.85  # cosine of two vectors of one motion
+NEAR: Final = 0.3  # tolerance of a factor, as a logarithm
+QUICK: Final = 40.0  # usual acceleration that no vehicle has [m/s2]
+FAST: Final = 30.0  # usual speed that no indoor vehicle has [m/s]
+STILL: Final = (0.003, 0.03)  # speed and extent that no flight stays below [m/s], [m]
+TURNED: Final = 0.15  # least change of the attitude of a flight [rad]
+TUMBLING: Final = 5.0  # usual rates of a vehicle that is not upright [rad/s]
+TURNING: Final = 2.0  # least usual rates at which angles can be 57.3 times too large [rad/s]
+TINY: Final = 0.06  # half a turn, 57.3 times too small [rad]
+CONTRADICTION: Final = 0.4  # cosine below which two vectors are not of one motion
+BELOW: Final = -0.25  # median height at which all of a flight is below the floor [m]
+TILT: Final = 0.5  # cosine of lean and acceleration that tells up from down
+
+
+def find_rereadings(evidence: CheckContext) -> list[QualityFinding]:
+    """Return findings of wrong units of time, length and angle, and of z upside down."""
+    found = [*_find_wrong_times(evidence)]
+    # Nothing else can be judged with wrong times
+    if found:
+        return found
+    for pose in evidence.poses:
+        lengths = [*_find_wrong_length(pose)]
+        found += lengths or [*_find_wrong_angles(pose, evidence)]
+        if not lengths:
+            found += _find_wrong_vertical(pose, evidence)
+    return found
+
+
+def _build_finding(
+    vector: VectorSeries, kind: str, sentence: str, figure: float
+) -> QualityFinding:
+    return QualityFinding(
+        kind, vector.name, float(vector.time[0]), float(vector.time[-1]), sentence,
+        Severity.SUSPICIOUS, {REREAD: figure},
+    )  # fmt: skip
+
+
+def _is_near(factor: float, other: float) -> bool:
+    return factor > 0.0 and abs(np.log(factor / other)) < NEAR
+
+
+# Time
+
+
+def _find_wrong_times(evidence: CheckContext) -> Iterator[QualityFinding]:
+    """Yield times whose rate no tracker or inertial sensor has."""
+    vectors = [v for pose in evidence.poses for v in (pose.position, pose.attitude) if v]
+    vectors += [v for sensor in evidence.inertials for v in (sensor.rates, sensor.force) if v]
+    vectors = [v for v in vectors if len(v.time) >= evidence.limits.least_samples]
+    if not vectors:
+        return
+    quickest = min(vectors, key=lambda vector: median_period(vector.time))
+    rate = 1.0 / median_period(quickest.time)
+    long = float(quickest.time[-1] - quickest.time[0])
+    if rate > FASTEST:
+        yield _build_finding(
+            quickest, 'unit',
+            f'The unit of the time looks wrong: {rate:.4g} messages per second over '
+            f'{long:.3g} s. The times are 1000 times too short (seconds read as milliseconds).',
+            rate,
+        )  # fmt: skip
+    elif rate < SLOWEST:
+        yield _build_finding(
+            quickest, 'unit',
+            f'The unit of the time looks wrong: a message every {1.0 / rate:.4g} s over '
+            f'{long:.4g} s. The times are 1000 times too long (milliseconds read as seconds).',
+            rate,
+        )  # fmt: skip
+
+
+# Length
+
+
+def _find_wrong_length(pose: PoseSeries) -> Iterator[QualityFinding]:
+    """Yield a position 1000 times too large or too small."""
+    if pose.position is None or len(pose.position.time) < 100 or not _covers_place(pose):
+        return
+    fits = [fit_velocity(pose), fit_speed(pose)]
+    best = max(fits, key=lambda fit: fit.cosine)
+    place, speed, pull = pose.position, *_measure_motion(pose.position)
+    if best.cosine > ALIKE and pose.tracked:
+        yield from _judge_against_velocity(pose, place, best, speed)
+        if not _is_near(best.factor, 1.0):
+            return
+    if (speed > FAST or pull > QUICK) and pose.tracked:
+        yield _build_finding(
+            place, 'unit',
+            f'The unit looks like mm: if it were m, the position would move at {speed:.3g} m/s '
+            f'and accelerate by {pull:.3g} m/s2; the values are 1000 times too large.',
+            speed,
+        )  # fmt: skip
+        return
+    extent = float(np.max(np.ptp(place.values, axis=0)))
+    # A position that does not change at all is another finding
+    if not float(np.min(np.ptp(place.values, axis=0))) > 0.0:
+        return
+    if pose.attitude is not None and speed < STILL[0] and extent < STILL[1]:
+        spread = float(np.max(np.ptp(pose.attitude.values, axis=0)))
+        # Half of a small angle in the quaternion
+        if 2.0 * spread > TURNED:
+            yield _build_finding(
+                place, 'unit',
+                f'The position stays within {1e3 * extent:.3g} mm and moves at {1e3 * speed:.3g} '
+                f'mm/s, while the vehicle turns by {2.0 * spread:.2g} rad: the values are 1000 '
+                'times too small (metres read as millimetres).',
+                extent,
+            )  # fmt: skip
+
+
+def _covers_place(pose: PoseSeries) -> bool:
+    return pose.position is not None and bool(np.isfinite(pose.position.values).all())
+
+
+def _measure_motion(place: VectorSeries) -> tuple[float, float]:
+    """Return the usual speed and acceleration. [m/s], [m/s2]"""
+    step = median_period(place.time)
+    calm = smooth_columns(place.values, hann_kernel(0.5, step))
+    speed = np.gradient(calm, place.time, axis=0)
+    pull = np.gradient(smooth_columns(speed, hann_kernel(0.5, step)), place.time, axis=0)
+    return (
+        float(np.percentile(np.linalg.norm(speed, axis=1), 75.0)),
+        float(np.percentile(np.linalg.norm(pull, axis=1), 75.0)),
+    )
+
+
+def _judge_against_velocity(
+    pose: PoseSeries, place: VectorSeries, fit: VectorFit, speed: float
+) -> Iterator[QualityFinding]:
+    """Yield the position that is off by 1000 against the velocity in the same topic."""
+    assert pose.velocity is not None
+    if _is_near(fit.factor, 1e-3):
+        yield _build_finding(
+            place, 'unit',
+            f"The unit looks like mm: '{pose.velocity.name}' is {fit.factor:.4g} times its "
+            'derivative; the values are 1000 times too large.',
+            fit.factor,
+        )  # fmt: skip
+    elif _is_near(fit.factor, 1e3) and fit.factor * speed < FAST:
+        yield _build_finding(
+            place, 'unit',
+            f"'{pose.velocity.name}' is {fit.factor:.4g} times its derivative: the values of the "
+            'position are 1000 times too small (metres read as millimetres).',
+            fit.factor,
+        )  # fmt: skip
+
+
+# Angle
+
+
+def _find_wrong_angles(pose: PoseSeries, evidence: CheckContext) -> Iterator[QualityFinding]:
+    """Yield an attitude in the wrong unit, if another reading agrees with all the rest."""
+    attitude = pose.attitude
+    if attitude is None or len(attitude.time) < 100:
+        return
+    rates = [pose.turning] if pose.turning is not None else []
+    rates += [sensor.rates for sensor in evidence.inertials if sensor.rates is not None]
+    if _agrees_as_recorded(pose, rates):
+        return
+    pace = tumbling_pace(attitude)
+    if pace > TUMBLING and upright_share(attitude.values) < 0.9:
+        yield _build_finding(
+            attitude, 'unit',
+            f'The unit looks like deg: read as radians, the vehicle would tumble at {pace:.3g} '
+            'rad/s; the angles are 57.3 times too large (degrees read as radians).',
+            1.0 / DEGREES,
+        )  # fmt: skip
+        return
+    small = magnify_angles(attitude.values)
+    if largest_angle(attitude.values) < TINY and _explains(pose, rates, small, 1.0 / DEGREES):
+        yield _build_finding(
+            attitude, 'unit',
+            'The angles are 57.3 times too small (radians read as degrees): with larger ones '
+            f'{_name_agreement(pose, rates)} agrees.', DEGREES,
+        )  # fmt: skip
+        return
+    if pace < TURNING:
+        return
+    angles = shrink_angles(attitude.values)
+    for yaw in np.arange(OFFSETS) * (TURN / DEGREES) if pose.velocity is not None else (0.0,):
+        turn = quaternions_of(angles, float(yaw))
+        if _explains(pose, rates, turn, DEGREES):
+            yield _build_finding(
+                attitude, 'unit',
+                'The unit looks like deg: the angles are 57.3 times too large (degrees read as '
+                f'radians); with smaller ones {_name_agreement(pose, rates)} agrees.',
+                1.0 / DEGREES,
+            )  # fmt: skip
+            return
+
+
+def _agrees_as_recorded(pose: PoseSeries, rates: list[VectorSeries]) -> bool:
+    """Return whether all that can be compared agrees, so that no other reading is needed."""
+    assert pose.attitude is not None
+    speed, lean = fit_velocity(pose), fit_tilt(pose)
+    turns = [fit_rates(pose, one) for one in rates]
+    return (
+        upright_share(pose.attitude.values) > 0.9
+        and (pose.velocity is None or speed.cosine > ALIKE)
+        and all(fit.cosine > ALIKE and _is_near(fit.factor, 1.0) for fit in turns)
+        and (lean.cosine < TILT or abs(np.log(lean.factor / STANDARD_GRAVITY)) < 1.0)
+    )
+
+
+def _name_agreement(pose: PoseSeries, rates: list[VectorSeries]) -> str:
+    names = [vector.name for vector in rates[:1]]
+    names += [pose.velocity.name] if pose.velocity is not None else []
+    return f"'{names[0]}'" if names else 'an upright vehicle'
+
+
+def _explains(pose: PoseSeries, rates: list[VectorSeries], turn: Array, excess: float) -> bool:
+    """
+    Return whether another reading of the attitude is right and the recorded one is not.
+
+    `excess` is by how much the recorded angles are too large.
+    """
+    assert pose.attitude is not None
+    if upright_share(turn) < 0.9:
+        return False
+    votes = []
+    before, after = fit_velocity(pose), fit_velocity(pose, turn)
+    if max(before.cosine, after.cosine) > ALIKE and abs(after.cosine - before.cosine) > 0.02:
+        votes.append(after.cosine > before.cosine)
+    lean = fit_tilt(pose), fit_tilt(pose, turn)
+    if max(lean[0].cosine, lean[1].cosine) > TILT:
+        sizes = [abs(np.log(one.factor / STANDARD_GRAVITY)) if one.cosine > TILT else 9.0
+                 for one in lean]  # fmt: skip
+        votes.append(sizes[1] < 1.0 < sizes[0])
+    recorded = [fit_rates(pose, one) for one in rates]
+    reread = [fit_rates(pose, one, turn) for one in rates]
+    matched = [fit for fit in reread if fit.cosine > ALIKE]
+    if upright_share(pose.attitude.values) < 0.5 and excess > 1.0:
+        return bool(matched) or not rates
+    # Rates that agree with the recorded angles are wrong too, or right
+    for old, new in zip(recorded, reread, strict=True):
+        if old.cosine > ALIKE and _is_near(old.factor, 1.0) and not votes:
+            return False
+        if new.cosine > ALIKE and _is_near(new.factor, 1.0) and not _is_near(old.factor, 1.0):
+            votes.append(True) if len(rates) > 1 or not votes else None
+    return bool(votes) and all(votes)
+
+
+# Vertical
+
+
+def _find_wrong_vertical(pose: PoseSeries, evidence: CheckContext) -> Iterator[QualityFinding]:
+    """Yield a pose whose z axes point down."""
+    place, attitude = pose.position, pose.attitude
+    if attitude is not None and len(attitude.time) >= evidence.limits.least_samples:
+        up = 1.0 - 2.0 * (attitude.values[:, 0] ** 2 + attitude.values[:, 1] ** 2)
+        if float(np.percentile(up, 90.0)) < -0.5:
+            yield _build_finding(
+                attitude, 'axes',
+                'The vehicle is upside down throughout: z of the map or of the body points down '
+                '(NED or FRD read as ENU or FLU).', float(np.median(up)),
+            )  # fmt: skip
+            return
+    if place is None or not pose.tracked or len(place.time) < evidence.limits.least_samples:
+        return
+    # A whole pose with z down agrees with itself; one wrong vector does not
+    turns = [fit_rates(pose, pose.turning)] if pose.turning is not None else []
+    turns += [fit_velocity(pose)] if pose.velocity is not None else []
+    if any(fit.cosine < CONTRADICTION for fit in turns if np.isfinite(fit.factor)):
+        return
+    lean = fit_tilt(pose)
+    low, high = np.percentile(place.values[:, 2], [50.0, 98.0])
+    below = bool(low < BELOW and high < 0.0)
+    against = lean.cosine < -TILT and _is_near(lean.factor / STANDARD_GRAVITY, 1.0)
+    if below or against:
+        reasons = [f'z is below zero throughout (median {low:.3g} m)'] if below else []
+        if against:
+            reasons.append(
+                f'the vehicle accelerates against its lean (correlation {lean.cosine:.2f})'
+            )
+        yield _build_finding(
+            place, 'axes',
+            f'The z axis points down (NED read as ENU): {" and ".join(reasons)}.', float(low),
+        )  # fmt: skip
+
+
+def remove_explained_findings(findings: list[QualityFinding]) -> list[QualityFinding]:
+    """Drop what a wrong unit or axis of the whole topic also causes there."""
+    in_degrees = {
+        finding.channel
+        for finding in findings
+        if finding.kind == 'unit' and 'looks like deg:' in finding.evidence
+    }
+    # An attitude in degrees also has the vehicle on its side
+    findings = [
+        finding
+        for finding in findings
+        if finding.kind != 'axes' or finding.channel not in in_degrees
+    ]
+    causes = [finding for finding in findings if REREAD in finding.values]
+    if not causes:
+        return findings
+    topics = {finding.channel.split('/')[0] for finding in causes}
+    everywhere = any('unit of the time' in finding.evidence for finding in causes)
+    implied = ('impossible', 'unit', 'axes', 'clock', 'stamps', 'held')
+    return [
+        finding
+        for finding in findings
+        if finding in causes
+        or finding.kind not in implied
+        or not (everywhere or _shares_topic(finding, topics))
+    ]
+
+
+def _shares_topic(finding: QualityFinding, topics: set[str]) -> bool:
+    """Return whether a finding is in one of the topics, or compares another with it."""
+    compared = any(topic in finding.evidence for topic in topics)
+    return finding.channel.split('/')[0] in topics or (finding.kind != 'impossible' and compared)

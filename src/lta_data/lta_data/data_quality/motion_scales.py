@@ -1,0 +1,178 @@
+"""
+Compare the motions in one pose topic sample by sample, whatever the scale of time and lengths.
+
+The checks of pairs need seconds of overlap and motion of some size; a log whose times or lengths
+are wrong by a factor of 1000 has neither. These figures have no scale: windows are counted in
+samples, and a comparison yields a factor and a cosine.
+"""
+
+from typing import Final, final, NamedTuple
+
+from lta_data.data_quality.motion import compute_body_rates, PoseSeries, VectorSeries
+from lta_data.data_quality.smoothing import interpolate_on_grid, smooth_columns
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+Array = NDArray[np.float64]
+WINDOW: Final = 15  # samples that are smoothed
+DEGREES: Final = 180.0 / np.pi
+TURN: Final = 2.0 * np.pi
+OFFSETS: Final = 58  # whole turns of degrees in a turn of radians
+
+
+@final
+class VectorFit(NamedTuple):
+    """
+    A measured vector over a derived one.
+
+    Attributes
+    ----------
+    factor : float
+        Ratio of their sizes.
+    cosine : float
+        Between both, over all samples; 1 for the same motion.
+
+    """
+
+    factor: float
+    cosine: float
+
+
+UNKNOWN_FIT: Final = VectorFit(float('nan'), 0.0)
+
+
+def compare_vectors(time: Array, derived: Array, measured: VectorSeries) -> VectorFit:
+    """Compare a measured vector with one that is derived from a pose at other times."""
+    if len(time) < 3 * WINDOW or len(measured.time) < 3 * WINDOW:
+        return UNKNOWN_FIT
+    values, inside = interpolate_on_grid(measured.time, measured.values, time)
+    inside &= np.isfinite(derived).all(axis=1)
+    if inside.sum() < 3 * WINDOW:
+        return UNKNOWN_FIT
+    window = np.hanning(WINDOW + 2)[1:-1]
+    left, right = (
+        smooth_columns(_clip_outliers(side[inside]), window / window.sum())
+        for side in (values, derived)
+    )
+    sizes = np.linalg.norm(left), np.linalg.norm(right)
+    if not (sizes[0] > 0.0 and sizes[1] > 0.0):
+        return UNKNOWN_FIT
+    cosine = float((left * right).sum() / (sizes[0] * sizes[1]))
+    return VectorFit(float(sizes[0] / sizes[1]), cosine)
+
+
+def _clip_outliers(side: Array) -> Array:
+    end = np.percentile(np.abs(side), 99.0, axis=0)
+    return np.clip(side, -end, end)
+
+
+def fit_rates(pose: PoseSeries, rates: VectorSeries, turn: Array | None = None) -> VectorFit:
+    """Compare rates with the derivative of the attitude, or of another reading of it."""
+    if pose.attitude is None:
+        return UNKNOWN_FIT
+    attitude = VectorSeries('', pose.attitude.time, pose.attitude.values if turn is None else turn)
+    time, derived = compute_body_rates(attitude)
+    return compare_vectors(time, derived, rates)
+
+
+def fit_velocity(pose: PoseSeries, turn: Array | None = None) -> VectorFit:
+    """Compare the body velocity with the derivative of the position."""
+    if pose.attitude is None or pose.position is None or pose.velocity is None:
+        return UNKNOWN_FIT
+    time, speed = _differentiate(pose.position)
+    values = pose.attitude.values if turn is None else turn
+    table, _ = interpolate_on_grid(pose.attitude.time, values, time)
+    rotation = Rotation.from_quat(table)
+    return compare_vectors(time, rotation.inv().apply(speed), pose.velocity)
+
+
+def fit_speed(pose: PoseSeries) -> VectorFit:
+    """Compare the sizes of velocity and of the derivative of the position, without an attitude."""
+    if pose.position is None or pose.velocity is None:
+        return UNKNOWN_FIT
+    time, speed = _differentiate(pose.position)
+    lengths = np.linalg.norm(speed, axis=1, keepdims=True)
+    told = np.linalg.norm(pose.velocity.values, axis=1, keepdims=True)
+    return compare_vectors(time, lengths, VectorSeries('', pose.velocity.time, told))
+
+
+def _differentiate(vector: VectorSeries) -> tuple[Array, Array]:
+    step = np.diff(vector.time)
+    return vector.time[:-1] + step / 2, np.diff(vector.values, axis=0) / step[:, None]
+
+
+def fit_tilt(pose: PoseSeries, turn: Array | None = None) -> VectorFit:
+    """
+    Compare the horizontal acceleration with the lean of the body's z axis.
+
+    A rotorcraft accelerates by g times its lean; a negative cosine means that z points down.
+    """
+    if pose.attitude is None or pose.position is None or len(pose.position.time) < 5 * WINDOW:
+        return UNKNOWN_FIT
+    place = pose.position
+    window = np.hanning(WINDOW + 2)[1:-1]
+    calm = smooth_columns(place.values, window / window.sum())
+    pull = np.gradient(np.gradient(calm, place.time, axis=0), place.time, axis=0)
+    pull[:, 2] = 0.0
+    values = pose.attitude.values if turn is None else turn
+    lean = Rotation.from_quat(values).as_matrix()[:, :, 2]
+    lean[:, 2] = 0.0
+    series = VectorSeries('', pose.attitude.time, lean - lean.mean(axis=0))
+    found = compare_vectors(place.time, pull - pull.mean(axis=0), series)
+    return VectorFit(1.0 / found.factor if found.factor else float('nan'), found.cosine)
+
+
+def upright_share(turn: Array) -> float:
+    """Return the share of the time with the body's z axis within 60 degrees of the map's."""
+    return float(np.mean(1.0 - 2.0 * (turn[:, 0] ** 2 + turn[:, 1] ** 2) > 0.5))
+
+
+def tumbling_pace(attitude: VectorSeries) -> float:
+    """
+    Return the median angular rate of an attitude. [rad/s]
+
+    It does not depend on the order of the components or the direction of a quaternion.
+    """
+    _, rates = compute_body_rates(attitude)
+    return float(np.median(np.linalg.norm(rates, axis=1)))
+
+
+def largest_angle(turn: Array) -> float:
+    """Return the largest Euler angle. [rad]"""
+    return float(np.max(np.abs(Rotation.from_quat(turn).as_euler('ZYX'))))
+
+
+def magnify_angles(turn: Array) -> Array:
+    """Return the attitudes whose Euler angles are 57.3 times as large."""
+    angles = np.unwrap(Rotation.from_quat(turn).as_euler('ZYX'), axis=0)
+    return np.asarray(Rotation.from_euler('ZYX', angles * DEGREES).as_quat())
+
+
+def shrink_angles(turn: Array) -> Array:
+    """
+    Return yaw, pitch and roll that are 1/57.3 of continuous Euler angles, shape (n, 3).
+
+    Angles in degrees that were read as radians turn over many times; of the two sets of angles
+    of each attitude, the one next to the extrapolated last one is taken. Yaw lacks a constant.
+    """
+    base = Rotation.from_quat(turn).as_euler('ZYX')
+    other = np.stack([base[:, 0] + np.pi, np.pi - base[:, 1], base[:, 2] + np.pi], axis=1)
+    sets = np.stack([base, other], axis=1)
+    found = np.empty((len(base), 3))
+    found[0] = base[0]
+    pace = np.zeros(3)
+    for row in range(1, len(base)):
+        expected = found[row - 1] + pace
+        moved = sets[row] - expected
+        near = sets[row] - TURN * np.round(moved / TURN)
+        best = near[int(np.argmin(np.abs(near - expected).sum(axis=1)))]
+        pace = best - found[row - 1]
+        found[row] = best
+    return found / DEGREES
+
+
+def quaternions_of(angles: Array, yaw: float = 0.0) -> Array:
+    """Return the quaternions of yaw, pitch and roll, with a constant added to yaw."""
+    turned = angles + np.array([yaw, 0.0, 0.0])
+    return np.asarray(Rotation.from_euler('ZYX', turned).as_quat())

@@ -1,0 +1,179 @@
+"""Try the readings of an attitude: order, direction, sequence, unit; physics decides."""
+
+from collections.abc import Iterator
+from typing import Any, Final, final, NamedTuple
+
+from lta_data.data_quality.smoothing import hann_kernel, smooth_columns
+from lta_data.importers.draft.column_groups import ColumnGroup
+from lta_data.importers.log_table import Numbers
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+KERNEL: Final = 0.25  # that smooths both sides of a comparison [s]
+LONGEST: Final = 20_000  # rows that are looked at
+CLEAR: Final = 0.05  # advantage of a reading that decides
+SAME: Final = 3.0  # readings that differ by less are the same in this flight [deg]
+AGREE: Final = 0.6  # explained share of a motion that counts as agreement
+
+
+@final
+class AttitudeReading(NamedTuple):
+    """One reading: its words, its entry in a mapping, and the attitude from body to world."""
+
+    label: str
+    entry: dict[str, Any]
+    turn: Rotation
+
+
+@final
+class MotionEvidence(NamedTuple):
+    """Quantities of one table on its times, shape (n, 3) each; None where they are missing."""
+
+    seconds: Numbers
+    position: Numbers | None
+    velocity: Numbers | None
+    rates: Numbers | None
+    acceleration: Numbers | None
+
+
+@final
+class ScaleFit(NamedTuple):
+    """Least-squares factor of a measured on a derived vector, and the share it explains."""
+
+    factor: float
+    share: float
+
+
+def list_readings(group: ColumnGroup, numbers: Numbers) -> Iterator[AttitudeReading]:
+    """Yield the readings of a group, the conventional one first."""
+    if group.kind == 'quaternion':
+        yield from _read_quaternions(group, numbers)
+    else:
+        yield from _read_angles(group, numbers)
+
+
+def _read_quaternions(group: ColumnGroup, numbers: Numbers) -> Iterator[AttitudeReading]:
+    orders = ('xyzw', 'wxyz')
+    columns = dict(zip(group.axes, group.columns, strict=True))
+    named = 'w' in columns
+    for order in orders[:1] if named else orders:
+        listed = [columns[axis] for axis in 'xyzw'] if named else list(group.columns)
+        wanted = [group.columns.index(column) for column in listed]
+        rows = numbers[:, wanted] if order == 'xyzw' else numbers[:, wanted][:, [1, 2, 3, 0]]
+        turn = Rotation.from_quat(_fill_rows(rows, [0.0, 0.0, 0.0, 1.0]))
+        for direction in ('body to world', 'world to body'):
+            entry: dict[str, Any] = {'quaternion': listed, 'order': order, 'direction': direction}
+            label = f'{order if not named else "w, x, y, z by name"}, {direction}'
+            yield AttitudeReading(
+                label, entry, turn if direction == 'body to world' else turn.inv()
+            )
+
+
+def _read_angles(group: ColumnGroup, numbers: Numbers) -> Iterator[AttitudeReading]:
+    roll, pitch, yaw = group.columns
+    angles = _fill_rows(numbers, [0.0, 0.0, 0.0])
+    size = float(np.percentile(np.abs(angles), 99.0))
+    units = ('deg',) if size > 7.0 or group.unit.startswith(('deg', '°')) else ('rad', 'deg')
+    if group.unit == 'rad':
+        units = ('rad',)
+    for unit in units:
+        for direction in ('body to world', 'world to body'):
+            for sequence, order in (('ZYX', (2, 1, 0)), ('XYZ', (0, 1, 2))):
+                for signs in ([1, 1, 1], [1, -1, 1]):
+                    listed = [(roll, pitch, yaw)[index] for index in order]
+                    turn = Rotation.from_euler(
+                        sequence, angles[:, order] * signs, degrees=unit == 'deg'
+                    )
+                    entry: dict[str, Any] = {
+                        'euler': listed, 'sequence': sequence, 'unit': unit,
+                        'direction': direction,
+                    }  # fmt: skip
+                    if signs[1] < 0:
+                        entry['signs'] = signs
+                    nose = ', pitch inverted' if signs[1] < 0 else ''
+                    yield AttitudeReading(
+                        f'{sequence}, {unit}, {direction}{nose}', entry,
+                        turn if direction == 'body to world' else turn.inv(),
+                    )  # fmt: skip
+
+
+def _fill_rows(rows: Numbers, instead: list[float]) -> Numbers:
+    """Return rows without NaN and without zero quaternions."""
+    good = np.isfinite(rows).all(axis=1)
+    if rows.shape[1] == 4:
+        good &= (rows != 0.0).any(axis=1)
+    found: Numbers = np.where(good.reshape(-1, 1), rows, np.asarray(instead))
+    return found
+
+
+def fit_scale(measured: Numbers, derived: Numbers, seconds: Numbers) -> ScaleFit:
+    """Fit a factor of a measured on a derived vector after smoothing both; means are kept."""
+    step = float(np.median(np.diff(seconds))) if len(seconds) > 1 else 0.0
+    good = np.isfinite(measured).all(axis=1) & np.isfinite(derived).all(axis=1)
+    if not step > 0.0 or good.sum() < 20:
+        return ScaleFit(float('nan'), 0.0)
+    weights = hann_kernel(KERNEL, step)
+    left, right = (
+        smooth_columns(np.where(good.reshape(-1, 1), side, 0.0), weights)[good]
+        for side in (measured, derived)
+    )
+    # Glitches of a tracker must not decide
+    ends = [np.percentile(np.abs(side), 99.0, axis=0) for side in (left, right)]
+    left, right = (np.clip(side, -end, end) for side, end in zip((left, right), ends, strict=True))
+    power = float((right * right).sum())
+    total = float((left * left).sum())
+    if power <= 0.0 or total <= 0.0:
+        return ScaleFit(float('nan'), 0.0)
+    product = float((left * right).sum())
+    # The squared cosine between both, with the sign of the factor
+    share = product * abs(product) / (power * total)
+    return ScaleFit(total / product if share > 0.0 else float('nan'), share)
+
+
+def differentiate(values: Numbers, seconds: Numbers) -> Numbers:
+    """Return the derivative at the samples."""
+    rising = np.concatenate(([True], np.diff(seconds) > 0.0))
+    found = np.full(values.shape, np.nan)
+    if rising.sum() > 2:
+        found[rising] = np.gradient(values[rising], seconds[rising], axis=0)
+    return found
+
+
+def body_rates_of(turn: Rotation, seconds: Numbers) -> Numbers:
+    """Return the body rates of an attitude, shape (n, 3). [rad/s]"""
+    step = np.diff(seconds)
+    step = np.where(step > 0.0, step, np.nan)
+    rates = (turn[:-1].inv() * turn[1:]).as_rotvec() / step[:, None]
+    return np.concatenate([rates, rates[-1:]])
+
+
+def score_reading(reading: AttitudeReading, evidence: MotionEvidence) -> tuple[float, list[str]]:
+    """Return how well a reading agrees with the other quantities, and the reasons."""
+    scores, reasons = [], []
+    seconds, turn = evidence.seconds, reading.turn
+    if evidence.rates is not None:
+        fit = fit_scale(evidence.rates, body_rates_of(turn, seconds), seconds)
+        # A factor of 57.3 is a unit of the rates, or of the angles
+        right = any(abs(np.log(fit.factor / one)) < 0.25 for one in (1.0, 57.3)) if (
+            fit.share > 0.0) else False  # fmt: skip
+        scores.append(fit.share if right else 0.5 * fit.share)
+        reasons.append(f'the rates follow from it by {100 * max(0.0, fit.share):.0f} %')
+    if evidence.velocity is not None and evidence.position is not None:
+        speed = differentiate(evidence.position, seconds)
+        body = fit_scale(evidence.velocity, turn.inv().apply(np.nan_to_num(speed)), seconds)
+        world = fit_scale(evidence.velocity, speed, seconds)
+        if world.share < max(AGREE, body.share):
+            scores.append(body.share)
+            reasons.append(f'the body velocity by {100 * max(0.0, body.share):.0f} %')
+    if evidence.acceleration is not None:
+        pull = turn.apply(np.nan_to_num(evidence.acceleration))
+        mean = float(np.linalg.norm(pull.mean(axis=0)))
+        share = mean / float(np.linalg.norm(pull, axis=1).mean() or 1.0)
+        scores.append(share)
+        reasons.append(f'gravity keeps its direction by {100 * share:.0f} %')
+    return (float(np.mean(scores)) if scores else 0.0), reasons
+
+
+def typical_difference(one: Rotation, other: Rotation) -> float:
+    """Return the 90th percentile of the angle between two attitudes. [deg]"""
+    return float(np.percentile(np.degrees((one.inv() * other).magnitude()), 90.0))

@@ -1,0 +1,87 @@
+"""Record the readings that a draft settles, with reasons, and the questions that it cannot."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import final, NamedTuple
+
+from lta_config.errors import BadInput, unknown_name_error
+
+
+@final
+class DraftReason(NamedTuple):
+    """A row of the table of reasons: what, from which columns, read how, and why."""
+
+    part: str
+    columns: str
+    reading: str
+    reason: str
+
+
+@final
+class DraftQuestion(NamedTuple):
+    """Interpretations that fit equally well; `options` are values with descriptions."""
+
+    key: str
+    options: Sequence[tuple[str, str]]
+    reason: str
+
+
+@final
+@dataclass(slots=True)
+class DraftChoices:
+    """
+    The decisions of a draft.
+
+    Attributes
+    ----------
+    answers : mapping of str to str
+        Answers of the user, by key.
+    reasons : list of DraftReason
+    questions : list of DraftQuestion
+        Those without an answer.
+
+    """
+
+    answers: Mapping[str, str] = field(default_factory=dict)
+    reasons: list[DraftReason] = field(default_factory=list)
+    questions: list[DraftQuestion] = field(default_factory=list)
+    used: set[str] = field(default_factory=set)
+    settled: dict[str, str] = field(default_factory=dict)  # by the first topic, for the others
+
+    def add_reason(self, part: str, columns: Sequence[str], reading: str, reason: str) -> None:
+        """Add a row to the table of reasons."""
+        self.reasons.append(DraftReason(part, ', '.join(columns), reading, reason))
+
+    def override(self, key: str, value: str) -> str:
+        """Return the user's value of a key, or the default."""
+        self.used.add(key)
+        return self.answers.get(key, value)
+
+    def decide(self, key: str, options: Sequence[tuple[str, str]], reason: str) -> str:
+        """
+        Return the user's answer; without one, note the question and return the first option.
+
+        Raises
+        ------
+        BadInput
+            If the answer is not one of the options.
+
+        """
+        self.used.add(key)
+        names = [name for name, _ in options]
+        answer = self.answers.get(key)
+        if answer is None:
+            self.questions.append(DraftQuestion(key, options, reason))
+            return names[0]
+        if answer not in names:
+            raise unknown_name_error(f'answer to {key}', answer, names)
+        return answer
+
+    def refuse_unused(self) -> None:
+        """Raise BadInput for an answer to a question that does not arise."""
+        unused = sorted({*self.answers} - self.used)
+        if unused:
+            known = ', '.join(sorted(self.used)) or 'none'
+            raise BadInput(
+                f'--set {unused[0]} decides nothing in this log; it has the keys {known}.'
+            )

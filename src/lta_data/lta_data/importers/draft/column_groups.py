@@ -1,0 +1,155 @@
+"""Group the columns of a table: vectors, quaternions, Euler angles, and single columns."""
+
+from collections.abc import Iterator, Mapping
+from typing import Final, final, NamedTuple
+
+from lta_data.importers.draft.name_hints import (
+    ANGLES,
+    ColumnName,
+    match_kind,
+    match_role,
+    parse_column_name,
+    UNIT_WORDS,
+)
+from lta_data.importers.log_table import Numbers
+import numpy as np
+
+TRIPLES: Final = (('x', 'y', 'z'), ('n', 'e', 'd'), ('0', '1', '2'), ('1', '2', '3'))
+FOURS: Final = (('0', '1', '2', '3'), ('1', '2', '3', '4'))
+UNIT_NORM: Final = 0.02  # largest median deviation of the length of a quaternion
+Columns = Mapping[str, Numbers]
+
+
+@final
+class ColumnGroup(NamedTuple):
+    """
+    Columns that belong together.
+
+    Attributes
+    ----------
+    kind : str
+        'position', 'velocity', 'rates', 'acceleration', 'force', 'torque', 'quaternion', 'euler'.
+    role : str
+        'truth', 'estimate', 'setpoint', or '' if the names do not say.
+    columns : tuple of str
+        x, y, z; of a quaternion as the log has them; of Euler angles roll, pitch, yaw.
+    axes : tuple of str
+        The axis in the name of each.
+    unit : str
+        As in the names, '' if they do not say.
+    reason : str
+        Why it has this kind.
+
+    """
+
+    kind: str
+    role: str
+    columns: tuple[str, ...]
+    axes: tuple[str, ...]
+    unit: str
+    reason: str
+
+    def stack(self, table: Columns) -> Numbers:
+        """Return the numbers, shape (n, columns)."""
+        return np.stack([table[name] for name in self.columns], axis=1).astype(np.float64)
+
+
+def group_columns(table: Columns) -> tuple[list[ColumnGroup], list[ColumnName]]:
+    """Return the groups of a table, and the names of the other columns."""
+    names = [parse_column_name(column) for column in table]
+    stems: dict[tuple[tuple[str, ...], str], dict[str, ColumnName]] = {}
+    for name in names:
+        if name.axis:
+            stems.setdefault((name.stem, name.unit), {}).setdefault(name.axis, name)
+    groups = [*_group_letters(names)]
+    grouped = {column for group in groups for column in group.columns}
+    for (stem, unit), axes in stems.items():
+        found = _group_stem(stem, unit, axes, table)
+        if found is not None and not grouped & {*found.columns}:
+            groups.append(found)
+            grouped |= {*found.columns}
+    groups += _group_nameless(table, names, grouped)
+    grouped |= {column for group in groups for column in group.columns}
+    return groups, [name for name in names if name.column not in grouped]
+
+
+def _group_stem(
+    stem: tuple[str, ...], unit: str, axes: Mapping[str, ColumnName], table: Columns
+) -> ColumnGroup | None:
+    """Return the group of the columns with one stem; None if they are single columns."""
+    words = frozenset(word for axis in axes.values() for word in axis.words)
+    kind, role = match_kind(words), match_role(words)
+    label = '_'.join(stem) or 'no stem'
+    if {*'wxyz'} <= {*axes}:
+        # In the order of the log
+        order = tuple(axis for axis in axes if axis in 'wxyz')
+        return _build('quaternion', role, axes, order, unit, f'axes w, x, y, z of {label}')
+    for four in FOURS:
+        if {*four} <= {*axes} and len(axes) == 4 and kind in ('quaternion', 'euler', ''):
+            found = _build('quaternion', role, axes, four, unit, f'four columns of {label}')
+            if _has_unit_length(found.stack(table)):
+                return found
+    if {'roll', 'pitch', 'yaw'} <= {*axes}:
+        angles = ('roll', 'pitch', 'yaw')
+        rates = kind == 'rates' or UNIT_WORDS.get(unit, ('',))[0] in ('rad/s', 'deg/s')
+        made = 'rates' if rates else 'euler'
+        return _build(made, role, axes, angles, unit, f'roll, pitch, yaw of {label}')
+    for triple in TRIPLES:
+        # A heading may stand beside a place
+        if {*triple} <= {*axes} and not {*axes} - {*triple} - {*ANGLES.values()}:
+            made = kind or ('position' if not stem or role else '')
+            if made == 'quaternion':
+                made = 'euler' if triple[0] in '01' else ''
+            if made:
+                why = f'the name {label}' if stem else 'columns x, y, z'
+                return _build(made, role, axes, triple, unit, why)
+    return None
+
+
+def _group_letters(names: list[ColumnName]) -> Iterator[ColumnGroup]:
+    """Yield the letters of flight mechanics: u, v, w and p, q, r."""
+    by_name = {name.column.lower(): name.column for name in names}
+    for letters, kind in (('uvw', 'velocity'), ('pqr', 'rates')):
+        if {*letters} <= {*by_name}:
+            columns = tuple(by_name[letter] for letter in letters)
+            yield ColumnGroup(kind, '', columns, ('x', 'y', 'z'), '', f'the letters {letters}')
+
+
+def _group_nameless(
+    table: Columns, names: list[ColumnName], grouped: set[str]
+) -> Iterator[ColumnGroup]:
+    """Yield what the numbers of columns without names say: a unit quaternion, a place."""
+    rest = [n.column for n in names if n.column not in grouped and n.stem == ('column',)]
+    if not rest or any(name.stem != ('column',) for name in names):
+        return
+    # The first column is the time
+    rest = [column for column in rest[1:] if np.isfinite(table[column]).mean() > 0.5]
+    for index in range(len(rest) - 3):
+        four = tuple(rest[index : index + 4])
+        if _has_unit_length(np.stack([table[column] for column in four], axis=1)):
+            why = 'four adjacent columns of length one'
+            yield ColumnGroup('quaternion', '', four, ('0', '1', '2', '3'), '', why)
+            rest = [column for column in rest if column not in four]
+            break
+    for kind, start in (('position', 0), ('velocity', 3), ('rates', 6)):
+        three = tuple(rest[start : start + 3])
+        if len(three) == 3:
+            yield ColumnGroup(kind, '', three, ('x', 'y', 'z'), '', 'the usual order of columns')
+
+
+def _build(
+    kind: str,
+    role: str,
+    axes: Mapping[str, ColumnName],
+    order: tuple[str, ...],
+    unit: str,
+    reason: str,
+) -> ColumnGroup:
+    return ColumnGroup(kind, role, tuple(axes[axis].column for axis in order), order, unit, reason)
+
+
+def _has_unit_length(rows: Numbers) -> bool:
+    """Return whether rows are quaternions: of length one, and not one of four alone."""
+    length = np.linalg.norm(rows, axis=1)
+    good = np.isfinite(length)
+    return bool(good.any() and float(np.median(np.abs(length[good] - 1.0))) < UNIT_NORM)

@@ -1,0 +1,187 @@
+"""Draft the mapping of a source, with reasons, questions and the first seconds."""
+
+from collections.abc import Mapping
+from pathlib import Path
+import re
+from typing import Any, final, NamedTuple
+
+from lta_config.errors import BadInput
+from lta_config.files import find_file
+from lta_data.bag.channels import SignalChannel
+from lta_data.importers.draft.bag_draft import draft_bag_topics
+from lta_data.importers.draft.choices import DraftChoices
+from lta_data.importers.draft.source_tables import read_source, SourceTables
+from lta_data.importers.draft.table_draft import draft_table, TableDraft
+from lta_data.importers.formats import FORMATS
+import numpy as np
+import yaml
+
+FIRST_SECONDS = 10.0  # that the picture shows [s]
+
+
+@final
+class MappingDraft(NamedTuple):
+    """
+    A proposed mapping.
+
+    Attributes
+    ----------
+    text : str
+        The mapping file.
+    source : SourceTables
+    choices : DraftChoices
+        Reasons and open questions.
+    channels : list of SignalChannel
+        The first seconds of the columns in use, in the numbers of the log.
+    unused : list of str
+        Columns without a meaning.
+
+    """
+
+    text: str
+    source: SourceTables
+    choices: DraftChoices
+    channels: list[SignalChannel]
+    unused: list[str]
+
+
+def draft_mapping(path: Path, answers: Mapping[str, str]) -> MappingDraft:
+    """
+    Draft the mapping of a log or folder.
+
+    Parameters
+    ----------
+    path : Path
+        The log.
+    answers : mapping of str to str
+        Decisions of the user by key, as the questions name them.
+
+    Raises
+    ------
+    BadInput
+        If the source cannot be read, nothing in it is recognised, or an answer is unknown.
+
+    """
+    source = read_source(path)
+    choices = DraftChoices(answers)
+    if not source.tables:
+        return _draft_shipped_format(source, choices)
+    drafts = {name: draft_table(name, table, choices) for name, table in source.tables.items()}
+    content = _build_content(source, drafts, path)
+    choices.refuse_unused()
+    unused = [
+        f'{name}.{column}' if name else column
+        for name, draft in drafts.items()
+        for column in draft.unused
+    ]
+    text = _format_mapping(content, path)
+    return MappingDraft(text, source, choices, _list_channels(source, drafts), unused)
+
+
+def _draft_shipped_format(source: SourceTables, choices: DraftChoices) -> MappingDraft:
+    """Return the shipped mapping of a format with fixed names, or the topics of a bag by type."""
+    shipped = FORMATS[source.format].mapping
+    if shipped is not None:
+        text = find_file('import mapping', shipped).read_text(encoding='utf-8')
+        choices.add_reason(
+            'all topics', [], f'mapping {shipped}', 'the firmware fixes names, units and axes'
+        )
+        choices.refuse_unused()
+        return MappingDraft(text, source, choices, [], [])
+    topics = draft_bag_topics(source.path, choices)
+    choices.refuse_unused()
+    content = _build_head(source, source.path) | {'topics': topics}
+    return MappingDraft(_format_mapping(content, source.path), source, choices, [], [])
+
+
+def _build_head(source: SourceTables, path: Path) -> dict[str, Any]:
+    name = re.sub(r'[^a-z0-9]+', '_', path.name.split('.')[0].lower()).strip('_')
+    return {
+        'schema': 1,
+        'name': f'draft_{name or "log"}',
+        'about': f'Drafted from {path.name}; see the reasons in its page.',
+        'format': source.format,
+        'data': 'measured',
+    }
+
+
+def _build_content(
+    source: SourceTables, drafts: Mapping[str, TableDraft], path: Path
+) -> dict[str, Any]:
+    """Return the mapping as plain data."""
+    content = _build_head(source, path)
+    if source.text is not None:
+        content['text'] = source.text.model_dump(exclude_defaults=True)
+        if not content['text']:
+            del content['text']
+    used = {name: draft for name, draft in drafts.items() if draft.entries}
+    if not used:
+        names = ', '.join(list(dict.fromkeys(c for t in source.tables.values() for c in t))[:30])
+        raise BadInput(
+            f"No column of '{path}' is recognised ({names}); write a mapping as described in "
+            'docs/import.md.'
+        )
+    times = [draft.time.entry for draft in used.values()]
+    same = all(time == times[0] for time in times)
+    if same:
+        content['time'] = times[0]
+    # The table with the most parts of a motion decides on the axes
+    axes = next((draft.axes for draft in sorted(
+        used.values(), key=lambda draft: -len(draft.groups)) if draft.axes), None)  # fmt: skip
+    if axes is not None and axes.world != 'ENU':
+        content['world'] = axes.world
+    if axes is not None and axes.body != 'FLU':
+        content['body'] = axes.body
+    content['topics'] = []
+    filled: set[str] = set()
+    for draft in used.values():
+        for entry in draft.entries:
+            own = {} if same else {'time': draft.time.entry}
+            body = {}
+            if draft.axes is not None and axes is not None and draft.axes.body != axes.body:
+                body = {'body': draft.axes.body}
+            if entry['topic'] not in filled:
+                content['topics'].append(entry | own | body)
+                filled.add(entry['topic'])
+    return content
+
+
+def _format_mapping(content: dict[str, Any], path: Path) -> str:
+    """Return a mapping file; each part is on a line of its own."""
+    head = {name: value for name, value in content.items() if name != 'topics'}
+    lines = [f'# Drafted by lta import --draft from {path.name}; correct what is wrong.']
+    for name, value in head.items():
+        lines.append(f'{name}: {_format_value(value)}')
+    lines.append('topics:')
+    for entry in content['topics']:
+        lines.append(f'  - topic: {entry["topic"]}')
+        for name, value in entry.items():
+            if name == 'topic':
+                continue
+            if name == 'actuators':
+                lines.append('    actuators:')
+                lines += [f'      {key}: {_format_value(one)}' for key, one in value.items()]
+            else:
+                lines.append(f'    {name}: {_format_value(value)}')
+    return '\n'.join(lines) + '\n'
+
+
+def _format_value(value: Any) -> str:  # noqa: ANN401 - plain data
+    """Return a value in one line of YAML."""
+    text = yaml.safe_dump(value, default_flow_style=True, width=10_000, sort_keys=False)
+    return text.removesuffix('...\n').strip()
+
+
+def _list_channels(source: SourceTables, drafts: Mapping[str, TableDraft]) -> list[SignalChannel]:
+    """Return the first seconds of all groups, in the numbers of the log."""
+    channels = []
+    for name, draft in drafts.items():
+        shown = draft.time.seconds <= FIRST_SECONDS
+        for group in draft.groups:
+            for column in group.columns:
+                values = np.asarray(source.tables[name][column], dtype=np.float64)[shown]
+                label = f'{name}/{group.kind}.{column}' if name else f'{group.kind}.{column}'
+                channels.append(
+                    SignalChannel(label, group.kind, draft.time.seconds[shown], values)
+                )
+    return channels

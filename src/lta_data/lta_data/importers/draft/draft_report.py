@@ -1,0 +1,86 @@
+"""Report a draft: reasons, open questions, columns without a meaning, and the first seconds."""
+
+from pathlib import Path
+from typing import Final
+
+from lta_data.bag.channels import SignalChannel
+from lta_data.importers.draft.choices import DraftQuestion
+from lta_data.importers.draft.draft_mapping import FIRST_SECONDS, MappingDraft
+from lta_data.plot.report import plot_channels
+from lta_report.formatting import format_count, Tile
+from lta_report.report import Grid, Picture, Report, TextSection, TextTable
+
+MAPPING: Final = 'mapping.yaml'
+
+
+def build_draft_report(source: Path, draft: MappingDraft, commands: dict[str, str]) -> Report:
+    """Return the report of a draft without open questions."""
+    topics = sum(line.startswith('  - topic:') for line in draft.text.splitlines())
+    notes = [*draft.source.notes]
+    if draft.unused:
+        notes.append(f'Columns without a meaning: {", ".join(draft.unused)}.')
+    sections = [TextSection('Remarks', notes, printed=True)] if notes else []
+    return Report(
+        command='import --draft',
+        subject=source.name,
+        headline=f'{format_count(topics, "topic")} of {source.name} recognised.',
+        introduction=(
+            'A mapping proposed from the names and the physics of the columns. Check the reasons, '
+            'and correct the mapping where they are wrong.'
+        ),
+        tiles=[
+            Tile('topics', str(topics), '', draft.source.format),
+            Tile('columns left out', str(len(draft.unused)), '', ''),
+        ],
+        blocks=[
+            build_reason_table(draft),
+            *sections,
+            Grid(plot_first_seconds(draft.channels), columns=1, name='first_seconds'),
+        ],
+        data={
+            'mapping': draft.text,
+            'reasons': [reason._asdict() for reason in draft.choices.reasons],
+            'unused': draft.unused,
+            'notes': notes,
+        },
+        facts={'source': source.name, 'format': draft.source.format},
+        commands=commands,
+        files={MAPPING: draft.text},
+        json_name='draft.json',
+        outputs={MAPPING: draft.text},
+    )
+
+
+def build_reason_table(draft: MappingDraft) -> TextTable:
+    """Return the table of reasons."""
+    return TextTable(
+        'What the columns are', ['part', 'columns', 'reading', 'because'],
+        [list(reason) for reason in draft.choices.reasons],
+    )  # fmt: skip
+
+
+def build_question_table(question: DraftQuestion) -> TextTable:
+    """Return the interpretations of a question, with the option that decides for each."""
+    rows = [[f'--set {question.key}={name}', meaning] for name, meaning in question.options]
+    return TextTable(question.reason, ['option', 'meaning'], rows)
+
+
+def group_channels(channels: list[SignalChannel]) -> dict[str, list[SignalChannel]]:
+    """Return channels by their group, such as 'imu/rates'."""
+    panels: dict[str, list[SignalChannel]] = {}
+    for channel in channels:
+        panels.setdefault(channel.name.split('.')[0], []).append(channel)
+    return panels
+
+
+def plot_first_seconds(channels: list[SignalChannel]) -> list[Picture]:
+    """Return a figure of each group of columns."""
+    return [
+        Picture(
+            f'first-{index}', name, 'As logged.',
+            plot_channels('', shown, (0.0, min(FIRST_SECONDS, float(shown[0].time[-1])))),
+            height=220, timed=True,
+        )
+        for index, (name, shown) in enumerate(group_channels(channels).items())
+        if len(shown[0].time)
+    ]  # fmt: skip

@@ -1,0 +1,315 @@
+"""Draft the motion of one table: position, attitude, velocity, rates and inertial sensor."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Final, final, NamedTuple
+
+from lta_config.constants import STANDARD_GRAVITY
+from lta_data.importers.draft.attitude_readings import (
+    AGREE,
+    AttitudeReading,
+    body_rates_of,
+    CLEAR,
+    differentiate,
+    fit_scale,
+    list_readings,
+    LONGEST,
+    MotionEvidence,
+    SAME,
+    score_reading,
+    typical_difference,
+)
+from lta_data.importers.draft.choices import DraftChoices
+from lta_data.importers.draft.column_groups import ColumnGroup
+from lta_data.importers.draft.name_hints import UNIT_WORDS
+from lta_data.importers.log_table import Numbers
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+LENGTHS: Final = {'m': 1.0, 'cm': 0.01, 'mm': 0.001}
+DEGREE: Final = np.pi / 180.0
+UNLIKE: Final = 1.3  # times as much unexplained decides between two frames
+APART: Final = 15.0  # between body and world axes; below it, the better of two is taken [deg]
+SPEEDS: Final = (0.02, 20.0)  # usual speeds of a vehicle in flight [m/s]
+
+
+@final
+class MotionDraft(NamedTuple):
+    """Entries of one odometry or IMU topic, and its evidence in SI units."""
+
+    parts: dict[str, Any]
+    evidence: MotionEvidence
+    turn: Rotation | None
+
+
+def draft_motion(
+    topic: str,
+    seconds: Numbers,
+    groups: Mapping[str, ColumnGroup],
+    numbers: Mapping[str, Numbers],
+    choices: DraftChoices,
+) -> MotionDraft:
+    """
+    Return the parts of an odometry topic in the units and frames that fit.
+
+    `groups` and `numbers` are by kind: position, velocity, rates, attitude, acceleration.
+    """
+    seconds, rows = seconds[:LONGEST], {k: v[:LONGEST] for k, v in numbers.items()}
+    raw = MotionEvidence(seconds, rows.get('position'), rows.get('velocity'), rows.get('rates'),
+                         rows.get('acceleration'))  # fmt: skip
+    parts: dict[str, Any] = {}
+    reading = None
+    if 'attitude' in groups:
+        reading = _choose_reading(topic, groups['attitude'], rows['attitude'], raw, choices)
+        parts['orientation'] = reading.entry
+    turn = None if reading is None else reading.turn
+    scales = {'acceleration': _draft_acceleration(topic, groups, rows, parts, choices)}
+    scales['rates'] = _draft_rates(topic, groups, raw, turn, parts, choices)
+    scales['position'] = _draft_position(topic, groups, raw, scales, turn, parts, choices)
+    scales['velocity'] = _draft_velocity(topic, groups, raw, scales, turn, parts, choices)
+    si = MotionEvidence(
+        seconds,
+        *(
+            None if (values := getattr(raw, kind)) is None or not scales[kind]
+            else values * scales[kind]
+            for kind in ('position', 'velocity', 'rates', 'acceleration')
+        ),
+    )  # fmt: skip
+    order = ('position', 'orientation', 'velocity', 'rates', 'acceleration')
+    return MotionDraft({name: parts[name] for name in order if name in parts}, si, turn)
+
+
+def _choose_reading(
+    topic: str,
+    group: ColumnGroup,
+    numbers: Numbers,
+    evidence: MotionEvidence,
+    choices: DraftChoices,
+) -> AttitudeReading:
+    """Return the reading that agrees best with the rest, or the answer of the user."""
+    readings = list(list_readings(group, numbers))
+    key = f'{topic}.orientation'
+    answer = choices.override(key, '')
+    labels = {reading.label: reading for reading in readings}
+    scored = [score_reading(reading, evidence) for reading in readings]
+    # At a similar score, the conventional reading is the first
+    best = max(range(len(readings)), key=lambda i: scored[i][0] - 0.002 * i)
+    first = readings[best]
+    rivals = [
+        reading for i, reading in enumerate(readings)
+        if scored[best][0] - scored[i][0] < CLEAR
+        and typical_difference(first.turn, reading.turn) > SAME
+    ]  # fmt: skip
+    if answer:
+        first = labels[choices.decide(key, [(label, '') for label in labels], '')]
+        why = 'as you decided'
+    elif scored[best][1]:
+        why = '; '.join(scored[best][1])
+        if len(rivals) and scored[best][0] > 0.3 and _differ_in_sense(first, rivals):
+            options = [(one.label, 'agrees equally well') for one in (first, *rivals[:3])]
+            first = labels[choices.decide(key, options, f'Several readings fit: {why}.')]
+    else:
+        upright = [abs(float(np.mean(r.turn.as_matrix()[:, 2, 2]))) for r in readings]
+        level = [i for i, up in enumerate(upright) if up > 0.7] or [0]
+        first = readings[level[0]]
+        why = 'the convention; no rates, velocity or acceleration to check it with'
+        if level[0]:
+            why = 'the first order that keeps the vehicle upright'
+    choices.add_reason(f'{topic}: orientation', group.columns, first.label, why)
+    return first
+
+
+def _differ_in_sense(first: AttitudeReading, rivals: Sequence[AttitudeReading]) -> bool:
+    """Return whether a rival is no mere other sequence of nearly the same small angles."""
+    return any('euler' not in rival.entry or rival.entry['unit'] != first.entry['unit']
+               for rival in rivals)  # fmt: skip
+
+
+def _named_unit(group: ColumnGroup) -> tuple[str, float] | None:
+    """Return the unit in the names of a group: unit of a mapping, and scale."""
+    return UNIT_WORDS.get(group.unit) if group.unit else None
+
+
+def _build_vector(group: ColumnGroup, unit: str, scale: float = 1.0) -> dict[str, Any]:
+    found: dict[str, Any] = {'columns': list(group.columns), 'unit': unit}
+    return found if scale == 1.0 else found | {'scale': scale}
+
+
+def _draft_acceleration(
+    topic: str,
+    groups: Mapping[str, ColumnGroup],
+    rows: Mapping[str, Numbers],
+    parts: dict[str, Any],
+    choices: DraftChoices,
+) -> float:
+    """Draft an accelerometer by the size of gravity; return the factor to m/s2, 0 if unusable."""
+    group = groups.get('acceleration')
+    if group is None:
+        return 0.0
+    felt = float(np.nanmedian(np.linalg.norm(rows['acceleration'], axis=1)))
+    scales = {'m/s2': 1.0, 'g': STANDARD_GRAVITY, 'mg': STANDARD_GRAVITY / 1e3, 'mm/s2': 1e-3}
+    for unit, scale in scales.items():
+        if abs(felt * scale / STANDARD_GRAVITY - 1.0) < 0.3:
+            parts['acceleration'] = _build_vector(group, 'm/s2', scale)
+            choices.add_reason(f'{topic}: acceleration', group.columns, unit,
+                               f'its median length {felt:.4g} is gravity in {unit}')  # fmt: skip
+            return scale
+    choices.add_reason(f'{topic}: acceleration', group.columns, 'left out',
+                       f'its median length is {felt:.3g}, so gravity is not in it')  # fmt: skip
+    return 0.0
+
+
+def _draft_rates(
+    topic: str,
+    groups: Mapping[str, ColumnGroup],
+    raw: MotionEvidence,
+    turn: Rotation | None,
+    parts: dict[str, Any],
+    choices: DraftChoices,
+) -> float:
+    """Draft angular rates: their unit, and whether they are in the body or the world."""
+    group = groups.get('rates')
+    if group is None or raw.rates is None:
+        return 0.0
+    unit, why, frame = '', '', ''
+    if turn is not None:
+        derived = body_rates_of(turn, raw.seconds)
+        in_world = turn.apply(np.nan_to_num(derived))
+        fits = {
+            'body': fit_scale(raw.rates, derived, raw.seconds),
+            'world': fit_scale(raw.rates, in_world, raw.seconds),
+        }
+        frame = max(fits, key=lambda one: fits[one].share - 0.02 * (one == 'world'))
+        fit = fits[frame]
+        if fit.share > AGREE:
+            unit = 'deg/s' if abs(np.log(fit.factor / 57.3)) < 0.5 else 'rad/s'
+            why = f'{fit.factor:.3g} times the derivative of the attitude ({frame} axes)'
+    named = _named_unit(group)
+    if named:
+        unit, why = named[0], 'the unit in the names'
+    if not unit:
+        size = float(np.nanpercentile(np.abs(raw.rates), 99.0))
+        unit = 'deg/s' if size > 12.0 else 'rad/s'
+        why = f'99 % are below {size:.3g}'
+        if 3.0 < size <= 12.0:
+            options = [('rad/s', f'up to {size / DEGREE:.0f} deg/s'),
+                       ('deg/s', f'up to {size:.1f} deg/s')]  # fmt: skip
+            unit = choices.decide(f'{topic}.rates.unit', options, f'The rates reach {size:.3g}.')
+    unit = choices.override(f'{topic}.rates.unit', unit)
+    parts['rates'] = _build_vector(group, unit)
+    if frame == 'world' and unit and 'world' in why:
+        parts['rates']['frame'] = 'world'
+    choices.add_reason(f'{topic}: rates', group.columns, unit, why)
+    return DEGREE if unit == 'deg/s' else 1.0
+
+
+def _draft_position(
+    topic: str,
+    groups: Mapping[str, ColumnGroup],
+    raw: MotionEvidence,
+    scales: Mapping[str, float],
+    turn: Rotation | None,
+    parts: dict[str, Any],
+    choices: DraftChoices,
+) -> float:
+    """Draft a position: its unit by name, by velocity, by acceleration or by its speed."""
+    group = groups.get('position')
+    if group is None or raw.position is None:
+        return 0.0
+    key = f'{topic}.position.unit'
+    named = _named_unit(group)
+    unit, why = (named[0], 'the unit in the names') if named else ('', '')
+    speed = differentiate(raw.position, raw.seconds)
+    velocity = groups.get('velocity')
+    if not unit and velocity is not None and raw.velocity is not None:
+        measured = raw.velocity
+        best = max(
+            (fit_scale(measured, derived, raw.seconds)
+             for derived in (speed, speed if turn is None else
+                             turn.inv().apply(np.nan_to_num(speed)))),
+            key=lambda fit: fit.share,
+        )  # fmt: skip
+        known = _named_unit(velocity)
+        if best.share > AGREE:
+            factor = best.factor * (known[1] if known else 1.0)
+            near = {one: abs(np.log(factor / scale)) for one, scale in LENGTHS.items()}
+            unit = min(near, key=lambda one: near[one])
+            why = f'the velocity is {best.factor:.3g} times its derivative'
+    if not unit:
+        fast = float(np.nanpercentile(np.linalg.norm(speed, axis=1), 75.0))
+        fitting = [u for u, scale in LENGTHS.items() if SPEEDS[0] <= fast * scale <= SPEEDS[1]]
+        extent = float(np.max(np.nanpercentile(raw.position, 98, axis=0)
+                              - np.nanpercentile(raw.position, 2, axis=0)))  # fmt: skip
+        # A laboratory is smaller than 30 m, and a flight in it larger than 0.3 m
+        fitting = [u for u in fitting if 0.3 <= extent * LENGTHS[u] <= 30.0] or fitting or ['m']
+        unit, why = fitting[0], f'moves over {extent:.3g} at {fast:.3g} per second'
+        if len(fitting) > 1 and choices.settled.get('position.unit') in fitting:
+            unit, why = choices.settled['position.unit'], 'as of the other positions'
+        elif len(fitting) > 1 and key not in choices.answers:
+            options = [(u, f'{extent * LENGTHS[u]:.3g} m at {fast * LENGTHS[u]:.3g} m/s')
+                       for u in fitting]  # fmt: skip
+            unit = choices.decide(key, options, 'No velocity tells the unit of the position.')
+    unit = choices.override(key, unit)
+    choices.settled.setdefault('position.unit', unit)
+    parts['position'] = _build_vector(group, unit)
+    choices.add_reason(f'{topic}: position', group.columns, unit, why)
+    return LENGTHS.get(unit, 1.0)
+
+
+def _draft_velocity(
+    topic: str,
+    groups: Mapping[str, ColumnGroup],
+    raw: MotionEvidence,
+    scales: Mapping[str, float],
+    turn: Rotation | None,
+    parts: dict[str, Any],
+    choices: DraftChoices,
+) -> float:
+    """Draft a velocity: unit and frame by the derivative of the position."""
+    group = groups.get('velocity')
+    if group is None or raw.velocity is None:
+        return 0.0
+    named = _named_unit(group)
+    scale = named[1] if named else 1.0
+    key = f'{topic}.velocity.frame'
+    frame, why = 'body', 'nothing to compare it with'
+    if raw.position is not None:
+        speed = differentiate(raw.position * scales['position'], raw.seconds)
+        fits = {'world': fit_scale(raw.velocity, speed, raw.seconds)}
+        if turn is not None:
+            fits['body'] = fit_scale(raw.velocity, turn.inv().apply(np.nan_to_num(speed)),
+                                     raw.seconds)  # fmt: skip
+        frame = max(fits, key=lambda one: fits[one].share)
+        fit = fits[frame]
+        why = f'the derivative of the position agrees in {frame} axes ({100 * fit.share:.0f} %'
+        why += ''.join(f'; in {one} axes {100 * other.share:.0f} %' for one, other in
+                       fits.items() if one != frame) + ')'  # fmt: skip
+        if not named and fit.share > AGREE:
+            factors = (1.0, 100.0, 1000.0, 3.6)
+            scale = 1.0 / min(factors, key=lambda one: abs(np.log(fit.factor / one)))
+        # By what they leave unexplained: at small angles both explain nearly all
+        left = 1.0 - fit.share
+        close = [
+            one
+            for one, other in fits.items()
+            if one == frame or (1.0 - other.share) < UNLIKE * left
+        ]
+        if len(close) > 1 and 'velocity.frame' in choices.settled:
+            frame = choices.settled['velocity.frame']
+        elif len(close) > 1 and _differs(turn) and key not in choices.answers:
+            options = [(one, f'{100 * fits[one].share:.0f} % explained') for one in close]
+            frame = choices.decide(key, options, 'The velocity fits in both frames.')
+    frame = choices.settled.setdefault('velocity.frame', choices.override(key, frame))
+    if frame == 'world' and turn is None:
+        choices.add_reason(f'{topic}: velocity', group.columns, 'left out',
+                           'in world axes, and no attitude turns it into body axes')  # fmt: skip
+        return scale
+    parts['velocity'] = _build_vector(group, 'm/s', scale)
+    if frame == 'world':
+        parts['velocity']['frame'] = 'world'
+    choices.add_reason(f'{topic}: velocity', group.columns, f'{frame} axes, x {scale:g} m/s', why)
+    return scale
+
+
+def _differs(turn: Rotation | None) -> bool:
+    """Return whether body and world axes differ in a flight."""
+    return turn is not None and typical_difference(Rotation.identity(), turn) > APART

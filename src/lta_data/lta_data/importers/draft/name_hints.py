@@ -1,0 +1,178 @@
+"""Read the names of columns: stem, axis and unit, and what the words of a stem stand for."""
+
+from collections.abc import Iterable
+import re
+from typing import Final, final, NamedTuple
+
+# Unit as written in a name -> unit of a mapping, and a further factor
+UNIT_WORDS: Final[dict[str, tuple[str, float]]] = {
+    'm': ('m', 1.0), 'mm': ('mm', 1.0), 'cm': ('cm', 1.0), 'meters': ('m', 1.0),
+    's': ('s', 1.0), 'sec': ('s', 1.0), 'ms': ('ms', 1.0), 'us': ('us', 1.0), 'ns': ('ns', 1.0),
+    'rad': ('rad', 1.0), 'deg': ('deg', 1.0), 'degrees': ('deg', 1.0), '°': ('deg', 1.0),
+    'm/s': ('m/s', 1.0), 'mps': ('m/s', 1.0), 'm s^-1': ('m/s', 1.0), 'mm/s': ('m/s', 0.001),
+    'cm/s': ('m/s', 0.01), 'rad/s': ('rad/s', 1.0), 'rad s^-1': ('rad/s', 1.0),
+    'radps': ('rad/s', 1.0), 'deg/s': ('deg/s', 1.0), 'dps': ('deg/s', 1.0),
+    'degps': ('deg/s', 1.0), '°/s': ('deg/s', 1.0), 'rpm': ('rpm', 1.0),
+    'm/s2': ('m/s2', 1.0), 'm/s^2': ('m/s2', 1.0), 'm s^-2': ('m/s2', 1.0),
+    'mss': ('m/s2', 1.0), 'g': ('m/s2', 9.80665), 'gs': ('m/s2', 9.80665),
+    'n': ('N', 1.0), 'mn': ('mN', 1.0), 'nm': ('N m', 1.0), 'v': ('V', 1.0), 'mv': ('mV', 1.0),
+    'volts': ('V', 1.0), 'a': ('A', 1.0), 'ma': ('mA', 1.0), 'pa': ('Pa', 1.0),
+    'hpa': ('hPa', 1.0), 'mbar': ('hPa', 1.0), '%': ('%', 1.0), 'percent': ('%', 1.0),
+}  # fmt: skip
+# Words at the end of a name that are units, not axes or quantities
+ENDINGS: Final = frozenset(
+    [
+        'mm',
+        'cm',
+        'ms',
+        'us',
+        'ns',
+        'sec',
+        'rad',
+        'deg',
+        'degrees',
+        'mps',
+        'radps',
+        'dps',
+        'degps',
+        'rpm',
+        'mss',
+        'mv',
+        'volts',
+        'ma',
+        'pa',
+        'hpa',
+        'mbar',
+        'percent',
+    ]
+)
+AXES: Final = frozenset(['x', 'y', 'z', 'w', 'n', 'e', 'd', 'i', 'j', 'k'])
+ANGLES: Final = {
+    'roll': 'roll', 'pitch': 'pitch', 'yaw': 'yaw', 'heading': 'yaw',
+    'phi': 'roll', 'theta': 'pitch', 'psi': 'yaw',
+}  # fmt: skip
+JOINED: Final = re.compile(
+    r'(pos|vel|acc|accel|gyr|gyro|omega|euler|quat|force|torque|tau|[pvqwtagfrobe])([xyzwned]|\d)'
+)
+WORDS: Final = re.compile(r'[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+\d?|[A-Z]+\d?|\d+')
+
+KINDS: Final[dict[str, frozenset[str]]] = {
+    name: frozenset(words.split())
+    for name, words in {
+        'quaternion': 'q quat quaternion orientation rotation attitude att',
+        'euler': 'e euler rpy angles angle attitude att orientation',
+        'rates': 'w wb omega gyro gyr gyros gyroscope rates rate angular pqr o turn',
+        'acceleration': 'a acc accel acceleration accelerometer accelerations specific',
+        'velocity': 'v vel velocity vb speed linear twist',
+        'torque': 'tau torque moment moments',
+        'force': 'f force forces',
+        'position': 'p pos position positions xyz loc location translation t pose place tracker',
+    }.items()
+}
+ROLES: Final[dict[str, frozenset[str]]] = {
+    name: frozenset(words.split())
+    for name, words in {
+        'setpoint': 'sp set setpoint ref reference des desired cmd command commanded target goal '
+        'ctrltarget',
+        'estimate': 'est estimate estimated ekf kf kalman estimator odom vio vo filter hat fused '
+        'onboard',
+        'truth': 'vicon mocap opti optitrack motive gt truth ground true tracker qualisys vrpn '
+        'rigid marker markers groundtruth',
+    }.items()
+}
+TIMES: Final = frozenset(
+    ['t', 'time', 'timestamp', 'timestamps', 'stamp', 'sec', 'secs', 'seconds', 'clock', 'tick']
+)
+ACTUATORS: Final = frozenset(
+    [
+        'motor',
+        'motors',
+        'm',
+        'pwm',
+        'thrust',
+        'throttle',
+        'duty',
+        'rpm',
+        'rotor',
+        'rotors',
+        'esc',
+        'prop',
+        'propeller',
+        'u',
+        'servo',
+        'act',
+        'actuator',
+        'rc',
+        'output',
+        'outputs',
+    ]
+)
+
+
+@final
+class ColumnName(NamedTuple):
+    """
+    A name of a column, taken apart.
+
+    Attributes
+    ----------
+    column : str
+        As in the log.
+    stem : tuple of str
+        Its words in lower case, without axis and unit.
+    axis : str
+        x, y, z, w, n, e, d, roll, pitch, yaw, an index, or ''.
+    unit : str
+        As written, if it is known; else ''.
+
+    """
+
+    column: str
+    stem: tuple[str, ...]
+    axis: str
+    unit: str
+
+    @property
+    def words(self) -> frozenset[str]:
+        """The words of the stem, also without an index at their end."""
+        return frozenset({*self.stem, *(word.rstrip('0123456789') for word in self.stem)})
+
+
+def parse_column_name(column: str) -> ColumnName:
+    """Take the name of a column apart."""
+    text, unit = column, ''
+    bracket = re.search(r'\s*[\[(]([^\[\]()]*)[\])]\s*$', column)
+    if bracket and bracket[1].strip().lower() in UNIT_WORDS:
+        text, unit = column[: bracket.start()], bracket[1].strip().lower()
+    words = [word.lower() for word in WORDS.findall(text)]
+    if not unit and len(words) > 1 and words[-1] in ENDINGS:
+        unit = words.pop()
+    for index in range(len(words) - 1, -1, -1):
+        word = words[index]
+        if word in ANGLES:
+            return ColumnName(column, (*words[:index], *words[index + 1 :]), ANGLES[word], unit)
+        if word in AXES or word.isdigit():
+            return ColumnName(column, (*words[:index], *words[index + 1 :]), word, unit)
+        if joined := JOINED.fullmatch(word):
+            stem = (*words[:index], joined[1], *words[index + 1 :])
+            return ColumnName(column, stem, joined[2], unit)
+    return ColumnName(column, tuple(words), '', unit)
+
+
+def match_kind(words: Iterable[str]) -> str:
+    """Return the quantity that words name, '' if none."""
+    there = frozenset(words)
+    # The quantity is named by a full word before it is by a letter
+    for long in (True, False):
+        for kind, known in KINDS.items():
+            if any((len(word) > 1) == long for word in there & known):
+                return kind
+    return ''
+
+
+def match_role(words: Iterable[str]) -> str:
+    """Return the role that words name: 'setpoint', 'estimate', 'truth', or ''."""
+    there = frozenset(words)
+    if 'state' in there and 'estimate' in there:
+        return 'estimate'
+    return next((role for role, known in ROLES.items() if there & known), '')

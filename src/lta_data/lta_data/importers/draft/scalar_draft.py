@@ -1,0 +1,136 @@
+"""Draft single columns: actuators, battery, range, pressure."""
+
+from collections.abc import Mapping, Sequence
+import re
+from typing import Any, Final
+
+from lta_data.importers.draft.choices import DraftChoices
+from lta_data.importers.draft.column_groups import Columns
+from lta_data.importers.draft.name_hints import ACTUATORS, ColumnName, UNIT_WORDS
+from lta_data.importers.log_table import Numbers
+import numpy as np
+
+# Words -> topic, part, candidate units with the values that a flight log has in each
+SCALARS: Final = (
+    ('vbat voltage volt volts vbatt batt battery', 'battery', 'voltage',
+     {'V': (2.5, 61.0), 'mV': (2500.0, 61000.0)}),
+    ('current curr amps', 'battery', 'current', {'A': (0.0, 60.0), 'mA': (60.0, 60000.0)}),
+    ('range tof lidar sonar zrange height altitude', 'range', 'range',
+     {'m': (0.01, 30.0), 'mm': (30.0, 30000.0)}),
+    ('pressure baro press', 'pressure', 'pressure',
+     {'Pa': (3e4, 1.1e5), 'hPa': (300.0, 1100.0)}),
+)  # fmt: skip
+FORCES: Final = frozenset(['f', 'force', 'fl', 'fr', 'thrust', 'forces'])
+UPSTREAM: Final = frozenset(['pid', 'controller', 'cmd', 'setpoint', 'sp', 'ref', 'mixer'])
+SPEEDS: Final = frozenset(['rpm', 'speed', 'rotorspeed', 'omega'])
+
+
+def draft_scalars(
+    prefix: str, table: Columns, names: Sequence[ColumnName], choices: DraftChoices
+) -> list[dict[str, Any]]:
+    """Return the entries of the topics that single columns fill."""
+    topics: dict[str, dict[str, Any]] = {}
+    taken: set[str] = set()
+    for words, topic, part, units in SCALARS:
+        for name in names:
+            fits = name.words & frozenset(words.split()) and name.column not in taken
+            if fits and part not in topics.get(topic, {}):
+                unit, why = _choose_unit(name, table[name.column], units)
+                if unit:
+                    topics.setdefault(topic, {})[part] = {'column': name.column, 'unit': unit}
+                    taken.add(name.column)
+                    choices.add_reason(f'{topic}: {part}', [name.column], unit, why)
+    motors = [
+        name
+        for name in names
+        if name.column not in taken
+        and name.words & (ACTUATORS | FORCES | SPEEDS)
+        and np.isfinite(table[name.column]).any()
+    ]
+    # What a controller asks of a mixer is no actuator, where the actuators are there
+    motors = [name for name in motors if not name.words & UPSTREAM] or motors
+    entries: list[dict[str, Any]] = [{'topic': topic} | parts for topic, parts in topics.items()]
+    if motors:
+        entries.append({'topic': 'motors', 'actuators': _draft_actuators(motors, table, choices)})
+    return [entry | ({'table': prefix} if prefix else {}) for entry in entries]
+
+
+def _choose_unit(
+    name: ColumnName, values: Numbers, units: Mapping[str, tuple[float, float]]
+) -> tuple[str, str]:
+    """Return the unit of a column and the reason; '' if its values fit none."""
+    known = UNIT_WORDS.get(name.unit, ('',))[0]
+    if known in units:
+        return known, 'the unit in the name'
+    typical = float(np.nanmedian(np.abs(values)))
+    for unit, (low, high) in units.items():
+        if low <= typical <= high:
+            return unit, f'its median is {typical:.4g}'
+    return '', ''
+
+
+def _draft_actuators(
+    motors: Sequence[ColumnName], table: Columns, choices: DraftChoices
+) -> dict[str, Any]:
+    """Return the actuators: duties, forces or rotor speeds, by name and by size."""
+    values = np.concatenate([np.abs(table[name.column]) for name in motors])
+    values = values[np.isfinite(values)]
+    size = float(np.percentile(values, 99.0)) if len(values) else 0.0
+    columns = [name.column for name in motors]
+    words = frozenset().union(*(name.words for name in motors))
+    units = {UNIT_WORDS.get(name.unit, ('',))[0] for name in motors}
+    kind, field, why = _judge_actuators(words, units, size, values)
+    key = 'motors.unit'
+    if kind == '?':
+        options = [('duty', f'a duty from 0 to 1 ({size:.3g})'), ('N', f'a force of {size:.3g} N')]
+        kind = choices.decide(key, options, f'"thrust" up to {size:.3g} can be a duty or a force.')
+        why = 'as you decided'
+    kind = choices.override(key, kind)
+    field = {'rpm': 'velocity', 'rad/s': 'velocity'}.get(kind, field)
+    choices.add_reason('motors', columns, kind, why)
+    scales: dict[str, dict[str, Any]] = {
+        'duty': {}, 'N': {'unit': 'N'}, 'mN': {'unit': 'mN'}, '%': {'unit': '%'},
+        'pulse': {'offset': -1000, 'over': 1000}, 'of 255': {'over': 255},
+        'of 65535': {'over': 65535}, 'rpm': {'unit': 'rpm'}, 'rad/s': {'unit': 'rad/s'},
+    }  # fmt: skip
+    extra = scales.get(kind, {})
+    return {
+        _name_actuator(name, index): {field: {'column': name.column} | extra}
+        for index, name in enumerate(motors)
+    }
+
+
+def _judge_actuators(
+    words: frozenset[str], units: set[str], size: float, values: Numbers
+) -> tuple[str, str, str]:
+    """Return the unit of actuators, their message field, and the reason; '?' if two fit."""
+    for unit in ('rpm', 'rad/s'):
+        if unit in units or (unit == 'rpm' and 'rpm' in words):
+            return unit, 'velocity', 'rotor speeds; add "thrust: [c0, c1, c2]" for a thrust law'
+    for unit in ('N', 'mN', '%'):
+        if unit in units:
+            return unit, 'effort', 'the unit in the names'
+    if words & SPEEDS:
+        return 'rad/s', 'velocity', 'the word speed'
+    named_force = bool(words & (FORCES - {'thrust'})) and not words & {'pwm', 'duty', 'throttle'}
+    if size <= 1.05:
+        if named_force:
+            return 'N', 'effort', f'a word for force; up to {size:.3g}'
+        if 'thrust' in words and not words & {'pwm', 'duty', 'motor', 'm'}:
+            return '?', 'effort', ''
+        return 'duty', 'effort', f'99 % are below {size:.3g}'
+    busy = values[values > 0.0]
+    if 800.0 <= float(np.median(busy)) <= 2200.0 and float(busy.max()) <= 2500.0:
+        return 'pulse', 'effort', 'pulses of 1000 to 2000 us'
+    if named_force and size < 50.0:
+        return 'N', 'effort', f'a word for force; up to {size:.3g}'
+    for kind, limit in (('%', 100.5), ('of 255', 255.5), ('of 65535', 65535.5)):
+        if size <= limit:
+            return kind, 'effort', f'99 % are below {size:.4g}'
+    return 'duty', 'effort', f'99 % are below {size:.4g}, which is no usual scale'
+
+
+def _name_actuator(name: ColumnName, index: int) -> str:
+    """Return a name for an actuator, of the words of its column."""
+    words = re.sub(r'[^a-z0-9]+', '_', name.column.lower()).strip('_')
+    return words if words[:1].isalpha() else f'motor_{index + 1}'

@@ -1,0 +1,90 @@
+"""Read any source for a draft: its format, its tables, and whether a folder holds runs."""
+
+from pathlib import Path
+from typing import final, NamedTuple
+
+from lta_config.errors import BadInput
+from lta_config.schema.import_file import TextFormat
+from lta_data.bag.bag_folder import find_bag
+from lta_data.importers.formats import detect_format
+from lta_data.importers.readers.column_log import Column
+from lta_data.importers.readers.sensor_folder import (
+    list_run_files,
+    read_folder,
+    read_table_file,
+    read_text_file,
+)
+from lta_data.importers.readers.text_dialect import detect_text_format
+
+COLUMNS = ('csv', 'mat', 'numpy', 'parquet', 'folder')  # formats without meanings of their own
+
+
+@final
+class SourceTables(NamedTuple):
+    """
+    A source.
+
+    Attributes
+    ----------
+    path : Path
+        The file that was read: of a folder with runs, the first.
+    format : str
+    tables : mapping of str to columns by name
+        Empty for a format whose names have fixed meanings.
+    text : TextFormat or None
+        How the lines of a text are written.
+    notes : list of str
+        Remarks, one sentence each.
+
+    """
+
+    path: Path
+    format: str
+    tables: dict[str, dict[str, Column]]
+    text: TextFormat | None
+    notes: list[str]
+
+
+def read_source(source: Path) -> SourceTables:
+    """
+    Read a source.
+
+    Raises
+    ------
+    BadInput
+        If it is of no known format.
+
+    """
+    path = find_bag(source)
+    format_ = detect_format(path)
+    if format_ == 'folder':
+        files = list_run_files(path)
+        kinds = {detect_format(file) for file in files}
+        if len(files) == 1 or (len(kinds) == 1 and _have_same_columns(files)):
+            note = f'The {len(files)} files of {source.name} are runs with the same columns.'
+            first = read_source(files[0])
+            return first._replace(notes=[note, *first.notes])
+        if not kinds <= {*COLUMNS}:
+            raise BadInput(
+                f"Folder '{source}' has files of different formats ({', '.join(sorted(kinds))}), "
+                'which cannot be one log; give a file of it.'
+            )
+    if format_ not in COLUMNS:
+        return SourceTables(path, format_, {}, None, [])
+    if format_ == 'csv':
+        tables, notes = read_text_file(path)
+        return SourceTables(path, format_, tables, detect_text_format(path), notes)
+    tables, notes = read_folder(path) if format_ == 'folder' else read_table_file(path)
+    return SourceTables(path, format_, tables, None, notes)
+
+
+def _have_same_columns(files: list[Path]) -> bool:
+    """Return whether files are runs of one kind; the first two and the last decide."""
+    if detect_format(files[0]) not in COLUMNS:
+        return True
+    looked_at = {files[0], files[1], files[-1]}
+    names = {
+        tuple((name, *table) for name, table in read_table_file(file)[0].items())
+        for file in looked_at
+    }
+    return len(names) == 1

@@ -1,0 +1,212 @@
+"""Draft the topics of one table: which group is state, estimate, command or sensor."""
+
+from collections.abc import Mapping
+from typing import Any, Final, final, NamedTuple
+
+from lta_data.importers.draft.attitude_readings import body_rates_of, fit_scale, MotionEvidence
+from lta_data.importers.draft.choices import DraftChoices
+from lta_data.importers.draft.column_groups import ColumnGroup, Columns, group_columns
+from lta_data.importers.draft.motion_draft import draft_motion, MotionDraft
+from lta_data.importers.draft.name_hints import parse_column_name
+from lta_data.importers.draft.scalar_draft import draft_scalars
+from lta_data.importers.draft.time_base import find_time_base, TimeBase
+from lta_data.importers.draft.vertical import find_axes, VerticalAxes
+from lta_data.importers.log_table import Numbers
+import numpy as np
+
+TOPICS: Final = {'truth': 'ground_truth/odom', 'estimate': 'odom', 'setpoint': 'setpoint/pose'}
+INERTIAL: Final = frozenset(
+    ['imu', 'gyro', 'gyr', 'gyros', 'gyroscope', 'acc', 'accel', 'accelerometer']
+)
+HELD: Final = 0.5  # share of repeated values from which a place is a setpoint
+FLIP: Final = np.array([1.0, -1.0, -1.0])
+Groups = dict[str, ColumnGroup]
+
+
+@final
+class TableDraft(NamedTuple):
+    """The entries of a table, its time, and the axes that its motion shows."""
+
+    entries: list[dict[str, Any]]
+    time: TimeBase
+    axes: VerticalAxes | None
+    groups: list[ColumnGroup]
+    unused: list[str]
+
+
+def draft_table(name: str, table: Columns, choices: DraftChoices) -> TableDraft:
+    """Return the topics that a table fills; `name` is '' for a single table."""
+    groups, singles = group_columns(
+        {column: cells for column, cells in table.items() if cells.dtype.kind in 'fiub'}
+    )
+    time = find_time_base(name, table, groups, choices)
+    if name:
+        # The file of a sensor often says what it is
+        whole = parse_column_name(name.replace('/', '_') + '_columns')
+        singles = [single._replace(stem=(*whole.stem, *single.stem)) for single in singles
+                   if single.stem] if len(table) > 2 else singles  # fmt: skip
+    topics = _sort_groups(name, groups, table, choices)
+    entries: list[dict[str, Any]] = []
+    axes = None
+    inertial = topics.pop('imu', {})
+    primary: MotionDraft | None = None
+    for topic, members in sorted(topics.items(), key=lambda one: one[0] != TOPICS['truth']):
+        if topic == 'wrench_command':
+            entries.append(_draft_wrench(topic, members, choices))
+            continue
+        borrowed = dict(inertial) if topic != TOPICS['setpoint'] and primary is None else {}
+        borrowed.pop('rates', None)
+        drafted = _draft_topic(topic, members | borrowed, time, table, choices)
+        if topic != TOPICS['setpoint'] and primary is None:
+            primary = drafted
+            if drafted.turn is not None or drafted.evidence.position is not None:
+                axes = find_axes(drafted.evidence, drafted.turn, _axis_names(members), choices)
+        parts = {k: v for k, v in drafted.parts.items() if k != 'acceleration'}
+        if parts:
+            entries.append({'topic': topic} | parts)
+    if inertial:
+        entries.append(_draft_inertial(inertial, time, table, primary, axes, choices))
+        axes = axes or _inertial_axes(inertial, time, table, choices)
+    entries = [entry | ({'table': name} if name else {}) for entry in entries]
+    taken = [column for group in groups for column in group.columns]
+    rest = [
+        single for single in singles if single.column not in (time.entry.get('column'), *taken)
+    ]
+    entries += draft_scalars(name, table, rest, choices)
+    used = {column for entry in entries for column in _list_columns(entry)}
+    unused = [c for c in table if c not in used and c != time.entry.get('column')]
+    return TableDraft(entries, time, axes, groups, unused)
+
+
+def _sort_groups(
+    name: str, groups: list[ColumnGroup], table: Columns, choices: DraftChoices
+) -> dict[str, Groups]:
+    """Return the groups by topic and kind."""
+    topics: dict[str, Groups] = {}
+    words = parse_column_name(name).words if name else frozenset[str]()
+    named = {group.role for group in groups if group.role}
+    for group in groups:
+        kind = 'attitude' if group.kind in ('quaternion', 'euler') else group.kind
+        own = frozenset[str]().union(*(parse_column_name(c).words for c in group.columns))
+        if kind in ('force', 'torque'):
+            topic = 'wrench_command'
+        elif kind == 'acceleration' or (kind == 'rates' and (own | words) & INERTIAL):
+            topic = 'imu'
+        else:
+            role = group.role or _role_by_motion(group, topics, table, named)
+            topic = choices.override(f'{group.columns[0]}.topic', TOPICS[role])
+            if role == 'setpoint' and kind in ('velocity', 'rates'):
+                topic = 'setpoint/velocity'
+        members = topics.setdefault(topic, {})
+        # An attitude as quaternion and as angles: the quaternion has no convention to guess
+        if kind not in members or (kind == 'attitude' and group.kind == 'quaternion'):
+            members[kind] = group
+            choices.add_reason(f'{topic}: {kind}', group.columns, group.kind, group.reason)
+    return topics
+
+
+def _role_by_motion(
+    group: ColumnGroup, topics: Mapping[str, Groups], table: Columns, named: set[str]
+) -> str:
+    """Return the role of a group whose names do not say it."""
+    kind = 'attitude' if group.kind in ('quaternion', 'euler') else group.kind
+    numbers = group.stack(table)
+    repeated = float(np.mean((np.diff(numbers, axis=0) == 0.0).all(axis=1)))
+    if kind in topics.get(TOPICS['truth'], {}):
+        return 'setpoint' if repeated > HELD else 'estimate'
+    return 'truth' if 'truth' not in named or kind not in _kinds(topics, 'truth') else 'estimate'
+
+
+def _kinds(topics: Mapping[str, Groups], role: str) -> set[str]:
+    return {*topics.get(TOPICS[role], {})}
+
+
+def _axis_names(members: Groups) -> str:
+    group = members.get('position') or members.get('velocity')
+    return '' if group is None else ''.join(group.axes)
+
+
+def _draft_topic(
+    topic: str, members: Groups, time: TimeBase, table: Columns, choices: DraftChoices
+) -> MotionDraft:
+    """Return the parts of an odometry or setpoint topic."""
+    numbers = {kind: group.stack(table) for kind, group in members.items()}
+    return draft_motion(topic, time.seconds, members, numbers, choices)
+
+
+def _draft_inertial(
+    members: Groups,
+    time: TimeBase,
+    table: Columns,
+    primary: MotionDraft | None,
+    axes: VerticalAxes | None,
+    choices: DraftChoices,
+) -> dict[str, Any]:
+    """Return the entry of an IMU; its body axes may differ from those of the tracker."""
+    numbers = {kind: group.stack(table) for kind, group in members.items()}
+    alone = {kind: group for kind, group in members.items() if kind in ('rates', 'acceleration')}
+    turn = None if primary is None else primary.turn
+    entry: dict[str, Any] = {'topic': 'imu'}
+    if turn is None or 'rates' not in alone:
+        drafted = draft_motion('imu', time.seconds, alone, numbers, choices)
+        return entry | drafted.parts
+    rows = min(len(time.seconds), len(turn))
+    derived = body_rates_of(turn, time.seconds[:rows])
+    flips = [
+        fit_scale(numbers['rates'][:rows], derived * sign, time.seconds[:rows])
+        for sign in (np.ones(3), FLIP)
+    ]
+    if flips[1].share > flips[0].share + 0.1:
+        body = 'FRD' if axes is None or axes.body == 'FLU' else 'FLU'
+        entry['body'] = body
+        choices.add_reason('imu: axes', alone['rates'].columns, body,
+                           'the rates have y and z opposite to the attitude')  # fmt: skip
+        numbers = {kind: values * FLIP for kind, values in numbers.items()}
+    drafted = draft_motion('imu', time.seconds, alone, numbers, choices)
+    factor = max(flips, key=lambda fit: fit.share).factor
+    unit = _unit_by_factor(factor, max(fit.share for fit in flips))
+    if unit and 'rates' in drafted.parts:
+        drafted.parts['rates']['unit'] = choices.override('imu.rates.unit', unit)
+        choices.add_reason('imu: rates', alone['rates'].columns, unit,
+                           f'{factor:.3g} times the derivative of the attitude')  # fmt: skip
+    return entry | drafted.parts
+
+
+def _unit_by_factor(factor: float, share: float) -> str:
+    if share < 0.6:
+        return ''
+    return 'deg/s' if abs(np.log(factor / 57.3)) < abs(np.log(factor)) else 'rad/s'
+
+
+def _inertial_axes(
+    members: Groups, time: TimeBase, table: Columns, choices: DraftChoices
+) -> VerticalAxes | None:
+    """Return the body axes of an IMU alone, by gravity."""
+    if 'acceleration' not in members:
+        return None
+    values: Numbers = members['acceleration'].stack(table)
+    evidence = MotionEvidence(time.seconds, None, None, None, values)
+    return find_axes(evidence, None, '', choices)
+
+
+def _draft_wrench(topic: str, members: Groups, choices: DraftChoices) -> dict[str, Any]:
+    """Return the entry of commanded force and torque."""
+    units = {'force': 'N', 'torque': 'N m'}
+    entry: dict[str, Any] = {'topic': topic}
+    for kind, group in members.items():
+        unit = 'mN' if group.unit == 'mn' else units[kind]
+        unit = choices.override(f'{topic}.{kind}.unit', unit)
+        entry[kind] = {'columns': list(group.columns), 'unit': unit}
+    return entry
+
+
+def _list_columns(part: Any) -> list[str]:  # noqa: ANN401 - a mapping as plain data
+    """Return all columns that an entry names."""
+    if isinstance(part, dict):
+        return [
+            column
+            for key, value in part.items()
+            if key != 'topic'
+            for column in ([value] if key == 'column' else _list_columns(value))
+        ]
+    return [one for one in part if isinstance(one, str)] if isinstance(part, list) else []

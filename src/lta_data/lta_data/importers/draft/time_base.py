@@ -1,0 +1,182 @@
+"""Find the time of a table: its column and unit, or the rate of its rows."""
+
+from typing import Final, final, NamedTuple
+
+from lta_config.quantity import UNITS
+from lta_data.importers.draft.choices import DraftChoices
+from lta_data.importers.draft.column_groups import ColumnGroup, Columns
+from lta_data.importers.draft.name_hints import parse_column_name, TIMES, UNIT_WORDS
+from lta_data.importers.log_table import Numbers
+from lta_data.importers.readers.row_times import DATE, parse_date
+import numpy as np
+
+RATES: Final = (0.5, 3000.0)  # of samples that a flight log has [Hz]
+EPOCHS: Final = {'s': 1e9, 'ms': 1e12, 'us': 1e15, 'ns': 1e18}  # times since 1970, at least
+# Usual rates [Hz]
+NICE: Final = (
+    1, 2, 4, 5, 10, 15, 20, 24, 25, 30, 40, 50, 60, 75, 80, 90, 100, 120, 125, 128, 150, 180,
+    200, 240, 250, 256, 300, 333, 360, 400, 480, 500, 512, 600, 800, 1000,
+)  # fmt: skip
+
+
+@final
+class TimeBase(NamedTuple):
+    """
+    The time of a table.
+
+    Attributes
+    ----------
+    seconds : ndarray, shape (n,)
+        [s]
+    entry : dict
+        As in a mapping.
+
+    """
+
+    seconds: Numbers
+    entry: dict[str, str]
+
+
+def find_time_base(
+    name: str, table: Columns, groups: list[ColumnGroup], choices: DraftChoices
+) -> TimeBase:
+    """Return the time of a table, with its reason in `choices`."""
+    prefix = f'{name}.' if name else ''
+    column = choices.override(f'{prefix}time.column', _find_time_column(table, groups))
+    if column in table:
+        return _read_time_column(prefix, column, table, groups, choices)
+    count = len(next(iter(table.values())))
+    rows = np.arange(count, dtype=np.float64)
+    rate, why = _derive_rate(table, groups)
+    key = f'{prefix}time.rate'
+    if rate:
+        found = choices.override(key, f'{rate:g}')
+    else:
+        options = [(f'{hertz}', f'{hertz} rows per second') for hertz in (100, 50, 60, 200)]
+        found = choices.answers.get(key) or choices.decide(
+            key, options, 'No column is a time, and no velocity says how fast the rows follow.'
+        )
+        choices.used.add(key)
+    choices.add_reason(f'{prefix}time', [], f'{found} Hz', why)
+    return TimeBase(rows / float(found), {'rate': f'{float(found):g} Hz'})
+
+
+def _find_time_column(table: Columns, groups: list[ColumnGroup]) -> str:
+    """Return the name of the time column, '' if there is none."""
+    taken = {column for group in groups for column in group.columns}
+    rising = [
+        column
+        for column, cells in table.items()
+        if column not in taken and (cells.dtype.kind not in 'fiub' or _rises(cells))
+    ]
+    for column in rising:
+        name = parse_column_name(column)
+        dated = table[column].dtype.kind not in 'fiub'
+        if dated and DATE.fullmatch(str(table[column][0]).strip()):
+            return column
+        if not dated and name.words & TIMES:
+            return column
+    numbers = [column for column in rising if table[column].dtype.kind in 'fiub']
+    first = next(iter(table))
+    # Without a name: the first column, if it rises evenly
+    return first if first in numbers and _is_even(table[first]) else ''
+
+
+def _rises(cells: Numbers) -> bool:
+    """Return whether numbers rise nearly everywhere."""
+    good = cells[np.isfinite(cells)]
+    return len(good) > 2 and bool(np.mean(np.diff(good) > 0.0) > 0.9) and good[-1] > good[0]
+
+
+def _is_even(cells: Numbers) -> bool:
+    step = np.diff(cells)
+    usual = float(np.median(step))
+    return usual > 0.0 and float(np.median(np.abs(step - usual))) < 0.2 * usual
+
+
+def _read_time_column(
+    prefix: str, column: str, table: Columns, groups: list[ColumnGroup], choices: DraftChoices
+) -> TimeBase:
+    """Return the time of a column in the unit that fits."""
+    cells = table[column]
+    key = f'{prefix}time.unit'
+    if cells.dtype.kind not in 'fiub':
+        seconds = np.array([parse_date(str(cell)) for cell in cells], dtype=np.float64) * 1e-9
+        choices.add_reason(f'{prefix}time', [column], 'dates', 'dates with time of day')
+        return TimeBase(seconds - seconds[0], {'column': column})
+    unit, why = _find_time_unit(column, cells, table, groups)
+    if not unit:
+        fitting = _list_units(cells)
+        options = [
+            (one, f'{1.0 / (_median_step(cells) * UNITS[one][1]):.4g} rows per second')
+            for one in fitting or EPOCHS
+        ]
+        unit = choices.decide(key, options, 'The rate of the rows is plausible in each unit.')
+        why = 'as you decided'
+    unit = choices.override(key, unit)
+    choices.add_reason(f'{prefix}time', [column], unit, why)
+    first = cells[np.isfinite(cells)][0]
+    return TimeBase((cells - first) * UNITS[unit][1], {'column': column, 'unit': unit})
+
+
+def _find_time_unit(
+    column: str, cells: Numbers, table: Columns, groups: list[ColumnGroup]
+) -> tuple[str, str]:
+    """Return the unit of times and the reason; '' if several fit."""
+    named = UNIT_WORDS.get(parse_column_name(column).unit, ('',))[0]
+    if named in EPOCHS:
+        return named, 'the unit in the name'
+    first = float(cells[np.isfinite(cells)][0])
+    for unit, least in EPOCHS.items():
+        if least <= first < least * 10.0:
+            return unit, 'the size of a time since 1970'
+    fitting = _list_units(cells)
+    rate, _ = _derive_rate(table, groups)
+    if rate:
+        step = _median_step(cells)
+        best = min(EPOCHS, key=lambda unit: abs(np.log(step * UNITS[unit][1] * rate)))
+        return best, f'the derivative of the motion: {rate:g} rows per second'
+    if len(fitting) == 1:
+        step = _median_step(cells) * UNITS[fitting[0]][1]
+        return fitting[0], f'{1.0 / step:.4g} rows per second, the only plausible rate'
+    return '', ''
+
+
+def _list_units(cells: Numbers) -> list[str]:
+    """Return the units in which the rate of the rows is that of a flight log."""
+    step = _median_step(cells)
+    return [unit for unit in EPOCHS if RATES[0] <= 1.0 / (step * UNITS[unit][1]) <= RATES[1]]
+
+
+def _median_step(cells: Numbers) -> float:
+    step = np.diff(cells[np.isfinite(cells)])
+    rising = step[step > 0.0]
+    return float(np.median(rising)) if len(rising) else 1.0
+
+
+def _derive_rate(table: Columns, groups: list[ColumnGroup]) -> tuple[float, str]:
+    """Return rows per second from velocity over movement per row; 0 if nothing says it. [Hz]"""
+    places = [group for group in groups if group.kind == 'position']
+    speeds = [group for group in groups if group.kind == 'velocity']
+    for place in places:
+        for speed in speeds:
+            if speed.role != place.role or speed.unit or place.unit:
+                continue
+            moved = np.linalg.norm(np.diff(place.stack(table), axis=0), axis=1)
+            fast = np.linalg.norm(speed.stack(table), axis=1)[1:]
+            # Only where it moves clearly
+            good = np.isfinite(moved) & np.isfinite(fast) & (moved > 0.0)
+            good &= fast > np.nanpercentile(fast, 30)
+            if good.sum() < 20:
+                continue
+            rates = fast[good] / moved[good]
+            rate = float(np.median(rates))
+            spread = float(np.median(np.abs(rates / rate - 1.0)))
+            if spread < 0.2 and RATES[0] <= rate <= RATES[1]:
+                nice = min(NICE, key=lambda hertz: abs(np.log(hertz / rate)))
+                close = abs(nice / rate - 1.0) < 0.05
+                return float(nice if close else round(rate, 1)), (
+                    f'{", ".join(speed.columns)} over the movement per row of '
+                    f'{", ".join(place.columns)} gives {rate:.4g} Hz'
+                )
+    return 0.0, ''

@@ -1,0 +1,157 @@
+"""Read the columns of MATLAB, NumPy and Parquet files; nothing in them is executed."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+import zipfile
+
+from lta_config.bounded_memory import limit_memory
+from lta_config.errors import BadInput
+from lta_config.limits import check_log_size, INFLATED_FREELY, INFLATION
+from lta_data.importers.readers.array_shapes import arrange_tables
+from lta_data.importers.readers.column_log import Column
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+HDF5 = b'\x89HDF\r\n\x1a\n'
+READ = tuple[dict[str, dict[str, Column]], list[str]]  # tables, remarks
+
+
+def read_mat_file(path: Path) -> READ:
+    """
+    Read a MATLAB file of version 5 or older.
+
+    Raises
+    ------
+    BadInput
+        If it is damaged, or has version 7.3.
+
+    """
+    # Import here: loading scipy.io takes a tenth of a second, and few imports need it.
+    from scipy.io import loadmat
+
+    check_log_size(path)
+    with path.open('rb') as stream:
+        head = stream.read(1024)
+    if HDF5 in head or head[:19] == b'MATLAB 7.3 MAT-file':
+        raise BadInput(
+            f"'{path}' is a MATLAB file of version 7.3 (HDF5), which LTA does not read; save it "
+            "with save(FILE, '-v7') in MATLAB."
+        )
+    try:
+        with limit_memory():
+            content = loadmat(path, simplify_cells=True)
+    # scipy raises many types for damaged files
+    except Exception as error:
+        raise _damaged(path, 'MATLAB', error) from None
+    return _require_tables(
+        path, {name: value for name, value in content.items() if not name.startswith('__')}
+    )
+
+
+def read_numpy_file(path: Path) -> READ:
+    """
+    Read an array (npy) or several (npz), without pickles.
+
+    Raises
+    ------
+    BadInput
+        If it is damaged, or contains Python objects.
+
+    """
+    check_log_size(path)
+    try:
+        if zipfile.is_zipfile(path):
+            _refuse_bomb(path)
+        with limit_memory(), path.open('rb') as stream:
+            found = np.load(stream, allow_pickle=False)
+            leaves = (
+                {name: found[name] for name in found.files}
+                if isinstance(found, np.lib.npyio.NpzFile)
+                else _name_array(found)
+            )
+    except BadInput:
+        raise
+    # numpy raises many types for damaged files
+    except Exception as error:
+        if 'allow_pickle' in str(error):
+            raise BadInput(
+                f"'{path}' contains pickled Python objects, and LTA does not unpickle files, "
+                'since a pickle can run any program; save its arrays of numbers with np.savez.'
+            ) from None
+        raise _damaged(path, 'NumPy', error) from None
+    return _require_tables(path, leaves)
+
+
+def read_parquet_file(path: Path) -> READ:
+    """Read a Parquet table; raise `BadInput` if it is damaged."""
+    check_log_size(path)
+    try:
+        with limit_memory():
+            table = pq.read_table(path)
+    except (pa.ArrowException, OSError, ValueError, MemoryError) as error:
+        raise _damaged(path, 'Parquet', error) from None
+    columns = {}
+    left_out = []
+    for name in table.column_names:
+        column = table.column(name)
+        if pa.types.is_timestamp(column.type):
+            columns[name] = column.cast(pa.timestamp('ns')).cast(pa.int64()).to_numpy()
+        elif pa.types.is_floating(column.type) or pa.types.is_integer(column.type):
+            columns[name] = column.to_numpy()
+        else:
+            left_out.append(name)
+    notes = [f'Not numbers, and left out: {", ".join(left_out)}.'] if left_out else []
+    if not columns or not table.num_rows:
+        raise _empty(path)
+    return {'': columns}, notes
+
+
+def _name_array(array: Column) -> dict[str, Column]:
+    """Return a single array by column: its field names, or column_1 and so on."""
+    if array.dtype.names:
+        return {name: array[name] for name in array.dtype.names}
+    if array.ndim != 2:
+        return {'column_1': array}
+    rows = array if array.shape[0] >= array.shape[1] else array.T
+    return {f'column_{index + 1}': rows[:, index] for index in range(rows.shape[1])}
+
+
+def _require_tables(path: Path, content: dict[str, Any]) -> READ:
+    """Return the tables of nested arrays; raise `BadInput` if there are none."""
+    tables, notes = arrange_tables(dict(_flatten(content)))
+    if not tables:
+        raise _empty(path)
+    return tables, notes
+
+
+def _flatten(content: dict[str, Any], prefix: str = '') -> Iterator[tuple[str, Any]]:
+    """Yield the arrays of nested structs by dotted name."""
+    for name, value in content.items():
+        if isinstance(value, dict):
+            yield from _flatten(value, f'{prefix}{name}.')
+        else:
+            yield prefix + name, value
+
+
+def _refuse_bomb(path: Path) -> None:
+    """Raise BadInput for an archive that unpacks to far more than its size."""
+    with zipfile.ZipFile(path) as archive:
+        size = sum(member.file_size for member in archive.infolist())
+    if size > INFLATED_FREELY + INFLATION * path.stat().st_size:
+        raise BadInput(
+            f"'{path}' unpacks to more than {INFLATION} times its size, which no log does."
+        )
+
+
+def _damaged(path: Path, what: str, error: Exception) -> BadInput:
+    reason = ' '.join(str(error).split()).rstrip('.')[:200] or type(error).__name__
+    return BadInput(
+        f"'{path}' cannot be read as a {what} file ({reason}); it is probably damaged, so copy "
+        'it again.'
+    )
+
+
+def _empty(path: Path) -> BadInput:
+    return BadInput(f"'{path}' contains no vector of numbers; give a log with data.")

@@ -1,0 +1,138 @@
+"""
+Serve arrays that were read at once as a log, with times by the mapping.
+
+A source (MATLAB, NumPy, Parquet, a folder of files) yields columns by table; a mapping says which
+column is the time, for all tables or for one.
+"""
+
+from collections.abc import Collection, Iterator, Mapping
+from pathlib import Path
+from typing import Any, final
+
+from lta_config.errors import BadInput
+from lta_config.quantity import UNITS
+from lta_config.schema.import_file import ImportMapping as MappingFile
+from lta_config.schema.import_file import TimeColumn
+from lta_config.topics import load_topic_table
+from lta_data.importers.log_provenance import CLOCK
+from lta_data.importers.log_table import LogTable, Times
+from lta_data.importers.protocol import PassThroughMessage, RawTopic, Reached
+from lta_data.importers.readers.csv_text import missing_columns_error
+from lta_data.importers.readers.row_times import compute_even_times, parse_exact_times, SECOND
+import numpy as np
+from numpy.typing import NDArray
+
+Column = NDArray[Any]  # numbers, or texts such as dates
+Tables = Mapping[str, Mapping[str, Column]]  # columns by table; a single table is ''
+
+
+@final
+class ColumnLog:
+    """
+    An opened log; see `protocol.LogReader`.
+
+    Raises
+    ------
+    BadInput
+        If the mapping gives no time for a table that it uses.
+
+    """
+
+    def __init__(self, path: Path, tables: Tables, notes: list[str], mapping: MappingFile) -> None:
+        self._path = path
+        self._tables = tables
+        self._times = _list_table_times(tables, mapping)
+        self.columns: Mapping[str, list[str]] = {
+            name: [column for column, cells in table.items() if cells.dtype.kind in 'fiub']
+            for name, table in tables.items()
+        }
+        self.raw: Mapping[str, RawTopic] = {}
+        self.notes = notes
+        self.facts: dict[str, str] = {}
+        self.timed = sorted({time.column for time in self._times.values() if time.column})
+
+    def iterate_tables(
+        self, selection: Mapping[str, Collection[str]], reached: Reached
+    ) -> Iterator[Mapping[str, LogTable]]:
+        """Yield all selected tables at once, on one clock."""
+        # Reading is done, writing the bag is not
+        reached(0.5)
+        stamps = {name: self._read_stamps(name) for name in selection}
+        shift = self._choose_time_offset(stamps)
+        found = {}
+        for name in selection:
+            at = stamps[name] + shift
+            numbers = {
+                column: self._tables[name][column].astype(np.float64)
+                for column in self.columns[name]
+            }
+            rows = np.arange(len(at), dtype=np.int64)
+            # Several tables are merged by time, a single one keeps its order
+            found[name] = LogTable(at, at, rows if len(selection) == 1 else at, numbers)
+        yield found
+
+    def iterate_messages(self, reached: Reached) -> Iterator[PassThroughMessage]:
+        """Yield nothing."""
+        yield from ()
+
+    def _read_stamps(self, name: str) -> Times:
+        """Return the times of a table. [ns]"""
+        time, table = self._times.get(name), self._tables[name]
+        if time is None:
+            raise BadInput(
+                f"The mapping gives no time for the table '{name}' of '{self._path}'; add "
+                '"time" to the topic that uses it.'
+            )
+        if time.column is None:
+            rows = np.arange(len(next(iter(table.values()))), dtype=np.int64)
+            self.facts[CLOCK] = 'rows counted'
+            return compute_even_times(time, rows)
+        if time.column not in table:
+            raise missing_columns_error(self._path, [time.column], list(table))
+        return _to_nanoseconds(table[time.column], time)
+
+    def _choose_time_offset(self, stamps: Mapping[str, Times]) -> int:
+        """Return the offset of all times, equal for all tables. [ns]"""
+        given = [time.start for time in self._times.values() if time.start is not None]
+        if given:
+            return round(given[0].si * SECOND)
+        first = min((int(times.min()) for times in stamps.values() if len(times)), default=0)
+        start = load_topic_table().start_ns
+        if first >= start:
+            return 0
+        shift = start - min(0, first // SECOND) * SECOND
+        self.notes.append(
+            f'The times in the log start at {first / SECOND:g} s. {shift / SECOND:g} s were added '
+            'to all times, since in ROS time 0 means "no clock yet".'
+        )
+        self.facts.setdefault(CLOCK, 'from its own start')
+        self.facts['time_shift'] = f'{shift / SECOND:g} s'
+        return shift
+
+
+def _list_table_times(tables: Tables, mapping: MappingFile) -> dict[str, TimeColumn]:
+    """Return the time of each table: its own, or that of the mapping."""
+    found = {} if mapping.time is None else dict.fromkeys(tables, mapping.time)
+    only = next(iter(tables)) if len(tables) == 1 else ''
+    own = {entry.table or only: entry.time for entry in mapping.topics if entry.time is not None}
+    return found | own
+
+
+def _to_nanoseconds(cells: Column, time: TimeColumn) -> Times:
+    """Return times in whole nanoseconds: integers exactly, floats to their own precision."""
+    if cells.dtype.kind not in 'fiub':
+        return parse_exact_times([str(cell) for cell in cells], time.unit, str(time.column), 0)[0]
+    factor = UNITS[time.unit][1] * SECOND
+    if cells.dtype.kind in 'iub':
+        return np.round(cells.astype(np.int64) * round(factor)).astype(np.int64)
+    if not np.isfinite(cells).all():
+        row = int(np.flatnonzero(~np.isfinite(cells))[0]) + 1
+        raise BadInput(
+            f"Column '{time.column}' has no time in row {row}; remove the row, or choose another "
+            'column in the mapping.'
+        )
+    # Whole and fractional seconds apart: their product with 1e9 would lose digits
+    scaled = cells.astype(np.float64) * UNITS[time.unit][1]
+    whole = np.floor(scaled)
+    found: Times = whole.astype(np.int64) * SECOND
+    return found + np.round((scaled - whole) * SECOND).astype(np.int64)

@@ -1,0 +1,130 @@
+"""
+Read ArduPilot's DataFlash logs (.bin): each message type is a table.
+
+Each message begins with 0xA3 0x95 and the number of its type. The messages FMT (number 128) define
+the types: number, length, name, a format character and a name for each field. Times (`TimeUS`) are
+in us since the autopilot was switched on. Checked against pymavlink's DFReader.
+"""
+
+from pathlib import Path
+from typing import Final, final, NamedTuple
+
+from lta_config.errors import BadInput
+from lta_config.limits import check_log_size
+from lta_config.schema.import_file import ImportMapping as MappingFile
+from lta_data.importers.log_provenance import CLOCK
+from lta_data.importers.log_table import LogTable
+from lta_data.importers.protocol import InMemoryLog
+import numpy as np
+
+HEAD: Final = b'\xa3\x95'
+FMT: Final = 128
+FMT_BYTES: Final = 89
+TIME: Final = 'TimeUS'
+MICROSECOND: Final = 1_000  # ns
+# Format character -> type and factor; texts and arrays are skipped
+KINDS: Final[dict[str, tuple[str, float]]] = {
+    'b': ('i1', 1.0), 'B': ('u1', 1.0), 'M': ('u1', 1.0), 'h': ('<i2', 1.0), 'H': ('<u2', 1.0),
+    'i': ('<i4', 1.0), 'I': ('<u4', 1.0), 'q': ('<i8', 1.0), 'Q': ('<u8', 1.0),
+    'f': ('<f4', 1.0), 'd': ('<f8', 1.0), 'g': ('<f2', 1.0),
+    'c': ('<i2', 0.01), 'C': ('<u2', 0.01), 'e': ('<i4', 0.01), 'E': ('<u4', 0.01),
+    'L': ('<i4', 1e-7), 'n': ('V4', 0.0), 'N': ('V16', 0.0), 'Z': ('V64', 0.0), 'a': ('V64', 0.0),
+}  # fmt: skip
+
+
+@final
+class MessageFormat(NamedTuple):
+    """One message type: name, fields with their factors, and the layout of a message."""
+
+    name: str
+    factors: dict[str, float]
+    record: np.dtype[np.void]
+
+
+def open_dataflash(path: Path, mapping: MappingFile | None) -> InMemoryLog:
+    """
+    Read a DataFlash log completely.
+
+    Raises
+    ------
+    BadInput
+        If it contains no message with a time.
+
+    """
+    check_log_size(path)
+    data = path.read_bytes()
+    formats, places, skipped = _locate_messages(data)
+    tables = {
+        formats[kind].name: _build_table(data, formats[kind], found)
+        for kind, found in places.items()
+        if TIME in formats[kind].factors
+    }
+    if not tables:
+        raise BadInput(f"'{path}' is a DataFlash log without messages; give a log with data.")
+    notes = []
+    if skipped:
+        notes.append(f'{skipped} bytes of the log are not a complete message and are left out.')
+    return InMemoryLog(tables, notes, {CLOCK: 'since the vehicle was switched on'}, timed=(TIME,))
+
+
+def _locate_messages(
+    data: bytes,
+) -> tuple[dict[int, MessageFormat], dict[int, list[int]], int]:
+    """Return the types, the offsets of the messages of each, and the bytes skipped."""
+    formats: dict[int, MessageFormat] = {}
+    places: dict[int, list[int]] = {}
+    at = skipped = 0
+    while at + 3 <= len(data):
+        kind = data[at + 2]
+        size = 0
+        if data[at : at + 2] == HEAD:
+            known = formats.get(kind)
+            size = FMT_BYTES if kind == FMT else known.record.itemsize if known else 0
+        if not size or at + size > len(data):
+            # Damaged or unknown: search for the next head
+            following = data.find(HEAD, at + 1)
+            following = len(data) if following < 0 else following
+            skipped += following - at
+            at = following
+            continue
+        if kind == FMT:
+            if made := _read_format(data[at : at + size]):
+                formats.setdefault(*made)
+        else:
+            places.setdefault(kind, []).append(at)
+        at += size
+    return formats, places, skipped + len(data) - at
+
+
+def _read_format(message: bytes) -> tuple[int, MessageFormat] | None:
+    """Return number and layout of a type; None if its definition is inconsistent."""
+    kind, size = message[3], message[4]
+    name, codes, labels = (
+        part.rstrip(b'\0').decode('ascii', errors='replace')
+        for part in (message[5:9], message[9:25], message[25:89])
+    )
+    names = labels.split(',') if labels else []
+    if len(names) != len(codes) or len(set(names)) != len(names) or not {*codes} <= {*KINDS}:
+        return None
+    fields = [('head', 'V3'), *((n, KINDS[c][0]) for n, c in zip(names, codes, strict=True))]
+    record = np.dtype(fields)
+    if record.itemsize != size:
+        return None
+    factors = {n: KINDS[c][1] for n, c in zip(names, codes, strict=True) if KINDS[c][1]}
+    return kind, MessageFormat(name, factors, record)
+
+
+def _build_table(data: bytes, form: MessageFormat, places: list[int]) -> LogTable:
+    """Return all messages of a type as a table."""
+    offsets = np.array(places)
+    raw = np.frombuffer(data, dtype=np.uint8)
+    # Shape (messages, bytes)
+    rows = raw[offsets[:, None] + np.arange(form.record.itemsize)]
+    records = np.ascontiguousarray(rows).view(form.record).reshape(-1)
+    times = records[TIME].astype(np.int64) * MICROSECOND
+    numbers = {
+        name: records[name].astype(np.float64) * factor
+        for name, factor in form.factors.items()
+        if name != TIME
+    }
+    return LogTable(times, times, offsets.astype(np.int64), numbers)

@@ -1,0 +1,131 @@
+"""Read a folder with one file for each sensor: each file is a table."""
+
+from pathlib import Path
+
+from lta_config.errors import BadInput
+from lta_config.limits import check_log_size
+from lta_data.importers.readers.array_files import (
+    READ,
+    read_mat_file,
+    read_numpy_file,
+    read_parquet_file,
+)
+from lta_data.importers.readers.column_log import Column
+from lta_data.importers.readers.csv_text import read_column_names, TextRows
+from lta_data.importers.readers.text_dialect import detect_text_format
+import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+
+READERS = {
+    '.mat': read_mat_file,
+    '.npy': read_numpy_file,
+    '.npz': read_numpy_file,
+    '.parquet': read_parquet_file,
+}
+RUNS = ('.ulg', '.bin', '.bag', '.mcap', '.db3')  # further formats with one run in a file
+TEXTS = ('.csv', '.txt', '.tsv', '.dat', '.log')
+
+
+def read_text_file(path: Path) -> READ:
+    """Read a text with columns completely, in whatever dialect it is."""
+    check_log_size(path)
+    text = detect_text_format(path)
+    names = read_column_names(path, text)
+    with path.open('rb') as stream:
+        try:
+            rows = TextRows(stream, text, names, dict.fromkeys(names, pa.binary()))
+            table = pa.Table.from_batches(list(rows))
+        except (pa.ArrowInvalid, OSError, EOFError) as error:
+            reason = ' '.join(str(error).split())[:200]
+            raise BadInput(
+                f"'{path}' cannot be read as a text table ({reason}); correct the file."
+            ) from None
+    notes = rows.describe_skipped()
+    columns = {name: _to_numbers(table.column(name)) for name in names}
+    return {'': {name: cells for name, cells in columns.items() if cells is not None}}, notes
+
+
+def read_folder(path: Path) -> READ:
+    """
+    Read all data files of a folder, also in folders inside it.
+
+    A table has the name of its file without the suffix; 'imu0/data.csv' is 'imu0'.
+
+    Raises
+    ------
+    BadInput
+        If a file cannot be read, or there is none.
+
+    """
+    tables: dict[str, dict[str, Column]] = {}
+    notes: list[str] = []
+    for file in list_data_files(path):
+        found, remarks = read_table_file(file)
+        base = name_table(path, file)
+        for name, columns in found.items():
+            tables[f'{base}.{name}' if name else base] = columns
+        notes += [f'{base}: {remark}' for remark in remarks]
+    if not tables:
+        raise BadInput(
+            f"Folder '{path}' contains no data file ({', '.join((*TEXTS, *READERS))}) and no bag; "
+            'give a folder of logs.'
+        )
+    return tables, notes
+
+
+def read_table_file(path: Path) -> READ:
+    """Read one file by its suffix."""
+    return READERS.get(path.suffix.lower(), read_text_file)(path)
+
+
+def list_data_files(path: Path) -> list[Path]:
+    """Return the files of a folder that can be tables, sorted; hidden ones do not count."""
+    return _list_files(path, (*TEXTS, *READERS))
+
+
+def list_run_files(path: Path) -> list[Path]:
+    """Return the logs in a folder, sorted; hidden ones do not count."""
+    return _list_files(path, (*TEXTS, *READERS, *RUNS))
+
+
+def _list_files(path: Path, suffixes: tuple[str, ...]) -> list[Path]:
+    files = (file for file in path.rglob('*') if file.is_file() and file.name[0] != '.')
+    return sorted(file for file in files if _suffix(file) in suffixes)
+
+
+def name_table(folder: Path, file: Path) -> str:
+    """Return the table of a file: its name, or that of its folder if all are called 'data'."""
+    inside = file.relative_to(folder)
+    stem = inside.name.split('.')[0]
+    parts = [*inside.parts[:-1]] + ([] if stem == 'data' and len(inside.parts) > 1 else [stem])
+    return '/'.join(parts)
+
+
+def _suffix(file: Path) -> str:
+    return file.with_suffix('').suffix.lower() if file.suffix == '.gz' else file.suffix.lower()
+
+
+def _to_numbers(cells: pa.ChunkedArray) -> Column | None:
+    """Return a column as numbers, as texts if they are dates, or None if most are words."""
+    texts = pc.utf8_trim_whitespace(cells.cast(pa.string()))
+    texts = pc.if_else(pc.equal(texts, ''), None, texts)
+    try:
+        return (
+            np.asarray(pc.cast(texts, pa.int64()).to_numpy())
+            if not texts.null_count
+            else (pc.cast(texts, pa.float64()).to_numpy())
+        )
+    except pa.ArrowInvalid:
+        pass
+    numbers = np.array([_parse(cell) for cell in texts.to_pylist()])
+    if np.isfinite(numbers).mean() > 0.5:
+        return numbers
+    return np.array([cell or '' for cell in texts.to_pylist()])
+
+
+def _parse(cell: str | None) -> float:
+    try:
+        return float(cell or 'nan')
+    except ValueError:
+        return float('nan')

@@ -1,0 +1,124 @@
+"""Detect how a text with columns is written: delimiter, comments, lines before the names."""
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Final
+
+from lta_config.errors import BadInput
+from lta_config.limits import LINE_BYTES
+from lta_config.schema.import_file import TextFormat
+from lta_data.importers.readers.line_stream import decompress_stream
+
+LINES: Final = 60  # that are looked at
+DELIMITERS: Final = {',': ',', ';': ';', 'tab': '\t', 'whitespace': None}
+COMMENTS: Final = '#%'
+# Columns of a trajectory of the TUM RGB-D benchmark, which has no header
+TUM: Final = ['timestamp', 'tx', 'ty', 'tz', 'qx', 'qy', 'qz', 'qw']
+
+
+def detect_text_format(path: Path) -> TextFormat:
+    """
+    Return the format of the lines of a text.
+
+    The rows are the lines of numbers with the most frequent number of cells; the names are in the
+    line before the first row, also as a comment. Without names, columns are column_1 and so on.
+
+    Raises
+    ------
+    BadInput
+        If no two lines have equally many numbers.
+
+    """
+    lines = list(_read_lines(path))
+    found = {name: _count_rows(lines, mark) for name, mark in DELIMITERS.items()}
+    delimiter, (rows, cells) = max(found.items(), key=lambda one: (one[1][0], one[1][1]))
+    if rows < 2:
+        raise BadInput(
+            f"'{path}' has no two lines with equally many numbers, so it is not a table; give a "
+            'text with columns of numbers.'
+        )
+    mark = DELIMITERS[delimiter]
+    first = next(i for i, line in enumerate(lines) if _is_row(line, mark, cells))
+    before = [i for i in range(first) if lines[i].strip()]
+    marks = [start for i in before if (start := lines[i].lstrip()[0]) in COMMENTS]
+    comment = marks[0] if marks else None
+    names = _find_names([lines[i] for i in before], delimiter, cells)
+    plain = [i for i in before if lines[i].lstrip()[:1] not in COMMENTS]
+    # The line with the names is read by its position, unless it is a comment or not there
+    if names is not None and plain and plain[-1] == before[-1] and not marks:
+        return TextFormat(delimiter=delimiter, skip=len(plain) - 1)
+    if names is None:
+        names = TUM if cells == len(TUM) and mark is None else _number_columns(cells)
+    return TextFormat(delimiter=delimiter, comment=comment, skip=len(plain), header=names)
+
+
+def split_cells(line: str, mark: str | None) -> list[str]:
+    """Return the stripped cells of a line; `mark` None stands for white space."""
+    cells = [cell.strip().strip('"') for cell in line.strip().split(mark)]
+    # A delimiter at the end of a line
+    return cells[:-1] if mark in (',', ';', '\t') and cells and not cells[-1] else cells
+
+
+def _read_lines(path: Path) -> Iterator[str]:
+    """Yield the first lines."""
+    try:
+        with path.open('rb') as stream:
+            source = decompress_stream(stream)
+            for _ in range(LINES):
+                line = source.readline(LINE_BYTES)
+                if not line:
+                    return
+                yield line.decode('utf-8-sig', errors='replace')
+    except (OSError, EOFError) as error:
+        raise BadInput(f"'{path}' cannot be read ({error}); give an intact text file.") from None
+
+
+def _count_rows(lines: Sequence[str], mark: str | None) -> tuple[int, int]:
+    """Return how many lines have the most frequent number of cells of numbers, and that number."""
+    counts = Counter(
+        len(cells) for line in lines if (cells := split_cells(line, mark)) and _are_numbers(cells)
+    )
+    if not counts:
+        return 0, 0
+    count, rows = max(counts.items(), key=lambda one: (one[1], one[0]))
+    return rows, count
+
+
+def _is_row(line: str, mark: str | None, count: int) -> bool:
+    cells = split_cells(line, mark)
+    return len(cells) == count and _are_numbers(cells)
+
+
+def _are_numbers(cells: Sequence[str]) -> bool:
+    """Return whether cells are numbers: one at least, and a date or an empty cell beside it."""
+    numbers = sum(_is_number(cell) for cell in cells)
+    words = sum(bool(cell) and not _is_number(cell) for cell in cells)
+    return numbers > 0 and numbers >= words
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True
+
+
+def _find_names(before: Sequence[str], delimiter: str, cells: int) -> list[str] | None:
+    """Return the names of the columns, from the last line with as many."""
+    for line in reversed(before):
+        text = line.strip().lstrip(COMMENTS).strip()
+        for mark in (DELIMITERS[delimiter], ',', ';', '\t', None):
+            names = split_cells(text, mark)
+            if len(names) == cells and not any(map(_is_number, names)):
+                unique: list[str] = []
+                for index, name in enumerate(names):
+                    known = name or f'unnamed {index + 1}'
+                    unique.append(known if known not in unique else f'{known} ({index + 1})')
+                return unique
+    return None
+
+
+def _number_columns(cells: int) -> list[str]:
+    return [f'column_{index + 1}' for index in range(cells)]

@@ -1,0 +1,106 @@
+"""One wrong unit or axis of a whole recording is found by its cause; clean ones are not."""
+
+from lta_data.bag.channels import SignalChannel
+from lta_data.data_quality.checks.units import find_unit_by_size
+from lta_data.data_quality.motion_scales import quaternions_of, shrink_angles
+from lta_data.data_quality.recording import ChannelRecording
+from lta_data.data_quality.registry import run_checks
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+TOPIC = 'ground_truth/odom'
+
+
+def record(time=1.0, length=1.0, speed=1.0, angle=1.0, rate=1.0, flip=False):
+    """Return a flight of 30 s, with factors on its numbers."""
+    rng = np.random.default_rng(3)
+    t = np.arange(0.0, 30.0, 0.02)
+    angles = np.stack([0.35 * t, 0.12 * np.sin(0.9 * t), 0.1 * np.sin(1.3 * t)], axis=1)
+    turn = Rotation.from_euler('ZYX', angles)
+    body = np.stack([0.4 + 0.1 * np.sin(t), 0.03 * np.sin(t), 0.1 * np.cos(0.6 * t)], axis=1)
+    place = np.cumsum(turn.apply(body), axis=0) * 0.02 + [0.0, 0.0, 1.5]
+    rates = (turn[:-1].inv() * turn[1:]).as_rotvec() / 0.02
+    rates = np.concatenate([rates, rates[-1:]])
+    place, body = place + rng.normal(0, 1e-4, place.shape), body + rng.normal(0, 2e-3, body.shape)
+    rates = rates + rng.normal(0, 3e-3, rates.shape)
+    # A log has angles from -pi to pi
+    wrapped = np.arctan2(np.sin(angles), np.cos(angles)) + rng.normal(0, 3e-4, angles.shape)
+    read = Rotation.from_euler('ZYX', wrapped * angle)
+    if flip:
+        down = np.diag([1.0, -1.0, -1.0])
+        read = Rotation.from_matrix(down @ read.as_matrix() @ down)
+        place, body, rates = (v * [1.0, -1.0, -1.0] for v in (place, body, rates))
+    parts = {
+        'pose.pose.position': (place * length, 'm'),
+        'pose.pose.orientation': (read.as_quat(), '1'),
+        'twist.twist.linear': (body * speed, 'm/s'),
+        'twist.twist.angular': (rates * rate, 'rad/s'),
+    }
+    channels = [
+        SignalChannel(f'{TOPIC}/{path}.{axis}', unit, t * time, values[:, index].copy())
+        for path, (values, unit) in parts.items()
+        for index, axis in enumerate('xyzw'[: values.shape[1]])
+    ]
+    return ChannelRecording({c.name: c for c in channels}, {'data': 'measured'})
+
+
+def grave(recording):
+    return [one for one in run_checks(recording).findings if one.is_grave]
+
+
+def test_a_clean_flight_has_no_finding():
+    assert grave(record()) == []
+
+
+DEG = np.degrees(1.0)
+CASES = {
+    'position large': ({'length': 1e3}, 'position', '1000 times too large'),
+    'lengths large': ({'length': 1e3, 'speed': 1e3}, 'position', '1000 times too large'),
+    'position small': ({'length': 1e-3}, 'position', '1000 times too small'),
+    'lengths small': ({'length': 1e-3, 'speed': 1e-3}, 'position', '1000 times too small'),
+    'angles in deg': ({'angle': DEG}, 'orientation', 'The unit looks like deg'),
+    'angles and rates in deg': ({'angle': DEG, 'rate': DEG}, 'orientation', 'looks like deg'),
+    'angles small': ({'angle': 1 / DEG}, 'orientation', '57.3 times too small'),
+    'angles and rates small': ({'angle': 1 / DEG, 'rate': 1 / DEG}, 'orientation', 'too small'),
+    'times short': ({'time': 1e-3}, 'position', '1000 times too short'),
+    'times long': ({'time': 1e3}, 'position', '1000 times too long'),
+    'z down': ({'flip': True}, 'position', 'The z axis points down'),
+}
+
+
+@pytest.mark.parametrize(('factors', 'channel', 'sentence'), CASES.values(), ids=CASES)
+def test_the_cause_is_found_and_nothing_else(factors, channel, sentence):
+    (finding,) = grave(record(**factors))
+    assert finding.channel.endswith(channel)
+    assert sentence in finding.evidence
+
+
+def test_angles_that_turned_many_times_are_followed():
+    t = np.arange(0.0, 20.0, 0.01)
+    angles = np.stack([0.3 * t, 0.15 * np.sin(t), 0.1 * np.sin(1.7 * t + 0.3)], axis=1)
+    read = Rotation.from_euler('ZYX', angles * DEG).as_quat()
+    found = Rotation.from_quat(quaternions_of(shrink_angles(read)))
+    truth = Rotation.from_euler('ZYX', angles)
+    # The start has whole turns of 57.3 times the angle: compare the changes
+    turned = (found[0].inv() * found[-1]).magnitude()
+    assert turned == pytest.approx((truth[0].inv() * truth[-1]).magnitude(), abs=0.05)
+
+
+def commands(values):
+    time = np.arange(len(values)) * 0.01
+    return SignalChannel('motors/effort.left', '1', time, np.asarray(values))
+
+
+def test_corrupt_commands_are_no_other_unit_and_per_cent_is_one():
+    rng = np.random.default_rng(0)
+    duty = rng.uniform(0.2, 0.9, 2000)
+    broken = duty.copy()
+    broken[::25] = rng.uniform(2.0, 90.0, 80)
+    assert list(find_unit_by_size(commands(broken))) == []
+    (finding,) = find_unit_by_size(commands(duty * 100.0))
+    assert 'looks like %' in finding.evidence
+    recording = ChannelRecording({'motors/effort.left': commands(broken)}, {'data': 'measured'})
+    findings = grave(recording)
+    assert {one.kind for one in findings} == {'impossible'}
+    assert 'a duty is between -1 and 1' in findings[0].evidence

@@ -1,0 +1,257 @@
+"""A drafted mapping brings the files of a laboratory to the flight that they came from."""
+
+import json
+
+from lta_config.schema.import_file import load_mapping
+from lta_data.importers.draft.column_groups import group_columns
+from lta_data.importers.draft.draft_mapping import draft_mapping
+from lta_data.importers.draft.name_hints import parse_column_name
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from .csv_texts import ODOM
+from .lab_flights import DOWN, lab_flight, three, write_csv
+
+
+@pytest.mark.parametrize(
+    ('column', 'stem', 'axis', 'unit'),
+    [
+        ('px', ('p',), 'x', ''),
+        ('wx_vicon', ('w', 'vicon'), 'x', ''),
+        ('stateEstimate.qw', ('state', 'estimate', 'q'), 'w', ''),
+        ('p_RS_R_x [m]', ('p', 'rs', 'r'), 'x', 'm'),
+        ('gyro_z_dps', ('gyro',), 'z', 'dps'),
+        ('AccX', ('acc',), 'x', ''),
+        ('vbat (mV)', ('vbat',), '', 'mv'),
+        ('q[3]', ('q',), '3', ''),
+        ('yaw_deg', (), 'yaw', 'deg'),
+    ],
+)
+def test_names_are_taken_apart(column, stem, axis, unit):
+    assert parse_column_name(column) == (column, stem, axis, unit)
+
+
+def test_four_columns_are_a_quaternion_only_if_their_length_is_one():
+    table = {f'q{i}': np.full(10, 0.5) for i in range(4)}
+    assert [group.kind for group in group_columns(table)[0]] == ['quaternion']
+    table['q0'] = np.full(10, 3.0)
+    assert group_columns(table)[0] == []
+
+
+def import_drafted(bring, source, answers=None):
+    """Draft, require that nothing is open, import, and return the truth topic as arrays."""
+    draft = draft_mapping(source, answers or {})
+    assert draft.choices.questions == []
+    got = bring(source, draft.text)
+    poses = got.messages[ODOM]
+    found = {
+        'p': [[getattr(m.pose.pose.position, a) for a in 'xyz'] for m in poses],
+        'q': [[getattr(m.pose.pose.orientation, a) for a in 'xyzw'] for m in poses],
+        'v': [[getattr(m.twist.twist.linear, a) for a in 'xyz'] for m in poses],
+        'w': [[getattr(m.twist.twist.angular, a) for a in 'xyz'] for m in poses],
+    }
+    return {name: np.array(rows) for name, rows in found.items()}, got, draft
+
+
+def expect_flight(found, flight, parts='pqvw'):
+    """Compare with the truth; the written digits limit the accuracy."""
+    for part in parts:
+        truth = flight[part]
+        if part == 'q':
+            angle = (Rotation.from_quat(found['q']).inv() * Rotation.from_quat(truth)).magnitude()
+            assert angle.max() < 1e-6
+        else:
+            np.testing.assert_allclose(found[part], truth, atol=1e-6)
+
+
+def test_a_lab_file_in_our_own_conventions(bring, tmp_path):
+    f = lab_flight()
+    source = write_csv(tmp_path / 'a.csv', {
+        'time': f['t'] + 100.0, **three('p', f['p']), **three('q', f['q'], 'xyzw'),
+        **three('v', f['v']), **three('w', f['w']),
+    })  # fmt: skip
+    found, _, _ = import_drafted(bring, source)
+    expect_flight(found, f)
+
+
+def test_millimetres_milliseconds_degrees_and_z_down(bring, tmp_path):
+    f = lab_flight()
+    # Frd angles: the same roll, pitch and yaw with y and z turned over
+    rpy = np.degrees(f['rpy']) * DOWN
+    source = write_csv(tmp_path / 'a.csv', {
+        'timestamp': np.round((f['t'] + 7.0) * 1000.0), **three('pos_', f['p'] * DOWN * 1e3),
+        'roll': rpy[:, 0], 'pitch': rpy[:, 1], 'yaw': rpy[:, 2],
+        **three('vel_', f['v'] * DOWN), **three('gyro_', np.degrees(f['w']) * DOWN),
+        **three('acc_', f['a'] * DOWN / 9.80665),
+    }, ';')  # fmt: skip
+    found, got, draft = import_drafted(bring, source)
+    expect_flight(found, f, 'pv')
+    expect_flight(found, f, 'q')
+    imu = got.messages['/lta1/imu']
+    felt = np.array([[getattr(m.linear_acceleration, a) for a in 'xyz'] for m in imu])
+    np.testing.assert_allclose(felt, f['a'], atol=1e-5)
+    turned = np.array([[getattr(m.angular_velocity, a) for a in 'xyz'] for m in imu])
+    np.testing.assert_allclose(turned, f['w'], atol=1e-6)
+    assert got.stamps(ODOM)[:2] == [7_000_000_000, 7_020_000_000]
+    reasons = ' '.join(reason.reason for reason in draft.choices.reasons)
+    assert 'the accelerometer feels 9.8' in reasons
+
+
+def test_north_east_down_by_name_and_velocity_in_the_world(bring, tmp_path):
+    f = lab_flight()
+    to_ned = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
+    turn = Rotation.from_quat(f['q'])
+    theirs = Rotation.from_matrix(to_ned @ turn.as_matrix() @ np.diag(DOWN))
+    source = write_csv(tmp_path / 'a.csv', {
+        't': f['t'] + 5.0, **three('p', f['p'] @ to_ned.T, 'ned'),
+        **three('v', turn.apply(f['v']) @ to_ned.T, 'ned'),
+        **three('q', theirs.as_quat()[:, [3, 0, 1, 2]], '0123'), **three('w', f['w'] * DOWN),
+    })  # fmt: skip
+    found, _, draft = import_drafted(bring, source)
+    expect_flight(found, f)
+    assert 'order: wxyz' in draft.text
+    assert 'world: NED' in draft.text
+
+
+def test_a_file_without_time_has_the_rate_that_velocity_says(bring, tmp_path):
+    f = lab_flight()
+    source = write_csv(
+        tmp_path / 'a.csv',
+        {**three('p', f['p']), **three('q', f['q'], 'xyzw'), **three('v', f['v'])},
+    )
+    _, got, draft = import_drafted(bring, source)
+    assert 'time: {rate: 50 Hz}' in draft.text
+    assert np.diff(got.stamps(ODOM))[:3].tolist() == [20_000_000] * 3
+
+
+def test_an_inverted_attitude_is_recognised_by_the_rates(bring, tmp_path):
+    f = lab_flight()
+    inverse = f['q'] * [-1.0, -1.0, -1.0, 1.0]
+    source = write_csv(tmp_path / 'a.csv', {
+        't': f['t'] + 5.0, **three('p', f['p']), **three('q', inverse, 'xyzw'),
+        **three('v', f['v']), **three('w', f['w']),
+    })  # fmt: skip
+    found, _, draft = import_drafted(bring, source)
+    expect_flight(found, f)
+    assert 'direction: world to body' in draft.text
+
+
+def test_truth_estimate_and_command_are_told_apart_by_name(tmp_path):
+    f = lab_flight()
+    rng = np.random.default_rng(1)
+    drift = f['p'] + np.cumsum(rng.normal(0.0, 1e-3, f['p'].shape), axis=0)
+    source = write_csv(tmp_path / 'a.csv', {
+        't': f['t'], **three('vicon_', f['p']), **three('ekf_', drift),
+        **three('ref_', np.round(f['p'])), 'm1': 0.5 + 0.1 * np.sin(f['t']),
+        'm2': 0.3 + 0.0 * f['t'],
+        'vbat_mV': 3700.0 + 0.0 * f['t'],
+    })  # fmt: skip
+    draft = draft_mapping(source, {'ground_truth/odom.position.unit': 'm'})
+    (tmp_path / 'm.yaml').write_text(draft.text)
+    mapping, _ = load_mapping(str(tmp_path / 'm.yaml'))
+    by_topic = {entry.topic: entry for entry in mapping.topics}
+    assert by_topic['ground_truth/odom'].position.columns == ['vicon_x', 'vicon_y', 'vicon_z']
+    assert by_topic['odom'].position.columns == ['ekf_x', 'ekf_y', 'ekf_z']
+    assert by_topic['setpoint/pose'].position.columns == ['ref_x', 'ref_y', 'ref_z']
+    assert by_topic['motors'].actuators['m1'].effort.unit == '1'
+    assert by_topic['battery'].voltage.unit == 'mV'
+
+
+@pytest.mark.parametrize(
+    ('values', 'unit', 'extra'),
+    [
+        ([0.2, 0.9, 0.5], '1', {}),
+        ([20.0, 95.0, 50.0], '%', {}),
+        ([1100.0, 1900.0, 1500.0], '1', {'offset': -1000.0, 'over': 1000.0}),
+        ([30.0, 240.0, 120.0], '1', {'over': 255.0}),
+        ([3000.0, 60000.0, 30000.0], '1', {'over': 65535.0}),
+    ],
+)
+def test_the_scale_of_motors_follows_from_their_size(tmp_path, values, unit, extra):
+    f = lab_flight(10.0)
+    command = np.resize(values, len(f['t']))
+    source = write_csv(
+        tmp_path / 'a.csv', {'time_s': f['t'], 'motor_1': command, 'motor_2': command}
+    )
+    draft = draft_mapping(source, {})
+    (tmp_path / 'm.yaml').write_text(draft.text)
+    effort = load_mapping(str(tmp_path / 'm.yaml'))[0].topics[0].actuators['motor_1'].effort
+    assert effort.unit == unit
+    assert {name: getattr(effort, name) for name in extra} == extra
+
+
+def test_a_folder_of_sensors_gets_a_table_and_a_time_for_each(bring, tmp_path):
+    f = lab_flight()
+    folder = tmp_path / 'flight'
+    folder.mkdir()
+    write_csv(folder / 'vicon.csv', {
+        't_ms': np.round(f['t'] * 1000) + 9000, **three('p', f['p']), **three('q', f['q'], 'xyzw'),
+        **three('v', f['v']),
+    })  # fmt: skip
+    np.savez(folder / 'imu.npz', time=f['t'] + 9.0, gyro=f['w'], acc=f['a'])
+    draft = draft_mapping(folder, {})
+    assert draft.choices.questions == []
+    got = bring(folder, draft.text)
+    assert len(got.messages[ODOM]) == len(got.messages['/lta1/imu']) == len(f['t'])
+    assert got.stamps(ODOM)[5] == got.stamps('/lta1/imu')[5] == 9_100_000_000
+    force = got.messages['/lta1/imu'][7].linear_acceleration
+    assert (force.x, force.y, force.z) == pytest.approx(tuple(f['a'][7]))
+
+
+def ambiguous(path):
+    """Write a flight whose heights are on both sides of zero, without an accelerometer."""
+    f = lab_flight()
+    middle = f['p'] - f['p'].mean(axis=0)
+    columns = {'t': f['t'], **three('p', middle), **three('q', f['q'], 'xyzw'),
+               **three('v', f['v'])}  # fmt: skip
+    return write_csv(path, columns)
+
+
+def test_without_a_terminal_both_readings_and_the_option_that_decides(call, tmp_path):
+    source = ambiguous(tmp_path / 'a.csv')
+    status, told = call('import', '--draft', source, '--out', tmp_path / 'out')
+    assert status == 2
+    assert '--set world.up=up' in told.out
+    assert '--set world.up=down' in told.out
+    assert not (tmp_path / 'out').exists()
+
+
+@pytest.mark.parametrize(('up', 'world'), [('up', None), ('down', ('x', '-y', '-z'))])
+def test_the_option_decides_and_the_mapping_and_its_page_are_written(call, tmp_path, up, world):
+    source = ambiguous(tmp_path / 'a.csv')
+    words = ['import', '--draft', source, '--out', tmp_path / 'out', '--set', f'world.up={up}']
+    status, told = call(*words)
+    assert status == 0
+    assert 'What the columns are' in told.out
+    mapping, _ = load_mapping(str(tmp_path / 'out' / 'mapping.yaml'))
+    assert mapping.world == world
+    assert 'time [s]' in (tmp_path / 'out' / 'report.html').read_text()
+    assert json.loads((tmp_path / 'out' / 'draft.json').read_text())['unused'] == []
+    assert call('import', source, '--mapping', tmp_path / 'out' / 'mapping.yaml',
+               '--out', tmp_path / 'bag')[0] == 0  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ('words', 'sentence'),
+    [
+        (['--set', 'world.up=left'], "Unknown answer to world.up 'left'; known: down, up"),
+        (['--set', 'world.upp=up'], '--set world.upp decides nothing in this log'),
+        (['--set', 'up'], "--set 'up' is not KEY=VALUE"),
+    ],
+)
+def test_a_wrong_answer_is_one_sentence(call, tmp_path, words, sentence):
+    source = ambiguous(tmp_path / 'a.csv')
+    status, told = call('import', '--draft', source, '--out', tmp_path / 'out', *words)
+    assert status == 2
+    assert sentence in ' '.join((told.out + told.err).split())
+
+
+def test_a_published_flight_gets_the_shipped_mapping(measured):
+    source = measured('rgblimp/data_1.csv.gz')
+    draft = draft_mapping(source, {})
+    shipped, _ = load_mapping('rgblimp')
+    assert draft.choices.questions == []
+    assert 'world: [x, -y, -z]\nbody: FRD' in draft.text
+    assert 'time: {rate: 60 Hz}' in draft.text
+    assert f'euler: {shipped.topics[0].orientation.euler}'.replace("'", '') in draft.text
