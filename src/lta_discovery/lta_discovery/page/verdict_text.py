@@ -29,8 +29,26 @@ ROLES: Final = {
 
 
 def format_headline(finding: StudyResult) -> str:
+    """Return the verdict in a sentence, and whether coasting predicts as well."""
+    said = draw_conclusion(finding)
+    return f'{_format_verdict(finding, said)}{_format_useless(said)}'
+
+
+def _format_useless(conclusion: Conclusion) -> str:
+    """Return a sentence to be appended if the final model does not beat coasting."""
+    gap = conclusion.useless
+    if gap is None:
+        return ''
+    coast, after = (format_quantity(part, gap.unit, 2) for part in (gap.coast, gap.after))
+    return (
+        f' The final model is no improvement: coasting, which ignores the commands, predicts the '
+        f'position {gap.horizon_s:g} s ahead as well or better ({coast} against {after}).'
+    )
+
+
+def _format_verdict(finding: StudyResult, said: Conclusion) -> str:
     """Return the verdict in a sentence."""
-    said, rest = draw_conclusion(finding), _format_remainder(finding)
+    rest = _format_remainder(finding)
     if finding.verdict == 'none':
         return f'{_format_no_effect_headline(said)}{_format_draught(finding)}'
     if finding.verdict == 'not_identifiable':
