@@ -307,10 +307,12 @@ def _check_long_enough(flights: Sequence[StudyFlight]) -> None:
     for role in dict.fromkeys(one.role for one in flights):
         own = [one for one in flights if one.role == role]
         pieces = sum(len(one.flight.replay.first) for one in own)
-        if pieces < FEWEST:
+        # One piece can confirm or test what several have taught
+        least = FEWEST if role == 'train' else 1
+        if pieces < least:
             raise BadInput(
                 f'{", ".join(one.name for one in own)}: too little usable data for the role '
-                f"'{role}' (pieces without a gap: {pieces}, needed: {FEWEST}). "
+                f"'{role}' (pieces without a gap: {pieces}, needed: {least}). "
                 'Record more or longer flights, with fewer gaps.'
             )
 

@@ -138,7 +138,7 @@ def _smooth_derivative(values: Array, order: int) -> Array:
     out = np.full_like(values, np.nan)
     for begin, end in find_usable_runs(np.isfinite(values).all(axis=1)):
         if end - begin >= WINDOW:
-            out[begin:end] = savgol_filter(
-                values[begin:end], WINDOW, 3, deriv=order, delta=PERIOD, axis=0
-            )
+            smooth = savgol_filter(values[begin:end], WINDOW, 3, deriv=order, delta=PERIOD, axis=0)
+            # At its ends the filter extrapolates, which amplifies noise
+            out[begin + WINDOW // 2 : end - WINDOW // 2] = smooth[WINDOW // 2 : -(WINDOW // 2)]
     return out

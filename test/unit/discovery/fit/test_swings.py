@@ -1,6 +1,7 @@
 """Damping from swings alone, against swings of an independent simulator."""
 
 from dataclasses import replace
+import itertools
 
 from lta_challenge.other.flight import FlightSimulator
 from lta_challenge.other.truth import build_vehicle_truth, VehicleTruth
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 import pytest
 from scipy.spatial.transform import Rotation
 
-from ..hidden_flight import prepared
+from ..hidden_flight import prepared  # noqa: TID252 - `test` is Python's own
 
 Array = NDArray[np.float64]
 Known = tuple[NominalVehicle, list[FreeParameter]]
@@ -90,7 +91,7 @@ def fit(gtmab: Known, truth: VehicleTruth) -> JointFit:
 
 def estimated(fit: JointFit, truth: VehicleTruth, gtmab: Known) -> VehicleTruth:
     """Return the vehicle of the file with the estimated numbers, for the other simulator."""
-    nominal, knobs = gtmab
+    _, knobs = gtmab
     at = {knob.name: float(v) for knob, v in zip(knobs, fit.fitted.mean, strict=False)}
     file = build_vehicle_truth(load_vehicle('gtmab'))
     linear, square = file.turn_linear[1] + at[LINEAR], file.turn_square[1] + at[SQUARE]
@@ -123,7 +124,7 @@ def period_and_decay(truth: VehicleTruth, angle: float) -> tuple[float, float]:
     pitch = pitch_of(pose)
     up = np.flatnonzero((pitch[:-1] < 0.0) & (pitch[1:] >= 0.0))
     begun = time[up] - pitch[up] * (time[1] - time[0]) / (pitch[up + 1] - pitch[up])
-    tops = [pitch[a:b].max() for a, b in zip(up, up[1:], strict=False)]
+    tops = [pitch[a:b].max() for a, b in itertools.pairwise(up)]
     return float(np.diff(begun).mean()), float(np.log(tops[0] / tops[-1])) / (len(tops) - 1)
 
 

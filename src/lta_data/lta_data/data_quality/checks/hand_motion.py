@@ -40,6 +40,8 @@ STEADY = 1.5  # ratio of its longest to its shortest half period
 GROWN = 1.1  # most growth from one half swing to the next: noise
 SIDEWAYS = 0.3  # most horizontal speed of a drop, relative to the vertical one
 BUMPS = 0.02  # most decrease of the speed of a drop in a step, relative to the largest
+FINAL = 0.9  # of the largest speed of a drop, which falls below only by an impact
+RESTING = 0.2  # of the same; most speed after the impact
 FORCE = 1e-3  # smaller commanded forces count as zero [N]
 
 
@@ -236,8 +238,9 @@ def is_drop(speed: Array, step: float) -> bool:
     vertical = speed[:, 2] * np.sign(speed[np.argmax(np.abs(speed[:, 2])), 2])
     top = int(np.argmax(vertical))
     straight = np.linalg.norm(speed[:, :2], axis=1).max() < SIDEWAYS * vertical[top]
-    # The smoothed speed needs a moment to fall to 0 at an impact
-    after = vertical[top + round(2.0 * WIDE / step) :]
     falling = (np.diff(vertical[: top + 1]) > -BUMPS * vertical[top]).all()
-    stops = len(after) == 0 or np.abs(after).max() < 0.2 * vertical[top]
-    return bool(straight and falling and stops and top * step > 2.0 * WIDE)
+    slower = np.flatnonzero(vertical[top:] < FINAL * vertical[top])
+    # The smoothed speed needs a moment to fall to 0 at an impact
+    hit = top + int(slower[0]) + round(2.0 * WIDE / step) if len(slower) else len(vertical)
+    rests = np.abs(vertical[hit:]).max(initial=0.0) < RESTING * vertical[top]
+    return bool(straight and falling and rests and top * step > 2.0 * WIDE)
