@@ -36,6 +36,8 @@ def _clip_duties(commands: Stream) -> tuple[Stream, int]:
 
 def _clip_wrench(wrench: Stream) -> tuple[Stream, int]:
     """Clip commands far beyond the usual ones of their axis."""
+    if not len(wrench.time):
+        return wrench, 0
     size = np.abs(wrench.values)
     usual = BEYOND * np.percentile(size, PART, axis=0)
     short = _mark_short_runs((size > usual) & (usual > 0.0))

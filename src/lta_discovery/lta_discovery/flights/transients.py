@@ -101,7 +101,8 @@ def _mark_idle_points(flight: MeasuredFlight) -> Mask:
     if largest == 0.0:
         return np.zeros(len(flight.time), dtype=np.bool_)
     newest = np.searchsorted(orders.time, flight.time + 1e-9, side='right') - 1
-    return (newest < 0) | (size[np.maximum(newest, 0)] < IDLE * largest)
+    idle: Mask = (newest < 0) | (size[np.maximum(newest, 0)] < IDLE * largest)
+    return idle
 
 
 def _find_hands(flight: MeasuredFlight) -> tuple[float, float]:
@@ -136,7 +137,8 @@ def _find_release(pull: Array) -> int | None:
 def _smooth_derivative(values: Array, order: int) -> Array:
     """Return a smoothed derivative of the positions; NaN near gaps."""
     out = np.full_like(values, np.nan)
-    for begin, end in find_usable_runs(np.isfinite(values).all(axis=1)):
+    known: Mask = np.asarray(np.isfinite(values).all(axis=1))
+    for begin, end in find_usable_runs(known):
         if end - begin >= WINDOW:
             smooth = savgol_filter(values[begin:end], WINDOW, 3, deriv=order, delta=PERIOD, axis=0)
             # At its ends the filter extrapolates, which amplifies noise

@@ -146,6 +146,9 @@ def select_usable_flights(flights: Sequence[StudyRecording], vehicle: Vehicle) -
         else:
             usable.append((one.name, one.role, flight))
     _require_usable_time(flights, usable, cuts, faults)
+    for role in dict.fromkeys(one.role for one in flights):
+        if not any(own == role for _, own, _ in usable):
+            warnings.append(f'No flight of --{role} is usable; the study goes on without it.')
     light = {
         one.name: np.interp(flight.time, channel.time, channel.values)
         for one in flights
@@ -264,14 +267,14 @@ def _clean_flight(
     flight, more = add_stamp_noise(one.name, resample_flight(streams), rounding)
     warnings += [*whole, *said, *more]
     flight = _mask_intervals(flight, cuts, pose)
-    for end in find_transients(flight, streams):
-        inside = (flight.time >= end.from_s) & (flight.time <= end.to_s)
+    for part in find_transients(flight, streams):
+        inside = (flight.time >= part.from_s) & (flight.time <= part.to_s)
         cuts.append(
-            ExcludedInterval(one.name, f'{pose}/pose', end.from_s, end.to_s, f'{end.reason}.')
+            ExcludedInterval(one.name, f'{pose}/pose', part.from_s, part.to_s, f'{part.reason}.')
         )
         warnings.append(
-            f'{one.name}: {end.to_s - end.from_s:.1f} s are cut, from {end.from_s:.1f} to '
-            f'{end.to_s:.1f} s: {end.reason}.'
+            f'{one.name}: {part.to_s - part.from_s:.1f} s are cut, from {part.from_s:.1f} to '
+            f'{part.to_s:.1f} s: {part.reason}.'
         )
         flight = replace(flight, usable=flight.usable & ~inside)
     flight, loud = remove_noisy_intervals(one.name, flight)
@@ -368,17 +371,16 @@ def _require_usable_time(
     cuts: Sequence[ExcludedInterval],
     faults: Mapping[Role, BadInput],
 ) -> None:
-    """Raise an error if a requested role has too little usable time."""
-    for role in dict.fromkeys(one.role for one in flights):
-        seconds = sum(_usable_seconds(flight) for _, own, flight in usable if own == role)
-        if seconds == 0.0 and role in faults:
-            raise faults[role]
-        if seconds == 0.0 or (role == 'train' and seconds < LEAST):
-            names = [one.name for one in flights if one.role == role]
-            why = dict.fromkeys(
-                f'{c.flight}: {c.channel}: {c.reason}' for c in cuts if c.flight in names
-            )
-            raise BadInput(
-                f'Only {seconds:.0f} s of the flights of --{role} are usable, which is too '
-                f'little; record {LEAST:.0f} s or more. {" ".join(list(why)[:2])}'.rstrip()
-            )
+    """Raise an error if the training flights have too little usable time."""
+    seconds = sum(_usable_seconds(flight) for _, role, flight in usable if role == 'train')
+    if seconds == 0.0 and 'train' in faults:
+        raise faults['train']
+    if seconds < LEAST:
+        names = [one.name for one in flights if one.role == 'train']
+        why = dict.fromkeys(
+            f'{c.flight}: {c.channel}: {c.reason}' for c in cuts if c.flight in names
+        )
+        raise BadInput(
+            f'Only {seconds:.0f} s of the flights of --train are usable, which is too '
+            f'little; record {LEAST:.0f} s or more. {" ".join(list(why)[:2])}'.rstrip()
+        )
