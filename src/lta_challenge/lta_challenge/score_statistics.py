@@ -1,6 +1,7 @@
 """Summarize scored cases as shares with intervals, and compare them with targets."""
 
 from collections.abc import Callable, Iterable, Sequence
+from functools import partial
 from itertools import pairwise
 import math
 from typing import Final, final, NamedTuple
@@ -243,6 +244,11 @@ def compute_score_figures(cases: Sequence[ScoredCase]) -> list[ScoreFigure]:
     ]
 
 
+def _is_no_worse(model: str, one: ScoredCase) -> bool:
+    """Return whether a model predicts the flights of its fit as well as the vehicle file."""
+    return one.training[model] <= NO_WORSE
+
+
 def _fit_figures(cases: Sequence[ScoredCase]) -> list[ScoreFigure]:
     """Return the figures of fits that must not diverge."""
     fitted = [one for one in cases if one.training]
@@ -254,9 +260,7 @@ def _fit_figures(cases: Sequence[ScoredCase]) -> list[ScoreFigure]:
         *(
             ScoreFigure(
                 f'{words} predicts its own flights as well as the vehicle file',
-                _estimate_passing_share(
-                    fitted, lambda one, model=model: one.training[model] <= NO_WORSE
-                ),
+                _estimate_passing_share(fitted, partial(_is_no_worse, model)),
                 least=1.0,
             )
             for model, words in FITTED.items()

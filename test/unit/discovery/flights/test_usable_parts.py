@@ -55,7 +55,7 @@ def test_whole_flights_are_used_whole_and_told_to_be_simulated(flights, gtmab):
         'A, B, C are marked as simulated: the results do not apply to a real vehicle.'
     )
     for _, _, flight in found.flights:
-        assert flight.usable[flight.time > 4.0].all()  # until then it stands on the floor
+        assert flight.usable[flight.time > 5.0].all()  # until then it stands, and takes off
         assert np.isfinite(flight.noise).all()
 
 
