@@ -200,13 +200,14 @@ def compute_model_errors(
             continue
         for h, horizon in enumerate(HORIZONS):
             square = {kind: np.sum(off[:, h, columns] ** 2, axis=-1) for kind, off in offs.items()}
+            known = np.all([np.isfinite(each) for each in square.values()], axis=0)
             if name in WHOLE:
-                # The pose was measured where coasting has an error
+                # The pose was measured where coasting has an error; other forecasts diverge
+                known = np.isfinite(square['coast'])
                 square = {
-                    kind: np.where(np.isfinite(square['coast']) & ~np.isfinite(each), np.inf, each)
+                    kind: np.where(np.isfinite(each), each, np.inf)
                     for kind, each in square.items()
                 }
-            known = np.all([~np.isnan(each) for each in square.values()], axis=0)
             if not known.any():
                 continue
             mean = {kind: float(np.sqrt(np.mean(each[known]))) for kind, each in square.items()}
