@@ -171,6 +171,7 @@ def _shrinkage(before: float, after: float) -> float:
     return 1.0 - after / before
 
 
+@np.errstate(over='ignore')
 def compute_model_errors(
     flights: Sequence[FlightLinearizer],
     models: Sequence[FlightUnderModels],
