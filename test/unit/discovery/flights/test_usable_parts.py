@@ -111,7 +111,8 @@ def test_a_range_finder_beyond_its_range_is_left_out_there(flights, gtmab):
     assert flight.usable[inside].all()
     quiet = (flight.time > 18.0) & (flight.time < 28.0)
     assert np.isfinite(flight.readings[quiet, 6]).all()
-    assert {cut.channel for cut in found.cuts} == {'range'}
+    # Before, the flight takes off
+    assert {cut.channel for cut in found.cuts if cut.from_s > 5.0} == {'range'}
 
 
 def test_gaps_of_the_tracker_are_told(flights, gtmab):
