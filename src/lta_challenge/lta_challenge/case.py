@@ -1,6 +1,6 @@
 """Generate a case of a challenge; it depends on seed, number, row and kind only."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, final
 
@@ -32,6 +32,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Draw = np.random.Generator
+FlightChange = Callable[[NominalVehicle, int], NominalVehicle]
 
 ROLES: Final[tuple[Role, ...]] = ('train', 'confirm', 'holdout')
 SECONDS: Final = (60.0, 180.0)  # s; range of flight lengths
@@ -85,11 +86,24 @@ class CaseFlight:
 @final
 @dataclass(frozen=True, slots=True)
 class ChallengeCase:
-    """A case: its flights, and the answer that stays hidden until scoring."""
+    """
+    A case.
+
+    Attributes
+    ----------
+    flights : tuple of CaseFlight
+        Its flights.
+    answer : dict
+        Hidden until scoring.
+    vehicle_file : str
+        Text of the vehicle file that discovery gets; '' for the unchanged one.
+
+    """
 
     number: int
     flights: tuple[CaseFlight, ...]
     answer: dict[str, Any]
+    vehicle_file: str = ''
 
 
 @final
@@ -147,8 +161,20 @@ class CaseGenerator:
             nominal = by_name[one.knob].apply_to(nominal, one.value)
         return perturb_vehicle(nominal, self._row.worse, self._create_random_generator(2))
 
-    def generate_case(self, roles: Sequence[str] = ROLES) -> ChallengeCase:
-        """Generate the case; the flight of a role does not depend on the roles that follow."""
+    def generate_case(
+        self, roles: Sequence[str] = ROLES, change: FlightChange = lambda nominal, _index: nominal
+    ) -> ChallengeCase:
+        """
+        Generate the case; the flight of a role does not depend on the roles that follow.
+
+        Parameters
+        ----------
+        roles : sequence of str
+            Of the flights.
+        change : callable
+            Changes the true vehicle of a flight, by its index.
+
+        """
         hidden = self._draw_hidden_effects()
         nominal, outside, name = self._build_case_vehicle(hidden), dict[str, Any](), ''
         if self._row.structured:
@@ -159,7 +185,8 @@ class CaseGenerator:
             name, given, floors = self._draw_detectable_effect(nominal, outside)
             outside[name] = given
         flights = tuple(
-            self._record_flight(nominal, outside, index, role) for index, role in enumerate(roles)
+            self._record_flight(change(nominal, index), outside, index, role)
+            for index, role in enumerate(roles)
         )
         answer = {
             'kind': self.kind,

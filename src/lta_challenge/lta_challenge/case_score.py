@@ -1,7 +1,7 @@
 """Score one case: compare the finding with the answer."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Final, final
 
 from lta_challenge.effect_injection import effect_of
@@ -85,6 +85,11 @@ class ScoredCase:
         Contradictions between the outputs of the study.
     remainder : float
         Size of the largest force that was reported as unexplained, in noise floors; 0 if none.
+    traceback : str
+        Of a study that ended with one, or ''.
+    training : mapping of str to float
+        Errors 'tuned' and 'after' on the flights of the fit, by those of the vehicle file: the
+        larger ratio of position and attitude.
 
     """
 
@@ -106,6 +111,8 @@ class ScoredCase:
     promised: tuple[str, ...] = ()
     contradictions: tuple[str, ...] = ()
     remainder: float = 0.0
+    traceback: str = ''
+    training: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def flagged(self) -> bool:
@@ -183,7 +190,22 @@ def score_case(number: int, answer: Mapping[str, Any], result: Mapping[str, Any]
         _find_detectable_misses(answer, result, missed),
         tuple(result.get('contradictions', ())),
         max((float(one['floors']) for one in result.get('remains', ())), default=0.0),
+        result.get('traceback', ''),
+        _compare_training_errors(result.get('training', [])),
     )
+
+
+def _compare_training_errors(errors: list[Mapping[str, Any]]) -> dict[str, float]:
+    """Return the errors on the flights of the fit, by those of the vehicle file."""
+    known = [one for one in errors if one['horizon_s'] <= FAR]
+    longest = {one['channel']: max(e['horizon_s'] for e in known if e['channel'] == one['channel'])
+               for one in known}  # fmt: skip
+    last = [one for one in known if one['horizon_s'] == longest[one['channel']]]
+    return {
+        model: max(float(one[model]) / float(one['before']) for one in last)
+        for model in ('tuned', 'after')
+        if last
+    }
 
 
 def _find_detectable_misses(

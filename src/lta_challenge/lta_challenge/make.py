@@ -15,6 +15,7 @@ from lta_challenge.case import CaseGenerator, ChallengeCase, ChallengeVehicle, S
 from lta_challenge.digest import compute_registry_digest, vehicle_digest
 from lta_challenge.other.case_generator import OtherCaseGenerator
 from lta_challenge.recording import write_bag
+from lta_challenge.rough_case import RoughCaseGenerator
 from lta_challenge.rows import find_challenge_row, Kind
 from lta_config.errors import BadInput
 from lta_config.files import find_file
@@ -68,10 +69,17 @@ def case_folder(number: int) -> str:
     return f'case_{number:04d}'
 
 
+def read_vehicle_text() -> str:
+    """Return the text of the file of the vehicle that all challenges use."""
+    return find_file('vehicle', VEHICLE).read_text(encoding='utf-8')
+
+
 def draw_case(order: ChallengeRequest, number: int) -> ChallengeCase:
     """Generate one case with the simulator of its row."""
-    about = load_challenge_vehicle()
-    if find_challenge_row(order.row).independent:
+    about, row = load_challenge_vehicle(), find_challenge_row(order.row)
+    if row.rough:
+        return RoughCaseGenerator(about, read_vehicle_text(), order.seed, number).generate_case()
+    if row.independent:
         return OtherCaseGenerator(
             about.vehicle, order.seed, number, order.kind, order.seconds
         ).generate_case()
@@ -87,9 +95,8 @@ def _generate_case(order: ChallengeRequest, folder: Path, number: int) -> dict[s
     # A worker may have died over it
     shutil.rmtree(place, ignore_errors=True)
     place.mkdir(parents=True)
-    vehicle = find_file('vehicle', VEHICLE).read_text(encoding='utf-8')
-    # Discovery gets the unchanged vehicle file
-    (place / 'vehicle.yaml').write_text(vehicle, encoding='utf-8')
+    text = case.vehicle_file or read_vehicle_text()
+    (place / 'vehicle.yaml').write_text(text, encoding='utf-8')
     metadata = {'challenge': str(order.seed), 'case': str(number), 'row': order.row}
     for flight in case.flights:
         write_bag(place / flight.name, flight.streams, about.vehicle.rotor_names, metadata)

@@ -45,6 +45,8 @@ class ChallengeRow:
         (`lta_discovery.selection.equivalence_classes`).
     independent : bool
         Whether the flights come from the independent simulator (`lta_challenge.other`).
+    rough : bool
+        Whether vehicle files and logs are as a laboratory's first ones (`rough_case`).
 
     """
 
@@ -57,6 +59,7 @@ class ChallengeRow:
     pushed: bool = False
     data: Data = 'all'
     independent: bool = False
+    rough: bool = False
 
 
 POSE: Final = ('ground_truth/odom',)
@@ -81,6 +84,12 @@ ROWS: Final[dict[str, ChallengeRow]] = {
         6,
         courses=(),
         independent=True,
+    ),
+    'rough': ChallengeRow(
+        'vehicle files wrong by a factor of 0.3 to 3 in one or two numbers; hand releases, starts '
+        'on the floor, gaps, spikes in the commands, short flights, lift off by tens of mN',
+        7,
+        rough=True,
     ),
 }
 

@@ -1,11 +1,13 @@
 """Summarize scored cases as shares with intervals, and compare them with targets."""
 
 from collections.abc import Callable, Iterable, Sequence
+from functools import partial
 from itertools import pairwise
 import math
 from typing import Final, final, NamedTuple
 
 from lta_challenge.case_score import ScoredCase
+from lta_challenge.rows import find_challenge_row
 from lta_flight.sweep.statistics import wilson_interval
 import numpy as np
 
@@ -13,6 +15,9 @@ CLEAR: Final = 6.0  # sigma; effects from this strength on should be named
 WEAK: Final = 3.0  # sigma
 SIZED: Final = 0.3  # of the true size; largest error of an unexplained force
 ORACLE: Final = 1.05  # held-out error relative to the oracle's
+NO_WORSE: Final = 1.05  # error of a fit on its own flights, by that of the vehicle file
+FAULTY: Final = 'study ended in a traceback'
+FITTED: Final = {'tuned': 'tuned model', 'after': 'final model'}
 # Kinds outside the library: known during the development of discovery, or written independently
 EARLY: Final = ' (early kinds)'
 LATE: Final = ' (late kinds)'
@@ -228,7 +233,45 @@ def compute_score_figures(cases: Sequence[ScoredCase]) -> list[ScoreFigure]:
     )
     torn = _estimate_passing_share(cases, lambda one: bool(one.contradictions))
     rest = [silent, ScoreFigure('outputs of the study contradict each other', torn, most=0.0)]
-    return [*_naming_figures(cases), *_outside_figures(cases), *_value_figures(cases), *rest]
+    # What should be named is unknown where the vehicle file is wrong
+    named = [one for one in cases if not find_challenge_row(one.row).rough]
+    return [
+        *_naming_figures(named),
+        *_outside_figures(named),
+        *_value_figures(named),
+        *rest,
+        *_fit_figures(cases),
+    ]
+
+
+def _is_no_worse(model: str, one: ScoredCase) -> bool:
+    """Return whether a model predicts the flights of its fit as well as the vehicle file."""
+    return one.training[model] <= NO_WORSE
+
+
+def _fit_figures(cases: Sequence[ScoredCase]) -> list[ScoreFigure]:
+    """Return the figures of fits that must not diverge."""
+    fitted = [one for one in cases if one.training]
+    forecast = [one for one in cases if {'after', 'coast'} <= set(one.errors)]
+    return [
+        ScoreFigure(
+            FAULTY, _estimate_passing_share(cases, lambda one: bool(one.traceback)), most=0.0
+        ),
+        *(
+            ScoreFigure(
+                f'{words} predicts its own flights as well as the vehicle file',
+                _estimate_passing_share(fitted, partial(_is_no_worse, model)),
+                least=1.0,
+            )
+            for model, words in FITTED.items()
+        ),
+        ScoreFigure(
+            'final model predicts better than constant velocity after 3 s',
+            _estimate_passing_share(
+                forecast, lambda one: one.errors['after'] < one.errors['coast']
+            ),
+        ),
+    ]
 
 
 @final

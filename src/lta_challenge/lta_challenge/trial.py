@@ -4,10 +4,12 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 import time
+import traceback
 from typing import Any, Final
 
 from lta_challenge.case import ROLES
 from lta_challenge.contradictions import find_contradictions
+from lta_challenge.rows import find_challenge_row
 from lta_config.errors import BadInput
 from lta_discovery.conclusion import draw_conclusion
 from lta_discovery.finding import ChannelErrors
@@ -50,6 +52,8 @@ def run_trial(folder: Path, read_answer: Callable[[], Mapping[str, Any]]) -> dic
     if made is not None:
         # Read after the study, so that the answer cannot influence it
         answer = read_answer()
+        if find_challenge_row(answer['row']).rough:
+            return found  # nothing is hidden, and the file is wrong
         try:
             found |= {'oracle': fit_oracle(made, answer)}
         except FAULTS as fault:
@@ -69,6 +73,8 @@ def study_case(folder: Path) -> tuple[dict[str, Any], DiscoveryStudy | None]:
     except FAULTS as fault:
         found |= {'refused': str(fault), 'verdict': 'not_identifiable', 'effects': [], 'gaps': []}
         found |= {'remains': [], 'warnings': []}
+        if not isinstance(fault, BadInput):
+            found |= {'traceback': ''.join(traceback.format_exception(fault))}
     found |= {'wall_s': time.monotonic() - wall, 'cpu_s': time.process_time() - cpu}
     return found, made
 
@@ -76,7 +82,11 @@ def study_case(folder: Path) -> tuple[dict[str, Any], DiscoveryStudy | None]:
 def _study_case(folder: Path) -> DiscoveryStudy:
     """Study a case as `lta discover` does."""
     name = str(folder / 'vehicle.yaml')
-    bags: dict[Role, list[Path]] = {role: [folder / role] for role in ROLES}
+    bags: dict[Role, list[Path]] = {
+        # Some rows have several flights of a role: train, train_4, ...
+        role: sorted(folder.glob(f'{role}*'))
+        for role in ROLES
+    }
     vehicle = load_vehicle(name)
     sound = select_usable_flights(read_bags(bags), vehicle)
     return add_confusable(
@@ -96,6 +106,7 @@ def _finding_to_dict(study: DiscoveryStudy) -> dict[str, Any]:
             for one in finding.effects
         ],
         'gaps': _select_pose_errors(finding.gaps),
+        'training': _select_pose_errors(finding.training),
         'remains': [one._asdict() for one in finding.remains],
         'warnings': list(finding.warnings),
         'advice': draw_conclusion(finding).advice,

@@ -21,6 +21,7 @@ from lta_discovery.selection.candidate_acceptance import GAIN
 
 Advice = Literal['keep', 'measure', 'again', 'use']
 
+FAR: Final = 3.0  # s; the horizon at which a model has to be better than coasting
 LOOSE: Final = 0.7  # of the error before; below it, tuning the tolerances alone is worth reporting
 WORSE: Final = 1.05  # of the error before; above it, the learned file should not be used yet
 CLOSER: Final = 0.95  # of the error with tolerances alone; above it, the effect predicts no better
@@ -45,7 +46,11 @@ class Conclusion:
     rivals : tuple of str
         Parameters that explain the data as well as an effect; the headline names them with "or".
     coasting : bool
-        Whether a model that ignores the commands predicts the position best.
+        Whether a model that ignores the commands predicts the position best, at the longest
+        horizon.
+    useless : ChannelErrors, optional
+        The position error over some seconds, if the final model does not beat coasting there:
+        then it is no improvement.
     advice : str
         What to do with the vehicle file, a key of `ADVICE`.
     gain : ChannelErrors, optional
@@ -65,11 +70,12 @@ class Conclusion:
     gain: ChannelErrors | None
     by_tolerances: bool
     fits: bool
+    useless: ChannelErrors | None = None
 
     @property
     def is_doubtful(self) -> bool:
         """Whether the names or their values are in doubt."""
-        return bool(self.rivals) or self.advice == 'again' or self.coasting
+        return bool(self.rivals or self.useless) or self.advice == 'again' or self.coasting
 
 
 def draw_conclusion(finding: StudyResult) -> Conclusion:
@@ -77,19 +83,29 @@ def draw_conclusion(finding: StudyResult) -> Conclusion:
     gap = select_main_error(finding.gaps)
     advice, loose = _choose_advice(finding), _tolerances_suffice(finding)
     rivals = dict.fromkeys(rival for one in finding.effects for rival in one.confusable_with)
+    useless = find_useless_forecast(finding.gaps)
     # A gain is only reported together with the advice to use it
     better = advice == 'use' and gap is not None and gap.shrink > 0.0
+    worthy = better or (loose and advice == 'measure')
     return Conclusion(
         asserted=bool(finding.effects) and finding.verdict != 'not_identifiable',
         rivals=tuple(rivals),
         coasting=gap is not None and gap.coast < min(gap.tuned, gap.after),
         advice=advice,
-        gain=gap if better or (loose and advice == 'measure') else None,
+        gain=gap if worthy and useless is None else None,
         by_tolerances=gap is not None and gap.after >= CLOSER * gap.tuned,
         fits=finding.verdict == 'none'
         and advice == 'keep'
+        and useless is None
         and not (finding.strained or find_worse_forecasts(finding.gaps)),
+        useless=useless,
     )
+
+
+def find_useless_forecast(gaps: Sequence[ChannelErrors]) -> ChannelErrors | None:
+    """Return the position error over some seconds, if coasting is as good as the final model."""
+    far = [gap for gap in gaps if gap.channel == 'position' and gap.horizon_s == FAR]
+    return far[0] if far and far[0].coast <= far[0].after else None
 
 
 def _choose_advice(finding: StudyResult) -> Advice:
@@ -103,7 +119,8 @@ def _choose_advice(finding: StudyResult) -> Advice:
         return 'again'
     if finding.effects:
         gap = select_main_error(finding.gaps)
-        return 'again' if gap is not None and gap.after > WORSE * gap.before else 'use'
+        worse = gap is not None and gap.after > WORSE * gap.before
+        return 'again' if worse or find_useless_forecast(finding.gaps) is not None else 'use'
     if finding.strained or _tolerances_suffice(finding):
         return 'measure'
     # Strong evidence without a name means that the training and confirming flights disagree.

@@ -209,6 +209,35 @@ class IdentifiedGroup(NamedTuple):
 
 
 @final
+class FlightShare(NamedTuple):
+    """Share of a flight in what all flights tell about a number."""
+
+    flight: str
+    share: float
+
+
+@final
+class InformedParameter(NamedTuple):
+    """
+    A number that some flights inform.
+
+    Attributes
+    ----------
+    knob : str
+        The free parameter.
+    remaining : float
+        Its standard deviation after the flights, by that before.
+    flights : tuple of FlightShare
+        The most informative first.
+
+    """
+
+    knob: str
+    remaining: float
+    flights: tuple[FlightShare, ...]
+
+
+@final
 class LeftOutRegime(NamedTuple):
     """
     Forecast error of one flight regime that was left out of the fit.
@@ -298,6 +327,10 @@ class StudyResult:
         Parameters that the flights want further off than their tolerance allows.
     offsets : tuple of str
         Calibration numbers far from the vehicle file, one clause each.
+    training : tuple of ChannelErrors
+        Of position and attitude, on the flights of the fit.
+    information : tuple of InformedParameter
+        Which flight informs which number, the best known first.
 
     """
 
@@ -320,3 +353,5 @@ class StudyResult:
     draught: DraughtEstimate | None = None
     strained: tuple[str, ...] = ()
     offsets: tuple[str, ...] = ()
+    training: tuple[ChannelErrors, ...] = ()
+    information: tuple[InformedParameter, ...] = ()

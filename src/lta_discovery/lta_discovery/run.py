@@ -34,6 +34,7 @@ from lta_discovery.transfer.regimes import format_regime_warning
 from lta_model.vehicle import load_vehicle, Vehicle
 from lta_report.page_frame import write_file
 from lta_report.results_folder import stage_results, write_json
+import numpy as np
 
 VEHICLE = 'vehicle.yaml'
 REFITTED = 'refitted.yaml'
@@ -129,7 +130,30 @@ def discover_effects(request: DiscoveryRequest, folder: Path, tell: Tell) -> Dis
 def study_usable_flights(
     request: DiscoveryRequest, vehicle: Vehicle, sound: UsableFlights, tell: Tell
 ) -> DiscoveryStudy:
-    """Study the usable flights; add discrepancies, warnings and versions to the finding."""
+    """
+    Study the usable flights; add discrepancies, warnings and versions to the finding.
+
+    Raises
+    ------
+    BadInput
+        If the flights cannot be studied with this vehicle file.
+
+    """
+    try:
+        return _study_usable_flights(request, vehicle, sound, tell)
+    except (np.linalg.LinAlgError, ArithmeticError) as fault:
+        names = ', '.join(name for name, _, _ in sound.flights)
+        raise BadInput(
+            f'The equations of the fit have no solution for {names} with {request.vehicle} '
+            f'({fault}); correct the values of the vehicle file that are far off, or leave out '
+            'the shortest flight.'
+        ) from fault
+
+
+def _study_usable_flights(
+    request: DiscoveryRequest, vehicle: Vehicle, sound: UsableFlights, tell: Tell
+) -> DiscoveryStudy:
+    """Return the study with all that `study_usable_flights` adds."""
     found = add_forecast_effects(study_flights(vehicle, sound.flights, request.seed, tell), tell)
     only = format_regime_warning(found)
     told = [*list_forecast_warnings(found.finding.gaps), *([only] if only else [])]

@@ -9,20 +9,28 @@ from lta_discovery.calibration.offsets import (
     format_calibration_warning,
     list_calibration_offsets,
 )
+from lta_discovery.conclusion import FAR
 from lta_discovery.finding import ChannelErrors, SearchCandidate, StudyResult, Verdict
 from lta_discovery.fit.bounds import find_exceeded_tolerances, format_bounds_warning
 from lta_discovery.fit.evidence import per_flight_variance, wrench_floor
-from lta_discovery.fit.joint_fit import FlightFit, JointFit, JointFitter
+from lta_discovery.fit.joint_fit import FlightFit, JointFitter, RAN_AWAY
 from lta_discovery.flights.measured_flight import MeasuredFlight
 from lta_discovery.flights.outliers import remove_outliers
 from lta_discovery.flights.role_assignment import assign_roles, Role, ROLES
 from lta_discovery.flights.sentence_merger import merge_sentences
 from lta_discovery.flights.windows import cut_into_pieces, FEWEST
+from lta_discovery.forecast.file_comparison import (
+    ComparedFits,
+    format_share_warning,
+    format_withdrawal,
+    limit_to_file,
+)
 from lta_discovery.forecast.held_out import build_model_points, compute_model_errors
 from lta_discovery.forecast.tolerance_shrinkage import shrink_tolerances
 from lta_discovery.model.candidates import expand_vectors
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter, list_free_parameters
+from lta_discovery.replay.diverging_pieces import drop_diverging_pieces
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.replay.knot_count import count_needed_knots
 from lta_discovery.replay.linearized_flight import LinearizationPoint
@@ -33,13 +41,14 @@ from lta_discovery.selection.effect_search import EffectSearch, EffectSearchResu
 from lta_discovery.selection.effect_sizes import apply_named_effects, build_effects
 from lta_discovery.selection.effect_verification import EffectVerification, VerifiedEffects
 from lta_discovery.selection.equivalence_classes import classify_data_kind, is_equivalent, Kind
+from lta_discovery.selection.flight_information import attribute_information
 from lta_discovery.unmodeled.unmodeled_forces import assess_unmodeled_forces, UnmodeledForces
 from lta_model.vehicle import Vehicle
+from lta_report.formatting import format_count
 
 Progress = Callable[[str, float], None]
 
 FASTER: Final = 1.25  # times as many knots; above it the search is repeated
-FAR: Final = 3.0  # s; the horizon at which the model has to be better than coast
 
 
 @final
@@ -127,6 +136,8 @@ def study_flights(
     tell('preparing', 0.0)
     nominal = NominalVehicle.from_vehicle(vehicle)
     flown, known, warnings = _prepare_flights(vehicle, nominal, flights)
+    flown, dropped = _drop_diverging_pieces(nominal, flown)
+    warnings.extend(dropped)
     flown, found = _search_effects(
         nominal, flown, lambda part: tell('searching', 0.05 + 0.6 * part)
     )
@@ -137,8 +148,13 @@ def study_flights(
     # Without held-out flights the confirming ones have to serve, which is optimistic.
     held_out = bool(_select_role(flown, 'holdout'))
     last = [f for f in flown if f.role == ('holdout' if held_out else 'confirm')]
-    bare, measured = _fit_forecast_models(nominal, [*pair[0], *pair[1]], proven)
-    models = [build_model_points(f.flight, nominal, bare, measured) for f in last]
+    compared = _fit_forecast_models(nominal, [*pair[0], *pair[1]], proven, seed)
+    if compared.share < 1.0:
+        warnings.append(format_share_warning(compared.share))
+    if compared.withdrawn:
+        warnings.append(format_withdrawal(proven.names))
+        proven = proven.without_effects()
+    models = [build_model_points(f.flight, nominal, compared.bare, compared.full) for f in last]
     differences = compute_model_errors([f.flight for f in last], models, seed)
     if not held_out:
         warnings.append(
@@ -180,6 +196,12 @@ def study_flights(
         draught=rest.draught,
         strained=tuple(strained),
         offsets=offsets,
+        training=compared.errors,
+        information=attribute_information(
+            proven.full,
+            known,
+            [f.name for role in ('train', 'confirm') for f in flown if f.role == role],
+        ),
     )
     seen = [ThreeModelComparison(f, *each) for f, each in zip(last, models, strict=True)]
     tell('done', 1.0)
@@ -201,6 +223,26 @@ def _prepare_flights(
     ]
     _check_long_enough(flown)
     return flown, known, [*warnings, *said]
+
+
+def _drop_diverging_pieces(
+    nominal: NominalVehicle, flights: Sequence[StudyFlight]
+) -> tuple[list[StudyFlight], list[str]]:
+    """Return the flights without the pieces that the vehicle file cannot follow, and warnings."""
+    kept, said = [], []
+    for one in flights:
+        linearizer, count = drop_diverging_pieces(one.flight, nominal)
+        if count:
+            said.append(
+                f'{one.name}: {format_count(count, "piece")} of the flight left out, as the '
+                'simulation with the vehicle file diverges within a second.'
+            )
+        if len(linearizer.replay.first):
+            kept.append(replace(one, flight=linearizer))
+    for role in dict.fromkeys(one.role for one in flights):
+        if not any(one.role == role for one in kept):
+            raise BadInput(RAN_AWAY)
+    return kept, merge_sentences(said, len(flights))
 
 
 def _select_role(flights: Sequence[StudyFlight], role: str) -> list[FlightLinearizer]:
@@ -233,15 +275,19 @@ def _search_effects(
 
 
 def _fit_forecast_models(
-    nominal: NominalVehicle, flights: Sequence[FlightLinearizer], proven: VerifiedEffects
-) -> tuple[JointFit, JointFit]:
+    nominal: NominalVehicle,
+    flights: Sequence[FlightLinearizer],
+    proven: VerifiedEffects,
+    seed: int,
+) -> ComparedFits:
     """Return the fits without and with effects, tolerances shrunk to what forecasts support."""
     known = flights[0].knobs
     fitter = JointFitter(nominal, flights, per_flight_variance(known), wrench_floor(nominal))
     named = expand_vectors(proven.names)
     places = [k for k, knob in enumerate(known) if knob.name in named]
     bare = shrink_tolerances(fitter, proven.bare)
-    return bare, shrink_tolerances(fitter, proven.measured, places) if places else bare
+    full = shrink_tolerances(fitter, proven.measured, places) if places else bare
+    return limit_to_file(nominal, flights, bare, full, places, seed)
 
 
 def _remove_outliers(flights: Sequence[Role]) -> tuple[list[Role], list[str]]:
@@ -270,13 +316,17 @@ def prepare_flight(
 
 
 def _check_long_enough(flights: Sequence[StudyFlight]) -> None:
-    """Raise an error if a flight has too few usable pieces."""
-    for one in flights:
-        if len(one.flight.replay.first) < FEWEST:
+    """Raise an error if the flights of a role have too few usable pieces together."""
+    for role in dict.fromkeys(one.role for one in flights):
+        own = [one for one in flights if one.role == role]
+        pieces = sum(len(one.flight.replay.first) for one in own)
+        # One piece can confirm or test what several have taught
+        least = FEWEST if role == 'train' else 1
+        if pieces < least:
             raise BadInput(
-                f"The flight '{one.name}' has too little usable data for the role '{one.role}' "
-                f'(pieces without a gap: {len(one.flight.replay.first)}, needed: {FEWEST}). '
-                'Record a longer flight, with fewer gaps.'
+                f'{", ".join(one.name for one in own)}: too little usable data for the role '
+                f"'{role}' (pieces without a gap: {pieces}, needed: {least}). "
+                'Record more or longer flights, with fewer gaps.'
             )
 
 

@@ -68,7 +68,10 @@ def guess_start(
             break  # use the result of the stage before
         if (last.deviations > LOST * fitter.floor).any():
             break  # a failed stage is a bad start for the next
-        at, points = stage.propose_step(last)
+        try:
+            at, points = stage.propose_step(last)
+        except np.linalg.LinAlgError:
+            break
         # Large deviations would hide the missing effect in the next stage
         deviations = np.minimum(last.deviations, CAPPED * fitter.floor)
     return at, list(points), deviations

@@ -228,11 +228,9 @@ class JointFitter:
                 break
             try:
                 there = self.linearize_flights(step.at, step.points, prior if narrow else None)
+                now = self.fit_deviations(there, prior, last.deviations, last.rounds + 1)
             except BadInput:
-                if not last.group.is_aligned:
-                    raise
                 break  # the point can be simulated, but not linearized
-            now = self.fit_deviations(there, prior, last.deviations, last.rounds + 1)
             rests = (
                 last.group.is_aligned and step.whole and abs(now.evidence - last.evidence) < rest
             )
@@ -269,7 +267,10 @@ class JointFitter:
         here = self._gather_points(group, last.deviations)
         # Baseline: the simulated misfit at the present point
         bound, error = self._point_misfit(last, group.at, here), forecast_error(self.flights, here)
-        at, points = self.propose_step(last)
+        try:
+            at, points = self.propose_step(last)
+        except np.linalg.LinAlgError:
+            return None  # the flights determine no step
         misfit = self._screen_misfit(last, at, points, error)
         found = []
         if misfit < bound + WORSE:

@@ -82,5 +82,8 @@ def _set_parameter(
 
 
 def _log_evidence(group: LinearizedGroup, prior: Prior, deviations: Array) -> float:
-    """Return the log evidence about a point."""
-    return compute_posterior(group.reduce_flights(deviations), group.at, prior).log_evidence
+    """Return the log evidence about a point; -inf where it is undefined."""
+    try:
+        return compute_posterior(group.reduce_flights(deviations), group.at, prior).log_evidence
+    except np.linalg.LinAlgError:
+        return -np.inf

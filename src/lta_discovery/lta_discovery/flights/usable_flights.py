@@ -11,7 +11,13 @@ from dataclasses import dataclass, field, replace
 from typing import Final, final
 
 from lta_config.errors import BadInput
-from lta_data.data_quality.checks import clocks, hand_motion, noise_floor, stamps
+from lta_data.data_quality.checks import (
+    clocks,
+    hand_motion,
+    impossible_values,
+    noise_floor,
+    stamps,
+)
 from lta_data.data_quality.finding import QualityFinding
 from lta_data.data_quality.registry import run_checks
 from lta_discovery.flights.bags import (
@@ -20,6 +26,7 @@ from lta_discovery.flights.bags import (
     Role,
     StudyRecording,
 )
+from lta_discovery.flights.command_spikes import clip_command_spikes
 from lta_discovery.flights.measured_flight import (
     FlightStreams,
     GAP,
@@ -31,9 +38,11 @@ from lta_discovery.flights.noisy_intervals import ExcludedInterval, remove_noisy
 from lta_discovery.flights.sentence_merger import merge_sentences
 from lta_discovery.flights.streams import build_streams, convert_to_duties, find_tracker_prefix
 from lta_discovery.flights.timestamp_repair import add_stamp_noise, repair_timestamps
-from lta_discovery.flights.windows import cut_into_pieces, FEWEST
+from lta_discovery.flights.transients import find_transients
+from lta_discovery.flights.windows import cut_into_pieces
 from lta_discovery.model.nominal import NominalVehicle
 from lta_model.vehicle import Vehicle
+from lta_report.formatting import format_count
 import numpy as np
 from numpy.typing import NDArray
 
@@ -41,11 +50,14 @@ MOST: Final = 0.5  # of a flight; a channel that is bad for longer is dropped
 AROUND: Final = 0.2  # s; margin cut on either side of an interval
 # m above the standing height; a swinging vehicle may still touch the floor
 NEAR_FLOOR: Final = 0.05
-SHORTEST: Final = 6.0  # s; of a flight
+SHORTEST: Final = 1.5  # s; of a flight; only the total length decides beyond it
 LEAST: Final = 20.0  # s; of all training flights together
 STILL: Final = 0.005  # of the largest command: standard deviation over all training flights
+DRIFTING: Final = 0.1  # m; a vehicle that moves less, and turns less, is at rest
+SWINGING: Final = 0.05  # rad
 FULL: Final = 0.98  # duty
 LOST: Final = 0.02  # of the poses; more lost poses are reported
+DUTY: Final = 'motors/effort.'
 LIGHT: Final = 'illuminance/illuminance'
 LATE: Final = ('lag', 'drift')  # clock faults that may be an effect of the library
 # Columns of each sensor in MeasuredFlight.readings, by the prefix of its channels.
@@ -100,11 +112,23 @@ def select_usable_flights(flights: Sequence[StudyRecording], vehicle: Vehicle) -
         )
     cuts: list[ExcludedInterval] = []
     usable: list[tuple[str, Role, MeasuredFlight]] = []
-    streams = [(one, _load_streams(one, vehicle)) for one in flights]
+    faults: dict[Role, BadInput] = {}
+    streams: list[tuple[StudyRecording, FlightStreams]] = []
+    for one in flights:
+        try:
+            streams.append((one, _load_streams(one, vehicle)))
+        except BadInput as fault:
+            faults.setdefault(one.role, fault)
+            warnings.append(f'{fault} The flight is left out.')
     # Checked over all training flights: each alone may hold its commands
     _check_commands_move([told for one, told in streams if one.role == 'train'])
     for one, told in streams:
-        flight, own, words = _clean_flight(one, told)
+        try:
+            flight, own, words = _clean_flight(one, told)
+        except BadInput as fault:
+            faults.setdefault(one.role, fault)
+            warnings.append(f'{fault} The flight is left out.')
+            continue
         cuts += own
         warnings += words
         # After cutting, which may leave little
@@ -112,16 +136,19 @@ def select_usable_flights(flights: Sequence[StudyRecording], vehicle: Vehicle) -
         # A short flight is left out; an error follows only if too little remains in all.
         if seconds < SHORTEST:
             warnings.append(
-                f'{one.name}: only {seconds:.0f} s are usable, and {SHORTEST:.0f} s are needed; '
+                f'{one.name}: only {seconds:.1f} s are usable, and {SHORTEST:g} s are needed; '
                 'the flight is left out.'
             )
-        elif len(cut_into_pieces(flight).first) < FEWEST:
+        elif not len(cut_into_pieces(flight).first):
             warnings.append(
                 f'{one.name}: the usable intervals are too short; the flight is left out.'
             )
         else:
             usable.append((one.name, one.role, flight))
-    _require_usable_time(flights, usable, cuts)
+    _require_usable_time(flights, usable, cuts, faults)
+    for role in dict.fromkeys(one.role for one in flights):
+        if not any(own == role for _, own, _ in usable):
+            warnings.append(f'No flight of --{role} is usable; the study goes on without it.')
     light = {
         one.name: np.interp(flight.time, channel.time, channel.values)
         for one in flights
@@ -167,7 +194,7 @@ def _load_streams(one: StudyRecording, vehicle: Vehicle) -> FlightStreams:
 
 
 def _check_commands_move(training: Sequence[FlightStreams]) -> None:
-    """Raise an error if the commands are constant in all training flights."""
+    """Raise an error if neither the commands nor the vehicle move in any training flight."""
     several = ((told.commands, told.wrench, told.mass) for told in training)
     shares = [0.0]
     for kind in zip(*several, strict=True):
@@ -176,11 +203,25 @@ def _check_commands_move(training: Sequence[FlightStreams]) -> None:
             tables = np.vstack(known)
             scale = float(np.abs(tables).max())  # duties, newtons or metres
             shares.append(float(tables.std(axis=0).max()) / scale if scale > 0.0 else 0.0)
-    if max(shares) < STILL:
+    # Free decays, drops and pushes by hand have constant commands, and a vehicle that moves
+    if max(shares) < STILL and training and not any(_is_moving(told) for told in training):
         raise BadInput(
-            'The commands are constant in all training flights, so the response of the vehicle '
-            'to them is unknown; record flights with varying commands.'
+            'The commands are constant in all training flights, and the vehicle does not move; '
+            'record flights with varying commands, or in which it swings, drops or drifts.'
         )
+
+
+def _is_moving(streams: FlightStreams) -> bool:
+    """Return whether the vehicle moves: it drifts, or swings."""
+    known = streams.pose.values[np.isfinite(streams.pose.values).all(axis=1)]
+    if len(known) < 2:
+        return False
+    turned = known[:, 3:7] * np.sign(known[:, 3:7] @ known[0, 3:7])[:, None]
+    # Twice the change of a quaternion is the angle, for small ones; percentiles ignore outliers
+    moved, swung = (np.ptp(np.percentile(part, (2, 98), axis=0), axis=0).max() for part in (
+        known[:, :3], 2.0 * turned,
+    ))  # fmt: skip
+    return bool(moved > DRIFTING or swung > SWINGING)
 
 
 def _clean_flight(
@@ -193,10 +234,14 @@ def _clean_flight(
     whole: list[str] = []
     smooth = []
     end = float(streams.pose.time[-1])
+    streams, clipped = clip_command_spikes(streams)
+    sound = bool(np.all(np.abs(streams.commands.values) <= 1.0))
     # Checks of channels that a study does not use are ignored.
     for finding in run_checks(recording).findings:
         if not finding.channel.startswith((pose, 'motors', 'wrench_command', *SENSORS)):
             continue
+        if finding.kind == impossible_values.KIND and finding.channel.startswith(DUTY) and sound:
+            continue  # clipped
         if finding.kind == noise_floor.KIND:
             smooth.append(finding.channel.rpartition('/')[0])
         elif finding.is_grave and finding.kind == clocks.KIND and set(LATE) & set(finding.values):
@@ -212,11 +257,26 @@ def _clean_flight(
             'heavily filtered, or simulated. Do not rely on results about delays and fast motion.'
         )
     streams, cuts = _drop_bad_sensors(streams, cuts, pose, whole, one.name)
+    if clipped:
+        warnings.append(
+            f'{one.name}: {format_count(clipped, "command")} beyond what the actuators can do, '
+            'for a single reading each: clipped.'
+        )
     # Repair stamps before resampling, which would spread their errors.
     streams, rounding, said = repair_timestamps(one.name, streams)
     flight, more = add_stamp_noise(one.name, resample_flight(streams), rounding)
     warnings += [*whole, *said, *more]
     flight = _mask_intervals(flight, cuts, pose)
+    for part in find_transients(flight, streams):
+        inside = (flight.time >= part.from_s) & (flight.time <= part.to_s)
+        cuts.append(
+            ExcludedInterval(one.name, f'{pose}/pose', part.from_s, part.to_s, f'{part.reason}.')
+        )
+        warnings.append(
+            f'{one.name}: {part.to_s - part.from_s:.1f} s are cut, from {part.from_s:.1f} to '
+            f'{part.to_s:.1f} s: {part.reason}.'
+        )
+        flight = replace(flight, usable=flight.usable & ~inside)
     flight, loud = remove_noisy_intervals(one.name, flight)
     cuts += loud
     return flight, cuts, [*warnings, *_list_data_warnings(one.name, flight, streams)]
@@ -309,16 +369,18 @@ def _require_usable_time(
     flights: Sequence[StudyRecording],
     usable: Sequence[tuple[str, Role, MeasuredFlight]],
     cuts: Sequence[ExcludedInterval],
+    faults: Mapping[Role, BadInput],
 ) -> None:
-    """Raise an error if a requested role has too little usable time."""
-    for role in dict.fromkeys(one.role for one in flights):
-        seconds = sum(_usable_seconds(flight) for _, own, flight in usable if own == role)
-        if seconds == 0.0 or (role == 'train' and seconds < LEAST):
-            names = [one.name for one in flights if one.role == role]
-            why = dict.fromkeys(
-                f'{c.flight}: {c.channel}: {c.reason}' for c in cuts if c.flight in names
-            )
-            raise BadInput(
-                f'Only {seconds:.0f} s of the flights of --{role} are usable, which is too '
-                f'little; record {LEAST:.0f} s or more. {" ".join(list(why)[:2])}'.rstrip()
-            )
+    """Raise an error if the training flights have too little usable time."""
+    seconds = sum(_usable_seconds(flight) for _, role, flight in usable if role == 'train')
+    if seconds == 0.0 and 'train' in faults:
+        raise faults['train']
+    if seconds < LEAST:
+        names = [one.name for one in flights if one.role == 'train']
+        why = dict.fromkeys(
+            f'{c.flight}: {c.channel}: {c.reason}' for c in cuts if c.flight in names
+        )
+        raise BadInput(
+            f'Only {seconds:.0f} s of the flights of --train are usable, which is too '
+            f'little; record {LEAST:.0f} s or more. {" ".join(list(why)[:2])}'.rstrip()
+        )

@@ -25,7 +25,7 @@ LENGTH: Final = 6.0  # s
 AROUND: Final = 0.5  # s; on either side of an initial state, for its estimate
 ENOUGH: Final = 0.6  # of the poses around an initial state have to be known
 SHORTEST: Final = 1.0  # s
-FEWEST: Final = 2  # pieces of a flight; one alone does not test repeatability
+FEWEST: Final = 2  # pieces of a flight, unless it is shorter than a piece
 KNOTS: Final = 9  # of a piece, unless the motion of the vehicle requires more
 
 
@@ -102,6 +102,9 @@ def _piece_spacing(stretches: list[tuple[int, int]], count: int, shortest: int) 
     if sum(len(range(begin, end - shortest, count)) for begin, end in stretches) >= FEWEST:
         return count
     longest = max((end - begin for begin, end in stretches), default=0)
+    # Halves of a shorter run could not test a forecast over 3 s
+    if longest < count:
+        return count
     # Shorten the pieces, so that the longest run holds FEWEST of them
     return max(shortest + 1, min(count, -(-longest // FEWEST)))
 

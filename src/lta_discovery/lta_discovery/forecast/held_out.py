@@ -7,6 +7,7 @@ else of the flight is known to any model.
 """
 
 from collections.abc import Sequence
+import math
 from typing import Final, NamedTuple
 
 from lta_discovery.finding import ChannelErrors
@@ -156,15 +157,32 @@ def bootstrap_shrinkage(
     """Return the 95 % interval of the shrinkage, by bootstrap over pieces."""
     # Resample whole pieces: errors within a piece are correlated
     picked = rng.integers(0, len(before), (DRAWS, len(before)))
+    if not (np.isfinite(before).all() and np.isfinite(after).all()):
+        return math.nan, math.nan
     ratio = np.sqrt(after[picked].sum(axis=1) / np.maximum(before[picked].sum(axis=1), 1e-300))
     low, high = np.percentile(1.0 - ratio, (2.5, 97.5))
     return float(low), float(high)
 
 
+def _shrinkage(before: float, after: float) -> float:
+    """Return the shrinkage of an error; NaN if both forecasts diverge."""
+    if math.isinf(before):
+        return math.nan if math.isinf(after) else 1.0
+    return 1.0 - after / before
+
+
+@np.errstate(over='ignore')
 def compute_model_errors(
-    flights: Sequence[FlightLinearizer], models: Sequence[FlightUnderModels], seed: int
+    flights: Sequence[FlightLinearizer],
+    models: Sequence[FlightUnderModels],
+    seed: int,
+    channels: Sequence[str] = (*WHOLE, *CHANNELS),
 ) -> list[ChannelErrors]:
-    """Return the errors of each model: position and attitude, then by channel, at each horizon."""
+    """
+    Return the errors of each model: position and attitude, then by channel, at each horizon.
+
+    The error of a model whose forecast diverges is infinite.
+    """
     kinds = ('before', 'tuned', 'after', 'coast')
     offs: dict[str, Array] = {
         kind: np.concatenate(
@@ -179,9 +197,18 @@ def compute_model_errors(
     rng, out = np.random.default_rng(seed), []
     which = {**WHOLE, **{c: (UNITS[c], slice(k, k + 1)) for k, c in enumerate(CHANNELS)}}
     for name, (unit, columns) in which.items():
+        if name not in channels:
+            continue
         for h, horizon in enumerate(HORIZONS):
             square = {kind: np.sum(off[:, h, columns] ** 2, axis=-1) for kind, off in offs.items()}
             known = np.all([np.isfinite(each) for each in square.values()], axis=0)
+            if name in WHOLE:
+                # The pose was measured where coasting has an error; other forecasts diverge
+                known = np.isfinite(square['coast'])
+                square = {
+                    kind: np.where(np.isfinite(each), each, np.inf)
+                    for kind, each in square.items()
+                }
             if not known.any():
                 continue
             mean = {kind: float(np.sqrt(np.mean(each[known]))) for kind, each in square.items()}
@@ -190,7 +217,7 @@ def compute_model_errors(
             out.append(
                 ChannelErrors(
                     name, unit, horizon, **mean, noise_floor=floor,
-                    shrink=1.0 - mean['after'] / mean['before'],
+                    shrink=_shrinkage(mean['before'], mean['after']),
                     shrink_ci95=bootstrap_shrinkage(
                         square['before'][known], square['after'][known], rng,
                     ),

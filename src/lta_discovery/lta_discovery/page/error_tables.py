@@ -25,20 +25,43 @@ KEY: Final = (
 def render_pose_errors(finding: StudyResult) -> str:
     """Return the errors of position and attitude under all models, by horizon."""
     if not finding.gaps:
-        return '<p class="note">There was no flight to compute prediction errors on.</p>'
-    out = [KEY]
+        return (
+            '<p class="note">There was no flight to compute prediction errors on.</p>'
+            f'{_render_training_errors(finding)}'
+        )
     whole = [gap for gap in finding.gaps if gap.channel in WHOLE] or list(finding.gaps)
-    for channel in dict.fromkeys(gap.channel for gap in whole):
-        of = [gap for gap in whole if gap.channel == channel]
+    tables = _render_error_tables(whole)
+    return (
+        f'{KEY}{tables}<p class="note">{escape(_format_scope(finding))}</p>'
+        f'{_render_training_errors(finding)}'
+    )
+
+
+def _render_training_errors(finding: StudyResult) -> str:
+    """Return the errors on the flights of the fit, folded; '' if they are unknown."""
+    if not finding.training:
+        return ''
+    return (
+        '<details><summary>The same on the flights of the fit</summary>'
+        f'{_render_error_tables(finding.training, " on the flights of the fit")}</details>'
+    )
+
+
+def _render_error_tables(errors: Sequence[ChannelErrors], where: str = '') -> str:
+    """Return a table of the errors of each channel under all models, by horizon."""
+    out = []
+    for channel in dict.fromkeys(gap.channel for gap in errors):
+        of = [gap for gap in errors if gap.channel == channel]
         low, high = log_scale_limits(of)
         rows = [
             (_format_horizon(gap), _render_strip(gap, low, high), *_format_error_cells(gap))
             for gap in of
         ]
         title = NAMES.get(channel, channel)
-        inside = render_table(('horizon', '', *HEADS), rows, 'plain gaps', f'Errors of {title}')
+        caption = f'Errors of {title}{where}'
+        inside = render_table(('horizon', '', *HEADS), rows, 'plain gaps', caption)
         out.append(f'<h3>{escape(title.capitalize())}</h3>{inside}')
-    return f'{"".join(out)}<p class="note">{escape(_format_scope(finding))}</p>'
+    return ''.join(out)
 
 
 def render_channel_errors(finding: StudyResult) -> str:

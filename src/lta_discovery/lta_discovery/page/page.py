@@ -120,7 +120,7 @@ def render_page(
         white=render_whiteness(flights),
         remains=render_remainders(study),
         following=tables.render_next_steps(found),
-        seen=tables.render_detection_limits(found),
+        seen=tables.render_flight_information(found) + tables.render_detection_limits(found),
         warnings=tables.render_warnings(found),
         facts=list_provenance(found),
         commands=list_commands(found, folder, bags or found.bags),

@@ -120,6 +120,28 @@ def render_detection_limits(finding: StudyResult) -> str:
     )
 
 
+def render_flight_information(finding: StudyResult) -> str:
+    """Return which flight informs which number; '' if it is unknown."""
+    if not finding.information:
+        return ''
+    rows = [
+        (
+            escape(format_parameter(one.knob)),
+            f'{format_percent(one.remaining)} %',
+            escape(', '.join(f'{f.flight} {format_percent(f.share)} %' for f in one.flights)),
+        )
+        for one in finding.information
+    ]
+    heads = ('number', 'deviation left', 'flights, with their share of the information')
+    return (
+        '<section class="panel section" aria-labelledby="title-informs">'
+        '<h2 id="title-informs">Which flight informs which number</h2>'
+        '<p class="note">The standard deviation that is left of the one before the flights, for '
+        'the numbers of the vehicle that these flights inform best.</p>'
+        f'{render_table(heads, rows, "plain", "Information of each flight")}</section>'
+    )
+
+
 def _render_effect(one: NamedEffect) -> str:
     """Return one named effect."""
     names = format_effect(one)

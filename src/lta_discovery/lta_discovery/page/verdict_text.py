@@ -30,17 +30,30 @@ ROLES: Final = {
 
 
 def format_headline(finding: StudyResult) -> str:
-    """Return the verdict in a sentence, after what has to be calibrated."""
-    said = _format_verdict(finding)
+    """Return the verdict in a sentence, with what to calibrate first and how coasting does."""
+    said = draw_conclusion(finding)
+    verdict = f'{_format_verdict(finding, said)}{_format_useless(said)}'
     if not finding.offsets:
-        return said
+        return verdict
     first = '; '.join(finding.offsets[:MOST])
-    return f'Calibrate first ({first}). {said}'
+    return f'Calibrate first ({first}). {verdict}'
 
 
-def _format_verdict(finding: StudyResult) -> str:
+def _format_useless(conclusion: Conclusion) -> str:
+    """Return a sentence to be appended if the final model does not beat coasting."""
+    gap = conclusion.useless
+    if gap is None:
+        return ''
+    coast, after = (format_quantity(part, gap.unit, 2) for part in (gap.coast, gap.after))
+    return (
+        f' The final model is no improvement: coasting, which ignores the commands, predicts the '
+        f'position {gap.horizon_s:g} s ahead as well or better ({coast} against {after}).'
+    )
+
+
+def _format_verdict(finding: StudyResult, said: Conclusion) -> str:
     """Return the verdict in a sentence."""
-    said, rest = draw_conclusion(finding), _format_remainder(finding)
+    rest = _format_remainder(finding)
     if finding.verdict == 'none':
         return f'{_format_no_effect_headline(said)}{_format_draught(finding)}'
     if finding.verdict == 'not_identifiable':

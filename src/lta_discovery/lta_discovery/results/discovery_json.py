@@ -27,10 +27,16 @@ def to_dict(finding: StudyResult, cuts: Sequence[ExcludedInterval] = ()) -> dict
         'where': [place._asdict() for place in finding.where],
         'gap': select_overall_error(finding),
         'gaps': [_encode_channel_errors(each) for each in finding.gaps],
+        'training': [_encode_channel_errors(each) for each in finding.training],
         'remains': [remainder._asdict() for remainder in finding.remains],
         'unexplained': list(finding.unexplained),
         'draught': _encode_draught(finding),
         'detectable': [each._asdict() for each in finding.detectable],
+        'information': [
+            {'knob': one.knob, 'remaining': one.remaining,
+             'flights': {each.flight: each.share for each in one.flights}}
+            for one in finding.information
+        ],
         'ladder': [[rung._asdict() for rung in stage] for stage in finding.ladder],
         'warnings': list(finding.warnings),
         'next_flight': finding.next_flight,

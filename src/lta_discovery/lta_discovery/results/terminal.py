@@ -98,10 +98,12 @@ def format_effects(finding: StudyResult) -> Iterator[str]:
 
 def format_prediction_errors(finding: StudyResult) -> Iterator[Text]:
     """Yield headings and bars of the prediction errors of all models."""
-    at = common_horizon(finding.gaps)
-    for one in finding.gaps:
+    gaps = finding.gaps or finding.training
+    at = common_horizon(gaps)
+    for one in gaps:
         if one.horizon_s == at and one.channel in WHOLE:
-            seen = 'on held-out flights' if finding.held_out else 'on flights used in the search'
+            held_out = finding.held_out and finding.gaps
+            seen = 'on held-out flights' if held_out else 'on flights used in the search'
             sign, word = (1.0, 'less') if one.shrink >= 0.0 else (-1.0, 'more')
             low, high = (
                 format_percent(part) for part in sorted(sign * end for end in one.shrink_ci95)

@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final, final
 
+from lta_config.errors import BadInput
 from lta_discovery.fit import initial_guess
 from lta_discovery.fit.deviations import fit_deviations
 from lta_discovery.fit.evidence import (
@@ -356,7 +357,10 @@ class EffectSearch:
             # Save refits that cannot win against the best one so far
             if promise < HOPELESS * most and name not in TRIED:
                 continue
-            then = self._fit_effects((*named, name), fits)
+            try:
+                then = self._fit_effects((*named, name), fits)
+            except BadInput:
+                continue  # no vehicle with this effect can be fitted
             tried[name] = self._evaluate_candidate(name, named, fits, then), then
         ranked = sorted(tried, key=lambda name: -tried[name][0].total_evidence)
         trials = tuple(tried[name][0] for name in ranked)

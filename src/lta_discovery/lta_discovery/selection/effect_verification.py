@@ -82,6 +82,10 @@ class VerifiedEffects:
     measured: JointFit
     steps: tuple[SelectionRound, ...] = ()
 
+    def without_effects(self) -> 'VerifiedEffects':
+        """Return the same flights with nothing named."""
+        return VerifiedEffects((), {}, {}, {}, self.bare, self.bare, self.bare, self.steps)
+
     def select_components(
         self, parameters: Sequence[FreeParameter], deviations: Array
     ) -> dict[str, tuple[int, ...]]:

@@ -13,7 +13,9 @@ from typing import Final, final, NamedTuple
 
 from lta_discovery.finding import IdentifiedGroup, LeftOutRegime, TransferEvidence
 from lta_discovery.fit.bounds import apply_parameters
+from lta_discovery.forecast.file_comparison import is_worse_than_file, Model
 from lta_discovery.forecast.forecast_fit import ForecastFitter
+from lta_discovery.forecast.held_out import WHOLE
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.replay.linearized_flight import LinearizationPoint, SENSORS, zero_unknowns
 from lta_discovery.study import DiscoveryStudy, StudyFlight, ThreeModelComparison
@@ -48,6 +50,7 @@ LOOSE: Final = 0.8  # of the squared error; tolerances that leave less explain t
 BESIDE: Final = 0.95  # as TUNED, if tolerances are tuned together with the effects
 ATTEMPTS: Final = 4  # selections, each without the effects rejected before
 GRAVITY: Final = 9.81  # m/s2
+MODELS: Final[tuple[Model, ...]] = ('tuned', 'after')
 POSE: Final = 6  # number of pose channels, the first of CHANNELS
 
 
@@ -109,9 +112,16 @@ def add_forecast_effects(study: DiscoveryStudy, tell: Progress) -> DiscoveryStud
     told = _collect_transfer_evidence(
         names.chosen, names.kept, names.best, [one.name for one in names.lost], numbers
     )
-    return _add_prediction_errors(
+    found = _add_prediction_errors(
         _add_named_effects(study, taught, names, names.best, told), taught, models
     )
+    if any(is_worse_than_file(found.finding.training, kind) for kind in MODELS):
+        return _add_warning(
+            study,
+            f'{", ".join(one.name for one in names.kept)}: not reported, because with it the '
+            'flights of the fit are predicted worse than with the vehicle file.',
+        )
+    return found
 
 
 def _select_groups(
@@ -264,7 +274,13 @@ def _add_prediction_errors(
     last = _cut_forecast_flights(study, [one for one in study.flights if one.role == 'holdout'])
     shown = last or taught
     told = compute_model_errors(shown.sight, models, study.finding.seed)
-    finding = replace(study.finding, gaps=tuple(told), held_out=last is not None)
+    own = told if last is None else compute_model_errors(taught.sight, models, study.finding.seed)
+    finding = replace(
+        study.finding,
+        gaps=tuple(told),
+        held_out=last is not None,
+        training=tuple(one for one in own if one.channel in WHOLE),
+    )
     seen = [_compare_models(study, one, models) for one in shown.flown]
     every = models.get('refitted')
     whole = (

@@ -48,12 +48,14 @@ def test_whole_flights_are_used_whole_and_told_to_be_simulated(flights, gtmab):
     assert [(name, role) for name, role, _ in found.flights] == [
         ('A', 'train'), ('B', 'confirm'), ('C', 'holdout'),
     ]  # fmt: skip
-    assert found.cuts == ()
-    assert found.warnings == (
-        'A, B, C are marked as simulated: the results do not apply to a real vehicle.',
+    assert [cut.reason for cut in found.cuts] == [
+        'the vehicle stands on the floor or takes off.'
+    ] * 3
+    assert found.warnings[0] == (
+        'A, B, C are marked as simulated: the results do not apply to a real vehicle.'
     )
     for _, _, flight in found.flights:
-        assert flight.usable[flight.time > 4.0].all()  # until then it stands on the floor
+        assert flight.usable[flight.time > 5.0].all()  # until then it stands, and takes off
         assert np.isfinite(flight.noise).all()
 
 
@@ -109,7 +111,8 @@ def test_a_range_finder_beyond_its_range_is_left_out_there(flights, gtmab):
     assert flight.usable[inside].all()
     quiet = (flight.time > 18.0) & (flight.time < 28.0)
     assert np.isfinite(flight.readings[quiet, 6]).all()
-    assert {cut.channel for cut in found.cuts} == {'range'}
+    # Before, the flight takes off
+    assert {cut.channel for cut in found.cuts if cut.from_s > 5.0} == {'range'}
 
 
 def test_gaps_of_the_tracker_are_told(flights, gtmab):
@@ -200,10 +203,45 @@ def test_an_absurd_pose_costs_itself_and_says_nothing_else(flights, gtmab):
     assert [name for name, *_ in found.flights] == ['A', 'B', 'C']
 
 
-def test_commands_that_never_move_are_refused(flights, gtmab):
-    one = _changed(flights[0], _still(0.3), 'motors/effort')
+def _resting(channel):
+    """Return a channel of a tracker that sees a vehicle at rest."""
+    draw = np.random.default_rng(len(channel.values))
+    noise = 1e-3 * draw.standard_normal(len(channel.values))
+    return replace(channel, values=channel.values[-1] + noise)
+
+
+def test_commands_that_never_move_a_vehicle_are_refused(flights, gtmab):
+    one = _changed(_changed(flights[0], _still(0.3), 'motors/effort'), _resting, f'{TRUTH}pose')
     with pytest.raises(BadInput, match='commands are constant'):
         _believed(flights, gtmab, one)
+
+
+def test_constant_commands_are_fine_where_the_vehicle_moves(flights, gtmab):
+    one = _changed(flights[0], _still(0.3), 'motors/effort')
+    assert [name for name, *_ in _believed(flights, gtmab, one).flights] == ['A', 'B', 'C']
+
+
+def test_an_unusable_flight_is_left_out_and_the_study_goes_on(flights, gtmab):
+    one = _changed(flights[0], lambda _: None, TRUTH)
+    two = replace(flights[1], role='train')
+    found = select_usable_flights([one, two, replace(flights[2], role='confirm')], gtmab)
+    assert [name for name, *_ in found.flights] == ['B', 'C']
+    assert any(
+        word.startswith('A: ') and 'left out' in word and 'no measured pose' in word
+        for word in found.warnings
+    )
+
+
+def test_single_impossible_duties_are_clipped_and_counted(flights, gtmab):
+    def spiked(channel):
+        values = channel.values.copy()
+        values[[500, 900]] = 5.0
+        return replace(channel, values=values)
+
+    found = _believed(flights, gtmab, _changed(flights[0], spiked, 'motors/effort.up_left'))
+    assert any('A: 2 commands beyond what the actuators can do' in w for w in found.warnings)
+    assert found.flights[0][2].commands.values.max() <= 1.0
+    assert not any(cut.channel.startswith('motors') for cut in found.cuts)
 
 
 def test_commands_may_be_constant_in_each_flight_if_they_differ_between_them(flights, gtmab):
@@ -259,7 +297,7 @@ def test_too_little_that_can_be_used_is_refused(flights, gtmab):
 
 
 def test_a_short_flight_among_others_is_left_out(flights, gtmab):
-    one = _changed(flights[1], lambda c: _only(c, c.time < 6.0), TRUTH)
+    one = _changed(flights[1], lambda c: _only(c, c.time < 4.5), TRUTH)
     found = select_usable_flights([flights[0], one, replace(flights[2], role='confirm')], gtmab)
     assert [name for name, _, _ in found.flights] == ['A', 'C']
     assert any(word.startswith('B: only ') for word in found.warnings)

@@ -24,7 +24,9 @@ def make(
             help='Kind of flights. base: all sensors. worse: larger vehicle tolerances and sensor '
             'noise. structured: model errors in every flight. pose: only pose and commands are '
             'recorded. hover: only hovering flights. wrench: flown by force and moment commands. '
-            'other: flown in an independent simulator.'
+            'other: flown in an independent simulator. rough: wrong vehicle files, and logs with '
+            'hand releases, starts on the floor, gaps, spikes and short flights; their lengths '
+            'are fixed.'
         ),
     ] = 'base',
     kind: Annotated[

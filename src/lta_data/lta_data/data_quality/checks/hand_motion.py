@@ -4,10 +4,11 @@ Detect a vehicle held in a hand: motion that no free airship makes.
 Two rules. A hand trembles at 6 to 12 Hz (physiological tremor): that band exceeds the adjacent
 ones and its usual level in the flight, while rotors and noise are broad or faster, and a hull
 swings below 1 Hz. And a hand moves a vehicle with idle rotors, also up and down, while a free one
-only drifts, or falls within a second.
+only drifts, swings ever less, or falls.
 """
 
 from collections.abc import Iterator
+import itertools
 from typing import final, NamedTuple
 
 from lta_data.data_quality import roles
@@ -34,6 +35,13 @@ FLANKS = (3.5, 5.0, 13.0, 20.0)  # bands below and above the tremor [Hz]
 CALM = 1.0  # time to coast, fall and settle after the rotors stop [s]
 LIFTED = 0.3  # least range of the vertical speed in a hand [m/s]
 WIDE = 0.5  # smoothing; motion of a hand is slower [s]
+SWINGS = 4  # fewest half swings of a free decay
+STEADY = 1.5  # ratio of its longest to its shortest half period
+GROWN = 1.1  # most growth from one half swing to the next: noise
+SIDEWAYS = 0.3  # most horizontal speed of a drop, relative to the vertical one
+BUMPS = 0.02  # most decrease of the speed of a drop in a step, relative to the largest
+FINAL = 0.9  # of the largest speed of a drop, which falls below only by an impact
+RESTING = 0.2  # of the same; most speed after the impact
 FORCE = 1e-3  # smaller commanded forces count as zero [N]
 
 
@@ -197,6 +205,8 @@ def find_idle_motion(
         moved = inside & (fast > limits.carried_speed) & (pull > 0.0)
         pushed = inside & (pull > limits.carried_force)
         lifted = float(np.ptp(speed[inside, 2]))  # wind hardly changes the vertical speed
+        if is_decaying_swing(calm[inside]) or is_drop(speed[inside], step):
+            continue
         if lifted > LIFTED and moved.sum() * step > 0.5 and pushed.sum() * step > 0.2:
             at = grid[moved | pushed]
             yield QualityFinding(
@@ -206,3 +216,31 @@ def find_idle_motion(
                 Severity.SUSPICIOUS,
                 {'speed': float(fast[inside].max()), 'acceleration': float(pull[inside].max())},
             )  # fmt: skip
+
+
+def is_decaying_swing(place: Array) -> bool:
+    """Return whether a vehicle swings freely: with a steady period, and ever less."""
+    time = np.linspace(-1.0, 1.0, len(place))
+    # A free vehicle may drift while it swings
+    apart = place - np.column_stack([np.polyval(np.polyfit(time, c, 1), time) for c in place.T])
+    along = apart @ np.linalg.svd(apart, full_matrices=False)[2][0]
+    crossings = np.flatnonzero(np.diff(np.sign(along)) != 0.0)
+    if len(crossings) < SWINGS + 1:
+        return False
+    half = np.diff(crossings)
+    peaks = np.array([np.abs(along[a : b + 1]).max() for a, b in itertools.pairwise(crossings)])
+    steady = half.max() < STEADY * half.min()
+    return bool(steady and (peaks[1:] < GROWN * peaks[:-1]).all() and peaks[-1] < peaks[0])
+
+
+def is_drop(speed: Array, step: float) -> bool:
+    """Return whether a vehicle falls, or rises: ever faster, straight, until it hits something."""
+    vertical = speed[:, 2] * np.sign(speed[np.argmax(np.abs(speed[:, 2])), 2])
+    top = int(np.argmax(vertical))
+    straight = np.linalg.norm(speed[:, :2], axis=1).max() < SIDEWAYS * vertical[top]
+    falling = (np.diff(vertical[: top + 1]) > -BUMPS * vertical[top]).all()
+    slower = np.flatnonzero(vertical[top:] < FINAL * vertical[top])
+    # The smoothed speed needs a moment to fall to 0 at an impact
+    hit = top + int(slower[0]) + round(2.0 * WIDE / step) if len(slower) else len(vertical)
+    rests = np.abs(vertical[hit:]).max(initial=0.0) < RESTING * vertical[top]
+    return bool(straight and falling and rests and top * step > 2.0 * WIDE)

@@ -1,0 +1,57 @@
+"""A hand is found in idle flights; free decays, drops and pushes are not."""
+
+import itertools
+
+from lta_data.data_quality.checks.hand_motion import find_idle_motion
+from lta_data.data_quality.limits import QualityLimits
+from lta_data.data_quality.motion import VectorSeries
+import numpy as np
+from numpy.typing import NDArray
+import pytest
+
+Array = NDArray[np.float64]
+TIME = np.arange(0.0, 12.0, 0.02)
+
+
+def judged(place: Array, seed: int = 0) -> bool:
+    """Return whether a hand is reported in a flight with idle rotors."""
+    noise = 1e-3 * np.random.default_rng(seed).standard_normal(place.shape)
+    series = VectorSeries('pose/position', TIME, place + noise)
+    idle = np.ones(len(TIME), dtype=np.bool_)
+    return bool(list(find_idle_motion(series, TIME, idle, QualityLimits())))
+
+
+def carried(seed: int) -> Array:
+    """Return the way of a vehicle that a person carries from place to place, up and down."""
+    draw = np.random.default_rng(seed)
+    edges = np.cumsum(np.append(0.0, draw.uniform(0.8, 1.8, 20)))
+    stops = np.cumsum(draw.uniform(-0.8, 0.8, (21, 3)) * (1.0, 1.0, 0.7), axis=0)
+    part = [np.clip((TIME - a) / (b - a), 0.0, 1.0) for a, b in itertools.pairwise(edges)]
+    # Minimum jerk from stop to stop
+    return stops[0] + sum(
+        (p**3 * (10.0 - 15.0 * p + 6.0 * p**2))[:, None] * (b - a)
+        for p, (a, b) in zip(part, itertools.pairwise(stops), strict=True)
+    )
+
+
+def test_thirty_of_thirty_carried_flights_are_found() -> None:
+    assert sum(judged(carried(seed), seed) for seed in range(30)) == 30
+
+
+@pytest.mark.parametrize('angle', [0.1, 0.4, 0.8])
+def test_a_decaying_swing_is_free(angle: float) -> None:
+    length, turn = 1.0, angle * np.exp(-TIME / 6.0) * np.cos(np.sqrt(9.81) * TIME)
+    place = np.column_stack([length * np.sin(turn), 0.05 * TIME, -length * np.cos(turn)])
+    assert not judged(place)
+
+
+@pytest.mark.parametrize('speed', [0.5, 1.0, 2.0])
+def test_a_drop_is_free(speed: float) -> None:
+    """From rest to the final speed of quadratic drag."""
+    fallen = np.log(np.cosh(TIME / speed)) * speed**2
+    assert not judged(np.column_stack([0.0 * TIME, 0.0 * TIME, 30.0 - fallen]))
+
+
+def test_a_push_is_free() -> None:
+    ahead = np.log1p(np.maximum(TIME - 1.0, 0.0))
+    assert not judged(np.column_stack([ahead, 0.0 * TIME, 1.5 - 0.02 * TIME]))

@@ -1,0 +1,44 @@
+"""A model that does not beat coasting 3 s ahead is no improvement, whatever it improves."""
+
+from collections.abc import Mapping
+
+from lta_challenge.contradictions import find_contradictions
+from lta_discovery.conclusion import draw_conclusion
+from lta_discovery.finding import ChannelErrors, NamedEffect, ParameterEstimate, StudyResult
+from lta_discovery.page.verdict_text import format_headline
+from lta_discovery.results.discovery_json import to_dict
+import pytest
+
+DRAG = ParameterEstimate('surge', 'N s/m', 0.0, 0.02, (0.015, 0.025))
+NAMED = NamedEffect('linear_drag', ('linear_drag.surge',), (DRAG,), 50.0)
+
+
+def study(coast: Mapping[float, float], *, named: bool = True) -> StudyResult:
+    """Return a study in which the error falls to a tenth, by the errors of coasting."""
+    gaps = tuple(
+        ChannelErrors('position', 'm', at, 1.0, 0.5, 0.1, error, 0.01, 0.9, (0.8, 0.95), 20)
+        for at, error in coast.items()
+    )
+    effects = (NAMED,) if named else ()
+    verdict = 'named' if named else 'none'
+    return StudyResult(verdict, effects, (), (), gaps, True, (), (), 1, {}, 'gtmab')
+
+
+def test_a_model_that_beats_coasting_is_an_improvement() -> None:
+    found = study({3.0: 0.5, 5.0: 1.0})
+    assert draw_conclusion(found).gain is not None
+    assert 'coasting' not in format_headline(found)
+    assert find_contradictions(found) == []
+
+
+@pytest.mark.parametrize('named', [True, False])
+def test_a_model_that_loses_to_coasting_is_none(*, named: bool) -> None:
+    found = study({3.0: 0.08, 5.0: 1.0}, named=named)
+    said = draw_conclusion(found)
+    assert said.gain is None
+    assert said.useless is not None
+    assert said.advice == ('again' if named else 'measure')
+    assert 'no improvement: coasting' in format_headline(found)
+    assert 'falls from' not in format_headline(found)
+    assert to_dict(found)['gaps'][0]['coast'] == 0.08
+    assert find_contradictions(found) == []
