@@ -36,8 +36,10 @@ FLAGS: Final = (
     '--disable-dev-shm-usage',
     '--disable-domain-reliability',
     '--disable-extensions',
-    '--disable-gpu',
     '--disable-sync',
+    # WebGL without a graphics card, for the 3-D views
+    '--use-angle=swiftshader',
+    '--enable-unsafe-swiftshader',
     # A scroll bar would be in the picture
     '--hide-scrollbars',
     '--metrics-recording-only',
