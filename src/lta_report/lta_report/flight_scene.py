@@ -19,7 +19,6 @@ from lta_config.schema.vehicle_file import VehicleFile
 from lta_model.hull import half_axes
 from lta_model.vehicle import Vehicle
 from lta_report.html_elements import embed_data
-from lta_report.page_frame import read_asset
 import numpy as np
 from numpy.typing import NDArray
 
@@ -252,14 +251,3 @@ def hold_columns(at: Array, time: Array, values: Array, longest: float = np.inf)
     index = np.searchsorted(time, at, side='right') - 1
     known = (index >= 0) & (at - time[np.maximum(index, 0)] <= longest)
     return np.asarray(np.where(known[:, None], values[np.maximum(index, 0)], np.nan))
-
-
-def yaw_to_quaternion(yaw: Array) -> Array:
-    """Return level attitudes x y z w, shape (n, 4), with a heading. [rad]"""
-    zero = np.zeros_like(yaw)
-    return np.stack([zero, zero, np.sin(yaw / 2.0), np.cos(yaw / 2.0)], axis=1)
-
-
-def read_scene_script() -> str:
-    """Return the script of the view."""
-    return read_asset('scene.js')

@@ -13,6 +13,8 @@ from lta_report.page_frame import write_file
 Theme = Literal['light', 'dark']
 WIDTH: Final = 1280  # px, a laptop
 SHARPNESS: Final = 2  # pixels of a picture per px of the page
+# Chromium without a graphics card reads WebGL images back, and says that this is slow
+DRIVER: Final = 'GL Driver Message'
 TOP: Final = 'top'  # stands for header, tiles and what follows them
 # Traces and drawn marks of each figure; a figure without marks is blank
 COUNT_PANELS: Final = """
@@ -199,7 +201,7 @@ def collect_errors(browser: Browser) -> list[str]:
             found.append(' '.join(str(part.get('value', part)) for part in event['args']))
         elif method == 'Runtime.exceptionThrown':
             found.append(format_exception(event['exceptionDetails']))
-        elif method == 'Log.entryAdded':
+        elif method == 'Log.entryAdded' and DRIVER not in event['entry']['text']:
             found.append(event['entry']['text'])
     return found
 

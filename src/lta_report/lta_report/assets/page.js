@@ -132,7 +132,7 @@ function mark(time) {
   const k = at(now);
   timed.forEach(markPlot);
   scene?.show(now);
-  plots.filter((plot) => plot.dataset.panel === 'path').forEach((plot) => markPath(plot, k));
+  if (track.radius) plots.filter((plot) => plot.dataset.panel === 'path').forEach((plot) => markPath(plot, k));
   for (const cell of cells) {
     const value = track[cell.dataset.value]?.[k] ?? null;
     const factor = Number(cell.dataset.factor ?? 1);

@@ -142,7 +142,7 @@ class Flown {
     this.ahead = tube(this.points, 0.6 * this.radius, flight.colour, 0.3);
     this.root.add(this.body, this.behind, this.ahead);
     this.rotors = flight.rotors.map(([place]) => {
-      const one = placed(arrow(surface(THRUST), 0.05), place);
+      const one = placed(arrow(surface(THRUST), 0.08), place);
       this.body.add(one);
       return one;
     });
@@ -201,7 +201,7 @@ class Flown {
       const direction = new THREE.Vector3(...this.flight.rotors[j][1]).multiplyScalar(Math.sign(share));
       one.quaternion.setFromUnitVectors(new THREE.Vector3(1, 0, 0), direction);
       // The square root shows the small thrusts of a level flight too
-      one.scale.setScalar(1.2 * this.reach * Math.sqrt(Math.abs(share)));
+      one.scale.setScalar(1.6 * this.reach * Math.sqrt(Math.abs(share)));
     });
   }
 
@@ -315,11 +315,11 @@ class Scene {
     const { azimuth, elevation, zoom } = this.view;
     const here = this.flown.map((one) => one.points[Math.min(this.k, one.points.length - 1)]).find(({ x }) => Number.isFinite(x));
     const target = this.following && here ? here : this.middle;
-    const radius = this.following ? 4.5 * this.data.reach : this.size;
+    const radius = this.following ? 4 * this.data.reach : this.size;
     const half = THREE.MathUtils.degToRad(this.camera.fov / 2);
     // The narrower of both angles of view decides
     const angle = Math.min(half, Math.atan(Math.tan(half) * this.camera.aspect));
-    const distance = 0.92 * radius / Math.sin(angle) / zoom;
+    const distance = 0.75 * radius / Math.sin(angle) / zoom;
     const [a, e] = [azimuth, elevation].map(THREE.MathUtils.degToRad);
     this.camera.position.set(Math.cos(e) * Math.cos(a), Math.cos(e) * Math.sin(a), Math.sin(e)).multiplyScalar(distance).add(target);
     this.camera.lookAt(target);
