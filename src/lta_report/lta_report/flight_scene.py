@@ -175,7 +175,9 @@ def render_time_bar(readout: Mapping[str, tuple[str, str, int, float]], what: st
 
 def build_scene_track(shown: SceneSet) -> dict[str, Sequence[float | None]]:
     """Return the track of a page whose only replay is the 3-D view."""
-    return {'time': [round(float(each), 3) for each in shown.time], **shown.columns}
+    time = [round(float(each), 3) for each in shown.time]
+    # Shown first: in the middle, where flights have moved apart
+    return {'time': time, 'start': [time[len(time) // 2]], **shown.columns}
 
 
 def encode_set(shown: SceneSet) -> dict[str, object]:
@@ -251,3 +253,8 @@ def hold_columns(at: Array, time: Array, values: Array, longest: float = np.inf)
     index = np.searchsorted(time, at, side='right') - 1
     known = (index >= 0) & (at - time[np.maximum(index, 0)] <= longest)
     return np.asarray(np.where(known[:, None], values[np.maximum(index, 0)], np.nan))
+
+
+def list_known(values: Array) -> list[float | None]:
+    """Return numbers for JSON, with None for NaN."""
+    return [round(float(each), 3) if np.isfinite(each) else None for each in values]

@@ -14,6 +14,7 @@ from lta_model.attitude import EulerAngles, to_quaternions
 from lta_report.flight_scene import (
     build_scene_track,
     draw_vehicle,
+    list_known,
     render_scene,
     sample_times,
     SceneFlight,
@@ -107,8 +108,3 @@ def sample_pose(
         for each in angles
     ]
     return np.stack(place, axis=1), EulerAngles(*turn)
-
-
-def list_known(values: Array) -> list[float | None]:
-    """Return numbers for JSON, with None for NaN."""
-    return [round(float(each), 3) if np.isfinite(each) else None for each in values]
