@@ -103,7 +103,11 @@ def sample_times(first: float, last: float) -> Array:
 
 
 def render_scene(
-    sets: Sequence[SceneSet], standing: Sequence[ShapeEntity], caption: str, reach: float
+    sets: Sequence[SceneSet],
+    standing: Sequence[ShapeEntity],
+    caption: str,
+    reach: float,
+    follow: bool = False,
 ) -> str:
     """
     Return the panel of a 3-D view; empty without flights.
@@ -118,6 +122,8 @@ def render_scene(
         Plain text.
     reach : float
         Largest extent of a vehicle from its centre. [m]
+    follow : bool
+        Whether the view follows the vehicle at first, as it does on long flights.
 
     """
     sets = [each for each in sets if len(each.time)]
@@ -125,6 +131,7 @@ def render_scene(
         return ''
     data = {
         'reach': reach,
+        'follow': follow,
         'standing': [encode_shape(shape) for entity in standing for shape in entity.shapes],
         'sets': [encode_set(each) for each in sets],
     }
@@ -166,7 +173,7 @@ def render_time_bar(readout: Mapping[str, tuple[str, str, int, float]], what: st
         for column, (name, unit, digits, factor) in readout.items()
     )
     return (
-        '<div class="bar" id="bar" hidden>'
+        '<div id="bar" hidden>'
         f'<button id="play" type="button" aria-label="Play the {what}">▶\N{VARIATION SELECTOR-15}'
         f'</button><input id="time" type="range" aria-label="Time of the {what}">'
         f'<dl id="readout" aria-live="off">{cells}</dl></div>'

@@ -56,4 +56,4 @@ def render_study_scene(
             for column, each in zip(('before', 'after'), flights[1:], strict=True)
         }
         sets.append(SceneSet(time, flights, errors))
-    return render_scene(sets, [], CAPTION, reach), build_scene_track(sets[0])
+    return render_scene(sets, [], CAPTION, reach, follow=True), build_scene_track(sets[0])
