@@ -48,6 +48,20 @@ class EndLabel(NamedTuple):
     colour: str
 
 
+def add_legend(figure: Figure) -> Figure:
+    """Show a legend in rows above a figure; the top margin grows with it."""
+    return figure.update_layout(
+        showlegend=True,
+        legend={
+            'orientation': 'h',
+            'x': 0.0,
+            'y': 1.02,
+            'yanchor': 'bottom',
+            'font': {'size': 11},
+        },
+    )
+
+
 def create_figure(rows: int = 1, heights: Sequence[float] | None = None) -> Figure:
     """Return an empty figure with rows that share the x axis."""
     figure = make_subplots(

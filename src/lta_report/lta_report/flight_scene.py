@@ -30,7 +30,10 @@ KEYS: Final = (
     'Drag, or Shift and the arrow keys, to turn the view; plus and minus zoom, 0 resets. '
     'The left and right arrow keys move the time.'
 )
-NO_WEBGL: Final = 'This browser has no WebGL, so the 3-D view is left out; the figures below show the same flight.'
+NO_WEBGL: Final = (
+    'This browser has no WebGL, so the 3-D view is left out; '
+    'the figures below show the same flight.'
+)
 TRACKS: Final = ('position', 'turn', 'thrust', 'bearing', 'wind')
 
 

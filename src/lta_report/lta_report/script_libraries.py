@@ -19,7 +19,8 @@ from plotly.offline import get_plotlyjs
 
 VIEWER: Final = 'resources/templates/viewer.zip'  # in trimesh: a page that starts with three.js
 THREE: Final = re.compile(
-    r'/\*\*\s*\* @license\s*\* Copyright [\d-]+ Three\.js Authors.*?"__esModule",\{value:!0\}\)\}\)\);',
+    r'/\*\*\s*\* @license\s*\* Copyright [\d-]+ Three\.js Authors'
+    r'.*?"__esModule",\{value:!0\}\)\}\)\);',
     re.DOTALL,
 )
 

@@ -79,9 +79,7 @@ def render_comparison_scene(
     }
     room = scene.scenario if pose.startswith(MAP_POSE) else None
     shown = SceneSet(time, flights, columns)
-    panel = render_scene(
-        [shown], [] if room is None else draw_static_scene(room), CAPTION, reach
-    )
+    panel = render_scene([shown], [] if room is None else draw_static_scene(room), CAPTION, reach)
     return panel, build_scene_track(shown)
 
 

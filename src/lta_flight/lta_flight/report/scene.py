@@ -22,7 +22,7 @@ import numpy as np
 
 LONGEST: Final = 0.5  # s for which a bearing, a duty or a wind is shown
 CAPTION: Final = (
-    'The true motion. Orange arrows: thrust of the rotors, as the square root of its share. Yellow '
+    'The true motion. Orange arrows: thrust of the rotors, by the square root of its share. Yellow '
     'arrow and cone: direction of the lamp that the drone steers by, with its standard deviation. '
     'Green arrow: wind. The path ahead is pale.'
 )
