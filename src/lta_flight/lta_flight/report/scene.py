@@ -3,6 +3,7 @@
 from typing import Final
 
 from lta_bridge.live.room_shapes import draw_static_scene
+from lta_data.bag.recorded_flight import list_robots, open_flight
 from lta_flight.report.view import FlightView
 from lta_model.vehicle import Vehicle
 from lta_report.curves import Array
@@ -17,15 +18,16 @@ from lta_report.flight_scene import (
     SceneRotor,
     SceneSet,
 )
-from lta_report.palette import ESTIMATE, TRUTH
+from lta_report.palette import ESTIMATE, GOOD, LAMP, TRUTH
 import numpy as np
 
 LONGEST: Final = 0.5  # s for which a bearing, a duty or a wind is shown
 CAPTION: Final = (
-    'The true motion. Orange arrows: thrust of the rotors, by the square root of its share. Yellow '
+    'The true motion. Orange arrows: thrust of the rotors (square root of its share). Yellow '
     'arrow and cone: direction of the lamp that the drone steers by, with its standard deviation. '
     'Green arrow: wind. The path ahead is pale.'
 )
+COMPANIONS: Final = (GOOD, LAMP)
 POSITION, ATTITUDE = 'pose.pose.position', 'pose.pose.orientation'
 
 
@@ -62,9 +64,30 @@ def render_flight_scene(view: FlightView) -> str:
                 np.zeros((len(time), 4)),
             )
         )
+    flights += list_companions(view, time)
     scenario = view.scene.scenario
     standing = [] if scenario is None else draw_static_scene(scenario)
     return render_scene([SceneSet(time, flights)], standing, CAPTION, reach)
+
+
+def list_companions(view: FlightView, time: Array) -> list[SceneFlight]:
+    """Return the other robots of the bag as ghosts."""
+    bag, found = view.flight.bag, []
+    for robot in list_robots(bag):
+        if robot == view.flight.robot:
+            continue
+        other = FlightView(open_flight(bag, robot))
+        if not other.has_topics('ground_truth/odom'):
+            continue
+        body, _, _ = draw_vehicle(other.scene.vehicle)
+        truth = other.read_series('ground_truth/odom')
+        # The time of each robot begins with its own first message
+        own = truth.time + (other.flight.start - view.flight.start) * 1e-9
+        place = interpolate_columns(time, own, truth.vector(POSITION))
+        turn = interpolate_attitude(time, own, truth.vector(ATTITUDE))
+        colour = COMPANIONS[len(found) % len(COMPANIONS)]
+        found.append(SceneFlight(robot, colour, body, place, turn, ghost=True))
+    return found
 
 
 def sample_thrust(
