@@ -214,7 +214,7 @@ def build_schedule_table(request: MissionRequest, results: Sequence[MissionResul
                 f'{sum(f.flights for f in figures) / per:.0f}',
                 f'{sum(f.rounds for f in figures) / per:.0f}',
                 f'{sum(f.harvested for f in figures) / per / 1e3:.1f}',
-                f'{sum(f.curtailed for f in figures) / per / 1e3:.1f}',
+                f'{abs(sum(f.curtailed for f in figures)) / per / 1e3:.1f}',
                 f'{100.0 * sum(f.asleep for f in figures) / len(figures):.0f}',
                 # The worst seed: a mean could hide an error of the energy balance.
                 f'{max(abs(f.imbalance) for f in figures):.0e}',
