@@ -6,7 +6,12 @@ import pytest
 
 from ..unit.report_flight import write_flight  # noqa: TID252 - `test` is Python's own
 
-WITHOUT = 'HTMLCanvasElement.prototype.getContext = function () { return null; }'
+WITHOUT = """(() => {
+  const own = HTMLCanvasElement.prototype.getContext;
+  HTMLCanvasElement.prototype.getContext = function (kind, ...rest) {
+    return kind.startsWith('webgl') ? null : own.call(this, kind, ...rest);
+  };
+})()"""
 MOST = 6_000_000  # bytes of a page with a 3-D view
 INK = """(() => {
   const canvas = document.querySelector('.scene canvas');
