@@ -197,13 +197,16 @@ function setPlaying(wanted) {
   if (now >= last) mark(times[0]);
   const pace = Math.max(1, (last - times[0]) / 15);
   let before = performance.now();
+  // Two pictures a second for readers who prefer little motion
+  const calm = matchMedia('(prefers-reduced-motion: reduce)').matches;
+  const later = calm ? (show) => setTimeout(() => show(performance.now()), 500) : requestAnimationFrame;
   const step = (instant) => {
     if (!playing) return;
     mark(now + pace * (instant - before) / 1000);
     before = instant;
-    if (now >= last) setPlaying(false); else requestAnimationFrame(step);
+    if (now >= last) setPlaying(false); else later(step);
   };
-  requestAnimationFrame(step);
+  later(step);
 }
 
 async function start() {

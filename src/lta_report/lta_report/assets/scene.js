@@ -298,7 +298,8 @@ class Scene {
     this.labels.clear();
     const texts = this.data.standing.filter(({ kind }) => kind === 'BillboardText');
     texts.forEach(({ place, text, height }) => this.labels.add(placed(words(text, Math.max(height, this.size / 40), ink), place)));
-    this.draw();
+    // At once: a print does not wait for the next frame
+    this.render();
   }
 
   show(time) {
