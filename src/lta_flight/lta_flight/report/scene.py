@@ -72,7 +72,7 @@ def render_flight_scene(view: FlightView) -> str:
 
 def list_companions(view: FlightView, time: Array) -> list[SceneFlight]:
     """Return the other robots of the bag as ghosts."""
-    bag, found = view.flight.bag, []
+    bag, found = view.flight.bag, list[SceneFlight]()
     for robot in list_robots(bag):
         if robot == view.flight.robot:
             continue

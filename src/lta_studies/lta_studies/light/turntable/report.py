@@ -207,7 +207,7 @@ def plot_polar_errors(study: RingStudy) -> Figure:
             )
         )  # fmt: skip
     look = {'gridcolor': GRID, 'linecolor': GRID, 'tickfont': {'color': SOFT, 'size': 11}}
-    return figure.update_layout(
+    return add_legend(figure).update_layout(
         polar={
             'bgcolor': 'rgba(0,0,0,0)',
             'angularaxis': {**look, 'dtick': 45, 'rotation': 90},  # the nose up, as on a map
@@ -216,7 +216,6 @@ def plot_polar_errors(study: RingStudy) -> Figure:
         xaxis={'visible': False}, yaxis={'visible': False}, margin={'b': 30},
         hovermode='closest',
     )  # fmt: skip
-    add_legend(figure)
 
 
 def plot_response(
