@@ -107,7 +107,7 @@ def sample_times(first: float, last: float) -> Array:
 
 def render_scene(
     sets: Sequence[SceneSet],
-    standing: Sequence[ShapeEntity],
+    static_shapes: Sequence[ShapeEntity],
     caption: str,
     reach: float,
     follow: bool = False,
@@ -118,8 +118,8 @@ def render_scene(
     Parameters
     ----------
     sets : sequence of SceneSet
-        The first is shown; `scenes` in page.js selects others.
-    standing : sequence of ShapeEntity
+        The first is shown; `Scene.select` in scene.js shows others.
+    static_shapes : sequence of ShapeEntity
         What does not move, in the map frame.
     caption : str
         Plain text.
@@ -135,7 +135,7 @@ def render_scene(
     data = {
         'reach': reach,
         'follow': follow,
-        'standing': [encode_shape(shape) for entity in standing for shape in entity.shapes],
+        'standing': [encode_shape(shape) for entity in static_shapes for shape in entity.shapes],
         'sets': [encode_set(each) for each in sets],
     }
     names = ''.join(
@@ -183,18 +183,18 @@ def render_time_bar(readout: Mapping[str, tuple[str, str, int, float]], what: st
     )
 
 
-def build_scene_track(shown: SceneSet) -> dict[str, Sequence[float | None]]:
+def build_scene_track(scene_set: SceneSet) -> dict[str, Sequence[float | None]]:
     """Return the track of a page whose only replay is the 3-D view."""
-    time = [round(float(each), 3) for each in shown.time]
+    time = [round(float(each), 3) for each in scene_set.time]
     # Shown first: in the middle, where flights have moved apart
-    return {'time': time, 'start': [time[len(time) // 2]], **shown.columns}
+    return {'time': time, 'start': [time[len(time) // 2]], **scene_set.columns}
 
 
-def encode_set(shown: SceneSet) -> dict[str, object]:
+def encode_set(scene_set: SceneSet) -> dict[str, object]:
     """Return the JSON content of a set of flights."""
     return {
-        'track': build_scene_track(shown),
-        'flights': [encode_flight(each) for each in shown.flights],
+        'track': build_scene_track(scene_set),
+        'flights': [encode_flight(each) for each in scene_set.flights],
     }
 
 
@@ -265,6 +265,6 @@ def hold_columns(at: Array, time: Array, values: Array, longest: float = np.inf)
     return np.asarray(np.where(known[:, None], values[np.maximum(index, 0)], np.nan))
 
 
-def list_known(values: Array) -> list[float | None]:
+def to_json_numbers(values: Array) -> list[float | None]:
     """Return numbers for JSON, with None for NaN."""
     return [round(float(each), 3) if np.isfinite(each) else None for each in values]

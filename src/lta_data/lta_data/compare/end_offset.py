@@ -35,14 +35,14 @@ def end_offset(channels: Mapping[str, ChannelComparison]) -> tuple[float, float,
     """
     if not channels.keys() >= set('xyz') | {'yaw'}:
         return None
-    x, y, z = (float(_known(channels[axis], 'difference')[-1]) for axis in 'xyz')
-    heading = float(_known(channels['yaw'], 'a')[-1])
+    x, y, z = (float(_read_valid(channels[axis], 'difference')[-1]) for axis in 'xyz')
+    heading = float(_read_valid(channels['yaw'], 'a')[-1])
     ahead = x * math.cos(heading) + y * math.sin(heading)
     left = y * math.cos(heading) - x * math.sin(heading)
     return ahead, left, z
 
 
-def _known(channel: ChannelComparison, part: str) -> list[float]:
+def _read_valid(channel: ChannelComparison, part: str) -> list[float]:
     both = channel.both
     return list(getattr(both, part)[both.both_valid])
 

@@ -14,11 +14,11 @@ from lta_model.attitude import EulerAngles, to_quaternions
 from lta_report.flight_scene import (
     build_scene_track,
     draw_vehicle,
-    list_known,
     render_scene,
     sample_times,
     SceneFlight,
     SceneSet,
+    to_json_numbers,
 )
 from lta_report.palette import ESTIMATE, TRUTH
 import numpy as np
@@ -74,8 +74,8 @@ def render_comparison_scene(
     (place_a, turn_a), (place_b, turn_b) = poses['a'], poses['b']
     turned = np.degrees(wrap_angle(turn_b.yaw - turn_a.yaw))
     columns = {
-        'apart': list_known(np.linalg.norm(place_b - place_a, axis=1)),
-        'turned': list_known(turned),
+        'apart': to_json_numbers(np.linalg.norm(place_b - place_a, axis=1)),
+        'turned': to_json_numbers(turned),
     }
     room = scene.scenario if pose.startswith(MAP_POSE) else None
     shown = SceneSet(time, flights, columns)

@@ -9,10 +9,10 @@ from lta_model.vehicle import Vehicle
 from lta_report.flight_scene import (
     build_scene_track,
     draw_vehicle,
-    list_known,
     render_scene,
     SceneFlight,
     SceneSet,
+    to_json_numbers,
 )
 from lta_report.palette import ESTIMATE, TRUTH, WALL
 import numpy as np
@@ -52,7 +52,7 @@ def render_study_scene(
             flights.append(SceneFlight(name, colour, body, line[:, :3], turn, ghost=ghost))
         measured = flights[0].position
         errors = {
-            column: list_known(np.linalg.norm(each.position - measured, axis=1))
+            column: to_json_numbers(np.linalg.norm(each.position - measured, axis=1))
             for column, each in zip(('before', 'after'), flights[1:], strict=True)
         }
         sets.append(SceneSet(time, flights, errors))

@@ -66,8 +66,8 @@ def render_flight_scene(view: FlightView) -> str:
         )
     flights += list_companions(view, time)
     scenario = view.scene.scenario
-    standing = [] if scenario is None else draw_static_scene(scenario)
-    return render_scene([SceneSet(time, flights)], standing, CAPTION, reach)
+    static_shapes = [] if scenario is None else draw_static_scene(scenario)
+    return render_scene([SceneSet(time, flights)], static_shapes, CAPTION, reach)
 
 
 def list_companions(view: FlightView, time: Array) -> list[SceneFlight]:
