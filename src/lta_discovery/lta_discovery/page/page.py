@@ -133,6 +133,7 @@ def render_page(
         commands=list_commands(found, folder, bags or found.bags),
         files={},
         track=track,
+        has_plots=True,
         has_scene=bool(scene),
         scene=scene,
         bar=render_time_bar(READOUT, 'flight') if scene else '',

@@ -42,7 +42,8 @@ def render_study_scene(
     body, reach, _ = draw_vehicle(None if vehicle is None else vehicle.file)
     sets = []
     for overlay in overlays:
-        time = overlay.begin + overlay.period * np.arange(len(overlay.lines[0]))
+        steps = np.arange(len(overlay.lines[0]), dtype=np.float64)
+        time = overlay.begin + overlay.period * steps
         flights = []
         for (name, colour), line in zip(NAMES, overlay.lines, strict=True):
             level = np.zeros(len(line))
