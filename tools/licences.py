@@ -40,6 +40,9 @@ names the GPL for a few of its files beside the public domain and BSD of the res
 pymavlink (LGPL) are tools of the tests; to fly a real Crazyflie you install cflib yourself. What
 is asked for by hand (`requirements-bench.txt`, `-dask`, `-docs`, `-gpu`, `-mutation`, `-pybamm`)
 is not listed.
+
+The pages that LTA writes contain two libraries of JavaScript with their licence texts: plotly.js
+(MIT), which comes with plotly, and, for 3-D views, three.js (MIT), which comes with trimesh.
 """
 
 

@@ -18,6 +18,7 @@ from lta_report.report_output import write_report
 from lta_report.screenshots import (
     capture_part,
     collect_errors,
+    find_overlapping_labels,
     list_requests,
     open_page,
     resize_window,
@@ -134,6 +135,16 @@ def light_plan(folder, call):
     (folder / 'out' / 'report.html').rename(folder / 'report.html')
 
 
+def cells(folder, call):
+    call('cells', '--out', folder / 'out')
+    (folder / 'out' / 'report.html').rename(folder / 'report.html')
+
+
+def breakeven(folder, call):
+    call('energy', 'breakeven', '--out', folder / 'out')
+    (folder / 'out' / 'report.html').rename(folder / 'report.html')
+
+
 def light_link(folder, call):
     call(
         'light', 'link', '--scenario', 'lamp_room', '--distance', '3', '--distance', '7',
@@ -189,7 +200,7 @@ PAGES = {
     made.__name__: made
     for made in (
         flight, plot, vehicle, sweep, wind, light_plan, light_link, bearing, study, platforms,
-        evaluate, tune, replay,
+        evaluate, tune, replay, cells, breakeven,
     )
 }  # fmt: skip
 
@@ -202,7 +213,17 @@ def typed(*words):
 
 
 # What takes long to make; the report that all share is looked at on the other pages.
-LONG = ('sweep', 'wind', 'light_link', 'bearing', 'study', 'platforms', 'evaluate', 'tune')
+LONG = (
+    'sweep',
+    'wind',
+    'light_link',
+    'bearing',
+    'study',
+    'platforms',
+    'evaluate',
+    'tune',
+    'breakeven',
+)
 
 LARGEST = ('flight', 'replay')  # pages of those that every run checks
 
@@ -233,8 +254,9 @@ def opened(browser):
 
 
 def shows_all(browser, page, width, picture):
-    """Check an open page for complaints, requests, width and contrast, and take a picture."""
+    """Check an open page for complaints, requests, labels, width and contrast; photograph it."""
     assert collect_errors(browser) == []
+    assert find_overlapping_labels(browser) == []
     assert list_requests(browser, page) == []
     assert browser.evaluate('document.documentElement.scrollWidth') <= width
     assert browser.evaluate(CONTRAST) == []

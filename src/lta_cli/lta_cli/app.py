@@ -76,6 +76,7 @@ VEHICLE: Final = VerbGroup(
         'new': Verb('vehicle.new', 'new'),
         'show': Verb('vehicle.show', 'show'),
         'check': Verb('vehicle.check', 'check'),
+        'set': Verb('vehicle.set', 'set_'),
         'diff': Verb('vehicle.diff', 'diff'),
         'trim': Verb('vehicle.trim', 'trim'),
         'urdf': Verb('vehicle.urdf', 'urdf'),

@@ -204,7 +204,7 @@ def write_results(
         role: list(request.bags[role]) for role in request.bags
     }
     views = build_flight_views(study)
-    write_file(render_page(study, views, folder, bags), part / PAGE)
+    write_file(render_page(study, views, folder, bags, vehicle), part / PAGE)
     if drawing := animation.draw_animation(finding, views, vehicle):
         (part / animation.NAME).write_text(drawing, encoding='utf-8')
     return DiscoveryResult(study, told, folder / PAGE)

@@ -1,4 +1,4 @@
-"""Convert attitudes to Euler angles."""
+"""Convert attitudes to Euler angles and back."""
 
 from typing import NamedTuple
 import warnings
@@ -33,3 +33,8 @@ def to_euler_angles(quaternions: ArrayLike) -> EulerAngles:
             # Upper case: intrinsic rotations, each about the axis already turned
             result[usable] = Rotation.from_quat(given[usable]).as_euler('ZYX')
     return EulerAngles(*result.T)
+
+
+def to_quaternions(angles: EulerAngles) -> NDArray[np.float64]:
+    """Return the quaternions x, y, z, w of angles, shape (n, 4): see `to_euler_angles`."""
+    return Rotation.from_euler('ZYX', np.stack(angles, axis=1)).as_quat()

@@ -36,8 +36,12 @@ FLAGS: Final = (
     '--disable-dev-shm-usage',
     '--disable-domain-reliability',
     '--disable-extensions',
+    # Drawing by the CPU is faster without the detour over a graphics card
     '--disable-gpu',
     '--disable-sync',
+    # WebGL without a graphics card, for the 3-D views
+    '--use-angle=swiftshader',
+    '--enable-unsafe-swiftshader',
     # A scroll bar would be in the picture
     '--hide-scrollbars',
     '--metrics-recording-only',
@@ -128,7 +132,7 @@ class Browser:
 
     def close(self) -> None:
         """Stop the browser in any state."""
-        with suppress(OSError, BadInput):
+        with suppress(OSError, BadInput, subprocess.TimeoutExpired):
             # Browser.close is a command to the browser, not to the tab
             self._session = None
             self.call('Browser.close')

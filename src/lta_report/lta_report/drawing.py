@@ -12,6 +12,8 @@ from plotly.subplots import make_subplots
 
 FONT = '-apple-system, "Segoe UI", Roboto, "Helvetica Neue", Arial, sans-serif'
 LEFT, RIGHT, TOP, BOTTOM = 56, 88, 22, 40  # px; equal, so that time axes line up
+LETTER = 6.4  # px, mean width of a letter of a label
+FITTING = 15  # letters of a label that fit the margin RIGHT
 MOST_POINTS = 2000  # per line: more than the pixels of a panel, few enough to redraw at once
 AXIS = {
     'gridcolor': GRID,
@@ -44,6 +46,20 @@ class EndLabel(NamedTuple):
     text: str
     height: float
     colour: str
+
+
+def add_legend(figure: Figure) -> Figure:
+    """Show a legend in rows above a figure; the top margin grows with it."""
+    return figure.update_layout(
+        showlegend=True,
+        legend={
+            'orientation': 'h',
+            'x': 0.0,
+            'y': 1.02,
+            'yanchor': 'bottom',
+            'font': {'size': 11},
+        },
+    )
 
 
 def create_figure(rows: int = 1, heights: Sequence[float] | None = None) -> Figure:
@@ -178,4 +194,9 @@ def label_ends(
             row=row,
             col=1,
         )
+    # Long labels get more space than the margin that figures over time share
+    longest = max((len(label.text) for label in labels), default=0)
+    if longest > FITTING:
+        right = figure.layout.margin.r or RIGHT
+        figure.update_layout(margin_r=max(right, 8 + LETTER * longest))
     figure.update_yaxes(range=[low, high], row=row)

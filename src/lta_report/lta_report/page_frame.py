@@ -15,7 +15,7 @@ from lta_config.atomic_file import replace_atomically
 from lta_config.errors import BadInput
 from lta_report.html_elements import embed_data, render_footer
 from lta_report.palette import DARK
-from plotly.offline import get_plotlyjs
+from lta_report.script_libraries import embed_plotly, embed_three
 
 BEGIN: Final = '<style>\n'
 END: Final = '</style>\n'
@@ -39,6 +39,7 @@ def assemble_page(
     tiles: str,
     track: object = None,
     has_plots: bool = True,
+    has_scene: bool = False,
     facts: Mapping[str, str] = NOTHING,
     commands: Mapping[str, str] = NOTHING,
     files: Mapping[str, str] = NOTHING,
@@ -57,6 +58,8 @@ def assemble_page(
         Curves that the time cursor follows; none by default.
     has_plots : bool
         Whether to include plotly, which is most of a page's size.
+    has_scene : bool
+        Whether to include what a 3-D view needs.
     facts, commands, files : mapping of str to str
         Content of the footer; see `render_footer`.
     **parts : str
@@ -78,7 +81,8 @@ def assemble_page(
         # Colours of the dark theme, for page.js
         dark=embed_data('dark', DARK),
         track=embed_data('track', track or {}),
-        plotly=f'<script>{get_plotlyjs()}</script>' if has_plots else '',
+        plotly=embed_plotly() if has_plots else '',
+        three=f'{embed_three()}\n<script>{read_asset("scene.js")}</script>' if has_scene else '',
         js=read_asset('page.js'),
     )
 

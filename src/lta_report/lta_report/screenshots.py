@@ -8,11 +8,13 @@ from typing import Any, Final, final, Literal, NamedTuple
 
 from lta_config.errors import BadInput, unknown_name_error
 from lta_report.browser import Browser
-from lta_report.page_frame import write_file
+from lta_report.page_frame import read_asset, write_file
 
 Theme = Literal['light', 'dark']
 WIDTH: Final = 1280  # px, a laptop
 SHARPNESS: Final = 2  # pixels of a picture per px of the page
+# Chromium without a graphics card reads WebGL images back, and says that this is slow
+DRIVER: Final = 'GL Driver Message'
 TOP: Final = 'top'  # stands for header, tiles and what follows them
 # Traces and drawn marks of each figure; a figure without marks is blank
 COUNT_PANELS: Final = """
@@ -191,6 +193,12 @@ def locate_part(browser: Browser, panel: str) -> Mapping[str, float]:
     return box
 
 
+def find_overlapping_labels(browser: Browser) -> list[str]:
+    """Return the labels of the open page that overprint others or are cut off, in words."""
+    found: list[str] = browser.evaluate(read_asset('overlaps.js'))
+    return found
+
+
 def collect_errors(browser: Browser) -> list[str]:
     """Return console messages and uncaught errors of the page."""
     found = []
@@ -199,7 +207,7 @@ def collect_errors(browser: Browser) -> list[str]:
             found.append(' '.join(str(part.get('value', part)) for part in event['args']))
         elif method == 'Runtime.exceptionThrown':
             found.append(format_exception(event['exceptionDetails']))
-        elif method == 'Log.entryAdded':
+        elif method == 'Log.entryAdded' and DRIVER not in event['entry']['text']:
             found.append(event['entry']['text'])
     return found
 

@@ -7,12 +7,17 @@ import sys
 from typing import Annotated
 
 from lta_cli.options.common_options import plain_console
+from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
 from lta_config.files import find_file
+from lta_data.bag.reader import read_bag
+from lta_data.bag.recorded_flight import list_robots
 from lta_flight.flight import is_refusal
-from lta_flight.graph import run_graph
+from lta_flight.graph import list_bags, run_graph
 from lta_flight.preflight import check_plan
-from lta_graph.launch_file import list_arguments, load_plan
+from lta_flight.report.page import write_page
+from lta_graph.launch_file import LaunchPlan, list_arguments, load_plan
+from lta_report.results_folder import format_page_line
 from rich.table import Table
 import typer
 
@@ -61,8 +66,28 @@ def launch(
     # The last line of the node states what was wrong with its input
     if is_refusal(outcome):
         raise BadInput(outcome.lines[-1])
+    print_recordings(plan)
     if not outcome.success:
         raise typer.Exit(1)
+
+
+def print_recordings(plan: LaunchPlan) -> None:
+    """Print the bags of a graph, and write a page for each robot of several."""
+    for bag in filter(Path.is_dir, list_bags(plan)):
+        place = relative_path(bag)
+        lines = [f'Bag  {bag}  (its messages: {format_lta_command("bag", "info", place)})']
+        try:
+            robots = list_robots(read_bag(bag))
+            if len(robots) == 1:
+                lines.append(f'Page: {format_lta_command("report", place)}')
+            # Each of several robots needs --robot, which is easily forgotten
+            for robot in robots if len(robots) > 1 else ():
+                page = bag.absolute().parent / f'report-{robot}.html'
+                write_page(bag, page, robot)
+                lines.append(format_page_line(page))
+        except BadInput as error:  # such as a flight of a moment, which has nothing to draw
+            lines.append(str(error))
+        plain_console().print('\n'.join(lines), highlight=False, markup=False, soft_wrap=True)
 
 
 def print_event(sentence: str) -> None:

@@ -15,6 +15,7 @@ from lta_data.compare.channel_roles import (
     select_panel_channels,
 )
 from lta_data.compare.comparison import ComparisonResult
+from lta_data.compare.scene import READOUT, render_comparison_scene
 from lta_data.compare.sentences import (
     BASIS,
     describe_comparison,
@@ -35,6 +36,7 @@ from lta_data.compare.tables import (
     is_worth_plotting,
 )
 from lta_data.compare.traces import encode_channel, encode_floats
+from lta_report.flight_scene import render_time_bar
 from lta_report.formatting import Tile
 from lta_report.html_elements import (
     embed_data,
@@ -64,6 +66,7 @@ def write_page(comparison: ComparisonResult, out: Path) -> Path:
 def render_page(comparison: ComparisonResult) -> str:
     """Return the page's HTML."""
     shown, time = select_panel_channels(comparison.channels), find_total_span(comparison)
+    scene, track = render_comparison_scene(comparison, time)
     first = next((each for each in comparison.channels if is_worth_plotting(each)), None)
     return assemble_page(
         'compare.html',
@@ -72,6 +75,10 @@ def render_page(comparison: ComparisonResult) -> str:
         f'{shorten_path(comparison.b.path)}'),
         about=escape(describe_comparison(comparison)),
         tiles='\n'.join(render_tile(*each) for each in build_tiles(comparison)),
+        track=track,
+        has_scene=bool(scene),
+        scene=scene,
+        bar=render_time_bar(READOUT, 'flights') if scene else '',
         hero=render_overview(comparison),
         panels='\n'.join(
             render_section(

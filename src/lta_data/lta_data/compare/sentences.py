@@ -8,6 +8,7 @@ from lta_data.compare.channel_comparison import ChannelComparison
 from lta_data.compare.channel_roles import FIELDS, select_headline_channels
 from lta_data.compare.compared_flight import ComparedFlight
 from lta_data.compare.comparison import ComparisonResult
+from lta_data.compare.end_offset import end_offset, find_pose_channels, format_direction
 from lta_data.compare.faults import TopicFaults
 from lta_data.compare.frame_alignment import FrameAlignment
 from lta_data.compare.frame_fit import FrameTransform
@@ -51,6 +52,9 @@ def format_verdict(comparison: ComparisonResult) -> str:
     if not parted:
         return describe_minor_differences(comparison)
     first = find_earliest_divergence(parted)
+    ending = format_ending(comparison)
+    if ending:
+        return f'{ending}; {format_onset(comparison, first)}.'
     who = format_subject(comparison)
     text = f'{who} diverge at {first.parting.at:.2f} s, first in {format_channel_name(first)}'
     if differs_from_start(first):
@@ -64,13 +68,46 @@ def format_verdict(comparison: ComparisonResult) -> str:
     return f'{text}: {format_quantity(rms, worst.unit)} RMS.'
 
 
+def format_ending(comparison: ComparisonResult) -> str:
+    """Return where B ends relative to A, 'B ends 3 m behind A'; '' if positions agree."""
+    channels = find_pose_channels(comparison)
+    offset = end_offset(channels)
+    if offset is None or all(channels[axis].parting.at is None for axis in 'xyz'):
+        return ''
+    away = format_quantity(math.hypot(*offset), channels['x'].unit, 2)
+    name_a, name_b = format_sides(comparison)
+    return f'{name_b} ends {away} {format_direction(offset)} {name_a}'
+
+
+def format_onset(comparison: ComparisonResult, first: ChannelComparison) -> str:
+    """Return since when the flights turn differently, or else when they diverge."""
+    heading = find_pose_channels(comparison)['yaw']
+    if heading.parting.at is None:
+        if differs_from_start(first):
+            return f'they differ from the start, in {format_channel_name(first)}'
+        return f'they diverge at {first.parting.at:.2f} s, first in {format_channel_name(first)}'
+    if differs_from_start(heading):
+        return 'they turn differently from the start'
+    return f'they turn differently from {heading.parting.at:.1f} s on'
+
+
+def format_sides(comparison: ComparisonResult) -> tuple[str, str]:
+    """Return the names of both sides: A and B, or two topics of one flight."""
+    if is_one_flight(comparison):
+        ((topic, other),) = comparison.topics.items()
+        return topic, other
+    return 'A', 'B'
+
+
+def is_one_flight(comparison: ComparisonResult) -> bool:
+    """Return whether two topics of one flight are compared."""
+    one = (comparison.a.path, comparison.a.robot) == (comparison.b.path, comparison.b.robot)
+    return one and len(comparison.topics) == 1
+
+
 def format_subject(comparison: ComparisonResult) -> str:
     """Return the subject of the sentence: two flights, or two topics of one."""
-    one = (comparison.a.path, comparison.a.robot) == (comparison.b.path, comparison.b.robot)
-    if one and len(comparison.topics) == 1:
-        ((topic, other),) = comparison.topics.items()
-        return f'{topic} and {other}'
-    return 'The flights'
+    return ' and '.join(format_sides(comparison)) if is_one_flight(comparison) else 'The flights'
 
 
 def differs_from_start(channel: ChannelComparison) -> bool:

@@ -1,6 +1,5 @@
 """Render a study as one self-contained HTML file."""
 
-from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from html import escape
 from pathlib import Path
@@ -18,6 +17,7 @@ from lta_discovery.page.flight_views import (
 )
 from lta_discovery.page.formatting import format_remainder, join_words, remainder_unit
 from lta_discovery.page.latent_wrench import collect_latent_wrenches, fit_terms, join_pieces
+from lta_discovery.page.scene import READOUT, render_study_scene
 from lta_discovery.page.transfer_table import render_transfer
 from lta_discovery.page.verdict_text import (
     build_tiles,
@@ -28,6 +28,8 @@ from lta_discovery.page.verdict_text import (
 from lta_discovery.page.whiteness import autocorrelation, GROUPS, residual_spectrum
 from lta_discovery.study import DiscoveryStudy
 from lta_model.effects.protocol import AXES
+from lta_model.vehicle import Vehicle
+from lta_report.flight_scene import pack_column, render_time_bar
 from lta_report.formatting import format_count
 from lta_report.html_elements import embed_data, render_section, render_tile
 from lta_report.page_frame import assemble_page, write_file
@@ -93,14 +95,19 @@ def write_page(study: DiscoveryStudy, folder: Path, bags: Bags = NONE) -> Path:
 
 
 def render_page(
-    study: DiscoveryStudy, flights: Sequence[StudyFlightView], folder: Path, bags: Bags = NONE
+    study: DiscoveryStudy,
+    flights: Sequence[StudyFlightView],
+    folder: Path,
+    bags: Bags = NONE,
+    vehicle: Vehicle | None = None,
 ) -> str:
-    """Return the whole page."""
+    """Return the whole page; the vehicle is that of the 3-D view."""
     found = study.finding
     drawn = [
         build_overlay(one, sum(each.shown for each in flights)) for one in flights if one.shown
     ]
     names = [one.flown.name for one in flights if one.shown]
+    scene, track = render_study_scene(drawn, vehicle)
     colours = COLOURS | {f'{key}_dark': DARK[colour] for key, colour in COLOURS.items()}
     return assemble_page(
         'discover.html',
@@ -125,7 +132,11 @@ def render_page(
         facts=list_provenance(found),
         commands=list_commands(found, folder, bags or found.bags),
         files={},
+        track=track,
         has_plots=True,
+        has_scene=bool(scene),
+        scene=scene,
+        bar=render_time_bar(READOUT, 'flight') if scene else '',
         **colours,
     )
 
@@ -180,15 +191,6 @@ def _pack_overlay(one: FlightOverlay) -> dict[str, object]:
         'period': one.period,
         'lines': [[pack_column(column) for column in line.T] for line in one.lines],
     }
-
-
-def pack_column(values: Array) -> dict[str, object]:
-    """Encode a line as 16-bit integers, to be multiplied by `scale`; the minimum means NaN."""
-    largest = float(np.nanmax(np.abs(values), initial=0.0)) or 1.0
-    # Below 32767, so that -32768 is free to mean NaN
-    factor = largest / 32000.0
-    numbers = np.where(np.isfinite(values), np.round(values / factor), -32768.0).astype('<i2')
-    return {'scale': factor, 'data': b64encode(numbers.tobytes()).decode()}
 
 
 def render_whiteness(flights: Sequence[StudyFlightView]) -> str:

@@ -110,7 +110,8 @@ class FlightGoal:
         motion : MotionCurve
             The true motion.
         frequency : ndarray, shape (instants,)
-            Tracked frequency, which selects the lamp with the nearest one. [Hz]
+            Tracked frequency, which selects the lamp with the nearest one; of several with that
+            frequency, the one that the route leads to next. [Hz]
 
         Returns
         -------
@@ -122,8 +123,14 @@ class FlightGoal:
             return np.full(len(motion.time), np.nan)
         lamps = list(self.scenario.lamps.values())
         own = np.array([lamp.frequency.si for lamp in lamps])
-        # The lamp with the nearest frequency
-        meant = np.abs(frequency[:, None] - own).argmin(axis=1)
+        distance = np.abs(frequency[:, None] - own)
+        nearest = distance.argmin(axis=1)
+        names = list(self.scenario.lamps)
+        route = np.array([names.index(name) for name in self.scenario.route or names[:1]])
+        following = route[self.leg_index(motion.time)]
+        # Lamps of one frequency look alike to the drone
+        alike = distance[np.arange(len(frequency)), following] <= distance.min(axis=1)
+        meant = np.where(alike, following, nearest)
         return self._body_direction(
             motion, meant, [FloorPoint(*lamp.position.vector[:2]) for lamp in lamps]
         )

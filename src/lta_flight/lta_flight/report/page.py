@@ -12,8 +12,10 @@ from lta_data.bag.recorded_flight import open_flight, RecordedFlight
 from lta_flight.report.outcome import build_table, build_tiles, describe_outcome
 from lta_flight.report.panels.registry import FlightPanel, PANELS
 from lta_flight.report.results import compute_results, FlightResults
+from lta_flight.report.scene import render_flight_scene
 from lta_flight.report.track import build_track
 from lta_flight.report.view import FlightView
+from lta_report.flight_scene import render_time_bar
 from lta_report.html_elements import render_section, render_tile
 from lta_report.page_frame import assemble_page, write_file
 
@@ -24,6 +26,15 @@ SIMULATED: Final = (
     'A simulated flight. "Truth" is the state of the simulator, which the drone cannot access; '
     '"estimate" is what the drone computed from its simulated sensors.'
 )
+DEGREES: Final = 57.29578
+READOUT: Final = {
+    'time': ('time', '\N{NO-BREAK SPACE}s', 1, 1.0),
+    'distance': ('to the lamp', '\N{NO-BREAK SPACE}m', 2, 1.0),
+    'z': ('altitude', '\N{NO-BREAK SPACE}m', 2, 1.0),
+    'speed': ('airspeed', '\N{NO-BREAK SPACE}m/s', 2, 1.0),
+    'bearing': ('bearing', '°', 0, DEGREES),
+    'snr': ('SNR', '', 0, 1.0),
+}
 MEASURED: Final = (
     'The recording has no scenario. "Truth" is its recorded ground truth; "estimate" is what '
     'the drone computed from its sensors.'
@@ -59,6 +70,7 @@ def write_page(bag: Path, out: Path, robot: str | None = None) -> FlightResults:
 def render_page(view: FlightView, results: FlightResults, bag: Path) -> str:
     """Return the whole page of a flight in a bag."""
     sections = {panel.name: render_panel(panel, view) for panel in PANELS}
+    scene = render_flight_scene(view)
     return assemble_page(
         'flight.html',
         title=f'{escape(describe_outcome(results))}.',
@@ -66,6 +78,9 @@ def render_page(view: FlightView, results: FlightResults, bag: Path) -> str:
         about=escape(explain_truth_and_estimate(view)),
         tiles='\n'.join(render_tile(*tile) for tile in build_tiles(results)),
         track=build_track(view),
+        has_scene=bool(scene),
+        scene=scene,
+        bar=render_time_bar(READOUT, 'flight'),
         table='\n'.join(render_row(*row) for row in build_table(results)),
         # The path gets its own place next to the table
         hero=sections.pop('path'),

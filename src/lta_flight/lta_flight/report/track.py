@@ -4,11 +4,11 @@ from lta_flight.report.results import find_phases
 from lta_flight.report.view import FlightView
 from lta_model.hull import half_axes
 from lta_report.curves import Array, interpolate
+from lta_report.flight_scene import to_json_numbers
 import numpy as np
 
 RATE = 20.0  # samples per second, enough for a slow blimp
 MOST = 3000  # samples, to limit the size of the page
-DECIMALS = 3  # mm and mrad
 
 
 def build_track(view: FlightView) -> dict[str, list[float | None]]:
@@ -55,8 +55,3 @@ def hold_latest(time: Array, when: Array, values: Array) -> Array:
     """Return the last value at each time; NaN before the first."""
     index = np.searchsorted(when, time, side='right') - 1
     return np.asarray(np.where(index < 0, np.nan, values[np.maximum(index, 0)]))
-
-
-def to_json_numbers(values: Array) -> list[float | None]:
-    """Return numbers for JSON, with None for NaN."""
-    return [round(float(value), DECIMALS) if np.isfinite(value) else None for value in values]

@@ -2,12 +2,48 @@
 // Draws the figures, marks the same time in all of them, and switches the theme.
 const json = (id) => JSON.parse(document.getElementById(id).textContent);
 const dark = json('dark');
-const track = json('track');
+let track = json('track');
 const plots = [...document.querySelectorAll('.plot')];
 const timed = plots.filter((plot) => plot.dataset.timed === 'true');
 const figures = new Map(plots.map((plot) => [plot, json('figure-' + plot.dataset.panel)]));
 const config = { displayModeBar: false, responsive: true, doubleClick: 'reset' };
 const touch = matchMedia('(pointer: coarse)').matches;
+let scene = null;
+
+// --- data ------------------------------------------------------------------------------------
+
+const ALPHABET = '0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz!#$%&()*+-;<=>?@^_`{|}~';
+
+// Base 85: five characters for four bytes
+function decode85(text, size) {
+  const value = new Uint8Array(128);
+  [...ALPHABET].forEach((character, k) => { value[character.charCodeAt(0)] = k; });
+  const bytes = new DataView(new ArrayBuffer(text.length / 5 * 4));
+  for (let k = 0; k < text.length; k += 5) {
+    let word = 0;
+    for (let j = 0; j < 5; j += 1) word = word * 85 + value[text.charCodeAt(k + j)];
+    bytes.setUint32(k / 5 * 4, word);
+  }
+  return new Uint8Array(bytes.buffer, 0, size);
+}
+
+// Runs a library that the page holds compressed
+async function load(name) {
+  const packed = document.getElementById(name);
+  if (!packed) return;
+  const data = decode85(packed.textContent, Number(packed.dataset.size));
+  packed.remove();
+  const stream = new Blob([data]).stream().pipeThrough(new DecompressionStream('deflate'));
+  const script = document.createElement('script');
+  script.textContent = await new Response(stream).text();
+  document.head.append(script);
+}
+
+// 16-bit integers times a scale, the least of them unknown
+function unpack({ scale, data }) {
+  const bytes = Uint8Array.from(atob(data), (character) => character.charCodeAt(0));
+  return Array.from(new Int16Array(bytes.buffer), (number) => (number === -32768 ? NaN : number * scale));
+}
 
 // --- theme -----------------------------------------------------------------------------------
 
@@ -28,12 +64,12 @@ function draw(theme) {
     const { data, layout } = theme === 'dark' ? recoloured(figure) : figure;
     if (touch) layout.dragmode = false;
     return Plotly.react(plot, data, layout, config);
-  })).then(() => mark(now));
+  })).then(() => { scene?.paint(theme); mark(now); });
 }
 
 // --- cursor in all figures -------------------------------------------------------------------
 
-const times = track.time ?? [];
+let times = track.time ?? [];
 const slider = document.getElementById('time');
 const cells = [...document.querySelectorAll('#readout dd')];
 let now = track.start?.[0] ?? 0;
@@ -95,7 +131,8 @@ function mark(time) {
   now = Math.min(Math.max(time, times[0]), times[times.length - 1]);
   const k = at(now);
   timed.forEach(markPlot);
-  plots.filter((plot) => plot.dataset.panel === 'path').forEach((plot) => markPath(plot, k));
+  scene?.show(now);
+  if (track.radius) plots.filter((plot) => plot.dataset.panel === 'path').forEach((plot) => markPath(plot, k));
   for (const cell of cells) {
     const value = track[cell.dataset.value]?.[k] ?? null;
     const factor = Number(cell.dataset.factor ?? 1);
@@ -103,6 +140,23 @@ function mark(time) {
   }
   slider.value = now;
   slider.setAttribute('aria-valuetext', cells.map((cell) => cell.previousElementSibling.textContent + ' ' + cell.textContent).join(', '));
+}
+
+// Replays another flight from here on
+function useTrack(next) {
+  track = next;
+  times = track.time;
+  Object.assign(slider, { min: times[0], max: times[times.length - 1], step: 0.05 });
+  mark(times[Math.floor(times.length / 2)]);
+}
+
+function stepByKeys(event) {
+  const across = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
+  const free = event.target === document.body || event.target.classList.contains('scene');
+  if (!across || !free || event.shiftKey || event.altKey || event.ctrlKey || event.metaKey) return;
+  event.preventDefault();
+  setPlaying(false);
+  mark(now + across * (times[times.length - 1] - times[0]) / 150);
 }
 
 function follow(plot) {
@@ -143,16 +197,21 @@ function setPlaying(wanted) {
   if (now >= last) mark(times[0]);
   const pace = Math.max(1, (last - times[0]) / 15);
   let before = performance.now();
+  // Two pictures a second for readers who prefer little motion
+  const calm = matchMedia('(prefers-reduced-motion: reduce)').matches;
+  const later = calm ? (show) => setTimeout(() => show(performance.now()), 500) : requestAnimationFrame;
   const step = (instant) => {
     if (!playing) return;
     mark(now + pace * (instant - before) / 1000);
     before = instant;
-    if (now >= last) setPlaying(false); else requestAnimationFrame(step);
+    if (now >= last) setPlaying(false); else later(step);
   };
-  requestAnimationFrame(step);
+  later(step);
 }
 
-function start() {
+async function start() {
+  await Promise.all(['plotly', 'three'].map(load));
+  scene = typeof addScene === 'function' ? addScene() : null;
   const prefers = matchMedia('(prefers-color-scheme: dark)');
   const theme = () => document.documentElement.dataset.theme;
   document.getElementById('theme').addEventListener('click', () => draw(theme() === 'dark' ? 'light' : 'dark'));
@@ -166,6 +225,7 @@ function start() {
     slider.addEventListener('input', () => { setPlaying(false); mark(Number(slider.value)); });
     play.addEventListener('click', () => setPlaying(!playing));
     document.getElementById('bar').hidden = false;
+    document.addEventListener('keydown', stepByKeys);
   }
   return draw(prefers.matches ? 'dark' : 'light').then(() => {
     timed.forEach(follow);

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from itertools import cycle
 from typing import Final
 
-from lta_report.drawing import create_figure
+from lta_report.drawing import add_legend, create_figure
 from lta_report.palette import ESTIMATE, GOOD, HEAT, LAMP, RAW, SETPOINT, TRUTH, WALL
 from lta_sim.cfd.aero_fit import ABOUT, fit_drag_by_axis, opposing_drag, select_solved_points
 from lta_sim.cfd.slices import FlowSlice
@@ -55,7 +55,7 @@ def draw_drag(sweep: TunnelSweep, turning: bool) -> Figure:
     unit = ('rate [rad/s]', 'moment [N m]') if turning else ('speed [m/s]', 'drag [N]')
     figure.update_xaxes(type='log', title_text=unit[0], tickvals=_choose_ticks(turning))
     figure.update_yaxes(type='log', title_text=unit[1], dtick=1, exponentformat='power')
-    figure.update_layout(showlegend=True, legend={'orientation': 'h', 'y': 1.1})
+    add_legend(figure)
     return figure
 
 
@@ -115,7 +115,7 @@ def draw_sphere_drag(results: Sequence[SphereComparison]) -> Figure:
         )  # fmt: skip
     figure.update_xaxes(type='log', title_text='Reynolds number', exponentformat='power', dtick=1)
     figure.update_yaxes(title_text='drag coefficient', range=[0.2, 0.54])
-    figure.update_layout(showlegend=True, legend={'orientation': 'h', 'y': 1.12})
+    add_legend(figure)
     return figure
 
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from lta_energy.irradiance import IrradianceSeries, MINUTE
 from lta_energy.mission_log import ALOFT, ASLEEP, AWAY, OUT, PERCHED
-from lta_report.drawing import create_figure
+from lta_report.drawing import add_legend, create_figure
 from lta_report.palette import ESTIMATE, GOOD, LAMP, SETPOINT, SOFT, TRUTH, WALL
 from lta_studies.mission.figures import flight_minutes_by_hour
 from lta_studies.mission.run import MissionResult
@@ -139,7 +139,7 @@ def draw_energy_use(results: Sequence[MissionResult]) -> Figure:
                 marker={'color': colour}, hovertemplate='%{x:.2f} kJ', showlegend=True,
             )
         )  # fmt: skip
-    figure.update_layout(barmode='stack', showlegend=True, legend={'orientation': 'h', 'y': 1.12})
+    add_legend(figure).update_layout(barmode='stack')
     figure.update_xaxes(title_text='energy [kJ]')
     figure.update_yaxes(automargin=True)
     return figure
@@ -155,8 +155,7 @@ def set_time_axis(figure: Figure, light: IrradianceSeries, rows: int = 1) -> Fig
     hours = light.end / 3600.0
     figure.update_xaxes(range=[0.0, hours], dtick=3 if hours <= 48 else 12)
     figure.update_xaxes(title_text='time [h]', row=rows, col=1)
-    figure.update_layout(showlegend=True, legend={'orientation': 'h', 'y': 1.12})
-    return figure
+    return add_legend(figure)
 
 
 def select_main_result(results: Sequence[MissionResult]) -> MissionResult:

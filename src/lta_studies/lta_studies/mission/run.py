@@ -156,7 +156,20 @@ def mean_daily_minutes(results: Sequence[MissionResult], days: int) -> Bootstrap
 
 def flight_time_ratio(results: Sequence[MissionResult]) -> BootstrapMean | None:
     """Return the ratio of flown time, light-aware to duty cycle, over the same seeds."""
-    ours, naive = filter_by_schedule(results, AWARE), filter_by_schedule(results, NAIVE)
+    return ratio_to_rival(results, NAIVE)
+
+
+def find_best_rival(results: Sequence[MissionResult]) -> str | None:
+    """Return the schedule, other than the light-aware one, that flies most; None without any."""
+    others = {each.schedule: 0.0 for each in results if each.schedule != AWARE}
+    for name in others:
+        others[name] = sum(each.figures.flown for each in filter_by_schedule(results, name))
+    return max(others, key=others.__getitem__, default=None)
+
+
+def ratio_to_rival(results: Sequence[MissionResult], rival: str) -> BootstrapMean | None:
+    """Return the ratio of flown time, light-aware to another schedule, over the same seeds."""
+    ours, naive = filter_by_schedule(results, AWARE), filter_by_schedule(results, rival)
     # The ratio does not exist for a schedule that never flew.
     if not (ours and naive and all(each.figures.flown for each in naive)):
         return None

@@ -71,6 +71,7 @@ def render_page(sheet: VehicleSheet, warnings: Sequence[str], name: str) -> str:
         commands=suggest_commands(name),
         files={},
         has_plots=False,
+        has_scene=False,
         **colours,
     )
 

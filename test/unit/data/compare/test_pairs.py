@@ -13,6 +13,7 @@ from lta_data.compare.comparison import (
     ComparisonRequest,
     describe_old_odometry,
 )
+from lta_data.compare.end_offset import format_direction
 from lta_data.compare.sentences import format_verdict
 import numpy as np
 import pytest
@@ -121,3 +122,46 @@ def test_an_odom_through_the_air_beside_one_over_ground_is_remarked(a, b, pair):
     found = describe_old_odometry(flights[a], flights[b])
     assert len(found) == bool(pair)
     assert all(f'--pair {pair} compares the airspeed' in text for text in found)
+
+
+def test_the_headline_says_where_b_ends_and_since_when_it_turns_differently(tmp_path):
+    """A flies north at 1 m/s; B turns away by 0.1 rad at 4 s and is slower from there on."""
+    t = np.arange(0.0, 10.0, 0.02)
+    chance = np.random.default_rng(0)
+
+    def side(label, turn, slower):
+        noise = 1e-4 * chance.normal(size=(4, len(t)))
+        late = np.maximum(t - 4.0, 0.0)
+        lines = {
+            'position.x': noise[0],
+            'position.y': t - slower * late + noise[1],
+            'position.z': 1.0 + noise[2],
+            'orientation.yaw': np.pi / 2 + turn * (t > 4.0) + noise[3],
+        }
+        return build_compared_flight(
+            [
+                SignalChannel(f'odom/pose.pose.{name}', 'rad' if 'yaw' in name else 'm', t, line)
+                for name, line in lines.items()
+            ],
+            label,
+        )
+
+    topics = select_topic_pairs((), (), ['odom'], ['odom'])
+    request = ComparisonRequest(align='none', frames='none')
+    found = compare_sides(side('A', 0.0, 0.0), side('B', 0.1, 0.5), topics, request)
+    # 0.5 m/s for 6 s
+    assert format_verdict(found) == 'B ends 3 m behind A; they turn differently from 4.0 s on.'
+    found = compare_sides(side('A', 0.0, 0.0), side('B', 0.0, -0.5), topics, request)
+    assert format_verdict(found).startswith('B ends 3 m ahead of A; they diverge at 4.0')
+
+
+@pytest.mark.parametrize(
+    ('offset', 'words'),
+    [
+        ((-3.0, 0.1, 0.0), 'behind'),
+        ((2.0, -1.5, 0.2), 'ahead of and right of'),
+        ((1.0, 1.0, -1.0), 'ahead of, left of and below'),
+    ],
+)
+def test_directions_are_those_of_a_person_in_a(offset, words):
+    assert format_direction(offset) == words

@@ -66,6 +66,17 @@ def test_a_constant_axis_is_named_and_an_unfilled_vector_is_a_note():
     assert (found.channel, found.severity, found.is_grave) == (GYRO, Severity.NOTE, False)
 
 
+def test_an_identity_quaternion_is_an_attitude_that_is_set():
+    data = resting()
+    time = data[f'{GYRO}.x'][0]
+    for angle in ('yaw', 'pitch', 'roll'):
+        data[f'imu/orientation.{angle}'] = (time, np.zeros(len(time)))
+    found = run_checks(recording(**data)).findings
+    (note,) = [each for each in found if each.channel == 'imu/orientation']
+    assert note.severity is Severity.NOTE
+    assert note.evidence.startswith('The attitude is the identity in all')
+
+
 def test_a_stop_is_found_where_it_is():
     data = resting()
     time, values = data[f'{GYRO}.x']

@@ -45,8 +45,8 @@ from lta_discovery.unmodeled.draught import DraughtEstimate
 from lta_discovery.unmodeled.unexplained_force import Remainder
 from lta_model.effects import EFFECTS
 from lta_model.effects.summary import describe_effect
+from lta_report.script_libraries import embed_plotly, embed_three
 import numpy as np
-from plotly.offline import get_plotlyjs
 import pytest
 from scipy import signal, stats
 
@@ -91,7 +91,9 @@ def _residuals_cached() -> Iterator[None]:
 
 def _read(given: DiscoveryStudy, folder: Path) -> tuple[str, dict[str, object]]:
     """Return the words of a page and its data."""
-    text = write_page(given, folder).read_text(encoding='utf-8').replace(get_plotlyjs(), '')
+    text = write_page(given, folder).read_text(encoding='utf-8')
+    for library in (embed_plotly(), embed_three()):
+        text = text.replace(library, '')
     data = {name: json.loads(content) for name, content in FIGURE.findall(text)}
     return ' '.join(unescape(TAG.sub(' ', text)).split()), data
 

@@ -75,6 +75,16 @@ def test_the_last_lamp_counts_from_its_turn_on():
     assert 'no nearer to the next than 3.5 m' in describe_outcome(found)
 
 
+def test_of_two_lamps_of_one_frequency_the_next_of_the_route_is_meant():
+    """On the way to the aisle the nose points at it; on the way back it is behind."""
+    lamps = dict(ROUND.lamps)
+    same = lamps['aisle'].frequency
+    alike = {name: lamp.model_copy(update={'frequency': same}) for name, lamp in lamps.items()}
+    view = flown([-3.2, 0.0, 3.0, 3.5, 0.0], ROUND.model_copy(update={'several': alike}))
+    angle = view.goal.beacon_direction(view.truth, np.full(5, same.si))
+    assert np.abs(angle[[0, 1, 4]]) == pytest.approx([0.0, 0.0, math.pi])
+
+
 def test_one_lamp_alone_is_the_last():
     found = compute_results(flown([-3.0, np.nan, 0.0], ROOM))
     assert found.closest == pytest.approx(math.hypot(3.5, 2.0))

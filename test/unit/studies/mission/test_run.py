@@ -88,12 +88,15 @@ def test_a_log_is_stored_whole(tmp_path):
 def test_the_headline_counts_failures_of_the_schedule_by_light(failures, end):
     own = SimpleNamespace(flown=7200.0, flights=40, failure_count=failures)
     fixed = SimpleNamespace(flown=3600.0, flights=30, failure_count=9)
+    best = SimpleNamespace(flown=6000.0, flights=35, failure_count=0)
     results = [
         MissionResult('by light', 1, None, own),
         MissionResult('duty cycle', 1, None, fixed),
+        MissionResult('duty cycle, asleep', 1, None, best),
     ]
     request = SimpleNamespace(mission=SimpleNamespace(name='greenhouse'), days=1)
+    # 7200 / 6000: the rival is the schedule that flies most, not the usual one
     assert format_headline(request, results) == (
         'In the mission greenhouse the drone flies 120 minutes a day, '
-        f'2.00 times as many as with a fixed duty cycle{end}.'
+        f'1.20 times as many as by the best other schedule, duty cycle, asleep{end}.'
     )

@@ -58,11 +58,14 @@ def label_frequencies(figure: Figure, view: FlightView) -> None:
         ((_, beat),) = scenario.beacons
         # The odd harmonics of a square wave
         marks += [(k * beat, f'{k} f', LAMP, 'left') for k in (3, 5) if k * beat <= HIGHEST]
+    harmonics = {f'{k} f' for k in (3, 5)}
     for frequency, text, colour, side in marks:
         figure.add_vline(
             frequency, line={'color': colour, 'width': 1, 'dash': 'dot'}, layer='below'
         )
         figure.add_annotation(
-            x=frequency, y=1.0, yref='paper', yanchor='bottom', xanchor=side,
+            x=frequency, y=1.0, yref='paper', xanchor=side,
+            # Harmonics inside the axes, or the name of the lamp would cover them
+            yanchor='top' if text in harmonics else 'bottom',
             text=text, font={'color': colour, 'size': 11},
         )  # fmt: skip

@@ -4,7 +4,7 @@ import math
 from typing import Final
 
 from lta_energy.break_even_illuminance import LAMPS
-from lta_report.drawing import create_figure
+from lta_report.drawing import add_legend, create_figure
 from lta_report.formatting import Tile
 from lta_report.palette import ESTIMATE, GOOD, LAMP, TRUTH, WALL
 from lta_report.report import Picture, Report, TextSection, TextTable
@@ -133,5 +133,5 @@ def plot_charger_output(result: BreakEvenMap) -> Figure:
         ticktext=['300 lx', '1 klx', '3 klx', '10 klx', '30 klx', '100 klx'],
     )  # fmt: skip
     figure.update_yaxes(type='log', title_text='charger output [mW]', dtick=1)
-    figure.update_layout(showlegend=True, legend={'orientation': 'h', 'y': 1.1})
+    add_legend(figure)
     return figure

@@ -4,7 +4,7 @@ from typing import Final
 
 from lta_config.command_line import format_lta_command
 from lta_energy import rotor
-from lta_report.drawing import create_figure, EndLabel, label_ends
+from lta_report.drawing import add_legend, create_figure, EndLabel, label_ends
 from lta_report.formatting import format_number, MISSING, Tile
 from lta_report.palette import ESTIMATE, GOOD, INK, LAMP, RAW, SOFT, TRUTH
 from lta_report.report import Picture, Report, TextSection, TextTable
@@ -187,9 +187,7 @@ def draw_task_power(result: PowerBudget) -> Figure:
             x=name, y=1e3 * each.power, yanchor='bottom', text=f'{1e3 * each.power:.0f}',
             font={'color': INK, 'size': 11},
         )  # fmt: skip
-    figure.update_layout(
-        barmode='stack', bargap=0.35, showlegend=True, legend={'orientation': 'h', 'y': 1.1}
-    )
+    add_legend(figure).update_layout(barmode='stack', bargap=0.35)
     figure.update_xaxes(automargin=True)
     return figure.update_yaxes(title_text='power [mW]')
 

@@ -40,7 +40,7 @@ FAIR: Final = (
 # Label positions that keep the names of neighbours apart.
 SIDES: Final = {
     'Dracula': 'middle right', 'Kitronik': 'middle right', 'SEEED': 'top right',
-    'ANYSOLAR': 'bottom center', 'PowerFilm': 'top right',
+    'Adafruit': 'middle left', 'ANYSOLAR': 'bottom center', 'PowerFilm': 'top right',
 }  # fmt: skip
 METHOD: Final = (
     'Areas are computed from the printed dimensions, taken as cm where mm would be impossible; '

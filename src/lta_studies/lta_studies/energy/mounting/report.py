@@ -5,7 +5,14 @@ import math
 from typing import Final
 
 from lta_report.curves import Array
-from lta_report.drawing import build_line_trace, create_figure, EndLabel, label_ends, padded_range
+from lta_report.drawing import (
+    add_legend,
+    build_line_trace,
+    create_figure,
+    EndLabel,
+    label_ends,
+    padded_range,
+)
 from lta_report.formatting import Tile
 from lta_report.palette import ESTIMATE, GOOD, LAMP, SETPOINT, TRUTH, WALL
 from lta_report.report import Picture, Report, TextSection
@@ -191,7 +198,5 @@ def draw_light_shares(study: MountingStudy) -> Figure:
                     hovertemplate='%{y:.0f} %',
                 )
             )  # fmt: skip
-    figure.update_layout(
-        barmode='group', bargap=0.3, showlegend=True, legend={'orientation': 'h', 'y': 1.1}
-    )
+    add_legend(figure).update_layout(barmode='group', bargap=0.3)
     return figure.update_yaxes(title_text='share of light [%]')

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 import math
 from typing import Final
 
-from lta_report.drawing import create_figure
+from lta_report.drawing import add_legend, create_figure
 from lta_report.formatting import MISSING, Tile
 from lta_report.palette import ESTIMATE, SOFT, TIME, TRUTH, WALL
 from lta_report.report import Picture, Report, TextSection, TextTable
@@ -34,6 +34,7 @@ METHOD: Final = (
     'Cramer-Rao bound as a median error: no unbiased estimator could do better with this noise '
     'and these unequal gains, even if it knew the reflections and the response of the diodes.'
 )
+DASHES: Final = ('solid', '5px,3px', '2px,2px')  # of curves that share a colour
 TICKS: Final = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)  # degrees
 PLACE_HEADS: Final = ('place', 'diodes', 'range [m]')
 DIODE_HEADS: Final = ('true exponent', 'true gain spread [%]')
@@ -75,6 +76,11 @@ def build_report(results: Sequence[BearingTrialResult], request: BearingTrialReq
 def format_range(distance: float | None) -> str:
     """Format a range [m] as an option value."""
     return 'any' if distance is None else f'{distance:g}'
+
+
+def format_distance(distance: float | None) -> str:
+    """Format a range [m] with its unit."""
+    return 'any range' if distance is None else f'{distance:g} m'
 
 
 def format_degrees(angle: float, digits: int = 2) -> str:
@@ -146,7 +152,7 @@ def build_tiles(results: Sequence[BearingTrialResult]) -> list[Tile]:
     """Return tiles with the median error of the fit, up to eight."""
     return [
         Tile(
-            f'{each.place}, {each.count}, {format_range(each.range)} m'.replace(
+            f'{each.place}, {each.count}, {format_distance(each.range)}'.replace(
                 'any m', 'anywhere'
             ),
             format_degrees(each.score.ours),
@@ -162,7 +168,7 @@ def plot_errors(results: Sequence[BearingTrialResult]) -> Figure:
     """Plot median and 95 % quantile of both estimators."""
     figure = create_figure()
     names = [
-        f'{each.place}<br>{each.count} diodes<br>{format_range(each.range)}' for each in results
+        f'{each.place}<br>{each.count} diodes<br>{format_distance(each.range)}' for each in results
     ]
     pairs = (
         # Shifted by 0.12 of a category, so that the two markers do not overlap.
@@ -200,7 +206,7 @@ def plot_calibration(results: Sequence[BearingTrialResult]) -> Figure:
     figure.add_trace(
         Scatter(
             x=100.0 * stated, y=100.0 * stated, mode='lines', name='calibrated', hoverinfo='skip',
-            line={'color': WALL, 'width': 1, 'dash': '4px,4px'},
+            showlegend=False, line={'color': WALL, 'width': 1, 'dash': '4px,4px'},
         )
     )  # fmt: skip
     for k, each in enumerate(results):
@@ -212,12 +218,17 @@ def plot_calibration(results: Sequence[BearingTrialResult]) -> Figure:
             Scatter(
                 x=100.0 * stated,
                 y=[100.0 * interval_coverage(own, deviation, float(width)) for width in widths],
-                mode='lines', name=f'{each.place}, {each.count}, {format_range(each.range)}',
-                line={'color': TIME[k % len(TIME)], 'width': 1.4}, hovertemplate='%{y:.0f} %',
+                mode='lines',
+                name=f'{each.place}, {each.count} diodes, {format_distance(each.range)}',
+                line={
+                    'color': TIME[k % len(TIME)], 'width': 1.4,
+                    'dash': DASHES[k // len(TIME) % len(DASHES)],
+                },
+                hovertemplate='%{y:.0f} %',
             )
         )  # fmt: skip
     figure.update_xaxes(title_text='nominal [%]', range=[0, 100])
     figure.update_yaxes(title_text='true bearings inside [%]', range=[0, 101])
-    return figure.add_annotation(
+    return add_legend(figure).add_annotation(
         x=55, y=50, text='calibrated', showarrow=False, font={'size': 11, 'color': SOFT}
     )

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 import math
 from typing import Final
 
-from lta_report.drawing import create_figure
+from lta_report.drawing import add_legend, create_figure
 from lta_report.formatting import Tile
 from lta_report.palette import GOOD, LAMP, TRUTH
 from lta_report.report import Picture, Report, TextSection, TextTable
@@ -138,4 +138,4 @@ def plot_errors(studies: Sequence[RingStudy], place: str) -> Figure:
             )  # fmt: skip
     figure.update_xaxes(title_text='direction of the lamp, seen from the ring [°]', dtick=45)
     figure.update_yaxes(title_text='median error [°]', rangemode='tozero')
-    return figure.update_layout(showlegend=True, legend={'orientation': 'h', 'y': 1.12})
+    return add_legend(figure)

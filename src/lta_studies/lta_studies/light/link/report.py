@@ -5,7 +5,7 @@ from dataclasses import asdict
 from typing import Final
 
 from lta_config.command_line import format_lta_command
-from lta_report.drawing import create_figure
+from lta_report.drawing import add_legend, create_figure
 from lta_report.formatting import Tile
 from lta_report.palette import ESTIMATE, GOOD, LAMP, SETPOINT, SOFT, TRUTH, WALL
 from lta_report.report import Picture, Report, TextSection, TextTable
@@ -138,7 +138,7 @@ def plot_links(
         ticktext=[f'{each:g}' for each in ticks],
     )  # fmt: skip
     figure.update_yaxes(type='log', dtick=1)
-    figure.update_layout(showlegend=True, legend={'orientation': 'h', 'y': 1.08})
+    add_legend(figure)
     return figure
 
 

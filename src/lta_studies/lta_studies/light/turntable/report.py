@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 import math
 from typing import Any, Final
 
-from lta_report.drawing import create_figure
+from lta_report.drawing import add_legend, create_figure
 from lta_report.formatting import Tile
 from lta_report.palette import ESTIMATE, GRID, SETPOINT, SOFT, TIME, TRUTH
 from lta_report.report import Grid, Picture, Report, TextSection, TextTable
@@ -207,14 +207,14 @@ def plot_polar_errors(study: RingStudy) -> Figure:
             )
         )  # fmt: skip
     look = {'gridcolor': GRID, 'linecolor': GRID, 'tickfont': {'color': SOFT, 'size': 11}}
-    return figure.update_layout(
+    return add_legend(figure).update_layout(
         polar={
             'bgcolor': 'rgba(0,0,0,0)',
             'angularaxis': {**look, 'dtick': 45, 'rotation': 90},  # the nose up, as on a map
             'radialaxis': {**look, 'ticksuffix': '°', 'angle': 22.5, 'rangemode': 'tozero'},
         },
-        xaxis={'visible': False}, yaxis={'visible': False}, margin={'t': 40, 'b': 30},
-        showlegend=True, legend={'orientation': 'h', 'y': 1.12}, hovermode='closest',
+        xaxis={'visible': False}, yaxis={'visible': False}, margin={'b': 30},
+        hovermode='closest',
     )  # fmt: skip
 
 

@@ -9,7 +9,7 @@ from lta_config.constants import AIR_DENSITY
 from lta_config.schema.comparison_file import load_comparison
 from lta_energy.rotor import BENCH
 from lta_model.vehicle import load_vehicle, Vehicle
-from lta_report.drawing import create_figure
+from lta_report.drawing import add_legend, create_figure
 from lta_report.palette import LAMP, SOFT, TRUTH
 from lta_studies.platforms.entrants import build_entrant
 from lta_studies.platforms.summary import compute_lift_margin
@@ -136,4 +136,4 @@ def plot_thrust(vehicle: Vehicle) -> Figure:
     )  # fmt: skip
     figure.update_xaxes(title_text='duty', title_font={'color': SOFT})
     figure.update_yaxes(title_text='thrust [N]')
-    return figure.update_layout(showlegend=True, legend={'orientation': 'h', 'y': 1.08})
+    return add_legend(figure)

@@ -9,7 +9,7 @@ from lta_config.topics import load_topic_table
 from lta_model.light.gain_selection import select_diode_gain
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
-from lta_report.drawing import create_figure
+from lta_report.drawing import add_legend, create_figure
 from lta_report.palette import ESTIMATE, RAW, TRUTH
 from lta_studies.light.link.link_budget import (
     compute_lamp_link,
@@ -147,4 +147,4 @@ def plot_diode_samples(block: np.ndarray) -> Figure:
     figure.add_hline(y=0, line={'color': RAW, 'width': 1})
     figure.update_xaxes(title_text='time [ms]')
     figure.update_yaxes(title_text='ADC [counts]')
-    return figure.update_layout(showlegend=True, legend={'orientation': 'h', 'y': 1.08})
+    return add_legend(figure)

@@ -1,0 +1,172 @@
+"""The 3-D view of a flight: the drone with its rotors, its bearing of the lamp, and the wind."""
+
+from typing import Final
+
+from lta_bridge.live.room_shapes import draw_static_scene
+from lta_data.bag.recorded_flight import list_robots, open_flight
+from lta_flight.report.view import FlightView
+from lta_model.vehicle import Vehicle
+from lta_report.curves import Array
+from lta_report.flight_scene import (
+    draw_vehicle,
+    hold_columns,
+    interpolate_attitude,
+    interpolate_columns,
+    render_scene,
+    sample_times,
+    SceneFlight,
+    SceneRotor,
+    SceneSet,
+)
+from lta_report.palette import ESTIMATE, GOOD, LAMP, TRUTH
+import numpy as np
+
+LONGEST: Final = 0.5  # s for which a bearing, a duty or a wind is shown
+CAPTION: Final = (
+    'The true motion. Orange arrows: thrust of the rotors (square root of its share). Yellow '
+    'arrow and cone: direction of the lamp that the drone steers by, with its standard deviation. '
+    'Green arrow: wind. The path ahead is pale.'
+)
+COMPANIONS: Final = (GOOD, LAMP)
+POSITION, ATTITUDE = 'pose.pose.position', 'pose.pose.orientation'
+
+
+def render_flight_scene(view: FlightView) -> str:
+    """Return the panel of the 3-D view; empty without a true motion."""
+    if not view.has_topics('ground_truth/odom'):
+        return ''
+    time = sample_times(*view.span)
+    body, reach, vehicle = draw_vehicle(view.scene.vehicle)
+    truth = view.read_series('ground_truth/odom')
+    rotors, thrust = sample_thrust(view, vehicle, time)
+    flights = [
+        SceneFlight(
+            'true motion',
+            TRUTH,
+            body,
+            interpolate_columns(time, truth.time, truth.vector(POSITION)),
+            interpolate_attitude(time, truth.time, truth.vector(ATTITUDE)),
+            rotors,
+            thrust,
+            sample_bearing(view, time),
+            sample_wind(view, time),
+        )
+    ]
+    if view.has_topics('odom'):
+        estimate = view.estimate
+        place = np.stack([estimate.x, estimate.y, estimate.z], axis=1)
+        flights.append(
+            SceneFlight(
+                'dead reckoning',
+                ESTIMATE,
+                None,
+                interpolate_columns(time, estimate.time, place),
+                np.zeros((len(time), 4)),
+            )
+        )
+    flights += list_companions(view, time)
+    scenario = view.scene.scenario
+    static_shapes = [] if scenario is None else draw_static_scene(scenario)
+    return render_scene([SceneSet(time, flights)], static_shapes, CAPTION, reach)
+
+
+def list_companions(view: FlightView, time: Array) -> list[SceneFlight]:
+    """Return the other robots of the bag as ghosts."""
+    bag, found = view.flight.bag, list[SceneFlight]()
+    for robot in list_robots(bag):
+        if robot == view.flight.robot:
+            continue
+        other = FlightView(open_flight(bag, robot))
+        if not other.has_topics('ground_truth/odom'):
+            continue
+        body, _, _ = draw_vehicle(other.scene.vehicle)
+        truth = other.read_series('ground_truth/odom')
+        # The time of each robot begins with its own first message
+        own = truth.time + (other.flight.start - view.flight.start) * 1e-9
+        place = interpolate_columns(time, own, truth.vector(POSITION))
+        turn = interpolate_attitude(time, own, truth.vector(ATTITUDE))
+        colour = COMPANIONS[len(found) % len(COMPANIONS)]
+        found.append(SceneFlight(robot, colour, body, place, turn, ghost=True))
+    return found
+
+
+def sample_thrust(
+    view: FlightView, vehicle: Vehicle | None, time: Array
+) -> tuple[list[SceneRotor], Array | None]:
+    """Return the rotors, and their thrust by full thrust, shape (n, rotors)."""
+    if vehicle is None or not view.has_topics('motors'):
+        return [], None
+    duties = view.duties
+    rotors = [each for each in vehicle.rotors if each.name in duties.names]
+    if not rotors:
+        return [], None
+    order = [duties.names.index(each.name) for each in rotors]
+    duty = np.nan_to_num(hold_columns(time, duties.time, duties.values[:, order], LONGEST))
+    quadratic, linear, full = (
+        np.array([getattr(each, name) for each in rotors]) for name in ('a', 'b', 'full_thrust')
+    )
+    share = duty * (quadratic * np.abs(duty) + linear) / full
+    return [SceneRotor(each.place, each.axis) for each in rotors], share
+
+
+def sample_bearing(view: FlightView, time: Array) -> Array | None:
+    """Return azimuth and elevation of the lamp and their deviations; None if never measured."""
+    if not view.has_topics('light/estimate'):
+        return None
+    series = view.read_series('light/estimate')
+    place = series.vector('pose.pose.position')
+    covariance = np.stack(
+        [
+            [series[f'pose.covariance[{6 * row + column}]'] for column in range(3)]
+            for row in range(3)
+        ]
+    ).transpose(2, 0, 1)
+    seen = np.isfinite(view.sighting.angle)
+    angles = np.where(seen[:, None], direction_with_deviation(place, covariance), np.nan)
+    return hold_columns(time, series.time + view.half_block_time, angles, LONGEST)
+
+
+def direction_with_deviation(place: Array, covariance: Array) -> Array:
+    """
+    Return azimuth, elevation and their standard deviations.
+
+    Parameters
+    ----------
+    place : ndarray, shape (n, 3)
+        Position of the lamp in the body frame. [m]
+    covariance : ndarray, shape (n, 3, 3)
+        Of the position. [m2]
+
+    Returns
+    -------
+    ndarray, shape (n, 4)
+        [rad]
+
+    """
+    x, y, z = place.T
+    azimuth, elevation = np.arctan2(y, x), np.arctan2(z, np.hypot(x, y))
+    distance = np.maximum(np.linalg.norm(place, axis=1), 1e-9)
+    # Unit vectors across the ray: to the left, and up
+    left = np.stack([-np.sin(azimuth), np.cos(azimuth), np.zeros_like(azimuth)], axis=1)
+    up = np.stack(
+        [
+            -np.sin(elevation) * np.cos(azimuth),
+            -np.sin(elevation) * np.sin(azimuth),
+            np.cos(elevation),
+        ],
+        axis=1,
+    )
+    deviations = [
+        np.sqrt(np.maximum(np.einsum('ni,nij,nj->n', axis, covariance, axis), 0.0)) / distance
+        for axis in (left, up)
+    ]
+    return np.stack([azimuth, elevation, *deviations], axis=1)
+
+
+def sample_wind(view: FlightView, time: Array) -> Array | None:
+    """Return the air velocity; None if there was never any. [m/s, map]"""
+    if not view.has_topics('wind'):
+        return None
+    series = view.read_series('wind')
+    wind = hold_columns(time, series.time, series.vector('vector'), LONGEST)
+    return wind if np.nanmax(np.abs(wind), initial=0.0) > 0.0 else None

@@ -1,0 +1,270 @@
+"""
+A 3-D view of flights on a page: vehicles, their paths and what they sense, at the time cursor.
+
+`scene.js` draws it with three.js. The shapes are those of the live view; tracks are sampled at
+common times and encoded as 16-bit integers.
+"""
+
+from base64 import b64encode
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from html import escape
+import itertools
+from typing import Final, final
+
+from lta_bridge.live.shapes import EllipsoidShape, ORIGIN, Shape, ShapeEntity
+from lta_bridge.live.vehicle_shapes import BASE, draw_body, ENVELOPE, vehicle_reach
+from lta_config.errors import BadInput
+from lta_config.schema.vehicle_file import VehicleFile
+from lta_model.hull import half_axes
+from lta_model.vehicle import Vehicle
+from lta_report.html_elements import embed_data
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+RATE: Final = 20.0  # samples per second, enough for a slow blimp
+MOST: Final = 1500  # samples of a flight, to limit the size of the page
+DEFAULT_RADIUS: Final = 0.5  # m, of a hull that is not known
+KEYS: Final = (
+    'Drag, or Shift and the arrow keys, to turn the view; plus and minus zoom, 0 resets. '
+    'The left and right arrow keys move the time.'
+)
+NO_WEBGL: Final = (
+    'This browser has no WebGL, so the 3-D view is left out; '
+    'the figures below show the same flight.'
+)
+TRACKS: Final = ('position', 'turn', 'thrust', 'bearing', 'wind')
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class SceneRotor:
+    """Place [m] and direction of thrust of a rotor in the body frame."""
+
+    place: tuple[float, float, float]
+    axis: tuple[float, float, float]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class SceneFlight:
+    """
+    One vehicle in the view.
+
+    Attributes
+    ----------
+    name : str
+        Shown beside the view.
+    colour : str
+        Light colour of the palette.
+    body : ShapeEntity or None
+        Shapes in the body frame; None draws only the path.
+    position : ndarray, shape (n, 3)
+        Hull centre; NaN where unknown. [m, map]
+    turn : ndarray, shape (n, 4)
+        Attitude as quaternion x y z w, body to map.
+    rotors : sequence of SceneRotor
+        Rotors with an arrow.
+    thrust : ndarray, shape (n, rotors), optional
+        Thrust by full thrust, signed. [1]
+    bearing : ndarray, shape (n, 4), optional
+        Azimuth and elevation of the lamp in the body frame, and their standard deviations; NaN
+        without a lamp. [rad]
+    wind : ndarray, shape (n, 3), optional
+        Air velocity. [m/s, map]
+    ghost : bool
+        Whether to draw the body more transparent.
+
+    """
+
+    name: str
+    colour: str
+    body: ShapeEntity | None
+    position: Array
+    turn: Array
+    rotors: Sequence[SceneRotor] = ()
+    thrust: Array | None = None
+    bearing: Array | None = None
+    wind: Array | None = None
+    ghost: bool = False
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class SceneSet:
+    """Flights over common times [s], and the columns that the page shows beside the time."""
+
+    time: Array
+    flights: Sequence[SceneFlight]
+    columns: Mapping[str, Sequence[float | None]] = field(default_factory=dict)
+
+
+def sample_times(first: float, last: float) -> Array:
+    """Return the times at which tracks are sampled. [s]"""
+    return np.linspace(first, last, min(MOST, int((last - first) * RATE) + 2))  # at least two
+
+
+def render_scene(
+    sets: Sequence[SceneSet],
+    static_shapes: Sequence[ShapeEntity],
+    caption: str,
+    reach: float,
+    follow: bool = False,
+) -> str:
+    """
+    Return the panel of a 3-D view; empty without flights.
+
+    Parameters
+    ----------
+    sets : sequence of SceneSet
+        The first is shown; `Scene.select` in scene.js shows others.
+    static_shapes : sequence of ShapeEntity
+        What does not move, in the map frame.
+    caption : str
+        Plain text.
+    reach : float
+        Largest extent of a vehicle from its centre. [m]
+    follow : bool
+        Whether the view follows the vehicle at first, as it does on long flights.
+
+    """
+    sets = [each for each in sets if len(each.time)]
+    if not sets:
+        return ''
+    data = {
+        'reach': reach,
+        'follow': follow,
+        'standing': [encode_shape(shape) for entity in static_shapes for shape in entity.shapes],
+        'sets': [encode_set(each) for each in sets],
+    }
+    names = ''.join(
+        f'<li><i style="--light: {each.colour}" data-colour="{each.colour}"></i>'
+        f'{escape(each.name)}</li>'
+        for each in sets[0].flights
+    )
+    return (
+        '<figure class="panel scene-panel" id="panel-scene" aria-labelledby="title-scene">'
+        '<h2 id="title-scene">In 3-D</h2>'
+        '<div class="scene" tabindex="0" role="application" aria-roledescription="3-D view" '
+        f'aria-label="{escape(caption)} {KEYS}"></div>'
+        f'<p class="scene-absent absent" hidden>{NO_WEBGL}</p>'
+        f'<ul class="scene-names">{names}</ul>'
+        '<p class="scene-buttons"><button type="button" data-view="follow" aria-pressed="false">'
+        'Follow</button> <button type="button" data-view="whole" aria-pressed="true">'
+        'Whole flight</button></p>'
+        f'<figcaption>{escape(caption)} <span class="scene-keys">{KEYS}</span></figcaption>'
+        f'{embed_data("scene", data)}</figure>'
+    )
+
+
+def render_time_bar(readout: Mapping[str, tuple[str, str, int, float]], what: str) -> str:
+    """
+    Return the bar with the time cursor.
+
+    Parameters
+    ----------
+    readout : mapping of str to tuple
+        Column of the track: its name, unit, number of digits and factor.
+    what : str
+        What is played, such as 'flight'.
+
+    """
+    cells = ''.join(
+        f'<div><dt>{escape(name)}</dt><dd data-value="{column}" data-unit="{escape(unit)}" '
+        f'data-digits="{digits}" data-factor="{factor:g}"></dd></div>'
+        for column, (name, unit, digits, factor) in readout.items()
+    )
+    return (
+        '<div id="bar" hidden>'
+        f'<button id="play" type="button" aria-label="Play the {what}">▶\N{VARIATION SELECTOR-15}'
+        f'</button><input id="time" type="range" aria-label="Time of the {what}">'
+        f'<dl id="readout" aria-live="off">{cells}</dl></div>'
+    )
+
+
+def build_scene_track(scene_set: SceneSet) -> dict[str, Sequence[float | None]]:
+    """Return the track of a page whose only replay is the 3-D view."""
+    time = [round(float(each), 3) for each in scene_set.time]
+    # Shown first: in the middle, where flights have moved apart
+    return {'time': time, 'start': [time[len(time) // 2]], **scene_set.columns}
+
+
+def encode_set(scene_set: SceneSet) -> dict[str, object]:
+    """Return the JSON content of a set of flights."""
+    return {
+        'track': build_scene_track(scene_set),
+        'flights': [encode_flight(each) for each in scene_set.flights],
+    }
+
+
+def encode_flight(flight: SceneFlight) -> dict[str, object]:
+    """Return the JSON content of a flight."""
+    tracks = {name: getattr(flight, name) for name in TRACKS}
+    return {
+        'name': flight.name,
+        'colour': flight.colour,
+        'ghost': flight.ghost,
+        'body': None if flight.body is None else [encode_shape(one) for one in flight.body.shapes],
+        'rotors': [[each.place, each.axis] for each in flight.rotors],
+        **{
+            name: [pack_column(column) for column in values.T]
+            for name, values in tracks.items()
+            if values is not None
+        },
+    }
+
+
+def encode_shape(shape: Shape) -> dict[str, object]:
+    """Return the JSON content of a shape."""
+    return {'kind': type(shape).__name__, **shape._asdict()}
+
+
+def pack_column(values: Array) -> dict[str, object]:
+    """Encode a line as 16-bit integers, to be multiplied by `scale`; the minimum means NaN."""
+    largest = float(np.nanmax(np.abs(values), initial=0.0)) or 1.0
+    # Below 32767, so that -32768 is free to mean NaN
+    factor = largest / 32000.0
+    numbers = np.where(np.isfinite(values), np.round(values / factor), -32768.0).astype('<i2')
+    return {'scale': factor, 'data': b64encode(numbers.tobytes()).decode()}
+
+
+def draw_vehicle(file: VehicleFile | None) -> tuple[ShapeEntity, float, Vehicle | None]:
+    """Return the shapes, the reach [m] and the vehicle of a vehicle file, or a plain hull."""
+    if file is not None:
+        try:
+            vehicle = Vehicle(file)
+        except BadInput:  # such as a recorded vehicle with an effect that is not installed
+            radius = max(half_axes(file.hull)) or DEFAULT_RADIUS
+        else:
+            return draw_body(vehicle), vehicle_reach(vehicle), vehicle
+    else:
+        radius = DEFAULT_RADIUS
+    hull = EllipsoidShape(ORIGIN, (2 * radius, 2 * radius, 2 * radius), ENVELOPE)
+    return ShapeEntity('vehicle', BASE, (hull,)), radius, None
+
+
+def interpolate_columns(at: Array, time: Array, values: Array) -> Array:
+    """Return columns, shape (n, k), linearly interpolated at other times; NaN stays NaN."""
+    return np.stack([np.interp(at, time, column) for column in values.T], axis=1)
+
+
+def interpolate_attitude(at: Array, time: Array, attitude: Array) -> Array:
+    """Return unit quaternions, shape (n, 4), interpolated at other times."""
+    # q and -q are the same attitude: choose the sign nearest to the one before
+    signs = np.where(np.einsum('ij,ij->i', attitude[1:], attitude[:-1]) < 0.0, -1.0, 1.0)
+    aligned = attitude * np.array([1.0, *itertools.accumulate(signs, lambda a, b: a * b)])[:, None]
+    turn = interpolate_columns(at, time, aligned)
+    return np.asarray(turn / np.maximum(np.linalg.norm(turn, axis=1, keepdims=True), 1e-9))
+
+
+def hold_columns(at: Array, time: Array, values: Array, longest: float = np.inf) -> Array:
+    """Return the last values at each time; NaN before the first, or `longest` [s] after one."""
+    index = np.searchsorted(time, at, side='right') - 1
+    known = (index >= 0) & (at - time[np.maximum(index, 0)] <= longest)
+    return np.asarray(np.where(known[:, None], values[np.maximum(index, 0)], np.nan))
+
+
+def to_json_numbers(values: Array) -> list[float | None]:
+    """Return numbers for JSON, with None for NaN."""
+    return [round(float(each), 3) if np.isfinite(each) else None for each in values]
