@@ -48,7 +48,7 @@ def find_transients(flight: MeasuredFlight, streams: FlightStreams) -> list[Tran
         found.append(
             Transient(begin, lifted + LIFTED, 'the vehicle stands on the floor or takes off')
         )
-    held = _find_standing_start(flight)
+    held = _find_rest_end(flight)
     released, caught = _find_hands(flight)
     # A hand that lifts the vehicle from the floor disturbs it longer than the floor does
     until = found[0].to_s if found else begin
@@ -71,7 +71,7 @@ def _find_take_off(flight: MeasuredFlight, floor: float) -> float:
     return float(flight.time[above[0]])
 
 
-def _find_standing_start(flight: MeasuredFlight) -> float:
+def _find_rest_end(flight: MeasuredFlight) -> float:
     """
     Return until when the vehicle is held, or at rest, before its first command. [s]
 

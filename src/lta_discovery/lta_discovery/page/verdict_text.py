@@ -31,8 +31,8 @@ ROLES: Final = {
 
 def format_headline(finding: StudyResult) -> str:
     """Return the verdict in a sentence, with what to calibrate first and how coasting does."""
-    said = draw_conclusion(finding)
-    verdict = f'{_format_verdict(finding, said)}{_format_useless(said)}'
+    conclusion = draw_conclusion(finding)
+    verdict = f'{_format_verdict(finding, conclusion)}{_format_useless(conclusion)}'
     if not finding.offsets:
         return verdict
     first = '; '.join(finding.offsets[:MOST])
@@ -51,18 +51,18 @@ def _format_useless(conclusion: Conclusion) -> str:
     )
 
 
-def _format_verdict(finding: StudyResult, said: Conclusion) -> str:
+def _format_verdict(finding: StudyResult, conclusion: Conclusion) -> str:
     """Return the verdict in a sentence."""
     rest = _format_remainder(finding)
     if finding.verdict == 'none':
-        return f'{_format_no_effect_headline(said)}{_format_draught(finding)}'
+        return f'{_format_no_effect_headline(conclusion)}{_format_draught(finding)}'
     if finding.verdict == 'not_identifiable':
-        return _format_unidentifiable(finding, said)
+        return _format_unidentifiable(finding, conclusion)
     if finding.verdict == 'unexplained':
         return f'The model lacks something that no effect of the library describes{rest}.'
     names = join_words([_format_alternatives(one) for one in finding.effects])
     verb = 'are' if _has_several_parameters(finding) else 'is'
-    gain = _format_improvement(finding, said)
+    gain = _format_improvement(finding, conclusion)
     text = f'{names[:1].upper()}{names[1:]} {verb} missing from the model{gain}'
     if finding.verdict == 'named+unexplained':
         return f'{text}. Something else is missing that no effect of the library describes{rest}.'
