@@ -94,7 +94,7 @@ def spoken_words(words):
         check(words)
     except Exception as error:
         message = getattr(error, 'format_message', None)
-        short = ('Missing argument', 'Missing parameter', 'requires an argument', 'valid integer')
+        short = ('Missing argument', 'Missing option', 'requires an argument', 'valid integer')
         if message is None or not any(text in message() for text in short):
             raise
 
