@@ -18,7 +18,9 @@ PARAMETERS = tuple(EffectParameter(axis, '1', 1.0, -20.0, 20.0, 0.2, _SOURCE) fo
 
 def compute_reading(p: Values, values: Values, time: float) -> Values:
     """Return the wrench that acts for a command. [N, N m]"""
-    return tuple(gain * value for gain, value in zip(p, values, strict=True))
+    surge, sway, heave, roll, pitch, yaw = p
+    x, y, z, k, m, n = values
+    return surge * x, sway * y, heave * z, roll * k, pitch * m, yaw * n
 
 
 EFFECT = MeasurementEffect('wrench_gain', PARAMETERS, 'command_wrench', compute_reading)

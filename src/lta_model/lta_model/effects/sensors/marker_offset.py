@@ -29,15 +29,15 @@ PARAMETERS = (
 
 def compute_reading(p: Values, values: Values, time: float) -> Values:
     """Return position and quaternion x y z w of the marker frame. [m, 1]"""
-    u, v, w, yaw, pitch, roll = p
+    x, y, z, yaw, pitch, roll = p
     a, b, c, d = euler_to_quaternion(yaw, pitch, roll)
-    x, y, z, i, j, k, l = values  # noqa: E741
+    east, north, up, i, j, k, l = values  # noqa: E741
     # arm + 2 l (q x arm) + 2 q x (q x arm), q = (i, j, k) the vector part of the attitude.
-    f, g, h = 2.0 * (j * w - k * v), 2.0 * (k * u - i * w), 2.0 * (i * v - j * u)
+    f, g, h = 2.0 * (j * z - k * y), 2.0 * (k * x - i * z), 2.0 * (i * y - j * x)
     return (
-        x + u + l * f + j * h - k * g,
-        y + v + l * g + k * f - i * h,
-        z + w + l * h + i * g - j * f,
+        east + x + l * f + j * h - k * g,
+        north + y + l * g + k * f - i * h,
+        up + z + l * h + i * g - j * f,
         l * a + d * i + j * c - k * b,
         l * b + d * j + k * a - i * c,
         l * c + d * k + i * b - j * a,

@@ -1,7 +1,7 @@
 """
 Count the intact frames of a damaged stream that our parser and pymavlink's find.
 
-Run as `python test/benchmark/mutated_frames.py`. Every tenth frame of the light board's stream is
+Run as `python test/score/mutated_frames.py`. Every tenth frame of the light board's stream is
 cut, gets a flipped bit, or is followed by bytes that look like the start of a frame.
 """
 
