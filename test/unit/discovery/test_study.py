@@ -84,5 +84,5 @@ def test_the_gap_of_the_held_out_flight_shrinks_and_coast_is_far_off(
 
 def test_a_flight_too_short_for_two_pieces_is_refused() -> None:
     short = resample_flight(flown({}, 7, 3.6))  # of which 2 s are warm-up
-    with pytest.raises(BadInput, match='Record a longer flight'):
+    with pytest.raises(BadInput, match='Record more or longer flights'):
         study_flights(load_vehicle('gtmab'), [('a', 'train', short), ('b', 'confirm', short)])

@@ -30,8 +30,8 @@ def test_the_covariance_of_odom_is_honest(odometry, wind, least):
     assert least < velocity[:2].mean() < 2.0
     assert np.all(place < 3.0)
     assert least < place.mean() < 2.0
-    # Much better than the wind, which the airspeed alone would be off by
-    assert np.sqrt((flights[0].errors[:, :2] ** 2).mean()) < 0.1
+    # Much better than the wind of 0.4 m/s, which the airspeed alone would be off by
+    assert np.sqrt((flights[0].errors[:, :2] ** 2).mean()) < 0.15
     assert normalised[6:].max() < 2.0
 
 

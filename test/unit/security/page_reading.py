@@ -51,7 +51,8 @@ class Page(HTMLParser):
             assert MARK not in (value or '') or name in WORDY, (tag, name, value)
         self._open.append(tag)
         if tag == 'script':
-            self._reads = given.get('id', '')
+            # Libraries have a name as well, and are no JSON
+            self._reads = given.get('id', '') if given.get('type') == 'application/json' else ''
             assert 'src' not in given
 
     def handle_endtag(self, tag):

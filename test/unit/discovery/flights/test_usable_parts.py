@@ -5,6 +5,7 @@ from dataclasses import replace
 from lta_config.errors import BadInput
 from lta_data.data_quality.finding import QualityFinding, Severity
 from lta_discovery.flights.bags import read_bags
+from lta_discovery.flights import usable_flights
 from lta_discovery.flights.usable_flights import _exclude_interval, select_usable_flights
 from lta_model.vehicle import load_vehicle
 import numpy as np
@@ -221,10 +222,12 @@ def test_constant_commands_are_fine_where_the_vehicle_moves(flights, gtmab):
     assert [name for name, *_ in _believed(flights, gtmab, one).flights] == ['A', 'B', 'C']
 
 
-def test_an_unusable_flight_is_left_out_and_the_study_goes_on(flights, gtmab):
+def test_an_unusable_flight_is_left_out_and_the_study_goes_on(flights, gtmab, monkeypatch):
+    # The other two are 19.9 s long together
+    monkeypatch.setattr(usable_flights, 'LEAST', 15.0)
     one = _changed(flights[0], lambda _: None, TRUTH)
-    two = replace(flights[1], role='train')
-    found = select_usable_flights([one, two, replace(flights[2], role='confirm')], gtmab)
+    two, three = (replace(flight, role='train') for flight in flights[1:])
+    found = select_usable_flights([one, two, three], gtmab)
     assert [name for name, *_ in found.flights] == ['B', 'C']
     assert any(
         word.startswith('A: ') and 'left out' in word and 'no measured pose' in word
@@ -297,7 +300,7 @@ def test_too_little_that_can_be_used_is_refused(flights, gtmab):
 
 
 def test_a_short_flight_among_others_is_left_out(flights, gtmab):
-    one = _changed(flights[1], lambda c: _only(c, c.time < 4.5), TRUTH)
+    one = _changed(flights[1], lambda c: _only(c, c.time < c.time[0] + 1.0), TRUTH)
     found = select_usable_flights([flights[0], one, replace(flights[2], role='confirm')], gtmab)
     assert [name for name, _, _ in found.flights] == ['A', 'C']
     assert any(word.startswith('B: only ') for word in found.warnings)

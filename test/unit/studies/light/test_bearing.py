@@ -154,7 +154,7 @@ def test_headline_tile_and_tables_of_a_score():
         'Indoor, 8 diodes, at 3 m: the median bearing error is 0.57°'
     )
     assert [tile[:2] for tile in report.tiles] == [
-        ('indoor, 4, anywhere', '0.57'), ('indoor, 8, 3 m', '0.57'),
+        ('indoor, 4, any range', '0.57'), ('indoor, 8, 3 m', '0.57'),
     ]  # fmt: skip
     bearing, elevation = (each for each in report.blocks if isinstance(each, TextTable))
     assert bearing.rows[1] == [
