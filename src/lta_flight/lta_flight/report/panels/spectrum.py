@@ -52,7 +52,7 @@ def label_frequencies(figure: Figure, view: FlightView) -> None:
     if scenario is None:
         return
     mains = scenario.ambient.mains_frequency.si
-    marks = [(mains, f'mains {mains:g} Hz', SOFT, 'right')]
+    marks = [(mains, 'mains', SOFT, 'right')]
     marks += [(beat, f'{name} {beat:g} Hz', LAMP, 'left') for name, beat in scenario.beacons]
     if len(scenario.beacons) == 1:
         ((_, beat),) = scenario.beacons
