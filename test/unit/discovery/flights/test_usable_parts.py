@@ -4,8 +4,8 @@ from dataclasses import replace
 
 from lta_config.errors import BadInput
 from lta_data.data_quality.finding import QualityFinding, Severity
-from lta_discovery.flights.bags import read_bags
 from lta_discovery.flights import usable_flights
+from lta_discovery.flights.bags import read_bags
 from lta_discovery.flights.usable_flights import _exclude_interval, select_usable_flights
 from lta_model.vehicle import load_vehicle
 import numpy as np
