@@ -6,21 +6,16 @@ from typing import Annotated
 
 from lta_cli.options.study_command import study_command, StudyRun
 from lta_config.errors import BadInput
-from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_data.bag.recorded_flight import open_flight
-from lta_report.progress_bar import ProgressBar
 from lta_report.report import Report
 from lta_studies.light.turntable.report import build_report, format_vehicle_lines
 from lta_studies.light.turntable.response import fit_response
 from lta_studies.light.turntable.turntable import (
-    evaluate_turn,
+    read_turn,
     summarize_directions,
     TurntableMotion,
     zero_offset,
 )
-from lta_vlc.diodes import build_diode_array
 from lta_vlc.settings import DemodulationSettings
-from rich.progress import TextColumn
 import typer
 
 
@@ -86,19 +81,7 @@ def light(
             'and --hold.'
         )
     table = TurntableMotion(math.radians(rate), math.radians(step), hold, math.radians(start))
-    flight = open_flight(bag, robot)
-    entry = load_vehicle_file(vehicle).sensors.diodes
-    diodes = build_diode_array(entry)
-    demodulation = DemodulationSettings(frequency=frequency)
-    with ProgressBar(run.console, TextColumn('reading light blocks {task.completed:.0f}')) as bar:
-        readings = evaluate_turn(
-            flight,
-            diodes,
-            demodulation,
-            table,
-            entry.largest_reading,
-            lambda n: bar.update_bar(advance=n),
-        )
+    readings, diodes = read_turn(bag, robot, vehicle, frequency, table, run.console)
     # Angle between the zero of the turntable and that of the board [rad]
     zero = zero_offset(readings)
     found, blocks = summarize_directions(readings, 'bench', zero if align else 0.0)

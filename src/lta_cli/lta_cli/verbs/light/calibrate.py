@@ -4,21 +4,16 @@ from pathlib import Path
 from typing import Annotated
 
 from lta_cli.options.study_command import study_command, StudyRun
-from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_data.bag.recorded_flight import open_flight
-from lta_report.progress_bar import ProgressBar
 from lta_report.report import Report
 from lta_studies.light.turntable.report import build_calibration_report
 from lta_studies.light.turntable.response import fit_response
 from lta_studies.light.turntable.turntable import (
-    evaluate_turn,
+    read_turn,
     summarize_directions,
     TurntableMotion,
     zero_offset,
 )
-from lta_vlc.diodes import build_diode_array
 from lta_vlc.settings import DemodulationSettings
-from rich.progress import TextColumn
 import typer
 
 
@@ -53,18 +48,8 @@ def calibrate(
 
     Example: lta light calibrate runs/turn
     """
-    flight = open_flight(bag, robot)
-    entry = load_vehicle_file(vehicle).sensors.diodes
-    diodes = build_diode_array(entry)
-    with ProgressBar(run.console, TextColumn('reading light blocks {task.completed:.0f}')) as bar:
-        readings = evaluate_turn(
-            flight,
-            diodes,
-            DemodulationSettings(frequency=frequency),
-            TurntableMotion(heading=topic),
-            entry.largest_reading,
-            lambda n: bar.update_bar(advance=n),
-        )
+    motion = TurntableMotion(heading=topic)
+    readings, diodes = read_turn(bag, robot, vehicle, frequency, motion, run.console)
     zero = zero_offset(readings)
     study, _ = summarize_directions(readings, 'turn', zero)
     facts = {'bag': str(bag), 'vehicle': vehicle}

@@ -10,25 +10,30 @@ direction of the lamp the other way.
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 import math
+from pathlib import Path
 from typing import Final, final, NamedTuple
 
 from lta_config.compilation.compiler import compile_functions
 from lta_config.errors import BadInput
+from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.topics import load_topic_table
 from lta_control.cascade import wrap_angle
-from lta_data.bag.recorded_flight import RecordedFlight
+from lta_data.bag.recorded_flight import open_flight, RecordedFlight
 from lta_model.attitude import to_euler_angles
+from lta_report.progress_bar import ProgressBar
 from lta_studies.light.bearing.score import error_quantile
 from lta_studies.light.bearing.study import DIRECTIONS, RingStudy
 from lta_vlc.bearing import estimate_bearing
 from lta_vlc.demodulation import demodulate_block, plan_bins
-from lta_vlc.diodes import DiodeArray
+from lta_vlc.diodes import build_diode_array, DiodeArray
 from lta_vlc.direction import DirectionFinder
 from lta_vlc.direction_fit import fit_direction
 from lta_vlc.lamp import LampPrior
 from lta_vlc.settings import DemodulationSettings
 import numpy as np
 from numpy.typing import NDArray
+from rich.console import Console
+from rich.progress import TextColumn
 
 Array = NDArray[np.float64]
 PHOTODIODES: Final = 'photodiodes'
@@ -88,6 +93,27 @@ class TurntableReadings:
     ours: Array
     snr: Array
     amplitude: Array
+
+
+def read_turn(
+    bag: Path,
+    robot: str | None,
+    vehicle: str,
+    frequency: float,
+    motion: TurntableMotion,
+    console: Console,
+) -> tuple[TurntableReadings, DiodeArray]:
+    """Evaluate the light blocks of a bag with the diodes of a vehicle, with progress."""
+    flight = open_flight(bag, robot)
+    entry = load_vehicle_file(vehicle).sensors.diodes
+    diodes = build_diode_array(entry)
+    demodulation = DemodulationSettings(frequency=frequency)
+    with ProgressBar(console, TextColumn('reading light blocks {task.completed:.0f}')) as bar:
+        readings = evaluate_turn(
+            flight, diodes, demodulation, motion, entry.largest_reading,
+            lambda blocks: bar.update_bar(advance=blocks),
+        )  # fmt: skip
+    return readings, diodes
 
 
 def evaluate_turn(
