@@ -118,7 +118,7 @@ def slowed(trial: Any) -> str:
     """Let the disk of the bag stand still for some seconds."""
     trial.target, trial.lasts = 'recorder', STALL
     os.kill(trial.graph.node('recorder'), SLOW_DISK)
-    return 'recorder: (disk: )?slow'
+    return 'recorder: .*disk is slow'
 
 
 def unplugged(trial: Any) -> str:

@@ -189,6 +189,7 @@ def supervise_flight(
     end = launcher.outcome
     if not end.success:
         listener.publish_error(f'{end.sentence}.')
+        listener.wait_until_received()
         # A refusal is raised as BadInput by `collect_result`
         if not is_refusal(end):
             watcher.show_message(f'{end.sentence}.')

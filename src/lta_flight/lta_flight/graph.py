@@ -82,6 +82,7 @@ def supervise_graph(plan: LaunchPlan, on_line: OnLine, say: Callable[[str], None
                     say(f'{end.sentence}{going_on}.')
                 if not end.success and end.name not in spare:
                     listener.publish_error(f'{end.sentence}.')
+        listener.wait_until_received()
         return outcome
 
 

@@ -59,7 +59,7 @@ from std_srvs.srv import Trigger
 DIAGNOSTICS = '/diagnostics'
 LOOK_PERIOD = 0.4  # wall seconds between two checks of the graph and of losses
 DISK_PERIOD = 0.1  # wall seconds between two checks of the disk
-QUIET = 0.3  # wall seconds without a message after which the graph counts as silent
+QUIET = 15  # polls in a row without a message after which the graph counts as silent: 0.3 s
 LINGER = 3.0  # wall seconds to wait for that silence at most
 DISK = 'disk'  # diagnostics task for a slow disk
 SLOW = 0.3  # wall seconds of one write that count as slow; a fault must be reported within 1 s
@@ -312,12 +312,22 @@ class Recorder(GraphNode):
         landed = time.monotonic() + LEAVE
         coming_down = lambda: self._has_flight_bridge() and time.monotonic() < landed  # noqa: E731
         spin_node(self, coming_down, awaited=list, wait_ns=NAP_NS)
-        deadline = time.monotonic() + LINGER
         if not self._fault:
-            # Silence counts from now, or QUIET could have passed already
-            self._intake.latest = time.monotonic()
-            end = lambda: time.monotonic() < min(deadline, self._intake.latest + QUIET)  # noqa: E731
-            spin_node(self, end, awaited=list, wait_ns=NAP_NS)
+            self._take_late_messages()
+
+    def _take_late_messages(self) -> None:
+        """Take what the other nodes still send, until none arrives."""
+        deadline = time.monotonic() + LINGER
+        latest, silent_polls = self._intake.latest, 0
+
+        # Counts polls, not seconds: a busy machine may suspend this process for longer than that
+        def is_receiving() -> bool:
+            nonlocal latest, silent_polls
+            silent_polls = silent_polls + 1 if self._intake.latest == latest else 0
+            latest = self._intake.latest
+            return silent_polls <= QUIET and time.monotonic() < deadline
+
+        spin_node(self, is_receiving, awaited=list, wait_ns=NAP_NS)
 
     def _has_flight_bridge(self) -> bool:
         """Return whether the bridge of a real drone still runs; it lands before it exits."""

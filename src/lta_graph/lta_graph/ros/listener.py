@@ -10,11 +10,13 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from lta_graph.health import HealthFact, HealthLevel
 from lta_graph.interrupts import hold_interrupts
 from lta_graph.ros.temporary_node import join_graph
+from rclpy.duration import Duration
 
 DEPTH = 100  # messages of all nodes together that may wait until the next look
 DISCOVERY = 10.0  # wall s after the first report for DDS to find all nodes of a busy machine
 LOADING = 300.0  # wall s for all to report once; compiling the model takes half a minute alone
 TASK = 'launcher: processes'  # task under which the launcher reports faults of its nodes
+RECEIPT = Duration(seconds=0.5)  # for all readers to acknowledge an error; a dead one never does
 SILENCE = 0.85  # wall s after which a node counts as silent: two reports and some delay
 
 
@@ -97,6 +99,14 @@ class DiagnosticsListener:
             level=DiagnosticStatus.ERROR, name=TASK, message=sentence, hardware_id=self._robot
         )
         self._publisher.publish(DiagnosticArray(status=[status]))
+
+    def wait_until_received(self) -> None:
+        """
+        Wait until the readers have acknowledged the published errors.
+
+        The recorder closes its bag soon after SIGINT, and would miss an error that is under way.
+        """
+        self._publisher.wait_for_all_acked(RECEIPT)
 
     def find_silent_nodes(self, nodes: Iterable[str]) -> list[str]:
         """Return the nodes that no longer report or never did, in alphabetical order."""
