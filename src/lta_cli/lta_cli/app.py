@@ -135,11 +135,13 @@ CLUSTER: Final = VerbGroup(
     },
 )
 HARDWARE: Final = VerbGroup(
-    'Check connected drones and light boards, test one motor, evaluate turntable recordings.',
+    'Check connected drones and light boards, test one motor, evaluate turntable recordings, draw '
+    'the wiring.',
     {
         'check': Verb('hardware.check', 'check'),
         'bench': Verb('hardware.bench', 'bench'),
         'light': Verb('hardware.light', 'light'),
+        'wiring': Verb('hardware.wiring', 'wiring'),
     },
 )
 VERBS: Final[dict[str, Verb | VerbGroup]] = {

@@ -1,0 +1,31 @@
+"""lta hardware wiring: draw how a drone is wired."""
+
+from pathlib import Path
+from typing import Annotated
+
+from lta_cli.options.common_options import plain_console, VehicleName
+from lta_config.schema.crazyflie_file import find_crazyflie
+from lta_model.vehicle import load_vehicle
+from lta_report.page_frame import write_file
+from lta_vehicle.views.wiring import draw_wiring
+import typer
+
+
+def wiring(
+    vehicle: VehicleName,
+    out: Annotated[
+        Path,
+        typer.Option(help='SVG file to write.', metavar='FILE'),
+    ] = Path('wiring.svg'),
+) -> None:
+    """
+    Draw the wiring of a vehicle: motors, photodiodes, supply and signals.
+
+    Motor numbers are those of the vehicle's Crazyflie file.
+
+    Example: lta hardware wiring gtmab --out wiring.svg
+    """
+    craft = load_vehicle(vehicle)
+    text = draw_wiring(craft, find_crazyflie(vehicle, craft.file.name))
+    write_file(text, out)
+    plain_console().print(f'Drawing {out}', highlight=False, markup=False, soft_wrap=True)
