@@ -4,6 +4,7 @@ import gzip
 from pathlib import Path
 
 from lta_config.errors import BadInput
+from lta_data.importers.readers import csv_text
 import pytest
 
 from .csv_texts import ODOM, POSE, text
@@ -30,6 +31,13 @@ def test_what_is_wrong_in_a_text_is_one_sentence(bring, tmp_path, lines, sentenc
     assert sentence in str(told.value)
     assert '\n' not in str(told.value)
     assert {path.name for path in tmp_path.iterdir()} == {'a.csv', 'mapping.yaml'}
+
+
+def test_a_text_with_the_wrong_separator_is_not_read_to_its_end(bring, tmp_path, monkeypatch):
+    monkeypatch.setattr(csv_text, 'MOST_SKIPPED', 10)
+    source = text(tmp_path / 'a.csv', 't,x,y,z', *(f'{k};1;2;3' for k in range(5, 500)))
+    with pytest.raises(BadInput, match='11 of 11 rows have another number of cells'):
+        bring(source, POSE)
 
 
 def test_a_cut_compressed_text_is_refused(bring, tmp_path):

@@ -6,6 +6,7 @@ Numbers are rounded to the nearest float; times are parsed as decimals, so that
 """
 
 from collections.abc import Collection, Iterator, Mapping
+from contextlib import contextmanager
 import csv
 from pathlib import Path
 from typing import Any, BinaryIO, final
@@ -31,6 +32,7 @@ import pyarrow.compute as pc
 import pyarrow.csv as pacsv
 
 PART = 4 << 20  # bytes of text per part
+MOST_SKIPPED = 100_000  # rows more than were read, after which the rest need not be read
 ZONELESS = 'The dates in the log have no time zone; UTC is assumed.'
 
 
@@ -190,29 +192,52 @@ class TextRows:
         self._lines, delimiter = open_text_lines(
             stream, text, unread, delimiter_of(text).join(names).encode()
         )
-        self._skipped: list[str] = []
+        self._skipped = 0
+        self._first_skipped = ''
         self._rows = 0
         # Bytes, since a text may not be UTF-8. Read at least one column to count the rows.
         wanted = types or {names[0]: pa.binary()}
-        self._reader = pacsv.open_csv(
-            self._lines,
-            read_options=pacsv.ReadOptions(column_names=names, block_size=PART, use_threads=False),
-            parse_options=pacsv.ParseOptions(
-                delimiter=delimiter, invalid_row_handler=self._skip_row
-            ),
-            convert_options=pacsv.ConvertOptions(
-                include_columns=list(wanted),
-                column_types=dict(wanted),
-                null_values=[''],
-                strings_can_be_null=True,
-            ),
-        )
+        with self._refuse_skipped_rows():
+            self._reader = pacsv.open_csv(
+                self._lines,
+                read_options=pacsv.ReadOptions(
+                    column_names=names, block_size=PART, use_threads=False
+                ),
+                parse_options=pacsv.ParseOptions(
+                    delimiter=delimiter, invalid_row_handler=self._skip_row
+                ),
+                convert_options=pacsv.ConvertOptions(
+                    include_columns=list(wanted),
+                    column_types=dict(wanted),
+                    null_values=[''],
+                    strings_can_be_null=True,
+                ),
+            )
 
     def __iter__(self) -> Iterator[Any]:
         """Yield the rows as record batches."""
-        for batch in self._reader:
-            self._rows += batch.num_rows
-            yield batch
+        with self._refuse_skipped_rows():
+            for batch in self._reader:
+                self._rows += batch.num_rows
+                yield batch
+
+    @contextmanager
+    def _refuse_skipped_rows(self) -> Iterator[None]:
+        """Raise BadInput if pyarrow stopped because too many rows were skipped."""
+        try:
+            yield
+        except pa.ArrowInvalid:
+            self._check_skipped()
+            raise
+
+    def _check_skipped(self) -> None:
+        """Raise BadInput if most rows were skipped."""
+        if self._skipped > self._rows:
+            raise BadInput(
+                f'{self._skipped} of {self._skipped + self._rows} rows have another number of '
+                f"cells than the names of the columns, as '{self._first_skipped}'; correct "
+                '"delimiter", "skip" or "header" under "text" in the mapping.'
+            )
 
     def describe_skipped(self) -> list[str]:
         """
@@ -224,19 +249,14 @@ class TextRows:
             If most rows were.
 
         """
-        skipped = len(self._skipped)
-        if skipped > self._rows:
-            raise BadInput(
-                f'{skipped} of {skipped + self._rows} rows have another number of cells than the '
-                f'names of the columns, as \'{self._skipped[0]}\'; correct "delimiter", "skip" or '
-                '"header" under "text" in the mapping.'
-            )
+        self._check_skipped()
+        skipped = self._skipped
         notes = []
         if skipped:
             notes.append(
                 f'{skipped} {"row has" if skipped == 1 else "rows have"} another number of cells '
                 f'than the names of the columns and {"is" if skipped == 1 else "are"} skipped, '
-                f"the first as '{self._skipped[0]}'."
+                f"the first as '{self._first_skipped}'."
             )
         if self._lines.headers:
             times = 'once' if self._lines.headers == 1 else f'{self._lines.headers} times'
@@ -248,8 +268,10 @@ class TextRows:
         return notes
 
     def _skip_row(self, row: Any) -> str:  # noqa: ANN401 - pyarrow's InvalidRow
-        self._skipped.append(shorten_cell(row.text or ''))
-        return 'skip'
+        if not self._skipped:
+            self._first_skipped = shorten_cell(row.text or '')
+        self._skipped += 1
+        return 'error' if self._skipped > self._rows + MOST_SKIPPED else 'skip'
 
 
 def delimiter_of(text: TextFormat) -> str:
