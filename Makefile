@@ -14,7 +14,7 @@ export VEHICLE
 enter := root='$(CURDIR)' && . tools/workspace.sh
 sources := config src test examples tools conftest.py
 
-.PHONY: help demo build test test-fast test-long test-packages bench bench-compare flights hops trust wrong-imports same sensitivity classes plan rgblimp crazyflie odometry faults real-firmware firmware rehearsal mutation chaos soak docs reference pictures lock check format clean
+.PHONY: help demo build test test-fast test-long test-packages bench bench-compare flights hops trust wrong-imports same sensitivity classes plan rgblimp crazyflie odometry faults real-firmware firmware rehearsal end-to-end mutation chaos soak docs reference pictures lock check format clean
 
 help:  ## show this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1|\2/p' Makefile | awk -F '|' '{ printf "%-18s %s\n", $$1, $$2 }'
@@ -82,6 +82,9 @@ firmware: test-environment  ## build both firmware images (FIRMWARE=/path/to/cra
 
 rehearsal: test-environment  ## run the real Crazyflie firmware on this machine until Ctrl-C (FIRMWARE=/path VEHICLE=gtmab)
 	@$(enter) && .venv/bin/python tools/firmware.py --rehearse $(ARGS)
+
+end-to-end: test-environment  ## fly 20 seeds to the lamp through the real Crazyflie firmware (FIRMWARE=/path)
+	@$(enter) && .venv/bin/python test/score/end_to_end.py '$(FIRMWARE)' $(ARGS)
 
 mutation: test-environment  ## mutation testing: do tests detect small changes of the code? writes docs/testing_mutation.md (a quarter of an hour; ARGS='--areas control': minutes)
 	@$(enter) && nice .venv/bin/python test/score/mutation.py $(ARGS)

@@ -20,6 +20,7 @@ PACKAGE_TESTS: Final = {
     'lta_emulation': (
         'bridge/crazyflie/test_crazyflie_flight.py',
         'bridge/crazyflie/test_emulated.py',
+        'bridge/crazyflie/test_firmware_bench.py',
         'bridge/crazyflie/test_firmware_contract.py',
         'bridge/crazyflie/test_noise.py',
         'bridge/test_mavproxy.py',

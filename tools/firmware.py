@@ -16,12 +16,13 @@ import shutil
 import struct
 import subprocess
 import sys
-from typing import Final, NamedTuple, NoReturn
+from typing import Final, NamedTuple
 
 from lta_config.errors import BadInput
 from lta_config.schema.crazyflie_file import find_crazyflie
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.vehicle_identity import hash_airframe, hash_diodes
+from lta_emulation import emulated_hardware
 
 ROOT: Final = Path(__file__).resolve().parents[1]
 CRAZYFLIE: Final = ROOT / 'firmware/crazyflie'
@@ -34,8 +35,8 @@ TOOLS: Final = {
     'arm-none-eabi-g++': 'gcc-arm-none-eabi libstdc++-arm-none-eabi-newlib',
 }
 HOST_TOOLS: Final = ('make', 'gcc')
-PORT: Final = 19850  # that cflib scans first
-BENCH: Final = 19870  # for tests of the firmware's motors
+PORT: Final = emulated_hardware.PORT  # that cflib scans first
+BENCH: Final = 19870  # motors and sensors of the firmware
 
 
 class Source(NamedTuple):
@@ -147,16 +148,18 @@ def build_light_board(cores: Path, adc: Path, identity: Identity) -> Path:
     return image
 
 
-def rehearse(firmware: Path, identity: Identity) -> NoReturn:
-    """Build the firmware with the app as a Linux process, and become that process."""
+def rehearse(firmware: Path, identity: Identity, vehicle: str) -> None:
+    """Build the firmware with the app as a Linux process, and fly it in a simulated world."""
     out = CRAZYFLIE / 'build_linux'
     run_make(
         '-C', str(CRAZYFLIE / 'linux'), f'FIRMWARE={firmware}', 'BUILD=app', f'OUT={out}',
         to_flags(identity),
     )  # fmt: skip
-    sys.stdout.write(f'The firmware answers at udp://127.0.0.1:{PORT}; press Ctrl-C to stop it.\n')
-    sys.stdout.flush()
-    os.execv(out / 'crazyflie', [str(out / 'crazyflie'), str(PORT), str(BENCH)])
+    with subprocess.Popen([out / 'crazyflie', str(PORT), str(BENCH)]) as process:
+        try:
+            emulated_hardware.main(['--vehicle', vehicle, '--bench-port', str(BENCH)])
+        finally:
+            process.kill()
 
 
 def to_flags(identity: Identity) -> str:
@@ -191,7 +194,8 @@ def main() -> None:
     if asked.rehearse:
         firmware = require_source(FIRMWARE, asked.any_version)
         airframe = hash_airframe(vehicle, find_crazyflie(name, vehicle.name))
-        rehearse(firmware, Identity(commit, airframe))
+        rehearse(firmware, Identity(commit, airframe), name)
+        return
     if asked.only != 'light_board':
         firmware = require_source(FIRMWARE, asked.any_version)
     if asked.only != 'crazyflie':

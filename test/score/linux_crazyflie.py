@@ -91,15 +91,15 @@ class Process:
         self, program: Path, port: int = 0, environment: Mapping[str, str] | None = None
     ) -> None:
         self._program, self._environment = program, dict(environment or {})
-        self.port, self._bench_port = port or free_port(UDP), free_port(UDP)
+        self.port, self.bench_port = port or free_port(UDP), free_port(UDP)
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self._socket.connect(('127.0.0.1', self._bench_port))
+        self._socket.connect(('127.0.0.1', self.bench_port))
         self._boot: threading.Timer | None = None
         self._start()
 
     def _start(self, **environment: str) -> None:
         self._process = subprocess.Popen(
-            [self._program, str(self.port), str(self._bench_port)],
+            [self._program, str(self.port), str(self.bench_port)],
             env=os.environ | self._environment | environment,
         )
         until = time.monotonic() + STARTS

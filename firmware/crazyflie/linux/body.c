@@ -2,10 +2,12 @@
  *
  * It stays level, so that the IMU shows gravity and vertical acceleration alone. Defaults are a
  * Crazyflie; LTA_BODY_MASS [kg], LTA_BODY_LIFT [N of buoyancy], LTA_BODY_THRUST [N of all four
- * motors at 4.2 V] and LTA_BODY_DRAG [N s2/m2] make it a blimp.
+ * motors at 4.2 V] and LTA_BODY_DRAG [N s2/m2] make it a blimp. A simulator can take its place:
+ * from the first readings that it sends, the body only passes them on.
  */
 #include <math.h>
 #include <stdbool.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,6 +19,8 @@
 #define SEA_LEVEL 1013.25f  /* mbar */
 #define MBAR_PER_METRE 0.12f
 
+static bool is_simulated;
+static readings_t simulated;
 static float height, speed, specific_force = 1.0f, voltage = 4.0f, upside_down;
 
 static float from_environment(const char *name, float otherwise) {
@@ -49,6 +53,9 @@ void body_step(float dt, const float ratios[MOTORS]) {
 }
 
 readings_t body_read(void) {
+  if (is_simulated) {
+    return simulated;
+  }
   return (readings_t){
       .acc = {0.0f, 0.0f, upside_down ? -specific_force : specific_force},
       .range = STANDING + height,
@@ -65,5 +72,16 @@ int body_set(const char *name, float value) {
   } else {
     return 0;
   }
+  return 1;
+}
+
+int body_sense(const char *numbers) {
+  readings_t r;
+  if (sscanf(numbers, "%f %f %f %f %f %f %f %f %f", &r.acc[0], &r.acc[1], &r.acc[2], &r.gyro[0],
+             &r.gyro[1], &r.gyro[2], &r.range, &r.pressure, &r.voltage) != 9) {
+    return 0;
+  }
+  simulated = r;
+  is_simulated = true;
   return 1;
 }

@@ -3,7 +3,8 @@
  *   crazyflie LINK_PORT BENCH_PORT
  *
  * speaks CRTP over UDP at LINK_PORT. At BENCH_PORT a test asks for the state of the motors (`get`)
- * and changes the body (`voltage 3.3`, `upside_down 1`). In place of drivers for sensors, radio and
+ * and changes the body (`voltage 3.3`, `upside_down 1`). A simulator sends what it senses
+ * (`sense` and nine numbers), and is answered with the PWM compare values. In place of drivers for sensors, radio and
  * memory stands what a test needs; commander, supervisor, controllers, power distribution, motors,
  * parameters, logging and the app layer are the firmware's own files.
  *
@@ -214,7 +215,7 @@ uint32_t pwm_compare(int motor) { return compare[motor]; }
 static void *serve_bench(void *argument) {
   (void)argument;
   while (true) {
-    char text[64] = "", name[32], answer[128];
+    char text[256] = "", name[32], answer[288];
     float value;
     struct sockaddr_in sender;
     socklen_t length = sizeof(sender);
@@ -227,6 +228,8 @@ static void *serve_bench(void *argument) {
                xTaskGetTickCount(), motorsGetRatio(0), motorsGetRatio(1), motorsGetRatio(2),
                motorsGetRatio(3), compare[0], compare[1], compare[2], compare[3],
                (double)readings.range);
+    } else if (strncmp(text, "sense ", 6) == 0 && body_sense(text + 6)) {
+      snprintf(answer, sizeof(answer), "%u %u %u %u", compare[0], compare[1], compare[2], compare[3]);
     } else if (sscanf(text, "%31s %f", name, &value) == 2 && body_set(name, value)) {
       snprintf(answer, sizeof(answer), "ok");
     } else {

@@ -31,5 +31,9 @@ readings_t body_read(void);
 /* Set a property by its name: voltage [V] or upside_down (0 or 1); false where there is none. */
 int body_set(const char *name, float value);
 
+/* Take the readings of a simulator, nine numbers in the order of `readings_t`, from now on in place
+ * of the body's own; false where they are not nine. */
+int body_sense(const char *numbers);
+
 /* The PWM compare values that motors.c has written, 0 to 255. */
 uint32_t pwm_compare(int motor);

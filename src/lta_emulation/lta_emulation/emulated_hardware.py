@@ -21,6 +21,7 @@ from lta_config.schema.crazyflie_file import find_crazyflie
 from lta_config.topics import load_topic_table
 from lta_config.vehicle_identity import hash_diodes
 from lta_emulation.crazyflie.firmware import Firmware
+from lta_emulation.crazyflie.firmware_bench import FirmwareBench
 from lta_emulation.crazyflie.server import CrazyflieServer
 from lta_emulation.crazyflie.simulated_body import SimulatedBody
 from lta_emulation.teensy.board_server import BoardServer
@@ -61,9 +62,9 @@ def build_simulated_body(
 
 
 class EmulatedHardware(NamedTuple):
-    """The emulated Crazyflie and light board, and their world."""
+    """The Crazyflie, emulated or as its firmware, the light board, and their world."""
 
-    crazyflie: CrazyflieServer
+    crazyflie: CrazyflieServer | FirmwareBench
     board: BoardServer
     body: SimulatedBody
 
@@ -76,6 +77,7 @@ def serve_hardware(
     port: int = 0,
     light_port: Path = LIGHT_PORT,
     beacon: float = 0.0,
+    bench_port: int = 0,
 ) -> Iterator[EmulatedHardware]:
     """
     Serve a drone's hardware while the context lasts.
@@ -90,11 +92,13 @@ def serve_hardware(
         Path of the light board's port.
     beacon : float
         As for `BoardServer`.
+    bench_port : int
+        Bench port of the real firmware, which takes the place of the emulated one; 0 for none.
 
     Raises
     ------
     BadInput
-        If a file is wrong, or the UDP port is taken.
+        If a file is wrong, the UDP port is taken, or no firmware answers.
 
     """
     table, file = load_topic_table(), load_vehicle(vehicle).file
@@ -105,6 +109,10 @@ def serve_hardware(
     )
     light = BoardServer(board, light_port, beacon)
     body = build_simulated_body(vehicle, scenario, seed, light.sample_light)
+    if bench_port:
+        with light, FirmwareBench(body, bench_port, port or PORT) as firmware:
+            yield EmulatedHardware(firmware, light, body)
+        return
     try:
         crazyflie = CrazyflieServer(Firmware(body, build=body.build), port)
     except OSError as error:
@@ -159,6 +167,7 @@ def main(words: list[str] | None = None) -> None:
     parser.add_argument('--port', type=int, default=PORT)
     parser.add_argument('--light-port', type=Path, default=LIGHT_PORT)
     parser.add_argument('--beacon', type=float, default=0.0)
+    parser.add_argument('--bench-port', type=int, default=0)
     parser.add_argument('--vehicle', default='gtmab')
     parser.add_argument('--scenario', default='lamp_room')
     parser.add_argument('--seed', type=int, default=1)
@@ -168,10 +177,17 @@ def main(words: list[str] | None = None) -> None:
     signal.signal(signal.SIGTERM, lambda *_: over.set())
     try:
         with serve_hardware(
-            told.vehicle, told.scenario, told.seed, told.port, told.light_port, told.beacon
+            told.vehicle,
+            told.scenario,
+            told.seed,
+            told.port,
+            told.light_port,
+            told.beacon,
+            told.bench_port,
         ) as hardware:
+            kind = 'The firmware' if told.bench_port else 'An emulated Crazyflie'
             _print_line(
-                f'An emulated Crazyflie answers at {hardware.crazyflie.uri}, its light board at '
+                f'{kind} answers at {hardware.crazyflie.uri}, its light board at '
                 f'{hardware.board.port}; press Ctrl-C to stop both.'
             )
             signal.signal(signal.SIGUSR1, lambda *_: hardware.board.toggle_cable())

@@ -1,0 +1,98 @@
+"""
+Connect a simulated drone to the real firmware, which runs on this machine.
+
+The firmware is built for Linux by firmware/crazyflie/linux. Each control period its bench port
+gets what the drone senses, and answers with what its motors do.
+"""
+
+from contextlib import suppress
+import socket
+import threading
+import time
+from typing import Final, final, Self
+
+from lta_config.errors import BadInput
+from lta_emulation.crazyflie.body import CrazyflieBody
+from lta_emulation.crazyflie.commander import BodyCommand
+
+PERIOD: Final = 0.01  # s between two exchanges
+ANSWER: Final = 0.05  # s to wait for an answer; a busy machine may take longer, and misses one
+STARTUP: Final = 10.0  # s for the firmware to answer first
+FULL: Final = 255  # PWM compare value of a motor at full power (motors.c)
+# In the order of `readings_t` (linux_platform.h); the range in metres follows, then the rest
+INERTIAL: Final = ('acc.x', 'acc.y', 'acc.z', 'gyro.x', 'gyro.y', 'gyro.z')
+
+
+@final
+class FirmwareBench:
+    """
+    The bench port of the firmware, which moves a body in real time.
+
+    Parameters
+    ----------
+    body : CrazyflieBody
+        The simulated drone.
+    bench_port, port : int
+        UDP ports of the firmware on this machine: of its bench, and of its radio link.
+
+    Attributes
+    ----------
+    uri : str
+        URI of the firmware for cflib.
+    missed : int
+        Exchanges without an answer.
+
+    """
+
+    def __init__(self, body: CrazyflieBody, bench_port: int, port: int) -> None:
+        self.uri, self.missed = f'udp://127.0.0.1:{port}', 0
+        self._body, self._bench_port = body, bench_port
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._socket.connect(('127.0.0.1', bench_port))
+        self._socket.settimeout(ANSWER)
+        self._running = threading.Event()
+        self._thread = threading.Thread(target=self._run, name='firmware_bench', daemon=True)
+
+    def __enter__(self) -> Self:
+        """Start, once the firmware answers."""
+        deadline = time.monotonic() + STARTUP
+        while self._exchange_readings() is None:
+            if time.monotonic() > deadline:
+                self._socket.close()
+                raise BadInput(
+                    f'No firmware answers at the UDP port {self._bench_port} of this machine; '
+                    'start it first (docs/tutorials/rehearsal.md).'
+                )
+            time.sleep(ANSWER)
+        self._running.set()
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Stop; the firmware keeps the last readings."""
+        self._running.clear()
+        self._thread.join()
+        self._socket.close()
+
+    def _run(self) -> None:
+        began, turn = time.monotonic(), 0
+        duties: tuple[float, ...] = (0.0,) * 4
+        while self._running.is_set():
+            turn += 1
+            time.sleep(max(0.0, began + turn * PERIOD - time.monotonic()))
+            self._body.advance(time.monotonic() - began, BodyCommand(duties))
+            duties = self._exchange_readings() or duties
+
+    def _exchange_readings(self) -> tuple[float, ...] | None:
+        """Send what the body senses; return the duties of M1 to M4, None without an answer."""
+        values = self._body.read_log_values()
+        words = [*(values.get(name, 0.0) for name in INERTIAL), 1e-3 * values['range.zrange']]
+        words += [values['baro.pressure'], values.get('pm.vbat', 4.0)]
+        # ECONNREFUSED while nobody listens; what is late belongs to an earlier exchange
+        with suppress(OSError, ValueError):
+            self._socket.send(('sense ' + ' '.join(f'{word:.6g}' for word in words)).encode())
+            answer = self._socket.recv(256).decode().split()
+            if len(answer) == 4:
+                return tuple(int(word) / FULL for word in answer)
+        self.missed += 1
+        return None
