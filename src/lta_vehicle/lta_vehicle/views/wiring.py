@@ -52,11 +52,11 @@ def draw_wiring(vehicle: Vehicle, crazyflie: CrazyflieFile) -> str:
     The light board is left out if the vehicle does not have eight diodes, which is what its
     firmware samples.
     """
-    lit = vehicle.file.sensors.diodes.count == len(PINS)
-    parts, leads = _list_parts(vehicle, lit), _list_leads(vehicle, lit)
+    has_board = vehicle.file.sensors.diodes.count == len(PINS)
+    parts, leads = _list_parts(vehicle, has_board), _list_leads(vehicle, has_board)
     motors = {rotor: motor for motor, rotor in crazyflie.motors.items()}
     body = [
-        *(_draw_ring() if lit else ()),
+        *(_draw_ring() if has_board else ()),
         *_draw_motors(vehicle, motors),
         _text((390.0, 26.0), 'Supply and signals', 'head'),
         *(line for lead in leads for line in _draw_lead(lead, parts)),
@@ -78,7 +78,7 @@ def draw_wiring(vehicle: Vehicle, crazyflie: CrazyflieFile) -> str:
     )
 
 
-def _list_parts(vehicle: Vehicle, lit: bool) -> dict[str, WiringPart]:
+def _list_parts(vehicle: Vehicle, has_board: bool) -> dict[str, WiringPart]:
     """Return the boxes by name, in rows from the panels down to the lamp."""
     left, middle, right = COLUMNS
     capacity = 1e3 * vehicle.file.energy.battery.capacity.si / 3600.0
@@ -101,11 +101,11 @@ def _list_parts(vehicle: Vehicle, lit: bool) -> dict[str, WiringPart]:
         'range': WiringPart('VL53L1x deck', 'looking down', (left, 177.0)),
         'crazyflie': WiringPart('Crazyflie', 'battery connector', (middle, 177.0)),
         'motors': WiringPart('Motors', 'M1 to M4', (right, 177.0)),
-        **(board if lit else {}),
+        **(board if has_board else {}),
     }
 
 
-def _list_leads(vehicle: Vehicle, lit: bool) -> list[Lead]:
+def _list_leads(vehicle: Vehicle, has_board: bool) -> list[Lead]:
     """Return the leads between the boxes."""
     leads = [
         Lead('cell', 'crazyflie', 'power', 'fuse or plug'),
@@ -114,7 +114,7 @@ def _list_leads(vehicle: Vehicle, lit: bool) -> list[Lead]:
     ]
     if vehicle.file.energy.array:
         leads += [Lead('panels', 'charger', 'power'), Lead('charger', 'cell', 'power')]
-    if lit:
+    if has_board:
         leads += [
             Lead('crazyflie', 'boost', 'power'),
             Lead('boost', 'teensy', 'power'),
