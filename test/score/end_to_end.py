@@ -29,6 +29,7 @@ from command import Lta
 from diagnostic_msgs.msg import DiagnosticArray
 from linux_crazyflie import build, commit_of, Process
 from lta_config.topics import load_topic_table
+from lta_emulation.crazyflie.commander import BodyCommand
 from lta_emulation.crazyflie.firmware_bench import FirmwareBench
 from lta_emulation.crazyflie.simulated_body import SimulatedBody
 from lta_emulation.emulated_hardware import build_simulated_body
@@ -136,13 +137,16 @@ class LightCore:
 def serve(folder: Path, seed: int) -> Iterator[tuple[SimulatedBody, FirmwareBench, LightCore]]:
     """Serve both boards and their world."""
     programs = Path(os.environ[PROGRAMS])
+    light = LightCore(programs / 'light_board', folder)
+    body = build_simulated_body('gtmab', 'lamp_room', seed, light.sample_light)
+    # The first step compiles the model for seconds, in which the board would count on
+    body.advance(0.011, BodyCommand((0.0,) * 4))
     with (
         Process(programs / 'app' / 'crazyflie') as firmware,
-        LightCore(programs / 'light_board', folder) as light,
+        light,
+        FirmwareBench(body, firmware.bench_port, firmware.port) as bench,
     ):
-        body = build_simulated_body('gtmab', 'lamp_room', seed, light.sample_light)
-        with FirmwareBench(body, firmware.bench_port, firmware.port) as bench:
-            yield body, bench, light
+        yield body, bench, light
 
 
 def fly(seed: int, folder: Path, peer: Peer) -> FlightRow:
