@@ -30,8 +30,9 @@ from lta_challenge.other.calibration_case import (
 from lta_challenge.recording import write_bag
 from lta_config.files import find_file
 from lta_discovery.calibration.calibrated_file import format_calibrated_vehicle
-from lta_discovery.calibration.calibration import calibrate_flights, Calibration
+from lta_discovery.calibration.calibration import calibrate_flights
 from lta_discovery.calibration.forecast_score import score_forecasts
+from lta_discovery.calibration.result import Calibration
 from lta_discovery.fit.bounds import apply_parameters
 from lta_discovery.flights.bags import read_bags, Role
 from lta_discovery.flights.usable_flights import select_usable_flights, UsableFlights
@@ -62,9 +63,7 @@ def record_case(
 ) -> tuple[CalibrationCase, Path, dict[Role, list[Path]]]:
     """Generate a case; write its bags and its vehicle file."""
     vehicle, rotors = load_vehicle('gtmab'), is_driven(number)
-    case = generate_calibration_case(
-        vehicle, seed, number, ROLES, rotors=rotors, effects=effects
-    )
+    case = generate_calibration_case(vehicle, seed, number, ROLES, rotors=rotors, effects=effects)
     text = find_file('vehicle', 'gtmab').read_text(encoding='utf-8')
     if rotors:
         text = misstate_thrusts(text, vehicle, draw_calibration(vehicle, seed, number, rotors))
@@ -141,7 +140,7 @@ def run_case(seed: int, number: int) -> Row:
         case, path, bags = record_case(seed, number, folder, {})
         vehicle = load_vehicle(str(path))
         usable = select_usable_flights(read_bags(bags), vehicle)
-        found = calibrate_flights(vehicle, str(path), usable, lambda _what, _part: None)
+        found = calibrate_flights(vehicle, str(path), usable.flights, lambda _what, _part: None)
         row: Row = {'method': found.method, 'values': list_intervals(case, found)}
         if scores := found.scores.get('confirm'):
             row['scores'] = asdict(scores[-1])

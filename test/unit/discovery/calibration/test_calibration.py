@@ -9,8 +9,9 @@ from lta_challenge.other.truth import build_vehicle_truth
 from lta_challenge.recording import write_bag
 from lta_config.files import find_file
 from lta_discovery.calibration.calibrated_file import format_calibrated_vehicle
-from lta_discovery.calibration.calibration import calibrate_flights, Calibration
+from lta_discovery.calibration.calibration import calibrate_flights
 from lta_discovery.calibration.report import build_report
+from lta_discovery.calibration.result import Calibration
 from lta_discovery.flights.bags import read_bags, Role
 from lta_discovery.flights.usable_flights import select_usable_flights
 from lta_discovery.model.nominal import NominalVehicle
@@ -31,7 +32,7 @@ def calibrate_case(seed: int, folder: Path) -> tuple[CalibrationCase, Calibratio
         write_bag(folder / flight.name, flight.streams, vehicle.rotor_names, {})
         bags['train' if flight.role == 'train' else 'confirm'].append(folder / flight.name)
     usable = select_usable_flights(read_bags(bags), vehicle)
-    return case, calibrate_flights(vehicle, 'gtmab', usable, lambda _what, _part: None)
+    return case, calibrate_flights(vehicle, 'gtmab', usable.flights, lambda _what, _part: None)
 
 
 @pytest.fixture(scope='module')
