@@ -5,8 +5,11 @@ Each case has gains of 0.2 to 3 of either sign, markers up to 20 degrees and 15 
 of up to 25 mN in each flight, and commands up to 0.4 s late; two of three vehicles are commanded
 by a wrench, the third by duties. `lta calibrate` sees two training flights and a confirming one.
 Its intervals are compared with the truth, and its forecasts of the confirming flight with those of
-the oracle, the vehicle file with all true values. With `--discover`, the calibrated vehicle lacks
-an effect in every second case, and `lta discover` must name it and nothing else.
+the oracle, the vehicle file with all true values.
+
+With `--discover`, the model of the vehicle lacks an effect in every second case, and `lta discover`
+has to calibrate the vehicle, name the effect and nothing else. It also studies the same vehicle
+with a right file, for comparison.
 """
 
 import argparse
@@ -26,7 +29,9 @@ from lta_challenge.other.calibration_case import (
     draw_calibration,
     generate_calibration_case,
     misstate_thrusts,
+    SECONDS,
 )
+from lta_challenge.other.effect_injection import HIDINGS
 from lta_challenge.recording import write_bag
 from lta_config.files import find_file
 from lta_discovery.calibration.calibrated_file import format_calibrated_vehicle
@@ -38,12 +43,25 @@ from lta_discovery.flights.bags import read_bags, Role
 from lta_discovery.flights.usable_flights import select_usable_flights, UsableFlights
 from lta_discovery.model.calibration_parameters import list_calibration_parameters
 from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.page.verdict_text import format_headline
+from lta_discovery.run import DiscoveryRequest, study_usable_flights
+from lta_discovery.selection.equivalence_classes import load_class_map
 from lta_discovery.study import prepare_flight
 from lta_model.effects.protocol import AXES
 from lta_model.vehicle import load_vehicle, Vehicle
 import numpy as np
 
 ROLES: Final = ('train', 'train', 'confirm')
+SHORTER: Final = (40.0, 60.0)  # s; flights of a study
+# Effects that are no calibration, and visible in poses
+EFFECTS: Final = (
+    *(f'{effect}.{axis}' for effect in ('linear_drag', 'quadratic_drag')
+      for axis in ('surge', 'heave')),
+    'rotational_drag.yaw',
+    'added_mass.surge',
+    'added_mass.heave',
+    'steady_wind.x',
+)  # fmt: skip
 Row = dict[str, Any]
 
 
@@ -59,13 +77,20 @@ def is_driven(number: int) -> bool:
 
 
 def record_case(
-    seed: int, number: int, folder: Path, effects: Mapping[str, float]
+    seed: int,
+    number: int,
+    folder: Path,
+    effects: Mapping[str, float] | None = None,
+    is_right: bool = False,
 ) -> tuple[CalibrationCase, Path, dict[Role, list[Path]]]:
     """Generate a case; write its bags and its vehicle file."""
     vehicle, rotors = load_vehicle('gtmab'), is_driven(number)
-    case = generate_calibration_case(vehicle, seed, number, ROLES, rotors=rotors, effects=effects)
+    seconds = SECONDS if effects is None else SHORTER
+    case = generate_calibration_case(
+        vehicle, seed, number, ROLES, seconds, rotors, effects, is_right
+    )
     text = find_file('vehicle', 'gtmab').read_text(encoding='utf-8')
-    if rotors:
+    if rotors and not is_right:
         text = misstate_thrusts(text, vehicle, draw_calibration(vehicle, seed, number, rotors))
     path = folder / 'vehicle.yaml'
     path.write_text(text, encoding='utf-8')
@@ -137,7 +162,7 @@ def run_case(seed: int, number: int) -> Row:
     began = time.process_time()
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place)
-        case, path, bags = record_case(seed, number, folder, {})
+        case, path, bags = record_case(seed, number, folder)
         vehicle = load_vehicle(str(path))
         usable = select_usable_flights(read_bags(bags), vehicle)
         found = calibrate_flights(vehicle, str(path), usable.flights, lambda _what, _part: None)
@@ -155,6 +180,73 @@ def run_case(seed: int, number: int) -> Row:
     return {**row, 'cpu_s': time.process_time() - began}
 
 
+def draw_effect(seed: int, number: int) -> dict[str, float]:
+    """Return the effect that the model of a case lacks; none in every second case."""
+    if number % 2:
+        return {}
+    draw = np.random.default_rng([seed, number, 99])
+    name = str(draw.choice(EFFECTS))
+    hiding = HIDINGS[name]
+    # The larger half of the range, so that flights of less than a minute show it
+    least = math.sqrt(hiding.least * hiding.most)
+    size = least * (hiding.most / least) ** draw.random()
+    return {name: float(size * draw.choice(hiding.signs))}
+
+
+def study_case(seed: int, number: int) -> Row:
+    """Return what discovery finds in a case, after a calibration and with a right file."""
+    hidden, row = draw_effect(seed, number), dict[str, Any]()
+    for kind, is_right in (('calibrated', False), ('right', True)):
+        with tempfile.TemporaryDirectory() as place:
+            _, path, bags = record_case(seed, number, Path(place), hidden, is_right)
+            vehicle = load_vehicle(str(path))
+            usable = select_usable_flights(read_bags(bags), vehicle)
+            request = DiscoveryRequest(str(path), bags)
+            began = time.process_time()
+            study = study_usable_flights(request, vehicle, usable, lambda _what, _part: None)
+            found = study.finding
+            one = load_class_map('pose' if is_driven(number) else 'wrench')
+            named = [knob for effect in found.effects for knob in effect.knobs]
+            row[kind] = {
+                'verdict': found.verdict,
+                'named': named,
+                # Effects that poses cannot distinguish count as one
+                'right': {one.get(each, each) for each in named}
+                == {one.get(each, each) for each in hidden},
+                'calibrated': found.calibration is not None,
+                'headline': format_headline(found),
+                'cpu_s': time.process_time() - began,
+            }
+    return {'hidden': hidden, **row}
+
+
+def format_study(row: Row) -> str:
+    """Return a study on one line."""
+    if 'fault' in row:
+        return f'{row["number"]}: {row["fault"]}'
+    kinds = ', '.join(
+        f'{kind}: {row[kind]["verdict"]} {row[kind]["named"]}{"" if row[kind]["right"] else " WRONG"}'
+        f'{" (was calibrated)" if row[kind]["calibrated"] else ""}'
+        for kind in ('calibrated', 'right')
+    )
+    return f'{row["number"]} hidden {row["hidden"]}; {kinds}'
+
+
+def list_study_table(rows: Sequence[Row]) -> Iterator[str]:
+    """Yield the lines of the table of some studies."""
+    known = [row for row in rows if 'fault' not in row]
+    yield f'studies {len(rows)}, failed {len(rows) - len(known)}'
+    for kind, words in (('calibrated', 'wrong file, calibrated first'), ('right', 'right file')):
+        for hides, what in ((True, 'an effect'), (False, 'nothing')):
+            some = [row[kind] for row in known if bool(row['hidden']) is hides]
+            right = sum(one['right'] for one in some)
+            false = sum(bool(one['named']) and not one['right'] for one in some)
+            yield (
+                f'{words}, hidden {what}: {right} of {len(some)} right, wrong names in {false}, '
+                f'calibrated {sum(one["calibrated"] for one in some)}'
+            )
+
+
 def run_cases(options: argparse.Namespace) -> dict[int, Row]:
     """Run the cases that have no row yet; return all rows."""
     options.out.parent.mkdir(parents=True, exist_ok=True)
@@ -168,13 +260,14 @@ def run_cases(options: argparse.Namespace) -> dict[int, Row]:
         if number in rows:
             continue
         try:
-            row = run_case(options.seed, number)
+            run = study_case if options.discover else run_case
+            row = run(options.seed, number)
         except Exception as fault:  # a case that fails is counted
             row = {'fault': str(fault), 'traceback': traceback.format_exc()}
         rows[number] = {'seed': options.seed, 'number': number, **row}
         with options.out.open('a') as file:
             file.write(json.dumps(rows[number]) + '\n')
-        write_line(format_row(rows[number]))
+        write_line((format_study if options.discover else format_row)(rows[number]))
     wanted = range(options.first, options.first + options.cases)
     return {number: rows[number] for number in wanted}
 
@@ -241,11 +334,16 @@ def main() -> None:
     parser.add_argument('--cases', type=int, default=20, help='number of cases')
     parser.add_argument('--first', type=int, default=0, help='number of the first case')
     parser.add_argument('--seed', type=int, default=2026, help='random seed')
-    parser.add_argument(
-        '--out', type=Path, default=Path('runs/calibration-trials.jsonl'), help='rows; resumes'
-    )
+    parser.add_argument('--discover', action='store_true', help='study the flights instead')
+    parser.add_argument('--out', type=Path, default=None, help='file of the rows; resumes')
     options = parser.parse_args()
+    name = 'discovery' if options.discover else 'calibration'
+    options.out = options.out or Path(f'runs/{name}-trials.jsonl')
     rows = list(run_cases(options).values())
+    if options.discover:
+        for line in list_study_table(rows):
+            write_line(line)
+        return
     for kind, driven in (('wrench', False), ('rotors', True)):
         some = [row for row in rows if is_driven(row['number']) is driven]
         if some:

@@ -52,7 +52,7 @@ SECONDS: Final = (60.0, 100.0)  # s; range of flight lengths
 ROLES: Final = ('train', 'train', 'confirm', 'holdout')
 COMMANDED: Final = (0, 2, 5)  # axes: surge, heave, yaw
 BACKWARDS: Final = 0.25  # share of the rotors that push against the axis in the file
-NO_EFFECTS: Final[Mapping[str, float]] = {}
+FILE_LIFT: Final = 1e-3  # N; largest net lift of a flight of a vehicle whose file is right
 
 
 @final
@@ -141,7 +141,7 @@ def _scale_triple(values: Triple, factors: Array) -> Triple:
 
 
 def hide_calibration(truth: VehicleTruth, draw: Draw) -> VehicleTruth:
-    """Return a vehicle with a random calibration."""
+    """Return a vehicle with a random calibration, but the drag and added mass of its file."""
     turn = Rotation.from_rotvec(_draw_ball(MARKER_TURN, draw))
     heavier = MASS * truth.mass * float(draw.standard_normal())
     return replace(
@@ -150,16 +150,23 @@ def hide_calibration(truth: VehicleTruth, draw: Draw) -> VehicleTruth:
         displaced=truth.displaced + heavier,
         inertia=_scale_triple(truth.inertia, np.exp(INERTIA * draw.standard_normal(3))),
         cg=shift_randomly(truth.cg, BALANCE, draw),
-        added_mass=scale_randomly(truth.added_mass, ADDED, draw),
-        added_inertia=scale_randomly(truth.added_inertia, ADDED, draw),
-        drag=_scale_triple(truth.drag, _draw_drag(draw)),
-        turn_linear=_scale_triple(truth.turn_linear, _draw_drag(draw)),
-        turn_square=_scale_triple(truth.turn_square, _draw_drag(draw)),
         wrench_gains=_draw_gains(draw),
         marker_turn=to_triple(turn.as_euler('ZYX')),
         marker_arm=to_triple(_draw_ball(MARKER_ARM, draw)),
         tracker=to_triple([0.0, *(TILT * draw.standard_normal(2))]),
         delay=float(draw.uniform(0.0, DELAY)),
+    )
+
+
+def hide_flows(truth: VehicleTruth, draw: Draw) -> VehicleTruth:
+    """Return a vehicle whose drag and added mass were only estimated."""
+    return replace(
+        truth,
+        added_mass=scale_randomly(truth.added_mass, ADDED, draw),
+        added_inertia=scale_randomly(truth.added_inertia, ADDED, draw),
+        drag=_scale_triple(truth.drag, _draw_drag(draw)),
+        turn_linear=_scale_triple(truth.turn_linear, _draw_drag(draw)),
+        turn_square=_scale_triple(truth.turn_square, _draw_drag(draw)),
     )
 
 
@@ -204,7 +211,8 @@ def generate_calibration_case(
     roles: Sequence[str] = ROLES,
     seconds: tuple[float, float] = SECONDS,
     rotors: bool = False,
-    effects: Mapping[str, float] = NO_EFFECTS,
+    effects: Mapping[str, float] | None = None,
+    is_right: bool = False,
 ) -> CalibrationCase:
     """
     Generate a case; it depends on its arguments only.
@@ -218,12 +226,18 @@ def generate_calibration_case(
     rotors : bool
         Whether the vehicle is commanded by duties. Its file must state wrong thrusts
         (`misstate_thrusts` with `draw_calibration`).
-    effects : mapping of str to float
-        Hidden effects.
+    effects : mapping of str to float, optional
+        Hidden effects of a vehicle whose drag and added mass are those of its file; by default
+        none, and both are off as a calibration assumes.
+    is_right : bool
+        Whether the file is right, and nothing to be calibrated: the same vehicle for comparison.
 
     """
     nominal, draw = build_vehicle_truth(vehicle), np.random.default_rng([seed, number, CODE])
-    truth = inject_effects(hide_calibration(perturb_vehicle(nominal, draw), draw), effects)
+    truth = perturb_vehicle(nominal, draw)
+    if not is_right:
+        truth = hide_calibration(truth, draw)
+    truth = hide_flows(truth, draw) if effects is None else inject_effects(truth, effects)
     stamps = STAMPS[int(draw.integers(len(STAMPS)))]
     draughty = number % 2 == 1
     flights, lifts, trends = list[CaseFlight](), dict[str, float](), dict[str, float]()
@@ -232,6 +246,8 @@ def generate_calibration_case(
         name = f'{role}_{index + 1}'
         lifts[name] = own.uniform(-LIFT, RISE if rotors else LIFT)
         trends[name] = own.uniform(-TREND, TREND)
+        if is_right:
+            lifts[name], trends[name] = FILE_LIFT * lifts[name] / LIFT, 0.0
         flown = replace(truth, lift=lifts[name], leak=-trends[name])
         length = float(round(own.uniform(*seconds)))
         air: list[MovingAir] = [RoomAirMotion(DRAUGHT, length, own)] if draughty else []

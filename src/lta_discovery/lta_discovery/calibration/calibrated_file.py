@@ -122,14 +122,12 @@ def _scale_column(vehicle: Vehicle, rotor: RotorModel, share: float, source: str
     curve = entry.thrust_curve or vehicle.file.thrust_curve
     # The reader scales the column of reversed thrust by its full thrust
     full = curve.reverse.si / rotor.full_thrust if curve and curve.reverse else 1.0
-    if not rotor.reversible or np.array_equal(ahead, back):
-        return _encode_column(share * ahead - torque, source)
-    if share < 0.0:
+    if rotor.reversible and share < 0.0:
         ahead, back = back, ahead
-    return {
-        **_encode_column(share * ahead - torque, source),
-        'reverse': _encode_column(share * back / full - torque, source),
-    }
+    column = _encode_column(share * ahead - torque, source)
+    if np.array_equal(ahead, back):
+        return column
+    return {**column, 'reverse': _encode_column(share * back / full - torque, source)}
 
 
 def _encode_column(column: NDArray[np.float64], source: str) -> dict[str, Any]:
