@@ -7,7 +7,7 @@ by a wrench, the third by duties. `lta calibrate` sees two training flights and 
 Its intervals are compared with the truth, and its forecasts of the confirming flight with those of
 the oracle, the vehicle file with all true values.
 
-With `--discover`, the model of the vehicle lacks an effect in every second case, and `lta discover`
+With `--discover`, the model of the vehicle lacks an effect in every second case. `lta discover`
 has to calibrate the vehicle, name the effect and nothing else. It also studies the same vehicle
 with a right file, for comparison.
 """
@@ -224,11 +224,13 @@ def format_study(row: Row) -> str:
     """Return a study on one line."""
     if 'fault' in row:
         return f'{row["number"]}: {row["fault"]}'
-    kinds = ', '.join(
-        f'{kind}: {row[kind]["verdict"]} {row[kind]["named"]}{"" if row[kind]["right"] else " WRONG"}'
-        f'{" (was calibrated)" if row[kind]["calibrated"] else ""}'
-        for kind in ('calibrated', 'right')
-    )
+    said = []
+    for kind in ('calibrated', 'right'):
+        one = row[kind]
+        words = f'{kind}: {one["verdict"]} {one["named"]}'
+        words += '' if one['right'] else ' WRONG'
+        said.append(words + (' (was calibrated)' if one['calibrated'] else ''))
+    kinds = ', '.join(said)
     return f'{row["number"]} hidden {row["hidden"]}; {kinds}'
 
 

@@ -46,6 +46,7 @@ INERTIA: Final = 0.3  # of its logarithm
 BALANCE: Final = 5e-3  # m; centre of gravity
 DRAG: Final = 0.3  # relative
 ADDED: Final = 0.085  # relative; added mass and inertia
+FLOWS: Final = ('added_mass', 'added_inertia', 'drag', 'turn_linear', 'turn_square')
 FARTHEST: Final = 2.5  # deviations; largest error of a drag
 DRAUGHT: Final = 2e-3  # m/s; rms of the air motion in every second case
 SECONDS: Final = (60.0, 100.0)  # s; range of flight lengths
@@ -94,7 +95,7 @@ class CalibrationCase:
             'rotational_drag': (('roll', 'pitch', 'yaw'), truth.turn_linear),
             'rotational_drag ': (('roll_2', 'pitch_2', 'yaw_2'), truth.turn_square),
             'added_mass': (('surge', 'sway', 'heave'), truth.added_mass),
-            'added_inertia': (('roll', 'pitch', 'yaw'), truth.added_inertia),
+            'added_inertia': (('roll', 'pitch'), truth.added_inertia[:2]),
             'command_delay': (('delay',), (truth.delay,)),
         }
         out = {
@@ -140,33 +141,37 @@ def _scale_triple(values: Triple, factors: Array) -> Triple:
     return to_triple(np.multiply(values, factors))
 
 
-def hide_calibration(truth: VehicleTruth, draw: Draw) -> VehicleTruth:
-    """Return a vehicle with a random calibration, but the drag and added mass of its file."""
+def hide_calibration(truth: VehicleTruth, draw: Draw, with_flows: bool = True) -> VehicleTruth:
+    """
+    Return a vehicle with a random calibration.
+
+    Parameters
+    ----------
+    with_flows : bool
+        Whether drag and added mass were only estimated, too.
+
+    """
     turn = Rotation.from_rotvec(_draw_ball(MARKER_TURN, draw))
     heavier = MASS * truth.mass * float(draw.standard_normal())
-    return replace(
+    hidden = replace(
         truth,
         mass=truth.mass + heavier,
         displaced=truth.displaced + heavier,
         inertia=_scale_triple(truth.inertia, np.exp(INERTIA * draw.standard_normal(3))),
         cg=shift_randomly(truth.cg, BALANCE, draw),
+        added_mass=scale_randomly(truth.added_mass, ADDED, draw),
+        added_inertia=scale_randomly(truth.added_inertia, ADDED, draw),
+        drag=_scale_triple(truth.drag, _draw_drag(draw)),
+        turn_linear=_scale_triple(truth.turn_linear, _draw_drag(draw)),
+        turn_square=_scale_triple(truth.turn_square, _draw_drag(draw)),
         wrench_gains=_draw_gains(draw),
         marker_turn=to_triple(turn.as_euler('ZYX')),
         marker_arm=to_triple(_draw_ball(MARKER_ARM, draw)),
         tracker=to_triple([0.0, *(TILT * draw.standard_normal(2))]),
         delay=float(draw.uniform(0.0, DELAY)),
     )
-
-
-def hide_flows(truth: VehicleTruth, draw: Draw) -> VehicleTruth:
-    """Return a vehicle whose drag and added mass were only estimated."""
-    return replace(
-        truth,
-        added_mass=scale_randomly(truth.added_mass, ADDED, draw),
-        added_inertia=scale_randomly(truth.added_inertia, ADDED, draw),
-        drag=_scale_triple(truth.drag, _draw_drag(draw)),
-        turn_linear=_scale_triple(truth.turn_linear, _draw_drag(draw)),
-        turn_square=_scale_triple(truth.turn_square, _draw_drag(draw)),
+    return (
+        hidden if with_flows else replace(hidden, **{each: getattr(truth, each) for each in FLOWS})
     )
 
 
@@ -236,8 +241,8 @@ def generate_calibration_case(
     nominal, draw = build_vehicle_truth(vehicle), np.random.default_rng([seed, number, CODE])
     truth = perturb_vehicle(nominal, draw)
     if not is_right:
-        truth = hide_calibration(truth, draw)
-    truth = hide_flows(truth, draw) if effects is None else inject_effects(truth, effects)
+        truth = hide_calibration(truth, draw, effects is None)
+    truth = inject_effects(truth, effects or {})
     stamps = STAMPS[int(draw.integers(len(STAMPS)))]
     draughty = number % 2 == 1
     flights, lifts, trends = list[CaseFlight](), dict[str, float](), dict[str, float]()
