@@ -66,10 +66,10 @@ class PreparedCalibration:
     names: Mapping[str, list[str]]
 
 
-def prepare_calibration(vehicle: Vehicle, known: Sequence[Role]) -> PreparedCalibration:
+def prepare_calibration(vehicle: Vehicle, flights: Sequence[Role]) -> PreparedCalibration:
     """Return the flights of a calibration with what can be calibrated with them."""
     nominal = NominalVehicle.from_vehicle(vehicle)
-    told = [flight for _, _, flight in known]
+    told = [flight for _, _, flight in flights]
     commanded = np.any(
         [commanded_axes(one.wrench.values) for one in told if one.wrench is not None] or [[False]],
         axis=0,
@@ -79,7 +79,7 @@ def prepare_calibration(vehicle: Vehicle, known: Sequence[Role]) -> PreparedCali
     )
     roles: dict[str, list[FlightLinearizer]] = {'train': [], 'confirm': []}
     names: dict[str, list[str]] = {'train': [], 'confirm': []}
-    for title, role, flight in known:
+    for title, role, flight in flights:
         side = role if role in roles else 'confirm'
         roles[side].append(prepare_flight(vehicle, flight, knobs))
         names[side].append(title)

@@ -86,11 +86,11 @@ def calibrate_first(
     return found
 
 
-def _is_suspicious(vehicle: Vehicle, known: Sequence[Role]) -> bool:
+def _is_suspicious(vehicle: Vehicle, flights: Sequence[Role]) -> bool:
     """Return whether a short fit finds something that may call for a calibration."""
-    prepared = prepare_calibration(vehicle, known)
-    flights = [*prepared.flights['train'], *prepared.flights['confirm']]
-    start = find_calibration_start(prepared.nominal, flights)
+    prepared = prepare_calibration(vehicle, flights)
+    linear = [*prepared.flights['train'], *prepared.flights['confirm']]
+    start = find_calibration_start(prepared.nominal, linear)
     if start is None:
         return False
     if max(start.lifts) - min(start.lifts) > MAYBE * LIFT:
@@ -112,13 +112,13 @@ def find_calling_difference(name: str) -> float | None:
     return next((size for start, size in CALLS.items() if name.startswith(start)), None)
 
 
-def _list_reasons(found: Calibration) -> Iterator[CalibratedValue]:
+def _list_reasons(calibration: Calibration) -> Iterator[CalibratedValue]:
     """Yield the values that are a reason to go on from the calibrated file."""
-    for one in found.values:
+    for one in calibration.values:
         least = None if one.flight else find_calling_difference(one.name)
         if least is not None and is_difference_clear(one, least):
             yield one
-    lifts = found.list_of_flights('net_lift.force')
+    lifts = calibration.list_of_flights('net_lift.force')
     if lifts:
         low, high = (each(lifts, key=lambda one: one.value) for each in (min, max))
         if high.value - low.value > max(LIFT, SURE * (low.deviation + high.deviation)):
@@ -131,7 +131,7 @@ def is_difference_clear(one: CalibratedValue, least: float) -> bool:
 
 
 def build_calibrated_start(
-    text: str, vehicle: Vehicle, found: Calibration, source: str
+    text: str, vehicle: Vehicle, calibration: Calibration, source: str
 ) -> CalibratedStart:
     """
     Return the calibrated vehicle and its file.
@@ -142,8 +142,8 @@ def build_calibrated_start(
         If the vehicle file has no place for a number.
 
     """
-    calibrated = format_calibrated_vehicle(text, vehicle, found, source)
+    new = format_calibrated_vehicle(text, vehicle, calibration, source)
     with tempfile.TemporaryDirectory() as place:
         path = Path(place) / NAME
-        path.write_text(calibrated, encoding='utf-8')
-        return CalibratedStart(load_vehicle(str(path)), calibrated, found)
+        path.write_text(new, encoding='utf-8')
+        return CalibratedStart(load_vehicle(str(path)), new, calibration)
