@@ -123,6 +123,24 @@ def test_what_calls_for_a_calibration(
     assert result is (found if called else None)
 
 
+@pytest.mark.parametrize(('after', 'called'), [(0.05, True), (0.25, False)])
+def test_a_rough_calibration_has_to_forecast_much_better(
+    vehicle: Vehicle,
+    wrong: list[Role],
+    monkeypatch: pytest.MonkeyPatch,
+    after: float,
+    *,
+    called: bool,
+) -> None:
+    """A drag that is skewed looks like markers turned by 6 degrees, and halves the errors."""
+    found = make_calibration(NominalVehicle.from_vehicle(vehicle), GAIN, after=after)
+    found = replace(found, method='forecasts')
+    monkeypatch.setattr(first_step, '_is_suspicious', lambda *_: True)
+    monkeypatch.setattr(first_step, 'calibrate_flights', lambda *_, **__: found)
+    result = calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None)
+    assert (result is found) is called
+
+
 def test_wrong_gains_are_suspected_at_once(vehicle: Vehicle, wrong: list[Role]) -> None:
     assert first_step._is_suspicious(vehicle, wrong)
 
