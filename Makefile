@@ -14,7 +14,7 @@ export VEHICLE
 enter := root='$(CURDIR)' && . tools/workspace.sh
 sources := config src test examples tools conftest.py
 
-.PHONY: help demo build test test-fast test-long test-packages bench bench-compare flights hops trust wrong-imports same sensitivity classes plan rgblimp crazyflie odometry faults real-firmware firmware rehearsal end-to-end mutation chaos soak docs reference pictures lock check format clean
+.PHONY: help demo build test test-fast test-long test-packages bench bench-compare flights hops trust wrong-imports calibration-trials same sensitivity classes plan rgblimp crazyflie odometry faults real-firmware firmware rehearsal end-to-end mutation chaos soak docs reference pictures lock check format clean
 
 help:  ## show this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1|\2/p' Makefile | awk -F '|' '{ printf "%-18s %s\n", $$1, $$2 }'
@@ -52,6 +52,9 @@ trust: test-environment  ## score the trust checks on clean and corrupted flight
 
 wrong-imports: test-environment  ## score how often a wrong unit or axis in an import is found, and named (minutes)
 	@$(enter) && .venv/bin/python test/score/wrong_imports.py $(ARGS)
+
+calibration-trials: test-environment  ## calibrate vehicles with hidden calibrations, and count what is found (ARGS='--cases 100': an hour; resumes)
+	@$(enter) && .venv/bin/python test/score/calibration_trials.py $(ARGS)
 
 sensitivity: test-environment  ## double and halve each threshold of discovery, and see what changes (hours; ARGS='--only selection')
 	@$(enter) && .venv/bin/python test/score/sensitivity.py $(ARGS)

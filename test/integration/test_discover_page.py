@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from lta_discovery.page import write_page
+from lta_discovery.page.page import write_page
 from lta_discovery.replay.linearized_flight import unchanged_vehicle_point
 from lta_discovery.study import ThreeModelComparison
 from lta_discovery.unmodeled.unexplained_force import Remainder

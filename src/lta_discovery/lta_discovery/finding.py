@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final, final, Literal, NamedTuple
 
+from lta_discovery.calibration.result import Calibration
 from lta_discovery.selection.detection_limit import DetectionLimit
 from lta_discovery.unmodeled.draught import DraughtEstimate
 from lta_discovery.unmodeled.unexplained_force import Remainder
@@ -331,6 +332,9 @@ class StudyResult:
         Of position and attitude, on the flights of the fit.
     information : tuple of InformedParameter
         Which flight informs which number, the best known first.
+    calibration : Calibration, optional
+        Of the vehicle before the search, if the flights called for one. What the other attributes
+        call the vehicle file is then the calibrated one.
 
     """
 
@@ -355,3 +359,4 @@ class StudyResult:
     offsets: tuple[str, ...] = ()
     training: tuple[ChannelErrors, ...] = ()
     information: tuple[InformedParameter, ...] = ()
+    calibration: Calibration | None = None

@@ -7,9 +7,17 @@ from pathlib import Path
 from typing import final
 
 from lta_bridge.bag.storage import StorageFault
-from lta_bridge.provenance import describe_environment
+from lta_bridge.provenance import describe_environment, read_commit
 from lta_config.errors import BadInput
 from lta_config.files import find_file
+from lta_discovery.calibration.calibrated_file import format_calibration_source
+from lta_discovery.calibration.calibrated_file import NAME as CALIBRATED
+from lta_discovery.calibration.first_step import (
+    build_calibrated_start,
+    calibrate_first,
+    CalibratedStart,
+)
+from lta_discovery.calibration.verdict import list_differences
 from lta_discovery.discrepancies.discrepancy_search import BaselineFlight, find_discrepancies
 from lta_discovery.flights.bags import read_bags, Role
 from lta_discovery.flights.usable_flights import select_usable_flights, UsableFlights
@@ -57,6 +65,8 @@ class DiscoveryRequest:
         Robot to read, where a bag holds several.
     plan : bool
         Whether to plan the next flight.
+    calibrate : bool
+        Whether to calibrate the vehicle first, where the flights call for it.
 
     """
 
@@ -65,6 +75,7 @@ class DiscoveryRequest:
     seed: int = 1
     robot: str | None = None
     plan: bool = False
+    calibrate: bool = True
 
 
 @final
@@ -154,17 +165,45 @@ def _study_usable_flights(
     request: DiscoveryRequest, vehicle: Vehicle, sound: UsableFlights, tell: Tell
 ) -> DiscoveryStudy:
     """Return the study with all that `study_usable_flights` adds."""
-    found = add_forecast_effects(study_flights(vehicle, sound.flights, request.seed, tell), tell)
+    start, said = _calibrate_first(request, vehicle, sound, tell)
+    found = study_flights(
+        start.vehicle if start else vehicle,
+        sound.flights,
+        request.seed,
+        tell,
+        start.calibration if start else None,
+    )
+    found = add_forecast_effects(found, tell)
     only = format_regime_warning(found)
     told = [*list_forecast_warnings(found.finding.gaps), *([only] if only else [])]
     finding = replace(
         found.finding,
         where=find_discrepancies(_list_baseline_flights(found, sound), request.seed),
         vehicle=request.vehicle,
-        warnings=(*sound.warnings, *found.finding.warnings, *told),
+        warnings=(*sound.warnings, *said, *found.finding.warnings, *told),
         versions={**describe_environment(), **found.finding.versions},
     )
-    return replace(found, finding=finding)
+    return replace(found, finding=finding, calibrated_file=start.text if start else '')
+
+
+def _calibrate_first(
+    request: DiscoveryRequest, vehicle: Vehicle, sound: UsableFlights, tell: Tell
+) -> tuple[CalibratedStart | None, list[str]]:
+    """Return the calibrated vehicle if the flights call for a calibration, and warnings."""
+    if not request.calibrate:
+        return None, []
+    found = calibrate_first(vehicle, request.vehicle, sound.flights, tell)
+    if found is None:
+        return None, []
+    text = find_file('vehicle', request.vehicle).read_text(encoding='utf-8')
+    source = format_calibration_source(found.bags['train'], read_commit() or 'unknown')
+    try:
+        return build_calibrated_start(text, vehicle, found, source), []
+    except BadInput as fault:
+        return None, [
+            f'The vehicle file is off ({"; ".join(list_differences(found))}), but it was studied '
+            f'as it is, because the calibrated file cannot be written. {fault}'
+        ]
 
 
 def _list_baseline_flights(study: DiscoveryStudy, sound: UsableFlights) -> list[BaselineFlight]:
@@ -187,12 +226,15 @@ def write_results(
 ) -> DiscoveryResult:
     """Write the results of a study into the staging folder `part`."""
     finding = study.finding
-    if finding.effects:
+    text = study.calibrated_file
+    if text:
+        (part / CALIBRATED).write_text(text, encoding='utf-8')
+    else:
         text = find_file('vehicle', request.vehicle).read_text(encoding='utf-8')
+    if finding.effects:
         learned = format_learned_vehicle(text, vehicle, study.nominal, study.learned, finding)
         (part / VEHICLE).write_text(learned, encoding='utf-8')
     if study.refitted is not None:
-        text = find_file('vehicle', request.vehicle).read_text(encoding='utf-8')
         # A refit may need a negative drag, which a vehicle file cannot hold: write none then.
         with suppress(BadInput):
             whole = format_learned_vehicle(text, vehicle, study.nominal, study.refitted, finding)

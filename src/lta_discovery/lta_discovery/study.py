@@ -9,6 +9,8 @@ from lta_discovery.calibration.offsets import (
     format_calibration_warning,
     list_calibration_offsets,
 )
+from lta_discovery.calibration.priors import apply_calibration
+from lta_discovery.calibration.result import Calibration
 from lta_discovery.conclusion import FAR
 from lta_discovery.finding import ChannelErrors, SearchCandidate, StudyResult, Verdict
 from lta_discovery.fit.bounds import find_exceeded_tolerances, format_bounds_warning
@@ -101,6 +103,8 @@ class DiscoveryStudy:
         The same with the named effects.
     refitted : NominalVehicle, optional
         The vehicle with all parameters fitted to forecasts; valid only between the flown regimes.
+    calibrated_file : str
+        Text of the calibrated vehicle file, if the vehicle was calibrated first.
 
     """
 
@@ -112,10 +116,15 @@ class DiscoveryStudy:
     bare: Sequence[FlightFit] = ()
     full: Sequence[FlightFit] = ()
     refitted: NominalVehicle | None = None
+    calibrated_file: str = ''
 
 
 def study_flights(
-    vehicle: Vehicle, flights: Sequence[Role], seed: int = 0, progress: Progress | None = None
+    vehicle: Vehicle,
+    flights: Sequence[Role],
+    seed: int = 0,
+    progress: Progress | None = None,
+    calibration: Calibration | None = None,
 ) -> DiscoveryStudy:
     """
     Find missing effects, confirm them, and measure how much they improve predictions.
@@ -125,6 +134,8 @@ def study_flights(
     flights : sequence of (name, role, MeasuredFlight)
         Role 'train', 'confirm' or 'holdout'. Without a confirming flight the training flights are
         split; a single flight is split into three parts.
+    calibration : Calibration, optional
+        Of the vehicle, which then has the calibrated values.
 
     Raises
     ------
@@ -135,7 +146,7 @@ def study_flights(
     tell = progress or (lambda what, part: None)
     tell('preparing', 0.0)
     nominal = NominalVehicle.from_vehicle(vehicle)
-    flown, known, warnings = _prepare_flights(vehicle, nominal, flights)
+    flown, known, warnings = _prepare_flights(vehicle, nominal, flights, calibration)
     flown, dropped = _drop_diverging_pieces(nominal, flown)
     warnings.extend(dropped)
     flown, found = _search_effects(
@@ -170,6 +181,8 @@ def study_flights(
         [one.name for role in ('train', 'confirm') for one in flown if one.role == role],
         tuple(expand_vectors(proven.names)),
     )
+    if calibration is not None:
+        offsets = ()  # `find_exceeded_tolerances` reports what a calibration does not explain
     warnings.extend(format_calibration_warning(offsets))
     # Whatever the named effects leave is described, not named.
     rest = assess_unmodeled_forces(pair, proven.full, wrench_floor(nominal))
@@ -196,6 +209,7 @@ def study_flights(
         draught=rest.draught,
         strained=tuple(strained),
         offsets=offsets,
+        calibration=calibration,
         training=compared.errors,
         information=attribute_information(
             proven.full,
@@ -211,13 +225,18 @@ def study_flights(
 
 
 def _prepare_flights(
-    vehicle: Vehicle, nominal: NominalVehicle, flights: Sequence[Role]
+    vehicle: Vehicle,
+    nominal: NominalVehicle,
+    flights: Sequence[Role],
+    calibration: Calibration | None,
 ) -> tuple[list[StudyFlight], list[FreeParameter], list[str]]:
     """Return the linearizers of the flights, the free parameters, and warnings about the data."""
     tidy, said = _remove_outliers(flights)
     given, warnings = assign_roles(tidy)
     # The wrench is measured only where motor telemetry or a test stand gave it.
     known = list_free_parameters(nominal, any(flight.wrench is not None for _, _, flight in given))
+    if calibration is not None:
+        known = apply_calibration(known, nominal, calibration.values)
     flown = [
         StudyFlight(name, role, prepare_flight(vehicle, each, known)) for name, role, each in given
     ]

@@ -74,6 +74,13 @@ def discover(
     scenario: Annotated[
         str, typer.Option(help='With --between: scenario to fly in, name or file.')
     ] = SCENE,
+    calibration: Annotated[
+        bool,
+        typer.Option(
+            '--calibration/--no-calibration',
+            help='Calibrate the vehicle first, where the flights call for it.',
+        ),
+    ] = True,
     seed: Annotated[int, typer.Option(help='Random seed.', min=0, max=2**31 - 1)] = 1,
     out: Out = None,
     pictures: Pictures = None,
@@ -83,6 +90,10 @@ def discover(
 ) -> None:
     """
     Find where a vehicle's model disagrees with its flights, and name the missing effect.
+
+    Where the flights call for it, the vehicle is calibrated first ("lta calibrate"): gains, delay,
+    lift, marker frame. The search goes on from the calibrated values, and calibrated.yaml is the
+    vehicle file with them.
 
     Replays the recorded commands through the model of the vehicle file. Each effect of the library
     is a candidate. An effect is named if it explains the training flights, if other flights
@@ -130,7 +141,7 @@ def discover(
         if vehicle is None:
             hidden, found = run_discovery_demo(seed, folder, progress.show_stage)
         else:
-            asked = DiscoveryRequest(vehicle, bags, seed, robot, plan)
+            asked = DiscoveryRequest(vehicle, bags, seed, robot, plan, calibration)
             found = discover_effects(asked, folder, progress.show_stage)
     if pictures is not None:
         write_pictures(found.page, pictures)

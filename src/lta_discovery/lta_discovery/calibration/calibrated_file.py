@@ -1,16 +1,19 @@
 """Write the calibrated vehicle file."""
 
 from collections.abc import Iterator, Sequence
-from typing import Final
+from typing import Any, Final
 
 from lta_config.errors import BadInput
 from lta_config.files import parse_yaml
 from lta_config.vehicle_edit import set_yaml_value
-from lta_discovery.calibration.calibration import CalibratedValue, Calibration
+from lta_discovery.calibration.result import CalibratedValue, Calibration
+from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.page.formatting import format_with_interval
 from lta_discovery.results.learned_file import list_changed_quantities, VehicleFileQuantity
+from lta_model.propulsion import geometric_column, RotorModel
 from lta_model.vehicle import Vehicle
 import numpy as np
+from numpy.typing import NDArray
 
 NAME: Final = 'calibrated.yaml'
 CURVES: Final = 'effects.thrust_curve'  # which belong to the rotors
@@ -23,7 +26,8 @@ def format_calibrated_vehicle(
     Return the text of the vehicle file with the calibrated values.
 
     Mass and inertia are written as those of the whole vehicle (`measured`), whose parts then keep
-    their places without weight. The net lift is the mean of the flights.
+    their places without weight. The net lift is the mean of the flights. A rotor's share of the
+    thrust in the file, which may be negative, scales its column in the thrust allocation.
 
     Raises
     ------
@@ -37,12 +41,17 @@ def format_calibrated_vehicle(
         if not one.flight:
             notes[effect, parameter] = format_value(one)
     for quantity in list_changed_quantities(
-        text, vehicle, calibration.nominal, calibration.calibrated, notes, source
+        text,
+        vehicle,
+        calibration.nominal,
+        _scale_misalignments(vehicle, calibration),
+        notes,
+        source,
     ):
         if not quantity.place.startswith(CURVES):
             text = set_yaml_value(text, quantity.place.split('.'), quantity.as_yaml)
-    for quantity in _list_thrust_curves(vehicle, calibration, source):
-        text = set_yaml_value(text, quantity.place.split('.'), quantity.as_yaml)
+    for place, content in _list_thrusts(vehicle, calibration, source):
+        text = set_yaml_value(text, place.split('.'), content)
     if calibration.nominal.mass == calibration.calibrated.mass and np.array_equal(
         calibration.nominal.inertia, calibration.calibrated.inertia
     ):
@@ -50,28 +59,94 @@ def format_calibrated_vehicle(
     return _set_mass_properties(text, vehicle, calibration, source)
 
 
-def _list_thrust_curves(
-    vehicle: Vehicle, calibration: Calibration, source: str
-) -> Iterator[VehicleFileQuantity]:
-    """Yield the thrust curves of the rotors that changed."""
-    for i, (name, rotor) in enumerate(vehicle.file.rotors.items(), start=1):
+def _share_thrusts(vehicle: Vehicle, calibration: Calibration) -> tuple[float, list[float]]:
+    """
+    Return a factor on all thrust curves, and the rest of each rotor's, -1 to 1, on its column.
+
+    Control laws need the same curve for all rotors, and a column can also point backwards.
+    """
+    factors = []
+    for i in range(1, len(vehicle.rotors) + 1):
         now, before = (
-            [one.parameter_value('thrust_curve', f'{letter}_{i}') for letter in 'ab']
+            one.parameter_value('thrust_curve', f'b_{i}')
             for one in (calibration.calibrated, calibration.nominal)
         )
-        if now == before:
+        factors.append(now / before if before else 1.0)
+    most = max(map(abs, factors), default=0.0)
+    if most == 0.0:
+        return 1.0, [1.0 for _ in factors]
+    return most, [one / most for one in factors]
+
+
+def _list_thrusts(
+    vehicle: Vehicle, calibration: Calibration, source: str
+) -> Iterator[tuple[str, Any]]:
+    """Yield the places of thrust curves and columns of rotors that changed, with their content."""
+    most, shares = _share_thrusts(vehicle, calibration)
+    curves = {
+        f'rotors.{name}.thrust_curve' if rotor.thrust_curve else 'thrust_curve': (
+            rotor.thrust_curve or vehicle.file.thrust_curve
+        )
+        for name, rotor in vehicle.file.rotors.items()
+    }
+    for place, curve in curves.items():
+        if curve is not None and most != 1.0:
+            for key in ('a', 'b', 'reverse'):
+                if (value := getattr(curve, key)) is not None:
+                    thrust = VehicleFileQuantity('', most * value.si, 'N', source)
+                    yield f'{place}.{key}', thrust.as_yaml
+    coupling = vehicle.file.aero.coupling
+    for rotor, share in zip(vehicle.rotors, shares, strict=True):
+        if share == 1.0:
             continue
-        if now[1] <= 0.0:
+        if coupling is not None and rotor.name in coupling.rotors:
             raise BadInput(
-                f'The rotor {name} pushes against its axis; turn its axis and its thrust '
-                'allocation around in the vehicle file, and calibrate again.'
+                f'The rotor {rotor.name} has {100.0 * most * share:.0f} % of the thrust in the '
+                'file, and aero.coupling holds for the thrust in the file; correct the thrust '
+                'curve, axis and columns of this rotor in the vehicle file, and calibrate again.'
             )
-        curve = rotor.thrust_curve or vehicle.file.thrust_curve
-        values = dict(zip('ab', now, strict=True))
-        if curve is not None and curve.reverse is not None:
-            values['reverse'] = curve.reverse.si * now[1] / before[1]
-        for key, value in values.items():
-            yield VehicleFileQuantity(f'rotors.{name}.thrust_curve.{key}', value, 'N', source)
+        yield (
+            f'aero.thrust_allocation.{rotor.name}',
+            _scale_column(vehicle, rotor, share, source),
+        )
+
+
+def _scale_column(vehicle: Vehicle, rotor: RotorModel, share: float, source: str) -> Any:  # noqa: ANN401 - YAML
+    """Return the column of a rotor for a share of its thrust, which may be negative."""
+    entry = vehicle.file.rotors[rotor.name]
+    given = vehicle.file.aero.thrust_allocation.get(rotor.name)
+    jet = (*given.force.vector, *given.moment.vector) if given else geometric_column(entry)
+    # The reader adds the torque of the motor
+    torque = np.subtract(rotor.column, jet)
+    ahead, back = np.array(rotor.column), np.array(rotor.reverse)
+    curve = entry.thrust_curve or vehicle.file.thrust_curve
+    # The reader scales the column of reversed thrust by its full thrust
+    full = curve.reverse.si / rotor.full_thrust if curve and curve.reverse else 1.0
+    if rotor.reversible and share < 0.0:
+        ahead, back = back, ahead
+    column = _encode_column(share * ahead - torque, source)
+    if np.array_equal(ahead, back):
+        return column
+    return {**column, 'reverse': _encode_column(share * back / full - torque, source)}
+
+
+def _encode_column(column: NDArray[np.float64], source: str) -> dict[str, Any]:
+    """Return force and moment of a column."""
+    return {
+        'force': {'value': column[:3].tolist(), 'unit': 'N/N', 'source': source},
+        'moment': {'value': column[3:].tolist(), 'unit': 'm', 'source': source},
+    }
+
+
+def _scale_misalignments(vehicle: Vehicle, calibration: Calibration) -> NominalVehicle:
+    """Return the calibrated vehicle with misalignments for the thrust curves of the file."""
+    out = calibration.calibrated
+    for i, share in enumerate(_share_thrusts(vehicle, calibration)[1], start=1):
+        for name in (f'first_{i}', f'second_{i}'):
+            now = out.parameter_value('rotor_misalignment', name)
+            if now != 0.0 and share != 1.0:
+                out = out.with_value('rotor_misalignment', name, share * now)
+    return out
 
 
 def _set_mass_properties(

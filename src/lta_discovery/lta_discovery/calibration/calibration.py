@@ -6,14 +6,11 @@ import math
 from typing import Final, final
 
 from lta_discovery.calibration.coarse_fit import CoarseCalibration, fit_coarse_calibration, LIFT
-from lta_discovery.calibration.forecast_score import (
-    ForecastScore,
-    relative_error,
-    score_forecasts,
-)
+from lta_discovery.calibration.forecast_score import relative_error, score_forecasts
 from lta_discovery.calibration.refined_fit import refine_calibration
+from lta_discovery.calibration.result import CalibratedValue, Calibration, ForecastScore, WIDE
 from lta_discovery.fit.bounds import apply_parameters
-from lta_discovery.flights.usable_flights import UsableFlights
+from lta_discovery.flights.role_assignment import Role
 from lta_discovery.model.calibration_parameters import (
     commanded_axes,
     list_calibration_parameters,
@@ -30,89 +27,11 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Progress = Callable[[str, float | None], None]
 
-WIDE: Final = 1.96  # standard deviations of a 95 % interval
 KNOWN: Final = 0.7  # of the deviation before; a value with a larger one was not learned
 ALIKE: Final = 0.85  # correlation; values above it cannot be separated
 FAR: Final = 3.0  # tolerances; a value further from the file is reported first
 BETTER: Final = 0.9  # of the refined fit's forecast error; the coarse fit needs less
 TREND: Final = 'helium_leak.rate'
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class CalibratedValue:
-    """
-    One calibrated number.
-
-    Attributes
-    ----------
-    name, unit : str
-        Of the parameter; a mass or inertia is a factor on that of the file, with the unit '1'.
-    flight : str
-        The flight that it belongs to; '' for the vehicle.
-    before, value : float
-        In the vehicle file, and calibrated.
-    ci95 : pair of float
-        95 % interval.
-    is_known : bool
-        Whether the flights narrow it down; otherwise the interval is the assumed one.
-    is_far : bool
-        Whether the file is off by more than its tolerance explains.
-    inseparable : tuple of str
-        Parameters that could be changed instead.
-
-    """
-
-    name: str
-    unit: str
-    flight: str
-    before: float
-    value: float
-    ci95: tuple[float, float]
-    is_known: bool
-    is_far: bool
-    inseparable: tuple[str, ...]
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class Calibration:
-    """
-    Result of a calibration.
-
-    Attributes
-    ----------
-    vehicle : str
-        Name or file.
-    nominal, calibrated : NominalVehicle
-        Of the vehicle file, and calibrated, with the mean net lift of the flights.
-    values : tuple of CalibratedValue
-        Of the vehicle, then by flight.
-    scores : mapping of role to scores
-        Of forecasts of the training and of the confirming flights.
-    method : str
-        'likelihood', 'forecasts', or 'file' if nothing forecasts the flights better.
-    bags : mapping of role to names
-    warnings : tuple of str
-
-    """
-
-    vehicle: str
-    nominal: NominalVehicle
-    calibrated: NominalVehicle
-    values: tuple[CalibratedValue, ...]
-    scores: Mapping[str, tuple[ForecastScore, ...]]
-    method: str
-    bags: Mapping[str, tuple[str, ...]]
-    warnings: tuple[str, ...]
-
-    def find(self, name: str) -> CalibratedValue | None:
-        """Return a value of the vehicle by name; None if it was not calibrated."""
-        return next((one for one in self.values if one.name == name and not one.flight), None)
-
-    def list_of_flights(self, name: str) -> list[CalibratedValue]:
-        """Return the values of a parameter that each flight has of its own."""
-        return [one for one in self.values if one.name == name and one.flight]
 
 
 @final
@@ -126,13 +45,31 @@ class _Estimate:
     flights: Sequence[tuple[Array, Array]]
 
 
-def calibrate_flights(
-    vehicle: Vehicle, name: str, usable: UsableFlights, tell: Progress
-) -> Calibration:
-    """Calibrate a vehicle with its training flights, and score the result on all."""
-    tell('preparing', 0.0)
+@final
+@dataclass(frozen=True, slots=True)
+class PreparedCalibration:
+    """
+    What a calibration works on.
+
+    Attributes
+    ----------
+    knobs : list of FreeParameter
+        The calibrated numbers.
+    flights, names : mapping of role to flights, or to their names
+        Role 'train' or 'confirm'.
+
+    """
+
+    nominal: NominalVehicle
+    knobs: list[FreeParameter]
+    flights: Mapping[str, list[FlightLinearizer]]
+    names: Mapping[str, list[str]]
+
+
+def prepare_calibration(vehicle: Vehicle, flights: Sequence[Role]) -> PreparedCalibration:
+    """Return the flights of a calibration with what can be calibrated with them."""
     nominal = NominalVehicle.from_vehicle(vehicle)
-    told = [flight for _, _, flight in usable.flights]
+    told = [flight for _, _, flight in flights]
     commanded = np.any(
         [commanded_axes(one.wrench.values) for one in told if one.wrench is not None] or [[False]],
         axis=0,
@@ -142,10 +79,33 @@ def calibrate_flights(
     )
     roles: dict[str, list[FlightLinearizer]] = {'train': [], 'confirm': []}
     names: dict[str, list[str]] = {'train': [], 'confirm': []}
-    for title, role, flight in usable.flights:
+    for title, role, flight in flights:
         side = role if role in roles else 'confirm'
         roles[side].append(prepare_flight(vehicle, flight, knobs))
         names[side].append(title)
+    return PreparedCalibration(nominal, knobs, roles, names)
+
+
+def calibrate_flights(
+    vehicle: Vehicle,
+    name: str,
+    flights: Sequence[Role],
+    tell: Progress,
+    with_flows: bool = True,
+) -> Calibration:
+    """
+    Calibrate a vehicle with its training flights, and score the result on all.
+
+    Parameters
+    ----------
+    with_flows : bool
+        Whether the calibrated vehicle has the fitted drag and added mass, too, which a discovery
+        names as effects.
+
+    """
+    tell('preparing', 0.0)
+    prepared = prepare_calibration(vehicle, flights)
+    nominal, knobs, roles = prepared.nominal, prepared.knobs, prepared.flights
     tell('fitting forecasts', 0.1)
     coarse = fit_coarse_calibration(nominal, roles['train'])
     tell('fitting readings', 0.5)
@@ -156,24 +116,30 @@ def calibrate_flights(
     if roles['confirm']:
         shared = _without_lift(best.shared, knobs)
         told_scores['confirm'] = score_forecasts(nominal, roles['confirm'], shared, None)
-    mean = best.shared[: len(knobs)].copy()
-    lift = _index(knobs, LIFT)
-    mean[lift] = np.mean([values[lift] for values, _ in best.flights])
-    # What a flight has of its own, apart from the mean of the lift, is not of the vehicle
-    for k, knob in enumerate(knobs):
-        if knob.per_flight and k != lift:
-            mean[k] = 0.0
     tell('done', 1.0)
     return Calibration(
         name,
         nominal,
-        apply_parameters(nominal, knobs, mean)[0],
-        tuple(_list_values(nominal, knobs, best, names['train'])),
+        _build_calibrated_vehicle(nominal, knobs, best, with_flows),
+        tuple(_list_values(nominal, knobs, best, prepared.names['train'])),
         told_scores,
         best.method,
-        {role: tuple(each) for role, each in names.items()},
-        usable.warnings,
+        {role: tuple(each) for role, each in prepared.names.items()},
     )
+
+
+def _build_calibrated_vehicle(
+    nominal: NominalVehicle, knobs: Sequence[FreeParameter], best: _Estimate, with_flows: bool
+) -> NominalVehicle:
+    """Return the vehicle with the calibrated values and the mean net lift of the flights."""
+    mean = best.shared[: len(knobs)].copy()
+    lift = _index(knobs, LIFT)
+    mean[lift] = np.mean([values[lift] for values, _ in best.flights])
+    for k, knob in enumerate(knobs):
+        # What a flight has of its own, apart from the mean of the lift, is not of the vehicle
+        if (knob.per_flight and k != lift) or not (with_flows or knob.is_calibration):
+            mean[k] = 0.0
+    return apply_parameters(nominal, knobs, mean)[0]
 
 
 def _index(knobs: Sequence[FreeParameter], name: str) -> int:

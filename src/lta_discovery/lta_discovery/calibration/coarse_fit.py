@@ -27,6 +27,7 @@ LONG: Final = (1.0, 2.0, 3.0)  # s; horizons of the second
 APART: Final = (1.2, 1.5)  # s; least time between the beginnings of pieces in each
 MOST: Final = 100  # pieces of all flights, to limit the time
 DELAYS: Final = (0.0, 0.1, 0.2, 0.3, 0.4)  # s; tried
+QUICK: Final = (0.0, 0.2)  # s; tried by a short fit
 FIRST: Final = ('wrench_gain', 'marker_offset', 'rotor_')  # fitted at each delay
 LIFT: Final = 'net_lift.force'
 DELAY: Final = 'command_delay.delay'
@@ -55,22 +56,68 @@ class CoarseCalibration:
     covariance: Array
 
 
+@final
+@dataclass(frozen=True, slots=True)
+class QuickFit:
+    """
+    Result of a short fit of gains, markers' frame and lift.
+
+    Attributes
+    ----------
+    values, deviations : ndarray, shape (K,)
+        Relative to the vehicle file, and their standard deviations; 0 where not fitted.
+    lifts : ndarray, shape (F,)
+        Net lift of each flight. [N]
+
+    """
+
+    values: Array
+    deviations: Array
+    lifts: Array
+
+
 def build_forecast_fitter(
     nominal: NominalVehicle,
     flights: Sequence[FlightLinearizer],
     horizons: Sequence[float],
     apart: float,
-) -> ForecastFitter | None:
-    """Return a fitter to the forecasts of some flights; None if one is too short for them."""
+) -> tuple[ForecastFitter, list[int]] | None:
+    """Return a fitter to forecasts of the flights that are long enough, and which these are."""
     knobs = flights[0].knobs
     seconds = PERIOD * sum(int(one.replay.flight.usable.sum()) for one in flights)
     apart = max(apart, seconds / MOST)
     cut = [cut_overlapping_pieces(one, knobs, apart, horizons[-1]) for one in flights]
-    known = [one for one in cut if one is not None]
-    if len(known) < len(flights):
+    long = {f: one for f, one in enumerate(cut) if one is not None}
+    if not long:
         return None
     lift = next(knob.tolerance for knob in knobs if knob.name == LIFT)
-    return ForecastFitter(nominal, known, lift, horizons=horizons)
+    return ForecastFitter(nominal, list(long.values()), lift, horizons=horizons), list(long)
+
+
+def find_calibration_start(
+    nominal: NominalVehicle, flights: Sequence[FlightLinearizer]
+) -> QuickFit | None:
+    """Return a short fit near the best delay; None if no flight is long enough."""
+    built = build_forecast_fitter(nominal, flights, SHORT, APART[0])
+    if built is None:
+        return None
+    fitter = built[0]
+    first = _list_first(fitter.knobs)
+    starts = _fit_at_delays(fitter, fitter.knobs, first, QUICK)
+    if not starts:
+        return None
+    every = range(len(fitter.flights))
+    best = min(starts, key=lambda fit: fitter.rms_error(fit.values, every))
+    spread = np.array([fitter.knobs[k].tolerance for k in first])
+    deviations = np.zeros(len(fitter.knobs))
+    covariance = np.linalg.inv(best.precision + np.diag(spread**-2.0))
+    deviations[first] = np.sqrt(np.diag(covariance))
+    return QuickFit(best.values, deviations, best.lifts)
+
+
+def _list_first(knobs: Sequence[FreeParameter]) -> list[int]:
+    """Return the parameters that are fitted at each delay."""
+    return [k for k, knob in enumerate(knobs) if knob.name.startswith(FIRST)]
 
 
 def fit_coarse_calibration(
@@ -79,28 +126,32 @@ def fit_coarse_calibration(
     """Return a calibration that forecasts the flights well; that of the file at worst."""
     knobs = flights[0].knobs
     shared = [k for k, knob in enumerate(knobs) if not knob.per_flight]
-    first = [k for k in shared if knobs[k].name.startswith(FIRST)]
+    first = _list_first(knobs)
     unknown = np.diag([knob.tolerance**2 for knob in knobs])
     best = CoarseCalibration(np.zeros(len(knobs)), np.zeros(len(flights)), unknown)
     short = build_forecast_fitter(nominal, flights, SHORT, APART[0])
     if short is not None:
-        starts = _fit_at_delays(short, knobs, first)
+        fitter, picked = short
+        starts = _fit_at_delays(fitter, knobs, first, DELAYS)
         if starts:
-            every = range(len(flights))
-            start = min(starts, key=lambda fit: short.rms_error(fit.values, every))
+            every = range(len(picked))
+            start = min(starts, key=lambda fit: fitter.rms_error(fit.values, every))
             late = [k for k in shared if knobs[k].name == DELAY]
-            best = _improve(short, best, start.values, [*first, *late])
+            best = _improve(fitter, picked, best, start.values, [*first, *late])
     long = build_forecast_fitter(nominal, flights, LONG, APART[1])
-    return best if long is None else _improve(long, best, best.values, shared)
+    return best if long is None else _improve(*long, best, best.values, shared)
 
 
 def _fit_at_delays(
-    fitter: ForecastFitter, knobs: Sequence[FreeParameter], which: Sequence[int]
+    fitter: ForecastFitter,
+    knobs: Sequence[FreeParameter],
+    which: Sequence[int],
+    delays: Sequence[float],
 ) -> list[ForecastFit]:
     """Return a fit of some parameters at each delay that the model accepts."""
     late = next((k for k, knob in enumerate(knobs) if knob.name == DELAY), None)
     out = []
-    for delay in DELAYS if late is not None else DELAYS[:1]:
+    for delay in delays if late is not None else delays[:1]:
         begin = np.zeros(len(knobs))
         if late is not None:
             begin[late] = min(max(delay, knobs[late].low), knobs[late].high)
@@ -124,10 +175,14 @@ def _fit(
 
 
 def _improve(
-    fitter: ForecastFitter, before: CoarseCalibration, begin: Array, which: Sequence[int]
+    fitter: ForecastFitter,
+    picked: Sequence[int],
+    before: CoarseCalibration,
+    begin: Array,
+    which: Sequence[int],
 ) -> CoarseCalibration:
-    """Return the fit of all parameters from a start, or what was before if it is not better."""
-    every = range(len(fitter.flights))
+    """Return the fit to the picked flights from a start, or what was before if no better."""
+    every = range(len(picked))
     try:
         fit = _fit(fitter, which, begin, ROUNDS)
     except (BadInput, np.linalg.LinAlgError):
@@ -137,4 +192,7 @@ def _improve(
     spread = np.array([fitter.knobs[k].tolerance for k in which])
     covariance = before.covariance.copy()
     covariance[np.ix_(which, which)] = np.linalg.inv(fit.precision + np.diag(spread**-2.0))
-    return CoarseCalibration(fit.values, fit.lifts, covariance)
+    lifts = before.lifts.copy()
+    # The lift of a flight that is too short for forecasts stays that of the others
+    lifts[list(picked)] = fit.lifts
+    return CoarseCalibration(fit.values, lifts, covariance)

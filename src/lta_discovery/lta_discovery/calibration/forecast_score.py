@@ -1,11 +1,10 @@
 """Score a calibration by its forecasts, beside the vehicle file and coasting."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import final
 
 from lta_config.errors import BadInput
 from lta_discovery.calibration.coarse_fit import APART, build_forecast_fitter, LONG
+from lta_discovery.calibration.result import ForecastScore
 from lta_discovery.forecast.forecast_fit import ForecastFitter
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
@@ -17,31 +16,6 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
-@final
-@dataclass(frozen=True, slots=True)
-class ForecastScore:
-    """
-    RMS errors of forecasts at one horizon, over all pieces of some flights.
-
-    Attributes
-    ----------
-    horizon : float
-        [s]
-    coast, before, after : pair of float
-        Position [m] and attitude [rad] with constant body velocity, with the vehicle file, and
-        with the calibration.
-    pieces : int
-        Number of forecasts.
-
-    """
-
-    horizon: float
-    coast: tuple[float, float]
-    before: tuple[float, float]
-    after: tuple[float, float]
-    pieces: int
-
-
 def score_forecasts(
     nominal: NominalVehicle,
     flights: Sequence[FlightLinearizer],
@@ -49,7 +23,7 @@ def score_forecasts(
     lifts: Sequence[float] | None,
 ) -> tuple[ForecastScore, ...]:
     """
-    Score the forecasts of some flights; nothing if they are too short.
+    Score the forecasts of the flights that are long enough; nothing if none is.
 
     Parameters
     ----------
@@ -59,15 +33,16 @@ def score_forecasts(
         Net lift of each flight [N]; by default that of its own earlier pieces.
 
     """
-    fitter = build_forecast_fitter(nominal, flights, LONG, APART[1])
-    if fitter is None:
+    built = build_forecast_fitter(nominal, flights, LONG, APART[1])
+    if built is None:
         return ()
+    fitter, picked = built
     none = np.zeros(len(values))
     parts = {'coast': [coast_errors(one, LONG) for one in fitter.flights]}
-    parts['before'] = [_file_errors(fitter, none, f) for f in range(len(flights))]
+    parts['before'] = [_file_errors(fitter, none, f) for f in range(len(picked))]
     parts['after'] = [
-        _calibrated_errors(fitter, values, f, None if lifts is None else lifts[f])
-        for f in range(len(flights))
+        _calibrated_errors(fitter, values, f, None if lifts is None else lifts[picked[f]])
+        for f in range(len(picked))
     ]
     errors = {kind: np.concatenate(each) for kind, each in parts.items()}
     out = []

@@ -5,14 +5,14 @@ from dataclasses import asdict
 from typing import Any, Final
 
 from lta_discovery.calibration.calibrated_file import NAME
-from lta_discovery.calibration.calibration import CalibratedValue, Calibration
-from lta_discovery.calibration.forecast_score import ForecastScore
+from lta_discovery.calibration.result import CalibratedValue, Calibration, ForecastScore
 from lta_discovery.calibration.verdict import (
     format_forecast_sentence,
     format_headline,
     format_inseparable,
     list_differences,
 )
+from lta_discovery.model.parameters import is_calibration
 from lta_discovery.page.formatting import (
     DEGREES,
     format_number,
@@ -24,6 +24,7 @@ from lta_report.formatting import Tile
 from lta_report.report import Emphasis, Picture, Report, TextSection, TextTable
 import plotly.graph_objects as go
 
+FIRST_STEP: Final = 'Calibration: numbers any vehicle file must have'
 METHODS: Final = {
     'likelihood': 'all readings, with an unexplained force',
     'forecasts': 'forecasts; the intervals are rough',
@@ -132,6 +133,18 @@ def _build_value_table(heading: str, values: Sequence[CalibratedValue]) -> TextT
         rows.append([name, before, now, interval, format_inseparable(one)])
     note = 'Bold: the vehicle file is off by more than its tolerance explains.'
     return TextTable(heading, HEADS, rows, note)
+
+
+def build_first_step_table(calibration: Calibration) -> TextTable:
+    """Return the table of a discovery's first step: differences, and the lift of each flight."""
+    rows = []
+    for one in calibration.values:
+        lift = bool(one.flight) and one.name == 'net_lift.force'
+        if one.is_known and (lift or (one.is_far and not one.flight and is_calibration(one.name))):
+            before, now, interval = _format_in_unit(one)
+            where = f', {one.flight}' if one.flight else ''
+            rows.append([f'{_format_name(one)}{where}', before, now, interval])
+    return TextTable(FIRST_STEP, HEADS[:-1], rows)
 
 
 def _build_flight_table(calibration: Calibration) -> TextTable:

@@ -45,7 +45,10 @@ def calibrate_vehicle(
     vehicle = load_vehicle(name)
     flights = read_bags(bags, robot, lambda bag: tell(f'reading {bag}', None))
     tell('checking data quality', None)
-    found = calibrate_flights(vehicle, name, select_usable_flights(flights, vehicle), tell)
+    usable = select_usable_flights(flights, vehicle)
+    found = replace(
+        calibrate_flights(vehicle, name, usable.flights, tell), warnings=usable.warnings
+    )
     if found.method == 'file':
         return build_report(found, None)
     text = find_file('vehicle', name).read_text(encoding='utf-8')

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 import math
 from typing import Final
 
-from lta_discovery.calibration.calibration import CalibratedValue, Calibration
+from lta_discovery.calibration.result import CalibratedValue, Calibration
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.page.formatting import format_number
 import numpy as np

@@ -121,7 +121,7 @@ class FreeParameter:
     @property
     def is_calibration(self) -> bool:
         """Whether it is a number that any vehicle file must have, instead of an effect."""
-        return self.name in CALIBRATION or self.name.endswith('.thrust')
+        return is_calibration(self.name)
 
     @property
     def channels(self) -> set[str]:
@@ -221,6 +221,13 @@ CALIBRATION: Final[dict[str, float]] = {
     'range_offset.offset': 0.05,
     'pressure_drift.rate': 0.0035,
 }
+
+
+def is_calibration(name: str) -> bool:
+    """Return whether a parameter is a number that any vehicle file must have."""
+    return name in CALIBRATION or name.endswith('.thrust')
+
+
 # Standard deviations between flights: sensor biases and lift.
 TRIMS: Final[dict[str, float]] = {
     'gyro_bias.x': 0.01,

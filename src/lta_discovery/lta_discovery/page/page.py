@@ -6,6 +6,8 @@ from pathlib import Path
 from typing import Any, Final
 
 from lta_config.command_line import format_lta_command
+from lta_discovery.calibration.report import build_first_step_table, FIRST_STEP
+from lta_discovery.calibration.verdict import format_forecast_sentence
 from lta_discovery.finding import StudyResult
 from lta_discovery.page import error_tables, figures, tables
 from lta_discovery.page.flight_views import (
@@ -71,6 +73,10 @@ POWER: Final = (
     'Spectrum of the residuals relative to the noise; the dashed line is white noise of the '
     'measured size. A rise at low frequencies is motion that the model lacks.'
 )
+AGAIN: Final = (
+    'Numbers that any vehicle file must have come before effects that a model may lack. Below, '
+    'the vehicle file is the calibrated one.'
+)
 NOBODY: Final = '<p class="absent">There is no flight to draw.</p>'
 
 
@@ -117,6 +123,7 @@ def render_page(
         ),
         about=escape(format_flight_roles(found)),
         tiles='\n'.join(render_tile(*each) for each in build_tiles(found)),
+        calibration=render_calibration(found),
         effects=tables.render_effects(found),
         gaps=error_tables.render_pose_errors(found),
         channels=error_tables.render_channel_errors(found),
@@ -138,6 +145,20 @@ def render_page(
         scene=scene,
         bar=render_time_bar(READOUT, 'flight') if scene else '',
         **colours,
+    )
+
+
+def render_calibration(finding: StudyResult) -> str:
+    """Return the section of a calibration before the search; '' if there was none."""
+    if finding.calibration is None:
+        return ''
+    table = build_first_step_table(finding.calibration)
+    rows = [[escape(str(cell)) for cell in row] for row in table.rows]
+    return (
+        '<section class="panel section" aria-labelledby="title-calibration">'
+        f'<h2 id="title-calibration">{escape(FIRST_STEP)}</h2>'
+        f'<p class="note">{escape(format_forecast_sentence(finding.calibration))} {AGAIN}</p>'
+        f'{tables.render_table(table.heads, rows, "calibration", FIRST_STEP)}</section>'
     )
 
 

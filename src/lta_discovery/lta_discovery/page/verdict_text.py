@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Final
 
 from lta_config.command_line import format_lta_command, relative_path
+from lta_discovery.calibration.verdict import list_differences
 from lta_discovery.conclusion import ADVICE, Conclusion, draw_conclusion, select_main_error
 from lta_discovery.finding import NamedEffect, StudyResult
 from lta_discovery.page.formatting import (
@@ -24,6 +25,12 @@ from lta_discovery.unmodeled.draught import DraughtEstimate
 from lta_report.formatting import format_count, MISSING, Tile
 
 MOST: Final = 3  # most calibration offsets in the headline
+# Advice after a calibration, where it differs from `ADVICE`
+CALIBRATED: Final = {
+    'keep': 'Use the calibrated vehicle file: calibrated.yaml in the results folder.',
+    'again': 'Use the calibrated vehicle file, calibrated.yaml in the results folder, and record '
+    'another flight before you add an effect to it.',
+}
 ROLES: Final = {
     'train': 'learned from', 'confirm': 'confirmed by', 'holdout': 'tested on',
 }  # fmt: skip
@@ -33,6 +40,9 @@ def format_headline(finding: StudyResult) -> str:
     """Return the verdict in a sentence, with what to calibrate first and how coasting does."""
     conclusion = draw_conclusion(finding)
     verdict = f'{_format_verdict(finding, conclusion)}{_format_useless(conclusion)}'
+    if finding.calibration is not None:
+        first = '; '.join(list_differences(finding.calibration)[:MOST])
+        return f'Calibrated first ({first}). {verdict}'
     if not finding.offsets:
         return verdict
     first = '; '.join(finding.offsets[:MOST])
@@ -159,16 +169,18 @@ def format_advice(finding: StudyResult) -> str:
         if said.rivals
         else ''
     )
+    if finding.calibration is not None and said.advice in CALIBRATED:
+        return CALIBRATED[said.advice]
     return ADVICE[said.advice] + (which if said.advice == 'use' else '')
 
 
 def list_learned_file_commands(finding: StudyResult, folder: Path) -> dict[str, str]:
     """Return the commands to view the learned file and, if that is the advice, to fly it."""
-    if not finding.effects:
+    if not finding.effects and finding.calibration is None:
         return {}
-    learned = relative_path(folder / 'vehicle.yaml')
+    learned = relative_path(folder / ('vehicle.yaml' if finding.effects else 'calibrated.yaml'))
     out = {'show the changes': format_lta_command('vehicle', 'diff', finding.vehicle, learned)}
-    if draw_conclusion(finding).advice == 'use':
+    if draw_conclusion(finding).advice == 'use' or not finding.effects:
         out['fly it'] = format_lta_command('fly', '--vehicle', learned)
     return out
 

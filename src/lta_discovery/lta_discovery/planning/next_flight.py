@@ -131,7 +131,9 @@ def plan_for_study(
     one = next((one for one in study.finding.effects if one.confusable_with), None)
     if one is None:
         return NextFlightPlan(CERTAIN)
-    planner = _build_planner(vehicle, scene, _classify_study(study), _reduce_flights(study), tell)
+    # After a calibration the flights are about other parameters of another vehicle
+    past = _reduce_flights(study) if study.finding.calibration is None else ()
+    planner = _build_planner(vehicle, scene, _classify_study(study), past, tell)
     knob = planner.find_parameter(one.knobs[0])
     first = ParameterHypothesis(knob, _estimate_changes(one, planner.knobs)[knob.name])
     known = {each.name for each in planner.knobs}

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from typing import Any, Final
 
+from lta_discovery.calibration.report import encode_calibration
 from lta_discovery.conclusion import draw_conclusion
 from lta_discovery.finding import ChannelErrors, NamedEffect, SCHEMA, StudyResult
 from lta_discovery.flights.noisy_intervals import ExcludedInterval
@@ -47,6 +48,9 @@ def to_dict(finding: StudyResult, cuts: Sequence[ExcludedInterval] = ()) -> dict
         ],
         'bags': {role: list(names) for role, names in finding.bags.items()},
         'carried': _encode_forecast_evidence(finding),
+        'calibration': None
+        if finding.calibration is None
+        else encode_calibration(finding.calibration),
         'seed': finding.seed,
         'versions': dict(finding.versions),
     }  # fmt: skip

@@ -4,6 +4,8 @@ from collections.abc import Iterator
 import math
 from typing import Final
 
+from lta_discovery.calibration.report import build_first_step_table
+from lta_discovery.calibration.verdict import format_forecast_sentence
 from lta_discovery.finding import ChannelErrors, StudyResult, TransferEvidence
 from lta_discovery.forecast.flight_prediction import NAMES
 from lta_discovery.page.formatting import (
@@ -39,6 +41,9 @@ MOST: Final = 8  # most discrepancies that are printed
 def print_finding(finding: StudyResult, console: Console) -> None:
     """Print verdict, effects with intervals, prediction errors and discrepancies."""
     console.print(Text(format_headline(finding), 'bold'), soft_wrap=True)
+    if finding.calibration is not None:
+        print_table(build_first_step_table(finding.calibration), console)
+        console.print(Text(format_forecast_sentence(finding.calibration)), soft_wrap=True)
     for said in format_effects(finding):
         console.print(Text(said), soft_wrap=True)
     if finding.carried is not None:

@@ -20,7 +20,7 @@ from lta_discovery.fit.evidence import build_prior, FLOOR, PieceReducer, Reduced
 from lta_discovery.forecast.flight_prediction import best_start_residual, error_to_noise
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.page import flight_views, write_page
+from lta_discovery.page import flight_views
 from lta_discovery.page.figures import average_pieces
 from lta_discovery.page.flight_views import build_flight_views, build_overlay
 from lta_discovery.page.formatting import (
@@ -33,6 +33,7 @@ from lta_discovery.page.formatting import (
     format_quantity,
     format_with_interval,
 )
+from lta_discovery.page.page import write_page
 from lta_discovery.page.verdict_text import build_tiles, format_headline
 from lta_discovery.page.whiteness import autocorrelation, residual_spectrum
 from lta_discovery.replay.flight_linearizer import FlightLinearizer

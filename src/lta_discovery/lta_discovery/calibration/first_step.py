@@ -1,0 +1,151 @@
+"""
+Calibrate a vehicle as the first step of a discovery, where its flights call for it.
+
+A short linear fit of forecasts over a second tells in a second of computing time whether a gain,
+the net lift of the flights or the markers' frame may be far from the vehicle file. Only then is
+the vehicle calibrated, and only a clear difference that discovery has no name for is a reason to
+go on from the calibrated file.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+import tempfile
+from typing import Final, final
+
+from lta_discovery.calibration.calibrated_file import format_calibrated_vehicle, NAME
+from lta_discovery.calibration.calibration import calibrate_flights, prepare_calibration
+from lta_discovery.calibration.coarse_fit import find_calibration_start, QuickFit
+from lta_discovery.calibration.forecast_score import relative_error
+from lta_discovery.calibration.result import CalibratedValue, Calibration
+from lta_discovery.flights.role_assignment import assign_roles, Role
+from lta_discovery.model.parameters import FreeParameter
+from lta_model.vehicle import load_vehicle, Vehicle
+
+Progress = Callable[[str, float | None], None]
+
+# Differences from the vehicle file that call for a calibration, by the beginning of the name.
+CALLS: Final = {
+    'wrench_gain': 0.4,
+    'rotor_': 0.5,  # relative; less may be a fault that discovery names
+    'marker_offset.x': 0.025,  # m
+    'marker_offset.y': 0.025,
+    'marker_offset.z': 0.025,
+    'marker_offset': 0.035,  # rad
+    'command_delay': 0.2,  # s; less may be an effect that discovery names
+}
+LIFT: Final = 0.005  # N; difference between the net lifts of two flights
+SURE: Final = 3.0  # standard deviations
+MAYBE: Final = 0.7  # of a difference; a linear fit may underestimate it
+# Of the file's forecast error; a calibration needs less, by its method. Without a fit to the
+# readings its intervals are rough, and something that the model lacks looks like a turned marker.
+BETTER: Final = {'likelihood': 0.8, 'forecasts': 0.3, 'file': 0.0}
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class CalibratedStart:
+    """
+    The vehicle from which a discovery goes on.
+
+    Attributes
+    ----------
+    vehicle : Vehicle
+        The calibrated vehicle.
+    text : str
+        Its file.
+    calibration : Calibration
+        What was calibrated.
+
+    """
+
+    vehicle: Vehicle
+    text: str
+    calibration: Calibration
+
+
+def calibrate_first(
+    vehicle: Vehicle, name: str, flights: Sequence[Role], tell: Progress
+) -> Calibration | None:
+    """
+    Return the calibration of a vehicle; None if its flights do not call for one.
+
+    Raises
+    ------
+    BadInput
+        If there is no training flight.
+
+    """
+    # A held-out flight or part must not take part in any fit
+    taught = [one for one in assign_roles(flights)[0] if one[1] != 'holdout']
+    tell('checking the calibration', 0.0)
+    if not _is_suspicious(vehicle, taught):
+        return None
+    found = calibrate_flights(vehicle, name, taught, tell, with_flows=False)
+    scores = [*found.scores.get('train', ()), *found.scores.get('confirm', ())]
+    if relative_error(scores) > BETTER[found.method] or not any(_list_reasons(found)):
+        return None
+    return found
+
+
+def _is_suspicious(vehicle: Vehicle, flights: Sequence[Role]) -> bool:
+    """Return whether a short fit finds something that may call for a calibration."""
+    prepared = prepare_calibration(vehicle, flights)
+    linear = [*prepared.flights['train'], *prepared.flights['confirm']]
+    start = find_calibration_start(prepared.nominal, linear)
+    if start is None:
+        return False
+    if max(start.lifts) - min(start.lifts) > MAYBE * LIFT:
+        return True
+    return any(_is_off(knob, start, k) for k, knob in enumerate(prepared.knobs))
+
+
+def _is_off(knob: FreeParameter, start: QuickFit, k: int) -> bool:
+    """Return whether a parameter of a short fit may be off."""
+    least = find_calling_difference(knob.name)
+    size = abs(float(start.values[k]))
+    return least is not None and size > max(MAYBE * least, SURE * float(start.deviations[k]))
+
+
+def find_calling_difference(name: str) -> float | None:
+    """Return the difference of a parameter that calls for a calibration; None if none does."""
+    if name.startswith('rotor_') and not name.endswith('.thrust'):
+        return None
+    return next((size for start, size in CALLS.items() if name.startswith(start)), None)
+
+
+def _list_reasons(calibration: Calibration) -> Iterator[CalibratedValue]:
+    """Yield the values that are a reason to go on from the calibrated file."""
+    for one in calibration.values:
+        least = None if one.flight else find_calling_difference(one.name)
+        if least is not None and is_difference_clear(one, least):
+            yield one
+    lifts = calibration.list_of_flights('net_lift.force')
+    if lifts:
+        low, high = (each(lifts, key=lambda one: one.value) for each in (min, max))
+        if high.value - low.value > max(LIFT, SURE * (low.deviation + high.deviation)):
+            yield from (low, high)
+
+
+def is_difference_clear(one: CalibratedValue, least: float) -> bool:
+    """Return whether a value is off by more than a size and by more than its interval explains."""
+    return one.is_known and abs(one.value - one.before) > max(least, SURE * one.deviation)
+
+
+def build_calibrated_start(
+    text: str, vehicle: Vehicle, calibration: Calibration, source: str
+) -> CalibratedStart:
+    """
+    Return the calibrated vehicle and its file.
+
+    Raises
+    ------
+    BadInput
+        If the vehicle file has no place for a number.
+
+    """
+    new = format_calibrated_vehicle(text, vehicle, calibration, source)
+    with tempfile.TemporaryDirectory() as place:
+        path = Path(place) / NAME
+        path.write_text(new, encoding='utf-8')
+        return CalibratedStart(load_vehicle(str(path)), new, calibration)

@@ -1,0 +1,117 @@
+"""Define the result of a calibration as plain data."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final, final
+
+from lta_discovery.model.nominal import NominalVehicle
+
+WIDE: Final = 1.96  # standard deviations of a 95 % interval
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class ForecastScore:
+    """
+    RMS errors of forecasts at one horizon, over all pieces of some flights.
+
+    Attributes
+    ----------
+    horizon : float
+        [s]
+    coast, before, after : pair of float
+        Position [m] and attitude [rad] with constant body velocity, with the vehicle file, and
+        with the calibration.
+    pieces : int
+        Number of forecasts.
+
+    """
+
+    horizon: float
+    coast: tuple[float, float]
+    before: tuple[float, float]
+    after: tuple[float, float]
+    pieces: int
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class CalibratedValue:
+    """
+    One calibrated number.
+
+    Attributes
+    ----------
+    name, unit : str
+        Of the parameter; a mass or inertia is a factor on that of the file, with the unit '1'.
+    flight : str
+        The flight that it belongs to; '' for the vehicle.
+    before, value : float
+        In the vehicle file, and calibrated.
+    ci95 : pair of float
+        95 % interval.
+    is_known : bool
+        Whether the flights narrow it down; otherwise the interval is the assumed one.
+    is_far : bool
+        Whether the file is off by more than its tolerance explains.
+    inseparable : tuple of str
+        Parameters that could be changed instead.
+
+    """
+
+    name: str
+    unit: str
+    flight: str
+    before: float
+    value: float
+    ci95: tuple[float, float]
+    is_known: bool
+    is_far: bool
+    inseparable: tuple[str, ...]
+
+    @property
+    def deviation(self) -> float:
+        """Standard deviation, in the unit of the value."""
+        return (self.ci95[1] - self.ci95[0]) / (2.0 * WIDE)
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Calibration:
+    """
+    Result of a calibration.
+
+    Attributes
+    ----------
+    vehicle : str
+        Name or file.
+    nominal, calibrated : NominalVehicle
+        Of the vehicle file, and calibrated, with the mean net lift of the flights; without drag
+        and added mass if those are left to a discovery.
+    values : tuple of CalibratedValue
+        Of the vehicle, then by flight.
+    scores : mapping of role to scores
+        Of forecasts of the training and of the confirming flights.
+    method : str
+        'likelihood', 'forecasts', or 'file' if nothing forecasts the flights better.
+    bags : mapping of role to names
+    warnings : tuple of str
+
+    """
+
+    vehicle: str
+    nominal: NominalVehicle
+    calibrated: NominalVehicle
+    values: tuple[CalibratedValue, ...]
+    scores: Mapping[str, tuple[ForecastScore, ...]]
+    method: str
+    bags: Mapping[str, tuple[str, ...]]
+    warnings: tuple[str, ...] = ()
+
+    def find(self, name: str) -> CalibratedValue | None:
+        """Return a value of the vehicle by name; None if it was not calibrated."""
+        return next((one for one in self.values if one.name == name and not one.flight), None)
+
+    def list_of_flights(self, name: str) -> list[CalibratedValue]:
+        """Return the values of a parameter that each flight has of its own."""
+        return [one for one in self.values if one.name == name and one.flight]

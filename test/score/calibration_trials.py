@@ -1,0 +1,358 @@
+"""
+Score calibrations that are hidden in flights of the independent simulator.
+
+Each case has gains of 0.2 to 3 of either sign, markers up to 20 degrees and 15 cm off, a net lift
+of up to 25 mN in each flight, and commands up to 0.4 s late; two of three vehicles are commanded
+by a wrench, the third by duties. `lta calibrate` sees two training flights and a confirming one.
+Its intervals are compared with the truth, and its forecasts of the confirming flight with those of
+the oracle, the vehicle file with all true values.
+
+With `--discover`, the model of the vehicle lacks an effect in every second case. `lta discover`
+has to calibrate the vehicle, name the effect and nothing else. It also studies the same vehicle
+with a right file, for comparison.
+"""
+
+import argparse
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict
+import json
+import math
+from pathlib import Path
+import sys
+import tempfile
+import time
+import traceback
+from typing import Any, Final
+
+from lta_challenge.other.calibration_case import (
+    CalibrationCase,
+    draw_calibration,
+    generate_calibration_case,
+    misstate_thrusts,
+    SECONDS,
+)
+from lta_challenge.other.effect_injection import HIDINGS
+from lta_challenge.recording import write_bag
+from lta_config.files import find_file
+from lta_discovery.calibration.calibrated_file import format_calibrated_vehicle
+from lta_discovery.calibration.calibration import calibrate_flights
+from lta_discovery.calibration.forecast_score import score_forecasts
+from lta_discovery.calibration.result import Calibration
+from lta_discovery.fit.bounds import apply_parameters
+from lta_discovery.flights.bags import read_bags, Role
+from lta_discovery.flights.usable_flights import select_usable_flights, UsableFlights
+from lta_discovery.model.calibration_parameters import list_calibration_parameters
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.page.verdict_text import format_headline
+from lta_discovery.run import DiscoveryRequest, study_usable_flights
+from lta_discovery.selection.equivalence_classes import load_class_map
+from lta_discovery.study import prepare_flight
+from lta_model.effects.protocol import AXES
+from lta_model.vehicle import load_vehicle, Vehicle
+import numpy as np
+
+ROLES: Final = ('train', 'train', 'confirm')
+SHORTER: Final = (40.0, 60.0)  # s; flights of a study
+# Effects that are no calibration, and visible in poses
+EFFECTS: Final = (
+    *(f'{effect}.{axis}' for effect in ('linear_drag', 'quadratic_drag')
+      for axis in ('surge', 'heave')),
+    'rotational_drag.yaw',
+    'added_mass.surge',
+    'added_mass.heave',
+    'steady_wind.x',
+)  # fmt: skip
+Row = dict[str, Any]
+
+
+def write_line(text: str) -> None:
+    """Write a line at once, as a run takes hours."""
+    sys.stdout.write(f'{text}\n')
+    sys.stdout.flush()
+
+
+def is_driven(number: int) -> bool:
+    """Return whether the vehicle of a case is commanded by duties."""
+    return number % 3 == 2
+
+
+def record_case(
+    seed: int,
+    number: int,
+    folder: Path,
+    effects: Mapping[str, float] | None = None,
+    is_right: bool = False,
+) -> tuple[CalibrationCase, Path, dict[Role, list[Path]]]:
+    """Generate a case; write its bags and its vehicle file."""
+    vehicle, rotors = load_vehicle('gtmab'), is_driven(number)
+    seconds = SECONDS if effects is None else SHORTER
+    case = generate_calibration_case(
+        vehicle, seed, number, ROLES, seconds, rotors, effects, is_right
+    )
+    text = find_file('vehicle', 'gtmab').read_text(encoding='utf-8')
+    if rotors and not is_right:
+        text = misstate_thrusts(text, vehicle, draw_calibration(vehicle, seed, number, rotors))
+    path = folder / 'vehicle.yaml'
+    path.write_text(text, encoding='utf-8')
+    bags: dict[Role, list[Path]] = {'train': [], 'confirm': []}
+    for flight in case.flights:
+        write_bag(folder / flight.name, flight.streams, vehicle.rotor_names, {})
+        bags['train' if flight.role == 'train' else 'confirm'].append(folder / flight.name)
+    return case, path, bags
+
+
+def list_intervals(case: CalibrationCase, found: Calibration) -> list[Row]:
+    """Return all values with a known truth: truth, estimate and interval."""
+    truths = case.list_true_values(load_vehicle('gtmab'))
+    rows = []
+    for one in found.values:
+        truth = truths.get(one.name) if not one.flight else None
+        if one.flight and one.name == 'net_lift.force':
+            truth = case.lifts[one.flight]
+        elif one.flight and one.name == 'helium_leak.rate':
+            truth = -case.trends[one.flight]
+        if truth is not None:
+            row = {'name': one.name, 'truth': truth, 'value': one.value, 'ci95': one.ci95}
+            rows.append({**row, 'known': one.is_known, 'far': one.is_far})
+    return rows
+
+
+def find_oracle(case: CalibrationCase, vehicle: Vehicle) -> NominalVehicle:
+    """Return the vehicle file with all true values."""
+    nominal = NominalVehicle.from_vehicle(vehicle)
+    commanded = [not case.shares and axis in (0, 2, 5) for axis in range(6)]
+    knobs = list_calibration_parameters(nominal, commanded, True)
+    values = np.zeros(len(knobs))
+    truths = case.list_true_values(load_vehicle('gtmab'))
+    for k, knob in enumerate(knobs):
+        if knob.name not in truths:
+            continue
+        (effect, parameter), truth = next(iter(knob.moves)), truths[knob.name]
+        if effect == 'vehicle':
+            values[k] = math.log(truth)
+        elif knob.name.endswith('.thrust'):
+            values[k] = truth - 1.0
+        else:
+            values[k] = truth - nominal.parameter_value(effect, parameter)
+    oracle = apply_parameters(nominal, knobs, values)[0]
+    if case.shares:
+        for k, column in enumerate(case.truth.columns, start=1):
+            for axis, number in zip(AXES, column, strict=True):
+                # Negative where the file has the axis of the rotor the other way round
+                number *= math.copysign(1.0, case.shares[k - 1])
+                oracle = oracle.with_value('rotor_thrust', f'{axis}_{k}', number)
+    return oracle
+
+
+def score_oracle(case: CalibrationCase, vehicle: Vehicle, usable: UsableFlights) -> float:
+    """Return the oracle's position error 3 s ahead in the confirming flight. [m]"""
+    oracle = find_oracle(case, vehicle)
+    commanded = [not case.shares and axis in (0, 2, 5) for axis in range(6)]
+    knobs = list_calibration_parameters(oracle, commanded, True)
+    flights = [
+        prepare_flight(vehicle, flight, knobs)
+        for _, role, flight in usable.flights
+        if role == 'confirm'
+    ]
+    return score_forecasts(oracle, flights, np.zeros(len(knobs)), None)[-1].after[0]
+
+
+def run_case(seed: int, number: int) -> Row:
+    """Return the row of a case."""
+    began = time.process_time()
+    with tempfile.TemporaryDirectory() as place:
+        folder = Path(place)
+        case, path, bags = record_case(seed, number, folder)
+        vehicle = load_vehicle(str(path))
+        usable = select_usable_flights(read_bags(bags), vehicle)
+        found = calibrate_flights(vehicle, str(path), usable.flights, lambda _what, _part: None)
+        row: Row = {'method': found.method, 'values': list_intervals(case, found)}
+        if scores := found.scores.get('confirm'):
+            row['scores'] = asdict(scores[-1])
+            row['oracle'] = score_oracle(case, vehicle, usable)
+        try:
+            text = format_calibrated_vehicle(path.read_text(), vehicle, found, 'a trial')
+            (folder / 'calibrated.yaml').write_text(text)
+            load_vehicle(str(folder / 'calibrated.yaml'))
+            row['file'] = True
+        except Exception as fault:  # whatever a user would meet
+            row['file'] = str(fault)
+    return {**row, 'cpu_s': time.process_time() - began}
+
+
+def draw_effect(seed: int, number: int) -> dict[str, float]:
+    """Return the effect that the model of a case lacks; none in every second case."""
+    if number % 2:
+        return {}
+    draw = np.random.default_rng([seed, number, 99])
+    name = str(draw.choice(EFFECTS))
+    hiding = HIDINGS[name]
+    # The larger half of the range, so that flights of less than a minute show it
+    least = math.sqrt(hiding.least * hiding.most)
+    size = least * (hiding.most / least) ** draw.random()
+    return {name: float(size * draw.choice(hiding.signs))}
+
+
+def study_case(seed: int, number: int) -> Row:
+    """Return what discovery finds in a case, after a calibration and with a right file."""
+    hidden, row = draw_effect(seed, number), dict[str, Any]()
+    for kind, is_right in (('calibrated', False), ('right', True)):
+        with tempfile.TemporaryDirectory() as place:
+            _, path, bags = record_case(seed, number, Path(place), hidden, is_right)
+            vehicle = load_vehicle(str(path))
+            usable = select_usable_flights(read_bags(bags), vehicle)
+            request = DiscoveryRequest(str(path), bags)
+            began = time.process_time()
+            study = study_usable_flights(request, vehicle, usable, lambda _what, _part: None)
+            found = study.finding
+            one = load_class_map('pose' if is_driven(number) else 'wrench')
+            named = [knob for effect in found.effects for knob in effect.knobs]
+            row[kind] = {
+                'verdict': found.verdict,
+                'named': named,
+                # Effects that poses cannot distinguish count as one
+                'right': {one.get(each, each) for each in named}
+                == {one.get(each, each) for each in hidden},
+                'calibrated': found.calibration is not None,
+                'headline': format_headline(found),
+                'cpu_s': time.process_time() - began,
+            }
+    return {'hidden': hidden, **row}
+
+
+def format_study(row: Row) -> str:
+    """Return a study on one line."""
+    if 'fault' in row:
+        return f'{row["number"]}: {row["fault"]}'
+    said = []
+    for kind in ('calibrated', 'right'):
+        one = row[kind]
+        words = f'{kind}: {one["verdict"]} {one["named"]}'
+        words += '' if one['right'] else ' WRONG'
+        said.append(words + (' (was calibrated)' if one['calibrated'] else ''))
+    kinds = ', '.join(said)
+    return f'{row["number"]} hidden {row["hidden"]}; {kinds}'
+
+
+def list_study_table(rows: Sequence[Row]) -> Iterator[str]:
+    """Yield the lines of the table of some studies."""
+    known = [row for row in rows if 'fault' not in row]
+    yield f'studies {len(rows)}, failed {len(rows) - len(known)}'
+    for kind, words in (('calibrated', 'wrong file, calibrated first'), ('right', 'right file')):
+        for hides, what in ((True, 'an effect'), (False, 'nothing')):
+            some = [row[kind] for row in known if bool(row['hidden']) is hides]
+            right = sum(one['right'] for one in some)
+            false = sum(bool(one['named']) and not one['right'] for one in some)
+            yield (
+                f'{words}, hidden {what}: {right} of {len(some)} right, wrong names in {false}, '
+                f'calibrated {sum(one["calibrated"] for one in some)}'
+            )
+
+
+def run_cases(options: argparse.Namespace) -> dict[int, Row]:
+    """Run the cases that have no row yet; return all rows."""
+    options.out.parent.mkdir(parents=True, exist_ok=True)
+    rows: dict[int, Row] = {}
+    if options.out.exists():
+        for line in options.out.read_text().splitlines():
+            row = json.loads(line)
+            if row['seed'] == options.seed:
+                rows[row['number']] = row
+    for number in range(options.first, options.first + options.cases):
+        if number in rows:
+            continue
+        try:
+            run = study_case if options.discover else run_case
+            row = run(options.seed, number)
+        except Exception as fault:  # a case that fails is counted
+            row = {'fault': str(fault), 'traceback': traceback.format_exc()}
+        rows[number] = {'seed': options.seed, 'number': number, **row}
+        with options.out.open('a') as file:
+            file.write(json.dumps(rows[number]) + '\n')
+        write_line((format_study if options.discover else format_row)(rows[number]))
+    wanted = range(options.first, options.first + options.cases)
+    return {number: rows[number] for number in wanted}
+
+
+def is_inside(value: Row) -> bool:
+    """Return whether an interval contains the truth."""
+    return bool(value['ci95'][0] <= value['truth'] <= value['ci95'][1])
+
+
+def format_row(row: Row) -> str:
+    """Return a case on one line."""
+    number, kind = row['number'], 'rotors' if is_driven(row['number']) else 'wrench'
+    if 'fault' in row:
+        return f'{number} {kind}: {row["fault"]}'
+    inside = [is_inside(one) for one in row['values']]
+    outside = ', '.join(one['name'] for one in row['values'] if not is_inside(one))
+    last = row.get('scores', {'after': [math.nan], 'before': [math.nan], 'coast': [math.nan]})
+    after, before, coast = (100.0 * last[key][0] for key in ('after', 'before', 'coast'))
+    return (
+        f'{number} {kind} {row["method"]}: {sum(inside)}/{len(inside)} inside ({outside}); 3 s: '
+        f'{after:.2f} cm, oracle {100.0 * row.get("oracle", math.nan):.2f}, file {before:.1f}, '
+        f'coasting {coast:.1f}; {row["cpu_s"]:.0f} s'
+    )
+
+
+def list_table(rows: Sequence[Row]) -> Iterator[str]:
+    """Yield the lines of the table of some cases."""
+    known = [row for row in rows if 'fault' not in row]
+    yield f'cases {len(rows)}, failed {len(rows) - len(known)}'
+    yield f'by likelihood {sum(row["method"] == "likelihood" for row in known)}'
+    yield f'vehicle file written {sum(row["file"] is True for row in known)}'
+    values = [one for row in known for one in row['values']]
+    for words, some in (
+        ('all values', values),
+        ('learned from the flights', [one for one in values if one['known']]),
+        ('not learned', [one for one in values if not one['known']]),
+    ):
+        inside = sum(map(is_inside, some))
+        share = 100.0 * inside / len(some) if some else math.nan
+        yield f'truth inside the 95 % interval, {words}: {inside} of {len(some)} ({share:.1f} %)'
+    groups: dict[str, list[Row]] = {}
+    for one in values:
+        groups.setdefault(one['name'].partition('.')[0].partition('_1')[0], []).append(one)
+    for name, some in sorted(groups.items()):
+        yield f'  {name}: {sum(map(is_inside, some))} of {len(some)}'
+    scored = [row for row in known if 'oracle' in row]
+    ratios = [row['scores']['after'][0] / row['oracle'] for row in scored]
+    if ratios:
+        good = sum(one <= 1.1 for one in ratios)
+        yield (
+            f'position error at 3 s by the oracle: median {np.median(ratios):.3f}, 90 % below '
+            f'{np.quantile(ratios, 0.9):.3f}, at most 1.1 in {good} of {len(ratios)}'
+        )
+        for key, words in (('after', 'calibrated'), ('before', 'file'), ('coast', 'coasting')):
+            errors = [100.0 * row['scores'][key][0] for row in scored]
+            yield f'position error at 3 s, {words}: median {np.median(errors):.2f} cm'
+        better = sum(row['scores']['after'][0] < row['scores']['coast'][0] for row in scored)
+        yield f'better than coasting: {better} of {len(scored)}'
+
+
+def main() -> None:
+    """Run the cases and print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument('--cases', type=int, default=20, help='number of cases')
+    parser.add_argument('--first', type=int, default=0, help='number of the first case')
+    parser.add_argument('--seed', type=int, default=2026, help='random seed')
+    parser.add_argument('--discover', action='store_true', help='study the flights instead')
+    parser.add_argument('--out', type=Path, default=None, help='file of the rows; resumes')
+    options = parser.parse_args()
+    name = 'discovery' if options.discover else 'calibration'
+    options.out = options.out or Path(f'runs/{name}-trials.jsonl')
+    rows = list(run_cases(options).values())
+    if options.discover:
+        for line in list_study_table(rows):
+            write_line(line)
+        return
+    for kind, driven in (('wrench', False), ('rotors', True)):
+        some = [row for row in rows if is_driven(row['number']) is driven]
+        if some:
+            write_line(f'\n{kind}')
+            for line in list_table(some):
+                write_line(line)
+
+
+if __name__ == '__main__':
+    main()

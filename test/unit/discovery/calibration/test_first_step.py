@@ -1,0 +1,248 @@
+"""A discovery calibrates first where its flights call for it, and only there."""
+
+from dataclasses import replace
+import io
+import math
+from pathlib import Path
+
+from lta_challenge.other.calibration_case import generate_calibration_case
+from lta_challenge.recording import write_bag
+from lta_config.files import find_file
+from lta_discovery.calibration import first_step
+from lta_discovery.calibration.calibrated_file import format_calibrated_vehicle
+from lta_discovery.calibration.calibration import prepare_calibration
+from lta_discovery.calibration.coarse_fit import build_forecast_fitter, LONG, SHORT
+from lta_discovery.calibration.first_step import calibrate_first
+from lta_discovery.calibration.priors import apply_calibration
+from lta_discovery.calibration.result import CalibratedValue, Calibration, ForecastScore
+from lta_discovery.finding import StudyResult
+from lta_discovery.flights.bags import read_bags
+from lta_discovery.flights.role_assignment import restrict_to_interval, Role
+from lta_discovery.flights.usable_flights import select_usable_flights
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import list_free_parameters
+from lta_discovery.page.page import render_calibration
+from lta_discovery.page.verdict_text import (
+    format_advice,
+    format_headline,
+    list_learned_file_commands,
+)
+from lta_discovery.results.discovery_json import to_dict
+from lta_discovery.results.terminal import print_finding
+from lta_model.effects.protocol import AXES
+from lta_model.vehicle import load_vehicle, Vehicle
+import numpy as np
+import pytest
+from rich.console import Console
+
+
+@pytest.fixture(scope='module')
+def vehicle() -> Vehicle:
+    return load_vehicle('gtmab')
+
+
+def read_flights(vehicle: Vehicle, folder: Path, is_right: bool) -> list[Role]:
+    """Return two short flights of a vehicle whose file is right or not."""
+    case = generate_calibration_case(
+        vehicle, 3, 0, ('train', 'confirm'), (24.0, 26.0), effects={}, is_right=is_right
+    )
+    for flight in case.flights:
+        write_bag(folder / flight.name, flight.streams, vehicle.rotor_names, {})
+    bags = {one.role: [folder / one.name] for one in case.flights}
+    return list(select_usable_flights(read_bags(bags), vehicle).flights)
+
+
+@pytest.fixture(scope='module')
+def wrong(vehicle: Vehicle, tmp_path_factory: pytest.TempPathFactory) -> list[Role]:
+    return read_flights(vehicle, tmp_path_factory.mktemp('wrong'), is_right=False)
+
+
+def make_value(
+    name: str, before: float, value: float, deviation: float, flight: str = ''
+) -> CalibratedValue:
+    """Return a calibrated value."""
+    ends = (value - 1.96 * deviation, value + 1.96 * deviation)
+    return CalibratedValue(name, '1', flight, before, value, ends, True, True, ())
+
+
+def make_calibration(
+    nominal: NominalVehicle, *values: CalibratedValue, after: float = 0.02
+) -> Calibration:
+    """Return a calibration with some values and a forecast error. [m]"""
+    score = ForecastScore(3.0, (0.2, 0.3), (0.5, 0.2), (after, 0.4 * after), 20)
+    calibrated = nominal.with_value('wrench_gain', 'surge', 0.3)
+    return Calibration('gtmab', nominal, calibrated, values, {'train': (score,)}, 'likelihood', {})
+
+
+GAIN = make_value('wrench_gain.surge', 1.0, 0.3, 0.01)
+
+
+def test_a_right_file_is_not_even_calibrated(
+    vehicle: Vehicle, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise AssertionError
+
+    monkeypatch.setattr(first_step, 'calibrate_flights', refuse)
+    flights = read_flights(vehicle, tmp_path, is_right=True)
+    assert calibrate_first(vehicle, 'gtmab', flights, lambda _what, _part: None) is None
+
+
+@pytest.mark.parametrize(
+    ('values', 'after', 'called'),
+    [
+        ((GAIN,), 0.02, True),
+        ((GAIN,), 0.45, False),  # forecasts hardly better than the file's
+        ((make_value('wrench_gain.surge', 1.0, 0.7, 0.01),), 0.02, False),  # a usual gain
+        ((make_value('wrench_gain.surge', 1.0, 0.3, 0.3),), 0.02, False),  # not sure
+        ((make_value('marker_offset.pitch', 0.0, 0.09, 0.002),), 0.02, True),
+        ((make_value('marker_offset.x', 0.0, 0.015, 0.001),), 0.02, False),
+        ((make_value('cg_offset.x', 0.0, 0.02, 1e-4),), 0.02, False),  # discovery names it
+        ((make_value('rotor_1.thrust', 1.0, 0.7, 0.01),), 0.02, False),  # a fault has a name
+        ((make_value('rotor_1.thrust', 1.0, -0.7, 0.01),), 0.02, True),
+        (tuple(make_value('net_lift.force', 0.0, force, 1e-4, name)
+               for name, force in (('A', 0.021), ('B', 0.012))), 0.02, True),
+        (tuple(make_value('net_lift.force', 0.0, force, 1e-4, name)
+               for name, force in (('A', 0.021), ('B', 0.020))), 0.02, False),
+    ],
+)  # fmt: skip
+def test_what_calls_for_a_calibration(
+    vehicle: Vehicle,
+    wrong: list[Role],
+    monkeypatch: pytest.MonkeyPatch,
+    values: tuple[CalibratedValue, ...],
+    after: float,
+    *,
+    called: bool,
+) -> None:
+    nominal = NominalVehicle.from_vehicle(vehicle)
+    found = make_calibration(nominal, *values, after=after)
+    monkeypatch.setattr(first_step, '_is_suspicious', lambda *_: True)
+    monkeypatch.setattr(first_step, 'calibrate_flights', lambda *_, **__: found)
+    result = calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None)
+    assert result is (found if called else None)
+
+
+@pytest.mark.parametrize(('after', 'called'), [(0.05, True), (0.25, False)])
+def test_a_rough_calibration_has_to_forecast_much_better(
+    vehicle: Vehicle,
+    wrong: list[Role],
+    monkeypatch: pytest.MonkeyPatch,
+    after: float,
+    *,
+    called: bool,
+) -> None:
+    """A drag that is skewed looks like markers turned by 6 degrees, and halves the errors."""
+    found = make_calibration(NominalVehicle.from_vehicle(vehicle), GAIN, after=after)
+    found = replace(found, method='forecasts')
+    monkeypatch.setattr(first_step, '_is_suspicious', lambda *_: True)
+    monkeypatch.setattr(first_step, 'calibrate_flights', lambda *_, **__: found)
+    result = calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None)
+    assert (result is found) is called
+
+
+def test_wrong_gains_are_suspected_at_once(vehicle: Vehicle, wrong: list[Role]) -> None:
+    assert first_step._is_suspicious(vehicle, wrong)
+
+
+def test_a_short_flight_does_not_disable_the_first_fit(
+    vehicle: Vehicle, wrong: list[Role]
+) -> None:
+    """A flight of 2.4 s has forecasts over a second only; the other one has all."""
+    name, _, flight = wrong[1]
+    short = (name, 'train', restrict_to_interval(flight, 0.5, 0.6))
+    prepared = prepare_calibration(vehicle, [(wrong[0][0], 'train', wrong[0][2]), short])
+    flights = prepared.flights['train']
+    built = build_forecast_fitter(prepared.nominal, flights, LONG, 1.5)
+    assert built is not None
+    assert built[1] == [0]
+    built = build_forecast_fitter(prepared.nominal, flights, SHORT, 0.4)
+    assert built is not None
+    assert built[1] == [0, 1]
+
+
+def test_calibrated_numbers_are_no_candidates(vehicle: Vehicle) -> None:
+    """Tolerances are the usual ones, or the intervals if those are wider; drag stays an effect."""
+    nominal = NominalVehicle.from_vehicle(vehicle).with_value('wrench_gain', 'surge', 0.3)
+    values = [
+        GAIN,
+        make_value('marker_offset.x', 0.0, 0.1, 0.03),
+        make_value('command_delay.delay', 0.0, 0.2, 1e-4),
+        make_value('quadratic_drag.surge', 0.09, 0.2, 0.001),
+        make_value('net_lift.force', 0.0, 0.02, 1e-3, 'A'),
+        make_value('helium_leak.rate', 0.0, 1e-4, 1e-5, 'A'),
+    ]
+    before = {one.name: one for one in list_free_parameters(nominal, wrench=True)}
+    after = {one.name: one for one in apply_calibration(list(before.values()), nominal, values)}
+    assert after['wrench_gain.surge'].tolerance == pytest.approx(0.2 * 0.3)
+    assert after['wrench_gain.yaw'] == before['wrench_gain.yaw']
+    assert after['marker_offset.x'].tolerance == pytest.approx(0.03)
+    assert after['command_delay.delay'].tolerance == pytest.approx(0.005)
+    assert before['command_delay.delay'].typical > 0.0
+    assert after['command_delay.delay'].typical == 0.0
+    assert after['quadratic_drag.surge'] == before['quadratic_drag.surge']
+    assert after['net_lift.force'].tolerance > 0.03
+    assert after['net_lift.force'].typical == 0.0
+    assert after['helium_leak.rate'].per_flight
+    assert after['helium_leak.rate'].tolerance == pytest.approx(1e-4)
+    assert after['helium_leak.rate'].low == -math.inf
+
+
+def test_a_calibration_has_a_section_of_its_own(vehicle: Vehicle, tmp_path: Path) -> None:
+    nominal = NominalVehicle.from_vehicle(vehicle)
+    finding = StudyResult('none', (), (), (), (), False, (), (), 1, {}, 'gtmab')
+    assert render_calibration(finding) == ''
+    assert to_dict(finding)['calibration'] is None
+    lift = replace(make_value('net_lift.force', 0.0, 0.02, 1e-3, 'A'), unit='N')
+    finding = replace(finding, calibration=make_calibration(nominal, GAIN, lift))
+    headline = format_headline(finding)
+    assert headline.startswith(
+        'Calibrated first (surge: 30 % of the commanded force arrives; net lift: 20 mN). '
+    )
+    assert 'calibrated.yaml' in format_advice(finding)
+    commands = list_learned_file_commands(finding, tmp_path)
+    assert all('calibrated.yaml' in one for one in commands.values())
+    section = render_calibration(finding)
+    assert 'Calibration: numbers any vehicle file must have' in section
+    assert '50 cm with the vehicle file, 2 cm calibrated, 20 cm if the vehicle coasted' in section
+    file = io.StringIO()
+    print_finding(finding, Console(file=file, width=120))
+    said = file.getvalue()
+    for text in (section, said):
+        assert 'wrench gain (surge)' in text
+        assert 'net lift, A' in text
+    told = to_dict(finding)['calibration']
+    assert told['values'][0]['value'] == pytest.approx(0.3)
+
+
+def rotor_wrench(nominal: NominalVehicle, rotor: int, duty: float) -> np.ndarray:
+    """Return the wrench of a rotor at a duty."""
+    a, b = (nominal.parameter_value('thrust_curve', f'{part}_{rotor}') for part in 'ab')
+    column = [nominal.parameter_value('rotor_thrust', f'{axis}_{rotor}') for axis in AXES]
+    return np.multiply(column, a * duty**2 + b * duty)
+
+
+def test_a_rotor_that_pushes_backwards_has_a_sign_in_the_file(
+    vehicle: Vehicle, tmp_path: Path
+) -> None:
+    """All rotors keep one thrust curve, as control laws need; the columns have the shares."""
+    nominal = NominalVehicle.from_vehicle(vehicle)
+    wanted = nominal
+    for rotor, share in enumerate((0.9, 2.2, -1.78, 1.0), start=1):
+        for part in (f'a_{rotor}', f'b_{rotor}'):
+            thrust = share * nominal.parameter_value('thrust_curve', part)
+            wanted = wanted.with_value('thrust_curve', part, thrust)
+    found = replace(make_calibration(nominal), calibrated=wanted)
+    path = tmp_path / 'calibrated.yaml'
+    text = find_file('vehicle', 'gtmab').read_text(encoding='utf-8')
+    path.write_text(format_calibrated_vehicle(text, vehicle, found, 'a test'))
+    read = load_vehicle(str(path))
+    assert read.full_thrust == pytest.approx(2.2 * vehicle.full_thrust)
+    assert read.allocation[2][0] == pytest.approx(-1.78 / 2.2 * vehicle.allocation[2][0])
+    for rotor in range(1, 5):
+        np.testing.assert_allclose(
+            rotor_wrench(NominalVehicle.from_vehicle(read), rotor, 0.4),
+            rotor_wrench(wanted, rotor, 0.4),
+            rtol=1e-9,
+            atol=1e-12,
+        )
