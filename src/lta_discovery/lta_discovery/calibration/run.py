@@ -11,11 +11,11 @@ from lta_discovery.calibration.calibrated_file import (
     format_calibrated_vehicle,
     format_calibration_source,
 )
-from lta_discovery.calibration.calibration import calibrate_flights
+from lta_discovery.calibration.calibration import calibrate_flights, Calibration
 from lta_discovery.calibration.report import build_report
 from lta_discovery.flights.bags import read_bags, Role
 from lta_discovery.flights.usable_flights import select_usable_flights
-from lta_model.vehicle import load_vehicle
+from lta_model.vehicle import load_vehicle, Vehicle
 from lta_report.report import Report
 
 Tell = Callable[[str, float | None], None]
@@ -46,9 +46,12 @@ def calibrate_vehicle(
     flights = read_bags(bags, robot, lambda bag: tell(f'reading {bag}', None))
     tell('checking data quality', None)
     usable = select_usable_flights(flights, vehicle)
-    found = replace(
-        calibrate_flights(vehicle, name, usable.flights, tell), warnings=usable.warnings
-    )
+    found = calibrate_flights(vehicle, name, usable.flights, tell)
+    return report_calibration(vehicle, name, replace(found, warnings=usable.warnings))
+
+
+def report_calibration(vehicle: Vehicle, name: str, found: Calibration) -> Report:
+    """Return the report of a calibration with the calibrated vehicle file, if there is one."""
     if found.method == 'file':
         return build_report(found, None)
     text = find_file('vehicle', name).read_text(encoding='utf-8')

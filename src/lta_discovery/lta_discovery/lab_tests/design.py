@@ -159,7 +159,9 @@ def _design_swings(vehicle: Vehicle) -> Iterator[LabTest]:
 def _design_steps(vehicle: Vehicle, room: float) -> Iterator[LabTest]:
     """Yield a step on each axis on which the rotors push, in the first direction that they can."""
     pushes = {axis: _largest_push(vehicle, axis) for axis in STEPS}
-    strongest = max((push.most for axis, push in pushes.items() if push and axis != 'yaw'), default=0.0)
+    strongest = max(
+        (push.most for axis, push in pushes.items() if push and axis != 'yaw'), default=0.0
+    )
     for axis, push in pushes.items():
         # A side force of a hundredth is a tilt of the rotors, no axis of command
         if push is not None and (axis == 'yaw' or push.most > WEAKEST * strongest):

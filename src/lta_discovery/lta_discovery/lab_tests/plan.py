@@ -63,8 +63,8 @@ class PlannedTest:
     Attributes
     ----------
     informs : tuple of (str, float)
-        Parameters that it teaches alone, the best known first, with the remaining share of their
-        deviation.
+        Parameters that it teaches alone, with the remaining share of their deviation; first those
+        that other tests teach less well.
     best_for : tuple of str
         Parameters that it teaches much better than all shorter tests.
     room : tuple of float
@@ -142,9 +142,12 @@ def plan_lab_tests(
     planned = []
     drilled = [k for k, test in enumerate(tests) if test.kind != 'free_flight']
     for k, (test, flight) in enumerate(zip(tests, flights, strict=True)):
-        order = [j for j in np.argsort(alone[k]) if alone[k, j] < KNOWN]
-        others = [i for i in drilled if tests[i].seconds < test.seconds]
-        best = [j for j in order if gains[k, j] > MORE * gains[others, j].max(initial=0.0)]
+        shorter = [i for i in drilled if tests[i].seconds < test.seconds]
+        others = [i for i in drilled if i != k]
+        lead = gains[k] / np.maximum(gains[others].max(axis=0), 1e-9 * before)
+        # First what it teaches and others do not
+        order = [j for j in np.argsort(-lead) if alone[k, j] < KNOWN]
+        best = [j for j in order if gains[k, j] > MORE * gains[shorter, j].max(initial=0.0)]
         planned.append(
             PlannedTest(
                 test,

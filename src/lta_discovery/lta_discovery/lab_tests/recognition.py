@@ -118,9 +118,7 @@ def _count_changes(values: Array) -> int:
     return count
 
 
-def _recognise_free_motion(
-    flight: MeasuredFlight, begin: int
-) -> tuple[RecognisedTest, ...]:
+def _recognise_free_motion(flight: MeasuredFlight, begin: int) -> tuple[RecognisedTest, ...]:
     """Return the tests of a vehicle without changing commands, from a grid point on."""
     quaternion = flight.quaternion[begin:]
     known = np.isfinite(quaternion).all(axis=1)
