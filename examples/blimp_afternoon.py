@@ -8,8 +8,8 @@ challenge`, which shares no code with the models of LTA. It differs from the veh
 what blimps differ in: 0.3 of the commanded forward force arrives, the pendulum is 40 % faster, the
 marker frame is 3 to 15 degrees off, and 0 to 50 mN of lift are different in each flight.
 
-`afternoon/tests` gets the tests and free flights, `afternoon/unseen` a step and flights for a check
-of the result, and `truth.json` what was hidden.
+`afternoon/tests` gets the tests and free flights, `afternoon/unseen` a step and flights that check
+the result, and `truth.json` what was hidden.
 """
 
 import argparse

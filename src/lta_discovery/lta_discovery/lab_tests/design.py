@@ -125,9 +125,10 @@ def list_designed_tests(vehicle: Vehicle, room: float = ROOM) -> list[LabTest]:
 
     """
     if abs(vehicle.heaviness) > HEAVIEST * vehicle.mass:
+        share = 100.0 * vehicle.heaviness / vehicle.mass
         raise BadInput(
-            f"'{vehicle.file.name}' is {vehicle.heaviness / vehicle.mass:.0%} heavier than the air "
-            'that it displaces and does not float; the list is for vehicles that float.'
+            f"The gas of '{vehicle.file.name}' does not carry {share:.0f} % of its weight; "
+            'the list is for vehicles that float, so choose one.'
         )
     steps = list(_design_steps(vehicle, room))
     if not steps:
@@ -147,7 +148,7 @@ def list_designed_tests(vehicle: Vehicle, room: float = ROOM) -> list[LabTest]:
 def _design_swings(vehicle: Vehicle) -> Iterator[LabTest]:
     """Yield the swings: until the pendulum has come to rest."""
     for about in ('roll', 'pitch'):
-        mode = compute_pendulum_mode(vehicle, about)  # type: ignore[arg-type]
+        mode = compute_pendulum_mode(vehicle, about)
         if mode.period is None:
             continue
         halving = mode.half_amplitude_time or math.inf

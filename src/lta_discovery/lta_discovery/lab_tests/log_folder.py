@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Final, final, NamedTuple
 
 from lta_config.errors import BadInput
+from lta_config.schema.import_file import load_mapping
 from lta_data.bag.bag_folder import find_bag
 from lta_data.importers.draft.choices import DraftQuestion
 from lta_data.importers.draft.draft_mapping import draft_mapping
@@ -83,9 +84,7 @@ def _list_logs(folder: Path) -> Iterator[Path]:
     """Yield the logs directly in a folder: files, bags, and folders with a file per sensor."""
     files = {*list_run_files(folder)}
     for path in sorted(folder.iterdir()):
-        if path in files:
-            yield path
-        elif path.is_dir() and path.name[0] != '.' and _holds_log(path):
+        if path in files or (path.is_dir() and path.name[0] != '.' and _holds_log(path)):
             yield path
 
 
@@ -107,7 +106,8 @@ def _find_mapping(log: Path, folder: Path, given: str | None) -> str | None:
     if format_ in COLUMNS:
         return given or ''
     # Bags of ours need no mapping; other formats have a shipped one
-    return given if format_ == 'bag' and given is not None else FORMATS[format_].mapping
+    fits = given is not None and load_mapping(given)[0].format == format_
+    return given if fits else FORMATS[format_].mapping
 
 
 def _draft_mappings(logs: Sequence[Path], answers: Mapping[str, str]) -> dict[Path, str]:

@@ -25,8 +25,8 @@ from lta_discovery.flights.windows import Windows
 from lta_discovery.lab_tests.design import (
     LabTest,
     list_designed_tests,
-    rest_duties,
     REST,
+    rest_duties,
     ROOM,
     step_duties,
 )
@@ -191,7 +191,7 @@ def rehearse_test(
 ) -> MeasuredFlight:
     """Return the flight of a test with the model of the vehicle file, as a tracker sees it."""
     count = round(test.seconds / PERIOD)
-    time = PERIOD * np.arange(count + 1)
+    time = PERIOD * np.arange(count + 1, dtype=np.float64)
     weight = vehicle.heaviness * STANDARD_GRAVITY
     if test.is_neutral:
         nominal = nominal.with_value('net_lift', 'force', weight)

@@ -75,8 +75,8 @@ def build_plan_report(plan: LabPlan, vehicle: Vehicle) -> Report:
         command='tests plan',
         subject=plan.vehicle,
         headline=(
-            f'{format_count(flights, "log")} with {seconds / 60.0:.0f} minutes of motion calibrate '
-            f'{plan.vehicle}.'
+            f'{format_count(flights, "log")} with {seconds / 60.0:.0f} minutes of motion '
+            f'calibrate {plan.vehicle}.'
         ),
         introduction=(
             'The list follows from the vehicle file: each test was rehearsed with its model, and '

@@ -5,14 +5,17 @@ A log may be several tests: a step in yaw whose command ends is a spin-down too.
 files play no role.
 """
 
+from collections.abc import Sequence
 import math
 from typing import Final, final, NamedTuple
 
 from lta_discovery.flights.measured_flight import MeasuredFlight, PERIOD, Stream
 from lta_discovery.lab_tests.design import Kind
 from lta_discovery.model.quaternions import rotation_matrix
+from lta_discovery.page.formatting import join_words
 from lta_model.effects.protocol import AXES
 from lta_model.vehicle import Vehicle
+from lta_report.formatting import format_count
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,7 +23,7 @@ Array = NDArray[np.float64]
 
 MOVED: Final = 0.1  # of the largest command of a kind (force, moment): an axis that is commanded
 JUMP: Final = 0.2  # of the range of an axis; a change that counts
-LEVELS: Final = 3  # most changes of a step
+LEVELS: Final = 3  # most changes of a command that is stepped
 SMALL: Final = 0.4  # of the largest command; a further axis below it may trim or hold the altitude
 SWUNG: Final = math.radians(4.0)  # rad; amplitude of a swing
 SPUN: Final = math.radians(15.0)  # rad/s; yaw rate of a spin-down when it begins
@@ -62,16 +65,20 @@ def recognise_tests(flight: MeasuredFlight, vehicle: Vehicle) -> tuple[Recognise
     if not moved:
         return _recognise_free_motion(flight, 0)
     changes = {axis: _count_changes(orders.values[:, AXES.index(axis)]) for axis in moved}
-    single = [axis for axis in moved if changes[axis] <= LEVELS]
-    if len(moved) > 1 or not single:
-        words = ', '.join(moved)
-        count = max(changes.values())
-        return (RecognisedTest('free_flight', '', f'{count} changes of {words} commands'),)
-    axis = single[0]
-    size = float(np.ptp(orders.values[:, AXES.index(axis)]))
+    most = max(changes.values())
+    if most > LEVELS:
+        words = f'{format_count(most, "change")} of the commands of {join_words(moved)}'
+        return (RecognisedTest('free_flight', '', words),)
+    # A rotor off the axis pushes and turns: a step on both
+    steps = [_describe_step(orders, axis) for axis in moved]
+    return (*steps, *_recognise_coasting(flight, orders, moved))
+
+
+def _describe_step(orders: Stream, axis: str) -> RecognisedTest:
+    """Return the step of an axis."""
+    size = 1e3 * float(np.ptp(orders.values[:, AXES.index(axis)]))
     unit = 'mN' if axis in AXES[:3] else 'mN m'
-    step = RecognisedTest('step', axis, f'only {axis} changes, by {1e3 * size:.3g} {unit}')
-    return (step, *_recognise_coasting(flight, orders, axis))
+    return RecognisedTest('step', axis, f'a command in {axis} of {size:.3g} {unit} that is held')
 
 
 def read_commanded_wrench(flight: MeasuredFlight, vehicle: Vehicle) -> Stream:
@@ -148,16 +155,15 @@ def _recognise_free_motion(flight: MeasuredFlight, begin: int) -> tuple[Recognis
 
 
 def _recognise_coasting(
-    flight: MeasuredFlight, orders: Stream, axis: str
+    flight: MeasuredFlight, orders: Stream, moved: Sequence[str]
 ) -> tuple[RecognisedTest, ...]:
     """Return the spin-down after a step in yaw that ends."""
-    values = orders.values[:, AXES.index(axis)]
-    idle = np.abs(values) < MOVED * np.abs(values).max()
-    if axis != 'yaw' or not idle[-1]:
+    if 'yaw' not in moved:
         return ()
-    ended = orders.time[np.flatnonzero(~idle)[-1]]
-    begin = int(np.searchsorted(flight.time, ended)) + 1
-    if (len(flight.time) - begin) * PERIOD < COASTED:
+    values = np.abs(orders.values[:, AXES.index('yaw')])
+    busy = np.flatnonzero(values >= MOVED * values.max())
+    begin = int(np.searchsorted(flight.time, orders.time[busy[-1]])) + 1
+    if busy[-1] == len(values) - 1 or (len(flight.time) - begin) * PERIOD < COASTED:
         return ()
     found = _recognise_free_motion(flight, begin)
     return tuple(one for one in found if one.kind == 'spin_down')

@@ -83,7 +83,8 @@ def format_instruction(test: LabTest) -> str:
     if test.kind == 'float':
         return f'let it float without commands for {seconds}'
     if test.kind == 'spin_down':
-        return f'turn it by hand to {DEGREES * test.rate:.0f} degrees/s, and let it turn for {seconds}'
+        rate = f'{DEGREES * test.rate:.0f} degrees/s'
+        return f'turn it by hand to {rate}, and let it turn for {seconds}'
     if test.kind == 'free_flight':
         return f'fly for {seconds} with commands on all axes that change every second or two'
     return f'command {format_amplitude(test, (), ())} for {seconds}'
