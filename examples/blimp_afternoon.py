@@ -28,7 +28,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 Draw = np.random.Generator
-FASTER = 1.4  # rate of the pendulum, relative to the file
+LOWER = 1.4  # distance of the centre of gravity below the hull centre, relative to the file
+LIGHTER = 0.64  # inertia, relative to the file; with LOWER, the pendulum is 1.4 times as fast
 SURGE = 0.3  # share of the commanded forward force that arrives
 LIFT = 0.05  # N; largest net lift beyond the file's
 MARKERS = (3.0, 15.0)  # degrees; rotation of the marker frame
@@ -63,9 +64,8 @@ def draw_blimp(draw: Draw) -> VehicleTruth:
     turn = Rotation.from_rotvec(angle * way / np.linalg.norm(way))
     return replace(
         file,
-        # A lower centre of gravity and less inertia: both make the pendulum faster
-        cg=(0.004, -0.003, 1.35 * file.cg[2]),
-        inertia=tuple(each / (FASTER**2 / 1.35) for each in file.inertia),
+        cg=(0.004, -0.003, LOWER * file.cg[2]),
+        inertia=tuple(LIGHTER * each for each in file.inertia),
         drag=tuple(each * draw.uniform(0.8, 1.25) for each in file.drag),
         turn_linear=tuple(each * draw.uniform(0.7, 1.4) for each in file.turn_linear),
         turn_square=tuple(each * draw.uniform(0.7, 1.4) for each in file.turn_square),

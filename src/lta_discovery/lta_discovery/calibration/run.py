@@ -11,8 +11,9 @@ from lta_discovery.calibration.calibrated_file import (
     format_calibrated_vehicle,
     format_calibration_source,
 )
-from lta_discovery.calibration.calibration import calibrate_flights, Calibration
+from lta_discovery.calibration.calibration import calibrate_flights
 from lta_discovery.calibration.report import build_report
+from lta_discovery.calibration.result import Calibration
 from lta_discovery.flights.bags import read_bags, Role
 from lta_discovery.flights.usable_flights import select_usable_flights
 from lta_model.vehicle import load_vehicle, Vehicle

@@ -6,7 +6,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Final, final
 
-from lta_discovery.calibration.calibration import calibrate_flights, Calibration
+from lta_discovery.calibration.calibration import calibrate_flights
+from lta_discovery.calibration.result import Calibration
 from lta_discovery.flights.bags import read_bags
 from lta_discovery.flights.measured_flight import PERIOD
 from lta_discovery.flights.usable_flights import LEAST, select_usable_flights, UsableFlights
@@ -87,7 +88,9 @@ def read_lab_tests(
     tell('checking data quality', None)
     usable = select_usable_flights(recordings, vehicle)
     tests = {title: recognise_tests(flight, vehicle) for title, _, flight in usable.flights}
-    found = calibrate_flights(vehicle, name, _hold_back_flight(usable, tests), tell)
+    flights = _hold_back_flight(usable, tests).flights
+    found = calibrate_flights(vehicle, name, flights, tell)
+    found = replace(found, warnings=usable.warnings)
     wrench = any(flight.wrench is not None for _, _, flight in usable.flights)
     plan = plan_lab_tests(vehicle, name, 'wrench' if wrench else 'rotors')
     seconds = {title: PERIOD * float(flight.usable.sum()) for title, _, flight in usable.flights}

@@ -55,7 +55,9 @@ def test_two_readings_ask_with_the_option_that_decides(tmp_path: Path) -> None:
     folder = tmp_path / 'lab'
     folder.mkdir()
     write_log(folder / 'float.csv', height=0.0)
-    with pytest.raises(BadInput, match=r"'float.csv': .* Decide with --set world\.up=\w+ \(.*\) or"):
+    with pytest.raises(
+        BadInput, match=r"'float.csv': .* Decide with --set world\.up=\w+ \(.*\) or"
+    ):
         opened(folder, tmp_path / 'scratch')
 
 
