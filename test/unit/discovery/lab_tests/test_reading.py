@@ -128,9 +128,7 @@ def test_the_blimp_of_the_tutorial_is_the_one_that_it_describes(example: ModuleT
         assert blimp.wrench_gains[0] == 0.3
         turn = example.Rotation.from_euler('ZYX', blimp.marker_turn).magnitude()
         assert 3.0 <= math.degrees(turn) <= 15.0
-        ratio = math.sqrt(
-            (blimp.cg[2] / file.cg[2]) * (own_inertia(file) / own_inertia(blimp))
-        )
+        ratio = math.sqrt((blimp.cg[2] / file.cg[2]) * (own_inertia(file) / own_inertia(blimp)))
         assert ratio == pytest.approx(1.4, abs=0.02)
 
 
