@@ -89,25 +89,25 @@ def _list_logs(folder: Path) -> Iterator[Path]:
 
 
 def _holds_log(path: Path) -> bool:
-    """Return whether a folder is a bag, a results folder with one, or has data files."""
+    """Return whether a folder is one log: a bag, or a file for each sensor; not several runs."""
     try:
-        return detect_format(find_bag(path)) in ('bag', 'folder')
+        return detect_format(find_bag(path)) == 'bag' or read_source(path).format == 'folder'
     except BadInput:
         return False
 
 
-def _find_mapping(log: Path, folder: Path, given: str | None) -> str | None:
+def _find_mapping(log: Path, folder: Path, requested: str | None) -> str | None:
     """Return the mapping of a log; '' if it has to be drafted, None if it needs none."""
     beside = folder / f'{log.name.split(".")[0]}.yaml'
     for path in (beside, folder / MAPPING):
-        if given is None and path.is_file():
-            given = str(path)
+        if requested is None and path.is_file():
+            requested = str(path)
     format_ = detect_format(find_bag(log))
     if format_ in COLUMNS:
-        return given or ''
+        return requested or ''
     # Bags of ours need no mapping; other formats have a shipped one
-    fits = given is not None and load_mapping(given)[0].format == format_
-    return given if fits else FORMATS[format_].mapping
+    fits = requested is not None and load_mapping(requested)[0].format == format_
+    return requested if fits else FORMATS[format_].mapping
 
 
 def _draft_mappings(logs: Sequence[Path], answers: Mapping[str, str]) -> dict[Path, str]:

@@ -125,7 +125,7 @@ def _hold_back_flight(
 def list_missing_tests(
     plan: LabPlan,
     tests: Mapping[str, Sequence[RecognisedTest]],
-    found: Calibration,
+    calibration: Calibration,
     rotors: Sequence[str],
 ) -> list[str]:
     """Return a sentence for each test that is missing and would teach what is not known yet."""
@@ -135,7 +135,7 @@ def list_missing_tests(
         test = planned.test
         if not planned.is_needed or (test.kind, test.axis) in done:
             continue
-        unknown = [name for name, _ in planned.informs if _is_unknown(name, found)]
+        unknown = [name for name, _ in planned.informs if _is_unknown(name, calibration)]
         if unknown:
             out.append(_format_missing(planned, unknown, rotors))
     free = sum(_is_free(each) for each in tests.values())
@@ -147,9 +147,9 @@ def list_missing_tests(
     return out
 
 
-def _is_unknown(name: str, found: Calibration) -> bool:
+def _is_unknown(name: str, calibration: Calibration) -> bool:
     """Return whether the flights have not taught a parameter."""
-    values = [one for one in found.values if one.name == name]
+    values = [one for one in calibration.values if one.name == name]
     return not any(one.is_known for one in values)
 
 

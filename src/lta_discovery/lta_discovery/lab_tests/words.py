@@ -55,7 +55,7 @@ def format_amplitude(test: LabTest, rotors: Sequence[str], duties: Sequence[floa
     """Return what is commanded, or how the vehicle is let go."""
     degrees = f'{DEGREES * test.tilt:.0f} degrees'
     if test.kind == 'swing':
-        return f'released from {degrees}'
+        return f'released from {degrees}; once more from {DEGREES * test.tilt / 4.0:.0f}'
     if test.kind == 'spin_down':
         return f'turned by hand to {DEGREES * test.rate:.0f} degrees/s'
     if test.kind == 'float':

@@ -61,6 +61,16 @@ def test_two_readings_ask_with_the_option_that_decides(tmp_path: Path) -> None:
         opened(folder, tmp_path / 'scratch')
 
 
+def test_a_folder_of_runs_is_no_log(tmp_path: Path) -> None:
+    """Of other tests, as the tutorial has beside its own."""
+    runs = tmp_path / 'lab' / 'unseen'
+    runs.mkdir(parents=True)
+    for name in ('a', 'b'):
+        write_log(runs / f'{name}.csv')
+    with pytest.raises(BadInput, match='holds no bag and no log file'):
+        opened(tmp_path / 'lab', tmp_path / 'scratch')
+
+
 @pytest.mark.parametrize(('made', 'said'), [(False, 'is not a folder'), (True, 'holds no bag')])
 def test_a_folder_without_logs_is_refused(tmp_path: Path, made: bool, said: str) -> None:
     if made:

@@ -121,7 +121,7 @@ def test_the_page_lists_the_afternoon(plan: LabPlan, gtmab: Vehicle) -> None:
         'weigh', 'float', 'swing in roll', 'swing in pitch', 'step in surge', 'step in heave',
         'step in yaw', 'spin-down', 'free flight 1', 'free flight 2',
     ]  # fmt: skip
-    assert table.rows[2][2:4] == ['released from 20 degrees', '40 s']
+    assert table.rows[2][2:4] == ['released from 20 degrees; once more from 5', '40 s']
     assert dict(why.rows)['swing in pitch'].startswith('damping in pitch')
     assert isinstance(report.data, dict)
     steps = [one for one in report.data['tests'] if one['kind'] == 'step']

@@ -19,7 +19,7 @@ from scipy.signal import find_peaks
 
 Array = NDArray[np.float64]
 GRAVITY = 9.80665  # m/s2; of the simulator
-RELEASES = (0.4, 0.35, 0.25)  # rad
+RELEASES = (0.4, 0.2, 0.08)  # rad; each log covers a part of the amplitudes
 # Linear and quadratic damping and inertia, by the vehicle file; rotation of the markers [rad]
 CASES = {
     'weak linear': (0.6, 1.4, 0.9, 0.15),
