@@ -16,7 +16,7 @@ from typing import Final, final
 from lta_discovery.calibration.calibrated_file import format_calibrated_vehicle, NAME
 from lta_discovery.calibration.calibration import calibrate_flights, prepare_calibration
 from lta_discovery.calibration.coarse_fit import find_calibration_start, QuickFit
-from lta_discovery.calibration.forecast_score import relative_error
+from lta_discovery.calibration.forecast_score import relative_error, relative_position_error
 from lta_discovery.calibration.result import CalibratedValue, Calibration
 from lta_discovery.flights.role_assignment import assign_roles, Role
 from lta_discovery.model.parameters import FreeParameter
@@ -81,7 +81,10 @@ def calibrate_first(
         return None
     found = calibrate_flights(vehicle, name, taught, tell, with_flows=False)
     scores = [*found.scores.get('train', ()), *found.scores.get('confirm', ())]
-    if found.method == 'file' or relative_error(scores) > BETTER or not any(_list_reasons(found)):
+    if found.method == 'file' or not any(_list_reasons(found)):
+        return None
+    # The lift of a flight shows in its positions alone
+    if min(relative_error(scores), relative_position_error(scores)) > BETTER:
         return None
     return found
 
