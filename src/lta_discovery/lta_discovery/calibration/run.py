@@ -51,15 +51,15 @@ def calibrate_vehicle(
     return report_calibration(vehicle, name, replace(found, warnings=usable.warnings))
 
 
-def report_calibration(vehicle: Vehicle, name: str, found: Calibration) -> Report:
+def report_calibration(vehicle: Vehicle, name: str, calibration: Calibration) -> Report:
     """Return the report of a calibration with the calibrated vehicle file, if there is one."""
-    if found.method == 'file':
-        return build_report(found, None)
+    if calibration.method == 'file':
+        return build_report(calibration, None)
     text = find_file('vehicle', name).read_text(encoding='utf-8')
-    source = format_calibration_source(found.bags['train'], read_commit() or 'unknown')
+    source = format_calibration_source(calibration.bags['train'], read_commit() or 'unknown')
     try:
-        calibrated = format_calibrated_vehicle(text, vehicle, found, source)
+        calibrated = format_calibrated_vehicle(text, vehicle, calibration, source)
     except BadInput as fault:
-        found = replace(found, warnings=(*found.warnings, str(fault)))
-        return build_report(found, None)
-    return build_report(found, calibrated)
+        calibration = replace(calibration, warnings=(*calibration.warnings, str(fault)))
+        return build_report(calibration, None)
+    return build_report(calibration, calibrated)
