@@ -119,6 +119,13 @@ ENERGY: Final = VerbGroup(
         'breakeven': Verb('energy.breakeven', 'breakeven'),
     },
 )
+TESTS: Final = VerbGroup(
+    'Plan the tests of an afternoon that calibrate a vehicle, and read their logs.',
+    {
+        'plan': Verb('tests.plan', 'plan'),
+        'read': Verb('tests.read', 'read'),
+    },
+)
 CFD: Final = VerbGroup(
     'Compute drag and rotor slipstreams from the shape of a vehicle (virtual wind tunnel).',
     {
@@ -165,6 +172,7 @@ VERBS: Final[dict[str, Verb | VerbGroup]] = {
     'bag': BAG,
     'hardware': HARDWARE,
     'compare': Verb('compare', 'compare'),
+    'tests': TESTS,
     'calibrate': Verb('calibrate', 'calibrate', several=('--train', '--confirm')),
     'discover': Verb('discover', 'discover', several=('--train', '--confirm', '--holdout')),
     'challenge': CHALLENGE,

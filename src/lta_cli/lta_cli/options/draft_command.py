@@ -106,15 +106,34 @@ def print_questions(draft: MappingDraft, console: Console) -> None:
 
 
 def ask_user(question: DraftQuestion, console: Console) -> str:
-    """Ask which reading is right, on the terminal."""
+    """
+    Ask which reading is right, on the terminal, until the answer is one of them.
+
+    Raises
+    ------
+    BadInput
+        If the input ends.
+
+    """
     names = [name for name, _ in question.options]
     console.print(question.reason, style='bold', highlight=False, markup=False)
     for name, meaning in question.options:
         console.print(f'  {name}: {meaning}', highlight=False, markup=False)
-    answer = ''
-    while answer not in names:
-        answer = str(typer.prompt(question.key, default=names[0]))
-    return answer
+    while True:
+        console.print(
+            f'{question.key} ({", ".join(names)}): ', end='', highlight=False, markup=False
+        )
+        try:
+            answer = input().strip()
+        except EOFError:
+            choices = ' or '.join(f'--set {question.key}={name}' for name in names)
+            raise BadInput(
+                f'The input ended before {question.key} was decided; repeat the command with '
+                f'{choices}.'
+            ) from None
+        if answer in names:
+            return answer
+        console.print(f"  '{answer}' is none of them.", highlight=False, markup=False)
 
 
 def print_first_seconds(draft: MappingDraft, console: Console) -> None:

@@ -16,7 +16,7 @@ from typing import Final, final
 from lta_discovery.calibration.calibrated_file import format_calibrated_vehicle, NAME
 from lta_discovery.calibration.calibration import calibrate_flights, prepare_calibration
 from lta_discovery.calibration.coarse_fit import find_calibration_start, QuickFit
-from lta_discovery.calibration.forecast_score import relative_error
+from lta_discovery.calibration.forecast_score import relative_error, relative_position_error
 from lta_discovery.calibration.result import CalibratedValue, Calibration
 from lta_discovery.flights.role_assignment import assign_roles, Role
 from lta_discovery.model.parameters import FreeParameter
@@ -83,7 +83,11 @@ def calibrate_first(
         return None
     found = calibrate_flights(vehicle, name, taught, tell, with_flows=False)
     scores = [*found.scores.get('train', ()), *found.scores.get('confirm', ())]
-    if relative_error(scores) > BETTER[found.method] or not any(_list_reasons(found)):
+    error = relative_error(scores)
+    if found.method == 'likelihood':
+        # The lift of a flight shows in its positions alone
+        error = min(error, relative_position_error(scores))
+    if error > BETTER[found.method] or not any(_list_reasons(found)):
         return None
     return found
 

@@ -90,3 +90,11 @@ def relative_error(scores: Sequence[ForecastScore]) -> float:
         for after, before in zip(one.after, one.before, strict=True)
     ]
     return float(np.sqrt(np.mean(np.square(ratios))))
+
+
+def relative_position_error(scores: Sequence[ForecastScore]) -> float:
+    """Return the error of the positions relative to the file's: below 1 is better."""
+    if not scores:
+        return 1.0
+    ratios = [one.after[0] / max(one.before[0], 1e-9) for one in scores]
+    return float(np.sqrt(np.mean(np.square(ratios))))

@@ -13,9 +13,10 @@ from lta_discovery.calibration.calibrated_file import (
 )
 from lta_discovery.calibration.calibration import calibrate_flights
 from lta_discovery.calibration.report import build_report
+from lta_discovery.calibration.result import Calibration
 from lta_discovery.flights.bags import read_bags, Role
 from lta_discovery.flights.usable_flights import select_usable_flights
-from lta_model.vehicle import load_vehicle
+from lta_model.vehicle import load_vehicle, Vehicle
 from lta_report.report import Report
 
 Tell = Callable[[str, float | None], None]
@@ -46,16 +47,19 @@ def calibrate_vehicle(
     flights = read_bags(bags, robot, lambda bag: tell(f'reading {bag}', None))
     tell('checking data quality', None)
     usable = select_usable_flights(flights, vehicle)
-    found = replace(
-        calibrate_flights(vehicle, name, usable.flights, tell), warnings=usable.warnings
-    )
-    if found.method == 'file':
-        return build_report(found, None)
+    found = calibrate_flights(vehicle, name, usable.flights, tell)
+    return report_calibration(vehicle, name, replace(found, warnings=usable.warnings))
+
+
+def report_calibration(vehicle: Vehicle, name: str, calibration: Calibration) -> Report:
+    """Return the report of a calibration with the calibrated vehicle file, if there is one."""
+    if calibration.method == 'file':
+        return build_report(calibration, None)
     text = find_file('vehicle', name).read_text(encoding='utf-8')
-    source = format_calibration_source(found.bags['train'], read_commit() or 'unknown')
+    source = format_calibration_source(calibration.bags['train'], read_commit() or 'unknown')
     try:
-        calibrated = format_calibrated_vehicle(text, vehicle, found, source)
+        calibrated = format_calibrated_vehicle(text, vehicle, calibration, source)
     except BadInput as fault:
-        found = replace(found, warnings=(*found.warnings, str(fault)))
-        return build_report(found, None)
-    return build_report(found, calibrated)
+        calibration = replace(calibration, warnings=(*calibration.warnings, str(fault)))
+        return build_report(calibration, None)
+    return build_report(calibration, calibrated)

@@ -25,11 +25,11 @@ THRUST: Final = 1.0  # relative; each rotor
 FLOWS: Final = {
     'linear_drag': 0.3,
     'quadratic_drag': 0.3,
-    'rotational_drag': 0.3,
     'hull_lift': 0.3,
     'added_mass': 0.1,
     'added_inertia': 0.1,
 }
+TURNING: Final = 0.5  # rad/s; rate at which linear and quadratic damping are compared
 MEASURED: Final = 0.05  # tolerance of these in a vehicle file that was measured
 PER_FLIGHT: Final = frozenset({'net_lift.force', 'helium_leak.rate'})
 # With poses alone the clock of the flight is that of the tracker
@@ -51,10 +51,27 @@ def prior_deviation(knob: FreeParameter, nominal: NominalVehicle) -> float:
     if effect == 'rotor_misalignment':
         # As in a file that was measured: without it, the markers would turn instead
         return knob.tolerance
+    if effect == 'rotational_drag':
+        return _damping_deviation(knob.name.partition('.')[2], nominal)
     if effect in FLOWS:
         # The tolerance of the file is a share of its value
         return knob.tolerance * FLOWS[effect] / MEASURED
     return CALIBRATION.get(knob.name, 0.0)
+
+
+def _damping_deviation(name: str, nominal: NominalVehicle) -> float:
+    """
+    Return the deviation of a damping of rotation: the whole damping of its axis.
+
+    Swings show how it divides into a linear and a quadratic part, one of which the file may lack.
+    """
+    axis = name.removesuffix('_2')
+    linear, square = (
+        abs(nominal.parameter_value('rotational_drag', f'{axis}{end}')) for end in ('', '_2')
+    )
+    if name == axis:
+        return max(linear, TURNING * square)
+    return max(square, linear / TURNING)
 
 
 # Tolerances of calibrated numbers that have none in discovery: a frame set by eye.

@@ -11,13 +11,42 @@ from dataclasses import replace
 from typing import Final
 
 from lta_discovery.finding import FlightShare, InformedParameter
+from lta_discovery.fit.evidence import Prior
+from lta_discovery.fit.flight_group import LinearizedGroup
 from lta_discovery.fit.joint_fit import JointFit
 from lta_discovery.model.parameters import FreeParameter
 import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
 
 KNOWN: Final = 0.8  # of the prior's deviation; a larger one means that no flight informs it
 SHARE: Final = 0.1  # of the information of all flights; flights with less are not listed
 MOST: Final = 12  # parameters
+
+
+def measure_information(group: LinearizedGroup, deviations: Array, prior: Prior) -> Array:
+    """
+    Return the information of each flight alone about each free parameter, shape (F, K).
+
+    What the flight adds to the inverse variance, with all other parameters free within their
+    priors.
+
+    Parameters
+    ----------
+    deviations : ndarray, shape (6,)
+        Of the latent wrench. [N, N m]
+
+    """
+    free = prior.free
+    inverse = np.linalg.inv(prior.covariance[np.ix_(free, free)])
+    before = np.diag(prior.covariance)[free]
+    gains = np.zeros((len(group.pieces), len(before)))
+    for gain, pieces in zip(gains, group.pieces, strict=True):
+        alone = replace(group, pieces=(pieces,)).reduce_flights(deviations)
+        after = np.diag(np.linalg.inv(alone.products[:-1, :-1][np.ix_(free, free)] + inverse))
+        gain[:] = np.maximum(1.0 / after - 1.0 / before, 0.0)
+    return gains
 
 
 def attribute_information(
@@ -32,15 +61,9 @@ def attribute_information(
         Names, in the order of the fit.
 
     """
-    prior, free = fit.prior, np.flatnonzero(fit.prior.free)
-    inverse = np.linalg.inv(prior.covariance[np.ix_(free, free)])
-    before = np.diag(prior.covariance)[free]
-    gains = np.zeros((len(flights), len(free)))
-    for gain, pieces in zip(gains, fit.group.pieces, strict=True):
-        alone = replace(fit.group, pieces=(pieces,)).reduce_flights(fit.deviations)
-        products = alone.products[np.ix_(free, free)]
-        after = np.diag(np.linalg.inv(products + inverse))
-        gain[:] = np.maximum(1.0 / after - 1.0 / before, 0.0)
+    free = np.flatnonzero(fit.prior.free)
+    gains = measure_information(fit.group, fit.deviations, fit.prior)
+    before = np.diag(fit.prior.covariance)[free]
     remaining = np.sqrt(np.diag(fit.fitted.covariance)[free] / before)
     out = []
     for place in np.argsort(remaining):

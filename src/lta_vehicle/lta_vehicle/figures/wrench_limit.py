@@ -45,11 +45,14 @@ class WrenchLimit:
         Force or moment; negative if the held weight outweighs the thrust. [N, N m]
     wrench : 6-tuple
         Wrench of these thrusts. [N, N m]
+    thrusts : tuple of float
+        Of each rotor; negative if it is reversed. [N]
 
     """
 
     most: float
     wrench: tuple[float, ...]
+    thrusts: tuple[float, ...]
 
 
 def solve_wrench_limit(
@@ -87,8 +90,11 @@ def solve_wrench_limit(
     )
     if solution.status != 0 or solution.fun is None or solution.x is None:
         return None
+    forward, reverse = solution.x[:-1].reshape(2, -1)
     return WrenchLimit(
-        -float(solution.fun), tuple(float(number) for number in wrench @ solution.x)
+        -float(solution.fun),
+        tuple(float(number) for number in wrench @ solution.x),
+        tuple(float(number) for number in forward - reverse),
     )
 
 

@@ -1,13 +1,18 @@
 """A drafted mapping brings the files of a laboratory to the flight that they came from."""
 
+import io
 import json
 
+from lta_cli.options.draft_command import ask_user
+from lta_config.errors import BadInput
 from lta_config.schema.import_file import load_mapping
+from lta_data.importers.draft.choices import DraftQuestion
 from lta_data.importers.draft.column_groups import group_columns
 from lta_data.importers.draft.draft_mapping import draft_mapping
 from lta_data.importers.draft.name_hints import parse_column_name
 import numpy as np
 import pytest
+from rich.console import Console
 from scipy.spatial.transform import Rotation
 
 from .csv_texts import ODOM
@@ -214,6 +219,8 @@ def test_without_a_terminal_both_readings_and_the_option_that_decides(call, tmp_
     assert status == 2
     assert '--set world.up=up' in told.out
     assert '--set world.up=down' in told.out
+    assert 'open: two readings fit' in told.out
+    assert 'as you decided' not in told.out
     assert not (tmp_path / 'out').exists()
 
 
@@ -245,6 +252,24 @@ def test_a_wrong_answer_is_one_sentence(call, tmp_path, words, sentence):
     status, told = call('import', '--draft', source, '--out', tmp_path / 'out', *words)
     assert status == 2
     assert sentence in ' '.join((told.out + told.err).split())
+
+
+def test_on_a_terminal_a_question_is_asked_until_it_is_answered(monkeypatch):
+    question = DraftQuestion('world.up', [('up', 'z is up'), ('down', 'z is down')], 'Both fit.')
+    console = Console(record=True, width=80, file=io.StringIO())
+    answers = iter(['', 'sideways', ' down '])
+    monkeypatch.setattr('builtins.input', lambda: next(answers))
+    assert ask_user(question, console) == 'down'
+    said = console.export_text()
+    assert said.count('world.up (up, down):') == 3
+    assert "'sideways' is none of them." in said
+
+    def end():
+        raise EOFError
+
+    monkeypatch.setattr('builtins.input', end)
+    with pytest.raises(BadInput, match=r'ended before world\.up .* --set world\.up=up or'):
+        ask_user(question, console)
 
 
 def test_a_published_flight_gets_the_shipped_mapping(measured):

@@ -77,6 +77,10 @@ class DraftChoices:
             raise unknown_name_error(f'answer to {key}', answer, names)
         return answer
 
+    def explain(self, key: str) -> str:
+        """Return why a reading of a question that arose was taken."""
+        return 'as you decided' if key in self.answers else 'open: two readings fit'
+
     def refuse_unused(self) -> None:
         """Raise BadInput for an answer to a question that does not arise."""
         unused = sorted({*self.answers} - self.used)

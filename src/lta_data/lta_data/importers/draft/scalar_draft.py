@@ -84,7 +84,7 @@ def _draft_actuators(
     if kind == '?':
         options = [('duty', f'a duty from 0 to 1 ({size:.3g})'), ('N', f'a force of {size:.3g} N')]
         kind = choices.decide(key, options, f'"thrust" up to {size:.3g} can be a duty or a force.')
-        why = 'as you decided'
+        why = choices.explain(key)
     kind = choices.override(key, kind)
     field = {'rpm': 'velocity', 'rad/s': 'velocity'}.get(kind, field)
     choices.add_reason('motors', columns, kind, why)

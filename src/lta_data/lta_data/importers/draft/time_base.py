@@ -112,7 +112,7 @@ def _read_time_column(
             for one in fitting or EPOCHS
         ]
         unit = choices.decide(key, options, 'The rate of the rows is plausible in each unit.')
-        why = 'as you decided'
+        why = choices.explain(key)
     unit = choices.override(key, unit)
     choices.add_reason(f'{prefix}time', [column], unit, why)
     first = cells[np.isfinite(cells)][0]

@@ -55,7 +55,7 @@ def find_axes(
     if not sign:
         options = [('up', 'z of the world points up'), ('down', 'z of the world points down')]
         answer = choices.decide(CONFLICT, options, why)
-        sign, why = (1 if answer == 'up' else -1), 'as you decided'
+        sign, why = (1 if answer == 'up' else -1), choices.explain(CONFLICT)
     sign = {'up': 1, 'down': -1}.get(choices.override(CONFLICT, ''), sign)
     down: Axes = 'NED' if axis_names == 'ned' else DOWN
     body_up = sign if same else -sign
@@ -149,7 +149,7 @@ def _find_without_attitude(
                 CONFLICT, options, 'The heights are on both sides of zero, and no attitude is '
                 'there.',
             )  # fmt: skip
-            sign, why = (1 if answer == 'up' else -1), 'as you decided'
+            sign, why = (1 if answer == 'up' else -1), choices.explain(CONFLICT)
         sign = {'up': 1, 'down': -1}.get(choices.override(CONFLICT, ''), sign)
         down: Axes = 'NED' if axis_names == 'ned' else DOWN
         world = 'ENU' if sign > 0 else down

@@ -1,0 +1,1 @@
+"""Commands of `lta tests`."""

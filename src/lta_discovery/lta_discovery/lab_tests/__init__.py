@@ -1,0 +1,1 @@
+"""Plan the tests of a laboratory for a vehicle, and read their logs."""

@@ -1,0 +1,155 @@
+"""Find the logs in a folder of tests, and import those that are no bags."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Final, final, NamedTuple
+
+from lta_config.errors import BadInput
+from lta_config.schema.import_file import load_mapping
+from lta_data.bag.bag_folder import find_bag
+from lta_data.importers.draft.choices import DraftQuestion
+from lta_data.importers.draft.draft_mapping import draft_mapping
+from lta_data.importers.draft.source_tables import COLUMNS, read_source
+from lta_data.importers.formats import detect_format, FORMATS
+from lta_data.importers.progress import ImportProgress
+from lta_data.importers.readers.sensor_folder import list_run_files
+from lta_data.importers.run import import_logs, ImportRequest
+from rich.console import Console
+
+MAPPING: Final = 'mapping.yaml'  # in the folder: for all its logs
+MCAP: Final = '.mcap'
+
+
+@final
+class LabLogs(NamedTuple):
+    """
+    The logs of a folder.
+
+    Attributes
+    ----------
+    bags : list of Path
+    drafts : dict of str to str
+        Drafted mappings by the name of a file.
+
+    """
+
+    bags: list[Path]
+    drafts: dict[str, str]
+
+
+def open_lab_folder(
+    folder: Path,
+    mapping: str | None,
+    answers: Mapping[str, str],
+    scratch: Path,
+    tell: Callable[[str], None],
+) -> LabLogs:
+    """
+    Return the bags of a folder; other logs are imported to a scratch folder.
+
+    The mapping of a log is the given one, NAME.yaml beside it, or mapping.yaml in the folder.
+    Without any of them it is drafted, once for all logs with the same columns.
+
+    Parameters
+    ----------
+    answers : mapping of str to str
+        Decisions for drafts, by key.
+
+    Raises
+    ------
+    BadInput
+        If there is no log, or one cannot be imported.
+
+    """
+    if not folder.is_dir():
+        raise BadInput(f"'{folder}' is not a folder; name the folder that holds the logs.")
+    logs = list(_list_logs(folder))
+    if not logs:
+        raise BadInput(
+            f"'{folder}' holds no bag and no log file; put the logs of the tests there."
+        )
+    mappings = {log: _find_mapping(log, folder, mapping) for log in logs}
+    drafts = _draft_mappings([log for log in logs if mappings[log] == ''], answers)
+    written: dict[str, str] = {}
+    for log, text in drafts.items():
+        if text not in written.values():
+            written['mapping.yaml' if not written else f'mapping_{len(written) + 1}.yaml'] = text
+        name = next(each for each, known in written.items() if known == text)
+        (scratch / name).write_text(text, encoding='utf-8')
+        mappings[log] = str(scratch / name)
+    return LabLogs([_open_log(log, mappings[log], scratch, tell) for log in logs], written)
+
+
+def _list_logs(folder: Path) -> Iterator[Path]:
+    """Yield the logs directly in a folder: files, bags, and folders with a file per sensor."""
+    files = {*list_run_files(folder)}
+    for path in sorted(folder.iterdir()):
+        if path in files or (path.is_dir() and path.name[0] != '.' and _holds_log(path)):
+            yield path
+
+
+def _holds_log(path: Path) -> bool:
+    """Return whether a folder is one log: a bag, or a file for each sensor; not several runs."""
+    try:
+        return detect_format(find_bag(path)) == 'bag' or read_source(path).format == 'folder'
+    except BadInput:
+        return False
+
+
+def _find_mapping(log: Path, folder: Path, requested: str | None) -> str | None:
+    """Return the mapping of a log; '' if it has to be drafted, None if it needs none."""
+    beside = folder / f'{log.name.split(".")[0]}.yaml'
+    for path in (beside, folder / MAPPING):
+        if requested is None and path.is_file():
+            requested = str(path)
+    format_ = detect_format(find_bag(log))
+    if format_ in COLUMNS:
+        return requested or ''
+    # Bags of ours need no mapping; other formats have a shipped one
+    fits = requested is not None and load_mapping(requested)[0].format == format_
+    return requested if fits else FORMATS[format_].mapping
+
+
+def _draft_mappings(logs: Sequence[Path], answers: Mapping[str, str]) -> dict[Path, str]:
+    """Return a drafted mapping for each log, from the one of its columns that decides most."""
+    alike: dict[tuple[object, ...], list[Path]] = {}
+    for log in logs:
+        source = read_source(log)
+        columns = tuple((name, *table) for name, table in source.tables.items())
+        alike.setdefault((source.format, columns), []).append(log)
+    out = {}
+    for same in alike.values():
+        # Long logs show most: a float alone cannot tell up from down
+        same.sort(key=lambda log: -log.stat().st_size)
+        text = _draft_first(same, answers)
+        out.update(dict.fromkeys(same, text))
+    return out
+
+
+def _draft_first(logs: Sequence[Path], answers: Mapping[str, str]) -> str:
+    """Return the first draft without an open question; raise `BadInput` with one otherwise."""
+    for log in logs:
+        draft = draft_mapping(log, answers)
+        if not draft.choices.questions:
+            return draft.text
+    raise BadInput(_format_question(logs[0], draft_mapping(logs[0], answers).choices.questions[0]))
+
+
+def _format_question(log: Path, question: DraftQuestion) -> str:
+    """Return an open question with the options that decide it."""
+    choices = ' or '.join(
+        f'--set {question.key}={name} ({meaning})' for name, meaning in question.options
+    )
+    return f"'{log.name}': {question.reason} Decide with {choices}."
+
+
+def _open_log(log: Path, mapping: str | None, scratch: Path, tell: Callable[[str], None]) -> Path:
+    """Return a bag as it is, or the bag of an imported log."""
+    bag = find_bag(log)
+    if mapping is None and (bag.is_dir() or bag.suffix == MCAP):
+        return log
+    tell(f'importing {log.name}')
+    out = scratch / log.name.split('.')[0]
+    progress = ImportProgress(Console(quiet=True), 1)
+    import_logs(ImportRequest([log], mapping), out, progress)
+    return out

@@ -1,0 +1,272 @@
+"""
+Choose the tests that a vehicle needs: rehearse each, and see which parameters it informs.
+
+A rehearsal flies the test with the model of the vehicle file and computes what its poses would
+teach (`selection.flight_information`). A test is needed if it teaches something much better than
+all shorter ones.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Final, final, Literal
+
+from lta_config.constants import STANDARD_GRAVITY
+from lta_discovery.fit.evidence import (
+    build_shared_prior,
+    compute_posterior,
+    per_flight_variance,
+    USUAL,
+    wrench_floor,
+)
+from lta_discovery.fit.flight_group import LinearizedGroup
+from lta_discovery.fit.joint_fit import JointFitter
+from lta_discovery.flights.measured_flight import CHANNELS, MeasuredFlight, PERIOD, Stream
+from lta_discovery.flights.windows import Windows
+from lta_discovery.lab_tests.design import (
+    LabTest,
+    list_designed_tests,
+    REST,
+    rest_duties,
+    ROOM,
+    step_duties,
+)
+from lta_discovery.model.calibration_parameters import list_calibration_parameters
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.planning.rehearsal import POSE, TURN
+from lta_discovery.replay.knot_count import count_needed_knots
+from lta_discovery.replay.linearized_flight import unchanged_vehicle_point
+from lta_discovery.replay.replay import FlightReplay, STEPS
+from lta_discovery.selection.flight_information import KNOWN, measure_information
+from lta_discovery.study import prepare_flight
+from lta_model.effects.protocol import AXES
+from lta_model.state import ACTUATORS
+from lta_model.vehicle import Vehicle
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Commands = Literal['rotors', 'wrench']
+
+HOLD: Final = (0.4, 1.6)  # s; shortest and mean time for which a pilot holds a command
+MORE: Final = 2.0  # times the information of any shorter test; a test that has it is needed
+HIGH: Final = 100.0  # m; rehearsals never meet the floor
+SEED: Final = 37  # of the commands of the free flight
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class PlannedTest:
+    """
+    A test with what it teaches.
+
+    Attributes
+    ----------
+    informs : tuple of (str, float)
+        Parameters that it teaches alone, with the remaining share of their deviation; first those
+        that other tests teach less well.
+    best_for : tuple of str
+        Parameters that it teaches much better than all shorter tests.
+    room : tuple of float
+        Largest horizontal and vertical extent of its path. [m]
+    is_needed : bool
+        Whether it belongs to the afternoon.
+
+    """
+
+    test: LabTest
+    informs: tuple[tuple[str, float], ...]
+    best_for: tuple[str, ...]
+    room: tuple[float, float]
+    is_needed: bool
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class LabPlan:
+    """
+    The tests of an afternoon.
+
+    Attributes
+    ----------
+    vehicle : str
+    commands : str
+        'rotors' or 'wrench'.
+    tests : tuple of PlannedTest
+        All that the vehicle can do, needed or not.
+    unknown : tuple of str
+        Parameters that no test teaches, not even all together.
+    weight : float
+        Weight that nothing carries while the rotors are off. [N]
+
+    """
+
+    vehicle: str
+    commands: Commands
+    tests: tuple[PlannedTest, ...]
+    unknown: tuple[str, ...]
+    weight: float
+
+
+def plan_lab_tests(
+    vehicle: Vehicle, name: str, commands: Commands = 'rotors', room: float = ROOM
+) -> LabPlan:
+    """
+    Plan the tests of an afternoon for a vehicle.
+
+    Parameters
+    ----------
+    commands : str
+        What the vehicle is commanded by: the duty of each rotor, or force and moment.
+    room : float
+        Longest way of a test. [m]
+
+    Raises
+    ------
+    BadInput
+        If the vehicle does not float, or cannot move.
+
+    """
+    tests, nominal = list_designed_tests(vehicle, room), NominalVehicle.from_vehicle(vehicle)
+    axes = [test.axis for test in tests if test.kind == 'step']
+    commanded = [commands == 'wrench' and axis in axes for axis in AXES]
+    # One afternoon has one gas filling: its lift is a number of the vehicle
+    knobs = [
+        replace(knob, per_flight=False)
+        for knob in list_calibration_parameters(nominal, commanded, only_pose=True)
+    ]
+    flights = [rehearse_test(vehicle, nominal, test, commands) for test in tests]
+    gains, remaining = _measure_tests(vehicle, nominal, flights, knobs)
+    before = np.array([knob.tolerance**-2.0 for knob in knobs])
+    alone = np.sqrt(before / (before + gains))
+    planned = []
+    drilled = [k for k, test in enumerate(tests) if test.kind != 'free_flight']
+    for k, (test, flight) in enumerate(zip(tests, flights, strict=True)):
+        shorter = [i for i in drilled if tests[i].seconds < test.seconds]
+        others = [i for i in drilled if i != k]
+        lead = gains[k] / np.maximum(gains[others].max(axis=0), 1e-9 * before)
+        # First what it teaches and others do not
+        order = [j for j in np.argsort(-lead) if alone[k, j] < KNOWN]
+        best = [j for j in order if gains[k, j] > MORE * gains[shorter, j].max(initial=0.0)]
+        planned.append(
+            PlannedTest(
+                test,
+                tuple((knobs[j].name, float(alone[k, j])) for j in order),
+                tuple(knobs[j].name for j in best) if k in drilled else (),
+                _path_extent(flight),
+                k not in drilled or bool(best),
+            )
+        )
+    unknown = tuple(knobs[j].name for j in np.flatnonzero(remaining > KNOWN))
+    weight = vehicle.heaviness * STANDARD_GRAVITY
+    return LabPlan(name, commands, tuple(planned), unknown, weight)
+
+
+def _measure_tests(
+    vehicle: Vehicle,
+    nominal: NominalVehicle,
+    flights: Sequence[MeasuredFlight],
+    knobs: Sequence[FreeParameter],
+) -> tuple[Array, Array]:
+    """
+    Return the information of each test alone, shape (F, K), and the deviation after all.
+
+    The deviation, shape (K,), is relative to that before.
+    """
+    ready = [prepare_flight(vehicle, flight, knobs) for flight in flights]
+    knots = count_needed_knots(ready, nominal)
+    ready = [one.with_knots(knots) for one in ready]
+    floor, prior = wrench_floor(nominal), build_shared_prior(knobs)
+    points = [unchanged_vehicle_point(nominal, knobs, one.replay.cut) for one in ready]
+    fitter = JointFitter(nominal, ready, per_flight_variance(knobs), floor)
+    group: LinearizedGroup = fitter.linearize_flights(points[0].values, points, prior)
+    gains = measure_information(group, USUAL * floor, prior)
+    after = compute_posterior(group.reduce_flights(USUAL * floor), group.at, prior).covariance
+    before = np.diag(prior.covariance)[: len(knobs)]
+    return gains[:, : len(knobs)], np.sqrt(np.diag(after)[: len(knobs)] / before)
+
+
+def rehearse_test(
+    vehicle: Vehicle, nominal: NominalVehicle, test: LabTest, commands: Commands
+) -> MeasuredFlight:
+    """Return the flight of a test with the model of the vehicle file, as a tracker sees it."""
+    count = round(test.seconds / PERIOD)
+    time = PERIOD * np.arange(count + 1, dtype=np.float64)
+    weight = vehicle.heaviness * STANDARD_GRAVITY
+    if test.is_neutral:
+        nominal = nominal.with_value('net_lift', 'force', weight)
+    duties, wrench = _build_commands(vehicle, test, commands, weight)
+    blank = MeasuredFlight(
+        time,
+        np.zeros((count + 1, 3)),
+        np.tile([0.0, 0.0, 0.0, 1.0], (count + 1, 1)),
+        np.full((count + 1, 8), np.nan),
+        np.array([POSE] * 3 + [TURN] * 3 + [np.inf] * (len(CHANNELS) - 6)),
+        np.ones(count + 1, dtype=np.bool_),
+        duties,
+        np.full(count + 1, np.nan),
+        wrench,
+    )
+    start = _release_state(test)[None]
+    whole = Windows(np.array([0]), count, start, np.ones((1, count), dtype=np.bool_))
+    replay = FlightReplay(blank, whole, vehicle.pack_command(()))
+    rows = replay.build_replay_rows(nominal)
+    none = np.zeros((1, replay.span, len(AXES)))
+    inputs = replay.compute_body_inputs(rows)
+    states = replay.integrate_pieces(rows, inputs, start, none)[0, ::STEPS]
+    return replace(blank, position=states[:, :3].copy(), quaternion=states[:, 3:7].copy())
+
+
+def _release_state(test: LabTest) -> Array:
+    """Return the state in which a vehicle is let go."""
+    state = np.zeros(13)
+    state[2] = HIGH
+    state[6] = np.cos(0.5 * test.tilt)
+    if test.tilt:
+        state[3 + ('roll', 'pitch', 'yaw').index(test.axis)] = np.sin(0.5 * test.tilt)
+    state[12] = test.rate
+    return state
+
+
+def _build_commands(
+    vehicle: Vehicle, test: LabTest, commands: Commands, weight: float
+) -> tuple[Stream, Stream | None]:
+    """Return the duties and the commanded wrench of a test."""
+    time, levels = _list_levels(test)
+    duties = np.zeros((len(time), len(vehicle.rotors)))
+    if commands == 'wrench':
+        wrench = np.zeros((len(time), len(AXES)))
+        for step, level in levels:
+            wrench[:, AXES.index(step.axis)] = step.size * level
+        if not test.is_neutral:
+            wrench[:, AXES.index('heave')] += weight
+        return Stream(time[:1], duties[:1, :ACTUATORS]), Stream(time, wrench)
+    if not test.is_neutral:
+        rest = np.array(rest_duties(vehicle))
+        duties += rest
+        for step, level in levels:
+            duties += level[:, None] * (np.array(step_duties(vehicle, step)) - rest)
+    lowest = [-1.0 if rotor.reversible else 0.0 for rotor in vehicle.rotors]
+    return Stream(time, np.clip(duties, lowest, 1.0)[:, :ACTUATORS]), None
+
+
+def _list_levels(test: LabTest) -> tuple[Array, list[tuple[LabTest, Array]]]:
+    """Return times [s], and the level of each step: 1 is the whole of it."""
+    if test.kind == 'step':
+        return np.array([0.0, REST]), [(test, np.array([0.0, 1.0]))]
+    if test.kind != 'free_flight':
+        return np.zeros(1), []
+    draw = np.random.default_rng(SEED)
+    time = np.arange(0.0, test.seconds, HOLD[0])
+    levels = []
+    for step in test.parts:
+        # A pilot holds each command for a while, on each axis by itself
+        held = np.cumsum(draw.random(len(time)) < HOLD[0] / HOLD[1])
+        levels.append((step, draw.choice([-1.0, 0.0, 1.0], len(time))[held - held[0]]))
+    return time, levels
+
+
+def _path_extent(flight: MeasuredFlight) -> tuple[float, float]:
+    """Return the horizontal and the vertical extent of a path. [m]"""
+    x, y, z = np.ptp(flight.position, axis=0)
+    return float(np.hypot(x, y)), float(z)

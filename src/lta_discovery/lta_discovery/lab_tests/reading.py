@@ -1,0 +1,164 @@
+"""Calibrate a vehicle from the logs of a laboratory, and say which tests are missing."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Final, final
+
+from lta_discovery.calibration.calibration import calibrate_flights
+from lta_discovery.calibration.result import Calibration
+from lta_discovery.flights.bags import read_bags
+from lta_discovery.flights.measured_flight import PERIOD
+from lta_discovery.flights.usable_flights import LEAST, select_usable_flights, UsableFlights
+from lta_discovery.lab_tests.log_folder import open_lab_folder
+from lta_discovery.lab_tests.plan import LabPlan, plan_lab_tests, PlannedTest
+from lta_discovery.lab_tests.recognition import recognise_tests, RecognisedTest
+from lta_discovery.lab_tests.words import format_instruction, name_parameters
+from lta_discovery.page.formatting import join_words
+from lta_model.vehicle import load_vehicle, Vehicle
+
+Tell = Callable[[str, float | None], None]
+
+NAMED: Final = 4  # parameters that a sentence names at most
+PAIR: Final = 2  # free flights of an afternoon
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class LabReading:
+    """
+    What the logs of a folder show.
+
+    Attributes
+    ----------
+    tests : mapping of str to RecognisedTest
+        Of each flight.
+    seconds : mapping of str to float
+        Usable time of each flight. [s]
+    missing : tuple of str
+        What would teach more, one sentence each.
+    drafts : mapping of str to str
+        Drafted mappings by file name.
+
+    """
+
+    vehicle: Vehicle
+    calibration: Calibration
+    tests: Mapping[str, tuple[RecognisedTest, ...]]
+    seconds: Mapping[str, float]
+    missing: tuple[str, ...]
+    drafts: Mapping[str, str]
+
+
+def read_lab_tests(
+    name: str,
+    folder: Path,
+    mapping: str | None,
+    answers: Mapping[str, str],
+    robot: str | None,
+    tell: Tell,
+) -> LabReading:
+    """
+    Calibrate a vehicle from the logs in a folder.
+
+    The last of several free flights confirms the calibration.
+
+    Parameters
+    ----------
+    mapping : str, optional
+        Of the logs that are no bags; drafted by default.
+    answers : mapping of str to str
+        Decisions for drafts, by key.
+
+    Raises
+    ------
+    BadInput
+        If the logs cannot be read, or are too poor to analyse.
+
+    """
+    vehicle = load_vehicle(name)
+    with TemporaryDirectory(prefix='lta-tests-') as scratch:
+        logs = open_lab_folder(
+            folder, mapping, answers, Path(scratch), lambda what: tell(what, None)
+        )
+        recordings = read_bags(
+            {'train': logs.bags}, robot, lambda bag: tell(f'reading {bag}', None)
+        )
+    tell('checking data quality', None)
+    usable = select_usable_flights(recordings, vehicle)
+    tests = {title: recognise_tests(flight, vehicle) for title, _, flight in usable.flights}
+    flights = _hold_back_flight(usable, tests).flights
+    found = calibrate_flights(vehicle, name, flights, tell)
+    found = replace(found, warnings=usable.warnings)
+    wrench = any(flight.wrench is not None for _, _, flight in usable.flights)
+    plan = plan_lab_tests(vehicle, name, 'wrench' if wrench else 'rotors')
+    seconds = {title: PERIOD * float(flight.usable.sum()) for title, _, flight in usable.flights}
+    missing = tuple(list_missing_tests(plan, tests, found, vehicle.rotor_names))
+    return LabReading(vehicle, found, tests, seconds, missing, logs.drafts)
+
+
+def _is_free(tests: Sequence[RecognisedTest]) -> bool:
+    """Return whether a log is a free flight."""
+    return any(one.kind == 'free_flight' for one in tests)
+
+
+def _hold_back_flight(
+    usable: UsableFlights, tests: Mapping[str, Sequence[RecognisedTest]]
+) -> UsableFlights:
+    """Return the flights with the last free one as confirmation, if the others suffice."""
+    free = [title for title, _, _ in usable.flights if _is_free(tests[title])]
+    others = sum(
+        PERIOD * float(flight.usable.sum())
+        for title, _, flight in usable.flights
+        if title not in free[-1:]
+    )
+    if len(free) < PAIR or others < LEAST:
+        return usable
+    flights = tuple(
+        (title, 'confirm' if title == free[-1] else role, flight)
+        for title, role, flight in usable.flights
+    )
+    return replace(usable, flights=flights)
+
+
+def list_missing_tests(
+    plan: LabPlan,
+    tests: Mapping[str, Sequence[RecognisedTest]],
+    calibration: Calibration,
+    rotors: Sequence[str],
+) -> list[str]:
+    """Return a sentence for each test that is missing and would teach what is not known yet."""
+    done = {(one.kind, one.axis) for each in tests.values() for one in each}
+    out = []
+    for planned in plan.tests:
+        test = planned.test
+        if not planned.is_needed or (test.kind, test.axis) in done:
+            continue
+        unknown = [name for name, _ in planned.informs if _is_unknown(name, calibration)]
+        if unknown:
+            out.append(_format_missing(planned, unknown, rotors))
+    free = sum(_is_free(each) for each in tests.values())
+    if free == 1:
+        out.append(
+            'Only one free flight: no other one confirms the calibration; fly a second one of the '
+            'same kind.'
+        )
+    return out
+
+
+def _is_unknown(name: str, calibration: Calibration) -> bool:
+    """Return whether the flights have not taught a parameter."""
+    values = [one for one in calibration.values if one.name == name]
+    return not any(one.is_known for one in values)
+
+
+def _format_missing(planned: PlannedTest, unknown: Sequence[str], rotors: Sequence[str]) -> str:
+    """Return the sentence of a missing test."""
+    words = name_parameters(unknown, rotors)
+    names = join_words(words[:NAMED]) + (' and more' if len(words) > NAMED else '')
+    several = len(words) > 1 or ' and ' in names
+    return (
+        f"No {planned.test.name}: {names} {'stay' if several else 'stays'} the file's; "
+        f'{format_instruction(planned.test)}.'
+    )

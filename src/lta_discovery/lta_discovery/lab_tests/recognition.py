@@ -1,0 +1,183 @@
+"""
+Recognise the tests of a laboratory from the motion and the commands of their logs.
+
+A log may be several tests: a step in yaw whose command ends is a spin-down too. The names of the
+files play no role.
+"""
+
+from collections.abc import Sequence
+import math
+from typing import Final, final, NamedTuple
+
+from lta_discovery.flights.measured_flight import MeasuredFlight, PERIOD, Stream
+from lta_discovery.lab_tests.design import Kind
+from lta_discovery.model.quaternions import rotation_matrix
+from lta_discovery.page.formatting import join_words
+from lta_model.effects.protocol import AXES
+from lta_model.vehicle import Vehicle
+from lta_report.formatting import format_count
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+MOVED: Final = 0.1  # of the largest command of a kind (force, moment): an axis that is commanded
+JUMP: Final = 0.2  # of the range of an axis; a change that counts
+LEVELS: Final = 3  # most changes of a command that is stepped
+SMALL: Final = 0.4  # of the largest command; a further axis below it may trim or hold the altitude
+SWUNG: Final = math.radians(4.0)  # rad; amplitude of a swing
+SPUN: Final = math.radians(15.0)  # rad/s; yaw rate of a spin-down when it begins
+SLOWED: Final = 0.8  # of that rate at the end
+COASTED: Final = 4.0  # s without a command that make a spin-down
+SMOOTH: Final = 13  # points of the grid, 0.5 s
+
+
+@final
+class RecognisedTest(NamedTuple):
+    """
+    A test in a log, and why it was recognised.
+
+    Attributes
+    ----------
+    kind, axis : str
+        As in `LabTest`.
+    evidence : str
+        What shows it, in words.
+
+    """
+
+    kind: Kind
+    axis: str
+    evidence: str
+
+    @property
+    def title(self) -> str:
+        """Name in words."""
+        if self.kind in ('swing', 'step'):
+            return f'{self.kind} in {self.axis}'
+        return {'spin_down': 'spin-down', 'free_flight': 'free flight'}.get(self.kind, self.kind)
+
+
+def recognise_tests(flight: MeasuredFlight, vehicle: Vehicle) -> tuple[RecognisedTest, ...]:
+    """Return the tests in a flight; at least one."""
+    orders = read_commanded_wrench(flight, vehicle)
+    moved = _list_commanded_axes(orders)
+    if not moved:
+        return _recognise_free_motion(flight, 0)
+    changes = {axis: _count_changes(orders.values[:, AXES.index(axis)]) for axis in moved}
+    most = max(changes.values())
+    if most > LEVELS:
+        words = f'{format_count(most, "change")} of the commands of {join_words(moved)}'
+        return (RecognisedTest('free_flight', '', words),)
+    # A rotor off the axis pushes and turns: a step on both
+    steps = [_describe_step(orders, axis) for axis in moved]
+    return (*steps, *_recognise_coasting(flight, orders, moved))
+
+
+def _describe_step(orders: Stream, axis: str) -> RecognisedTest:
+    """Return the step of an axis."""
+    size = 1e3 * float(np.ptp(orders.values[:, AXES.index(axis)]))
+    unit = 'mN' if axis in AXES[:3] else 'mN m'
+    return RecognisedTest('step', axis, f'a command in {axis} of {size:.3g} {unit} that is held')
+
+
+def read_commanded_wrench(flight: MeasuredFlight, vehicle: Vehicle) -> Stream:
+    """Return the commanded force and moment about the hull centre. [N, N m]"""
+    if flight.wrench is not None:
+        return flight.wrench
+    duties = flight.commands.values
+    wrench = np.zeros((len(duties), len(AXES)))
+    for rotor, duty in zip(vehicle.rotors, duties.T, strict=False):
+        thrust = rotor.a * duty * np.abs(duty) + rotor.b * duty
+        column = np.where(duty[:, None] < 0.0, rotor.reverse, rotor.column)
+        wrench += thrust[:, None] * column
+    return Stream(flight.commands.time, wrench)
+
+
+def _list_commanded_axes(orders: Stream) -> list[str]:
+    """Return the axes whose command changes enough; tilting moments follow from a push."""
+    out = []
+    for axes in (('surge', 'sway', 'heave'), ('yaw',)):
+        columns = [AXES.index(axis) for axis in axes]
+        largest = float(np.abs(orders.values[:, columns]).max(initial=0.0))
+        spans = [float(np.ptp(orders.values[:, k])) for k in columns]
+        widest = max(spans, default=0.0)
+        for axis, span in zip(axes, spans, strict=True):
+            if span > max(MOVED * largest, SMALL * widest, 1e-9):
+                out.append(axis)
+    # The moment of a pair of rotors that differ a little is no turn
+    force = [axis for axis in out if axis != 'yaw']
+    yaw = orders.values[:, AXES.index('yaw')]
+    lever = 0.02  # m
+    if force and np.ptp(yaw) < lever * np.ptp(orders.values[:, AXES.index(force[0])]):
+        return force
+    return out
+
+
+def _count_changes(values: Array) -> int:
+    """Return how often a command changes by much within a tenth of its series."""
+    span = float(np.ptp(values))
+    level, count = float(values[0]), 0
+    for value in values[1:]:
+        if abs(value - level) > JUMP * span:
+            count += 1
+            level = float(value)
+    return count
+
+
+def _recognise_free_motion(flight: MeasuredFlight, begin: int) -> tuple[RecognisedTest, ...]:
+    """Return the tests of a vehicle without changing commands, from a grid point on."""
+    quaternion = flight.quaternion[begin:]
+    known = np.isfinite(quaternion).all(axis=1)
+    if known.sum() < 2 * SMOOTH:
+        return (RecognisedTest('float', '', 'no command, and hardly a pose'),)
+    rotation = rotation_matrix(quaternion[known])
+    # The map's vertical in the body frame shows the tilt, whatever the heading
+    roll, pitch = rotation[:, 2, 1], -rotation[:, 2, 0]
+    tilts = {'roll': _amplitude(roll), 'pitch': _amplitude(pitch)}
+    axis = max(tilts, key=lambda name: tilts[name])
+    found = []
+    if tilts[axis] > SWUNG:
+        words = f'no command; {axis} swings by {math.degrees(tilts[axis]):.0f} degrees'
+        found.append(RecognisedTest('swing', axis, words))
+    first, last = _yaw_rates(quaternion[known])
+    if abs(first) > SPUN and abs(last) < SLOWED * abs(first):
+        words = (
+            f'no command; the yaw rate falls from {math.degrees(abs(first)):.0f} to '
+            f'{math.degrees(abs(last)):.0f} degrees/s'
+        )
+        found.append(RecognisedTest('spin_down', 'yaw', words))
+    if not found:
+        height = flight.position[begin:, 2]
+        way = float(np.nanmax(height) - np.nanmin(height))
+        found.append(RecognisedTest('float', '', f'no command; moves {way:.2g} m up or down'))
+    return tuple(found)
+
+
+def _recognise_coasting(
+    flight: MeasuredFlight, orders: Stream, moved: Sequence[str]
+) -> tuple[RecognisedTest, ...]:
+    """Return the spin-down after a step in yaw that ends."""
+    if 'yaw' not in moved:
+        return ()
+    values = np.abs(orders.values[:, AXES.index('yaw')])
+    busy = np.flatnonzero(values >= MOVED * values.max())
+    begin = int(np.searchsorted(flight.time, orders.time[busy[-1]])) + 1
+    if busy[-1] == len(values) - 1 or (len(flight.time) - begin) * PERIOD < COASTED:
+        return ()
+    found = _recognise_free_motion(flight, begin)
+    return tuple(one for one in found if one.kind == 'spin_down')
+
+
+def _amplitude(tilt: Array) -> float:
+    """Return half the range of a tilt about its slow drift. [rad]"""
+    return 0.5 * float(np.ptp(np.percentile(tilt, (2.0, 98.0))))
+
+
+def _yaw_rates(quaternion: Array) -> tuple[float, float]:
+    """Return the mean yaw rate in the first and the last two seconds. [rad/s]"""
+    rotation = rotation_matrix(quaternion)
+    heading = np.unwrap(np.arctan2(rotation[:, 1, 0], rotation[:, 0, 0]))
+    reach = min(round(2.0 / PERIOD), len(heading) // 2)
+    rates = np.gradient(heading, PERIOD)
+    return float(np.mean(rates[:reach])), float(np.mean(rates[-reach:]))

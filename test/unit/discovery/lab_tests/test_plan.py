@@ -1,0 +1,137 @@
+"""The list of an afternoon: what a vehicle file says about its own tests."""
+
+from lta_config.errors import BadInput
+from lta_discovery.flights.windows import fit_state_at
+from lta_discovery.lab_tests.design import LabTest, list_designed_tests
+from lta_discovery.lab_tests.plan import LabPlan, plan_lab_tests, PlannedTest, rehearse_test
+from lta_discovery.lab_tests.plan_report import build_plan_report
+from lta_discovery.lab_tests.recognition import read_commanded_wrench, recognise_tests
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.quaternions import rotation_matrix
+from lta_model.vehicle import load_vehicle, Vehicle
+from lta_report.report import TextTable
+from lta_vehicle.figures.pendulum import compute_pendulum_mode
+import numpy as np
+import pytest
+
+
+@pytest.fixture(scope='module')
+def gtmab() -> Vehicle:
+    return load_vehicle('gtmab')
+
+
+@pytest.fixture(scope='module')
+def plan(gtmab: Vehicle) -> LabPlan:
+    return plan_lab_tests(gtmab, 'gtmab', 'wrench')
+
+
+def by_name(plan: LabPlan, name: str) -> PlannedTest:
+    return next(one for one in plan.tests if one.test.name == name)
+
+
+def test_each_test_teaches_what_textbooks_say(plan: LabPlan) -> None:
+    """A float the lift, a swing its damping and inertia, a step its gain, a spin-down yaw."""
+    for name, taught in {
+        'float': {'net_lift.force'},
+        'swing in roll': {'rotational_drag.roll', 'rotational_drag.roll_2', 'vehicle.roll'},
+        'swing in pitch': {'rotational_drag.pitch', 'rotational_drag.pitch_2', 'vehicle.pitch'},
+        'step in surge': {'wrench_gain.surge', 'quadratic_drag.surge'},
+        'step in heave': {'wrench_gain.heave', 'quadratic_drag.heave'},
+        'step in yaw': {'wrench_gain.yaw'},
+        'spin-down': {'rotational_drag.yaw_2'},
+        'free flight': {'command_delay.delay', 'marker_offset.yaw'},
+    }.items():
+        one = by_name(plan, name)
+        assert one.is_needed, name
+        assert taught - {known for known, _ in one.informs} == set(), name
+    assert len(plan.tests) == 8
+    # Nothing but scales fixes the mass, and nothing turns without a moment
+    assert 'vehicle.mass' in plan.unknown
+    assert 'wrench_gain.yaw' not in {known for known, _ in by_name(plan, 'swing in roll').informs}
+    assert 'rotational_drag.roll' not in {
+        known for known, _ in by_name(plan, 'swing in pitch').informs
+    }
+
+
+def test_a_rehearsed_swing_has_the_period_of_the_pendulum(gtmab: Vehicle) -> None:
+    """Of 20 degrees: 0.8 % longer than a small one (a pendulum's own law), and damped."""
+    swing = next(one for one in list_designed_tests(gtmab) if one.axis == 'pitch')
+    flight = rehearse_test(gtmab, NominalVehicle.from_vehicle(gtmab), swing, 'rotors')
+    lean = -rotation_matrix(flight.quaternion)[:, 2, 0]
+    up = np.flatnonzero((lean[:-1] < 0.0) & (lean[1:] >= 0.0))
+    period = np.diff(flight.time[up])[:3].mean()
+    assert np.max(lean[:10]) == pytest.approx(np.sin(np.radians(20.0)), rel=0.02)
+    assert period == pytest.approx(1.008 * compute_pendulum_mode(gtmab, 'pitch').period, rel=0.03)
+    assert swing.seconds >= 4.0 * period
+
+
+def test_a_step_fits_the_room_and_the_rotors(gtmab: Vehicle) -> None:
+    """The duties of a step give its force, and carry the weight."""
+    large, small = (
+        {one.axis: one for one in list_designed_tests(gtmab, room) if one.kind == 'step'}
+        for room in (4.0, 2.0)
+    )
+    assert set(large) == {'surge', 'heave', 'yaw'}
+    nominal = NominalVehicle.from_vehicle(gtmab)
+    for axis, place in (('surge', 0), ('heave', 2), ('yaw', 5)):
+        flight = rehearse_test(gtmab, nominal, large[axis], 'rotors')
+        wrench = read_commanded_wrench(flight, gtmab).values[-1]
+        weight = 9.80665 * gtmab.heaviness
+        extra = weight if axis == 'heave' else 0.0
+        assert wrench[place] == pytest.approx(large[axis].size + extra, rel=0.02)
+        assert np.ptp(flight.commands.values) <= 1.0
+        # A turn needs a forward rotor alone, so nothing holds its altitude
+        assert wrench[2] == pytest.approx(weight, rel=0.05) or axis != 'surge'
+    flight = rehearse_test(gtmab, nominal, large['surge'], 'wrench')
+    assert np.ptp(flight.position[:, 0]) < 4.0
+    assert 0.0 < small['surge'].size < large['surge'].size
+
+
+def test_a_released_vehicle_begins_where_the_test_says(gtmab: Vehicle) -> None:
+    spin = next(one for one in list_designed_tests(gtmab) if one.kind == 'spin_down')
+    flight = rehearse_test(gtmab, NominalVehicle.from_vehicle(gtmab), spin, 'wrench')
+    state = fit_state_at(flight, 13)
+    assert state is not None
+    assert np.degrees(state[12]) == pytest.approx(90.0, abs=5.0)
+    # Ballast carries it: it stays at its height
+    assert np.ptp(flight.position[:, 2]) < 0.01
+
+
+@pytest.mark.parametrize('commands', ['rotors', 'wrench'])
+def test_every_rehearsed_test_is_recognised(gtmab: Vehicle, commands: str) -> None:
+    nominal = NominalVehicle.from_vehicle(gtmab)
+    for one in list_designed_tests(gtmab):
+        flight = rehearse_test(gtmab, nominal, one, commands)  # type: ignore[arg-type]
+        found = recognise_tests(flight, gtmab)
+        assert (one.kind, one.axis) in [(each.kind, each.axis) for each in found], one.name
+        # One forward rotor alone pushes as well as it turns
+        both = one.kind == 'step' and one.axis == 'yaw' and commands == 'rotors'
+        assert len(found) == 1 + both, one.name
+
+
+def test_a_vehicle_that_falls_gets_no_list() -> None:
+    with pytest.raises(BadInput, match=r'does not carry 100 % of its weight; the list is for'):
+        list_designed_tests(load_vehicle('multirotor'))
+
+
+def test_the_page_lists_the_afternoon(plan: LabPlan, gtmab: Vehicle) -> None:
+    report = build_plan_report(plan, gtmab)
+    table, why = (block for block in report.blocks if isinstance(block, TextTable))
+    assert [row[1] for row in table.rows] == [
+        'weigh', 'float', 'swing in roll', 'swing in pitch', 'step in surge', 'step in heave',
+        'step in yaw', 'spin-down', 'free flight 1', 'free flight 2',
+    ]  # fmt: skip
+    assert table.rows[2][2:4] == ['released from 20 degrees; once more from 5', '40 s']
+    assert dict(why.rows)['swing in pitch'].startswith('damping in pitch')
+    assert isinstance(report.data, dict)
+    steps = [one for one in report.data['tests'] if one['kind'] == 'step']
+    assert all(one['share_of_limit'] <= 0.5 and one['duties'] == [] for one in steps)
+
+
+def test_a_test_that_teaches_nothing_of_its_own_is_left_out() -> None:
+    """The damping of RGBlimp is one number for both axes, so one swing shows it."""
+    vehicle = load_vehicle('rgblimp')
+    plan = plan_lab_tests(vehicle, 'rgblimp')
+    assert [one.test.name for one in plan.tests if not one.is_needed] == ['swing in roll']
+    assert 'Not needed: swing in roll' in str(build_plan_report(plan, vehicle).blocks)
+    assert LabTest('step', 'surge', 1.0).name == 'step in surge'

@@ -1,0 +1,141 @@
+"""An afternoon's logs: CSV files of the independent simulator, and what is missing."""
+
+import importlib.util
+import math
+from pathlib import Path
+from types import ModuleType, SimpleNamespace
+from typing import Any
+
+from lta_discovery.lab_tests.plan import LabPlan, plan_lab_tests
+from lta_discovery.lab_tests.reading import LabReading, list_missing_tests, read_lab_tests
+from lta_discovery.lab_tests.reading_report import build_reading_report
+from lta_discovery.lab_tests.recognition import RecognisedTest
+from lta_model.vehicle import load_vehicle
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).resolve().parents[4]
+ROTORS = ('up_left', 'up_right', 'forward_left', 'forward_right')
+
+
+@pytest.fixture(scope='module')
+def example() -> ModuleType:
+    """The script of the tutorial."""
+    path = ROOT / 'examples/blimp_afternoon.py'
+    spec = importlib.util.spec_from_file_location('blimp_afternoon', path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture(scope='module')
+def plan() -> LabPlan:
+    return plan_lab_tests(load_vehicle('gtmab'), 'gtmab', 'wrench')
+
+
+def calibrated(*unknown: str) -> Any:
+    """Return a calibration in which all numbers are known but some."""
+    names = {
+        'net_lift.force', 'wrench_gain.surge', 'rotational_drag.pitch', 'rotational_drag.pitch_2',
+        'vehicle.pitch', 'marker_offset.x', *unknown,
+    }  # fmt: skip
+    values = [SimpleNamespace(name=name, is_known=name not in unknown) for name in names]
+    return SimpleNamespace(values=values)
+
+
+def recognised(*kinds: tuple[Any, str]) -> dict[str, tuple[RecognisedTest, ...]]:
+    return {f'log_{k}': (RecognisedTest(*kind, ''),) for k, kind in enumerate(kinds)}
+
+
+ALL: tuple[tuple[Any, str], ...] = (
+    ('float', ''), ('swing', 'roll'), ('swing', 'pitch'), ('step', 'surge'), ('step', 'heave'),
+    ('step', 'yaw'), ('spin_down', 'yaw'), ('free_flight', ''), ('free_flight', ''),
+)  # fmt: skip
+
+
+def test_a_missing_test_is_named_with_what_it_would_teach(plan: LabPlan) -> None:
+    known = {name for one in plan.tests for name, _ in one.informs}
+    found = calibrated()
+    found.values = [SimpleNamespace(name=name, is_known=True) for name in known]
+    assert list_missing_tests(plan, recognised(*ALL), found, ROTORS) == []
+    # Without a swing, but all is known from the flights: nothing is missing
+    rest = recognised(*(one for one in ALL if one != ('swing', 'pitch')))
+    assert list_missing_tests(plan, rest, found, ROTORS) == []
+    for one in found.values:
+        one.is_known = one.name not in ('rotational_drag.pitch', 'rotational_drag.pitch_2')
+    assert list_missing_tests(plan, rest, found, ROTORS) == [
+        "No swing in pitch: damping in pitch stays the file's; let it swing in pitch for 40 s "
+        'from 20 degrees.'
+    ]
+    for one in found.values:
+        one.is_known = one.name != 'wrench_gain.surge'
+    rest = recognised(*(one for one in ALL if one != ('step', 'surge')))
+    assert list_missing_tests(plan, rest, found, ROTORS) == [
+        "No step in surge: gain in surge stays the file's; command 49 mN forward for 11 s."
+    ]
+    one_flight = recognised(*ALL[:-1])
+    (said,) = list_missing_tests(plan, one_flight, found, ROTORS)
+    assert said.startswith('Only one free flight')
+
+
+@pytest.fixture(scope='module')
+def reading(example: ModuleType, tmp_path_factory: pytest.TempPathFactory) -> LabReading:
+    """A swing and a push, without a mapping; the names say the opposite."""
+    folder = tmp_path_factory.mktemp('afternoon')
+    kept = {'swing_1': 'push', 'push_1': 'swing', 'push_3': 'float'}
+    example.write_afternoon(
+        folder, 4, lambda name: name.partition('/')[2].removesuffix('.csv') in kept
+    )
+    logs = folder / 'tests'
+    for name, other in kept.items():
+        (logs / f'{name}.csv').rename(logs / f'{other}.csv')
+    return read_lab_tests('gtmab', logs, None, {}, None, lambda _what, _part: None)
+
+
+@pytest.mark.long
+def test_logs_are_recognised_by_their_motion(reading: LabReading) -> None:
+    assert {name: [one.title for one in tests] for name, tests in reading.tests.items()} == {
+        'push': ['swing in pitch'], 'swing': ['step in surge'], 'float': ['step in yaw'],
+    }  # fmt: skip
+    assert 'quaternion: [qx, qy, qz, qw], order: xyzw' in reading.drafts['mapping.yaml']
+
+
+@pytest.mark.long
+def test_an_afternoon_gives_a_vehicle_file_and_says_what_is_missing(
+    reading: LabReading, example: ModuleType
+) -> None:
+    report = build_reading_report(reading)
+    assert report.headline.startswith('Surge: 30 % of the commanded force arrives')
+    assert 'calibrated.yaml' in report.outputs
+    surge = reading.calibration.find('wrench_gain.surge')
+    assert surge is not None
+    assert surge.ci95[0] <= example.SURGE <= surge.ci95[1]
+    words = ' '.join(reading.missing)
+    assert 'No step in heave: gain in heave' in words
+    assert 'No swing in pitch' not in words
+    assert isinstance(report.data, dict)
+    assert report.data['tests']['push']['tests'][0]['kind'] == 'swing'
+    assert report.closing[-1].endswith('would teach more: see What is missing.')
+
+
+def test_the_blimp_of_the_tutorial_is_the_one_that_it_describes(example: ModuleType) -> None:
+    """0.3 of the surge, a pendulum that is 40 % faster, markers 3 to 15 degrees off."""
+    for seed in range(5):
+        blimp = example.draw_blimp(np.random.default_rng([seed, 37]))
+        file = example.build_vehicle_truth(load_vehicle('gtmab'))
+        assert blimp.wrench_gains[0] == 0.3
+        turn = example.Rotation.from_euler('ZYX', blimp.marker_turn).magnitude()
+        assert 3.0 <= math.degrees(turn) <= 15.0
+        ratio = math.sqrt((blimp.cg[2] / file.cg[2]) * (own_inertia(file) / own_inertia(blimp)))
+        assert ratio == pytest.approx(1.4, abs=0.02)
+
+
+def own_inertia(truth: Any) -> float:
+    """Return the inertia of the pendulum in pitch, about the hull centre, less the coupling."""
+    c, mass = truth.cg[2], truth.mass
+    return float(
+        truth.inertia[1] + mass * c * c + truth.added_inertia[1]
+        - (mass * c) ** 2 / (mass + truth.added_mass[0])
+    )  # fmt: skip
