@@ -1,5 +1,6 @@
 """Render a study as one self-contained HTML file."""
 
+import base64
 from collections.abc import Mapping, Sequence
 from html import escape
 from pathlib import Path
@@ -77,6 +78,10 @@ AGAIN: Final = (
     'Numbers that any vehicle file must have come before effects that a model may lack. Below, '
     'the vehicle file is the calibrated one.'
 )
+GLANCE: Final = (
+    'Animation: a flight in 3-D beside the prediction of the vehicle file, which drifts off, and '
+    'then the prediction with the learned effects, which follows it'
+)
 NOBODY: Final = '<p class="absent">There is no flight to draw.</p>'
 
 
@@ -106,8 +111,9 @@ def render_page(
     folder: Path,
     bags: Bags = NONE,
     vehicle: Vehicle | None = None,
+    drawing: str = '',
 ) -> str:
-    """Return the whole page; the vehicle is that of the 3-D view."""
+    """Return the whole page; the vehicle is that of the 3-D view, the drawing the animation."""
     found = study.finding
     drawn = [
         build_overlay(one, sum(each.shown for each in flights)) for one in flights if one.shown
@@ -125,6 +131,7 @@ def render_page(
         tiles='\n'.join(render_tile(*each) for each in build_tiles(found)),
         calibration=render_calibration(found),
         effects=tables.render_effects(found),
+        glance=render_glance(drawing),
         gaps=error_tables.render_pose_errors(found),
         channels=error_tables.render_channel_errors(found),
         where=render_discrepancies(found, flights),
@@ -159,6 +166,19 @@ def render_calibration(finding: StudyResult) -> str:
         f'<h2 id="title-calibration">{escape(FIRST_STEP)}</h2>'
         f'<p class="note">{escape(format_forecast_sentence(finding.calibration))} {AGAIN}</p>'
         f'{tables.render_table(table.heads, rows, "calibration", FIRST_STEP)}</section>'
+    )
+
+
+def render_glance(drawing: str) -> str:
+    """Return the section with the animation, or nothing if there is none."""
+    if not drawing:
+        return ''
+    # An image of its own: its styles do not reach the page
+    content = base64.b64encode(drawing.encode()).decode()
+    image = f'<img class="glance" alt="{GLANCE}" src="data:image/svg+xml;base64,{content}">'
+    return (
+        '      <section class="panel" aria-labelledby="title-glance">\n'
+        f'        <h2 id="title-glance">At a glance</h2>\n{image}\n      </section>'
     )
 
 
