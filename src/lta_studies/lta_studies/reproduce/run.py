@@ -63,7 +63,8 @@ def study_row(quick: bool, folder: Path, name: str) -> StoredRow:
     seeds = seed_count(row, quick)
     bags = folder / BAGS / name
     shutil.rmtree(bags, ignore_errors=True)  # recorded by an older version of the code
-    found = STUDIES[name](RowStudyRequest(seeds, quick, bags))
+    draws = row.draws.quick if quick else row.draws.full
+    found = STUDIES[name](RowStudyRequest(seeds, quick, bags, draws, row.ranges))
     undeclared = found.values.keys() - row.measures.keys()
     lacking = row.measures.keys() - found.values.keys()
     # --quick may leave out measures, but no study may add undeclared ones.
@@ -73,7 +74,7 @@ def study_row(quick: bool, folder: Path, name: str) -> StoredRow:
             f'The measures computed for {name} and those listed in its file '
             f'config/paper/{name}.yaml differ: {names}. Correct the file or the study.'
         )
-    return build_stored_row(found, seeds, time.monotonic() - begun)
+    return build_stored_row(row, found, seeds, time.monotonic() - begun)
 
 
 def reproduce_rows(
