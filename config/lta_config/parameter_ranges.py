@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any, Final, NamedTuple
 import zlib
 
+from lta_config.parameter_override import replace_parameter
 import numpy as np
 
 SOURCE: Final = 'drawn from its range'
@@ -63,6 +64,13 @@ def draw_values(content: Any, seed: int, path: str = '') -> dict[str, dict[str, 
         }
         for found in list_ranges(content, path)
     }
+
+
+def draw_content(content: Any, seed: int, root: str) -> Any:  # noqa: ANN401 - what YAML holds
+    """Return the content of a file with all numbers that have a range drawn."""
+    for path, value in draw_values(content, seed).items():
+        content = replace_parameter(content, path, value, root)
+    return content
 
 
 def draw_between(ends: Any, cause: str, seed: int) -> Any:  # noqa: ANN401 - a number or a list
