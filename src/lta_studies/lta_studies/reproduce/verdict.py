@@ -49,16 +49,19 @@ def judge_claim(name: str, claim: PaperClaim, stored: StoredRow) -> ClaimVerdict
         return ClaimVerdict.UNTESTED
     if claim.rule is None:
         return ClaimVerdict.BEYOND
-    if not set(claim.measures.values()) <= stored.values.keys():
+    if claim.measure not in stored.values:
         return ClaimVerdict.LEFT_OUT
-    shares = [satisfied_share(name, claim, measure, stored) for measure in claim.measures.values()]
+    # --quick may leave out readings; its verdicts are preliminary
+    measured = [each for each in claim.measures.values() if each in stored.values]
+    shares = [satisfied_share(name, claim, measure, stored) for measure in measured]
     if all(share <= 1.0 - SURE for share in shares):
         return ClaimVerdict.DIFFERS
     if not all(share >= SURE for share in shares):
         return ClaimVerdict.UNCERTAIN
     if claim.construction:
         return ClaimVerdict.CONSTRUCTION
-    if claim.vacuous is not None and stored.values[claim.vacuous].value == 'yes':
+    empty = stored.values.get(claim.vacuous or '')
+    if empty is not None and empty.value == 'yes':
         return ClaimVerdict.VACUOUS
     return ClaimVerdict.AGREES
 
