@@ -138,6 +138,11 @@ def average_measures(seeds: Sequence[Mapping[str, float]]) -> dict[str, Measured
     return {name: average_over_seeds([each[name] for each in seeds]) for name in seeds[0]}
 
 
+def to_values(measures: Mapping[str, float]) -> dict[str, MeasuredValue]:
+    """Return measures as values without an interval."""
+    return {name: MeasuredValue(value) for name, value in measures.items()}
+
+
 def yes_no_value(yes: bool) -> MeasuredValue:
     """Return the value 'yes' or 'no'."""
     return MeasuredValue('yes' if yes else 'no')

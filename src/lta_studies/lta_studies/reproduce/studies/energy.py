@@ -46,6 +46,7 @@ from lta_studies.reproduce.study_result import (
     RowStudyRequest,
     RowStudyResult,
     StudyPicture,
+    to_values,
 )
 
 VEHICLE, STANDARD = 'gtmab', 'multirotor'
@@ -214,7 +215,3 @@ def charging_ratios(net: Mapping[str, float], powers: Mapping[str, float]) -> di
         values[f'minutes_{light}'] = HOUR * watts / mixed
     return values
 
-
-def to_values(measures: Mapping[str, float]) -> dict[str, MeasuredValue]:
-    """Return measures as values without an interval."""
-    return {name: MeasuredValue(value) for name, value in measures.items()}

@@ -5,6 +5,7 @@ import math
 from typing import Any, Final
 
 from lta_config.command_line import format_lta_command
+from lta_flight.flight_spec import build_vehicle_scenario_stack
 from lta_report.drawing import create_figure
 from lta_report.palette import GRID, SOFT
 from lta_studies.light.bearing.bench import BearingBench
@@ -27,6 +28,7 @@ from lta_studies.reproduce.study_result import (
     RowStudyRequest,
     RowStudyResult,
     StudyPicture,
+    to_values,
 )
 import numpy as np
 from plotly.graph_objects import Figure, Scatterpolar
@@ -61,9 +63,10 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
             for seed in range(1, request.seeds + 1)
         ]
         values[name] = average_over_seeds([max(ring.paper) for ring in rings])
+    values |= to_values(weigh_diodes({}))
     draws = collect_draws(
         request,
-        lambda seed: measure_readings(study_vehicle(request.draw_changes(seed), DRAWN, seed)),
+        lambda seed: measure_draw(request.draw_changes(seed), seed),
     )
     command = format_lta_command('light', 'study')
     pictures = [
@@ -75,6 +78,22 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
         for place in PLACES
     ]  # fmt: skip
     return RowStudyResult(values, pictures, draws=draws)
+
+
+def measure_draw(changes: Mapping[str, Any], seed: int) -> dict[str, float]:
+    """Return the measures of a draw."""
+    return measure_readings(study_vehicle(changes, DRAWN, seed)) | weigh_diodes(changes)
+
+
+def weigh_diodes(changes: Mapping[str, Any]) -> dict[str, float]:
+    """Return the mass of eight more diodes by that of the platform and by the lift to spare. [1]"""
+    own = {path: each for path, each in changes.items() if path.startswith('vehicle')}
+    spec = build_flight_spec(PLACES['indoor'], 'gtmab', 8).with_values(own)
+    vehicle = build_vehicle_scenario_stack(spec)[0]
+    eight = vehicle.file.parts['light_sensors'].mass.si
+    return {
+        'diodes_by_mass': eight / vehicle.mass, 'diodes_by_spare': eight / vehicle.ballast_mass,
+    }  # fmt: skip
 
 
 # The studies of one vehicle, by angle to the lamp's axis [rad], place and number of diodes
