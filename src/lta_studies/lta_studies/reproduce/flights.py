@@ -29,6 +29,7 @@ from lta_studies.reproduce.study_result import MeasuredValue, RowStudyRequest
 from plotly.graph_objects import Figure
 
 PAPERS = ('bag', 'dga', 'des')  # strategies of the paper
+BATCHED = 100  # draws from which on it pays to compile a batch
 
 
 class SilentWatcher:
@@ -112,8 +113,8 @@ def fly_draws(
     """
     Fly part of a set once in each draw of what is assumed; return the flights by strategy.
 
-    A full run flies them as a batch, which compiles for minutes and then flies hundreds a minute;
-    --quick flies a few one after the other.
+    Many are flown as a batch, which compiles for minutes and then flies hundreds a minute; a few
+    are flown one after the other.
     """
     file = build_sweep_plan(part).file
     cut = {'seeds': SweepSeeds(first=1, count=1), 'cases': {}, 'vary': {STRATEGY: [*strategies]}}
@@ -124,7 +125,7 @@ def fly_draws(
         SweepJob(index, seed, {STRATEGY: name, **drawn[seed]})
         for index, (name, seed) in enumerate(product(strategies, drawn))
     ]
-    if request.quick:
+    if len(drawn) < BATCHED:
         rows = [fly_standalone_job(build_standalone_job(plan, job)) for job in jobs]
     else:
         # A batch may return flights of other strategies in between
