@@ -179,7 +179,7 @@ class DrawCounts(StrictModel):
 
 
 class SceneRange(StrictModel):
-    """The range of a number of the scene that the paper does not print, in a unit if it has one."""
+    """The range of a number of the scene that the paper does not print."""
 
     range: tuple[float, float]
     unit: str | None = None

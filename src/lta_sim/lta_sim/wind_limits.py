@@ -193,7 +193,9 @@ def _is_balanced(
     return _most_forward_thrust(wrench, axes, balance, tops) >= balance[0]
 
 
-def _most_forward_thrust(wrench: Array, axes: list[int], balance: Array, tops: list[float]) -> float:
+def _most_forward_thrust(
+    wrench: Array, axes: list[int], balance: Array, tops: list[float]
+) -> float:
     """Return the largest forward force subject to balance on `axes`; -inf if none balances. [N]"""
     held, needed = wrench[axes], balance[axes]
     free = len(tops) - len(axes)

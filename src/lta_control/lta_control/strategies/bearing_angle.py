@@ -2,8 +2,8 @@
 BAG, bearing angle guidance: head along the lamp's bearing (the paper's first strategy).
 
 The bearing is that of our fit, or with `mean` the paper's: the angle of the sum of the axes of an
-even ring, weighted by what each diode sees of the lamp. With no lamp in sight the drone stops and turns, so that it sees the light from any start. The
-memory is the last commanded heading.
+even ring, weighted by what each diode sees of the lamp. With no lamp in sight the drone stops and
+turns, so that it sees the light from any start. The memory is the last commanded heading.
 """
 
 import math

@@ -39,7 +39,7 @@ READOUT: Final = {
 PAPER_FLIGHT: Final = ('gtmab', 'lamp_room')  # vehicle and scenario of its indoor flight
 PAPER_DISTANCE: Final = 7.0  # m
 PAPER_NOTE: Final = (
-    'The paper’s indoor row contradicts itself: 7.3 m in 8.4 s is 0.87 m/s, not 0.5 m/s, and even '
+    "The paper's indoor row contradicts itself: 7.3 m in 8.4 s is 0.87 m/s, not 0.5 m/s, and even "
     'the straight 6.0 m would need 0.71 m/s. Neither path nor time is tuned to the paper here. '
     'The paper prints power for its three strategies together. '
 )

@@ -24,8 +24,8 @@ import numpy as np
 # Columns of the recorded tables; column 0 is the time
 ALTITUDE, HEADING, SPEED = 1, 2, 3
 COLUMN = {'altitude': ALTITUDE, 'heading': HEADING, 'speed': SPEED}
-# Yaw rate as a speed is first commanded [rad/s]. Without it, a flight in still air from an unstable
-# equilibrium would stay there.
+# Yaw rate as a speed is first commanded [rad/s]. Without it, a flight in still air from an
+# unstable equilibrium would stay there.
 NUDGE = 1e-4
 YAW_RATE = 12  # in the state
 HEIGHT_BAND = 0.2  # m of height error allowed in heading and speed manoeuvres (assumed)

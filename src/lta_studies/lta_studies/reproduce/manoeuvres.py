@@ -96,7 +96,9 @@ def fly_entries(pairs: Iterable[tuple[str, str]], seeds: int) -> ComparisonFligh
     return ComparisonFlights(comparison, rows)
 
 
-def draw_gtmab(request: RowStudyRequest, manoeuvres: Sequence[str]) -> dict[str, list[float | str]]:
+def draw_gtmab(
+    request: RowStudyRequest, manoeuvres: Sequence[str]
+) -> dict[str, list[float | str]]:
     """Fly GT-MAB once in every draw of what is assumed; return what it held, by measure."""
     comparison = load_comparison(FILE)
     scenario = load_scenario(comparison.scenario)

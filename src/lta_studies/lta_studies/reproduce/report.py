@@ -35,8 +35,7 @@ from plotly.io import from_json
 
 StoredRows = Mapping[str, StoredRow]
 CLAIM_HEADS: Final = (
-    'the paper says', 'where', 'printed', 'agrees if', 'here', 'seeds', 'with what is assumed drawn',
-    'verdict',
+    'the paper says', 'where', 'printed', 'agrees if', 'here', 'seeds', 'drawn', 'verdict',
 )  # fmt: skip
 COLORS: Final[Mapping[str, CellColor]] = {
     ClaimVerdict.AGREES: 'good', ClaimVerdict.BEYOND: 'good', ClaimVerdict.DIFFERS: 'bad',

@@ -108,8 +108,8 @@ def reproduce_rows(
     }
     names = list(keys)
     study = Study(
-        partial(study_row, order.quick, order.folder, order.draws), keys.__getitem__, STORE, 'rows',
-        lambda name, row: f'{name}: {row.seconds:.0f} s',
+        partial(study_row, order.quick, order.folder, order.draws), keys.__getitem__, STORE,
+        'rows', lambda name, row: f'{name}: {row.seconds:.0f} s',
     )  # fmt: skip
     # The keys contain the hash of everything that determines a row.
     outcome = study.run(names, order.folder, 'rows', order.options, console)

@@ -99,7 +99,7 @@ class RowStudyRequest:
         return range(1, self.draws + 1)
 
     def draw_changes(self, seed: int, vehicle: str = 'gtmab') -> dict[str, Any]:
-        """Return a draw: values of vehicle and scene by path, as `FlightSpec.with_values` takes."""
+        """Return a draw: values by path, as `FlightSpec.with_values` takes them."""
         values: dict[str, Any] = {
             **draw_values(load_yaml(find_file('vehicle', vehicle)), seed, 'vehicle')
         }

@@ -166,7 +166,7 @@ def measure_limits(
 
 
 def draw_static_limit(name: str, density: float) -> tuple[float, float] | None:
-    """Return 5 % and 95 % of the static limit over draws of a vehicle [m/s]; None without ranges."""
+    """Return 5 % and 95 % of the static limit over draws [m/s]; None without ranges."""
     content = load_yaml(find_file('vehicle', name))
     if not list_ranges(content):
         return None

@@ -95,7 +95,7 @@ def list_directions() -> list[float]:
 def study_rings(
     vehicle: str, readings: int, seed: int, tick: Callable[[], None], aside: float = ASIDE
 ) -> list[RingStudy]:
-    """Study all rings in all places, `aside` of the lamp's axis [rad]; `tick` after each direction."""
+    """Study all rings, `aside` of the lamp's axis [rad]; call `tick` after each direction."""
     return [
         study_ring(
             BearingBench(build_flight_spec(PLACES[place], vehicle, count)),
@@ -136,7 +136,7 @@ def study_ring(
 
 
 def pose_for_lamp_direction(bench: BearingBench, direction: float, aside: float = ASIDE) -> Pose:
-    """Return the level pose, `aside` of the lamp's axis, that has the lamp in a direction. [rad]"""
+    """Return the level pose, `aside` of the axis, that has the lamp in a direction. [rad]"""
     x, y, _ = bench.scenario.goal_lamp.position.vector
     ahead_x, ahead_y, _ = bench.scenario.goal_lamp.facing.vector
     facing = math.atan2(ahead_y, ahead_x) + aside

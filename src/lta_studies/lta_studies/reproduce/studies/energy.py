@@ -214,4 +214,3 @@ def charging_ratios(net: Mapping[str, float], powers: Mapping[str, float]) -> di
         mixed = (powers['paper_fly'] + 2.0 * powers['paper_hover']) / 3.0
         values[f'minutes_{light}'] = HOUR * watts / mixed
     return values
-

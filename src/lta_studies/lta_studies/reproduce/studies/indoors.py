@@ -12,8 +12,8 @@ from lta_studies.light.evaluation.pictures import plot_paper_comparison
 from lta_studies.light.evaluation.tracks import fly_again, plot_tracks, select_track_seed
 from lta_studies.reproduce.flights import (
     arrival_figure,
-    fly_draws,
     FlightGroup,
+    fly_draws,
     fly_group,
     format_command,
     PAPERS,
@@ -98,7 +98,9 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
         values |= compute_misfits(values)
         values['dga_excursion'] = measure_excursion(groups['sim_'])
         values['sim_towards_dga_excursion'] = measure_excursion(groups['sim_towards_'])
-    pictures = plot_indoor_flights(request, {prefix: groups[prefix] for prefix in HEADINGS if prefix in groups})
+    pictures = plot_indoor_flights(
+        request, {prefix: groups[prefix] for prefix in HEADINGS if prefix in groups}
+    )
     return RowStudyResult(values, pictures, draws=draw_readings(request))
 
 

@@ -8,8 +8,8 @@ import time as clock
 from typing import Any, Final
 
 from lta_config.command_line import format_lta_command
-from lta_control.strategies.protocol import NavigationStrategy
 from lta_config.quantity import Quantity
+from lta_control.strategies.protocol import NavigationStrategy
 from lta_flight.flight_spec import build_loop, build_vehicle_scenario_stack, FlightSpec, load_spec
 from lta_flight.sweep.statistics import wilson_interval
 from lta_model.limits import level_speed
@@ -24,8 +24,8 @@ from lta_studies.light.evaluation.labels import label_strategy
 from lta_studies.light.evaluation.pictures import LEGEND, strategy_color
 from lta_studies.light.evaluation.tracks import fly_again, plot_tracks
 from lta_studies.reproduce.flights import (
-    fly_draws,
     FlightGroup,
+    fly_draws,
     fly_group,
     format_command,
     measure_success_share,

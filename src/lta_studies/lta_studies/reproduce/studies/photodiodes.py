@@ -86,7 +86,7 @@ def measure_draw(changes: Mapping[str, Any], seed: int) -> dict[str, float]:
 
 
 def weigh_diodes(changes: Mapping[str, Any]) -> dict[str, float]:
-    """Return the mass of eight more diodes by that of the platform and by the lift to spare. [1]"""
+    """Return the mass of eight diodes by that of the drone and by its spare lift. [1]"""
     own = {path: each for path, each in changes.items() if path.startswith('vehicle')}
     spec = build_flight_spec(PLACES['indoor'], 'gtmab', 8).with_values(own)
     vehicle = build_vehicle_scenario_stack(spec)[0]
