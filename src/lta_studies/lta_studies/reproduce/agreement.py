@@ -19,7 +19,7 @@ class DrawSummary(NamedTuple):
 
     Attributes
     ----------
-    count : int
+    drawn : int
         Number of draws.
     share : float
         Share of them that satisfies the rule of the claim.
@@ -30,7 +30,7 @@ class DrawSummary(NamedTuple):
 
     """
 
-    count: int
+    drawn: int
     share: float
     middle: float | str
     low: float = math.nan

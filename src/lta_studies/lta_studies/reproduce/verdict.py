@@ -142,7 +142,7 @@ def format_draws(row: PaperRow, name: str, stored: StoredRow) -> str:
 
 def format_summary(measure: PaperMeasure, summary: DrawSummary) -> str:
     """Format the draws of a measure: their range (5 to 95 %), and how many agree."""
-    agreeing = f'{100.0 * summary.share:.0f} % of {summary.count} agree'
+    agreeing = f'{100.0 * summary.share:.0f} % of {summary.drawn} agree'
     if isinstance(summary.middle, str) or measure.unit is None:
         return f'mostly {summary.middle}, {agreeing}'
     ends = [format_rounded(measure, each) for each in (summary.low, summary.high)]
