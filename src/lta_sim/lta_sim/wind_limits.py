@@ -190,7 +190,7 @@ def _is_balanced(
         balance[4] -= _hanging_moment(vehicle, speed, pitch)
         axes = [2, 4, 5]
     wrench = np.array(columns).T
-    return _most_forward_thrust(wrench, axes, balance, tops) >= balance[0]
+    return _most_forward_thrust(wrench, axes, balance, tops) >= float(balance[0])
 
 
 def _most_forward_thrust(

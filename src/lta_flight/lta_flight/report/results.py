@@ -241,7 +241,7 @@ def is_cruising(view: FlightDataSource, phases: FlightPhases, time: Array) -> Fl
 
 def compute_light_metrics(view: FlightDataSource, phases: FlightPhases) -> dict[str, float]:
     """Return the quality of the light measurements during the search."""
-    found = {}
+    found: dict[str, float] = {}
     if view.has_topics('light/estimate'):
         found |= compute_direction_error('lamp', view, phases, view.sighting)
     if view.has_topics('light/bearing'):

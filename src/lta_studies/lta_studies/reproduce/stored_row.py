@@ -80,7 +80,7 @@ def decode_draws(content: Mapping[str, Any]) -> dict[str, dict[str, DrawSummary]
     """Convert JSON to summaries of draws, with null as NaN."""
     return {
         claim: {
-            name: DrawSummary(*(math.nan if one is None else one for one in each))
+            name: DrawSummary(each[0], *(math.nan if one is None else one for one in each[1:]))
             for name, each in measures.items()
         }
         for claim, measures in content.items()
