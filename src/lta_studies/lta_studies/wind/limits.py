@@ -161,7 +161,7 @@ def measure_limits(
     even = find_wind_over_ground(GroundWind(None), 1.0)
     return PlatformWindLimits(
         name, height, thrust, tumble, rise, static, even, tuple(over), note,
-        draw_static_limit(name, density),
+        None if request.quick else draw_static_limit(name, density),
     )  # fmt: skip
 
 
