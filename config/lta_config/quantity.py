@@ -2,8 +2,8 @@
 Quantities in files: a number, its unit and, in vehicle files, its source.
 
 They are written as text, `7 m`, or as a mapping, `{value: [0, 0, -8], unit: cm, source: scale}`,
-and converted to SI. A number that is not known well has a `range`, which `parameter_ranges` draws
-from. The table below is the only list of units in the project.
+and converted to SI. A number that is not known well has a `range`, which
+`schema.parameter_ranges` draws from. The table below is the only list of units in the project.
 """
 
 import math

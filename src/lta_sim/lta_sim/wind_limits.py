@@ -14,6 +14,7 @@ behind obstacles reduce the limit further; only a simulated flight shows by how 
 """
 
 from collections.abc import Callable
+from functools import cache
 from itertools import combinations, product
 import math
 
@@ -199,6 +200,7 @@ def _most_forward_thrust(
     """Return the largest forward force subject to balance on `axes`; -inf if none balances. [N]"""
     held, needed = wrench[axes], balance[axes]
     free = len(tops) - len(axes)
+    # Dependent balances, as of rotors that push along few lines, have no regular corner
     if 0 <= free <= FEW and np.linalg.matrix_rank(held) == len(axes):
         return _search_corners(wrench[0], held, needed, np.array(tops))
     # linprog minimises
@@ -212,20 +214,29 @@ def _search_corners(forward: Array, held: Array, needed: Array, tops: Array) -> 
 
     A corner has all but as many thrusts as there are balances at one of their bounds.
     """
-    best, count = -math.inf, len(tops)
-    for basis in combinations(range(count), len(needed)):
-        inside = held[:, basis]
-        # A singular basis has no corner of its own
-        if abs(np.linalg.det(inside)) < SINGULAR:
-            continue
-        rest = [k for k in range(count) if k not in basis]
-        for ends in product((0.0, 1.0), repeat=len(rest)):
-            thrusts = np.zeros(count)
-            thrusts[rest] = tops[rest] * ends
-            thrusts[list(basis)] = np.linalg.solve(inside, needed - held[:, rest] @ thrusts[rest])
-            if np.all(thrusts >= -SLACK) and np.all(thrusts <= tops + SLACK):
-                best = max(best, float(forward @ thrusts))
-    return best
+    inside, outside, ends = _list_corners(len(tops), len(needed))
+    bounds = tops[outside] * ends
+    matrices = held[:, inside].transpose(1, 0, 2)
+    # A singular basis has no corner of its own
+    regular = np.abs(np.linalg.det(matrices)) > SINGULAR
+    inside, outside, bounds = inside[regular], outside[regular], bounds[regular]
+    rest = needed - np.einsum('acf,cf->ca', held[:, outside], bounds)
+    solved = np.linalg.solve(matrices[regular], rest[:, :, None])[:, :, 0]
+    within = np.all((solved >= -SLACK) & (solved <= tops[inside] + SLACK), axis=1)
+    forces = np.sum(forward[inside] * solved, axis=1) + np.sum(forward[outside] * bounds, axis=1)
+    return float(np.max(forces[within], initial=-math.inf))
+
+
+@cache
+def _list_corners(count: int, balances: int) -> tuple[Array, Array, Array]:
+    """Return, by corner, the thrusts in the basis, the others, and whether those are at full."""
+    rows = [
+        (basis, [k for k in range(count) if k not in basis], ends)
+        for basis in combinations(range(count), balances)
+        for ends in product((0.0, 1.0), repeat=count - balances)
+    ]
+    inside, outside, ends = zip(*rows, strict=True)
+    return np.array(inside), np.array(outside, dtype=int), np.array(ends)
 
 
 def static_wind_limit(vehicle: Vehicle) -> float:

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any, final, NamedTuple
 
 from lta_config.files import find_file, load_yaml
-from lta_config.parameter_ranges import draw_between, draw_values
 from lta_config.schema.paper_file import SceneRange
+from lta_config.schema.parameter_ranges import draw_between, draw_values
 from lta_report.report import TextTable
 import numpy as np
 from plotly.graph_objects import Figure

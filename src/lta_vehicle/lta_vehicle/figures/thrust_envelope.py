@@ -28,7 +28,6 @@ AXES = {
     'right': 'to the right',
 }
 CLIMB = 1.0  # m
-_RISES: dict[tuple[str, float], float] = {}
 
 
 def compute_or_explain(compute: Callable[[], float]) -> tuple[float | None, str]:
@@ -173,7 +172,7 @@ def derive_speed_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
     # Multirotors have no forward thrust while level
     if thrust == 0.0:
         why = 'no horizontal thrust while it is level; it tilts to fly'
-    rise = find_rise_speed(vehicle) if thrust else math.inf
+    rise = rise_speed(vehicle) if thrust else math.inf
     level = thrust if thrust is None else min(thrust, rise)
     if thrust and rise < thrust:
         why = (
@@ -209,15 +208,6 @@ def derive_speed_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
         0,
         'no damping in yaw is given in the vehicle file' if rate is None else note,
     )
-
-
-def find_rise_speed(vehicle: Vehicle) -> float:
-    """Return the airspeed above which a hull rises, `lta_sim.wind_limits.rise_speed`. [m/s]"""
-    # Kept by content, because it takes a third of a second
-    key = vehicle.file.model_dump_json(), vehicle.air_density
-    if key not in _RISES:
-        _RISES[key] = rise_speed(vehicle)
-    return _RISES[key]
 
 
 def _derive_climb_figures(

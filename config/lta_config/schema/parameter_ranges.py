@@ -15,23 +15,23 @@ import numpy as np
 SOURCE: Final = 'drawn from its range'
 
 
-class ParameterRange(NamedTuple):
+class AssumedNumber(NamedTuple):
     """A number with a range: its dotted path in the file, and the quantity as YAML holds it."""
 
     path: str
     quantity: Mapping[str, Any]
 
 
-def list_ranges(content: Any, path: str = '') -> list[ParameterRange]:  # noqa: ANN401 - what YAML holds
+def list_ranges(content: Any, path: str = '') -> list[AssumedNumber]:  # noqa: ANN401 - what YAML holds
     """Return all numbers of a file that have a range, in the order of the file."""
     return list(_iterate_ranges(content, path))
 
 
-def _iterate_ranges(content: Any, path: str) -> Iterator[ParameterRange]:  # noqa: ANN401
+def _iterate_ranges(content: Any, path: str) -> Iterator[AssumedNumber]:  # noqa: ANN401
     if not isinstance(content, Mapping):
         return
     if 'range' in content and 'unit' in content:
-        yield ParameterRange(path, content)
+        yield AssumedNumber(path, content)
         return
     for key, below in content.items():
         yield from _iterate_ranges(below, f'{path}.{key}' if path else str(key))
