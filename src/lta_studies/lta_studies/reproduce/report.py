@@ -73,6 +73,10 @@ KNOWN_BEFORE: Final = (
     'outdoors were added on 2026-11-26, when all results without draws were known. No rule that '
     'existed was changed then; row 3 has a small perturbation since.'
 )
+UNDRAWN: Final = (
+    '**These measures are of a run without draws, and in part of older code: the verdicts of this '
+    'row are preliminary. `./lta reproduce` measures it again.**'
+)
 DISCOVERY: Final = (
     'Discovery (`lta discover`) finds a missing effect from the commands and the motion of '
     'recorded flights. The paper shows its curves only as pictures and does not publish '
@@ -169,7 +173,16 @@ def format_headline(rows: Sequence[PaperRow], stored_rows: StoredRows) -> str:
         f'uncertainty and {found[ClaimVerdict.UNTESTED]} cannot be tested'
     )
     left = found[ClaimVerdict.LEFT_OUT]
-    return f'{text}; --quick leaves out {left}.' if left else f'{text}.'
+    text += f'; {left} were not measured in this run.' if left else '.'
+    undrawn = [str(row.number) for row in rows if is_undrawn(row, stored_rows[row.name])]
+    if not undrawn:
+        return text
+    return f'{text} Rows {", ".join(undrawn)} were not drawn yet: their verdicts are preliminary.'
+
+
+def is_undrawn(row: PaperRow, stored: StoredRow) -> bool:
+    """Return whether a row that is drawn by its file was stored without draws."""
+    return bool(row.draws.full) and not stored.draws
 
 
 def build_tiles(rows: Sequence[PaperRow], stored_rows: StoredRows) -> list[Tile]:
@@ -217,6 +230,7 @@ def iterate_row_blocks(row: PaperRow, stored: StoredRow) -> Iterator[Block]:
         format_title(row),
         (
             TextSection('', (row.scenario,), marked=True),
+            *([TextSection('', (UNDRAWN,), marked=True)] if is_undrawn(row, stored) else []),
             build_claim_table(row, stored),
             *([TextSection('', findings, bullets=True, marked=True)] if findings else []),
             ReportSection(

@@ -39,7 +39,7 @@ class ClaimVerdict(StrEnum):
     CONSTRUCTION = 'agrees by construction'
     VACUOUS = 'agrees, but says nothing'
     BEYOND = 'beyond the paper'
-    LEFT_OUT = 'left out of --quick'
+    LEFT_OUT = 'not measured in this run'
 
 
 def judge_claim(name: str, claim: PaperClaim, stored: StoredRow) -> ClaimVerdict:

@@ -187,7 +187,7 @@ def test_each_claim_has_a_row_with_its_verdict():
             dash,
             dash,
             dash,
-            'left out of --quick',
+            'not measured in this run',
         ],
         ['A pressure.', 'x (LaTeX comment)', dash, dash, dash, dash, dash, 'cannot be tested'],
     ]
@@ -292,3 +292,15 @@ def test_a_misfit_is_the_rms_of_logarithms_as_a_factor():
     # One of five right: the others' logarithms weigh four fifths in the mean square.
     mended = {**twice, 'fast_bag_time': MeasuredValue(PRINTED['bag_time'])}
     assert rms_misfit(mended, 'fast_') == pytest.approx(2.0 ** math.sqrt(0.8) - 1.0)
+
+
+def test_a_row_that_was_not_drawn_yet_says_so():
+    row = validate_content(PaperRow, {**CONTENT, 'draws': {'quick': 2, 'full': 200}}, 'row')
+    found = {'row': stored(path=7.0, first='BAG')}
+    assert format_headline([row], found).endswith(
+        'Rows 1 were not drawn yet: their verdicts are preliminary.'
+    )
+    drawn = {'path': {'path': DrawSummary(200, 1.0, 7.0, 6.9, 7.1)}}
+    assert 'preliminary' not in format_headline([row], {'row': stored(drawn, path=7.0)})
+    # A row without ranges needs no draws
+    assert 'preliminary' not in format_headline([ROW], found)
