@@ -1,6 +1,11 @@
 """Rows of the paper from the figures that a run kept: docs/paper.md is held to them."""
 
-from lta_studies.reproduce.stored_row import decode_values, StoredPicture, StoredRow
+from lta_studies.reproduce.stored_row import (
+    decode_draws,
+    decode_values,
+    StoredPicture,
+    StoredRow,
+)
 
 
 def kepts_in(found):
@@ -12,6 +17,7 @@ def kepts_in(found):
             (),
             each['seeds'],
             each['seconds'],
+            decode_draws(each.get('draws', {})),
         )
         for name, each in found['rows'].items()
     }

@@ -2,7 +2,8 @@
 Quantities in files: a number, its unit and, in vehicle files, its source.
 
 They are written as text, `7 m`, or as a mapping, `{value: [0, 0, -8], unit: cm, source: scale}`,
-and converted to SI. The table below is the only list of units in the project.
+and converted to SI. A number that is not known well has a `range`, which
+`schema.parameter_ranges` draws from. The table below is the only list of units in the project.
 """
 
 import math
@@ -129,13 +130,20 @@ def _parse_numbers(value: Any) -> float | tuple[float, ...]:  # noqa: ANN401 - a
 
 @final
 class Quantity(BaseModel):
-    """A number or a list of numbers with the unit as written and an optional source."""
+    """
+    A number or a list of numbers with the unit as written and an optional source.
+
+    `range` holds both ends of what is possible, in the same unit and form as the value;
+    `range_source` says where it comes from.
+    """
 
     model_config = ConfigDict(frozen=True, extra='forbid', strict=True)
 
     value: float | tuple[float, ...]
     unit: str
     source: str | None = None
+    range: tuple[float | tuple[float, ...], float | tuple[float, ...]] | None = None
+    range_source: str | None = None
 
     @model_validator(mode='before')
     @classmethod
@@ -152,7 +160,23 @@ class Quantity(BaseModel):
                 raise ValueError('has no unit; add one, as in "unit: m"')
             if 'value' in value:
                 value = {**value, 'value': _parse_numbers(value['value'])}
+            if isinstance(value.get('range'), list):
+                value = {**value, 'range': tuple(map(_parse_numbers, value['range']))}
         return value
+
+    @model_validator(mode='after')
+    def _check_range(self) -> 'Quantity':
+        if (self.range is None) != (not self.range_source):
+            raise ValueError('has only one of "range" and "range_source"; give both or neither')
+        for end in self.range or ():
+            if isinstance(end, tuple) != isinstance(self.value, tuple) or (
+                isinstance(end, tuple) and len(end) != len(self._value_as_tuple())
+            ):
+                raise ValueError(
+                    f'has the range {list(self.range or ())}; give two ends in the form of the '
+                    'value'
+                )
+        return self
 
     @model_validator(mode='after')
     def _check_value(self) -> 'Quantity':

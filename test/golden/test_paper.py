@@ -70,7 +70,8 @@ def test_rows_that_are_long_are_rows():
 )
 def test_every_figure_is_found_again_within_its_rounding(row, studied):
     told = TOLD['rows'][row.name]
-    found = studied([row])[row.name].values
+    kept = studied([row])[row.name]
+    found = kept.values
     assert found.keys() == told['values'].keys()
     for name, (value, *_, seeds) in told['values'].items():
         now, measure = found[name], row.measures[name]
@@ -79,7 +80,7 @@ def test_every_figure_is_found_again_within_its_rounding(row, studied):
             assert (None if now.value != now.value else now.value) == value, name
         else:
             assert math.isclose(now.value, value, abs_tol=measure.rounding, rel_tol=1e-9), name
-    assert {k: str(v) for k, v in judge_claims(row, found).items()} == told['verdicts']
+    assert {k: str(v) for k, v in judge_claims(row, kept).items()} == told['verdicts']
 
 
 @pytest.mark.parametrize('rows', [QUICK, pytest.param(ROWS, marks=pytest.mark.long)])
@@ -105,7 +106,5 @@ def test_the_document_is_made_of_the_full_run_and_of_the_rows_as_they_are():
     for row in rows:
         first = kepts[row.name].pictures[0]
         assert (docs / IMAGES / f'{row.name}-{first.name}.png').exists()
-        found = {
-            name: str(each) for name, each in judge_claims(row, kepts[row.name].values).items()
-        }
+        found = {name: str(each) for name, each in judge_claims(row, kepts[row.name]).items()}
         assert found == told['rows'][row.name]['verdicts']

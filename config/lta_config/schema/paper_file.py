@@ -1,14 +1,15 @@
 """
 One row of the reproduction: the claims of the seed paper, and how they are measured here.
 
-Each claim has a rule for agreement, fixed before the first run. Each measure has a unit and a
-number of digits. Defects are contradictions within the paper, with the arithmetic. A row never
-contains our results: its texts name a measure in braces, and a defect names its expressions.
+Each claim has a rule for agreement and the measure that it judges; where its words allow several
+readings, one measure for each. Each measure has a unit and a number of digits. Defects are
+contradictions within the paper, with the arithmetic. A row never contains our results: its texts
+name a measure in braces, and a defect names its expressions.
 """
 
 from collections.abc import Mapping, Sequence
 from string import Formatter
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from lta_config.arithmetic import evaluate_expression
 from lta_config.files import find_file, list_shipped_names, load_file, StrictModel
@@ -74,6 +75,14 @@ class PaperClaim(StrictModel):
         As printed.
     measure, rule : str, AgreementRule
         The measure to compare with, and the rule; None if it cannot be tested here.
+    reading : str
+        How `measure` reads the claim, if there are other readings.
+    readings : mapping of str to str
+        Other readings: the measure of each. A verdict is final only if all agree.
+    construction : str
+        Why the claim holds by construction; '' if it could have failed.
+    vacuous : str or None
+        Measure that is 'yes' if an agreement says nothing, as anything would agree.
     untested : str
         Why it cannot be tested.
     finding : str
@@ -89,6 +98,10 @@ class PaperClaim(StrictModel):
     value: Quantity | None = None
     measure: str | None = None
     rule: AgreementRule | None = None
+    reading: str = ''
+    readings: Mapping[str, str] = Field(default_factory=dict)
+    construction: str = ''
+    vacuous: str | None = None
     untested: str = ''
     finding: str = ''
     gap: str = ''
@@ -109,7 +122,14 @@ class PaperClaim(StrictModel):
             raise ValueError('needs either "measure" and "rule", or a reason in "untested"')
         if self.rule is not None and self.rule.within is not None and self.value is None:
             raise ValueError('has a rule with "within", but no "value" to compare with; add it')
+        if bool(self.reading) != bool(self.readings):
+            raise ValueError('has only one of "reading" and "readings"; give both or neither')
         return self
+
+    @property
+    def measures(self) -> dict[str, str]:
+        """The measure of each reading, by its name; '' where the words allow only one."""
+        return {} if self.measure is None else {self.reading: self.measure, **self.readings}
 
 
 class PaperDefect(StrictModel):
@@ -151,6 +171,28 @@ class SeedCounts(StrictModel):
     full: Annotated[int, Field(ge=1)] = 1
 
 
+class DrawCounts(StrictModel):
+    """Numbers of draws from the ranges in a quick and in a full run; none by default."""
+
+    quick: Annotated[int, Field(ge=0)] = 0
+    full: Annotated[int, Field(ge=0)] = 0
+
+
+class SceneRange(StrictModel):
+    """The range of a number of the scene that the paper does not print."""
+
+    range: tuple[float, float]
+    unit: str | None = None
+    range_source: str
+
+    @model_validator(mode='before')
+    @classmethod
+    def _convert_list(cls, content: Any) -> Any:  # noqa: ANN401 - whatever the file held
+        if isinstance(content, dict) and isinstance(content.get('range'), list):
+            return {**content, 'range': tuple(map(float, content['range']))}
+        return content
+
+
 class PaperRow(StrictModel):
     """A row of the reproduction."""
 
@@ -160,6 +202,8 @@ class PaperRow(StrictModel):
     title: str
     scenario: str
     seeds: SeedCounts = SeedCounts()
+    draws: DrawCounts = DrawCounts()
+    ranges: Mapping[str, SceneRange] = Field(default_factory=dict)
     deviations: Sequence[str] = ()
     measures: Annotated[Mapping[Name, PaperMeasure], Field(min_length=1)]
     claims: Annotated[Mapping[Name, PaperClaim], Field(min_length=1)]
@@ -169,14 +213,14 @@ class PaperRow(StrictModel):
     @model_validator(mode='after')
     def _check_claims(self) -> Self:
         for name, claim in self.claims.items():
-            for text in (claim.finding, claim.gap, claim.untested):
+            for text in (claim.finding, claim.gap, claim.untested, claim.construction):
                 self._check_names(name, text)
-            if claim.measure is not None:
-                # Check the measure as if a text named it in braces
-                self._check_names(name, f'{{{claim.measure}}}')
-            if claim.measure is None or claim.rule is None:
-                continue
-            self._check_units(name, self.measures[claim.measure], claim)
+            for measure in (*claim.measures.values(), claim.vacuous):
+                if measure is not None:
+                    # Check the measure as if a text named it in braces
+                    self._check_names(name, f'{{{measure}}}')
+            for measure in claim.measures.values() if claim.rule else ():
+                self._check_units(name, self.measures[measure], claim)
         for name, each in self.series.items():
             self._check_names(name, each.said)
         for name, defect in self.defects.items():

@@ -14,6 +14,8 @@ behind obstacles reduce the limit further; only a simulated flight shows by how 
 """
 
 from collections.abc import Callable
+from functools import cache
+from itertools import combinations, product
 import math
 
 from lta_config.constants import STANDARD_GRAVITY
@@ -40,6 +42,10 @@ LEANS = tuple(
     math.radians(0.5 * k) for k in range(-60, 61)
 )  # pitch angles of a freely hanging hull
 NOT_AIR = ('weight_and_buoyancy', 'net_lift', 'helium_leak', 'superheat', 'moving_mass')
+
+FEW = 2  # thrusts beyond the balances up to which corners are searched
+SINGULAR = 1e-12  # determinant of a basis without a corner
+SLACK = 1e-7  # N, as the tolerance of linprog
 
 Array = NDArray[np.float64]
 
@@ -185,11 +191,52 @@ def _is_balanced(
         balance[4] -= _hanging_moment(vehicle, speed, pitch)
         axes = [2, 4, 5]
     wrench = np.array(columns).T
-    # Maximise forward thrust (linprog minimises) subject to balance on `axes`
-    solution = linprog(
-        -wrench[0], A_eq=wrench[axes], b_eq=balance[axes], bounds=[(0.0, top) for top in tops]
-    )
-    return solution.status == 0 and solution.fun is not None and bool(-solution.fun >= balance[0])
+    return _most_forward_thrust(wrench, axes, balance, tops) >= float(balance[0])
+
+
+def _most_forward_thrust(
+    wrench: Array, axes: list[int], balance: Array, tops: list[float]
+) -> float:
+    """Return the largest forward force subject to balance on `axes`; -inf if none balances. [N]"""
+    held, needed = wrench[axes], balance[axes]
+    free = len(tops) - len(axes)
+    # Dependent balances, as of rotors that push along few lines, have no regular corner
+    if 0 <= free <= FEW and np.linalg.matrix_rank(held) == len(axes):
+        return _search_corners(wrench[0], held, needed, np.array(tops))
+    # linprog minimises
+    solution = linprog(-wrench[0], A_eq=held, b_eq=needed, bounds=[(0.0, top) for top in tops])
+    return -math.inf if solution.status or solution.fun is None else float(-solution.fun)
+
+
+def _search_corners(forward: Array, held: Array, needed: Array, tops: Array) -> float:
+    """
+    Solve the linear programme by its corners, which is fast for few rotors.
+
+    A corner has all but as many thrusts as there are balances at one of their bounds.
+    """
+    inside, outside, ends = _list_corners(len(tops), len(needed))
+    bounds = tops[outside] * ends
+    matrices = held[:, inside].transpose(1, 0, 2)
+    # A singular basis has no corner of its own
+    regular = np.abs(np.linalg.det(matrices)) > SINGULAR
+    inside, outside, bounds = inside[regular], outside[regular], bounds[regular]
+    rest = needed - np.einsum('acf,cf->ca', held[:, outside], bounds)
+    solved = np.linalg.solve(matrices[regular], rest[:, :, None])[:, :, 0]
+    within = np.all((solved >= -SLACK) & (solved <= tops[inside] + SLACK), axis=1)
+    forces = np.sum(forward[inside] * solved, axis=1) + np.sum(forward[outside] * bounds, axis=1)
+    return float(np.max(forces[within], initial=-math.inf))
+
+
+@cache
+def _list_corners(count: int, balances: int) -> tuple[Array, Array, Array]:
+    """Return, by corner, the thrusts in the basis, the others, and whether those are at full."""
+    rows = [
+        (basis, [k for k in range(count) if k not in basis], ends)
+        for basis in combinations(range(count), balances)
+        for ends in product((0.0, 1.0), repeat=count - balances)
+    ]
+    inside, outside, ends = zip(*rows, strict=True)
+    return np.array(inside), np.array(outside, dtype=int), np.array(ends)
 
 
 def static_wind_limit(vehicle: Vehicle) -> float:

@@ -218,3 +218,12 @@ def test_dga_stops_to_turn_beyond_1_2_rad_and_flies_on_within_half_a_radian(off,
 
 def test_the_first_memory_of_dga_holds_the_heading_alone():
     assert gradient.start(0.3) == (0.3, 0.0, 0.0, 0.0, 0.3, 0.3, 0.0, False, 0.0, EMPTY)
+
+
+@pytest.mark.parametrize(('commanded', 'turned'), [(False, 0.0), (True, 0.5)])
+def test_dga_reckons_by_the_heading_of_its_imu_or_by_the_commanded_one(commanded, turned):
+    """Commanded to 0.5 rad at 0.5 m/s, the nose is still at 0."""
+    settings = StrategySettings(dga=GradientSettings(commanded_heading=commanded))
+    memory = gradient.start(0.5)._replace(speed=0.5)
+    after = gradient.steer(settings, memory, light(100.0, heading=0.0))[1]
+    assert (after.x, after.y) == pytest.approx((0.05 * math.cos(turned), 0.05 * math.sin(turned)))

@@ -1,8 +1,10 @@
 """The strategies by name, and BAG."""
 
+import math
+
 from lta_config.errors import BadInput
 from lta_control.strategies import find_navigation_strategy, STRATEGIES
-from lta_control.strategies.bearing_angle import STRATEGY
+from lta_control.strategies.bearing_angle import BearingAngleSettings, mean_bearing, STRATEGY
 from lta_control.strategies.protocol import LightMeasurement, SteeringCommand
 from lta_control.strategies.settings import StrategySettings
 import pytest
@@ -48,3 +50,13 @@ def test_it_searches_from_where_the_lamp_was_last():
     bag = STRATEGY
     _, memory = bag.steer(SETTINGS, bag.start(0.3), SEEN)
     assert bag.steer(SETTINGS, memory, BLIND)[0] == SteeringCommand(pytest.approx(1.52), 0.0)
+
+
+def test_bag_heads_along_the_mean_of_the_paper_on_request():
+    """Cosine diodes of an even ring: their weighted mean is exact, `lta_vlc.bearing`."""
+    lamp = 0.7
+    seen = tuple(max(math.cos(lamp - math.tau * k / 8), 0.0) for k in range(8))
+    settings = StrategySettings(bag=BearingAngleSettings(mean=True))
+    course, _ = STRATEGY.steer(settings, (9.0,), SEEN._replace(amplitudes=seen))
+    assert course.heading == pytest.approx(2.0 + lamp)
+    assert mean_bearing(seen) == pytest.approx(lamp)

@@ -38,6 +38,14 @@ def reproduce(
             '--quick', help='Use few seeds and skip long experiments; takes under 3 minutes.'
         ),
     ] = False,
+    draws: Annotated[
+        int | None,
+        typer.Option(
+            help='Number of draws of what is assumed; by default as in the files of the rows.',
+            min=0,
+            max=10_000,
+        ),
+    ] = None,
     workers: WorkerCount = None,
     retry: RetryFailed = False,
     as_markdown: Annotated[bool, typer.Option('--markdown', help='Print docs/paper.md.')] = False,
@@ -48,8 +56,9 @@ def reproduce(
     Repeat every experiment of the seed paper; report what agrees, what differs, and why.
 
     A row is a file in config/paper with the paper's claims, their location in the paper, the
-    measured quantities, and the acceptance rule, fixed in advance. All rows use the same vehicle,
-    gains, lamp and room; exceptions are listed.
+    measured quantities, and the acceptance rule. All rows use the same vehicle, gains, lamp and
+    room; exceptions are listed. What is assumed is drawn from the ranges in the files of vehicle,
+    cells and rows: a claim agrees or differs if 95 % of the draws do.
 
     Finished rows are stored in the folder of the results, runs/paper (with --quick
     runs/paper-quick) by default, and repeating the command resumes. A change of the code or of a
@@ -71,7 +80,7 @@ def reproduce(
     # No time in the name, so that repeating the command resumes
     folder = run.open_folder(Path('runs') / ('paper-quick' if quick else 'paper'))
     options = StudyOptions(workers, retry_failed=retry)
-    order = ReproductionRequest(tuple(row.name for row in rows), quick, folder, options)
+    order = ReproductionRequest(tuple(row.name for row in rows), quick, folder, options, draws)
     report = build_report(rows, reproduce_rows(order, rows, run.console))
     if as_markdown:
         sys.stdout.write(format_markdown_page(report))

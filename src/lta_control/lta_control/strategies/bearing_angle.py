@@ -1,12 +1,15 @@
 """
 BAG, bearing angle guidance: head along the lamp's bearing (the paper's first strategy).
 
-With no lamp in sight the drone stops and turns, so that it sees the light from any start. The
-memory is the last commanded heading.
+The bearing is that of our fit, or with `mean` the paper's: the angle of the sum of the axes of an
+even ring, weighted by what each diode sees of the lamp. With no lamp in sight the drone stops and
+turns, so that it sees the light from any start. The memory is the last commanded heading.
 """
 
+import math
 from typing import TYPE_CHECKING
 
+from lta_config.settings import setting, Settings
 from lta_control.strategies.protocol import (
     LightMeasurement,
     Memory,
@@ -18,6 +21,16 @@ if TYPE_CHECKING:
     from lta_control.strategies.settings import StrategySettings
 
 
+class BearingAngleSettings(Settings):
+    """Settings of the bearing."""
+
+    mean: bool = setting(
+        False,
+        'Whether to head along the weighted mean of the photodiodes, as in the paper, instead of '
+        'the fitted bearing.',
+    )
+
+
 def start(heading: float) -> Memory:
     """Return the memory before the first sight: hold the heading."""
     return (heading,)
@@ -27,10 +40,20 @@ def steer(
     settings: 'StrategySettings', memory: Memory, sight: LightMeasurement
 ) -> tuple[SteeringCommand, Memory]:
     """Return the heading of the lamp at cruise speed, or a slow turn on the spot."""
-    heading, speed = sight.heading + sight.bearing, settings.speed
+    bearing = mean_bearing(sight.amplitudes) if settings.bag.mean else sight.bearing
+    heading, speed = sight.heading + bearing, settings.speed
     if not sight.seen:
         heading, speed = memory[0] + settings.search_rate * sight.interval, 0.0
     return SteeringCommand(heading, speed, False), (heading,)
+
+
+def mean_bearing(amplitudes: tuple[float, ...]) -> float:
+    """Return the angle of the weighted sum of the axes of an even ring. [rad, body]"""
+    x = y = 0.0
+    for k in range(len(amplitudes)):
+        x += amplitudes[k] * math.cos(math.tau * k / len(amplitudes))
+        y += amplitudes[k] * math.sin(math.tau * k / len(amplitudes))
+    return math.atan2(y, x)
 
 
 STRATEGY = NavigationStrategy('bag', start, steer)

@@ -1,7 +1,8 @@
 r"""
 DGA, dither-free gradient ascent: one diode, dead reckoning, and a plane fitted to the light.
 
-The drone dead-reckons its position from the speed that it commands, as in the paper,
+The drone dead-reckons its position from the speed that it commands and the heading that its IMU
+measures, as in the paper (`commanded_heading`: from the heading that it commands),
 
 .. math::
 
@@ -54,6 +55,9 @@ class GradientSettings(Settings):
         unit='rad/s',
         low=-2.0,
         high=2.0,
+    )
+    commanded_heading: bool = setting(
+        False, 'Whether to dead-reckon by the commanded heading instead of that of the IMU.'
     )
     centred: bool = setting(
         True,
@@ -108,9 +112,10 @@ def steer(
 ) -> tuple[SteeringCommand, GradientState]:
     """Return the heading of the latest plane, at cruise speed or stopped for a turn."""
     own, m, dt = settings.dga, memory, sight.interval
-    # Commanded, not estimated, speed and heading, as in the paper
-    x = m.x + m.speed * math.cos(m.heading) * dt
-    y = m.y + m.speed * math.sin(m.heading) * dt
+    # The speed is the commanded one, as in the paper
+    course = m.heading if own.commanded_heading else sight.heading
+    x = m.x + m.speed * math.cos(course) * dt
+    y = m.y + m.speed * math.sin(course) * dt
     pairs, more = add_pair(m.pairs, m.filled, (x, y, sight.amplitudes[0]), own.cell)
     count = min(m.filled + more, float(PAIRS))
     target, coming, computed = m.target, m.next, m.computed + dt

@@ -7,6 +7,7 @@ from lta_flight.report.results import FlightResults
 from lta_report.formatting import format_amount, format_number, format_spread, MISSING, Tile
 
 DEGREES: Final = 180.0 / math.pi
+SHADED: Final = 3.0  # RMS by median error above which a few blocks make the RMS
 
 
 class OutcomeRow(NamedTuple):
@@ -42,7 +43,6 @@ def describe_outcome(results: FlightResults) -> str:
 def build_tiles(results: FlightResults) -> list[Tile]:
     """Return tiles with the main results."""
     r = results
-    paper = format_amount(r.bearing_error, '°', 1, DEGREES)
     return [
         Tile('Time to the lamp', format_number(r.search_time, 1), 's',
              f'{format_amount(r.flight_time, "s", 1)} from take-off'),
@@ -54,7 +54,7 @@ def build_tiles(results: FlightResults) -> list[Tile]:
         Tile('Altitude', format_number(r.altitude), 'm',
              f'RMS error to the set-point {format_amount(r.altitude_error, "cm", 1, 100.0)}'),
         Tile('Direction of the lamp', format_number(r.lamp_error, 1, DEGREES), '° RMS error',
-             f"as used for steering; error of the paper's bearing {paper}"),
+             explain_direction_errors(r)),
         Tile('Signal to noise', f'{format_number(r.snr_start, 0)} → '
         f'{format_number(r.snr_end, 0)}', '',
              'of the best photodiode, first and last half second'),
@@ -65,9 +65,31 @@ def build_tiles(results: FlightResults) -> list[Tile]:
     ]  # fmt: skip
 
 
-def build_table(results: FlightResults) -> list[OutcomeRow]:
+def explain_direction_errors(results: FlightResults) -> str:
     """
-    Return a table of this flight and the indoor flight of the paper.
+    Return the errors of the direction used for steering and of the paper's bearing.
+
+    Within some 1.6 m of a lamp that stands above the diodes, the hull hides it and the diodes see
+    reflections alone: these last blocks make the RMS. The medians are those of the way there.
+    """
+    r = results
+    error, middle, usual = (
+        format_amount(each, '°', 1, DEGREES)
+        for each in (r.bearing_error, r.bearing_median, r.lamp_median)
+    )
+    text = f"as used for steering; error of the paper's bearing {error}"
+    if r.lamp_median is None or r.bearing_median is None:
+        return text
+    text += f'; medians {usual} and {middle}'
+    # Far more than a spread of noise would make
+    if r.lamp_error is None or r.lamp_error < SHADED * r.lamp_median:
+        return text
+    return f'{text}: a few blocks make the RMS, most of them where the hull hides the lamp'
+
+
+def build_table(results: FlightResults, *, with_paper: bool = True) -> list[OutcomeRow]:
+    """
+    Return a table of this flight and, with `with_paper`, of the indoor flight of the paper.
 
     The paper prints one power for all its strategies.
     """
@@ -101,5 +123,7 @@ def build_table(results: FlightResults) -> list[OutcomeRow]:
         OutcomeRow('estimated heading, RMS error',
             format_amount(r.heading_estimate_error, '°', 1, DEGREES)),
     ]  # fmt: skip
+    if not with_paper:
+        rows = [row._replace(paper=MISSING) for row in rows]
     # Leave out rows with no value at all
     return [row for row in rows if row.here != MISSING or row.paper != MISSING]

@@ -68,12 +68,14 @@ class FlightResults:
     lamp_error: float | None = result_field(
         'rad', 'RMS error of the direction to the lamp that is used for steering'
     )
+    lamp_median: float | None = result_field('rad', 'median of the absolute error of the same')
     lamp_share: float | None = result_field(
         '1', 'share of the light blocks that gave a direction for steering'
     )
     bearing_error: float | None = result_field(
         'rad', "RMS error of the bearing by the paper's method (topic light/bearing)"
     )
+    bearing_median: float | None = result_field('rad', 'median of the absolute error of the same')
     bearing_share: float | None = result_field(
         '1', "share of the light blocks that gave a bearing by the paper's method"
     )
@@ -239,15 +241,11 @@ def is_cruising(view: FlightDataSource, phases: FlightPhases, time: Array) -> Fl
 
 def compute_light_metrics(view: FlightDataSource, phases: FlightPhases) -> dict[str, float]:
     """Return the quality of the light measurements during the search."""
-    found = {}
+    found: dict[str, float] = {}
     if view.has_topics('light/estimate'):
-        found['lamp_error'], found['lamp_share'] = compute_direction_error(
-            view, phases, view.sighting
-        )
+        found |= compute_direction_error('lamp', view, phases, view.sighting)
     if view.has_topics('light/bearing'):
-        found['bearing_error'], found['bearing_share'] = compute_direction_error(
-            view, phases, view.bearing
-        )
+        found |= compute_direction_error('bearing', view, phases, view.bearing)
     if view.has_topics('light/peaks'):
         time, parts = view.peaks
         best = parts['snr'].max(axis=1)[is_in_interval(time, phases.search, phases.end)]
@@ -258,19 +256,22 @@ def compute_light_metrics(view: FlightDataSource, phases: FlightPhases) -> dict[
 
 
 def compute_direction_error(
-    view: FlightDataSource, phases: FlightPhases, arrow: DirectionCurve
-) -> tuple[float, float]:
-    """Return the RMS error of directions to the lamp [rad], and the share of blocks with one."""
+    name: str, view: FlightDataSource, phases: FlightPhases, arrow: DirectionCurve
+) -> dict[str, float]:
+    """Return RMS and median error of directions to the lamp [rad], and the share with one."""
     time, angle = arrow
     # Before the search the drone stands or climbs and does not steer by the lamp
     searched = is_in_interval(time, phases.search, phases.end)
-    share = mean_or_nan(np.isfinite(angle[searched]))
+    found = {f'{name}_share': mean_or_nan(np.isfinite(angle[searched]))}
     if not view.has_topics('ground_truth/odom'):
-        return np.nan, share
+        return found
     truth = view.truth
     x, y, yaw = (interpolate(time, truth.time, part) for part in (truth.x, truth.y, truth.yaw))
     there = truth._replace(time=time, x=x, y=y, yaw=yaw)
-    return rms(wrap_angle(angle - beacon_direction(view, there))[searched]), share
+    error = wrap_angle(angle - beacon_direction(view, there))[searched]
+    known = np.abs(error[np.isfinite(error)])
+    middle = float(np.median(known)) if len(known) else np.nan
+    return found | {f'{name}_error': rms(error), f'{name}_median': middle}
 
 
 def beacon_direction(view: FlightDataSource, motion: MotionCurve) -> Array:

@@ -18,7 +18,7 @@ import math
 from typing import Annotated, final, Self
 
 from lta_config.files import StrictModel
-from lta_config.schema.cell_file import load_cell_file
+from lta_config.schema.cell_file import CellFile, load_cell_file
 from lta_config.schema.vehicle_energy import EnergyBlock
 from lta_model.electrical.diode_fit import fit_diode
 from lta_model.light.spectral_factor import spectral_factor
@@ -77,7 +77,11 @@ class SolarArrayModel(StrictModel):
     @classmethod
     def from_cells(cls, cell: str, series: int, parallel: int) -> Self:
         """Return so many strings of so many cells, by the name or path of their file."""
-        file = load_cell_file(cell)
+        return cls.from_cell_file(load_cell_file(cell), series, parallel)
+
+    @classmethod
+    def from_cell_file(cls, file: CellFile, series: int, parallel: int) -> Self:
+        """Return so many strings of so many cells."""
         data, diode = file.electrical, fit_diode(file)
         return cls(
             light=diode.light * parallel,

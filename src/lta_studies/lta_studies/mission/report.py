@@ -10,6 +10,7 @@ from lta_report.formatting import format_count, Tile
 from lta_report.report import Picture, Report, TextSection, TextTable
 from lta_studies.light.evaluation.intervals import BootstrapMean
 from lta_studies.mission import paper
+from lta_studies.mission.gas import describe_gas, estimate_gas_over_day, GasOverDay
 from lta_studies.mission.pictures import (
     draw_charge,
     draw_energy_use,
@@ -76,6 +77,7 @@ def build_report(request: MissionRequest, results: Sequence[MissionResult]) -> R
             Picture('hours', 'Minutes flown', HOURS, draw_flight_hours(shown, light)),
             Picture('books', 'Energy', BOOKS, draw_energy_use(shown)),
             *build_mission_tables(request, results),
+            TextSection('Gas over the day', (describe_gas(estimate_gas(request)),)),
             TextSection('Meaning and method', METHOD),
         ),
         data=to_json(request, results),
@@ -93,6 +95,12 @@ def build_report(request: MissionRequest, results: Sequence[MissionResult]) -> R
     )  # fmt: skip
 
 
+def estimate_gas(request: MissionRequest) -> GasOverDay:
+    """Return the change of lift in the light of the first seed."""
+    light = request.simulate_light(request.seeds[0])
+    return estimate_gas_over_day(request.scenes.vehicle, light)
+
+
 def to_json(request: MissionRequest, results: Sequence[MissionResult]) -> dict[str, Any]:
     """Convert the figures of all missions to JSON, in SI units."""
     # None if only one schedule was simulated
@@ -101,6 +109,7 @@ def to_json(request: MissionRequest, results: Sequence[MissionResult]) -> dict[s
         'mission': request.mission.name,
         'days': request.days,
         'gain': None if more is None else more._asdict(),
+        'gas': asdict(estimate_gas(request)),
         'lives': [
             {'schedule': each.schedule, 'seed': each.seed, **asdict(each.figures)}
             for each in results

@@ -24,6 +24,10 @@ import numpy as np
 # Columns of the recorded tables; column 0 is the time
 ALTITUDE, HEADING, SPEED = 1, 2, 3
 COLUMN = {'altitude': ALTITUDE, 'heading': HEADING, 'speed': SPEED}
+# Yaw rate as a speed is first commanded [rad/s]. Without it, a flight in still air from an
+# unstable equilibrium would stay there.
+NUDGE = 1e-4
+YAW_RATE = 12  # in the state
 HEIGHT_BAND = 0.2  # m of height error allowed in heading and speed manoeuvres (assumed)
 
 
@@ -109,8 +113,12 @@ def fly_maneuver(
     world = loop.world
     course = build_course(manoeuvre, world.state.item(2))
     flown, duties, tilts = [], [], []
+    nudged = False
     # Record the state between decision and command, when both refer to the same time.
     for _ in loop.iterate_until(lambda: world.elapsed > manoeuvre.until.si):
+        if not nudged and course(world.elapsed).speed > 0.0:
+            world.state[YAW_RATE] += NUDGE
+            nudged = True
         state = world.state.tolist()
         flown.append((world.elapsed, *_read_truth(state, course(world.elapsed).heading)))
         # Clamped, because rounding can leave the cosine outside [-1, 1].

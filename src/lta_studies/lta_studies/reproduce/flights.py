@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 import math
 from pathlib import Path
 from typing import Any, final
@@ -10,8 +11,10 @@ from lta_config.command_line import format_lta_command
 from lta_config.schema.sweep_file import SweepSeeds
 from lta_flight.flight_spec import to_set_args
 from lta_flight.simulate import simulate_once, SimulationRequest
-from lta_flight.sweep.plan import SweepPlan
-from lta_flight.sweep.statistics import ShareInterval
+from lta_flight.sweep.batch_workers import BatchWorkers
+from lta_flight.sweep.job_runner import SweepRow
+from lta_flight.sweep.plan import SweepJob, SweepPlan
+from lta_flight.sweep.statistics import REACHED, ShareInterval
 from lta_studies.light.evaluation import pilot
 from lta_studies.light.evaluation.cells import build_cells, EvaluationCell
 from lta_studies.light.evaluation.flights import (
@@ -22,10 +25,11 @@ from lta_studies.light.evaluation.flights import (
 )
 from lta_studies.light.evaluation.intervals import BootstrapMean
 from lta_studies.reproduce.recording import relative_bag_path
-from lta_studies.reproduce.study_result import MeasuredValue
+from lta_studies.reproduce.study_result import MeasuredValue, RowStudyRequest
 from plotly.graph_objects import Figure
 
 PAPERS = ('bag', 'dga', 'des')  # strategies of the paper
+BATCHED = 100  # draws from which on it pays to compile a batch
 
 
 class SilentWatcher:
@@ -97,6 +101,53 @@ def fly_group(
     jobs = map(plan.build_job, range(plan.count))
     rows = [fly_standalone_job(build_standalone_job(plan, job)) for job in jobs]
     return FlightGroup(plan, build_cells(part, plan, rows))
+
+
+def fly_draws(
+    part: str,
+    request: RowStudyRequest,
+    *,
+    strategies: Sequence[str] = PAPERS,
+    change: Mapping[str, Any] | None = None,
+) -> dict[str, list[SweepRow]]:
+    """
+    Fly part of a set once in each draw of what is assumed; return the flights by strategy.
+
+    Many are flown as a batch, which compiles for minutes and then flies hundreds a minute; a few
+    are flown one after the other.
+    """
+    file = build_sweep_plan(part).file
+    cut = {'seeds': SweepSeeds(first=1, count=1), 'cases': {}, 'vary': {STRATEGY: [*strategies]}}
+    settings = {**file.settings, **(change or {})}
+    plan = SweepPlan(file.model_copy(update={**cut, 'settings': settings}))
+    drawn = {seed: request.draw_changes(seed) for seed in request.draw_seeds}
+    jobs = [
+        SweepJob(index, seed, {STRATEGY: name, **drawn[seed]})
+        for index, (name, seed) in enumerate(product(strategies, drawn))
+    ]
+    if len(drawn) < BATCHED:
+        rows = [fly_standalone_job(build_standalone_job(plan, job)) for job in jobs]
+    else:
+        # A batch may return flights of other strategies in between
+        flown = {job.index: row for job, row in BatchWorkers(plan.base, 'cpu-batch').run(jobs)}
+        rows = [flown[job.index] for job in jobs]
+    count = len(drawn)
+    return {name: rows[k * count : (k + 1) * count] for k, name in enumerate(strategies)}
+
+
+def summarize_draws(name: str, rows: Sequence[SweepRow]) -> dict[str, list[float | str]]:
+    """Return share, path [m] and time [s] of single flights; NaN where one did not arrive."""
+    return {
+        f'{name}_reached': [float(row.outcome == REACHED) for row in rows],
+        f'{name}_path': [arrival_figure(row, 'path_length') for row in rows],
+        f'{name}_time': [arrival_figure(row, 'search_time') for row in rows],
+    }
+
+
+def arrival_figure(row: SweepRow, name: str) -> float:
+    """Return a figure of a flight that reached the lamp, else NaN."""
+    value = row.figures.get(name) if row.outcome == REACHED else None
+    return math.nan if value is None else float(value)
 
 
 def to_measured_value(mean: BootstrapMean) -> MeasuredValue:

@@ -8,6 +8,9 @@ from typing import final
 
 from lta_config.schema.comparison_file import ComparisonFile, load_comparison
 from lta_config.schema.maneuver_file import load_maneuver_file
+from lta_model.scenario import load_scenario
+from lta_studies.platforms.entrants import build_entrant
+from lta_studies.platforms.flight import fly_maneuver
 from lta_studies.platforms.pictures import draw_tracking, format_entry_name
 from lta_studies.platforms.run import (
     ABLATION,
@@ -20,7 +23,7 @@ from lta_studies.platforms.run import (
 )
 from lta_studies.platforms.summary import ComparisonCell, find_top_speed, SeedMean
 from lta_studies.reproduce.recording import record_flight, relative_bag_path
-from lta_studies.reproduce.study_result import MeasuredValue
+from lta_studies.reproduce.study_result import MeasuredValue, RowStudyRequest
 from plotly.graph_objects import Figure
 
 FILE = 'platforms'  # the comparison file
@@ -91,6 +94,24 @@ def fly_entries(pairs: Iterable[tuple[str, str]], seeds: int) -> ComparisonFligh
         for seed in range(1, seeds + 1)
     ]
     return ComparisonFlights(comparison, rows)
+
+
+def draw_gtmab(
+    request: RowStudyRequest, manoeuvres: Sequence[str]
+) -> dict[str, list[float | str]]:
+    """Fly GT-MAB once in every draw of what is assumed; return what it held, by measure."""
+    comparison = load_comparison(FILE)
+    scenario = load_scenario(comparison.scenario)
+    draws: dict[str, list[float | str]] = {f'gtmab_{each}_held': [] for each in manoeuvres}
+    for seed in request.draw_seeds:
+        change = comparison.contestants['gtmab'].model_copy(
+            update={'changes': request.draw_changes(seed)}
+        )
+        entrant = build_entrant(change, scenario.air.density)
+        for each in manoeuvres:
+            flight = fly_maneuver(entrant, scenario, load_maneuver_file(each), seed)
+            draws[f'gtmab_{each}_held'].append(float(flight.is_successful))
+    return draws
 
 
 def find_speed_limit(name: str, seeds: int) -> MeasuredValue:

@@ -7,6 +7,7 @@ from typing import Any, Final
 
 from lta_config.schema.paper_file import find_measure_names, PaperRow
 from lta_report.formatting import MISSING, Tile
+from lta_report.json_value import replace_nonfinite
 from lta_report.report import (
     Block,
     CellColor,
@@ -24,6 +25,7 @@ from lta_studies.reproduce.verdict import (
     ClaimVerdict,
     count_verdicts,
     fill_measures,
+    format_draws,
     format_quantity,
     format_rule,
     format_value,
@@ -33,11 +35,12 @@ from plotly.io import from_json
 
 StoredRows = Mapping[str, StoredRow]
 CLAIM_HEADS: Final = (
-    'the paper says', 'where', 'printed', 'agrees if', 'here', 'seeds', 'verdict',
+    'the paper says', 'where', 'printed', 'agrees if', 'here', 'seeds', 'drawn', 'verdict',
 )  # fmt: skip
 COLORS: Final[Mapping[str, CellColor]] = {
     ClaimVerdict.AGREES: 'good', ClaimVerdict.BEYOND: 'good', ClaimVerdict.DIFFERS: 'bad',
-    ClaimVerdict.UNTESTED: 'soft', ClaimVerdict.LEFT_OUT: 'soft',
+    ClaimVerdict.UNTESTED: 'soft', ClaimVerdict.LEFT_OUT: 'soft', ClaimVerdict.UNCERTAIN: 'soft',
+    ClaimVerdict.CONSTRUCTION: 'soft', ClaimVerdict.VACUOUS: 'soft',
 }  # fmt: skip
 # Remark after the place of a claim, by the source of its number
 SOURCES: Final = {
@@ -49,11 +52,30 @@ ABOUT: Final = (
     'paper says, what we get, and why they differ.'
 )
 METHOD: Final = (
-    'A claim agrees if the measured value satisfies the rule in its row; the rules were '
-    'fixed in files before any run. Means over seeds have 95 % intervals in brackets '
-    '(Student for means, Wilson for shares). For each claim that "cannot be tested here", '
-    'the reason is given. All rows use the same GT-MAB file, gains, lamp and room; '
-    'deviations are listed.'
+    'The measures are those of the files as they are, with 95 % intervals over the seeds in '
+    'brackets (Student for means, Wilson for shares). Then every number that is assumed, in the '
+    'vehicle, in the cells and in what the paper does not print of its scenes, is drawn from the '
+    'range that its file gives, and measured again, each draw with a seed of its own. A claim '
+    'agrees if its rule holds in at least 95 % of the draws, and differs if it fails in at least '
+    '95 % of them; anything between is within our uncertainty. Where the words of a claim allow '
+    'several readings, all are measured, and a verdict needs all of them (--quick leaves some '
+    'out, so that its verdicts are preliminary). Claims that hold by '
+    'construction, and agreements that say nothing because anything would agree, are counted '
+    'apart. For each claim that cannot be tested, the reason is given. All rows use the same '
+    'GT-MAB file, gains, lamp and room; deviations are listed.'
+)
+KNOWN_BEFORE: Final = (
+    'What was known when: the rules of agreement were written with the rows, on 2026-11-21. By '
+    'then the commands for photodiodes, strategies, platforms, mounting, cells and energy, which '
+    'measure much of the same, had been run, so that no rule was written blind; those of rows 5, '
+    '7 and 11 were written when their results were known. Ranges, readings, and the claims on '
+    'linear drag, on the weight of diodes, on the overshoot of DGA and on how flights fail '
+    'outdoors were added on 2026-11-26, when all results without draws were known. No rule that '
+    'existed was changed then; row 3 has a small perturbation since.'
+)
+UNDRAWN: Final = (
+    '**These measures are of a run without draws, and in part of older code: the verdicts of this '
+    'row are preliminary. `./lta reproduce` measures it again.**'
 )
 DISCOVERY: Final = (
     'Discovery (`lta discover`) finds a missing effect from the commands and the motion of '
@@ -80,7 +102,8 @@ system. This file is generated from the results; none of our figures is typed by
 The command also writes a page with every picture, table and figure, and records the plotted
 flights as bags in its folder. Pictures that show no flight (vehicle files, cells, light blocks,
 bearings on a bench) only have a command. A row is a file in `config/paper`: what the paper says
-and where, what is measured, and the rule for agreement."""
+and where, what is measured, and the rule for agreement. The ranges of what is assumed are in the
+files of vehicle and cells (`range`), those of scenes in the row."""
 
 
 def build_report(rows: Sequence[PaperRow], stored_rows: StoredRows) -> Report:
@@ -93,7 +116,7 @@ def build_report(rows: Sequence[PaperRow], stored_rows: StoredRows) -> Report:
         tiles=build_tiles(rows, stored_rows),
         blocks=(
             build_summary_table(rows, stored_rows),
-            TextSection('How claims are judged', (METHOD,)),
+            TextSection('How claims are judged', (METHOD, KNOWN_BEFORE)),
             *(block for row in rows for block in iterate_row_blocks(row, stored_rows[row.name])),
             ReportSection(
                 "What discovery concludes from the paper's figures",
@@ -122,7 +145,7 @@ def format_markdown_page(report: Report) -> str:
     summary, _, *rest = report.blocks
     assert isinstance(summary, TextTable)
     text = render_markdown([replace(summary, heading=''), *rest], IMAGES)
-    return f'{MARKDOWN_HEAD}\n\n**{report.headline}** {METHOD}\n\n{text}\n'
+    return f'{MARKDOWN_HEAD}\n\n**{report.headline}** {METHOD}\n\n{KNOWN_BEFORE}\n\n{text}\n'
 
 
 def count_all_verdicts(
@@ -130,7 +153,7 @@ def count_all_verdicts(
 ) -> dict[ClaimVerdict, int]:
     """Count the verdicts of all claims."""
     return count_verdicts(
-        each for row in rows for each in judge_claims(row, stored_rows[row.name].values).values()
+        each for row in rows for each in judge_claims(row, stored_rows[row.name]).values()
     )
 
 
@@ -139,13 +162,27 @@ def format_headline(rows: Sequence[PaperRow], stored_rows: StoredRows) -> str:
     found = count_all_verdicts(rows, stored_rows)
     # Results beyond the paper are not claims of the paper.
     count = sum(found.values()) - found[ClaimVerdict.BEYOND]
+    agreeing = sum(
+        found[each]
+        for each in (ClaimVerdict.AGREES, ClaimVerdict.CONSTRUCTION, ClaimVerdict.VACUOUS)
+    )
     text = (
-        f"Of the paper's {count} claims, {found[ClaimVerdict.AGREES]} agree, "
-        f'{found[ClaimVerdict.DIFFERS]} differ and {found[ClaimVerdict.UNTESTED]} cannot be '
-        f'tested here'
+        f"Of the paper's {count} claims, {agreeing} agree ({found[ClaimVerdict.CONSTRUCTION]} by "
+        f'construction, {found[ClaimVerdict.VACUOUS]} where anything would), '
+        f'{found[ClaimVerdict.DIFFERS]} differ, {found[ClaimVerdict.UNCERTAIN]} are within our '
+        f'uncertainty and {found[ClaimVerdict.UNTESTED]} cannot be tested'
     )
     left = found[ClaimVerdict.LEFT_OUT]
-    return f'{text}; --quick leaves out {left}.' if left else f'{text}.'
+    text += f'; {left} were not measured in this run.' if left else '.'
+    undrawn = [str(row.number) for row in rows if is_undrawn(row, stored_rows[row.name])]
+    if not undrawn:
+        return text
+    return f'{text} Rows {", ".join(undrawn)} were not drawn yet: their verdicts are preliminary.'
+
+
+def is_undrawn(row: PaperRow, stored: StoredRow) -> bool:
+    """Return whether a row that is drawn by its file was stored without draws."""
+    return bool(row.draws.full) and not stored.draws
 
 
 def build_tiles(rows: Sequence[PaperRow], stored_rows: StoredRows) -> list[Tile]:
@@ -165,7 +202,7 @@ def build_tiles(rows: Sequence[PaperRow], stored_rows: StoredRows) -> list[Tile]
 def build_summary_table(rows: Sequence[PaperRow], stored_rows: StoredRows) -> TextTable:
     """Return one table row per study with the counts of its verdicts."""
     counts = {
-        format_title(row): count_verdicts(judge_claims(row, stored_rows[row.name].values).values())
+        format_title(row): count_verdicts(judge_claims(row, stored_rows[row.name]).values())
         for row in rows
     }
     lines = [[name, *map(str, found.values())] for name, found in counts.items()]
@@ -193,6 +230,7 @@ def iterate_row_blocks(row: PaperRow, stored: StoredRow) -> Iterator[Block]:
         format_title(row),
         (
             TextSection('', (row.scenario,), marked=True),
+            *([TextSection('', (UNDRAWN,), marked=True)] if is_undrawn(row, stored) else []),
             build_claim_table(row, stored),
             *([TextSection('', findings, bullets=True, marked=True)] if findings else []),
             ReportSection(
@@ -216,7 +254,7 @@ def build_picture(row: PaperRow, stored: StoredPicture) -> Picture:
 
 def build_claim_table(row: PaperRow, stored: StoredRow) -> TextTable:
     """Return one table row per claim."""
-    found = judge_claims(row, stored.values)
+    found = judge_claims(row, stored)
     lines = []
     for name, claim in row.claims.items():
         value = stored.values.get(claim.measure or '')
@@ -227,6 +265,7 @@ def build_claim_table(row: PaperRow, stored: StoredRow) -> TextTable:
             MISSING if claim.rule is None else format_rule(claim.rule),
             format_value(row.measures[claim.measure], value) if claim.measure else MISSING,
             MISSING if value is None else str(value.seeds),
+            format_draws(row, name, stored),
             str(found[name]),
         ])  # fmt: skip
     return TextTable('', CLAIM_HEADS, lines, printed=False, colors=COLORS)
@@ -234,14 +273,15 @@ def build_claim_table(row: PaperRow, stored: StoredRow) -> TextTable:
 
 def list_claim_findings(row: PaperRow, stored: StoredRow) -> list[str]:
     """Return the claims that do not simply agree: finding, and what would close the gap."""
-    found = judge_claims(row, stored.values)
+    found = judge_claims(row, stored)
     lines = []
     for name, claim in row.claims.items():
         # Why it cannot be tested, else what was found
         finding = fill_measures_or_blank(claim.untested or claim.finding, row, stored)
-        differs = found[name] is ClaimVerdict.DIFFERS
-        gap = fill_measures_or_blank(claim.gap, row, stored) if differs else ''
-        texts = [finding, f'**{gap}**' if gap else '']
+        by = fill_measures_or_blank(claim.construction, row, stored)
+        open_ = found[name] in (ClaimVerdict.DIFFERS, ClaimVerdict.UNCERTAIN)
+        gap = fill_measures_or_blank(claim.gap, row, stored) if open_ else ''
+        texts = [finding, f'By construction: {by}' if by else '', f'**{gap}**' if gap else '']
         if any(texts):
             lines.append(' '.join(filter(None, [f'*{claim.says}*', *texts])))
     return lines
@@ -293,8 +333,9 @@ def _row_to_json(row: PaperRow, stored: StoredRow) -> dict[str, Any]:
     return {
         'seeds': stored.seeds,
         'seconds': round(stored.seconds, 1),
-        'verdicts': {name: str(each) for name, each in judge_claims(row, stored.values).items()},
+        'verdicts': {name: str(each) for name, each in judge_claims(row, stored).items()},
         'values': encode_values(stored.values),
+        'draws': replace_nonfinite(stored.draws),
         'pictures': [
             {'name': each.name, 'heading': each.heading, 'caption': each.caption,
              'command': each.command, 'bag': each.bag}

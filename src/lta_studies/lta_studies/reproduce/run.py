@@ -9,7 +9,7 @@ import time
 from typing import Final, final
 
 from lta_config.errors import BadInput, unknown_name_error
-from lta_config.schema.paper_file import load_paper_row, load_paper_rows, PaperRow
+from lta_config.schema.paper_file import DrawCounts, load_paper_row, load_paper_rows, PaperRow
 from lta_report.line_log import LogKind
 from lta_report.study import Study, StudyOptions
 from lta_report.study_store import StoreFormat
@@ -29,12 +29,17 @@ STORE: Final = StoreFormat(
 @final
 @dataclass(frozen=True, slots=True)
 class ReproductionRequest:
-    """Options of a reproduction."""
+    """
+    Options of a reproduction.
+
+    `draws` replaces the number of draws of the rows' files.
+    """
 
     names: tuple[str, ...]
     quick: bool
     folder: Path
     options: StudyOptions = field(default_factory=StudyOptions)
+    draws: int | None = None
 
 
 def select_rows(names: Sequence[str]) -> list[PaperRow]:
@@ -51,19 +56,28 @@ def seed_count(row: PaperRow, quick: bool) -> int:
     return row.seeds.quick if quick else row.seeds.full
 
 
+def load_row(name: str, draws: int | None) -> PaperRow:
+    """Return a row, with another number of draws where it has any."""
+    row = load_paper_row(name)
+    if draws is None or not row.draws.full:
+        return row
+    return row.model_copy(update={'draws': DrawCounts(quick=draws, full=draws)})
+
+
 def compute_row_key(row: PaperRow, quick: bool) -> str:
     """Return the key of a row in the store: its name and the hash of its current inputs."""
     return row.name + ' ' + hash_row(row, seed_count(row, quick), quick, hash_sources(row.name))
 
 
-def study_row(quick: bool, folder: Path, name: str) -> StoredRow:
+def study_row(quick: bool, folder: Path, draws: int | None, name: str) -> StoredRow:
     """Study one row; raise `BadInput` if its measures differ from those of its file."""
-    row = load_paper_row(name)
+    row = load_row(name, draws)
     begun = time.monotonic()
     seeds = seed_count(row, quick)
     bags = folder / BAGS / name
     shutil.rmtree(bags, ignore_errors=True)  # recorded by an older version of the code
-    found = STUDIES[name](RowStudyRequest(seeds, quick, bags))
+    count = row.draws.quick if quick else row.draws.full
+    found = STUDIES[name](RowStudyRequest(seeds, quick, bags, count, row.ranges))
     undeclared = found.values.keys() - row.measures.keys()
     lacking = row.measures.keys() - found.values.keys()
     # --quick may leave out measures, but no study may add undeclared ones.
@@ -73,7 +87,7 @@ def study_row(quick: bool, folder: Path, name: str) -> StoredRow:
             f'The measures computed for {name} and those listed in its file '
             f'config/paper/{name}.yaml differ: {names}. Correct the file or the study.'
         )
-    return build_stored_row(found, seeds, time.monotonic() - begun)
+    return build_stored_row(row, found, seeds, time.monotonic() - begun)
 
 
 def reproduce_rows(
@@ -89,11 +103,13 @@ def reproduce_rows(
 
     """
     # Computed before the studies: a file edited meanwhile must invalidate the result.
-    keys = {row.name: compute_row_key(row, order.quick) for row in rows}
+    keys = {
+        row.name: compute_row_key(load_row(row.name, order.draws), order.quick) for row in rows
+    }
     names = list(keys)
     study = Study(
-        partial(study_row, order.quick, order.folder), keys.__getitem__, STORE, 'rows',
-        lambda name, row: f'{name}: {row.seconds:.0f} s',
+        partial(study_row, order.quick, order.folder, order.draws), keys.__getitem__, STORE,
+        'rows', lambda name, row: f'{name}: {row.seconds:.0f} s',
     )  # fmt: skip
     # The keys contain the hash of everything that determines a row.
     outcome = study.run(names, order.folder, 'rows', order.options, console)

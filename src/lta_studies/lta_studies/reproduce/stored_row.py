@@ -1,7 +1,7 @@
 """Define the results of a row that are stored between runs: values, pictures and tables."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 import hashlib
 import json
 import math
@@ -10,6 +10,7 @@ from typing import Any, final, NamedTuple
 from lta_config.schema.paper_file import PaperRow
 from lta_report.json_value import replace_nonfinite
 from lta_report.report import TextTable
+from lta_studies.reproduce.agreement import DrawSummary, summarize_draws
 from lta_studies.reproduce.study_result import MeasuredValue, RowStudyResult
 
 
@@ -27,13 +28,18 @@ class StoredPicture(NamedTuple):
 @final
 @dataclass(frozen=True, slots=True)
 class StoredRow:
-    """Results of a row's study, its number of seeds and its duration. [s]"""
+    """
+    Results of a row's study, its number of seeds and its duration. [s]
+
+    `draws` has a summary for each claim and each of its measures that was drawn.
+    """
 
     values: Mapping[str, MeasuredValue]
     pictures: Sequence[StoredPicture]
     tables: Sequence[TextTable]
     seeds: int
     seconds: float
+    draws: Mapping[str, Mapping[str, DrawSummary]] = field(default_factory=dict)
 
 
 def hash_row(row: PaperRow, seeds: int, quick: bool, code: str) -> str:
@@ -43,13 +49,42 @@ def hash_row(row: PaperRow, seeds: int, quick: bool, code: str) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def build_stored_row(result: RowStudyResult, seeds: int, seconds: float) -> StoredRow:
+def build_stored_row(
+    row: PaperRow, result: RowStudyResult, seeds: int, seconds: float
+) -> StoredRow:
     """Convert the result of a study to its stored form."""
     pictures = [
         StoredPicture(p.name, p.heading, p.caption, p.figure.to_json(), p.command, p.bag)
         for p in result.pictures
     ]
-    return StoredRow(result.values, pictures, result.tables, seeds, seconds)
+    draws = summarize_row_draws(row, result.draws)
+    return StoredRow(result.values, pictures, result.tables, seeds, seconds, draws)
+
+
+def summarize_row_draws(
+    row: PaperRow, draws: Mapping[str, Sequence[float | str]]
+) -> dict[str, dict[str, DrawSummary]]:
+    """Summarize the draws of each claim, by measure."""
+    found = {
+        name: {
+            measure: summarize_draws(claim.rule, claim.value, draws[measure])
+            for measure in claim.measures.values()
+            if claim.rule is not None and draws.get(measure)
+        }
+        for name, claim in row.claims.items()
+    }
+    return {name: each for name, each in found.items() if each}
+
+
+def decode_draws(content: Mapping[str, Any]) -> dict[str, dict[str, DrawSummary]]:
+    """Convert JSON to summaries of draws, with null as NaN."""
+    return {
+        claim: {
+            name: DrawSummary(each[0], *(math.nan if one is None else one for one in each[1:]))
+            for name, each in measures.items()
+        }
+        for claim, measures in content.items()
+    }
 
 
 def encode_values(values: Mapping[str, MeasuredValue]) -> dict[str, list[Any]]:

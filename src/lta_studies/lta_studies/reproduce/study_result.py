@@ -1,11 +1,14 @@
 """Define the request and the result of a row's study."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 import math
 from pathlib import Path
-from typing import final, NamedTuple
+from typing import Any, final, NamedTuple
 
+from lta_config.files import find_file, load_yaml
+from lta_config.schema.paper_file import SceneRange
+from lta_config.schema.parameter_ranges import draw_between, draw_values
 from lta_report.report import TextTable
 import numpy as np
 from plotly.graph_objects import Figure
@@ -43,11 +46,24 @@ class StudyPicture:
 @final
 @dataclass(frozen=True, slots=True)
 class RowStudyResult:
-    """Result of a study."""
+    """
+    Result of a study.
+
+    Attributes
+    ----------
+    values : mapping of str to MeasuredValue
+        The measures of the files as they are.
+    pictures, tables : sequence
+        Pictures and tables.
+    draws : mapping of str to sequence
+        Measures in each draw from the ranges of what is assumed.
+
+    """
 
     values: Mapping[str, MeasuredValue]
     pictures: Sequence[StudyPicture]
     tables: Sequence[TextTable] = ()
+    draws: Mapping[str, Sequence[float | str]] = field(default_factory=dict)
 
 
 @final
@@ -64,12 +80,44 @@ class RowStudyRequest:
         Whether to leave out the long parts.
     folder : Path
         Folder for the bags of this row.
+    draws : int
+        Number of draws.
+    ranges : mapping of str to SceneRange
+        Ranges of the scene, by path.
 
     """
 
     seeds: int
     quick: bool
     folder: Path
+    draws: int = 0
+    ranges: Mapping[str, SceneRange] = field(default_factory=dict)
+
+    @property
+    def draw_seeds(self) -> range:
+        """The numbers of the draws; a flight in a draw has the same seed."""
+        return range(1, self.draws + 1)
+
+    def draw_changes(self, seed: int, vehicle: str = 'gtmab') -> dict[str, Any]:
+        """Return a draw: values by path, as `FlightSpec.with_values` takes them."""
+        values: dict[str, Any] = {
+            **draw_values(load_yaml(find_file('vehicle', vehicle)), seed, 'vehicle')
+        }
+        for path, each in self.ranges.items():
+            number = draw_between(each.range, each.range_source, seed)
+            values[path] = number if each.unit is None else {'value': number, 'unit': each.unit}
+        return values
+
+
+Measures = Mapping[str, float | str]
+
+
+def collect_draws(
+    request: RowStudyRequest, measure: Callable[[int], Measures]
+) -> dict[str, list[float | str]]:
+    """Return the measures of all draws; `measure` returns those of one draw by its number."""
+    found = [measure(seed) for seed in request.draw_seeds]
+    return {name: [each[name] for each in found] for name in (found[0] if found else ())}
 
 
 RowStudy = Callable[[RowStudyRequest], RowStudyResult]
@@ -83,6 +131,16 @@ def average_over_seeds(values: Sequence[float]) -> MeasuredValue:
     # Two-sided 95 %: the 97.5 % quantile of Student's t
     half = float(stdtrit(count - 1, 0.975) * np.std(values, ddof=1) / math.sqrt(count))
     return MeasuredValue(middle, middle - half, middle + half, count)
+
+
+def average_measures(seeds: Sequence[Mapping[str, float]]) -> dict[str, MeasuredValue]:
+    """Return the means over seeds of all measures, with their 95 % intervals."""
+    return {name: average_over_seeds([each[name] for each in seeds]) for name in seeds[0]}
+
+
+def to_values(measures: Mapping[str, float]) -> dict[str, MeasuredValue]:
+    """Return measures as values without an interval."""
+    return {name: MeasuredValue(value) for name, value in measures.items()}
 
 
 def yes_no_value(yes: bool) -> MeasuredValue:

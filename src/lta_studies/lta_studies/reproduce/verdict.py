@@ -1,4 +1,11 @@
-"""Judge whether a claim agrees with the measured value, by the rule in its file."""
+"""
+Judge whether a claim agrees with what is measured here, by the rule in its file.
+
+A claim agrees if the rule holds in at least 95 % of the draws from the ranges of what is assumed,
+in each of its readings; it differs if the rule fails in at least 95 % of them, in each reading.
+Anything between is within our uncertainty. A measure that depends on nothing assumed, or that was
+not drawn, counts as it is.
+"""
 
 from collections import Counter
 from collections.abc import Iterable, Mapping
@@ -9,6 +16,8 @@ from typing import Final
 from lta_config.quantity import format_with_unit, Quantity
 from lta_config.schema.paper_file import AgreementRule, PaperClaim, PaperMeasure, PaperRow
 from lta_report.formatting import format_number, MISSING
+from lta_studies.reproduce.agreement import DrawSummary, is_satisfied, SURE
+from lta_studies.reproduce.stored_row import StoredRow
 from lta_studies.reproduce.study_result import MeasuredValue
 
 SIGNS: Final = {
@@ -18,7 +27,6 @@ SIGNS: Final = {
     'mm2': 'mm²',
     'us': 'µs',
 }  # typeset units
-PLAIN: Final = 1e-9  # relative tolerance for rounding differences between machines
 
 
 class ClaimVerdict(StrEnum):
@@ -26,51 +34,55 @@ class ClaimVerdict(StrEnum):
 
     AGREES = 'agrees'
     DIFFERS = 'differs'
-    UNTESTED = 'cannot be tested here'
+    UNCERTAIN = 'within our uncertainty'
+    UNTESTED = 'cannot be tested'
+    CONSTRUCTION = 'agrees by construction'
+    VACUOUS = 'agrees, but says nothing'
     BEYOND = 'beyond the paper'
-    LEFT_OUT = 'left out of --quick'
+    LEFT_OUT = 'not measured in this run'
 
 
-def judge_claim(claim: PaperClaim, values: Mapping[str, MeasuredValue]) -> ClaimVerdict:
-    """Return the verdict on a claim."""
+def judge_claim(name: str, claim: PaperClaim, stored: StoredRow) -> ClaimVerdict:
+    """Return the verdict on a claim of a stored row."""
     # Without a measure nothing was measured; without a rule the paper made no claim.
     if claim.measure is None:
         return ClaimVerdict.UNTESTED
     if claim.rule is None:
         return ClaimVerdict.BEYOND
-    if claim.measure not in values:
+    if claim.measure not in stored.values:
         return ClaimVerdict.LEFT_OUT
-    value = values[claim.measure].value
-    return (
-        ClaimVerdict.AGREES
-        if is_satisfied(claim.rule, claim.value, value)
-        else ClaimVerdict.DIFFERS
-    )
+    # --quick may leave out readings; its verdicts are preliminary
+    measured = [each for each in claim.measures.values() if each in stored.values]
+    shares = [satisfied_share(name, claim, measure, stored) for measure in measured]
+    if all(share <= 1.0 - SURE for share in shares):
+        return ClaimVerdict.DIFFERS
+    if not all(share >= SURE for share in shares):
+        return ClaimVerdict.UNCERTAIN
+    if claim.construction:
+        return ClaimVerdict.CONSTRUCTION
+    empty = stored.values.get(claim.vacuous or '')
+    if empty is not None and empty.value == 'yes':
+        return ClaimVerdict.VACUOUS
+    return ClaimVerdict.AGREES
 
 
-def is_satisfied(rule: AgreementRule, printed: Quantity | None, value: float | str) -> bool:
-    """Return whether a value satisfies a rule; NaN never does."""
-    if isinstance(value, str):
-        return value == rule.word
-    low, high = agreement_bounds(rule, printed)
-    # An open bound is infinite and gives no scale.
-    slack = PLAIN * max(abs(bound) for bound in (low, high, 0.0) if math.isfinite(bound))
-    return low - slack <= value <= high + slack
+def satisfied_share(name: str, claim: PaperClaim, measure: str, stored: StoredRow) -> float:
+    """Return the share of the draws of a measure that satisfies the rule of a claim."""
+    summary = find_summary(name, measure, stored)
+    if summary is not None:
+        return summary.share
+    assert claim.rule is not None
+    return float(is_satisfied(claim.rule, claim.value, stored.values[measure].value))
 
 
-def agreement_bounds(rule: AgreementRule, printed: Quantity | None) -> tuple[float, float]:
-    """Return the bounds within which a value agrees. [SI]"""
-    if rule.within is not None and printed is not None:
-        # `within` is relative to the printed number.
-        half = rule.within.si * abs(printed.si)
-        return printed.si - half, printed.si + half
-    low = -math.inf if rule.least is None else rule.least.si
-    return low, math.inf if rule.most is None else rule.most.si
+def find_summary(name: str, measure: str, stored: StoredRow) -> DrawSummary | None:
+    """Return the summary of the draws of a measure of a claim; None if it was not drawn."""
+    return stored.draws.get(name, {}).get(measure)
 
 
-def judge_claims(row: PaperRow, values: Mapping[str, MeasuredValue]) -> dict[str, ClaimVerdict]:
+def judge_claims(row: PaperRow, stored: StoredRow) -> dict[str, ClaimVerdict]:
     """Return the verdict on each claim of a row."""
-    return {name: judge_claim(claim, values) for name, claim in row.claims.items()}
+    return {name: judge_claim(name, claim, stored) for name, claim in row.claims.items()}
 
 
 def count_verdicts(verdicts: Iterable[ClaimVerdict]) -> dict[ClaimVerdict, int]:
@@ -110,6 +122,32 @@ def format_value(
     if interval and not math.isnan(value.low) and len(set(texts)) > 1:
         text += f' ({texts[1]} to {texts[2]})'
     return append_unit(text, measure.unit)
+
+
+def format_draws(row: PaperRow, name: str, stored: StoredRow) -> str:
+    """Format what decides a claim: each reading with its draws and the share that agrees."""
+    claim = row.claims[name]
+    texts = []
+    for reading, measure in claim.measures.items():
+        if measure not in stored.values:
+            continue
+        summary = find_summary(name, measure, stored)
+        text = format_summary(row.measures[measure], summary) if summary else ''
+        # A single reading without draws has its value in another column
+        if reading and not text:
+            text = format_value(row.measures[measure], stored.values[measure])
+        texts.append(f'{reading}: {text}' if reading else text)
+    return '; '.join(filter(None, texts)) or MISSING
+
+
+def format_summary(measure: PaperMeasure, summary: DrawSummary) -> str:
+    """Format the draws of a measure: their range (5 to 95 %), and how many agree."""
+    agreeing = f'{100.0 * summary.share:.0f} % of {summary.drawn} agree'
+    if isinstance(summary.middle, str) or measure.unit is None:
+        return f'mostly {summary.middle}, {agreeing}'
+    ends = [format_rounded(measure, each) for each in (summary.low, summary.high)]
+    text = ends[0] if ends[0] == ends[1] else ' to '.join(ends)
+    return f'{append_unit(text, measure.unit)}, {agreeing}'
 
 
 def append_unit(text: str, unit: str) -> str:

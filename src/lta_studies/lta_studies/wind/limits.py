@@ -6,7 +6,9 @@ import math
 from typing import Any, final
 
 from lta_config.errors import BadInput
-from lta_config.files import list_shipped_names
+from lta_config.files import find_file, list_shipped_names, load_yaml, validate_content
+from lta_config.schema.parameter_ranges import draw_content, list_ranges
+from lta_config.schema.vehicle_file import VehicleFile
 from lta_flight.flight_spec import FlightSpec, load_spec
 from lta_model import limits
 from lta_model.scenario import load_scenario, VERTICAL_TOLERANCE
@@ -14,10 +16,12 @@ from lta_model.vehicle import load_vehicle, Vehicle
 from lta_report.json_value import replace_nonfinite
 from lta_sim import wind_limits
 from lta_studies.wind.flyable_wind import find_flyable_wind, FlyableWind, GroundWind, SHARES
+import numpy as np
 
 STRATEGY = 'bag'
 FASTEST = 3.0  # m/s; upper limit of the parameter mission.speed
 CLEARANCE = 0.05  # m between a large vehicle in flight and its position on the floor
+DRAWS = 20  # of a vehicle with ranges
 HELD = 0.5  # m; half a hull: how exactly the height is held, with room to spare
 
 
@@ -68,6 +72,9 @@ class PlatformWindLimits:
         Limits over each ground.
     note : str
         Why a limit is missing.
+    interval : tuple of float or None
+        5 % and 95 % of the lowest of the three with the numbers of the vehicle file drawn from
+        their ranges; None if it has no ranges.
 
     """
 
@@ -80,6 +87,7 @@ class PlatformWindLimits:
     flown: FlyableWind | None
     over: tuple[GroundWindLimits, ...]
     note: str = ''
+    interval: tuple[float, float] | None = None
 
 
 def count_ticks(request: WindStudyRequest) -> int:
@@ -151,7 +159,24 @@ def measure_limits(
         )
     # Uniform wind: the hull gets all of it.
     even = find_wind_over_ground(GroundWind(None), 1.0)
-    return PlatformWindLimits(name, height, thrust, tumble, rise, static, even, tuple(over), note)
+    return PlatformWindLimits(
+        name, height, thrust, tumble, rise, static, even, tuple(over), note,
+        None if request.quick else draw_static_limit(name, density),
+    )  # fmt: skip
+
+
+def draw_static_limit(name: str, density: float) -> tuple[float, float] | None:
+    """Return 5 % and 95 % of the static limit over draws [m/s]; None without ranges."""
+    content = load_yaml(find_file('vehicle', name))
+    if not list_ranges(content):
+        return None
+    found = []
+    for seed in range(1, DRAWS + 1):
+        drawn = draw_content(content, seed, 'vehicle')
+        file = validate_content(VehicleFile, drawn, f'a draw of {name}')
+        found.append(wind_limits.static_wind_limit(Vehicle(file, density)))
+    low, high = map(float, np.quantile(found, [0.05, 0.95]))
+    return low, high
 
 
 def _hull_wind_share(

@@ -12,7 +12,7 @@ from lta_report.palette import ESTIMATE, GOOD, LAMP, SETPOINT, SOFT, TIME, TRUTH
 from lta_report.report import Picture, Report, STOPPED, TextSection, TextTable
 from lta_sim import wind_limits
 from lta_studies.wind.flyable_wind import FlyableWind
-from lta_studies.wind.limits import PlatformWindLimits, to_json, WindStudyRequest
+from lta_studies.wind.limits import DRAWS, PlatformWindLimits, to_json, WindStudyRequest
 import numpy as np
 from numpy.typing import NDArray
 from plotly.graph_objects import Figure, Scatter
@@ -114,6 +114,14 @@ def format_platform_notes(results: Sequence[PlatformWindLimits]) -> list[str]:
         f'{each.name}: the best airspeed command in uniform wind was {each.flown.airspeed:g} m/s.'
         for each in results
         if each.flown is not None
+    ]
+    notes += [
+        f'{each.name}: with the numbers of its file drawn from their ranges, the static limit in '
+        f'uniform wind, which is its top speed in level flight, is {each.interval[0]:.2f} to '
+        f'{each.interval[1]:.2f} m/s ({DRAWS} draws, 5 to 95 %). Force and moment at incidence '
+        'were not computed by CFD: the Munk moment is that of an ideal fluid.'
+        for each in results
+        if each.interval is not None
     ]
     return notes + [f'{each.name}: {each.note}' for each in results if each.note]
 

@@ -92,11 +92,11 @@ def _derive_tumble_figure(vehicle: Vehicle) -> Iterator[DerivedFigure]:
         note = 'above this speed, the Munk moment turns the hull sideways'
     elif level < tumble:
         note = (
-            'above this speed, the Munk moment turns the hull sideways; its top speed is '
+            'above this speed, the Munk moment turns the hull sideways; its thrust allows '
             f'{level:.2f} m/s'
         )
     else:
-        note = f'this is below its top speed of {level:.2f} m/s; limit its speed'
+        note = f'its thrust would allow {level:.2f} m/s; limit its speed'
     yield DerivedFigure(
         'tumble_speed',
         STABILITY,

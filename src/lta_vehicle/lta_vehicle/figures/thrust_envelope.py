@@ -8,6 +8,7 @@ from lta_config.errors import BadInput
 from lta_model import hover, limits
 from lta_model.electrical.loads import power_demand
 from lta_model.vehicle import Vehicle
+from lta_sim.wind_limits import rise_speed
 from lta_vehicle.figures.climb import terminal_speed, time_to_climb
 from lta_vehicle.figures.figure import DerivedFigure
 from lta_vehicle.figures.mass_budget import DEGREES, GRAMS
@@ -167,17 +168,24 @@ def find_push_limit(vehicle: Vehicle, direction: str) -> tuple[WrenchLimit | Non
 
 def derive_speed_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
     """Yield the figures of the group 'Speed'."""
-    level, why = compute_or_explain(lambda: limits.level_speed(vehicle))
+    thrust, why = compute_or_explain(lambda: limits.level_speed(vehicle))
     # Multirotors have no forward thrust while level
-    if level == 0.0:
+    if thrust == 0.0:
         why = 'no horizontal thrust while it is level; it tilts to fly'
+    rise = rise_speed(vehicle) if thrust else math.inf
+    level = thrust if thrust is None else min(thrust, rise)
+    if thrust and rise < thrust:
+        why = (
+            f'above, its nose rises and it climbs whatever its rotors do; thrust would do for '
+            f'{thrust:.2f} m/s. lta wind has its interval'
+        )
     yield DerivedFigure(
         'level_speed',
         SPEED,
         'top speed in level flight',
         level,
         'm/s',
-        'forward thrust against drag',
+        'forward thrust against drag, or where the hull rises',
         (*CARRIED, *DRAG),
         2,
         why,

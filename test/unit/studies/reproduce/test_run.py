@@ -117,5 +117,5 @@ def test_bags_of_flights_that_may_fly_otherwise_now_are_taken_away(tmp_path, mon
         return RowStudyResult({'sheet_factor': MeasuredValue(2.0)}, [])
 
     monkeypatch.setitem(run.STUDIES, 'cells', study)
-    run.study_row(True, tmp_path, 'cells')
+    run.study_row(True, tmp_path, None, 'cells')
     assert not old.exists()

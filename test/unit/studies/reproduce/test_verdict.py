@@ -10,6 +10,7 @@ from lta_config.schema.paper_file import AgreementRule, PaperMeasure, PaperRow
 from lta_report.report import TextTable
 from lta_report.study_store import StudyStore
 from lta_studies.reproduce import stored_row
+from lta_studies.reproduce.agreement import DrawSummary, is_satisfied, summarize_draws
 from lta_studies.reproduce.registry import STUDIES
 from lta_studies.reproduce.report import (
     build_claim_table,
@@ -21,7 +22,12 @@ from lta_studies.reproduce.report import (
 from lta_studies.reproduce.run import select_rows, STORE
 from lta_studies.reproduce.studies.indoors import PRINTED, rms_misfit
 from lta_studies.reproduce.study_result import average_over_seeds, MeasuredValue
-from lta_studies.reproduce.verdict import ClaimVerdict, format_value, is_satisfied, judge_claim
+from lta_studies.reproduce.verdict import (
+    ClaimVerdict,
+    format_draws,
+    format_value,
+    judge_claim,
+)
 import pytest
 
 
@@ -68,12 +74,73 @@ def test_a_rule_holds_or_not(rule, value, kept):
     assert is_satisfied(read, quantity('7.3 m'), value) is kept
 
 
+def stored(draws=None, **values):
+    return stored_row.StoredRow(
+        {name: MeasuredValue(value) for name, value in values.items()}, [], [], 1, 0.0, draws or {}
+    )
+
+
 def test_a_claim_agrees_differs_is_untested_or_left_out():
-    found = {'path': MeasuredValue(9.0)}
-    assert [judge_claim(claim, found) for claim in ROW.claims.values()] == [
+    found = stored(path=9.0)
+    assert [judge_claim(name, claim, found) for name, claim in ROW.claims.items()] == [
         ClaimVerdict.DIFFERS, ClaimVerdict.LEFT_OUT, ClaimVerdict.UNTESTED,
     ]  # fmt: skip
-    assert judge_claim(ROW.claims['path'], {'path': MeasuredValue(7.2)}) is ClaimVerdict.AGREES
+    assert judge_claim('path', ROW.claims['path'], stored(path=7.2)) is ClaimVerdict.AGREES
+
+
+def test_a_verdict_needs_nearly_all_draws():
+    claim = ROW.claims['path']
+
+    def judge(share):
+        draws = {'path': {'path': DrawSummary(20, share, 7.3, 7.0, 7.6)}}
+        # The value of the file itself agrees, and does not count where draws are
+        return judge_claim('path', claim, stored(draws, path=7.3))
+
+    assert judge(0.95) is ClaimVerdict.AGREES
+    assert judge(0.9) is ClaimVerdict.UNCERTAIN
+    assert judge(0.1) is ClaimVerdict.UNCERTAIN
+    assert judge(0.05) is ClaimVerdict.DIFFERS
+
+
+def test_a_verdict_needs_all_readings():
+    content = {**CONTENT['claims']['path'], 'reading': 'as flown', 'readings': {'as read': 'way'}}
+    measures = {**CONTENT['measures'], 'way': {'what': 'way', 'unit': 'm', 'digits': 1}}
+    row = validate_content(
+        PaperRow, {**CONTENT, 'measures': measures, 'claims': {'path': content}}, 'row'
+    )
+    claim = row.claims['path']
+    assert judge_claim('path', claim, stored(path=7.2, way=7.4)) is ClaimVerdict.AGREES
+    assert judge_claim('path', claim, stored(path=7.2, way=9.4)) is ClaimVerdict.UNCERTAIN
+    assert judge_claim('path', claim, stored(path=9.2, way=9.4)) is ClaimVerdict.DIFFERS
+    # --quick may leave a reading out
+    assert judge_claim('path', claim, stored(path=7.2)) is ClaimVerdict.AGREES
+    assert format_draws(row, 'path', stored(path=7.2, way=9.4)) == (
+        'as flown: 7.2 m; as read: 9.4 m'
+    )
+    drawn = {'path': {'path': DrawSummary(200, 0.63, 7.3, 6.9, 9.5)}}
+    assert format_draws(row, 'path', stored(drawn, path=7.2)) == (
+        'as flown: 6.9 to 9.5 m, 63 % of 200 agree'
+    )
+
+
+def test_agreement_that_could_not_fail_is_counted_apart():
+    claim = ROW.claims['path']
+    held = claim.model_copy(update={'construction': 'It was chosen so.'})
+    assert judge_claim('path', held, stored(path=7.2)) is ClaimVerdict.CONSTRUCTION
+    assert judge_claim('path', held, stored(path=9.2)) is ClaimVerdict.DIFFERS
+    empty = claim.model_copy(update={'vacuous': 'first'})
+    assert judge_claim('path', empty, stored(path=7.2, first='yes')) is ClaimVerdict.VACUOUS
+    assert judge_claim('path', empty, stored(path=7.2, first='no')) is ClaimVerdict.AGREES
+
+
+def test_draws_are_summed_up_by_their_quantiles_and_the_share_that_agrees():
+    rule = AgreementRule.model_validate({'most': quantity('2 m')})
+    found = summarize_draws(rule, None, [1.0, 2.0, 3.0, math.nan])
+    assert (found.drawn, found.share, found.middle) == (4, 0.5, 2.0)
+    assert (found.low, found.high) == (pytest.approx(1.1), pytest.approx(2.9))
+    word = summarize_draws(AgreementRule.model_validate({'is': 'a'}), None, ['a', 'b', 'b'])
+    assert (word.share, word.middle) == (pytest.approx(1 / 3), 'b')
+    assert math.isnan(summarize_draws(rule, None, [math.nan]).middle)
 
 
 def test_values_are_told_rounded_as_declared_with_their_interval():
@@ -102,9 +169,27 @@ def test_each_claim_has_a_row_with_its_verdict():
     table = build_claim_table(ROW, stored_row.StoredRow(found, [], [], 3, 0.0))
     dash = '\N{EN DASH}'
     assert table.rows == [
-        ['The path is 7.3 m.', 'x', '7.3 m', 'within 10 %', '9.0 (8.0 to 10.0) m', '3', 'differs'],
-        ['BAG is first.', 'x (read from text)', dash, 'is BAG', dash, dash, 'left out of --quick'],
-        ['A pressure.', 'x (LaTeX comment)', dash, dash, dash, dash, 'cannot be tested here'],
+        [
+            'The path is 7.3 m.',
+            'x',
+            '7.3 m',
+            'within 10 %',
+            '9.0 (8.0 to 10.0) m',
+            '3',
+            dash,
+            'differs',
+        ],
+        [
+            'BAG is first.',
+            'x (read from text)',
+            dash,
+            'is BAG',
+            dash,
+            dash,
+            dash,
+            'not measured in this run',
+        ],
+        ['A pressure.', 'x (LaTeX comment)', dash, dash, dash, dash, dash, 'cannot be tested'],
     ]
     assert [table.colors[row[-1]] for row in table.rows] == ['bad', 'soft', 'soft']
 
@@ -151,15 +236,15 @@ def test_what_the_paper_leaves_for_later_is_no_claim_of_it():
     row = validate_content(
         PaperRow, {**CONTENT, 'claims': {**CONTENT['claims'], 'later': later}}, 'row'
     )
-    assert judge_claim(row.claims['later'], {'path': MeasuredValue(1.0)}) is ClaimVerdict.BEYOND
-    assert judge_claim(row.claims['later'], {}) is ClaimVerdict.BEYOND
+    assert judge_claim('later', row.claims['later'], stored(path=1.0)) is ClaimVerdict.BEYOND
+    assert judge_claim('later', row.claims['later'], stored()) is ClaimVerdict.BEYOND
     found = {
         'row': stored_row.StoredRow(
             {'path': MeasuredValue(7.0), 'first': MeasuredValue('BAG')}, [], [], 1, 0.0
         )
     }
     assert format_headline([row], found).startswith(
-        "Of the paper's 3 claims, 2 agree, 0 differ and 1 "
+        "Of the paper's 3 claims, 2 agree (0 by construction, 0 where anything would), 0 differ, "
     )
     later = {**later, 'rule': {'least': '7 m'}}
     with pytest.raises(BadInput, match='future'):
@@ -167,8 +252,7 @@ def test_what_the_paper_leaves_for_later_is_no_claim_of_it():
 
 
 def test_nothing_is_told_of_a_measure_that_was_left_out():
-    stored = stored_row.StoredRow({'first': MeasuredValue('BAG')}, [], [], 1, 0.0)
-    assert list_claim_findings(ROW, stored) == ['*A pressure.* No wind tunnel.']
+    assert list_claim_findings(ROW, stored(first='BAG')) == ['*A pressure.* No wind tunnel.']
 
 
 def test_figures_come_back_from_their_file():
@@ -176,13 +260,16 @@ def test_figures_come_back_from_their_file():
     drawn = stored_row.StoredPicture(
         'way', 'The way', 'From above.', '{}', 'lta simulate', 'bags/way'
     )
-    found = {'row': stored_row.StoredRow(values, [drawn], [], 3, 2.04)}
+    draws = {'path': {'path': DrawSummary(200, 0.25, 9.0)}}
+    found = {'row': stored_row.StoredRow(values, [drawn], [], 3, 2.04, draws)}
     again = kepts_in(to_json([ROW], found))['row']
     assert again.values['path'][:2] == (9.0, 8.0)
     assert math.isnan(again.values['path'].high)
     assert again.values['first'].value == 'DGA'
     assert again.pictures == [drawn]
     assert (again.seeds, again.seconds) == (3, 2.0)
+    assert again.draws['path']['path'][:3] == (200, 0.25, 9.0)
+    assert math.isnan(again.draws['path']['path'].low)
 
 
 def test_a_cause_is_told_with_what_sized_it_and_not_where_that_was_left_out():
@@ -205,3 +292,15 @@ def test_a_misfit_is_the_rms_of_logarithms_as_a_factor():
     # One of five right: the others' logarithms weigh four fifths in the mean square.
     mended = {**twice, 'fast_bag_time': MeasuredValue(PRINTED['bag_time'])}
     assert rms_misfit(mended, 'fast_') == pytest.approx(2.0 ** math.sqrt(0.8) - 1.0)
+
+
+def test_a_row_that_was_not_drawn_yet_says_so():
+    row = validate_content(PaperRow, {**CONTENT, 'draws': {'quick': 2, 'full': 200}}, 'row')
+    found = {'row': stored(path=7.0, first='BAG')}
+    assert format_headline([row], found).endswith(
+        'Rows 1 were not drawn yet: their verdicts are preliminary.'
+    )
+    drawn = {'path': {'path': DrawSummary(200, 1.0, 7.0, 6.9, 7.1)}}
+    assert 'preliminary' not in format_headline([row], {'row': stored(drawn, path=7.0)})
+    # A row without ranges needs no draws
+    assert 'preliminary' not in format_headline([ROW], found)

@@ -171,7 +171,7 @@ def test_a_drone_without_a_known_limit_is_told_of(tmp_path):
 
 
 def test_the_command_prints_a_table_json_and_a_page(tmp_path):
-    call = ['wind', 'gtmab', 'skye', 'multirotor', '--no-fly', '--out', str(tmp_path)]
+    call = ['wind', 'gtmab', 'skye', 'multirotor', '--no-fly', '--quick', '--out', str(tmp_path)]
     told = CliRunner().invoke(build_app(), call)
     assert told.exit_code == 0, told.output
     for text in ('1.84', '1.67', '3.7', '51.09'):

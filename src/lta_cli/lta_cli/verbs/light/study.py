@@ -1,12 +1,19 @@
 """lta light study: repeat the paper's study of the number of photodiodes."""
 
+import math
 from typing import Annotated
 
 from lta_cli.options.study_command import study_command, StudyRun
 from lta_report.progress_bar import ProgressBar
 from lta_report.report import Report
 from lta_studies.light.bearing.places import build_flight_spec, PLACES
-from lta_studies.light.bearing.study import COUNTS, DIRECTIONS, READINGS, study_rings
+from lta_studies.light.bearing.study import (
+    ASIDE,
+    COUNTS,
+    DIRECTIONS,
+    READINGS,
+    study_rings,
+)
 from lta_studies.light.bearing.study_report import build_report
 import typer
 
@@ -21,6 +28,10 @@ def light_study(
         typer.Option(help='Number of photodiode readings in each direction.', min=1, max=10_000),
     ] = READINGS,
     seed: Annotated[int, typer.Option(help='Random seed.', min=0)] = 1,
+    aside: Annotated[
+        float,
+        typer.Option(help="Angle between the lamp's axis and the drone, degrees.", min=0, max=60),
+    ] = math.degrees(ASIDE),
     *,
     run: StudyRun,
 ) -> Report:
@@ -41,5 +52,6 @@ def light_study(
     # Steps of the progress bar
     total = len(PLACES) * len(COUNTS) * DIRECTIONS
     with ProgressBar(run.console, begin='study', total=total) as bar:
-        rings = study_rings(vehicle, readings, seed, lambda: bar.update_bar(advance=1))
-    return build_report(rings, vehicle, readings, seed)
+        turned = math.radians(aside)
+        rings = study_rings(vehicle, readings, seed, lambda: bar.update_bar(advance=1), turned)
+    return build_report(rings, vehicle, readings, seed, turned)

@@ -47,7 +47,7 @@ class CellArray:
         """Return the maximum power [W] at an irradiance of sunlight [W/m2]."""
         return math.prod(
             find_max_power_point(
-                SolarArrayModel.from_cells(self.cell.name, self.series, self.parallel), irradiance
+                SolarArrayModel.from_cell_file(self.cell, self.series, self.parallel), irradiance
             )
         )
 

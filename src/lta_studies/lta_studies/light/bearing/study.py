@@ -1,9 +1,9 @@
 """
 Repeat the paper's study of the number of photodiodes with both estimators.
 
-The lamp is 3 m away and the drone is 45 degrees off the lamp's axis. The ring turns through 16
-directions with 50 readings each; the paper gives medians. The gains of the one vehicle are drawn
-once, from the seed.
+The lamp is 3 m away and the drone is 45 degrees off the lamp's axis, or straight ahead of it: the
+paper does not say which. The ring turns through 16 directions with 50 readings each; the paper
+gives medians. The gains of the one vehicle are drawn once, from the seed.
 
 Some of the paper's statements need an explanation. With ideal cosine diodes the weighted mean is
 exact for any even ring of four or more, whatever the pedestal (`lta_vlc.bearing`). With equal
@@ -27,8 +27,8 @@ import numpy as np
 
 DIRECTIONS: Final = 16
 DISTANCE: Final = 3.0  # m
-# Off the lamp's axis, as the paper does not state the place: on the axis of a symmetric room
-# reflections cause no bias.
+# Off the lamp's axis, where reflections turn the mean most. On the axis of a symmetric room they
+# are symmetric, too.
 ASIDE: Final = math.radians(45.0)
 HEIGHT: Final = 0.5  # of the hull centre, that of the paper's flights [m]
 READINGS: Final = 50
@@ -93,9 +93,9 @@ def list_directions() -> list[float]:
 
 
 def study_rings(
-    vehicle: str, readings: int, seed: int, tick: Callable[[], None]
+    vehicle: str, readings: int, seed: int, tick: Callable[[], None], aside: float = ASIDE
 ) -> list[RingStudy]:
-    """Study all rings in all places; call `tick` after each direction."""
+    """Study all rings, `aside` of the lamp's axis [rad]; call `tick` after each direction."""
     return [
         study_ring(
             BearingBench(build_flight_spec(PLACES[place], vehicle, count)),
@@ -104,6 +104,7 @@ def study_rings(
             readings,
             seed,
             tick,
+            aside,
         )
         for place in PLACES
         for count in COUNTS
@@ -111,15 +112,21 @@ def study_rings(
 
 
 def study_ring(
-    bench: BearingBench, place: str, count: int, readings: int, seed: int, tick: Callable[[], None]
+    bench: BearingBench,
+    place: str,
+    count: int,
+    readings: int,
+    seed: int,
+    tick: Callable[[], None],
+    aside: float = ASIDE,
 ) -> RingStudy:
-    """Study one ring in all directions."""
+    """Study one ring in all directions, `aside` of the lamp's axis. [rad]"""
     # The same draws indoors and outdoors: only the place differs.
     chance = np.random.default_rng([seed, count])
     diodes = bench.sample_diode_gains(chance)
     paper, ours, snrs = [], [], []
     for direction in list_directions():
-        pose = pose_for_lamp_direction(bench, direction)
+        pose = pose_for_lamp_direction(bench, direction, aside)
         blocks = [bench.estimate_block_bearing(pose, diodes, chance) for _ in range(readings)]
         paper.append(error_quantile(extract_column(blocks, 'paper'), 50.0))
         ours.append(error_quantile(extract_column(blocks, 'ours'), 50.0))
@@ -128,11 +135,11 @@ def study_ring(
     return RingStudy(place, count, tuple(paper), tuple(ours), float(np.median(snrs)))
 
 
-def pose_for_lamp_direction(bench: BearingBench, direction: float) -> Pose:
-    """Return the level pose off the lamp's axis that has the lamp in a direction. [rad]"""
+def pose_for_lamp_direction(bench: BearingBench, direction: float, aside: float = ASIDE) -> Pose:
+    """Return the level pose, `aside` of the axis, that has the lamp in a direction. [rad]"""
     x, y, _ = bench.scenario.goal_lamp.position.vector
     ahead_x, ahead_y, _ = bench.scenario.goal_lamp.facing.vector
-    facing = math.atan2(ahead_y, ahead_x) + ASIDE
+    facing = math.atan2(ahead_y, ahead_x) + aside
     # Half the heading: from the drone, the lamp is at facing + pi in the map.
     half = 0.5 * (facing + math.pi - direction)
     # The ring is below the hull centre, so a level ring has the same horizontal position.

@@ -40,15 +40,22 @@ DEFECT: Final = (
     'indoors because only the ground reflects.'
 )
 METHOD: Final = (
-    f"The lamp is {DISTANCE:g} m away and the drone is 45 degrees off the lamp's axis. The "
-    'hull is level at 0.5 m and turns through 16 directions. The diode gains of the vehicle '
+    'The hull is level at 0.5 m and turns through 16 directions. The diode gains of the vehicle '
     'are drawn once. Errors are medians over the readings; each reading is one block of ADC '
     'samples with its own noise.'
 )
 
 
-def build_report(studies: Sequence[RingStudy], vehicle: str, readings: int, seed: int) -> Report:
-    """Return the report of a study of all rings."""
+def describe_method(aside: float) -> str:
+    """Describe the set-up, with the drone `aside` of the lamp's axis. [rad]"""
+    where = f'{math.degrees(aside):g} degrees off its axis' if aside else 'on its axis'
+    return f'The lamp is {DISTANCE:g} m away and the drone is {where}. {METHOD}'
+
+
+def build_report(
+    studies: Sequence[RingStudy], vehicle: str, readings: int, seed: int, aside: float
+) -> Report:
+    """Return the report of a study of all rings, `aside` of the lamp's axis. [rad]"""
     # The headline uses the paper's main setup
     eight = next(each for each in studies if (each.place, each.count) == ('indoor', 8))
     return Report(
@@ -67,10 +74,10 @@ def build_report(studies: Sequence[RingStudy], vehicle: str, readings: int, seed
             ),
             build_ring_table(studies),
             build_claim_table(judge_claims(studies)),
-            TextSection('Method', (METHOD, DEFECT)),
+            TextSection('Method', (describe_method(aside), DEFECT)),
         ),
         data={
-            'vehicle': vehicle, 'readings': readings, 'seed': seed,
+            'vehicle': vehicle, 'readings': readings, 'seed': seed, 'aside': aside,
             'rings': [each.to_json() for each in studies], 'claims': judge_claims(studies),
         },
         facts={'vehicle': vehicle, 'seed': str(seed)},

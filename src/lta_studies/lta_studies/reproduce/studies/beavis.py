@@ -6,7 +6,7 @@ from lta_config.command_line import format_lta_command
 from lta_config.constants import AIR_DENSITY, STANDARD_GRAVITY
 from lta_studies.platforms.entrants import build_entrant
 from lta_studies.platforms.summary import compute_lift_margin
-from lta_studies.reproduce.manoeuvres import ComparisonFlights, fly_entries
+from lta_studies.reproduce.manoeuvres import ComparisonFlights, draw_gtmab, fly_entries
 from lta_studies.reproduce.study_result import (
     MeasuredValue,
     RowStudyRequest,
@@ -18,7 +18,7 @@ MANOEUVRES: Final = ('climb', 'turn', 'follow')
 BOTH: Final = ('gtmab', 'beavis_paper')
 CHANGED: Final = {
     'beavis': MANOEUVRES,
-    'beavis_by_matrix': ('climb', 'turn'),
+    'beavis_by_matrix': MANOEUVRES,
     'beavis_uncompensated': MANOEUVRES,
     'beavis_too_heavy': ('climb',),
 }
@@ -48,7 +48,9 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     values['gtmab_settles'] = flights.metric_value('gtmab', 'climb', 'settling_time')
     values |= lift_margins(flights)
     return RowStudyResult(
-        values, [plot_both_platforms(request, flights, each) for each in manoeuvres]
+        values,
+        [plot_both_platforms(request, flights, each) for each in manoeuvres],
+        draws=draw_gtmab(request, manoeuvres),
     )
 
 

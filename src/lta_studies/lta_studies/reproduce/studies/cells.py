@@ -1,12 +1,16 @@
 """Recompute the paper's table of solar cells, its Pareto front, and arrays at 18 klux."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from statistics import geometric_mean
 
 from lta_config.command_line import format_lta_command
+from lta_config.files import find_file, load_yaml, validate_content
+from lta_config.schema.cell_file import CellFile
 from lta_config.schema.cell_table import CellTable, load_cell_table
+from lta_config.schema.parameter_ranges import draw_content
 from lta_config.schema.vehicle_energy import EnergyBlock
-from lta_config.schema.vehicle_file import load_vehicle_file
+from lta_config.schema.vehicle_file import load_vehicle_file, VehicleFile
 from lta_energy.break_even_illuminance import break_even_illuminance, LightSource
 from lta_energy.harvest import HarvestCurve
 from lta_model.electrical.charger import ChargerModel
@@ -26,6 +30,7 @@ from lta_studies.energy.cells.tables import (
     SQUARE,
 )
 from lta_studies.reproduce.study_result import (
+    collect_draws,
     MeasuredValue,
     RowStudyRequest,
     RowStudyResult,
@@ -38,8 +43,7 @@ LIGHTS = {'white_led': 'led', 'sunlight': 'sun'}
 
 
 def run_study(request: RowStudyRequest) -> RowStudyResult:
-    """Evaluate the cells and arrays of the paper's table; deterministic."""
-    del request
+    """Evaluate the cells and arrays of the paper's table."""
     table = load_cell_table('seed_paper')
     energy = load_vehicle_file('gtmab').energy
     found = list_readings(table)
@@ -63,7 +67,28 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
                      draw_fronts(found, lambda each: each.charging_time_times_area * SQUARE,
                                  's cm²', fairly), command),
     ]  # fmt: skip
-    return RowStudyResult(values, pictures, [build_array_table(table, energy)])
+    draws = collect_draws(request, lambda seed: measure_draw(table, seed))
+    return RowStudyResult(values, pictures, [build_array_table(table, energy)], draws)
+
+
+def measure_draw(table: CellTable, seed: int) -> dict[str, float | str]:
+    """Return the measures with cells, charger and loads drawn from their ranges."""
+    content = draw_content(load_yaml(find_file('vehicle', 'gtmab')), seed, 'vehicle')
+    energy = validate_content(VehicleFile, content, 'a draw of gtmab').energy
+    found = [replace(each, cell=draw_cell(each.cell.name, seed)) for each in list_readings(table)]
+    values = data_sheet_times(found)
+    for strings in build_all_arrays(table).values():
+        for array in strings:
+            drawn = replace(array, cell=draw_cell(array.cell.name, seed))
+            for net in compute_net_powers(drawn, energy, table):
+                values |= label_net_powers(f'{drawn.cell.name}_{LIGHTS[net.light]}', net)
+    return {name: value.value for name, value in values.items()}
+
+
+def draw_cell(name: str, seed: int) -> CellFile:
+    """Return a cell file with its assumed numbers drawn from their ranges."""
+    content = draw_content(load_yaml(find_file('cell', name)), seed, 'cell')
+    return validate_content(CellFile, content, f'a draw of {name}')
 
 
 def list_makers(front: Sequence[CellReading]) -> MeasuredValue:

@@ -3,7 +3,7 @@
 from typing import Final
 
 from lta_config.command_line import format_lta_command
-from lta_studies.reproduce.manoeuvres import fly_entries
+from lta_studies.reproduce.manoeuvres import draw_gtmab, fly_entries
 from lta_studies.reproduce.study_result import (
     MeasuredValue,
     RowStudyRequest,
@@ -49,4 +49,4 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
                      else flights.record_flights(each, shown, request.folder / each))
         for each in CAPTIONS
     ]  # fmt: skip
-    return RowStudyResult(values, pictures)
+    return RowStudyResult(values, pictures, draws=draw_gtmab(request, ('climb', 'cruise')))

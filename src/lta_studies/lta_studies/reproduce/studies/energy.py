@@ -1,14 +1,17 @@
 """Study energy: power budget, hovering for 450 s on one cell, and charging ratios."""
 
 from collections.abc import Mapping
+from functools import partial
 import math
 from pathlib import Path
 from typing import Final
 
 from lta_config.command_line import format_lta_command
 from lta_energy.break_even_illuminance import charging_power, LAMPS
-from lta_energy.harvest import HarvestCurve
-from lta_model.vehicle import load_vehicle
+from lta_energy.harvest import HarvestCurve, WHITE_LED
+from lta_flight.flight_spec import build_vehicle_scenario_stack, load_spec
+from lta_model.electrical.panel import cell_spectral_factor, SolarArrayModel
+from lta_model.vehicle import load_vehicle, Vehicle
 from lta_studies.energy import paper
 from lta_studies.energy.budget.report import (
     build_cause_table,
@@ -17,8 +20,16 @@ from lta_studies.energy.budget.report import (
     TASKS,
 )
 from lta_studies.energy.budget.run import measure_budget, PowerBudget
-from lta_studies.energy.budget.tasks import END, prepare_flight, TaskPower
-from lta_studies.energy.course_flight import stop_after
+from lta_studies.energy.budget.tasks import (
+    average_flight_tasks,
+    build_course,
+    END,
+    prepare_flight,
+    SCENE,
+    STRATEGIES,
+    TaskPower,
+)
+from lta_studies.energy.course_flight import build_closed_loop, fly_until, stop_after
 from lta_studies.energy.hover.report import CAPTION, draw_traces
 from lta_studies.energy.hover.run import (
     build_hover_spec,
@@ -26,12 +37,16 @@ from lta_studies.energy.hover.run import (
     HoverComparison,
     prepare_hover,
 )
+from lta_studies.reproduce.flights import fly_draws
 from lta_studies.reproduce.recording import record_flight, relative_bag_path
+from lta_studies.reproduce.studies.cells import draw_cell
 from lta_studies.reproduce.study_result import (
+    collect_draws,
     MeasuredValue,
     RowStudyRequest,
     RowStudyResult,
     StudyPicture,
+    to_values,
 )
 
 VEHICLE, STANDARD = 'gtmab', 'multirotor'
@@ -48,7 +63,11 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     """Measure power budget, cell voltage and charging."""
     found = measure_budget(VEHICLE, STANDARD, request.seeds, lambda: None)
     values = {**measure_task_power(found, request.seeds), **measure_causes(found)}
-    values |= measure_charging(found)
+    body = load_vehicle(VEHICLE)
+    harvest = HarvestCurve.of_energy(body.file.energy)
+    values |= to_values(measure_charging(body, harvest, found.tasks['navigating, BAG'].power,
+                                         found.tasks['hovering'].power))  # fmt: skip
+    draws = {**draw_navigation(request), **collect_draws(request, partial(measure_draw, request))}
     pictures = [
         StudyPicture('tasks', 'Power by task', TASKS, draw_task_power(found),
                 format_lta_command('energy', 'budget', '--seeds', str(request.seeds)),
@@ -56,7 +75,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     ]  # fmt: skip
     if request.quick:
         return RowStudyResult(
-            values, pictures, [build_task_table(found), build_cause_table(found)]
+            values, pictures, [build_task_table(found), build_cause_table(found)], draws
         )
     comparison = compare_hovering(VEHICLE, STANDARD, paper.HOVER_TIME, lambda _: None)
     values |= measure_hover(comparison)
@@ -69,7 +88,38 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
                      draw_traces(comparison, 'voltage'), format_lta_command('energy', 'hover'),
                      relative_bag_path(place))
     )  # fmt: skip
-    return RowStudyResult(values, pictures, [build_task_table(found), build_cause_table(found)])
+    tables = [build_task_table(found), build_cause_table(found)]
+    return RowStudyResult(values, pictures, tables, draws)
+
+
+def draw_navigation(request: RowStudyRequest) -> dict[str, list[float | str]]:
+    """Return the power of navigating by each strategy, one flight in every draw. [W]"""
+    rows = fly_draws('indoors', request, strategies=STRATEGIES)
+    powers: dict[str, list[float | str]] = {
+        name: [float(row.figures.get('power') or math.nan) for row in flown]
+        for name, flown in rows.items()
+    }
+    together = zip(*powers.values(), strict=True)
+    powers['strategies_apart'] = [max(each) - min(each) for each in together]
+    return powers
+
+
+def measure_draw(request: RowStudyRequest, seed: int) -> dict[str, float]:
+    """Return the powers of hovering and flying [W], and what charging gives, in a draw."""
+    changes = request.draw_changes(seed)
+    spec = load_spec(VEHICLE, SCENE, 'bag', '').with_values(changes)
+    body = build_vehicle_scenario_stack(spec)[0]
+    course = build_course(body.hull_height_on_floor)
+    flown = fly_until(build_closed_loop(spec, course, seed), stop_after(END))
+    tasks = average_flight_tasks(body.loads, [flown])
+    hover, fly = tasks[1].power, tasks[2].power
+    array = body.file.energy.array
+    assert array is not None
+    panel = SolarArrayModel.from_cell_file(
+        draw_cell(array.cell, seed), array.series, array.parallel
+    )
+    harvest = HarvestCurve(panel, cell_spectral_factor(array.cell, WHITE_LED))
+    return {'hover': hover, 'fly': fly, **measure_charging(body, harvest, fly, hover)}
 
 
 def record_flights(folder: Path) -> str:
@@ -137,35 +187,30 @@ def measure_hover(comparison: HoverComparison) -> dict[str, MeasuredValue]:
     }
 
 
-def measure_charging(power_budget: PowerBudget) -> dict[str, MeasuredValue]:
+def measure_charging(
+    body: Vehicle, harvest: HarvestCurve, fly: float, hover: float
+) -> dict[str, float]:
     """Return the net charging power and charging ratios at 80 klux, by kind of light."""
-    body = load_vehicle(VEHICLE)
-    harvest, idle = HarvestCurve.of_energy(body.file.energy), body.loads.idle
     net = {
-        NAMES[name]: charging_power(harvest, body.charger, lamp, LUX) - idle
+        NAMES[name]: charging_power(harvest, body.charger, lamp, LUX) - body.loads.idle
         for name, lamp in LAMPS.items()
     }
-    values = {f'net_{name}': MeasuredValue(each) for name, each in net.items()}
     powers = {
         'paper_fly': sum(paper.NAVIGATION) / 2.0, 'paper_hover': paper.HOVER,
-        'fly': power_budget.tasks['navigating, BAG'].power,
-        'hover': power_budget.tasks['hovering'].power,
+        'fly': fly, 'hover': hover,
     }  # fmt: skip
-    values |= charging_ratios(net, powers)
-    return values
+    return {f'net_{name}': each for name, each in net.items()} | charging_ratios(net, powers)
 
 
-def charging_ratios(
-    net: Mapping[str, float], powers: Mapping[str, float]
-) -> dict[str, MeasuredValue]:
+def charging_ratios(net: Mapping[str, float], powers: Mapping[str, float]) -> dict[str, float]:
     """Return the ratios of charging to flight time, and seconds of flight per charged hour."""
     values = {}
     for light, watts in net.items():
         for task, drawn in powers.items():
             # Light that does not cover the idle power never charges the cell.
             ratio = drawn / watts if watts > 0.0 else math.inf
-            values[f'ratio_{task}_{light}'] = MeasuredValue(ratio)
+            values[f'ratio_{task}_{light}'] = ratio
         # One third of flying, two thirds of hovering.
         mixed = (powers['paper_fly'] + 2.0 * powers['paper_hover']) / 3.0
-        values[f'minutes_{light}'] = MeasuredValue(HOUR * watts / mixed)
+        values[f'minutes_{light}'] = HOUR * watts / mixed
     return values

@@ -1,6 +1,7 @@
 """Collect forces and masses of the vehicle files: thrust, net forces, drag, mass budget."""
 
 from collections.abc import Mapping
+from functools import partial
 import math
 from typing import Final
 
@@ -8,6 +9,7 @@ from lta_config.command_line import format_lta_command
 from lta_config.constants import AIR_DENSITY
 from lta_config.schema.comparison_file import load_comparison
 from lta_energy.rotor import BENCH
+from lta_flight.flight_spec import build_vehicle_scenario_stack, load_spec
 from lta_model.vehicle import load_vehicle, Vehicle
 from lta_report.drawing import add_legend, create_figure
 from lta_report.palette import LAMP, SOFT, TRUTH
@@ -15,6 +17,7 @@ from lta_studies.platforms.entrants import build_entrant
 from lta_studies.platforms.summary import compute_lift_margin
 from lta_studies.reproduce.studies import pressure, tunnel
 from lta_studies.reproduce.study_result import (
+    collect_draws,
     MeasuredValue,
     RowStudyRequest,
     RowStudyResult,
@@ -23,6 +26,7 @@ from lta_studies.reproduce.study_result import (
 import numpy as np
 from plotly.graph_objects import Figure, Scatter
 
+SLOW: Final = 0.2  # m/s, seed paper: the speed of the linear terms
 NOT_IN_TABLE: Final = 'solar_panels'  # missing in the paper's table of masses
 CURVE: Final = (
     "Thrust against duty: the paper's polynomial, and Bitcraze's bench data, whose voltage "
@@ -31,13 +35,16 @@ CURVE: Final = (
 
 
 def run_study(request: RowStudyRequest) -> RowStudyResult:
-    """Collect forces and masses of the vehicle files; deterministic."""
-    del request
+    """Collect forces and masses of the vehicle files."""
     vehicle, beavis, sweep = load_vehicle('gtmab'), load_beavis_variants(), tunnel.load_sweep()
     values = {
         **measure_thrust(vehicle), **net_forces(vehicle, beavis), **mass_budget(vehicle),
         **drag_coefficients(vehicle), **tunnel.collect_coefficients(sweep),
     }  # fmt: skip
+    linear, quadratic = (
+        float(values[name].value) for name in ('tunnel_surge_linear', 'tunnel_surge')
+    )
+    values['slow_linear_tunnel'] = MeasuredValue(linear_share(linear, quadratic))
     # Thrust per disk area [Pa]
     loading = vehicle.full_thrust / (math.pi * (pressure.PROPELLER / 2.0) ** 2)
     values |= {
@@ -54,7 +61,28 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
             *tunnel.plot_drag_and_matrices(sweep, both),
             *pressure.plot_pressures_and_maps(values),
         ],
+        draws=collect_draws(request, partial(measure_draw, request)),
     )
+
+
+def measure_draw(request: RowStudyRequest, seed: int) -> dict[str, float | str]:
+    """Return the measures of GT-MAB and BEAVIS drawn from their ranges."""
+    vehicle = draw_vehicle(request, seed, 'gtmab')
+    values = net_forces(vehicle, {'beavis': draw_vehicle(request, seed, 'beavis')})
+    values |= mass_budget(vehicle) | drag_coefficients(vehicle)
+    return {name: each.value for name, each in values.items()}
+
+
+def draw_vehicle(request: RowStudyRequest, seed: int, name: str) -> Vehicle:
+    """Return a vehicle drawn from its ranges."""
+    spec = load_spec(name, 'hall', 'bag', '').with_values(request.draw_changes(seed, name))
+    return build_vehicle_scenario_stack(spec)[0]
+
+
+def linear_share(linear: float, quadratic: float) -> float:
+    """Return the linear share of drag at the least speed of the paper's tunnel. [1]"""
+    total = linear + quadratic * SLOW
+    return linear / total if total else math.nan
 
 
 def load_beavis_variants() -> dict[str, Vehicle]:
@@ -113,6 +141,9 @@ def drag_coefficients(vehicle: Vehicle) -> dict[str, MeasuredValue]:
     return {
         'drag_ahead': MeasuredValue(quadratic['surge']),
         'drag_up': MeasuredValue(quadratic['heave']),
+        'slow_linear': MeasuredValue(
+            linear_share(effects['linear_drag']['surge'], quadratic['surge'])
+        ),
         'linear_ahead': MeasuredValue(effects['linear_drag']['surge']),
         'linear_yaw': MeasuredValue(turning['yaw']),
         'drag_yaw': MeasuredValue(turning['yaw_2']),

@@ -1,11 +1,13 @@
 """Study the light link: raw samples, lux and SNR by distance, and floor area per lamp."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from functools import partial
 import math
-from typing import Final
+from typing import Any, Final
 
 from lta_config.command_line import format_lta_command
 from lta_config.topics import load_topic_table
+from lta_flight.flight_spec import build_vehicle_scenario_stack, load_spec
 from lta_model.light.gain_selection import select_diode_gain
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
@@ -23,6 +25,7 @@ from lta_studies.light.plan.inputs import load_inputs
 from lta_studies.light.plan.mounts import list_mounts
 from lta_studies.light.plan.planner import plan_layout
 from lta_studies.reproduce.study_result import (
+    collect_draws,
     MeasuredValue,
     RowStudyRequest,
     RowStudyResult,
@@ -75,14 +78,23 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
         StudyPicture('lux', 'Light by distance', LUX, plot_lux(drawn), again),
         StudyPicture('snr', 'Signal-to-noise ratio by distance', SNR, plot_snr(drawn), again),
     ]  # fmt: skip
-    return RowStudyResult(values, pictures)
+    draws = collect_draws(request, partial(measure_draw, request))
+    return RowStudyResult(values, pictures, draws=draws)
 
 
-def measure_link(name: str, blocks: int) -> LampLink:
+def measure_link(name: str, blocks: int, changes: Mapping[str, Any] | None = None) -> LampLink:
     """Compute the link budget of a scene."""
-    scenario = load_scenario(name)
-    vehicle = load_vehicle(VEHICLE, scenario.air.density)
+    spec = load_spec(VEHICLE, name, 'bag', '').with_values(changes or {})
+    vehicle, scenario, _ = build_vehicle_scenario_stack(spec)
     return compute_lamp_link(vehicle, scenario, DISTANCES, ALTITUDE, blocks)
+
+
+def measure_draw(request: RowStudyRequest, seed: int) -> dict[str, float]:
+    """Return light, SNR and range of a draw."""
+    changes = request.draw_changes(seed)
+    room, dusk = (measure_link(name, 1, changes).at for name in (ROOM, DUSK))
+    near = find_point(room, RANGE)
+    return {'lux': near.lux, 'snr_room': near.snr, 'range_dusk': reception_range(dusk)}
 
 
 def find_point(points: Sequence[LinkPoint], distance: float) -> LinkPoint:

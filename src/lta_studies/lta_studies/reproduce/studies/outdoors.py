@@ -8,25 +8,31 @@ import time as clock
 from typing import Any, Final
 
 from lta_config.command_line import format_lta_command
+from lta_config.quantity import Quantity
 from lta_control.strategies.protocol import NavigationStrategy
-from lta_flight.flight_spec import build_loop, load_spec
+from lta_flight.flight_spec import build_loop, build_vehicle_scenario_stack, FlightSpec, load_spec
+from lta_flight.sweep.statistics import wilson_interval
+from lta_model.limits import level_speed
 from lta_model.vehicle import load_vehicle
 from lta_report.curves import Array
 from lta_report.drawing import create_figure
 from lta_report.report import TextTable
 from lta_sim.wind_limits import static_wind_limit, wind_share_at_hull
+from lta_studies.light.evaluation import pilot
 from lta_studies.light.evaluation.cells import EvaluationCell
 from lta_studies.light.evaluation.labels import label_strategy
 from lta_studies.light.evaluation.pictures import LEGEND, strategy_color
 from lta_studies.light.evaluation.tracks import fly_again, plot_tracks
 from lta_studies.reproduce.flights import (
     FlightGroup,
+    fly_draws,
     fly_group,
     format_command,
     measure_success_share,
     PAPERS,
     record_group,
     summarize_cell,
+    summarize_draws,
     thin_annotations,
 )
 from lta_studies.reproduce.study_result import (
@@ -34,6 +40,7 @@ from lta_studies.reproduce.study_result import (
     RowStudyRequest,
     RowStudyResult,
     StudyPicture,
+    yes_no_value,
 )
 import numpy as np
 from plotly.graph_objects import Figure, Scatter
@@ -58,14 +65,25 @@ DISTANCES: Final = 'Distance to the lamp over time, seed 1. Dotted: 1 m, which c
 def run_study(request: RowStudyRequest) -> RowStudyResult:
     """Fly in the paper's winds and over rough ground, and time the updates."""
     speeds = WINDS[:1] if request.quick else WINDS
-    winds = fly_group('winds', request.seeds, vary={WIND: [f'{each:g} m/s' for each in speeds]})
+    flyers = PAPERS if request.quick else (*PAPERS, pilot.NAME)
+    winds = fly_group(
+        'winds', request.seeds, strategies=flyers, vary={WIND: [f'{w:g} m/s' for w in speeds]}
+    )
     values: dict[str, MeasuredValue] = {}
-    for name in PAPERS:
+    for name in flyers:
         for speed in speeds:
             values |= measure_reached_share(f'{name}_{speed:g}', winds, name, speed)
     values |= hull_winds()
+    values['bag_8_time'] = measure_time(winds, 'bag', WINDS[0])
+    draws = draw_winds(request)
     if request.quick:
-        return RowStudyResult(values, plot_outdoor_flights(request, winds))
+        return RowStudyResult(values, plot_outdoor_flights(request, winds), draws=draws)
+    for speed in WINDS:
+        # If even the pilot fails, who knows wind and lamp, the failure of a strategy says nothing
+        values[f'vacuous_{speed:g}'] = yes_no_value(
+            find_cell(winds, pilot.NAME, speed).reached_share.value <= MOST
+        )
+    values['des_8_away'], values['dga_8_past'] = measure_failures(winds)
     grounds = fly_group(
         'roughness', request.seeds, strategies=('bag',),
         vary={ROUGH: [f'{each:g} m' for each in GROUNDS]},
@@ -75,7 +93,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     )
     for name in (*PAPERS, 'homing'):
         values |= measure_reached_share(f'{name}_rough', rough, name, SHOWN)
-    values['bag_rough_time'] = summarize_cell('x', find_cell(rough, 'bag', SHOWN))['x_time']
+    values['bag_rough_time'] = measure_time(rough, 'bag', SHOWN)
     values['bag_from_roughness'] = MeasuredValue(
         minimum_flyable_roughness(grounds), seeds=request.seeds
     )
@@ -83,8 +101,57 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
         f'{name}_update': MeasuredValue(measure_update_time(name), seeds=1) for name in PAPERS
     }
     return RowStudyResult(
-        values, plot_outdoor_flights(request, winds, rough), [build_algorithm_table(values)]
+        values, plot_outdoor_flights(request, winds, rough), [build_algorithm_table(values)], draws
     )
+
+
+def draw_winds(request: RowStudyRequest) -> dict[str, list[float | str]]:
+    """Fly both winds once in every draw, and compare them with the thrust."""
+    draws: dict[str, list[float | str]] = {}
+    for speed in WINDS[:1] if request.quick else WINDS:
+        rows = fly_draws('winds', request, change={WIND: f'{speed:g} m/s'})
+        for name, flown in rows.items():
+            found = summarize_draws(f'{name}_{speed:g}', flown)
+            draws |= {key: each for key, each in found.items() if not key.endswith('_path')}
+    draws['wind_by_thrust_14'] = [
+        compare_wind_with_thrust(request.draw_changes(seed)) for seed in request.draw_seeds
+    ]
+    return draws
+
+
+def compare_wind_with_thrust(changes: Mapping[str, Any]) -> float:
+    """Return 14 m/s at 10 m, at the hull, by the airspeed that the thrust allows. [1]"""
+    spec = load_spec('gtmab', 'windy_field', 'bag', '').with_values(changes)
+    vehicle = build_vehicle_scenario_stack(spec)[0]
+    share = wind_share_at_hull(vehicle, HEIGHT, REFERENCE, spec_roughness(spec))
+    return WINDS[1] * share / level_speed(vehicle)
+
+
+def spec_roughness(spec: FlightSpec) -> float:
+    """Return the roughness of the ground of a spec. [m]"""
+    return Quantity.model_validate(spec.read_value(ROUGH)).si
+
+
+def measure_failures(winds: FlightGroup) -> tuple[MeasuredValue, MeasuredValue]:
+    """
+    Return how the single-diode strategies fail in 8 m/s.
+
+    The share of DES's flights that end farther from the lamp than they began, and that of DGA's
+    that fly past the lamp: upwind of it by more than the goal's radius.
+    """
+    shares = []
+    for name in ('des', 'dga'):
+        cell = find_cell(winds, name, WINDS[0])
+        found = []
+        for seed in cell.rows:
+            (track, *_), scenario = fly_again(winds.plan, [cell], seed)
+            x, y, _ = scenario.goal_lamp.position.vector
+            away = np.hypot(track.x - x, track.y - y)
+            past = float(track.x.max()) > x + scenario.goal.radius.si
+            found.append(past if name == 'dga' else bool(away[-1] > away[0]))
+        share = wilson_interval(sum(found), len(found))
+        shares.append(MeasuredValue(share.value, share.low, share.high, len(found)))
+    return shares[0], shares[1]
 
 
 def find_cell(group: FlightGroup, strategy: str, place: float) -> EvaluationCell:
@@ -102,6 +169,11 @@ def measure_reached_share(
     return {f'{name}_reached': measure_success_share(find_cell(group, strategy, place))}
 
 
+def measure_time(group: FlightGroup, strategy: str, place: float) -> MeasuredValue:
+    """Return the time of the flights that reached the lamp. [s]"""
+    return summarize_cell('x', find_cell(group, strategy, place))['x_time']
+
+
 def minimum_flyable_roughness(grounds: FlightGroup) -> float:
     """Return the smallest roughness over which most BAG flights arrive in 8 m/s. [m]"""
     over = [each.place for each in grounds.cells if each.reached_share.value > MOST]
@@ -117,6 +189,7 @@ def hull_winds() -> dict[str, MeasuredValue]:
         'hull_14': MeasuredValue(14.0 * parts[0.3]),
         'hull_8_rough': MeasuredValue(8.0 * parts[SHOWN]),
         'level_limit': MeasuredValue(static_wind_limit(vehicle)),
+        'wind_by_thrust_14': MeasuredValue(14.0 * parts[0.3] / level_speed(vehicle)),
     }
 
 

@@ -1,15 +1,17 @@
 """Repeat the paper's study of the number of photodiodes, and find the causes of its errors."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 import math
 from typing import Any, Final
 
 from lta_config.command_line import format_lta_command
+from lta_flight.flight_spec import build_vehicle_scenario_stack
 from lta_report.drawing import create_figure
 from lta_report.palette import GRID, SOFT
 from lta_studies.light.bearing.bench import BearingBench
 from lta_studies.light.bearing.places import build_flight_spec, DIODES, PLACES
 from lta_studies.light.bearing.study import (
+    ASIDE,
     count_accurate_directions,
     COUNTS,
     DIRECTIONS,
@@ -18,104 +20,131 @@ from lta_studies.light.bearing.study import (
     RingStudy,
     study_ring,
 )
-from lta_studies.light.bearing.study_report import COLOURS, METHOD
+from lta_studies.light.bearing.study_report import COLOURS, describe_method
 from lta_studies.reproduce.study_result import (
+    average_measures,
     average_over_seeds,
-    MeasuredValue,
+    collect_draws,
     RowStudyRequest,
     RowStudyResult,
     StudyPicture,
+    to_values,
 )
 import numpy as np
 from plotly.graph_objects import Figure, Scatterpolar
 
-QUICK: Final = 10  # readings per direction with --quick
+QUICK, DRAWN = 10, 1  # readings per direction with --quick, and in a draw
+ASIDES: Final = (ASIDE, 0.0)  # readings of where the drone stands, off the lamp's axis [rad]
+BELOW: Final = ((16, 2), (8, 4), (8, 8), (4, 10))  # diodes, and limit of their errors [deg]
+CLAIMED: Final = (
+    'indoor_16_below_2', 'indoor_8_below_4', 'indoor_8_below_8', 'indoor_4_below_10',
+    'four_good_midway', 'outdoor_by_indoor_8', 'outdoor_eight_by_sixteen',
+    'worst_outdoor_by_indoor_4', 'indoor_8_worst', 'indoor_16_worst',
+)  # fmt: skip
 GOOD: Final = math.radians(2.0)
 DARK_WALLS: Final = {'scenario.room.albedo': 0.0}
 NARROW: Final = {f'{DIODES}.response': {'value': 2.0, 'unit': '1', 'source': 'ablation'}}
 UNEQUAL: Final = {f'{DIODES}.gain_spread': {'value': 10, 'unit': '%', 'source': 'ablation'}}
+ABLATIONS: Final = (
+    ('sixteen_worst_dark_walls', 16, DARK_WALLS),
+    ('four_worst_narrow', 4, NARROW),
+    ('eight_worst_unequal', 8, UNEQUAL),
+)
 
 
 def run_study(request: RowStudyRequest) -> RowStudyResult:
     """Study both places; each seed is one vehicle with its own diode gains."""
-    found = {
-        place: {count: study_rings(request, place, count) for count in COUNTS} for place in PLACES
-    }
-    indoor, outdoor = found['indoor'], found['outdoor']
-    values: dict[str, MeasuredValue] = {}
-    for place, by_count in found.items():
-        for count, each in by_count.items():
-            values |= measure_errors(f'{place}_{count}', each)
-    for count in COUNTS:
-        values[f'outdoor_by_indoor_{count}'] = compare_rings(
-            outdoor[count], indoor[count], np.median
-        )
-    values['outdoor_eight_by_sixteen'] = compare_rings(outdoor[8], outdoor[16], np.median)
-    values['worst_outdoor_by_indoor_4'] = compare_rings(outdoor[4], indoor[4], np.max)
-    values['indoor_16_below_2'] = count_low_error_directions(indoor[16], 2.0)
-    values['indoor_8_below_4'] = count_low_error_directions(indoor[8], 4.0)
-    values['indoor_8_below_8'] = count_low_error_directions(indoor[8], 8.0)
-    values['indoor_4_below_10'] = count_low_error_directions(indoor[4], 10.0)
-    values['four_good_midway'] = average_over_seeds([midway_share(ring) for ring in indoor[4]])
-    values['sixteen_worst_dark_walls'] = worst_error(
-        study_rings(request, 'indoor', 16, DARK_WALLS)
+    readings = QUICK if request.quick else READINGS
+    vehicles = [study_vehicle({}, readings, seed) for seed in range(1, request.seeds + 1)]
+    values = average_measures([measure_readings(each) for each in vehicles])
+    for name, count, changes in ABLATIONS:
+        rings = [
+            study_count('indoor', count, changes, readings, seed, ASIDE)
+            for seed in range(1, request.seeds + 1)
+        ]
+        values[name] = average_over_seeds([max(ring.paper) for ring in rings])
+    values |= to_values(weigh_diodes({}))
+    draws = collect_draws(
+        request,
+        lambda seed: measure_draw(request.draw_changes(seed), seed),
     )
-    values['four_worst_narrow'] = worst_error(study_rings(request, 'indoor', 4, NARROW))
-    values['eight_worst_unequal'] = worst_error(study_rings(request, 'indoor', 8, UNEQUAL))
     command = format_lta_command('light', 'study')
     pictures = [
         StudyPicture(place, f'{place.capitalize()}: {PLACES[place].about}',
                 'Median bearing error as the radius [°], by direction of the lamp. Seed '
-                f'1. {METHOD}',
-                plot_polar_errors({count: each[0] for count, each in by_count.items()}), command)
-        for place, by_count in found.items()
+                f'1. {describe_method(ASIDE)}',
+                plot_polar_errors({count: vehicles[0][ASIDE, place, count] for count in COUNTS}),
+                command)
+        for place in PLACES
     ]  # fmt: skip
-    return RowStudyResult(values, pictures)
+    return RowStudyResult(values, pictures, draws=draws)
 
 
-def study_rings(
-    request: RowStudyRequest, place: str, count: int, changes: Mapping[str, Any] | None = None
-) -> list[RingStudy]:
-    """Study one ring in one place for each seed, with optional changes."""
-    bench = BearingBench(
-        build_flight_spec(PLACES[place], 'gtmab', count).with_values(changes or {})
-    )
-    readings = QUICK if request.quick else READINGS
-    return [
-        study_ring(bench, place, count, readings, seed, lambda: None)
-        for seed in range(1, request.seeds + 1)
-    ]
+def measure_draw(changes: Mapping[str, Any], seed: int) -> dict[str, float]:
+    """Return the measures of a draw."""
+    return measure_readings(study_vehicle(changes, DRAWN, seed)) | weigh_diodes(changes)
 
 
-def measure_errors(name: str, studies: Sequence[RingStudy]) -> dict[str, MeasuredValue]:
-    """Return the median error over the directions and the worst one."""
+def weigh_diodes(changes: Mapping[str, Any]) -> dict[str, float]:
+    """Return the mass of eight diodes by that of the drone and by its spare lift. [1]"""
+    own = {path: each for path, each in changes.items() if path.startswith('vehicle')}
+    spec = build_flight_spec(PLACES['indoor'], 'gtmab', 8).with_values(own)
+    vehicle = build_vehicle_scenario_stack(spec)[0]
+    eight = vehicle.file.parts['light_sensors'].mass.si
     return {
-        f'{name}_median': average_over_seeds([float(np.median(ring.paper)) for ring in studies]),
-        f'{name}_worst': worst_error(studies),
+        'diodes_by_mass': eight / vehicle.mass, 'diodes_by_spare': eight / vehicle.ballast_mass,
+    }  # fmt: skip
+
+
+# The studies of one vehicle, by angle to the lamp's axis [rad], place and number of diodes
+VehicleStudies = Mapping[tuple[float, str, int], RingStudy]
+
+
+def study_vehicle(changes: Mapping[str, Any], readings: int, seed: int) -> VehicleStudies:
+    """Study all rings of one vehicle in both places and readings of the lamp's angle."""
+    return {
+        (aside, place, count): study_count(place, count, changes, readings, seed, aside)
+        for aside in ASIDES
+        for place in PLACES
+        for count in COUNTS
     }
 
 
-def count_low_error_directions(studies: Sequence[RingStudy], degrees: float) -> MeasuredValue:
-    """Return the number of directions with an error below a limit."""
-    return average_over_seeds(
-        [count_accurate_directions(ring.paper, math.radians(degrees)) for ring in studies]
-    )
+def study_count(
+    place: str, count: int, changes: Mapping[str, Any], readings: int, seed: int, aside: float
+) -> RingStudy:
+    """Study one ring of a changed vehicle in one place."""
+    # The ranges of the row are those of the room
+    own = {p: each for p, each in changes.items() if place == 'indoor' or p.startswith('vehicle')}
+    spec = build_flight_spec(PLACES[place], 'gtmab', count).with_values(own)
+    return study_ring(BearingBench(spec), place, count, readings, seed, lambda: None, aside)
 
 
-def worst_error(studies: Sequence[RingStudy]) -> MeasuredValue:
-    """Return the error in the worst direction. [rad]"""
-    return average_over_seeds([max(ring.paper) for ring in studies])
+def measure_readings(studies: VehicleStudies) -> dict[str, float]:
+    """Return the measures of one vehicle for both readings of the lamp's angle."""
+    found = measure_vehicle(studies, ASIDE)
+    straight = measure_vehicle(studies, 0.0)
+    return found | {f'straight_{name}': straight[name] for name in CLAIMED}
 
 
-def compare_rings(
-    above: Sequence[RingStudy],
-    below: Sequence[RingStudy],
-    what: Any,  # noqa: ANN401
-) -> MeasuredValue:
-    """Return the ratio of a statistic of two rings, paired by seed."""
-    return average_over_seeds(
-        [float(what(a.paper) / what(b.paper)) for a, b in zip(above, below, strict=True)]
-    )
+def measure_vehicle(studies: VehicleStudies, aside: float) -> dict[str, float]:
+    """Return the measures of one vehicle at an angle to the lamp's axis. [rad]"""
+    errors = {(p, n): ring.paper for (angle, p, n), ring in studies.items() if angle == aside}
+    middle = {key: float(np.median(each)) for key, each in errors.items()}
+    found = {}
+    for (place, count), each in errors.items():
+        found[f'{place}_{count}_median'] = middle[place, count]
+        found[f'{place}_{count}_worst'] = max(each)
+    for count in COUNTS:
+        found[f'outdoor_by_indoor_{count}'] = middle['outdoor', count] / middle['indoor', count]
+    found['outdoor_eight_by_sixteen'] = middle['outdoor', 8] / middle['outdoor', 16]
+    found['worst_outdoor_by_indoor_4'] = max(errors['outdoor', 4]) / max(errors['indoor', 4])
+    for count, degrees in BELOW:
+        found[f'indoor_{count}_below_{degrees}'] = float(
+            count_accurate_directions(errors['indoor', count], math.radians(degrees))
+        )
+    found['four_good_midway'] = midway_share(studies[aside, 'indoor', 4])
+    return found
 
 
 def midway_share(ring: RingStudy) -> float:
