@@ -14,6 +14,7 @@ import yaml
 
 from .contents import contents
 
+OWN = Path(__file__).resolve().parents[2] / 'examples' / 'own_strategy.py'
 TABLE = load_topic_table()
 REPEATABLE = [
     robot_topic('lta1', name) for name, topic in TABLE.topics.items() if topic.repeatable
@@ -67,7 +68,8 @@ def test_a_flight_to_the_lamp_is_whole_and_that_of_one_process(lta, call, tmp_pa
     near = tmp_path / 'near.yaml'  # a shorter flight, but long enough for that
     text = find_file('scenario', 'lamp_room').read_text(encoding='utf-8')
     near.write_text(text.replace('value: [-3.5, 0]', 'value: [-1.5, 0]'))
-    words = ('--seed', '7', '--scenario', near, '--json', '--out')
+    # A strategy from a file, so that nodes and loop read it alike
+    words = ('--seed', '7', '--scenario', near, '--strategy', OWN, '--json', '--out')
     done = lta.run('fly', *words, tmp_path / 'fly')
     assert done.returncode == 0, done.stderr
     results['fly'] = json.loads(done.stdout)

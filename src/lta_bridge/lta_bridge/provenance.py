@@ -10,6 +10,7 @@ import subprocess
 
 from lta_config.files import find_file, share_folder
 from lta_config.version import VERSION
+from lta_control.strategies.strategy_file import is_strategy_file
 
 CODE = (':/src', ':/config')  # folders that affect results, unlike documentation
 COMMIT_FILE = 'commit'  # written by tools/wheel.sh
@@ -83,14 +84,18 @@ def collect_provenance(vehicle: str, scenario: str, gains: str, **choices: str) 
     vehicle, scenario, gains : str
         Names or paths; the whole files are stored in the bag.
     choices : str
-        Other choices: seed, strategy, time.
+        Other choices: seed, strategy, time. A strategy from a file is stored as well.
 
     """
+    own = {}
+    if is_strategy_file(strategy := choices.get('strategy', '')):
+        own['strategy_file'] = Path(strategy).read_text(encoding='utf-8')
     return {
         'vehicle': vehicle,
         'scenario': scenario,
         'gains': gains,
         **choices,
+        **own,
         **describe_environment(),
         'vehicle_file': find_file('vehicle', vehicle).read_text(encoding='utf-8'),
         'scenario_file': find_file('scenario', scenario).read_text(encoding='utf-8'),

@@ -6,6 +6,7 @@ compiled fails here and not in the loop that needs it.
 """
 
 import math
+from pathlib import Path
 import sys
 
 from lta_config.compilation.extract import SourceExtract
@@ -26,7 +27,7 @@ from lta_control.estimator import (
     MotionEstimate,
 )
 from lta_control.per_rotor import pad_to_slots
-from lta_control.strategies import STRATEGIES
+from lta_control.strategies import find_navigation_strategy, STRATEGIES
 from lta_control.strategies.protocol import LightMeasurement
 from lta_control.strategies.settings import StrategySettings
 from lta_control.vehicle_parameters import build_estimator_model, build_rotors
@@ -54,15 +55,13 @@ def list_named_tuples():
     return {kind.__name__: kind for kind in found}
 
 
-# The compiled text makes its named tuples anew; here they must be the ones that Python uses.
-TUPLES = list_named_tuples()
-
-
 def compiled(function):
     """Return a function compiled from its own source and all that it uses."""
     extract = SourceExtract()
     name = extract.add_function(function, 'core')
-    space = {'math': math, 'namedtuple': lambda name, _: TUPLES[name], 'njit': numba.njit}
+    # The compiled text makes its named tuples anew; here they must be the ones that Python uses.
+    known = list_named_tuples()
+    space = {'math': math, 'namedtuple': lambda name, _: known[name], 'njit': numba.njit}
     exec(extract.render_pieces('@njit'), space)
     return space[name]
 
@@ -122,15 +121,17 @@ def test_the_attitude_filter_compiles():
     assert fast(*arguments) == attitude_step(*arguments)
 
 
+OWN = str(Path(__file__).resolve().parents[3] / 'examples' / 'own_strategy.py')
 LONG = ('homing', 'dga')  # with the filter of the lamp, which takes ten seconds to compile
 
 
 @pytest.mark.parametrize(
     'name',
-    [pytest.param(name, marks=pytest.mark.long if name in LONG else ()) for name in STRATEGIES],
+    [pytest.param(name, marks=pytest.mark.long if name in LONG else ()) for name in STRATEGIES]
+    + [OWN],
 )
 def test_every_strategy_compiles(name):
-    strategy, settings = STRATEGIES[name], StrategySettings()
+    strategy, settings = find_navigation_strategy(name), StrategySettings()
     start, steer = compiled(strategy.start), compiled(strategy.steer)
     memory = strategy.start(0.7)
     assert start(0.7) == memory

@@ -13,6 +13,7 @@ SCENE = (
     'offset_x',
     'offset_y',
 )  # keys copied from the recording
+OWN = 'strategy_file'  # a replay may fly another strategy, which is no file
 SET = 'set'  # parameters of the flight; only `lta replay` passes them to the nodes again
 
 
@@ -34,6 +35,6 @@ def build_replay_origin(recording: RobotBagRecording, graph: Mapping[str, str]) 
         Provenance of the launch: vehicle, gains and strategy of the running nodes.
 
     """
-    kept = {key: value for key, value in recording.provenance.items() if key != SET}
+    kept = {key: value for key, value in recording.provenance.items() if key not in (SET, OWN)}
     runs = {key: value for key, value in graph.items() if key not in SCENE}
     return {**kept, **runs, REPLAY_OF: str(recording.path)}

@@ -25,7 +25,9 @@ KNOWN = ', '.join(STRATEGIES)
 def fly(
     vehicle: Annotated[str, typer.Option(help='Vehicle name or file.')] = 'gtmab',
     scenario: Annotated[str, typer.Option(help='Scenario name or file.')] = 'lamp_room',
-    strategy: Annotated[str, typer.Option(help=f'Navigation strategy: {KNOWN}.')] = 'bag',
+    strategy: Annotated[
+        str, typer.Option(help=f'Navigation strategy: {KNOWN}, or a file such as ./mine.py.')
+    ] = 'bag',
     seed: Annotated[int, typer.Option(help='Random seed.', min=0, max=2**31 - 1)] = 1,
     time: Annotated[
         Literal['lockstep', 'realtime'] | None,

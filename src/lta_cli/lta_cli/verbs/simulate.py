@@ -18,7 +18,9 @@ COMPILING = 'compiling the vehicle model (only the first time, about half a minu
 def simulate(
     vehicle: Annotated[str, typer.Option(help='Vehicle name or file.')] = 'gtmab',
     scenario: Annotated[str, typer.Option(help='Scenario name or file.')] = 'lamp_room',
-    strategy: Annotated[str, typer.Option(help=f'Navigation strategy: {KNOWN}.')] = 'bag',
+    strategy: Annotated[
+        str, typer.Option(help=f'Navigation strategy: {KNOWN}, or a file such as ./mine.py.')
+    ] = 'bag',
     gains: Annotated[
         str, typer.Option(help="Controller gains, name or file; the vehicle's by default.")
     ] = '',

@@ -4,6 +4,7 @@ from importlib import import_module
 
 from lta_config.errors import BadInput, unknown_name_error
 from lta_control.strategies.protocol import NavigationStrategy
+from lta_control.strategies.strategy_file import is_strategy_file, load_strategy_file
 
 FILES = (
     'bearing_angle',
@@ -27,7 +28,9 @@ def check_route(strategy: NavigationStrategy, lamps: int) -> None:
 
 
 def find_navigation_strategy(name: str) -> NavigationStrategy:
-    """Return a strategy by name; raise `BadInput` with the known names for an unknown one."""
+    """Return a strategy by name or from a file ./NAME.py; raise `BadInput` for another one."""
+    if is_strategy_file(name):
+        return load_strategy_file(name)
     if name not in STRATEGIES:
         raise unknown_name_error('strategy', name, list(STRATEGIES))
     return STRATEGIES[name]

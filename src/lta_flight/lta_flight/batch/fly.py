@@ -10,7 +10,7 @@ from lta_config.compilation.flat import TupleLayout
 from lta_config.compilation.kernel_cache import load_kernel
 from lta_config.machine import count_cores
 from lta_config.topics import load_topic_table
-from lta_control.strategies import STRATEGIES
+from lta_control.strategies.protocol import NavigationStrategy
 from lta_flight.batch.batch_flight import BatchFlight, build_schedule
 from lta_flight.batch.codegen import build_source
 from lta_flight.batch.flight_loop import FIGURES
@@ -30,7 +30,7 @@ PIECE = 8  # flights per task of a thread; small, because their lengths differ
 @cache
 def _compile_kernel(
     names: tuple[str, ...],
-    strategy: str,
+    strategy: NavigationStrategy,
     layout: TupleLayout[Any],
     diodes: int,
     lamps: int,
@@ -40,9 +40,7 @@ def _compile_kernel(
     """Return the compiled flight for some effects."""
     target = GPU if device == 'gpu' else CPU
     schedule = build_schedule(load_topic_table())
-    source = build_source(
-        names, STRATEGIES[strategy], layout, diodes, lamps, schedule, target, closed=closed
-    )
+    source = build_source(names, strategy, layout, diodes, lamps, schedule, target, closed=closed)
     return load_kernel(source)
 
 
@@ -90,7 +88,9 @@ def fly_many(
     names = tuple(name for name in LAYOUT.effects if on[LAYOUT.flag_index(name)])
     parameters, _ = LAYOUT.find_effect_indices(names)
     # Flights of equal form and strategy share a kernel
-    forms = np.array([f'{made.strategy.name} {made.form}' for made in flights])
+    # By its place, as two files may define strategies of one name
+    strategies = list(dict.fromkeys(made.strategy for made in flights))
+    forms = np.array([f'{strategies.index(made.strategy)} {made.form}' for made in flights])
     for form in dict.fromkeys(forms.tolist()):
         alike = np.flatnonzero(forms == form)
         inside = np.flatnonzero(np.isin(chosen, alike))
@@ -99,7 +99,7 @@ def fly_many(
         first = flights[int(alike[0])]
         kernel = _compile_kernel(
             names,
-            first.strategy.name,
+            first.strategy,
             TupleLayout(first.craft),
             len(first.craft.listening.planes),
             len(first.craft.listening.lamps),

@@ -212,7 +212,9 @@ def build_launch_arguments(
         'rate': repr(float(order.rate or 1.0)),
         # The player records the answers itself
         'record': 'false',
-        'strategy': order.strategy or provenance.get('strategy', STRATEGY),
+        'strategy': order.strategy
+        or extract_file(provenance, 'strategy', folder, '.py')
+        or provenance.get('strategy', STRATEGY),
         **select_files(order, provenance, folder),
     }
 
@@ -253,12 +255,14 @@ def select_files(
     }
 
 
-def extract_file(provenance: Mapping[str, str], name: str, folder: Path) -> str | None:
+def extract_file(
+    provenance: Mapping[str, str], name: str, folder: Path, suffix: str = '.yaml'
+) -> str | None:
     """Write a file from the recording's provenance to the folder and return its path, if any."""
     text = provenance.get(f'{name}_file')
     if text is None:
         return None
-    path = folder / f'{name}.yaml'
+    path = folder / f'{name}{suffix}'
     try:
         path.write_text(text, encoding='utf-8')
     except OSError as error:

@@ -19,7 +19,7 @@ from lta_report.flight_scene import render_time_bar
 from lta_report.html_elements import render_section, render_tile
 from lta_report.page_frame import assemble_page, write_file
 
-FILES: Final = ('vehicle_file', 'scenario_file', 'gains_file')
+FILES: Final = ('vehicle_file', 'scenario_file', 'gains_file', 'strategy_file')
 CHOSEN: Final = ('vehicle', 'scenario', 'strategy', 'seed', 'time')
 MOVED: Final = ('offset_x', 'offset_y')
 SIMULATED: Final = (

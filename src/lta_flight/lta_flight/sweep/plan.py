@@ -4,18 +4,20 @@ The flights of a sweep: their number, their parameters, and the check that they 
 Flight k is always the same: its grid point, its sample and its seed follow from k.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 import hashlib
 import json
 import math
+from pathlib import Path
 from typing import Any, final
 
 from lta_config.errors import BadInput
 from lta_config.parameter_override import format_value, parse_quantity, parse_value
 from lta_config.quantity import Quantity, UNITS
 from lta_config.schema.sweep_file import CASE, Distribution, SweepFile
+from lta_control.strategies.strategy_file import is_strategy_file
 from lta_flight.flight_spec import build_loop, FILES, FlightSpec, load_spec
 from lta_flight.sweep.parameter_sampling import sample_parameter
 
@@ -106,6 +108,7 @@ class SweepPlan:
         """Hash of everything that determines the flights."""
         content = {
             'strategy': self.base.strategy,
+            **self._read_strategy_files(),
             'contents': self.base.contents,
             'named': self._collect_file_contents(),
             # The description may change without making old flights invalid
@@ -117,15 +120,27 @@ class SweepPlan:
 
     def _collect_file_contents(self) -> dict[str, Any]:
         """Return the contents of files that are varied as a whole."""
-        ways = self.file.vary.items()
-        drawn = {path: how.choice or [] for path, how in ways if isinstance(how, Distribution)}
-        single = [{path: value} for path in FILES for value in (self.lists | drawn).get(path, ())]
-        given = [*self.cases.values(), *single]
-        whole = {(path, values[path]) for values in given for path in FILES if path in values}
         return {
             f'{path} {name}': self.base.with_values({path: name}).contents[path]
-            for path, name in sorted(whole)
+            for path, name in sorted(self._list_names(FILES))
         }
+
+    def _read_strategy_files(self) -> dict[str, str]:
+        """Return the texts of strategies that are files."""
+        names = {self.base.strategy, *(name for _, name in self._list_names(('strategy',)))}
+        return {
+            name: Path(name).read_text(encoding='utf-8')
+            for name in sorted(filter(is_strategy_file, names))
+        }
+
+    def _list_names(self, paths: Collection[str]) -> set[tuple[str, Any]]:
+        """Return path and name of everything that is varied as a whole."""
+        ways = self.file.vary.items()
+        drawn = {path: how.choice or [] for path, how in ways if isinstance(how, Distribution)}
+        varied = self.lists | drawn
+        single = [{path: value} for path in paths for value in varied.get(path, ())]
+        given = [*self.cases.values(), *single]
+        return {(path, values[path]) for values in given for path in paths if path in values}
 
     def build_job(self, index: int) -> SweepJob:
         """Return one flight by index; the samples or seeds of a grid point are consecutive."""

@@ -6,6 +6,7 @@ coreless motors with an rmse of 63 mW for all four. `lta_energy.rotor` has it by
 """
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Annotated, final, Self
 
 from lta_config.files import StrictModel
@@ -49,9 +50,9 @@ def navigation_power(energy: EnergyBlock, strategy: str) -> float:
     """
     Return the power of sensing and computing for a navigation strategy, '' for none. [W]
 
-    Entries missing in the file count as 0.
+    Entries missing in the file count as 0. A strategy from a file ./mine.py is called `mine`.
     """
-    given = (energy.loads.sensing, energy.loads.computing.get(strategy))
+    given = (energy.loads.sensing, energy.loads.computing.get(Path(strategy).stem))
     return sum(power.si for power in given if power is not None) if strategy else 0.0
 
 

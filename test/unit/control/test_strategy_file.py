@@ -1,0 +1,88 @@
+"""A strategy from the user's own file: the example flies, and what is no strategy is refused."""
+
+from dataclasses import replace
+from pathlib import Path
+
+from lta_config.errors import BadInput
+from lta_control.strategies import find_navigation_strategy, STRATEGIES
+from lta_control.strategies.protocol import LightMeasurement
+from lta_control.strategies.settings import StrategySettings
+import pytest
+
+EXAMPLE = Path(__file__).resolve().parents[3] / 'examples' / 'own_strategy.py'
+HEAD = (
+    'from lta_control.strategies.protocol import NavigationStrategy, SteeringCommand\n'
+    'def start(heading):\n    return (heading,)\n'
+    'def steer(settings, memory, sight):\n    return {}\n'
+    "STRATEGY = NavigationStrategy('mine', start, steer)\n"
+)
+GOOD = 'SteeringCommand(0.1, 0.2), (0.1,)'
+
+
+def test_the_example_turns_first_and_searches_on_the_side_of_the_lamp():
+    strategy, settings = find_navigation_strategy(str(EXAMPLE)), StrategySettings()
+    assert strategy.name == 'own_strategy'
+    right = LightMeasurement(True, -0.3, 1.0, (1.0,) * 8, 0.1)
+    course, memory = strategy.steer(settings, strategy.start(1.0), right)
+    assert course.heading == pytest.approx(0.7)
+    assert course.speed == pytest.approx(0.5 * settings.speed)  # half of the bearing at 0.6 rad
+    lost, _ = strategy.steer(settings, memory, right._replace(seen=False))
+    assert (lost.heading, lost.speed) == (pytest.approx(0.7 - 0.1 * settings.search_rate), 0.0)
+
+
+def test_a_file_that_imports_a_strategy_is_that_strategy(tmp_path):
+    path = tmp_path / 'mine.py'
+    path.write_text('from lta_control.strategies.homing import STRATEGY\n')
+    assert find_navigation_strategy(str(path)) == replace(STRATEGIES['homing'], name='mine')
+
+
+def test_an_edited_file_is_read_again(tmp_path):
+    path = tmp_path / 'mine.py'
+    path.write_text(HEAD.format(GOOD))
+    sight = LightMeasurement(False, 0.0, 0.0, (0.0,) * 8, 0.1)
+    steer = find_navigation_strategy(str(path)).steer
+    assert steer(StrategySettings(), (0.0,), sight)[0].speed == 0.2
+    path.write_text(HEAD.format('SteeringCommand(0.1, 0.25), (0.1,)'))
+    steer = find_navigation_strategy(str(path)).steer
+    assert steer(StrategySettings(), (0.0,), sight)[0].speed == 0.25
+
+
+@pytest.mark.parametrize(
+    ('text', 'said'),
+    [
+        ('x = (', r'cannot be run .*SyntaxError in line 1'),
+        ('\nimport not_here', r'ModuleNotFoundError in line 2 \(.*not_here'),
+        ('raise SystemExit', 'cannot be run'),
+        ('y = 1', r"defines no strategy; .*NavigationStrategy\('mine'"),
+        (HEAD.format('1'), 'returns 1 from steer'),
+        (HEAD.format('(0.1, 0.2), (0.1,)'), 'returns the course'),
+        (HEAD.format("SteeringCommand(float('nan'), 0.2), (0.1,)"), 'returns the course'),
+        (HEAD.format('SteeringCommand(0.1, 0.2), None'), 'returns the memory None from steer'),
+        (HEAD.format('settings.absent, (0.1,)'), 'fails on a trial: AttributeError in line 5'),
+    ],
+)
+def test_what_is_no_strategy_is_refused_in_one_sentence(text, said, tmp_path):
+    path = tmp_path / 'mine.py'
+    path.write_text(text)
+    with pytest.raises(BadInput, match=said) as refused:
+        find_navigation_strategy(str(path))
+    assert '\n' not in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ('name', 'said'),
+    [
+        ('./absent.py', "'./absent.py' cannot be read: No such file"),
+        ('./mine.txt', 'is not a Python file'),
+        ('mine', "Unknown strategy 'mine'"),
+    ],
+)
+def test_what_is_no_file_is_refused(name, said):
+    with pytest.raises(BadInput, match=said):
+        find_navigation_strategy(name)
+
+
+def test_a_folder_is_refused(tmp_path):
+    (tmp_path / 'mine.py').mkdir()
+    with pytest.raises(BadInput, match='cannot be run as a strategy'):
+        find_navigation_strategy(str(tmp_path / 'mine.py'))
