@@ -202,8 +202,6 @@ def build_app(words: Sequence[str] | None = None) -> typer.Typer:
         cls=OrderedGroup,
         epilog=EPILOG,
         no_args_is_help=True,
-        # No option --install-completion in the help
-        add_completion=False,
         rich_markup_mode='rich',
         # Plain tracebacks can be copied into a report
         pretty_exceptions_enable=False,

@@ -16,6 +16,7 @@ from lta_graph.ament import list_middlewares
 from lta_graph.process_exit import exit_process
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+COMPLETION = '_LTA_COMPLETE'  # a shell asks how the line may go on
 MIDDLEWARE = 'RMW_IMPLEMENTATION'
 
 
@@ -28,6 +29,10 @@ def main() -> NoReturn:
     # The lta script blocks SIGINT while Python starts; a pending one is delivered here.
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     ignore_broken_pipes()
+    if COMPLETION in os.environ:  # the shell waits for an answer: import no command
+        from lta_cli.completion import complete
+
+        complete()
     # Check before the imports load rclpy
     if (message := describe_wrong_middleware()) is not None:
         sys.stderr.write(f'{message}\n')

@@ -1,0 +1,218 @@
+"""
+Complete a command line for a shell: commands, options, names, topics and paths of parameters.
+
+The commands are those of `assets/commands.json`, which `make reference` writes; none is imported.
+Typer speaks with bash, zsh and fish; `lta --install-completion` tells them to ask.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+import inspect
+import json
+from pathlib import Path
+from typing import Annotated, Any, Final
+
+from lta_config.errors import BadInput
+from lta_config.files import find_file, FOLDERS, list_shipped_names, load_yaml
+import typer
+
+TABLE: Final = Path(__file__).parent / 'assets' / 'commands.json'
+SUFFIXES: Final = {'launch file': '.launch.yaml'}
+# Vehicle and scenario of a command line that names none
+DEFAULTS: Final = {'vehicle': 'gtmab', 'scenario': 'lamp_room'}
+Values = Iterator[tuple[str, str]]  # with a description, or ''
+Given = Mapping[str, Any]  # the words of the command line by parameter
+
+
+def complete() -> None:
+    """Answer the shell, which passes the line in the environment, and exit."""
+    table = json.loads(TABLE.read_text(encoding='utf-8'))
+    build_app(table)(prog_name='lta')
+
+
+def build_app(table: Mapping[str, Any]) -> typer.Typer:
+    """Return an app with the commands of the table, which cannot run."""
+    app = typer.Typer(name='lta', add_completion=True)
+    app.callback()(lambda: None)
+    add_commands(app, table['commands'], table)
+    return app
+
+
+def add_commands(app: typer.Typer, commands: Mapping[str, Any], table: Mapping[str, Any]) -> None:
+    """Add commands to an app."""
+    for name, told in commands.items():
+        if 'commands' in told:
+            group = typer.Typer(help=told['help'])
+            group.callback()(lambda: None)
+            add_commands(group, told['commands'], table)
+            app.add_typer(group, name=name)
+        else:
+            app.command(name, help=told['help'])(build_stub(told['parameters'], table))
+
+
+def build_stub(parameters: list[dict[str, Any]], table: Mapping[str, Any]) -> Callable[..., None]:
+    """Return a function with the parameters of a command, which does nothing."""
+    names = [each['name'] for each in parameters if 'options' not in each]
+    kinds = {each['name']: annotate_parameter(each, names, table) for each in parameters}
+
+    def stub(**_: object) -> None:
+        """Do nothing."""
+
+    stub.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
+        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=kind)
+        for name, kind in kinds.items()
+    )
+    stub.__annotations__ = kinds
+    return stub
+
+
+def annotate_parameter(
+    parameter: Mapping[str, Any], arguments: list[str], table: Mapping[str, Any]
+) -> Any:  # noqa: ANN401 - any annotation
+    """
+    Return the annotation of an option or argument as Typer reads it.
+
+    `arguments` are the names of the command's arguments, in order.
+    """
+    shared: dict[str, Any] = {
+        'autocompletion': build_completer(parameter.get('values', ''), arguments, table),
+        'help': parameter.get('help', ''),
+    }
+    kind: Any = bool if parameter.get('flag') else str
+    if count := parameter.get('count'):
+        kind = tuple[(str,) * count]  # type: ignore[misc]
+    kind = list[kind] if parameter.get('many') else kind
+    options = parameter.get('options')
+    if not options:
+        return Annotated[kind | None, typer.Argument(**shared)]
+    # Both names of a switch in one word: --page/--no-page
+    names = ['/'.join(options)] if parameter.get('flag') else options
+    return Annotated[kind | None, typer.Option(*names, **shared)]
+
+
+def build_completer(
+    values: str | list[str], arguments: list[str], table: Mapping[str, Any]
+) -> Callable[[typer.Context, str], list[tuple[str, str]]]:
+    """Return the function with which Typer completes a value; the shell completes files."""
+
+    def find(context: typer.Context, incomplete: str) -> list[tuple[str, str]]:
+        # Click does not assign arguments while an option lacks its value: they are left over
+        given = dict(zip(arguments, context.args, strict=False))
+        given |= {key: value for key, value in context.params.items() if value}
+        try:
+            found = list_values(values, given, table)
+            return [(name, about) for name, about in found if name.startswith(incomplete)]
+        except (BadInput, OSError):
+            return []  # such as a vehicle file that does not exist
+
+    return find
+
+
+def list_values(values: str | list[str], given: Given, table: Mapping[str, Any]) -> Values:
+    """Yield the possible values of a parameter with their descriptions."""
+    if isinstance(values, list):
+        yield from ((value, '') for value in values)
+    elif values in FOLDERS:
+        for name in list_shipped_names(FOLDERS[values], SUFFIXES.get(values, '.yaml')):
+            yield name, ''
+    elif values:
+        yield from LISTS[values](given, table)
+
+
+def list_strategies(given: Given, table: Mapping[str, Any]) -> Values:
+    """Yield the registered strategies."""
+    del given
+    yield from ((name, '') for name in table['strategies'])
+
+
+def list_effects(given: Given, table: Mapping[str, Any]) -> Values:
+    """Yield the effects with their descriptions."""
+    del given
+    yield from table['effects'].items()
+
+
+def list_flight_paths(given: Given, table: Mapping[str, Any]) -> Values:
+    """Yield the paths of `lta simulate --set`: of its vehicle, its scenario and the settings."""
+    for root in ('vehicle', 'scenario'):
+        content = load_yaml(find_file(root, given.get(root, DEFAULTS[root])))
+        for path, value in list_paths(content):
+            yield f'{root}.{path}=', value
+    for path, unit in table['effect parameters'].items():
+        yield f'vehicle.{path}=', unit
+    for path, about in table['settings'].items():
+        yield f'{path}=', about
+
+
+def list_vehicle_paths(given: Given, table: Mapping[str, Any]) -> Values:
+    """Yield the paths of a vehicle file."""
+    name = given.get('other') or given.get('name') or given.get('file')
+    if name:
+        for path, value in list_paths(load_yaml(find_file('vehicle', str(name)))):
+            yield f'{path}=', value
+    for path, unit in table['effect parameters'].items():
+        yield f'{path}=', unit
+
+
+def list_paths(content: object, path: str = '') -> Values:
+    """Yield the path of every number and switch of a file, with its value as text."""
+    if isinstance(content, Mapping) and 'value' in content:
+        yield path, f'{content["value"]} {content.get("unit", "")}'.strip()
+    elif isinstance(content, Mapping):
+        for key, value in content.items():
+            yield from list_paths(value, f'{path}.{key}' if path else str(key))
+    elif isinstance(content, bool | int | float) and '.' in path:
+        yield path, str(content)
+
+
+def list_topics(given: Given, table: Mapping[str, Any]) -> Values:
+    """Yield the topics of a bag, without the name of its robot."""
+    del table
+    bag = next((Path(str(given[key])) for key in ('bag', 'a') if key in given), None)
+    if bag is None:
+        return
+    for name, kind in sorted(read_topics(bag).items()):
+        # As `lta bag plot` calls it: /lta1/odom is odom, /clock is /clock
+        yield (name.split('/', 2)[2] if name.count('/') > 1 else name), kind
+
+
+def read_topics(bag: Path) -> dict[str, str]:
+    """Return the topics of a bag with their types, from metadata.yaml or the index of the file."""
+    folder = bag / 'bag' if (bag / 'bag').is_dir() else bag
+    if folder.is_dir():
+        told = load_yaml(folder / 'metadata.yaml')['rosbag2_bagfile_information']
+        topics = [each['topic_metadata'] for each in told['topics_with_message_count']]
+        return {each['name']: each['type'] for each in topics}
+    # Imported late: only this case needs it
+    from mcap.exceptions import McapError
+    from mcap.reader import make_reader
+
+    try:
+        with folder.open('rb') as file:
+            summary = make_reader(file).get_summary()
+    except McapError:
+        return {}
+    if summary is None:
+        return {}
+    schemas = summary.schemas
+    return {
+        channel.topic: schemas[channel.schema_id].name if channel.schema_id in schemas else ''
+        for channel in summary.channels.values()
+    }
+
+
+def list_launch_arguments(given: Given, table: Mapping[str, Any]) -> Values:
+    """Yield the arguments of a launch file."""
+    del table
+    path = find_file('launch file', str(given.get('file', '')), '.launch.yaml')
+    for item in load_yaml(path).get('launch', []):
+        if 'arg' in item:
+            yield f'{item["arg"]["name"]}:=', item['arg'].get('description', '')
+
+
+LISTS: Final[dict[str, Callable[[Given, Mapping[str, Any]], Values]]] = {
+    'strategy': list_strategies,
+    'effect': list_effects,
+    'topic': list_topics,
+    'flight path': list_flight_paths,
+    'vehicle path': list_vehicle_paths,
+    'launch argument': list_launch_arguments,
+}
