@@ -4,7 +4,7 @@ from importlib.util import find_spec
 import re
 
 from doc_blocks import blocks, PAGES, pieces, ROOT, run, settings_spoken, simple, spoken, stage
-from lta_cli.app import build_app, repeat_options
+from lta_cli.app import build_app, join_verb, repeat_options
 from lta_config.files import find_file, list_shipped_names
 from lta_graph.launch_file import list_arguments
 import pytest
@@ -18,7 +18,7 @@ SUFFIX = '.launch.yaml'
 
 def parse(words):
     """Ask Typer whether it knows a command line of lta, without running it."""
-    words = repeat_options(words)
+    words = join_verb(repeat_options(words))
     command = get_command(build_app(words))
     name, rest = 'lta', list(words)
     while hasattr(command, 'commands'):

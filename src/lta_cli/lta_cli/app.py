@@ -172,6 +172,8 @@ VERBS: Final[dict[str, Verb | VerbGroup]] = {
     'report': Verb('report', 'report'),
     'reproduce': Verb('reproduce', 'reproduce'),
     'effects': Verb('effects', 'effects'),
+    # Not a group: `lta effects NAME` shows an effect
+    'effects try': Verb('effects_try', 'try_'),
     'doctor': Verb('doctor', 'doctor'),
 }
 
@@ -261,6 +263,12 @@ def require_verb(context: typer.Context) -> None:
     raise BadInput(f"Put the command before its options: '{context.command_path} ...'.")
 
 
+def join_verb(words: Sequence[str]) -> list[str]:
+    """Return the words with a verb of two words as one: 'effects try'."""
+    both = ' '.join(words[:2])
+    return [both, *words[2:]] if both in VERBS else [*words]
+
+
 def repeat_options(words: Sequence[str]) -> list[str]:
     """Expand `--train A B` to `--train A --train B`, the form that Click accepts."""
     verb = VERBS.get(words[0]) if words else None
@@ -315,7 +323,7 @@ def run_command_line(loaded: Callable[[], None] = lambda: None) -> int:
     the imports, before the verb runs.
     """
     try:
-        words = repeat_options(sys.argv[1:])
+        words = join_verb(repeat_options(sys.argv[1:]))
         app = build_app(words)
         loaded()
         # Without standalone mode, Click returns or raises instead of calling sys.exit

@@ -4,7 +4,7 @@ from pathlib import Path
 import shutil
 from typing import Final
 
-from lta_discovery.demo.hidden_effect import DemoEffect, draw_demo_effect, fly_hidden, VEHICLE
+from lta_discovery.demo.hidden_effect import DemoEffect, fly_hidden, VEHICLE
 from lta_discovery.flights.bags import Role
 from lta_discovery.run import discover_effects, DiscoveryRequest, DiscoveryResult, Tell
 
@@ -15,26 +15,26 @@ FLIGHTS: Final[tuple[tuple[str, Role], ...]] = (
 APART: Final = 1000  # between the seeds of two demonstrations, so that their flights differ
 
 
-def run_discovery_demo(seed: int, folder: Path, tell: Tell) -> tuple[DemoEffect, DiscoveryResult]:
+def run_discovery_demo(hidden: DemoEffect, seed: int, folder: Path, tell: Tell) -> DiscoveryResult:
     """
     Hide an effect, fly three flights with it, and search for it.
 
     Parameters
     ----------
     seed : int
-        Selects the hidden effect, its size, and the flights.
+        Of the flights.
     folder : Path
         Empty; the flights go into `flights`.
 
     """
-    hidden, bags = draw_demo_effect(seed), {}
+    bags = {}
     try:
         for k, (name, role) in enumerate(FLIGHTS):
             tell(f'simulating flight {name} with the hidden effect', None)
             place = folder / 'flights' / name
             # Each flight has its own seed
             bags[role] = [fly_hidden(hidden, APART * seed + k, SECONDS, place)]
-        return hidden, discover_effects(DiscoveryRequest(VEHICLE, bags, seed), folder, tell)
+        return discover_effects(DiscoveryRequest(VEHICLE, bags, seed), folder, tell)
     except BaseException:
         shutil.rmtree(folder)  # remove the flights of an aborted demonstration
         raise

@@ -6,23 +6,30 @@ rotors distinguishable. The bag holds what a real flight would record, with a no
 trace of the effect.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
-from typing import Final, final
+from typing import Any, Final, final
 
 from lta_bridge.bag.writer import BagWriter
 from lta_bridge.provenance import collect_provenance
+from lta_config.errors import unknown_name_error
+from lta_config.files import find_file
 from lta_config.topics import load_topic_table
 from lta_control.cascade import Setpoint
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter, list_free_parameters
+from lta_discovery.planning.flight_choice import format_hypothesis
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight import ROBOT
 from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec, load_spec
-from lta_model.vehicle import Vehicle
+from lta_model.vehicle import load_vehicle, Vehicle
 from lta_sim.world import World
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
+import yaml
 
 Array = NDArray[np.float64]
 
@@ -42,39 +49,20 @@ HALL: Final = {
 }
 
 
-@final
-@dataclass(frozen=True, slots=True)
-class DemoCandidate:
-    """
-    An effect that can be hidden.
-
-    Attributes
-    ----------
-    place : str
-        Path of the number in the vehicle file.
-    unit : str
-        SI.
-
-    """
-
-    place: str
-    unit: str
-    low: float
-    high: float
-    index: int | None = None
-
-
-_ON: Final = 'vehicle.effects.'
-HIDEABLE: Final[dict[str, DemoCandidate]] = {
-    'linear_drag.surge': DemoCandidate('vehicle.aero.linear_drag.force', 'N s/m', 0.02, 0.05, 0),
-    'linear_drag.heave': DemoCandidate('vehicle.aero.linear_drag.force', 'N s/m', 0.03, 0.06, 2),
-    'command_delay.delay': DemoCandidate(f'{_ON}command_delay.delay', 's', 0.03, 0.08),
-    'cg_offset.x': DemoCandidate(f'{_ON}cg_offset.x', 'm', 0.004, 0.008),
-    'cg_offset.y': DemoCandidate(f'{_ON}cg_offset.y', 'm', -0.008, -0.004),
-    'motor_deadband.threshold': DemoCandidate(f'{_ON}motor_deadband.threshold', '1', 0.05, 0.1),
-    'munk_moment.lost': DemoCandidate(f'{_ON}munk_moment.lost', '1', 0.3, 0.6),
-    'steady_wind.y': DemoCandidate(f'{_ON}steady_wind.y', 'm/s', 0.06, 0.15),
+# Smallest and largest value of each number that the demonstration hides
+HIDEABLE: Final[dict[str, tuple[float, float]]] = {
+    'linear_drag.surge': (0.02, 0.05),
+    'linear_drag.heave': (0.03, 0.06),
+    'command_delay.delay': (0.03, 0.08),
+    'cg_offset.x': (0.004, 0.008),
+    'cg_offset.y': (-0.008, -0.004),
+    'motor_deadband.threshold': (0.05, 0.1),
+    'munk_moment.lost': (0.3, 0.6),
+    'steady_wind.y': (0.06, 0.15),
 }
+# Height of the setpoints; an effect of the floor needs to be near it
+HEIGHTS: Final = (1.0, 2.0)  # m
+LOW: Final[dict[str, tuple[float, float]]] = {'ground_effect': (0.5, 0.8)}
 
 
 @final
@@ -86,7 +74,7 @@ class DemoEffect:
     Attributes
     ----------
     name : str
-        Of the effect and its parameter: 'linear_drag.surge'.
+        Of the parameter: 'linear_drag.surge', 'motor_lag'.
     value : float
         In `unit`.
     unit : str
@@ -98,14 +86,15 @@ class DemoEffect:
     value: float
     unit: str
 
-    def list_file_changes(self, made_of: FlightSpec) -> Mapping[str, object]:
-        """Return the changes to the files of a flight."""
-        known = HIDEABLE[self.name]
-        number: float | list[float] = self.value
-        if known.index is not None:
-            number = [float(one) for one in made_of.read_value(known.place)['value']]
-            number[known.index] = self.value
-        return {known.place: {'value': number, 'unit': self.unit}}
+    def hide_in(self, spec: FlightSpec) -> FlightSpec:
+        """Return a flight whose vehicle has the effect."""
+        vehicle = build_vehicle_scenario_stack(spec)[0]
+        nominal = NominalVehicle.from_vehicle(vehicle)
+        parameter = find_free_parameter(self.name)
+        changed = parameter.apply_to(nominal, self.value - find_present_value(parameter, nominal))
+        text = find_file('vehicle', spec.names['vehicle']).read_text(encoding='utf-8')
+        content: Any = yaml.safe_load(format_hypothesis(text, vehicle, changed))
+        return replace(spec, contents={**spec.contents, 'vehicle': content})
 
     def __str__(self) -> str:
         """Return the effect as readable text."""
@@ -117,19 +106,42 @@ def draw_demo_effect(seed: int) -> DemoEffect:
     """Return the hidden effect of a seed."""
     rng = np.random.default_rng([seed, 5])
     name = sorted(HIDEABLE)[int(rng.integers(len(HIDEABLE)))]
-    known = HIDEABLE[name]
-    return DemoEffect(name, float(rng.uniform(known.low, known.high)), known.unit)
+    value = float(rng.uniform(*HIDEABLE[name]))
+    return DemoEffect(name, value, find_free_parameter(name).unit)
 
 
-def build_demo_course(seed: int) -> Callable[[float], Setpoint]:
-    """Return setpoints by time: a new height, heading and speed every few seconds."""
+@cache
+def list_candidates() -> dict[str, FreeParameter]:
+    """Return the parameters that discovery looks for in the vehicle of the demonstration."""
+    nominal = NominalVehicle.from_vehicle(load_vehicle(VEHICLE))
+    return {each.name: each for each in list_free_parameters(nominal) if each.typical > 0.0}
+
+
+def find_free_parameter(name: str) -> FreeParameter:
+    """Return a candidate by name; raise `BadInput` with the known names."""
+    known = list_candidates()
+    if name not in known:
+        raise unknown_name_error('parameter of an effect', name, list(known))
+    return known[name]
+
+
+def find_present_value(parameter: FreeParameter, nominal: NominalVehicle) -> float:
+    """Return the value from which a parameter moves: that of the file, or of an absent effect."""
+    begun = parameter.enable_effect(nominal)
+    return begun.parameter_value(*next(iter(parameter.moves)))
+
+
+def build_demo_course(
+    seed: int, heights: tuple[float, float] = HEIGHTS
+) -> Callable[[float], Setpoint]:
+    """Return setpoints by time: a new height [m], heading and speed every few seconds."""
     rng = np.random.default_rng([seed, 7])
     heading, legs = 0.0, []
     # Longer than any flight; `LEG` seconds each
     for _ in range(256):
         heading += float(rng.uniform(-2.0, 2.0))
         speed = float(rng.choice([0.0, 0.3, 0.6]))
-        legs.append(Setpoint(float(rng.uniform(1.0, 2.0)), heading, speed))
+        legs.append(Setpoint(float(rng.uniform(*heights)), heading, speed))
     return lambda time: legs[int(time // LEG) % len(legs)]
 
 
@@ -139,13 +151,12 @@ def fly_hidden(hidden: DemoEffect, seed: int, seconds: float, folder: Path) -> P
     from lta_flight.messages import LoopRecorder
 
     made_of = load_spec(VEHICLE, SCENARIO, STRATEGY, '').with_values(HALL)
-    vehicle, scenario, policy = build_vehicle_scenario_stack(
-        made_of.with_values(hidden.list_file_changes(made_of))
-    )
+    vehicle, scenario, policy = build_vehicle_scenario_stack(hidden.hide_in(made_of))
     # The controller's vehicle: without the hidden effect
     known, table = Vehicle(build_vehicle_scenario_stack(made_of)[0].file), load_topic_table()
     world = World(vehicle, scenario, table, seed)
-    loop = ClosedLoop(world, table, replace(policy, course=build_demo_course(seed)), known)
+    course = build_demo_course(seed, LOW.get(hidden.name.partition('.')[0], HEIGHTS))
+    loop = ClosedLoop(world, table, replace(policy, course=course), known)
     told = collect_provenance(
         VEHICLE, SCENARIO, VEHICLE, seed=str(seed), data='simulated', about='something is hidden'
     )

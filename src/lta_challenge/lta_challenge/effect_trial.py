@@ -1,0 +1,73 @@
+"""Choose what `lta effects try` hides: a parameter of an effect at a clearly visible size."""
+
+from typing import Final
+
+from lta_challenge.effect_injection import CAPS, SIZE
+from lta_config.errors import BadInput
+from lta_discovery.demo.hidden_effect import (
+    DemoEffect,
+    find_present_value,
+    list_candidates,
+    VEHICLE,
+)
+from lta_discovery.model.candidates import DESIGN
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.selection.equivalence_classes import find_kind_classes
+from lta_model.effects import get_effect
+from lta_model.vehicle import load_vehicle
+
+STRENGTH: Final = 40.0  # sigma in the flights of `make classes`, which are longer
+LEAST: Final = 1.0  # typical sizes; even where less would be visible
+
+
+def choose_trial_effect(name: str) -> DemoEffect:
+    """
+    Return what to hide of an effect 'munk_moment' or of its parameter 'munk_moment.lost'.
+
+    Raises
+    ------
+    BadInput
+        If there is no such effect or parameter, or discovery does not look for it; says why.
+
+    """
+    word = name.partition('.')[0]
+    effect = get_effect(word)
+    if word in DESIGN:
+        raise BadInput(
+            f"'{word}' describes the design of a vehicle or its surroundings, which discovery "
+            'takes from the vehicle file and the scenario, so it cannot be missing; try another '
+            'effect, such as munk_moment.'
+        )
+    own = [each for each in list_candidates().values() if each.name.partition('.')[0] == word]
+    if '.' in name and name not in [each.name for each in own]:
+        known = ', '.join(each.name for each in own) or ', '.join(
+            each.name for each in effect.parameters
+        )
+        raise BadInput(
+            f"'{name}' is not a parameter that discovery looks for; try {word}, or one of: "
+            f'{known}.'
+        )
+    classes = find_kind_classes('all')
+    # Effects from other packages have no derived visibility
+    reach = {each.name: classes.reach.get(each.name, [1.0])[0] for each in own}
+    seen = [each for each in own if each.name not in classes.unseen and name in (word, each.name)]
+    if not seen:
+        raise BadInput(
+            f"'{name}' cannot be seen in a flight through still air without sun, with any sensor, "
+            'so discovery cannot find it there; try another effect, such as munk_moment.'
+        )
+    visible = [each for each in seen if reach[each.name] >= STRENGTH]
+    best = (visible or sorted(seen, key=lambda each: -reach[each.name]))[0]
+    nominal = NominalVehicle.from_vehicle(load_vehicle(VEHICLE))
+    value = find_present_value(best, nominal) + choose_trial_size(best, reach[best.name])
+    return DemoEffect(best.name, float(f'{value:.3g}'), best.unit)
+
+
+def choose_trial_size(parameter: FreeParameter, reach: float) -> float:
+    """Return a change that is clearly visible and that a vehicle can fly with."""
+    size = parameter.typical * min(max(STRENGTH / reach, LEAST), SIZE[1])
+    low, high = CAPS.get(parameter.name.partition('.')[0], (-size, size))
+    low, high = max(low, parameter.low), min(high, parameter.high)
+    # The sign for which there is more room
+    return min(size, high) if high >= -low else max(-size, low)

@@ -1,0 +1,45 @@
+"""lta effects try: hide an effect in simulated flights, and find it."""
+
+from typing import Annotated
+
+from lta_challenge.effect_trial import choose_trial_effect
+from lta_cli.options.common_options import check_picture_output, Json, Out, Pictures, plain_console
+from lta_cli.verbs.discover import print_result, print_result_json
+from lta_discovery.demo.demo import run_discovery_demo
+from lta_discovery.progress import DiscoverProgress
+from lta_report.results_folder import check_creatable, resolve_folder
+from lta_report.screenshots import write_pictures
+import typer
+
+
+def try_(
+    name: Annotated[
+        str, typer.Argument(help='Effect, or one of its parameters, such as munk_moment.lost.')
+    ],
+    seed: Annotated[int, typer.Option(help='Random seed of the flights.', min=0, max=2**20)] = 1,
+    out: Out = None,
+    pictures: Pictures = None,
+    json: Json = False,
+) -> None:
+    """
+    Hide an effect in simulated flights that excite it, and discover it.
+
+    Three flights with changing height, heading and speed and shaken motors. Of an effect with
+    several parameters, one that such flights show well is hidden, at a size that they show. Page,
+    files and terminal are those of "lta discover". Says why if an effect cannot be tried.
+
+    Example: lta effects try munk_moment
+    """
+    console = plain_console(stderr=json)
+    check_picture_output(pictures)
+    hidden = choose_trial_effect(name)
+    folder = resolve_folder(out, f'effects-{name}')
+    check_creatable(folder)
+    with DiscoverProgress(console) as progress:
+        found = run_discovery_demo(hidden, seed, folder, progress.show_stage)
+    if pictures is not None:
+        write_pictures(found.page, pictures)
+    if json:
+        print_result_json(found, hidden)
+    else:
+        print_result(found, hidden, folder, console)
