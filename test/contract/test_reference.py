@@ -21,7 +21,7 @@ def test_every_verb_vehicle_and_node_has_its_place():
     verbs, vehicles, parameters = (
         render_page(name) for name in ('verbs', 'vehicles', 'parameters')
     )
-    assert all(f'\n## lta {name}\n' in verbs for name in VERBS)
+    assert all(f'# lta {name}\n' in verbs for name in VERBS)
     assert all(f'\n## {name}\n' in vehicles for name in list_shipped_names('vehicles'))
     nodes = [path for path in ROOT.glob('src/*/lta_*/nodes/*.py') if path.stem != '__init__']
     assert nodes

@@ -1,18 +1,14 @@
 """Laws of every registered navigation strategy."""
 
 import math
-from pathlib import Path
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from lta_control.strategies import find_navigation_strategy
-from lta_control.strategies import STRATEGIES as REGISTERED
+from lta_control.strategies import STRATEGIES
 from lta_control.strategies.protocol import keep_memory, LightMeasurement, SteeringCommand
 from lta_control.strategies.settings import StrategySettings
 import pytest
 
-EXAMPLE = Path(__file__).resolve().parents[2] / 'examples' / 'own_strategy.py'
-STRATEGIES = {**REGISTERED, 'own': find_navigation_strategy(str(EXAMPLE))}
 SETTINGS = StrategySettings()
 FASTEST = max(SETTINGS.speed, SETTINGS.homing.top_speed)  # homing flies faster against wind
 angle = st.floats(-math.pi, math.pi)

@@ -1,25 +1,29 @@
 """
-Open recordings in notebooks.
+Open recordings, simulate, sweep and discover in notebooks.
 
 Use `flight = lta_analysis.open('runs/.../bag')`, then `flight['odom']`; see
-`lta_data.bag.recording`.
+`lta_data.bag.recording`. `simulate`, `sweep` and `discover` are in `lta_analysis.flights`.
 """
 
+from importlib import import_module
 from typing import TYPE_CHECKING
 
-# Type checkers and editors see the function without the import at run time
+# Type checkers and editors see the functions without the imports at run time
 if TYPE_CHECKING:
+    from lta_analysis.flights import discover, simulate, sweep
     from lta_data.bag.recording import open_recording as open
 
-__all__ = ['open']
+__all__ = ['discover', 'open', 'simulate', 'sweep']
 
 
 def __getattr__(name: str) -> object:
-    """Return `open`, imported at its first use."""
+    """Return a function of `__all__`, imported at its first use."""
+    # Lazy imports keep `import lta_analysis` fast: readers of bags load numpy, flights numba
     if name == 'open':
-        # A lazy import keeps `import lta_analysis` fast: readers of bags load numpy
         from lta_data.bag.recording import open_recording
 
         return open_recording
+    if name in __all__:
+        return getattr(import_module('lta_analysis.flights'), name)
     # The message of Python for a missing attribute of a module
     raise AttributeError(f"module '{__name__}' has no attribute '{name}'")

@@ -18,6 +18,7 @@ from lta_model.effects import get_effect
 from lta_model.vehicle import load_vehicle
 
 STRENGTH: Final = 40.0  # sigma in the flights of `make classes`, which are longer
+FAINT: Final = 3.0  # sigma; discovery names nothing below it
 LEAST: Final = 1.0  # typical sizes; even where less would be visible
 
 
@@ -59,8 +60,15 @@ def choose_trial_effect(name: str) -> DemoEffect:
         )
     visible = [each for each in seen if reach[each.name] >= STRENGTH]
     best = (visible or sorted(seen, key=lambda each: -reach[each.name]))[0]
+    size = choose_trial_size(best, reach[best.name])
+    if (strength := reach[best.name] * abs(size) / best.typical) < FAINT:
+        raise BadInput(
+            f"'{name}' is too weak to be found: in such flights {best.name} stands out from the "
+            f'tolerances of a vehicle by {strength:.1f} standard deviations, and {FAINT:.0f} are '
+            'the least; try another effect, such as munk_moment.'
+        )
     nominal = NominalVehicle.from_vehicle(load_vehicle(VEHICLE))
-    value = find_present_value(best, nominal) + choose_trial_size(best, reach[best.name])
+    value = find_present_value(best, nominal) + size
     return DemoEffect(best.name, float(f'{value:.3g}'), best.unit)
 
 

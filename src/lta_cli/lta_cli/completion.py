@@ -20,7 +20,7 @@ SUFFIXES: Final = {'launch file': '.launch.yaml'}
 # Vehicle and scenario of a command line that names none
 DEFAULTS: Final = {'vehicle': 'gtmab', 'scenario': 'lamp_room'}
 Values = Iterator[tuple[str, str]]  # with a description, or ''
-Given = Mapping[str, Any]  # the words of the command line by parameter
+Line = Mapping[str, Any]  # the words of the command line, by parameter
 
 
 def complete() -> None:
@@ -96,10 +96,10 @@ def build_completer(
 
     def find(context: typer.Context, incomplete: str) -> list[tuple[str, str]]:
         # Click does not assign arguments while an option lacks its value: they are left over
-        given = dict(zip(arguments, context.args, strict=False))
-        given |= {key: value for key, value in context.params.items() if value}
+        line = dict(zip(arguments, context.args, strict=False))
+        line |= {key: value for key, value in context.params.items() if value}
         try:
-            found = list_values(values, given, table)
+            found = list_values(values, line, table)
             return [(name, about) for name, about in found if name.startswith(incomplete)]
         except (BadInput, OSError):
             return []  # such as a vehicle file that does not exist
@@ -107,7 +107,7 @@ def build_completer(
     return find
 
 
-def list_values(values: str | list[str], given: Given, table: Mapping[str, Any]) -> Values:
+def list_values(values: str | list[str], line: Line, table: Mapping[str, Any]) -> Values:
     """Yield the possible values of a parameter with their descriptions."""
     if isinstance(values, list):
         yield from ((value, '') for value in values)
@@ -115,25 +115,25 @@ def list_values(values: str | list[str], given: Given, table: Mapping[str, Any])
         for name in list_shipped_names(FOLDERS[values], SUFFIXES.get(values, '.yaml')):
             yield name, ''
     elif values:
-        yield from LISTS[values](given, table)
+        yield from LISTS[values](line, table)
 
 
-def list_strategies(given: Given, table: Mapping[str, Any]) -> Values:
+def list_strategies(line: Line, table: Mapping[str, Any]) -> Values:
     """Yield the registered strategies."""
-    del given
+    del line
     yield from ((name, '') for name in table['strategies'])
 
 
-def list_effects(given: Given, table: Mapping[str, Any]) -> Values:
+def list_effects(line: Line, table: Mapping[str, Any]) -> Values:
     """Yield the effects with their descriptions."""
-    del given
+    del line
     yield from table['effects'].items()
 
 
-def list_flight_paths(given: Given, table: Mapping[str, Any]) -> Values:
+def list_flight_paths(line: Line, table: Mapping[str, Any]) -> Values:
     """Yield the paths of `lta simulate --set`: of its vehicle, its scenario and the settings."""
     for root in ('vehicle', 'scenario'):
-        content = load_yaml(find_file(root, given.get(root, DEFAULTS[root])))
+        content = load_yaml(find_file(root, line.get(root, DEFAULTS[root])))
         for path, value in list_paths(content):
             yield f'{root}.{path}=', value
     for path, unit in table['effect parameters'].items():
@@ -142,9 +142,9 @@ def list_flight_paths(given: Given, table: Mapping[str, Any]) -> Values:
         yield f'{path}=', about
 
 
-def list_vehicle_paths(given: Given, table: Mapping[str, Any]) -> Values:
+def list_vehicle_paths(line: Line, table: Mapping[str, Any]) -> Values:
     """Yield the paths of a vehicle file."""
-    name = given.get('other') or given.get('name') or given.get('file')
+    name = line.get('other') or line.get('name') or line.get('file')
     if name:
         for path, value in list_paths(load_yaml(find_file('vehicle', str(name)))):
             yield f'{path}=', value
@@ -163,52 +163,29 @@ def list_paths(content: object, path: str = '') -> Values:
         yield path, str(content)
 
 
-def list_topics(given: Given, table: Mapping[str, Any]) -> Values:
+def list_topics(line: Line, table: Mapping[str, Any]) -> Values:
     """Yield the topics of a bag, without the name of its robot."""
+    from lta_data.bag.bag_folder import find_bag, read_topic_types  # loads numpy
+
     del table
-    bag = next((Path(str(given[key])) for key in ('bag', 'a') if key in given), None)
+    bag = next((Path(str(line[key])) for key in ('bag', 'a') if key in line), None)
     if bag is None:
         return
-    for name, kind in sorted(read_topics(bag).items()):
+    for name, kind in sorted(read_topic_types(find_bag(bag)).items()):
         # As `lta bag plot` calls it: /lta1/odom is odom, /clock is /clock
         yield (name.split('/', 2)[2] if name.count('/') > 1 else name), kind
 
 
-def read_topics(bag: Path) -> dict[str, str]:
-    """Return the topics of a bag with their types, from metadata.yaml or the index of the file."""
-    folder = bag / 'bag' if (bag / 'bag').is_dir() else bag
-    if folder.is_dir():
-        told = load_yaml(folder / 'metadata.yaml')['rosbag2_bagfile_information']
-        topics = [each['topic_metadata'] for each in told['topics_with_message_count']]
-        return {each['name']: each['type'] for each in topics}
-    # Imported late: only this case needs it
-    from mcap.exceptions import McapError
-    from mcap.reader import make_reader
-
-    try:
-        with folder.open('rb') as file:
-            summary = make_reader(file).get_summary()
-    except McapError:
-        return {}
-    if summary is None:
-        return {}
-    schemas = summary.schemas
-    return {
-        channel.topic: schemas[channel.schema_id].name if channel.schema_id in schemas else ''
-        for channel in summary.channels.values()
-    }
-
-
-def list_launch_arguments(given: Given, table: Mapping[str, Any]) -> Values:
+def list_launch_arguments(line: Line, table: Mapping[str, Any]) -> Values:
     """Yield the arguments of a launch file."""
     del table
-    path = find_file('launch file', str(given.get('file', '')), '.launch.yaml')
+    path = find_file('launch file', str(line.get('file', '')), '.launch.yaml')
     for item in load_yaml(path).get('launch', []):
         if 'arg' in item:
             yield f'{item["arg"]["name"]}:=', item['arg'].get('description', '')
 
 
-LISTS: Final[dict[str, Callable[[Given, Mapping[str, Any]], Values]]] = {
+LISTS: Final[dict[str, Callable[[Line, Mapping[str, Any]], Values]]] = {
     'strategy': list_strategies,
     'effect': list_effects,
     'topic': list_topics,

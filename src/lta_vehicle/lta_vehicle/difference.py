@@ -19,6 +19,8 @@ ROOT = 'vehicle.'  # optional path prefix, as in `lta simulate --set`
 SAME = 1e-12  # relative; absorbs the rounding of unit conversions, such as 4 g and 0.004 kg
 # Groups reported as one change when added or removed, with the path depth of one group.
 WHOLE = {'layers': 3, 'rotors': 2, 'aero.thrust_allocation': 3}
+ASSUMED = 'assumed'  # how a source begins that names none
+MOST_NAMED = 4  # numbers that a warning lists
 WORDS = ('name', 'about')  # texts without effect on the physics
 
 
@@ -30,6 +32,17 @@ class VehicleChange:
     place: str
     before: VehicleFileEntry | None
     after: VehicleFileEntry | None
+
+    @property
+    def source(self) -> str:
+        """Source of the later value."""
+        return self.after.source if self.after is not None else ''
+
+    @property
+    def has_stale_source(self) -> bool:
+        """Whether both values name the same source, other than an assumption."""
+        before = self.before.source if self.before is not None else ''
+        return bool(before) and before == self.source and not before.startswith(ASSUMED)
 
 
 @final
@@ -82,6 +95,24 @@ class VehicleDifference:
         """Warnings about aero values that were not updated with the rotors or the hull."""
         columns = self.after.vehicle.file.aero.thrust_allocation
         return list(find_stale_aero([change.place for change in self.changes], columns))
+
+    @property
+    def stale_source_notes(self) -> list[str]:
+        """A warning about numbers that changed while their source did not."""
+        stale = [change for change in self.changes if change.has_stale_source]
+        if not stale:
+            return []
+        named = [f'{each.place} ("{each.source}")' for each in stale[:MOST_NAMED]]
+        more = f' and {len(stale) - MOST_NAMED} more' if len(stale) > MOST_NAMED else ''
+        return [
+            f'Changed, but the source did not: {", ".join(named)}{more}; name the new source with '
+            'lta vehicle set --source.'
+        ]
+
+    @property
+    def warnings(self) -> list[str]:
+        """All warnings."""
+        return [*self.stale_source_notes, *self.stale_aero_notes]
 
 
 def load_vehicle_variant(

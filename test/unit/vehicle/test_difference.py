@@ -1,5 +1,7 @@
 """Where two vehicles differ, and what follows from it."""
 
+import re
+
 from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_model.vehicle import load_vehicle
@@ -115,3 +117,27 @@ def test_scripts_get_numbers_in_si(gtmab):
 def test_what_cannot_be_changed_is_said(sets, swaps, sentence):
     with pytest.raises(BadInput, match=sentence):
         load_vehicle_variant('gtmab', sets, swaps)
+
+
+def test_diff_warns_of_a_number_that_changed_while_its_source_did_not(tmp_path):
+    text = find_file('vehicle', 'gtmab').read_text(encoding='utf-8')
+    old = re.search(r'heaviness: \{value: 2, unit: g, source: "([^"]*)"\}', text)
+    known = old[0].replace(old[1], 'kitchen scale')
+    paths = {}
+    for name, line in (
+        ('known', known),
+        ('stale', known.replace('value: 2', 'value: 3')),
+        ('new', known.replace('value: 2', 'value: 3').replace('kitchen', 'laboratory')),
+        ('assumed', known.replace('value: 2', 'value: 3').replace('kitchen scale', 'assumed: as')),
+        ('first', known.replace('kitchen scale', 'assumed: as')),
+    ):
+        paths[name] = tmp_path / f'{name}.yaml'
+        paths[name].write_text(text.replace(old[0], line))
+    vehicles = {name: load_vehicle(str(path)) for name, path in paths.items()}
+    (told,) = compare_vehicles(vehicles['known'], vehicles['stale']).warnings
+    assert told == (
+        'Changed, but the source did not: trim.heaviness ("kitchen scale"); name the new source '
+        'with lta vehicle set --source.'
+    )
+    assert compare_vehicles(vehicles['known'], vehicles['new']).warnings == []
+    assert compare_vehicles(vehicles['first'], vehicles['assumed']).warnings == []

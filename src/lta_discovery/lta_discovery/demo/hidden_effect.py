@@ -60,9 +60,6 @@ HIDEABLE: Final[dict[str, tuple[float, float]]] = {
     'munk_moment.lost': (0.3, 0.6),
     'steady_wind.y': (0.06, 0.15),
 }
-# Height of the setpoints; an effect of the floor needs to be near it
-HEIGHTS: Final = (1.0, 2.0)  # m
-LOW: Final[dict[str, tuple[float, float]]] = {'ground_effect': (0.5, 0.8)}
 
 
 @final
@@ -131,17 +128,15 @@ def find_present_value(parameter: FreeParameter, nominal: NominalVehicle) -> flo
     return begun.parameter_value(*next(iter(parameter.moves)))
 
 
-def build_demo_course(
-    seed: int, heights: tuple[float, float] = HEIGHTS
-) -> Callable[[float], Setpoint]:
-    """Return setpoints by time: a new height [m], heading and speed every few seconds."""
+def build_demo_course(seed: int) -> Callable[[float], Setpoint]:
+    """Return setpoints by time: a new height, heading and speed every few seconds."""
     rng = np.random.default_rng([seed, 7])
     heading, legs = 0.0, []
     # Longer than any flight; `LEG` seconds each
     for _ in range(256):
         heading += float(rng.uniform(-2.0, 2.0))
         speed = float(rng.choice([0.0, 0.3, 0.6]))
-        legs.append(Setpoint(float(rng.uniform(*heights)), heading, speed))
+        legs.append(Setpoint(float(rng.uniform(1.0, 2.0)), heading, speed))
     return lambda time: legs[int(time // LEG) % len(legs)]
 
 
@@ -155,8 +150,7 @@ def fly_hidden(hidden: DemoEffect, seed: int, seconds: float, folder: Path) -> P
     # The controller's vehicle: without the hidden effect
     known, table = Vehicle(build_vehicle_scenario_stack(made_of)[0].file), load_topic_table()
     world = World(vehicle, scenario, table, seed)
-    course = build_demo_course(seed, LOW.get(hidden.name.partition('.')[0], HEIGHTS))
-    loop = ClosedLoop(world, table, replace(policy, course=course), known)
+    loop = ClosedLoop(world, table, replace(policy, course=build_demo_course(seed)), known)
     told = collect_provenance(
         VEHICLE, SCENARIO, VEHICLE, seed=str(seed), data='simulated', about='something is hidden'
     )

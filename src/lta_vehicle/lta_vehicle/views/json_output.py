@@ -71,7 +71,7 @@ def encode_difference(difference: VehicleDifference) -> dict[str, object]:
             }
             for change in difference.changes
         ],
-        'warnings': difference.stale_aero_notes,
+        'warnings': difference.warnings,
         'consequences': {
             item.figure.key: {
                 'words': item.figure.words,

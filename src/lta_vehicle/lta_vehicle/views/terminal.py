@@ -139,7 +139,7 @@ def show_difference(
             'simulate both vehicles (lta simulate) and compare the flights (lta compare).',
             highlight=False,
         )
-    show_warnings(difference.stale_aero_notes, console)
+    show_warnings(difference.warnings, console)
     if not difference.consequences:
         if not difference.changed_effects and not difference.stale_aero_notes:
             console.print('No derived figure changes.')

@@ -11,13 +11,14 @@ from lta_cli.options.common_options import (
     parse_folder,
     Pictures,
     plain_console,
+    print_json,
     RetryFailed,
     WorkerCount,
 )
 from lta_cli.options.study_command import Page, show_report, StudyRun
 from lta_config.errors import BadInput
 from lta_report.page_frame import write_file
-from lta_report.report_output import write_report
+from lta_report.report_output import PAGE, write_report
 from lta_report.study import StudyOptions
 import typer
 
@@ -68,12 +69,17 @@ def score(
     check_picture_output(pictures)
     console = plain_console(stderr=json)
     done: list[ChallengeScore] = []
+    results: list[object] = []
     for place in folders:
         scored = score_challenge(place, StudyOptions(workers, retry_failed=retry), console, most)
         report = build_report(scored, place)
         write_report(report, place, page=page, pictures=pictures)
-        show_report(report, StudyRun(console, place.absolute(), None, page), json)
+        show_report(report, StudyRun(console, place.absolute(), None, page), False)
         done.append(scored)
+        results.append({**report.data, **({'page': str(place.absolute() / PAGE)} if page else {})})
         if markdown is not None:
             # Write after each challenge: many challenges take hours.
             write_file(format_markdown_page(done), markdown)
+    if json:
+        # One document, also for several folders
+        print_json(results[0] if len(results) == 1 else results)

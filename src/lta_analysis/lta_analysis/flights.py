@@ -1,0 +1,120 @@
+"""Simulate, vary and discover in a notebook: the commands of `lta` as functions."""
+
+from collections.abc import Mapping, Sequence
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+from lta_config.parameter_override import parse_assignment
+from lta_data.bag.recording import open_recording, RobotRecording
+from lta_discovery.run import discover_effects, DiscoveryRequest
+from lta_flight.flight_spec import build_loop, load_spec
+from lta_flight.report.results import compute_results
+from lta_flight.simulate import simulate_closed_loop, simulate_once, SimulationRequest
+
+
+class SilentObserver:
+    """Shows nothing of a flight."""
+
+    def show_position(self, time: float, distance: float, pace: float) -> None:
+        """Do nothing."""
+
+    def show_message(self, sentence: str) -> None:
+        """Do nothing."""
+
+
+def simulate(
+    vehicle: str = 'gtmab',
+    scenario: str = 'lamp_room',
+    strategy: str = 'bag',
+    seed: int = 1,
+    changes: Mapping[str, object] | None = None,
+    out: Path | str | None = None,
+) -> RobotRecording:
+    """
+    Fly once in one process, as `lta simulate`, and return the recording.
+
+    Parameters
+    ----------
+    vehicle, scenario, strategy : str
+        Names or files.
+    seed : int
+        Random seed.
+    changes : mapping, optional
+        Replaced parameters by path: {'vehicle.trim.heaviness': '4 g'}.
+    out : path, optional
+        Folder of the results, empty or new; runs/<time>-<name> by default.
+
+    Raises
+    ------
+    BadInput
+        If the request is invalid; nothing has been flown then.
+
+    """
+    words = tuple(f'{path}={value}' for path, value in (changes or {}).items())
+    folder = None if out is None else Path(out)
+    request = SimulationRequest(vehicle, scenario, strategy, '', seed, words, folder)
+    return open_recording(simulate_once(request, SilentObserver())[0].bag)
+
+
+def sweep(
+    values: Mapping[str, Sequence[object]],
+    seeds: int = 1,
+    vehicle: str = 'gtmab',
+    scenario: str = 'lamp_room',
+    strategy: str = 'bag',
+) -> list[dict[str, Any]]:
+    """
+    Fly every combination of some values, one after the other, without recording.
+
+    For many flights use `lta sweep`, which flies on all cores and resumes.
+
+    Parameters
+    ----------
+    values : mapping
+        Values by path: {'vehicle.trim.heaviness': ['2 g', '4 g']}.
+    seeds : int
+        Number of flights of each combination.
+
+    Returns
+    -------
+    list of dict
+        One for each flight: the values, `seed`, and the results as `lta simulate --json` has them.
+
+    """
+    base = load_spec(vehicle, scenario, strategy, '')
+    rows = []
+    for chosen in product(*values.values()):
+        row = dict(zip(values, chosen, strict=True))
+        spec = base.with_values(
+            dict(parse_assignment(f'{path}={value}') for path, value in row.items())
+        )
+        for seed in range(1, seeds + 1):
+            view, _ = simulate_closed_loop(build_loop(spec, seed), None, SilentObserver())
+            rows.append({**row, 'seed': seed, **compute_results(view).to_dict()})
+    return rows
+
+
+def discover(
+    vehicle: str,
+    train: Sequence[Path | str],
+    confirm: Sequence[Path | str] = (),
+    holdout: Sequence[Path | str] = (),
+    out: Path | str = 'runs/discover',
+) -> dict[str, Any]:
+    """
+    Find the effect that a vehicle file lacks, as `lta discover`.
+
+    Returns
+    -------
+    dict
+        The content of discovery.json; the folder `out` also has the page and the corrected file.
+
+    """
+    bags = {
+        role: [Path(bag) for bag in given]
+        for role, given in (('train', train), ('confirm', confirm), ('holdout', holdout))
+    }
+    request = DiscoveryRequest(vehicle, bags)  # type: ignore[arg-type]
+    found = discover_effects(request, Path(out), lambda _words, _share: None)
+    return dict(found.told)
