@@ -58,8 +58,10 @@ def build_stub(parameters: list[dict[str, Any]], table: Mapping[str, Any]) -> Ca
         """Do nothing."""
 
     stub.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
-        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=kind)
-        for name, kind in kinds.items()
+        [
+            inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=kind)
+            for name, kind in kinds.items()
+        ]
     )
     stub.__annotations__ = kinds
     return stub

@@ -204,7 +204,8 @@ def write_results(
         role: list(request.bags[role]) for role in request.bags
     }
     views = build_flight_views(study)
-    write_file(render_page(study, views, folder, bags, vehicle), part / PAGE)
-    if drawing := animation.draw_animation(finding, views, vehicle):
+    drawing = animation.draw_animation(finding, views, vehicle)
+    write_file(render_page(study, views, folder, bags, vehicle, drawing), part / PAGE)
+    if drawing:
         (part / animation.NAME).write_text(drawing, encoding='utf-8')
     return DiscoveryResult(study, told, folder / PAGE)

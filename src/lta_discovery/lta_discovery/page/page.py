@@ -1,5 +1,6 @@
 """Render a study as one self-contained HTML file."""
 
+import base64
 from collections.abc import Mapping, Sequence
 from html import escape
 from pathlib import Path
@@ -71,6 +72,10 @@ POWER: Final = (
     'Spectrum of the residuals relative to the noise; the dashed line is white noise of the '
     'measured size. A rise at low frequencies is motion that the model lacks.'
 )
+GLANCE: Final = (
+    'Animation: a flight in 3-D beside the prediction of the vehicle file, which drifts off, and '
+    'then the prediction with the learned effects, which follows it'
+)
 NOBODY: Final = '<p class="absent">There is no flight to draw.</p>'
 
 
@@ -100,8 +105,9 @@ def render_page(
     folder: Path,
     bags: Bags = NONE,
     vehicle: Vehicle | None = None,
+    drawing: str = '',
 ) -> str:
-    """Return the whole page; the vehicle is that of the 3-D view."""
+    """Return the whole page; the vehicle is that of the 3-D view, the drawing the animation."""
     found = study.finding
     drawn = [
         build_overlay(one, sum(each.shown for each in flights)) for one in flights if one.shown
@@ -118,6 +124,7 @@ def render_page(
         about=escape(format_flight_roles(found)),
         tiles='\n'.join(render_tile(*each) for each in build_tiles(found)),
         effects=tables.render_effects(found),
+        glance=render_glance(drawing),
         gaps=error_tables.render_pose_errors(found),
         channels=error_tables.render_channel_errors(found),
         where=render_discrepancies(found, flights),
@@ -138,6 +145,19 @@ def render_page(
         scene=scene,
         bar=render_time_bar(READOUT, 'flight') if scene else '',
         **colours,
+    )
+
+
+def render_glance(drawing: str) -> str:
+    """Return the section with the animation, or nothing if there is none."""
+    if not drawing:
+        return ''
+    # An image of its own: its styles do not reach the page
+    content = base64.b64encode(drawing.encode()).decode()
+    image = f'<img class="glance" alt="{GLANCE}" src="data:image/svg+xml;base64,{content}">'
+    return (
+        '      <section class="panel" aria-labelledby="title-glance">\n'
+        f'        <h2 id="title-glance">At a glance</h2>\n{image}\n      </section>'
     )
 
 

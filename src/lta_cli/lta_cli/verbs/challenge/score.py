@@ -76,7 +76,8 @@ def score(
         write_report(report, place, page=page, pictures=pictures)
         show_report(report, StudyRun(console, place.absolute(), None, page), False)
         done.append(scored)
-        results.append({**report.data, **({'page': str(place.absolute() / PAGE)} if page else {})})
+        content = dict(report.data)
+        results.append(content | ({'page': str(place.absolute() / PAGE)} if page else {}))
         if markdown is not None:
             # Write after each challenge: many challenges take hours.
             write_file(format_markdown_page(done), markdown)
