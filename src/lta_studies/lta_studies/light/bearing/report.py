@@ -172,7 +172,12 @@ def plot_errors(results: Sequence[BearingTrialResult]) -> Figure:
     ]
     pairs = (
         # Shifted by 0.12 of a category, so that the two markers do not overlap.
-        ('weighted mean of the paper', ESTIMATE, -0.12, [(e.score.paper, e.score.paper_most) for e in results]),
+        (
+            'weighted mean of the paper',
+            ESTIMATE,
+            -0.12,
+            [(e.score.paper, e.score.paper_most) for e in results],
+        ),
         ('our fit', TRUTH, 0.12, [(e.score.ours, e.score.ours_most) for e in results]),
     )
     for name, colour, aside, quantiles in pairs:
