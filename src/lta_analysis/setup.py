@@ -16,7 +16,7 @@ setup(
     zip_safe=False,
     maintainer='LTA maintainers',
     maintainer_email='maintainers@users.noreply.github.com',
-    description='Open recordings in notebooks (lta_analysis.open).',
+    description='Open recordings, simulate and discover in notebooks.',
     license='Apache-2.0',
     entry_points={'console_scripts': ['lta = lta_cli.command:main']},
 )

@@ -199,4 +199,6 @@ def draw_light_shares(study: MountingStudy) -> Figure:
                 )
             )  # fmt: skip
     add_legend(figure).update_layout(barmode='group', bargap=0.3)
+    # A word a line, for a narrow window
+    figure.update_xaxes(tickvals=names, ticktext=[name.replace(' ', '<br>') for name in names])
     return figure.update_yaxes(title_text='share of light [%]')

@@ -172,8 +172,13 @@ def plot_errors(results: Sequence[BearingTrialResult]) -> Figure:
     ]
     pairs = (
         # Shifted by 0.12 of a category, so that the two markers do not overlap.
-        ('paper', ESTIMATE, -0.12, [(e.score.paper, e.score.paper_most) for e in results]),
-        ('fit', TRUTH, 0.12, [(e.score.ours, e.score.ours_most) for e in results]),
+        (
+            'weighted mean of the paper',
+            ESTIMATE,
+            -0.12,
+            [(e.score.paper, e.score.paper_most) for e in results],
+        ),
+        ('our fit', TRUTH, 0.12, [(e.score.ours, e.score.ours_most) for e in results]),
     )
     for name, colour, aside, quantiles in pairs:
         middle, most = np.degrees(np.array(quantiles)).T
@@ -194,7 +199,7 @@ def plot_errors(results: Sequence[BearingTrialResult]) -> Figure:
         title_text='bearing error [°]', type='log', tickvals=TICKS,
         ticktext=[f'{each:g}' for each in TICKS],
     )  # fmt: skip
-    return figure.update_layout(margin={'b': 70})
+    return add_legend(figure).update_layout(margin_b=70)
 
 
 def plot_calibration(results: Sequence[BearingTrialResult]) -> Figure:
