@@ -14,8 +14,9 @@ from lta_discovery.forecast.forecast_fit import ForecastFit, ForecastFitter
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import list_free_parameters
 from lta_discovery.transfer.candidate_groups import (
-    iterated_prior_deviations,
     list_candidate_groups,
+    list_knobs,
+    prior_deviations,
 )
 from lta_discovery.transfer.cross_validation import (
     cross_validate,
@@ -23,24 +24,25 @@ from lta_discovery.transfer.cross_validation import (
     RegimeForecastErrors,
 )
 from lta_discovery.transfer.forward_selection import GroupSelection, select_forward
+from lta_discovery.transfer.other_kind import judge_by_kind, KindJudgement, split_by_kind
 from lta_model.vehicle import load_vehicle
 import numpy as np
 from numpy.typing import NDArray
 from rgblimp_flights import begun, DATA, Flight, flights, regimes, REPEATS
 from rgblimp_forecast import by_coasting, by_model, by_repeats, LIFT, Row, row
-from rgblimp_naming import every, FREE, LOOSELY, places, refitted, within
+from rgblimp_naming import every, LOOSELY, places, within
 
 Array = NDArray[np.float64]
 FOLDS: Final = 5
 PAGE: Final = Path(__file__).resolve().parents[2] / 'docs' / 'discovery_flights.md'
-TUNE, NAMED, FREELY, ALL = (
+TUNE, NAMED, ALL = (
     'tolerances tuned',
     'named effects that transfer',
-    'plus all coefficients refitted',
     'plus everything else',
 )
 EVEN: Final = 1.7  # how much more a place counts than an attitude, where all is fitted
 ROUNDS: Final = 20  # of the fit of everything
+NAMING: Final = 6  # of the fit of named effects
 AGAIN: Final = 4  # of each fold's, from a step that takes out what its inputs said
 BEGIN, END = '<!-- rgblimp: begin -->', '<!-- rgblimp: end -->'
 TUNED: Final = (
@@ -80,6 +82,31 @@ def named(
     return found, [name for name in found[0].names if name in found[1].names]
 
 
+def judged_by_kind(
+    nominal: NominalVehicle, taught: ForecastFitter, names: Sequence[str]
+) -> KindJudgement:
+    """Return which names make no forecast in flight of another kind worse."""
+    groups = [group for group in list_candidate_groups(taught.knobs) if group.name in names]
+    which = list_knobs(groups)
+    whole = taught.fit(
+        which, prior_deviations(taught.knobs, which), range(len(taught.flights)), rounds=NAMING
+    )
+    splits = split_by_kind(nominal, taught.flights, LIFT)
+    out = judge_by_kind(taught, groups, whole.values, splits)
+    said(f'rejected in flight of another kind: {[one.name for one in out.rejected]}')
+    return out
+
+
+def kinds(judged: KindJudgement) -> list[str]:
+    """Return what names do to flight of another kind, as Markdown."""
+    out = [
+        '| pieces left out | position: error ratio | attitude: error ratio |',
+        '|---|---|---|',
+        *(f'| {o.name} | {o.position:.2f} | {o.attitude:.2f} |' for o in judged.kinds),
+    ]
+    return [*out, *(line for one in judged.rejected for line in ('', f'{one.sentence}.'))]
+
+
 @final
 class Fit(NamedTuple):
     """Knobs, how far they may be off, and what was fitted to all flights by which forecasts."""
@@ -99,7 +126,7 @@ def scored(known: list[Flight], sight: ForecastFitter, fits: dict[str, Fit]) -> 
         errors['authors'] |= by_model(sight, np.zeros(len(sight.knobs)), test, known)
         for name, (taught, which, spread, whole) in fits.items():
             values = taught.leave_out_flights(whole, which, spread, test)
-            if name == ALL:
+            if name != TUNE:
                 values = taught.fit(which, spread, train, values, AGAIN, relinearize=False).values
             errors[name] |= by_model(sight, values, test, known)
         said('a fold')
@@ -203,14 +230,13 @@ def fitted(
     even = ForecastFitter(nominal, [flight.taught for flight in known], LIFT, EVEN)
     turned = taught.knobs
     names = list_candidate_groups(turned)
-    tuned, free, whole_of = places(turned, TUNED), refitted(names), every(turned, names)
-    called = [k for group in names if group.name in kept for k in group.knobs]
+    tuned, whole_of = places(turned, TUNED), every(turned, names)
+    called = list_knobs([group for group in names if group.name in kept])
     out: dict[str, Fit] = {}
     begin = np.zeros(len(turned))
     for name, by, which, spread, rounds in (
         (TUNE, taught, tuned, np.array([turned[k].tolerance for k in tuned]), 2),
-        (NAMED, taught, called, iterated_prior_deviations(turned, called), 3),
-        (FREELY, taught, free, within(turned, free, FREE), 4),
+        (NAMED, taught, called, prior_deviations(turned, called), NAMING),
         (ALL, even, whole_of, within(turned, whole_of, LOOSELY), ROUNDS),
     ):
         whole = by.fit(which, spread, range(len(known)), begin, rounds)
@@ -232,6 +258,8 @@ def main() -> None:
     sight = ForecastFitter(nominal, [flight.scored for flight in known], LIFT)
     said(f'{len(known)} flights, {sum(len(begun(f)) for f in known)} pieces')
     found, kept = named(taught, regimes(known))
+    judged = judged_by_kind(nominal, taught, kept)
+    kept = [group.name for group in judged.kept]
     fits = fitted(nominal, known, taught, kept)
     rows = scored(known, sight, fits)
     text = []
@@ -243,7 +271,7 @@ def main() -> None:
         text += [f'**{title}**', '', *table(rows, which), '']
     sys.stdout.write('\n'.join(text) + '\n')
     sys.stdout.flush()
-    text += carried(found, kept, known, fits)
+    text += [*carried(found, kept, known, fits), '', *kinds(judged)]
     text += ['', f'CPU: {time.process_time():.0f} s.']
     sys.stdout.write('\n'.join(text) + '\n')
     write(text)

@@ -4,21 +4,17 @@ from collections.abc import Mapping, Sequence
 from typing import Final
 
 from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.transfer.candidate_groups import CandidateGroup
+from lta_discovery.transfer.candidate_groups import CandidateGroup, list_knobs
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-# Names whose numbers are refitted beside the coefficients of the hull.
-BESIDE: Final = ('added inertia', 'tracker misalignment', 'wind gradient')
-# Coefficients of the hull by another word: those of the published flights go without.
-HULL: Final = 'hull_lift'
 # What is fitted to forecasts alone, without a claim to a name.
 EVERY: Final = (
     'steady wind', 'wind gradient', 'moving mass', 'cg height', 'cg offset', 'added mass',
     'added inertia', 'linear drag', 'rotational drag', 'rotor misalignment',
-    'tracker misalignment',
+    'tracker misalignment', 'hull lift',
 )  # fmt: skip
 NO_NAME: Final = (
     'rotor_1.thrust', 'rotor_2.thrust', 'vehicle.roll', 'vehicle.pitch', 'vehicle.yaw',
@@ -30,7 +26,6 @@ LOOSE: Final[Mapping[str, float]] = {
     'vehicle.roll': 0.3, 'vehicle.pitch': 0.3, 'vehicle.yaw': 0.3,
     'steady_wind': 0.2, 'wind_gradient': 0.2, 'tracker_misalignment': 0.03,
 }  # fmt: skip
-FREE: Final = 4.0  # typical sizes; of coefficients that are refitted without a name
 LOOSELY: Final = 30.0  # typical sizes; of everything that is fitted to forecasts alone
 
 
@@ -40,15 +35,9 @@ def places(knobs: Sequence[FreeParameter], names: Sequence[str]) -> list[int]:
     return [order.index(name) for name in names]
 
 
-def refitted(groups: Sequence[CandidateGroup]) -> list[int]:
-    """Return where the coefficients of the hull are, and what is refitted with them."""
-    return [k for one in groups if one.effect == HULL or one.name in BESIDE for k in one.knobs]
-
-
 def every(knobs: Sequence[FreeParameter], groups: Sequence[CandidateGroup]) -> list[int]:
     """Return where everything is that is fitted to forecasts alone."""
-    named = [k for one in groups if one.effect == HULL or one.name in EVERY for k in one.knobs]
-    return [*named, *places(knobs, NO_NAME)]
+    return [*list_knobs([g for g in groups if g.name in EVERY]), *places(knobs, NO_NAME)]
 
 
 def within(knobs: Sequence[FreeParameter], which: Sequence[int], wide: float) -> Array:

@@ -258,6 +258,25 @@ class LeftOutRegime(NamedTuple):
 
 
 @final
+class LeftOutKind(NamedTuple):
+    """
+    Forecast errors of the pieces of one kind (slow, fast, straight, turning) without them.
+
+    Attributes
+    ----------
+    name : str
+        'slower than 0.54 m/s'.
+    position, attitude : float
+        Error with the values learned from the other pieces, by that of the vehicle file.
+
+    """
+
+    name: str
+    position: float
+    attitude: float
+
+
+@final
 @dataclass(frozen=True, slots=True)
 class TransferEvidence:
     """
@@ -273,6 +292,10 @@ class TransferEvidence:
         Groups that improve forecasts only in the regimes that they were fitted to.
     numbers : int
         Number of parameters in the fit of everything; 0 where that was not done.
+    rejected : tuple of str
+        Effects that make forecasts worse in flight of another kind, with the reason.
+    kinds : tuple of LeftOutKind
+        Errors in flight of another kind; empty where the flights are all of one kind.
 
     """
 
@@ -280,6 +303,8 @@ class TransferEvidence:
     regimes: tuple[LeftOutRegime, ...]
     interpolates: tuple[str, ...] = ()
     numbers: int = 0
+    rejected: tuple[str, ...] = ()
+    kinds: tuple[LeftOutKind, ...] = ()
 
 
 @final

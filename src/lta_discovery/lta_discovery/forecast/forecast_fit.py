@@ -230,8 +230,10 @@ class ForecastFitter:
         )
         return low, high
 
-    def rms_error(self, values: Array, flights: Sequence[int]) -> float:
-        """Return the RMS of the weighted horizon errors, with the lift fitted to each flight."""
+    def rms_error(
+        self, values: Array, flights: Sequence[int], columns: slice = slice(None)
+    ) -> float:
+        """Return the RMS of weighted horizon errors, with the lift fitted to each flight."""
         total, count = 0.0, 0
         for f in flights:
             seen = self.compute_flight_errors(values, f)
@@ -240,8 +242,9 @@ class ForecastFitter:
             column = (seen.columns[..., 0] * self.weights)[good]
             # Ridge estimate of the flight's lift, with its prior deviation
             lift = ALIKE * float(column @ left) / (ALIKE * float(column @ column) + self.lift**-2)
-            total += float(np.sum((left - lift * column) ** 2))
-            count += self._known[f]
+            rest = np.where(good, (seen.left - lift * seen.columns[..., 0]) * self.weights, 0.0)
+            total += float(np.sum(rest[..., columns] ** 2))
+            count += int(good[..., columns].sum())
         return float(np.sqrt(total / max(count, 1)))
 
     def _try_step(

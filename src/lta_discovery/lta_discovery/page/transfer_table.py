@@ -1,10 +1,11 @@
 """Render the evidence of effects identified by forecasts: gain of each, and left-out regimes."""
 
+from collections.abc import Sequence
 from html import escape
 import math
 from typing import Final
 
-from lta_discovery.finding import StudyResult
+from lta_discovery.finding import LeftOutKind, StudyResult
 from lta_discovery.page import strips
 from lta_discovery.page.formatting import (
     format_number,
@@ -42,6 +43,7 @@ def render_transfer(finding: StudyResult) -> str:
         if told.interpolates
         else ''
     )
+    lost += ''.join(f'<p class="note">{escape(one)}.</p>' for one in told.rejected)
     whole = [gap for gap in finding.gaps if math.isfinite(gap.refitted) and gap.channel in WHOLE]
     rows = [
         (
@@ -79,6 +81,27 @@ def render_transfer(finding: StudyResult) -> str:
             'plain',
             'Regimes left out',
         )
+        + _render_kinds(told.kinds)
         + fitted
         + '<h3>Search by sensor readings</h3>'
+    )
+
+
+def _render_kinds(kinds: Sequence[LeftOutKind]) -> str:
+    """Return the errors in flight of another kind; '' if all flights are of one kind."""
+    if not kinds:
+        return ''
+    rows = [
+        (escape(one.name), *(format_number(part, 2) for part in (one.position, one.attitude)))
+        for one in kinds
+    ]
+    return (
+        '<p class="note">The pieces of another kind are predicted with a fit to all others. An '
+        'effect that makes the position or the attitude of any of them worse is rejected.</p>'
+        + render_table(
+            ('pieces left out', 'position: error / that of the file', 'attitude'),
+            rows,
+            'plain',
+            'Flight of another kind',
+        )
     )

@@ -106,6 +106,8 @@ def _encode_forecast_evidence(finding: StudyResult) -> dict[str, Any] | None:
         'regimes': [one._asdict() for one in told.regimes],
         'interpolates': list(told.interpolates),
         'numbers_refitted': told.numbers,
+        'rejected': list(told.rejected),
+        'kinds': [one._asdict() for one in told.kinds],
     }
 
 

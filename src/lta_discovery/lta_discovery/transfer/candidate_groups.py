@@ -14,24 +14,21 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-# Groups within effects of many parameters: name, and the parameters.
-PARTS: Final[dict[str, dict[str, tuple[str, ...]]]] = {
-    'hull_lift': {
-        'drag of the hull': ('drag', 'drag_alpha2', 'drag_beta2'),
-        'side force': ('side', 'side_alpha2', 'side_beta'),
-        'lift of the hull': ('lift', 'lift_alpha', 'lift_beta2'),
-        'rolling moment': ('roll', 'roll_alpha', 'roll_beta'),
-        'pitching moment': ('pitch', 'pitch_alpha', 'pitch_beta4'),
-        'yawing moment': ('yaw', 'yaw_alpha', 'yaw_beta'),
-        'damping of turns': ('roll_rate', 'pitch_rate', 'yaw_rate'),
-        'aerodynamic centre': ('x', 'z'),
-    },
-}
 # Parameters that forecasts of a pose do not identify, or that differ from flight to flight.
 # The moving mass is assumed to be where it is commanded.
 NO_NAME: Final = frozenset(
     {'hull_lift.all', 'tracker_misalignment.yaw', 'moving_mass.x', 'moving_mass.z'}
 )
+# Coefficients of a hull that is not mirror-symmetric. Flights that slip to one side only cannot
+# distinguish them from the slopes with the side-slip, and would be wrong in straight flight.
+LOPSIDED: Final = frozenset(
+    f'hull_lift.{name}'
+    for name in ('side', 'side_alpha2', 'roll', 'roll_alpha', 'yaw', 'yaw_alpha')
+)
+# Effects of the air on a hull. They compensate each other, so that one of them alone can be wrong
+# in another regime where all together are right: they are also one candidate.
+AIR: Final = ('hull_lift', 'added_mass', 'added_inertia')
+HULL: Final = 'hull aerodynamics'  # the name of that candidate
 # Effects that act like lift, which every flight fits for itself.
 SAME: Final = frozenset(
     {'gas_purity', 'ballast', 'payload', 'net_lift', 'helium_leak', 'superheat', 'rotor_fault'}
@@ -41,7 +38,7 @@ WIDE: Final = 3.0  # typical sizes; prior standard deviation
 LOOSE: Final[dict[str, float]] = {
     'steady_wind': 0.2, 'wind_gradient': 0.2, 'tracker_misalignment': 0.03,
 }  # fmt: skip
-# Smaller prior deviations where linearization fails: for hulls heavier than a typical one.
+# For hulls heavier than a typical one.
 HEAVY: Final[dict[str, float]] = {'added_inertia': 0.005}
 
 
@@ -54,37 +51,50 @@ class CandidateGroup(NamedTuple):
     ----------
     name : str
         Readable and unique.
-    effect : str
-        Of the registry.
     knobs : tuple of int
         Indices among all parameters.
 
     """
 
     name: str
-    effect: str
     knobs: tuple[int, ...]
 
 
-def list_candidate_groups(knobs: Sequence[FreeParameter]) -> list[CandidateGroup]:
-    """Return the candidates that forecasts of a pose could identify, in registry order."""
+def list_candidate_groups(
+    knobs: Sequence[FreeParameter], mirrored: bool = True
+) -> list[CandidateGroup]:
+    """
+    Return the candidates that forecasts of a pose could identify, in registry order.
+
+    Parameters
+    ----------
+    mirrored : bool
+        Whether the hull is taken as mirror-symmetric.
+
+    """
     out: dict[str, CandidateGroup] = {}
     for k, knob in enumerate(knobs):
-        effect, _, parameter = knob.name.partition('.')
+        effect = knob.name.partition('.')[0]
         # Forecasts of a pose do not depend on the other sensors
         sensor = knob.reaches == 'reading' and effect != 'tracker_misalignment'
         if knob.typical <= 0.0 or knob.per_flight or sensor:
             continue
-        if effect in SAME or knob.name in NO_NAME:
+        if effect in SAME or knob.name in NO_NAME or (mirrored and knob.name in LOPSIDED):
             continue
-        parts = PARTS.get(effect, {})
-        part = next((words for words, names in parts.items() if parameter in names), '')
-        if parts and not part:
-            continue
-        name = part or effect.replace('_', ' ')
-        before = out.get(name, CandidateGroup(name, effect, ()))
+        name = effect.replace('_', ' ')
+        before = out.get(name, CandidateGroup(name, ()))
         out[name] = before._replace(knobs=(*before.knobs, k))
-    return list(out.values())
+    groups = list(out.values())
+    parts = [one for one in groups if one.name.replace(' ', '_') in AIR]
+    # A hull whose coefficients are in other effects has none of them together
+    if any(one.name == 'hull lift' for one in parts):
+        groups.append(CandidateGroup(HULL, tuple(list_knobs(parts))))
+    return groups
+
+
+def list_knobs(groups: Sequence[CandidateGroup]) -> list[int]:
+    """Return the parameters of some candidates, each once."""
+    return list(dict.fromkeys(k for group in groups for k in group.knobs))
 
 
 def tolerance_indices(knobs: Sequence[FreeParameter]) -> list[int]:
@@ -97,19 +107,12 @@ def tolerance_indices(knobs: Sequence[FreeParameter]) -> list[int]:
 
 
 def prior_deviations(knobs: Sequence[FreeParameter], which: Sequence[int]) -> Array:
-    """Return prior standard deviations for a single step, shape (K,)."""
+    """Return prior standard deviations, shape (K,)."""
     return np.array([_prior_deviation(knobs[k]) for k in which])
-
-
-def iterated_prior_deviations(knobs: Sequence[FreeParameter], which: Sequence[int]) -> Array:
-    """Return prior standard deviations for an iterated fit, shape (K,)."""
-    effects = [knobs[k].name.partition('.')[0] for k in which]
-    own = prior_deviations(knobs, which)
-    return np.array([HEAVY.get(effect, one) for effect, one in zip(effects, own, strict=True)])
 
 
 def _prior_deviation(knob: FreeParameter) -> float:
     """Return the prior standard deviation of a parameter."""
-    loose = LOOSE.get(knob.name.partition('.')[0])
+    effect = knob.name.partition('.')[0]
     # Wide enough for real vehicles, whose effects may be far from typical
-    return loose or max(WIDE * knob.typical, 2.0 * knob.tolerance)
+    return {**LOOSE, **HEAVY}.get(effect) or max(WIDE * knob.typical, 2.0 * knob.tolerance)

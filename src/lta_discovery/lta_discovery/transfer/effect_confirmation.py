@@ -4,7 +4,11 @@ from collections.abc import Sequence
 from typing import Final
 
 from lta_discovery.forecast.forecast_fit import ForecastFitter
-from lta_discovery.transfer.candidate_groups import CandidateGroup, iterated_prior_deviations
+from lta_discovery.transfer.candidate_groups import (
+    CandidateGroup,
+    list_knobs,
+    prior_deviations,
+)
 from lta_discovery.transfer.forward_selection import GroupSelection
 import numpy as np
 
@@ -42,14 +46,14 @@ def _cross_error(
     halves: Sequence[Sequence[int]],
 ) -> float:
     """Return the summed squared error of each half with the values fitted to the other."""
-    which = [k for group in groups for k in group.knobs]
+    which = list_knobs(groups)
     # Start from the values of all flights, to save steps
     begin = np.where(np.isin(np.arange(len(sight.knobs)), which), chosen.values, 0.0)
     total = 0.0
     for teaching, other in (halves, halves[::-1]):
         values = begin
         if which:
-            spread = iterated_prior_deviations(sight.knobs, which)
+            spread = prior_deviations(sight.knobs, which)
             values = sight.fit(which, spread, teaching, begin, ROUNDS, relinearize=False).values
         total += len(other) * sight.rms_error(values, other) ** 2
     return total

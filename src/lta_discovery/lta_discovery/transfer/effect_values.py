@@ -7,7 +7,8 @@ from lta_discovery.forecast.forecast_fit import ForecastFit, ForecastFitter
 from lta_discovery.transfer.bootstrap_intervals import bootstrap_values
 from lta_discovery.transfer.candidate_groups import (
     CandidateGroup,
-    iterated_prior_deviations,
+    list_knobs,
+    prior_deviations,
     tolerance_indices,
 )
 from lta_discovery.transfer.cross_validation import cross_validate, RegimeForecastErrors
@@ -48,8 +49,8 @@ def fit_effect_values(
 ) -> EffectValues:
     """Fit effects to all flights."""
     every = range(len(sight.flights))
-    which = [k for group in groups for k in group.knobs]
-    spread = iterated_prior_deviations(sight.knobs, which)
+    which = list_knobs(groups)
+    spread = prior_deviations(sight.knobs, which)
     fitted = sight.fit(which, spread, every, rounds=ROUNDS)
     found = cross_validate(sight, fitted, which, spread, parts)
     draws = bootstrap_values(fitted, sight.knobs, which, spread, seed)
@@ -62,11 +63,11 @@ def tune_tolerances(
     groups: Sequence[CandidateGroup] = (),
 ) -> tuple[Array, list[RegimeForecastErrors]]:
     """Fit tolerances to forecasts, together with effects; return the values and regime errors."""
-    named = [k for group in groups for k in group.knobs]
+    named = list_knobs(groups)
     rest = [k for k in tolerance_indices(sight.knobs) if k not in named]
     which = [*named, *rest]
     spread = np.concatenate(
-        [iterated_prior_deviations(sight.knobs, named), [sight.knobs[k].tolerance for k in rest]]
+        [prior_deviations(sight.knobs, named), [sight.knobs[k].tolerance for k in rest]]
     )
     fitted = sight.fit(which, spread, range(len(sight.flights)), rounds=TUNING)
     return fitted.values, cross_validate(sight, fitted, which, spread, parts)

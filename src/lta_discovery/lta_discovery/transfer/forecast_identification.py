@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Final, final, NamedTuple
 
-from lta_discovery.finding import IdentifiedGroup, LeftOutRegime, TransferEvidence
+from lta_discovery.finding import IdentifiedGroup, LeftOutKind, LeftOutRegime, TransferEvidence
 from lta_discovery.fit.bounds import apply_parameters
 from lta_discovery.forecast.file_comparison import is_worse_than_file, Model
 from lta_discovery.forecast.forecast_fit import ForecastFitter
@@ -32,6 +32,7 @@ from lta_discovery.transfer.forecast_errors import compute_model_errors
 from lta_discovery.transfer.forward_selection import GroupSelection, select_forward
 from lta_discovery.transfer.full_refit import refit_all_parameters
 from lta_discovery.transfer.named_effects import build_named_effects
+from lta_discovery.transfer.other_kind import judge_by_kind, RejectedEffect, split_by_kind
 from lta_discovery.transfer.overlapping_pieces import cut_overlapping_pieces, piece_spacing
 from lta_discovery.transfer.regimes import group_by_regime
 import numpy as np
@@ -51,6 +52,7 @@ BESIDE: Final = 0.95  # as TUNED, if tolerances are tuned together with the effe
 ATTEMPTS: Final = 4  # selections, each without the effects rejected before
 GRAVITY: Final = 9.81  # m/s2
 MODELS: Final[tuple[Model, ...]] = ('tuned', 'after')
+SIDE: Final = 0.2  # least share of the pieces that slip to either side
 POSE: Final = 6  # number of pose channels, the first of CHANNELS
 
 
@@ -70,6 +72,8 @@ class TransferOutcome(NamedTuple):
     kept: Sequence[CandidateGroup]
     best: EffectValues | None
     lost: Sequence[CandidateGroup]
+    rejected: Sequence[RejectedEffect] = ()
+    kinds: Sequence[LeftOutKind] = ()
 
 
 def needs_forecasts(study: DiscoveryStudy) -> bool:
@@ -103,14 +107,22 @@ def add_forecast_effects(study: DiscoveryStudy, tell: Progress) -> DiscoveryStud
         return _add_warning(study, format_tolerance_warning(remaining_error_share(rest)))
     names = _select_groups(taught, parts, rest, study.finding.seed, tell)
     if names.best is None:
-        return _warn_of_rejected_effects(study, names.lost)
+        return _warn_of_rejected_effects(study, names.lost, names.rejected)
     models = {'before': np.zeros_like(plain), 'tuned': plain, 'after': names.best.fitted.values}
     numbers = 0
     if len(taught.flown) >= ENOUGH:
         tell('refitting everything', 0.9)
-        models['refitted'], numbers = refit_all_parameters(taught.sight, names.best.fitted.values)
+        candidates = _list_candidates(taught)
+        models['refitted'], numbers = refit_all_parameters(
+            taught.sight, candidates, names.best.fitted.values
+        )
     told = _collect_transfer_evidence(
         names.chosen, names.kept, names.best, [one.name for one in names.lost], numbers
+    )
+    told = replace(
+        told,
+        rejected=tuple(one.sentence for one in names.rejected),
+        kinds=tuple(names.kinds),
     )
     found = _add_prediction_errors(
         _add_named_effects(study, taught, names, names.best, told), taught, models
@@ -132,7 +144,10 @@ def _select_groups(
     tell: Progress,
 ) -> TransferOutcome:
     """Select effects and validate them; repeat without the rejected ones."""
-    candidates, lost = list_candidate_groups(taught.sight.knobs), []
+    candidates, lost = _list_candidates(taught), list[CandidateGroup]()
+    rejected: list[RejectedEffect] = []
+    kinds: Sequence[LeftOutKind] = ()
+    splits = split_by_kind(taught.sight.nominal, taught.sight.flights, taught.sight.lift)
     halves = [
         [f for f, one in enumerate(taught.flown) if one.role == role]
         for role in ('train', 'confirm')
@@ -145,10 +160,24 @@ def _select_groups(
         best, kept = _validate_groups(taught.sight, both, parts, seed, rest)
         fell = [one for one in chosen.groups if one not in kept]
         lost += fell
+        if best is not None:
+            judged = judge_by_kind(taught.sight, kept, best.fitted.values, splits)
+            rejected, kinds = [*rejected, *judged.rejected], judged.kinds
+            if judged.rejected:
+                fell += [one for one in kept if one not in judged.kept]
+                best, kept = _validate_groups(taught.sight, judged.kept, parts, seed, rest)
         if not fell:
             break
         candidates = [one for one in candidates if one not in fell]
-    return TransferOutcome(chosen, kept, best, lost)
+    return TransferOutcome(chosen, kept, best, lost, rejected, kinds)
+
+
+def _list_candidates(taught: ForecastFlights) -> list[CandidateGroup]:
+    """Return the candidates; a hull is taken as mirror-symmetric unless it slips both ways."""
+    slip = np.concatenate([one.replay.cut.start[:, 8] for one in taught.sight.flights])
+    return list_candidate_groups(
+        taught.sight.knobs, bool(min(np.mean(slip > 0), np.mean(slip < 0)) < SIDE)
+    )
 
 
 def _collect_transfer_evidence(
@@ -213,12 +242,14 @@ def _validate_groups(
 
 
 def _warn_of_rejected_effects(
-    study: DiscoveryStudy, lost: Sequence[CandidateGroup]
+    study: DiscoveryStudy, lost: Sequence[CandidateGroup], rejected: Sequence[RejectedEffect]
 ) -> DiscoveryStudy:
-    """Return a study with a warning about rejected effects."""
-    return (
-        _add_warning(study, format_transfer_warning([one.name for one in lost])) if lost else study
-    )
+    """Return a study with warnings about rejected effects."""
+    if lost:
+        study = _add_warning(study, format_transfer_warning([one.name for one in lost]))
+    for one in rejected:
+        study = _add_warning(study, f'{one.sentence}.')
+    return study
 
 
 def _add_warning(study: DiscoveryStudy, sentence: str) -> DiscoveryStudy:
@@ -256,6 +287,7 @@ def _add_named_effects(
     knobs, warnings = taught.sight.knobs, study.finding.warnings
     if carried.interpolates:
         warnings = (*warnings, format_transfer_warning(carried.interpolates))
+    warnings = (*warnings, *(f'{sentence}.' for sentence in carried.rejected))
     finding = replace(
         study.finding,
         verdict='named+unexplained',

@@ -12,7 +12,9 @@ from typing import Final, final, NamedTuple
 from lta_discovery.forecast.forecast_fit import ForecastFitter, ForecastNormalEquations
 from lta_discovery.transfer.candidate_groups import (
     CandidateGroup,
+    HULL,
     list_candidate_groups,
+    list_knobs,
     prior_deviations,
 )
 import numpy as np
@@ -75,7 +77,7 @@ class GroupSelection(NamedTuple):
     @property
     def knobs(self) -> list[int]:
         """Indices of the selected parameters."""
-        return [k for group in self.groups for k in group.knobs]
+        return list_knobs(self.groups)
 
 
 def select_forward(
@@ -98,7 +100,7 @@ def select_forward(
     sides = [g for g in ([f for f in r if f in inside] for r in regimes.values()) if g]
     # A regime with all flights leaves nothing to fit to.
     sides = [g for g in sides if len(g) < len(inside)]
-    every = [k for group in candidates for k in group.knobs]
+    every = list_knobs(candidates)
     chosen: list[tuple[CandidateGroup, float]] = []
     rounds: list[tuple[CandidateGain, ...]] = []
     values = np.zeros(len(sight.knobs))
@@ -117,7 +119,7 @@ def select_forward(
         if best is None or best.worth < WORTH:
             break
         chosen.append((best.group, best.worth))
-        which = [k for group, _ in chosen for k in group.knobs]
+        which = list_knobs([group for group, _ in chosen])
         values = sight.fit(
             which, prior_deviations(sight.knobs, which), flights, values, ROUNDS
         ).values
@@ -136,23 +138,22 @@ def _rank_candidates(
     first: float,
 ) -> list[CandidateGain]:
     """Return all candidates of a round, the best first."""
-    now = [k for group in chosen for k in group.knobs]
+    now = list_knobs(chosen)
     base = _cross_validated_gain(sight, information, sides, every, now, values)
     costs = np.array([sum(information[f].cost for f in side) for side in sides])
     # A flight can be in several regimes (mass, command, speed, turn): count its error once.
     often = max(1, round(sum(map(len, sides)) / len({f for side in sides for f in side})))
     out = []
     for group in candidates:
-        if group in chosen:
+        both = list_knobs([*chosen, group])
+        if len(both) == len(now):
             continue
-        gain = (
-            _cross_validated_gain(sight, information, sides, every, [*now, *group.knobs], values)
-            - base
-        )
+        gain = _cross_validated_gain(sight, information, sides, every, both, values) - base
         out.append(
             CandidateGain(group, float(gain.sum()) / often / first, float((gain / costs).min()))
         )
-    return sorted(out, key=lambda one: -one.worth)
+    # Many parameters together have to be worth more than one effect
+    return sorted(out, key=lambda one: WORTH * (one.group.name == HULL) - one.worth)
 
 
 def _cross_validated_gain(

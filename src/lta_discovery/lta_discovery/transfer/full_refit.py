@@ -5,12 +5,14 @@ Thrust, mass, drag and balance compensate each other, so that no value is a meas
 another regime. The result is the lowest forecast error within the flown regimes.
 """
 
+from collections.abc import Sequence
 from typing import Final
 
 from lta_discovery.forecast.forecast_fit import ForecastFitter
 from lta_discovery.transfer.candidate_groups import (
-    iterated_prior_deviations,
-    list_candidate_groups,
+    CandidateGroup,
+    list_knobs,
+    prior_deviations,
 )
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +22,9 @@ Array = NDArray[np.float64]
 ROUNDS: Final = 8  # most steps of the fit
 
 
-def refit_all_parameters(sight: ForecastFitter, begin: Array) -> tuple[Array, int]:
+def refit_all_parameters(
+    sight: ForecastFitter, candidates: Sequence[CandidateGroup], begin: Array
+) -> tuple[Array, int]:
     """
     Return all parameters, fitted, and the number of fitted ones.
 
@@ -30,8 +34,8 @@ def refit_all_parameters(sight: ForecastFitter, begin: Array) -> tuple[Array, in
         Initial values: those of the named effects.
 
     """
-    which = [k for group in list_candidate_groups(sight.knobs) for k in group.knobs]
-    spread = iterated_prior_deviations(sight.knobs, which)
+    which = list_knobs(candidates)
+    spread = prior_deviations(sight.knobs, which)
     flights = range(len(sight.flights))
     found = sight.fit(which, spread, flights, begin, ROUNDS, relinearize=False)
     return found.values, len(which)

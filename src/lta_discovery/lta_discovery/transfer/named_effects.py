@@ -9,7 +9,7 @@ from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.selection.effect_sizes import list_assumed_parameters
 from lta_discovery.transfer.bootstrap_intervals import compute_confidence_intervals
-from lta_discovery.transfer.candidate_groups import CandidateGroup
+from lta_discovery.transfer.candidate_groups import CandidateGroup, list_knobs
 from lta_discovery.transfer.effect_values import EffectValues
 from lta_discovery.transfer.forward_selection import CandidateGain, GroupSelection
 from lta_model.effects import EFFECTS
@@ -29,23 +29,24 @@ def build_named_effects(
     out: dict[str, NamedEffect] = {}
     for group in confirmed:
         place = chosen.groups.index(group)
-        values = best.fitted.values
+        values, rivals = best.fitted.values, _list_close_rivals(group, chosen.rounds[place], knobs)
         # A value of 0 is clipped at its bound, and not part of the effect.
         moved = [k for k in group.knobs if values[k] != 0.0]
-        parameters = [
-            each
-            for k in moved
-            for each in _estimate_parameters(nominal, knobs[k], float(values[k]), bounds[k])
-        ]
-        before = out.get(group.effect, NamedEffect(group.effect, (), (), 0.0))
-        rivals = _list_close_rivals(group, chosen.rounds[place], knobs)
-        out[group.effect] = NamedEffect(
-            group.effect,
-            (*before.knobs, *(knobs[k].name for k in moved)),
-            (*before.parameters, *parameters),
-            before.log_evidence + chosen.log_likelihood_gains[place],
-            (*before.confusable_with, *rivals),
-        )
+        for effect in dict.fromkeys(knobs[k].name.partition('.')[0] for k in moved):
+            before = out.get(effect, NamedEffect(effect, (), (), 0.0))
+            own = [k for k in moved if knobs[k].name.startswith(f'{effect}.')]
+            parameters = [
+                each
+                for k in own
+                for each in _estimate_parameters(nominal, knobs[k], float(values[k]), bounds[k])
+            ]
+            out[effect] = NamedEffect(
+                effect,
+                (*before.knobs, *(knobs[k].name for k in own)),
+                (*before.parameters, *parameters),
+                before.log_evidence + chosen.log_likelihood_gains[place],
+                (*before.confusable_with, *rivals),
+            )
     told = [
         replace(one, assumed=list_assumed_parameters(nominal, one.name, one.parameters))
         for one in out.values()
@@ -59,7 +60,8 @@ def _list_close_rivals(
     """Return the candidates with nearly the same gain in the round of an effect."""
     own = next(one.worth for one in tried if one.group == group)
     near = [one.group for one in tried if one.group != group and one.worth > NEAR * own]
-    return tuple(knobs[k].name for one in near for k in one.knobs)
+    # A part of the effect is no rival of it
+    return tuple(knobs[k].name for k in list_knobs(near) if k not in group.knobs)
 
 
 def _estimate_parameters(
