@@ -31,6 +31,8 @@ from pydantic import AliasChoices, Field, field_validator, model_validator
 Vector = tuple[float, float, float]
 UP = (0.0, 0.0, 1.0)
 ROTORS = 8  # the model's arrays have this size
+# Quantities of a motion that a region of validity limits
+MOTION = ('speed', 'roll', 'pitch', 'roll_rate', 'pitch_rate', 'yaw_rate')
 
 
 class ControlBlock(StrictModel):
@@ -91,6 +93,33 @@ class SensorPositions(StrictModel):
     diodes: PhotodiodesBlock
 
 
+class ValidityBlock(StrictModel):
+    """
+    The region of the flights that the numbers were fitted to, as lowest and highest values.
+
+    Attributes
+    ----------
+    commands : mapping of str to Quantity
+        Duty of each rotor.
+
+    """
+
+    speed: Annotated[Quantity, si_quantity('m/s', low=0.0, length=2, sourced=True)]
+    roll: Annotated[Quantity, si_quantity('rad', length=2, sourced=True)]
+    pitch: Annotated[Quantity, si_quantity('rad', length=2, sourced=True)]
+    roll_rate: Annotated[Quantity, si_quantity('rad/s', length=2, sourced=True)]
+    pitch_rate: Annotated[Quantity, si_quantity('rad/s', length=2, sourced=True)]
+    yaw_rate: Annotated[Quantity, si_quantity('rad/s', length=2, sourced=True)]
+    commands: Mapping[
+        str, Annotated[Quantity, si_quantity('1', low=-1.0, high=1.0, length=2, sourced=True)]
+    ] = Field(default_factory=dict)
+
+    @property
+    def limits(self) -> dict[str, Quantity]:
+        """The limits of all quantities, by name."""
+        return {**{name: getattr(self, name) for name in MOTION}, **self.commands}
+
+
 class VehicleFile(StrictModel):
     """A vehicle file."""
 
@@ -109,6 +138,7 @@ class VehicleFile(StrictModel):
     effects: Mapping[str, Mapping[str, Quantity]]
     sensors: SensorPositions
     energy: EnergyBlock
+    validity: ValidityBlock | None = None
 
     @property
     def parts(self) -> dict[str, PartBlock]:

@@ -34,7 +34,11 @@ from lta_discovery.planning.next_flight import (
 )
 from lta_discovery.replay.linearized_flight import unchanged_vehicle_point
 from lta_discovery.results.discovery_json import NAME, to_dict
-from lta_discovery.results.learned_file import format_learned_vehicle
+from lta_discovery.results.learned_file import (
+    add_validity,
+    format_learned_vehicle,
+    format_source,
+)
 from lta_discovery.results.overlay import write_overlay
 from lta_discovery.study import DiscoveryStudy, study_flights
 from lta_discovery.transfer.forecast_identification import add_forecast_effects
@@ -238,6 +242,8 @@ def write_results(
         # A refit may need a negative drag, which a vehicle file cannot hold: write none then.
         with suppress(BadInput):
             whole = format_learned_vehicle(text, vehicle, study.nominal, study.refitted, finding)
+            taught = [one.flight for one in study.flights if one.role != 'holdout']
+            whole = add_validity(whole, taught, vehicle.rotor_names, format_source(finding))
             (part / REFITTED).write_text(whole, encoding='utf-8')
     write_overlay(study.shown, part, finding.versions)
     told = to_dict(finding, sound.cuts)

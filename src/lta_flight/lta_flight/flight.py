@@ -80,6 +80,8 @@ class FlightRun:
         The outcome in words, to be put after 'The drone'.
     pace : float
         Flight seconds per wall second.
+    warning : str
+        Whether the flight left the region of validity of the vehicle file; '' if not.
 
     """
 
@@ -88,6 +90,7 @@ class FlightRun:
     outcome: str
     sentence: str
     pace: float
+    warning: str = ''
 
 
 def fly_once(order: FlightRequest, watcher: FlightObserver) -> FlightRun:

@@ -7,10 +7,11 @@ from lta_config.compilation.flat import Array
 from lta_control.autopilot import ESTIMATE
 from lta_data.bag.recorded_flight import PointSeries
 from lta_data.scene import RecordedScene
+from lta_data.validity import describe_exceeded_region, list_motion
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.report.goal import FlightGoal
 from lta_flight.report.view import half_block_time
-from lta_model.state import POSITION, QUATERNION, VELOCITY
+from lta_model.state import POSITION, QUATERNION, RATES, VELOCITY
 from lta_report.curves import (
     align_start,
     build_motion,
@@ -115,6 +116,14 @@ class LoopView:
             time, state[:, POSITION], state[:, QUATERNION], state[:, VELOCITY][:, 0]
         )
         return subtract_wind(motion, wind[:, 0], wind[:, 1:])
+
+    @property
+    def warning(self) -> str:
+        """A warning if the flight leaves the region of validity of its vehicle file, else ''."""
+        state = np.array(self._truth)[:, 1:]
+        flown = list_motion(state[:, QUATERNION], state[:, VELOCITY], state[:, RATES])
+        vehicle = self.scene.vehicle
+        return '' if vehicle is None else describe_exceeded_region(vehicle, flown)
 
     @cached_property
     def estimate(self) -> MotionCurve:

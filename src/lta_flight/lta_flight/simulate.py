@@ -77,7 +77,8 @@ def simulate_once(
         raise BadInput(str(fault)) from None
     world = loop.world
     outcome, sentence = world.outcome.name.lower(), str(world.outcome)
-    return FlightRun(folder, folder / 'bag', outcome, sentence, pace), compute_results(view)
+    flight = FlightRun(folder, folder / 'bag', outcome, sentence, pace, view.warning)
+    return flight, compute_results(view)
 
 
 def simulate_closed_loop(

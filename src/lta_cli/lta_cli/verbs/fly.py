@@ -1,5 +1,6 @@
 """lta fly: fly once with the ROS graph, record it and write its report."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -9,6 +10,7 @@ from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
 from lta_control.strategies import STRATEGIES
 from lta_data.bag.recorded_flight import open_flight
+from lta_data.validity import describe_exceeded_region_of_bag
 from lta_flight.flight import FlightRequest, FlightRun, fly_once
 from lta_flight.progress import FlightProgress
 from lta_flight.report.outcome import describe_outcome
@@ -67,6 +69,9 @@ def fly(
         flight = fly_once(order, progress)
     target = flight.folder / 'report.html' if page else None
     figures = write_report(flight, target)
+    if figures is not None:
+        warning = describe_exceeded_region_of_bag(open_flight(flight.bag))
+        flight = replace(flight, warning=warning)
     if json:
         print_json(flight_to_dict(flight, figures, target))
     console.print(format_outcome(flight, figures), highlight=False, soft_wrap=True)
@@ -95,6 +100,7 @@ def flight_to_dict(
 ) -> dict[str, object]:
     """Return the content of --json."""
     # Without results there is no page
+    warned = {'warning': flight.warning} if flight.warning else {}
     pages = {} if page is None or figures is None else {'page': str(page)}
     return {
         'outcome': flight.outcome,
@@ -102,11 +108,18 @@ def flight_to_dict(
         'bag': str(flight.bag),
         **({} if figures is None else figures.to_dict()),
         **pages,
+        **warned,
         'units': {'pace': '1', **({} if figures is None else figures.list_units())},
     }
 
 
 def format_outcome(flight: FlightRun, figures: FlightResults | None) -> str:
+    """Return the outcome in one sentence, and the warning of the flight, if any."""
+    warning = f' {flight.warning}' if flight.warning else ''
+    return f'{_format_verdict(flight, figures)}{warning}'
+
+
+def _format_verdict(flight: FlightRun, figures: FlightResults | None) -> str:
     """Return the outcome in one sentence, from the page and the simulator's verdict."""
     # The bag has no goal to judge by, so the simulator's verdict counts
     on_course = flight.outcome == 'reached' and figures is not None and figures.success is None

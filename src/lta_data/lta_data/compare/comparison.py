@@ -24,6 +24,7 @@ from lta_data.compare.faults import find_topic_faults, SLOWER, TopicFaults
 from lta_data.compare.frame_alignment import align_frames, FrameAlignment, Frames
 from lta_data.compare.sampling import Array, mask_absurd_values
 from lta_data.compare.time_alignment import Align, align_times, TimeAlignment
+from lta_data.validity import describe_exceeded_region_of_bag
 import numpy as np
 
 # Rank of the verdicts in tables, largest difference first
@@ -145,6 +146,9 @@ def compare_flights(
     found = compare_sides(a, b, wanted, request, tick)
     if ('odom', 'odom') in [(each.topic_a, each.topic_b) for each in wanted]:
         found = replace(found, remarks=(*found.remarks, *describe_old_odometry(one, other)))
+    outside = [describe_exceeded_region_of_bag(flight) for flight in (one, other)]
+    remarks = [f'{label}: {text}' for label, text in zip('AB', outside, strict=True) if text]
+    found = replace(found, remarks=(*found.remarks, *remarks))
     # Topics that were not requested are not missing
     if request.pairs or request.topics:
         return found

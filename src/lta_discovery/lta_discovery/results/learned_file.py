@@ -15,13 +15,17 @@ from lta_config.errors import BadInput
 from lta_config.files import parse_yaml
 from lta_config.parameter_override import get_parameter
 from lta_config.vehicle_edit import set_yaml_value
+from lta_data.validity import list_motion
 from lta_discovery.finding import NamedEffect, ParameterEstimate, StudyResult
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.page.formatting import format_assumed, join_words
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_model.effect_parameters import parts_drag
 from lta_model.effects import EFFECTS
 from lta_model.effects.protocol import AXES
 from lta_model.vehicle import Vehicle
+import numpy as np
+from numpy.typing import NDArray
 
 SAME: Final = 1e-12  # relative; closer values count as unchanged
 # Effects that derive from other blocks: where their numbers are, and in which order.
@@ -90,6 +94,33 @@ def format_learned_vehicle(
     ):
         text = set_yaml_value(text, one.place.split('.'), one.as_yaml)
     return text
+
+
+def add_validity(
+    text: str, flights: Sequence[FlightLinearizer], rotors: Sequence[str], source: str
+) -> str:
+    """Return the text of a vehicle file with the region that some flights covered."""
+    starts = np.concatenate([one.replay.cut.start for one in flights])
+    flown = list_motion(starts[:, 3:7], starts[:, 7:10], starts[:, 10:13])
+    told = [
+        one.replay.flight.commands.values for one in flights if one.replay.flight.wrench is None
+    ]
+    duties = [one.commands.values for one in told if len(one.commands.values)]
+    for name, values in flown.items():
+        unit = 'm/s' if name == 'speed' else 'rad/s' if name.endswith('rate') else 'rad'
+        text = set_yaml_value(text, ['validity', name], _region(values, unit, source))
+    for name, values in zip(rotors, duties.T, strict=False):
+        if len(values):
+            text = set_yaml_value(
+                text, ['validity', 'commands', name], _region(values, '1', source)
+            )
+    return text
+
+
+def _region(values: NDArray[np.float64], unit: str, source: str) -> dict[str, Any]:
+    """Return the YAML of the lowest and highest value."""
+    ends = [float(f'{end:.4g}') for end in (values.min(), values.max())]
+    return {'value': ends, 'unit': unit, 'source': source}
 
 
 def list_changed_quantities(

@@ -5,6 +5,7 @@ from dataclasses import replace
 from lta_discovery.finding import (
     ChannelErrors,
     IdentifiedGroup,
+    LeftOutKind,
     LeftOutRegime,
     NamedEffect,
     StudyResult,
@@ -24,7 +25,12 @@ from lta_discovery.transfer.bootstrap_intervals import (
     bootstrap_values,
     compute_confidence_intervals,
 )
-from lta_discovery.transfer.candidate_groups import CandidateGroup, list_candidate_groups
+from lta_discovery.transfer.candidate_groups import (
+    CandidateGroup,
+    HULL,
+    list_candidate_groups,
+    list_knobs,
+)
 from lta_discovery.transfer.effect_confirmation import confirm_groups
 from lta_discovery.transfer.effect_values import fit_effect_values
 from lta_discovery.transfer.forward_selection import select_forward
@@ -82,9 +88,8 @@ def test_every_direction_of_an_effect_has_one_name(gtmab: Known) -> None:
     found = {group.name: group for group in list_candidate_groups(known)}
     names = [known[k].name for k in found['added inertia'].knobs]
     assert names == ['added_inertia.roll', 'added_inertia.pitch', 'added_inertia.yaw']
-    every = [k for group in found.values() for k in group.knobs]
-    assert len(every) == len(set(every))
-    assert not any(known[k].per_flight for k in every)
+    assert not any(known[k].per_flight for k in list_knobs(list(found.values())))
+    assert HULL not in found  # this hull has its coefficients in other effects
 
 
 def test_what_is_lacking_is_named_and_its_value_covered(
@@ -139,8 +144,10 @@ def test_a_lift_is_learned_from_what_is_over() -> None:
 CARRIED = TransferEvidence(
     (IdentifiedGroup('added inertia', 0.028),),
     (LeftOutRegime('slow', 5, 0.95), LeftOutRegime('fast', 4, 0.8)),
-    ('side force',),
+    ('hull lift',),
     72,
+    ('wind gradient: rejected, as it makes forecasts of attitude 8 % worse',),
+    (LeftOutKind('slower than 0.54 m/s', 0.83, 1.01),),
 )
 GAP = ChannelErrors(
     'position', 'm', 5.0, 0.28, 0.27, 0.23, 0.31, 0.014, 0.18, (0.15, 0.22), 105, 0.17
@@ -159,13 +166,19 @@ def told() -> StudyResult:
 def test_programs_and_people_are_told_what_names_rest_on() -> None:
     known = to_dict(told())
     assert known['carried']['regimes'][0] == {'name': 'slow', 'flights': 5, 'ratio': 0.95}
-    assert known['carried']['interpolates'] == ['side force']
+    assert known['carried']['interpolates'] == ['hull lift']
+    assert known['carried']['rejected'] == list(CARRIED.rejected)
+    assert known['carried']['kinds'] == [
+        {'name': 'slower than 0.54 m/s', 'position': 0.83, 'attitude': 1.01}
+    ]
     assert known['gap']['refitted'] == 0.17
     assert '2 of 2 flight regimes' in format_forecast_evidence(CARRIED)
     page = render_transfer(told())
     assert '2.8 %' in page
     assert '\N{MINUS SIGN}5 %' in page  # of the worst regime
-    assert '<b>side force</b>' in page
+    assert '<b>hull lift</b>' in page
+    assert '8 % worse' in page
+    assert 'slower than 0.54 m/s' in page
     assert '0.61' in page  # 0.17 of 0.28 m
     assert to_dict(replace(told(), carried=None))['carried'] is None
     assert render_transfer(replace(told(), carried=None)) == ''

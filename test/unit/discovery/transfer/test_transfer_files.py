@@ -8,7 +8,7 @@ from lta_discovery.fit.bounds import apply_parameters
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import list_free_parameters
 from lta_discovery.results.learned_file import format_learned_vehicle
-from lta_discovery.transfer.candidate_groups import list_candidate_groups
+from lta_discovery.transfer.candidate_groups import list_candidate_groups, list_knobs
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
@@ -26,7 +26,7 @@ def test_a_file_with_everything_refitted_is_the_vehicle_that_was_learned(tmp_pat
     found = StudyResult('named', (), (), (), (), False, (), (), 1, {'train': ('A',)}, name)
     text, file = find_file('vehicle', name).read_text(encoding='utf-8'), tmp_path / 'learned.yaml'
     several = {group.name: group.knobs for group in list_candidate_groups(known)}
-    every = [k for which in several.values() for k in which]
+    every = list_knobs(list_candidate_groups(known))
     for which in (several['moving mass'], every):
         values = np.where(np.isin(np.arange(len(known)), which), small, 0.0)
         learned = apply_parameters(nominal, known, values)[0]
