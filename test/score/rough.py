@@ -1,10 +1,10 @@
 """
-Score the fits of rough cases against their vehicle files: `python test/score/rough.py --cases 200`.
+Score the fits of rough cases against their files: `python test/score/rough.py --cases 200`.
 
-Each case is one of `lta challenge make --row rough --seed SEED --n CASES`, in order: a vehicle file
-that is wrong by a factor of 0.3 to 3, and logs as laboratories have them. Only the fit without
-effects is computed, which is what diverges, if anything does; a whole study takes five times as
-long. A fit that predicts its own flights 5 % worse than the file, 3 s ahead, is a failure.
+Each case is one of `lta challenge make --row rough --seed SEED --n CASES`, in order: a vehicle
+file that is wrong by a factor of 0.3 to 3, and logs as laboratories have them. Only the fit
+without effects is computed, which is what diverges, if anything does; a whole study takes five
+times as long. A fit that predicts its own flights 5 % worse than the file, 3 s ahead, fails.
 """
 
 import argparse
@@ -91,11 +91,10 @@ def main() -> None:
     """Score, and print one line for each case and the counts."""
     words = argparse.ArgumentParser(description=__doc__)
     words.add_argument('--cases', type=int, default=20)
-    words.add_argument('--first', type=int, default=0, help='number of the first case')
     words.add_argument('--seed', type=int, default=2063)
     told = words.parse_args()
     order, counts = ChallengeRequest(told.seed, told.cases, 'rough'), Counter[str]()
-    for number in range(told.first, told.cases):
+    for number in range(told.cases):
         out = trial(order, number)
         counts[out['outcome']] += 1
         sys.stdout.write(json.dumps(out, default=str) + '\n')

@@ -102,18 +102,15 @@ def add_validity(
     """Return the text of a vehicle file with the region that some flights covered."""
     starts = np.concatenate([one.replay.cut.start for one in flights])
     flown = list_motion(starts[:, 3:7], starts[:, 7:10], starts[:, 10:13])
-    told = [
-        one.replay.flight.commands.values for one in flights if one.replay.flight.wrench is None
-    ]
-    duties = [one.commands.values for one in told if len(one.commands.values)]
     for name, values in flown.items():
         unit = 'm/s' if name == 'speed' else 'rad/s' if name.endswith('rate') else 'rad'
         text = set_yaml_value(text, ['validity', name], _region(values, unit, source))
-    for name, values in zip(rotors, duties.T, strict=False):
-        if len(values):
-            text = set_yaml_value(
-                text, ['validity', 'commands', name], _region(values, '1', source)
-            )
+    duties = [one.replay.flight.commands.values for one in flights]
+    # Flights that were commanded by forces have no duties
+    known = [each for each in duties if len(each) and each.shape[1] == len(rotors)]
+    table = np.concatenate(known) if known else np.zeros((0, 0))
+    for name, values in zip(rotors, table.T, strict=False):
+        text = set_yaml_value(text, ['validity', 'commands', name], _region(values, '1', source))
     return text
 
 

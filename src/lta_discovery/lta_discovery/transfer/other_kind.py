@@ -19,12 +19,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-Errors = Mapping[tuple[str, str], float]  # by kind of regime and channel
+# Squared errors of each part of a flight, by kind of regime and channel
+Errors = Mapping[tuple[str, str], Array]
 
 OUTER: Final = 0.2  # share of the pieces that are slowest, and that are fastest
 APART: Final = 1.1  # times; a median closer to that of the other pieces is the same kind
 FEWEST: Final = 20  # pieces of a kind
-WORSE: Final = 1.02  # of the error; above it forecasts are worse
+WORSE: Final = 1.02  # of the error; above it forecasts are worse, if by more than chance
+CHANCE: Final = 2.0  # standard errors of the mean difference between flights
 ROUNDS: Final = 2  # most steps of a fit without an effect, or without a kind
 MOST: Final = 300  # pieces, to limit time
 CHANNELS: Final[dict[str, slice]] = {'position': slice(0, 3), 'attitude': slice(3, 6)}
@@ -172,7 +174,10 @@ def judge_by_kind(
     return KindJudgement(
         kept,
         lost,
-        [LeftOutKind(k, *(own[k, c] / file[k, c] for c in CHANNELS)) for k in names],
+        [
+            LeftOutKind(k, *(float(np.sqrt(own[k, c].sum() / file[k, c].sum())) for c in CHANNELS))
+            for k in names
+        ],
     )
 
 
@@ -192,18 +197,28 @@ def _errors_by_kind(
     splits: Sequence[KindSplit], groups: Sequence[CandidateGroup], values: Array
 ) -> Errors:
     """Return the errors of each kind with the values of the other pieces."""
-    out = dict[tuple[str, str], float]()
+    out = dict[tuple[str, str], Array]()
     for sight, kinds in splits:
         for kind, inside in kinds.items():
             others = [k for k in range(len(sight.flights)) if k not in set(inside)]
             # Fitted, not one step: left-out pieces of another kind are far from the others
             taught = _fit(sight, groups, others, values)
             for channel, columns in CHANNELS.items():
-                out[kind, channel] = sight.rms_error(taught, inside, columns)
+                out[kind, channel] = np.array(
+                    [sight.rms_error(taught, [part], columns) ** 2 for part in inside]
+                ) * [len(sight.flights[part].replay.first) for part in inside]
     return out
 
 
 def _worst(name: str, own: Errors, other: Errors) -> RejectedEffect:
     """Return where forecasts with an effect are worst, compared with others."""
-    kind, channel = max(own, key=lambda where: own[where] / other[where])
-    return RejectedEffect(name, kind, channel, own[kind, channel] / other[kind, channel])
+
+    def ratio(where: tuple[str, str]) -> float:
+        more = own[where] - other[where]
+        # A difference within its standard error counts as none
+        chance = CHANCE * np.std(more) * len(more) ** 0.5
+        found = float(np.sqrt(own[where].sum() / other[where].sum()))
+        return min(found, 1.0) if more.sum() <= chance else found
+
+    kind, channel = max(own, key=ratio)
+    return RejectedEffect(name, kind, channel, ratio((kind, channel)))

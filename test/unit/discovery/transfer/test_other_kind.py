@@ -33,10 +33,10 @@ def judged(monkeypatch, groups, ratio):
     """Return a judgement where each effect multiplies some errors by `ratio(name)`."""
 
     def errors(_splits, some, _values):
-        out = {('slow', 'position'): 2.0, ('slow', 'attitude'): 1.0}
+        out = {('slow', 'position'): np.full(3, 4.0), ('slow', 'attitude'): np.full(3, 1.0)}
         for one in some:
             for channel, factor in ratio(one.name).items():
-                out['slow', channel] *= factor
+                out['slow', channel] = out['slow', channel] * factor**2
         return out
 
     monkeypatch.setattr(other_kind, '_errors_by_kind', errors)
@@ -59,7 +59,7 @@ def test_an_effect_that_trades_attitude_for_position_is_rejected(monkeypatch) ->
     (lost,) = found.rejected
     assert (lost.name, lost.kind, lost.channel) == ('bad', 'slow', 'attitude')
     assert '20 % worse' in lost.sentence
-    assert found.kinds[0].attitude == 0.9 * 0.99
+    np.testing.assert_allclose(found.kinds[0].attitude, 0.9 * 0.99)
     np.testing.assert_allclose(found.kinds[0].position, 0.7 * 1.01)
 
 
@@ -67,7 +67,7 @@ def test_effects_that_help_each_other_are_kept_together(monkeypatch) -> None:
     """Both alone are harmful; together they are not, so removing either is worse."""
 
     def errors(_splits, some, _values):
-        size = {0: 1.0, 1: 1.5, 2: 0.6}[len(some)]
+        size = np.full(3, {0: 1.0, 1: 1.5, 2: 0.6}[len(some)] ** 2)
         return {('slow', 'position'): size, ('slow', 'attitude'): size}
 
     monkeypatch.setattr(other_kind, '_errors_by_kind', errors)
@@ -76,6 +76,15 @@ def test_effects_that_help_each_other_are_kept_together(monkeypatch) -> None:
     found = judge_by_kind(sight, [GOOD, BAD], np.zeros(3), [KindSplit(sight, {'slow': [0]})])
     assert len(found.kept) == 2
     assert not found.rejected
+
+
+def test_a_difference_within_chance_is_none() -> None:
+    """One part is far worse and all others are better: the sum proves nothing."""
+    other = {('slow', 'position'): np.ones(20)}
+    own = {('slow', 'position'): np.where(np.arange(20) < 1, 6.0, 0.9)}
+    assert own['slow', 'position'].mean() > 1.1
+    assert other_kind._worst('wind', own, other).ratio == 1.0
+    assert other_kind._worst('wind', {k: 1.2 * v for k, v in other.items()}, other).ratio > 1.09
 
 
 def flight(speeds: np.ndarray, turns: np.ndarray):
