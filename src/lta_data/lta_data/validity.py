@@ -39,13 +39,13 @@ def list_motion(quaternion: Array, velocity: Array, rates: Array) -> dict[str, A
     return dict(zip(MOTION, values, strict=True))
 
 
-def describe_exceeded_region(vehicle: VehicleFile, flown: Mapping[str, Array]) -> str:
+def describe_exceeded_region(vehicle: VehicleFile, motion: Mapping[str, Array]) -> str:
     """
     Return a warning if a flight leaves the region of validity of its vehicle file, else ''.
 
     Parameters
     ----------
-    flown : mapping of str to ndarray, shape (n,)
+    motion : mapping of str to ndarray, shape (n,)
         Quantities of `list_motion`, and the duty of each rotor by its name; NaN where unknown.
 
     """
@@ -53,7 +53,7 @@ def describe_exceeded_region(vehicle: VehicleFile, flown: Mapping[str, Array]) -
         return ''
     out = []
     for name, limits in vehicle.validity.limits.items():
-        values = flown.get(name, np.zeros(0))
+        values = motion.get(name, np.zeros(0))
         values = values[np.isfinite(values)]
         low, high = limits.vector
         if np.sum((values < low) | (values > high)) <= SHARE * len(values):

@@ -30,8 +30,8 @@ CHANCE: Final = 2.0  # standard errors of the mean difference between flights
 ROUNDS: Final = 2  # most steps of a fit without an effect, or without a kind
 MOST: Final = 300  # pieces, to limit time
 CHANNELS: Final[dict[str, slice]] = {'position': slice(0, 3), 'attitude': slice(3, 6)}
-SPEED: Final = slice(7, 10)  # of a state
-TURN: Final = 12
+SPEED: Final = slice(7, 10)  # of a state: its velocity
+TURN: Final = 12  # of a state: its yaw rate
 NAMES: Final = {
     'speed': ('slower than {:.2g} m/s', 'faster than {:.2g} m/s'),
     'turn': ('turns below {:.2g} rad/s', 'turns above {:.2g} rad/s'),
