@@ -16,6 +16,7 @@ def flown(monkeypatch, tmp_path):
     """Return a function that makes the next flight end in some way."""
     monkeypatch.setattr(verb, 'write_page', lambda bag, out: RESULTS)
     monkeypatch.setattr(verb, 'open_flight', lambda bag: bag)
+    monkeypatch.setattr(verb, 'describe_exceeded_region_of_bag', lambda flight: '')
     monkeypatch.setattr(verb, 'FlightView', lambda flight: flight)
     monkeypatch.setattr(verb, 'compute_results', lambda view: RESULTS)
 
