@@ -128,9 +128,15 @@ class LightCore:
         self._samples.write(samples.astype('<u2').tobytes())
 
     def _carry(self) -> None:
+        # Until the bridge has asked for the time nobody reads, and a full port would hold up the
+        # board and with it the world
+        is_open = False
         while self._running.is_set():
-            self._near.write(self._far.read(0.002))
-            self._far.write(self._near.read())
+            sent, asked = self._far.read(0.002), self._near.read()
+            is_open = is_open or bool(asked)
+            self._far.write(asked)
+            if is_open:
+                self._near.write(sent)
 
 
 @contextmanager
