@@ -15,6 +15,7 @@ from lta_discovery.calibration.coarse_fit import build_forecast_fitter, LONG, SH
 from lta_discovery.calibration.first_step import calibrate_first
 from lta_discovery.calibration.priors import apply_calibration
 from lta_discovery.calibration.result import CalibratedValue, Calibration, ForecastScore
+from lta_discovery.calibration.verdict import list_differences
 from lta_discovery.finding import StudyResult
 from lta_discovery.flights.bags import read_bags
 from lta_discovery.flights.role_assignment import restrict_to_interval, Role
@@ -120,7 +121,7 @@ def test_what_calls_for_a_calibration(
     monkeypatch.setattr(first_step, '_is_suspicious', lambda *_: True)
     monkeypatch.setattr(first_step, 'calibrate_flights', lambda *_, **__: found)
     result = calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None)
-    assert result is (found if called else None)
+    assert result == (found if called else None)
 
 
 @pytest.mark.parametrize(('after', 'called'), [(0.05, True), (0.25, False)])
@@ -138,7 +139,25 @@ def test_a_rough_calibration_has_to_forecast_much_better(
     monkeypatch.setattr(first_step, '_is_suspicious', lambda *_: True)
     monkeypatch.setattr(first_step, 'calibrate_flights', lambda *_, **__: found)
     result = calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None)
-    assert (result is found) is called
+    assert result == (found if called else None)
+
+
+def test_the_first_line_names_the_reason(
+    vehicle: Vehicle, wrong: list[Role], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Half of a force calls for a calibration within three tolerances of a gain."""
+    half = replace(make_value('wrench_gain.surge', 1.0, 0.5, 0.01), is_far=False)
+    other = replace(make_value('wrench_gain.heave', 1.0, 0.9, 0.01), is_far=False)
+    found = make_calibration(NominalVehicle.from_vehicle(vehicle), half, other)
+    assert list_differences(found) == []
+    monkeypatch.setattr(first_step, '_is_suspicious', lambda *_: True)
+    monkeypatch.setattr(first_step, 'calibrate_flights', lambda *_, **__: found)
+    result = calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None)
+    assert result is not None
+    assert list_differences(result) == ['surge: 50 % of the commanded force arrives']
+    unknown = make_calibration(found.nominal, half, after=math.nan)
+    monkeypatch.setattr(first_step, 'calibrate_flights', lambda *_, **__: unknown)
+    assert calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None) is None
 
 
 def test_wrong_gains_are_suspected_at_once(vehicle: Vehicle, wrong: list[Role]) -> None:
