@@ -11,7 +11,12 @@ from lta_config.files import find_file
 from lta_discovery.calibration import first_step
 from lta_discovery.calibration.calibrated_file import format_calibrated_vehicle
 from lta_discovery.calibration.calibration import prepare_calibration
-from lta_discovery.calibration.coarse_fit import build_forecast_fitter, LONG, SHORT
+from lta_discovery.calibration.coarse_fit import (
+    build_forecast_fitter,
+    fit_coarse_calibration,
+    LONG,
+    SHORT,
+)
 from lta_discovery.calibration.first_step import calibrate_first
 from lta_discovery.calibration.priors import apply_calibration
 from lta_discovery.calibration.result import CalibratedValue, Calibration, ForecastScore
@@ -178,6 +183,17 @@ def test_a_short_flight_does_not_disable_the_first_fit(
     built = build_forecast_fitter(prepared.nominal, flights, SHORT, 0.4)
     assert built is not None
     assert built[1] == [0, 1]
+
+
+def test_a_flight_too_short_for_forecasts_has_the_lift_of_the_others(
+    vehicle: Vehicle, wrong: list[Role]
+) -> None:
+    (name, _, flight), (other, _, rest) = wrong
+    brief = (other, 'train', restrict_to_interval(rest, 0.5, 0.53))
+    prepared = prepare_calibration(vehicle, [(name, 'train', flight), brief])
+    lifts = fit_coarse_calibration(prepared.nominal, prepared.flights['train']).lifts
+    assert lifts[0] != 0.0
+    assert lifts[1] == lifts[0]
 
 
 def test_calibrated_numbers_are_no_candidates(vehicle: Vehicle) -> None:
