@@ -178,7 +178,7 @@ def _largest_push(vehicle: Vehicle, axis: str) -> _Push | None:
         if limit is None:
             continue
         # Upwards, the limit is the total force, which contains the carried weight
-        most = limit.most - (weight if direction == 'up' else 0.0)
+        most = limit.most - (max(weight, 0.0) if direction == 'up' else 0.0)
         if most > NOTHING:
             return _Push(sign, most, limit.thrusts)
     return None
