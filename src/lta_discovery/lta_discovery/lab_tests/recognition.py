@@ -96,7 +96,9 @@ def read_commanded_wrench(flight: MeasuredFlight, vehicle: Vehicle) -> Stream:
 
 def _list_commanded_axes(orders: Stream) -> list[str]:
     """Return the axes whose command changes enough; tilting moments follow from a push."""
-    out = []
+    out: list[str] = []
+    if not len(orders.values):
+        return out
     for axes in (('surge', 'sway', 'heave'), ('yaw',)):
         columns = [AXES.index(axis) for axis in axes]
         largest = float(np.abs(orders.values[:, columns]).max(initial=0.0))

@@ -152,6 +152,14 @@ def test_a_step_logged_at_its_changes_alone_ends_in_a_spin_down(gtmab: Vehicle) 
     assert [one.kind for one in recognise_tests(flight, gtmab)] == ['step', 'spin_down']
 
 
+def test_a_log_without_any_command_is_recognised_by_its_motion(gtmab: Vehicle) -> None:
+    swing = next(one for one in list_designed_tests(gtmab) if one.kind == 'swing')
+    flight = rehearse_test(gtmab, NominalVehicle.from_vehicle(gtmab), swing, 'rotors')
+    rotors = len(gtmab.rotors)
+    silent = replace(flight, commands=Stream(np.zeros(0), np.zeros((0, rotors))))
+    assert [one.kind for one in recognise_tests(silent, gtmab)] == ['swing']
+
+
 def test_a_vehicle_that_falls_gets_no_list() -> None:
     with pytest.raises(BadInput, match=r'does not carry 100 % of its weight; the list is for'):
         list_designed_tests(load_vehicle('multirotor'))
