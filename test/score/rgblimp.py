@@ -37,7 +37,7 @@ FOLDS: Final = 5
 PAGE: Final = Path(__file__).resolve().parents[2] / 'docs' / 'discovery_flights.md'
 TUNE, NAMED, ALL = (
     'tolerances tuned',
-    'named effects that transfer',
+    'named effects',
     'plus everything else',
 )
 EVEN: Final = 1.7  # how much more a place counts than an attitude, where all is fitted

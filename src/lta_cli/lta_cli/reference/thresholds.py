@@ -11,6 +11,7 @@ PACKAGE: Final = 'lta_discovery'
 # Modules that contain decision thresholds, in order; the rest of the package is presentation.
 PARTS: Final = {
     'flights': 'Selection of sensor readings',
+    'calibration': 'Calibration before the search',
     'model': 'Model parameters that can be fitted',
     'replay': 'Resolution of the flight replay',
     'fit': 'Fitting',

@@ -139,7 +139,13 @@ def fit_coarse_calibration(
             late = [k for k in shared if knobs[k].name == DELAY]
             best = _improve(fitter, picked, best, start.values, [*first, *late])
     long = build_forecast_fitter(nominal, flights, LONG, APART[1])
-    return best if long is None else _improve(*long, best, best.values, shared)
+    if long is not None:
+        best = _improve(*long, best, best.values, shared)
+    if short is not None:
+        # A flight that is too short for forecasts has the mean lift of the others
+        rest = [f for f in range(len(flights)) if f not in short[1]]
+        best.lifts[rest] = best.lifts[short[1]].mean()
+    return best
 
 
 def _fit_at_delays(
@@ -193,6 +199,5 @@ def _improve(
     covariance = before.covariance.copy()
     covariance[np.ix_(which, which)] = np.linalg.inv(fit.precision + np.diag(spread**-2.0))
     lifts = before.lifts.copy()
-    # The lift of a flight that is too short for forecasts stays that of the others
     lifts[list(picked)] = fit.lifts
     return CoarseCalibration(fit.values, lifts, covariance)

@@ -8,7 +8,7 @@ go on from the calibrated file.
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 import tempfile
 from typing import Final, final
@@ -87,9 +87,13 @@ def calibrate_first(
     if found.method == 'likelihood':
         # The lift of a flight shows in its positions alone
         error = min(error, relative_position_error(scores))
-    if error > BETTER[found.method] or not any(_list_reasons(found)):
+    reasons = list(_list_reasons(found))
+    # Written so that an error that is not a number is none that is better
+    if not (reasons and error <= BETTER[found.method]):
         return None
-    return found
+    # The first line and the table name the reasons, also those within three tolerances
+    values = [replace(one, is_far=one.is_far or one in reasons) for one in found.values]
+    return replace(found, values=tuple(values))
 
 
 def _is_suspicious(vehicle: Vehicle, flights: Sequence[Role]) -> bool:

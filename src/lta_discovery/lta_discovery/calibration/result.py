@@ -53,7 +53,8 @@ class CalibratedValue:
     is_known : bool
         Whether the flights narrow it down; otherwise the interval is the assumed one.
     is_far : bool
-        Whether the file is off by more than its tolerance explains.
+        Whether the file is off by more than its tolerance explains, or by so much that a discovery
+        goes on from the calibrated file.
     inseparable : tuple of str
         Parameters that could be changed instead.
 

@@ -6,10 +6,9 @@ from typing import Final
 
 from lta_discovery.calibration.result import CalibratedValue, Calibration
 from lta_discovery.model.nominal import NominalVehicle
-from lta_discovery.page.formatting import format_number
+from lta_discovery.page.formatting import DEGREES, format_number
 import numpy as np
 
-DEGREES: Final = 180.0 / math.pi
 PENDULUM: Final = 0.1  # relative; a smaller change of the pendulum's rate is not reported
 AXIS_WORDS: Final = {
     'surge': 'force', 'sway': 'force', 'heave': 'force',

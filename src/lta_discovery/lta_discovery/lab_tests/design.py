@@ -178,7 +178,7 @@ def _largest_push(vehicle: Vehicle, axis: str) -> _Push | None:
         if limit is None:
             continue
         # Upwards, the limit is the total force, which contains the carried weight
-        most = limit.most - (weight if direction == 'up' else 0.0)
+        most = limit.most - (max(weight, 0.0) if direction == 'up' else 0.0)
         if most > NOTHING:
             return _Push(sign, most, limit.thrusts)
     return None
@@ -188,7 +188,9 @@ def _design_step(vehicle: Vehicle, axis: str, push: _Push, room: float) -> LabTe
     """Return the largest step of an axis that fits the room."""
     k, share = AXES.index(axis), SHARE
     seconds, way = _follow_step(vehicle, k, share * push.most)
-    while way > room and share > LEAST_STEP:
+    # A turn needs no room, but should not be faster than a tracker follows
+    limit = 1.0 if axis == 'yaw' else room
+    while way > limit and share > LEAST_STEP:
         share *= SMALLER
         seconds, way = _follow_step(vehicle, k, share * push.most)
     thrusts = tuple(
@@ -200,7 +202,7 @@ def _design_step(vehicle: Vehicle, axis: str, push: _Push, room: float) -> LabTe
 
 
 def _follow_step(vehicle: Vehicle, k: int, force: float) -> tuple[float, float]:
-    """Return the length of a step [s], and the way [m]."""
+    """Return the length of a step [s], and its way [m] or, in yaw, its share of `RATE`."""
     axis, inertia = AXES[k], _total_inertia(vehicle, k)
     linear, square = _drag_of_axis(vehicle, axis)
     fastest = terminal_speed(force, linear, square) or math.inf
@@ -211,8 +213,7 @@ def _follow_step(vehicle: Vehicle, k: int, force: float) -> tuple[float, float]:
     for _ in range(round(seconds / dt)):
         speed += dt * (force - (linear + square * abs(speed)) * speed) / inertia
         way += dt * speed
-    # A turn needs no room, but should not be faster than a tracker follows
-    return seconds, ROOM * speed / RATE if axis == 'yaw' else way
+    return seconds, speed / RATE if axis == 'yaw' else way
 
 
 def _drag_of_axis(vehicle: Vehicle, axis: str) -> tuple[float, float]:

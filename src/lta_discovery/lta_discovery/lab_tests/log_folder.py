@@ -98,7 +98,7 @@ def _holds_log(path: Path) -> bool:
 
 def _find_mapping(log: Path, folder: Path, requested: str | None) -> str | None:
     """Return the mapping of a log; '' if it has to be drafted, None if it needs none."""
-    beside = folder / f'{log.name.split(".")[0]}.yaml'
+    beside = folder / f'{_log_name(log)}.yaml'
     for path in (beside, folder / MAPPING):
         if requested is None and path.is_file():
             requested = str(path)
@@ -108,6 +108,11 @@ def _find_mapping(log: Path, folder: Path, requested: str | None) -> str | None:
     # Bags of ours need no mapping; other formats have a shipped one
     fits = requested is not None and load_mapping(requested)[0].format == format_
     return requested if fits else FORMATS[format_].mapping
+
+
+def _log_name(log: Path) -> str:
+    """Return the name of a log without its suffix; it may contain dots, as dates do."""
+    return log.name if log.is_dir() else log.name.removesuffix('.gz').rpartition('.')[0]
 
 
 def _draft_mappings(logs: Sequence[Path], answers: Mapping[str, str]) -> dict[Path, str]:
@@ -149,7 +154,10 @@ def _open_log(log: Path, mapping: str | None, scratch: Path, tell: Callable[[str
     if mapping is None and (bag.is_dir() or bag.suffix == MCAP):
         return log
     tell(f'importing {log.name}')
-    out = scratch / log.name.split('.')[0]
+    out = scratch / _log_name(log)
+    if out.exists():
+        # The same name with another suffix
+        out = scratch / log.name
     progress = ImportProgress(Console(quiet=True), 1)
     import_logs(ImportRequest([log], mapping), out, progress)
     return out

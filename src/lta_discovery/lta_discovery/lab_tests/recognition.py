@@ -96,7 +96,9 @@ def read_commanded_wrench(flight: MeasuredFlight, vehicle: Vehicle) -> Stream:
 
 def _list_commanded_axes(orders: Stream) -> list[str]:
     """Return the axes whose command changes enough; tilting moments follow from a push."""
-    out = []
+    out: list[str] = []
+    if not len(orders.values):
+        return out
     for axes in (('surge', 'sway', 'heave'), ('yaw',)):
         columns = [AXES.index(axis) for axis in axes]
         largest = float(np.abs(orders.values[:, columns]).max(initial=0.0))
@@ -115,7 +117,7 @@ def _list_commanded_axes(orders: Stream) -> list[str]:
 
 
 def _count_changes(values: Array) -> int:
-    """Return how often a command changes by much within a tenth of its series."""
+    """Return how often a command leaves the level of its last change by much."""
     span = float(np.ptp(values))
     level, count = float(values[0]), 0
     for value in values[1:]:
@@ -161,9 +163,12 @@ def _recognise_coasting(
     if 'yaw' not in moved:
         return ()
     values = np.abs(orders.values[:, AXES.index('yaw')])
-    busy = np.flatnonzero(values >= MOVED * values.max())
-    begin = int(np.searchsorted(flight.time, orders.time[busy[-1]])) + 1
-    if busy[-1] == len(values) - 1 or (len(flight.time) - begin) * PERIOD < COASTED:
+    last = int(np.flatnonzero(values >= MOVED * values.max())[-1])
+    if last == len(values) - 1:
+        return ()
+    # A command holds until the next one
+    begin = int(np.searchsorted(flight.time, orders.time[last + 1]))
+    if (len(flight.time) - begin) * PERIOD < COASTED:
         return ()
     found = _recognise_free_motion(flight, begin)
     return tuple(one for one in found if one.kind == 'spin_down')

@@ -105,9 +105,9 @@ def add_validity(
     for name, values in flown.items():
         unit = 'm/s' if name == 'speed' else 'rad/s' if name.endswith('rate') else 'rad'
         text = set_yaml_value(text, ['validity', name], _region(values, unit, source))
-    duties = [one.replay.flight.commands.values for one in flights]
-    # Flights that were commanded by forces have no duties
-    known = [each for each in duties if len(each) and each.shape[1] == len(rotors)]
+    # Flights that were commanded by forces have duties of zero, which are none
+    flown_by_duty = [one.replay.flight for one in flights if one.replay.flight.wrench is None]
+    known = [one.commands.values for one in flown_by_duty if len(one.commands.values)]
     table = np.concatenate(known) if known else np.zeros((0, 0))
     for name, values in zip(rotors, table.T, strict=False):
         text = set_yaml_value(text, ['validity', 'commands', name], _region(values, '1', source))

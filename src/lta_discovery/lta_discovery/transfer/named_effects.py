@@ -32,9 +32,11 @@ def build_named_effects(
         values, rivals = best.fitted.values, _list_close_rivals(group, chosen.rounds[place], knobs)
         # A value of 0 is clipped at its bound, and not part of the effect.
         moved = [k for k in group.knobs if values[k] != 0.0]
-        for effect in dict.fromkeys(knobs[k].name.partition('.')[0] for k in moved):
+        effects = {k: knobs[k].name.partition('.')[0] for k in moved}
+        for effect in dict.fromkeys(effects.values()):
             before = out.get(effect, NamedEffect(effect, (), (), 0.0))
-            own = [k for k in moved if knobs[k].name.startswith(f'{effect}.')]
+            # A part of a hull may have been chosen before all of it
+            own = [k for k in moved if effects[k] == effect and knobs[k].name not in before.knobs]
             parameters = [
                 each
                 for k in own

@@ -215,8 +215,8 @@ def _worst(name: str, own: Errors, other: Errors) -> RejectedEffect:
 
     def ratio(where: tuple[str, str]) -> float:
         more = own[where] - other[where]
-        # A difference within its standard error counts as none
-        chance = CHANCE * np.std(more) * len(more) ** 0.5
+        # A difference within its standard error, which one flight does not tell, counts as none
+        chance = CHANCE * np.std(more, ddof=1) * len(more) ** 0.5 if len(more) > 1 else np.inf
         found = float(np.sqrt(own[where].sum() / other[where].sum()))
         return min(found, 1.0) if more.sum() <= chance else found
 

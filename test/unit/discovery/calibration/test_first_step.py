@@ -11,10 +11,16 @@ from lta_config.files import find_file
 from lta_discovery.calibration import first_step
 from lta_discovery.calibration.calibrated_file import format_calibrated_vehicle
 from lta_discovery.calibration.calibration import prepare_calibration
-from lta_discovery.calibration.coarse_fit import build_forecast_fitter, LONG, SHORT
+from lta_discovery.calibration.coarse_fit import (
+    build_forecast_fitter,
+    fit_coarse_calibration,
+    LONG,
+    SHORT,
+)
 from lta_discovery.calibration.first_step import calibrate_first
 from lta_discovery.calibration.priors import apply_calibration
 from lta_discovery.calibration.result import CalibratedValue, Calibration, ForecastScore
+from lta_discovery.calibration.verdict import list_differences
 from lta_discovery.finding import StudyResult
 from lta_discovery.flights.bags import read_bags
 from lta_discovery.flights.role_assignment import restrict_to_interval, Role
@@ -120,7 +126,7 @@ def test_what_calls_for_a_calibration(
     monkeypatch.setattr(first_step, '_is_suspicious', lambda *_: True)
     monkeypatch.setattr(first_step, 'calibrate_flights', lambda *_, **__: found)
     result = calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None)
-    assert result is (found if called else None)
+    assert result == (found if called else None)
 
 
 @pytest.mark.parametrize(('after', 'called'), [(0.05, True), (0.25, False)])
@@ -138,7 +144,25 @@ def test_a_rough_calibration_has_to_forecast_much_better(
     monkeypatch.setattr(first_step, '_is_suspicious', lambda *_: True)
     monkeypatch.setattr(first_step, 'calibrate_flights', lambda *_, **__: found)
     result = calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None)
-    assert (result is found) is called
+    assert result == (found if called else None)
+
+
+def test_the_first_line_names_the_reason(
+    vehicle: Vehicle, wrong: list[Role], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Half of a force calls for a calibration within three tolerances of a gain."""
+    half = replace(make_value('wrench_gain.surge', 1.0, 0.5, 0.01), is_far=False)
+    other = replace(make_value('wrench_gain.heave', 1.0, 0.9, 0.01), is_far=False)
+    found = make_calibration(NominalVehicle.from_vehicle(vehicle), half, other)
+    assert list_differences(found) == []
+    monkeypatch.setattr(first_step, '_is_suspicious', lambda *_: True)
+    monkeypatch.setattr(first_step, 'calibrate_flights', lambda *_, **__: found)
+    result = calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None)
+    assert result is not None
+    assert list_differences(result) == ['surge: 50 % of the commanded force arrives']
+    unknown = make_calibration(found.nominal, half, after=math.nan)
+    monkeypatch.setattr(first_step, 'calibrate_flights', lambda *_, **__: unknown)
+    assert calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None) is None
 
 
 def test_wrong_gains_are_suspected_at_once(vehicle: Vehicle, wrong: list[Role]) -> None:
@@ -159,6 +183,17 @@ def test_a_short_flight_does_not_disable_the_first_fit(
     built = build_forecast_fitter(prepared.nominal, flights, SHORT, 0.4)
     assert built is not None
     assert built[1] == [0, 1]
+
+
+def test_a_flight_too_short_for_forecasts_has_the_lift_of_the_others(
+    vehicle: Vehicle, wrong: list[Role]
+) -> None:
+    (name, _, flight), (other, _, rest) = wrong
+    brief = (other, 'train', restrict_to_interval(rest, 0.5, 0.53))
+    prepared = prepare_calibration(vehicle, [(name, 'train', flight), brief])
+    lifts = fit_coarse_calibration(prepared.nominal, prepared.flights['train']).lifts
+    assert lifts[0] != 0.0
+    assert lifts[1] == lifts[0]
 
 
 def test_calibrated_numbers_are_no_candidates(vehicle: Vehicle) -> None:

@@ -50,6 +50,20 @@ def test_a_mapping_beside_the_log_is_used(tmp_path: Path) -> None:
     assert not opened(folder, tmp_path / 'third').drafts
 
 
+def test_names_with_dots_are_different_logs(tmp_path: Path) -> None:
+    folder = tmp_path / 'lab'
+    folder.mkdir()
+    for name in ('2026.11.26', '2026.11.27'):
+        write_log(folder / f'{name}.csv')
+    (folder / '2026.11.26.txt').write_bytes((folder / '2026.11.26.csv').read_bytes())
+    text = opened(folder, tmp_path / 'first').drafts['mapping.yaml']
+    for name in ('2026.11.26', '2026.11.27'):
+        (folder / f'{name}.yaml').write_text(text)
+    found = opened(folder, tmp_path / 'second')
+    assert [bag.name for bag in found.bags] == ['2026.11.26', '2026.11.26.txt', '2026.11.27']
+    assert not found.drafts
+
+
 def test_two_readings_ask_with_the_option_that_decides(tmp_path: Path) -> None:
     """Heights on both sides of zero, and no gravity: up or down?"""
     folder = tmp_path / 'lab'

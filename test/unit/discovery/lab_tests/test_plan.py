@@ -1,6 +1,12 @@
 """The list of an afternoon: what a vehicle file says about its own tests."""
 
+from dataclasses import replace
+from pathlib import Path
+
 from lta_config.errors import BadInput
+from lta_config.files import find_file
+from lta_config.vehicle_edit import set_yaml_value
+from lta_discovery.flights.measured_flight import PERIOD, Stream
 from lta_discovery.flights.windows import fit_state_at
 from lta_discovery.lab_tests.design import LabTest, list_designed_tests
 from lta_discovery.lab_tests.plan import LabPlan, plan_lab_tests, PlannedTest, rehearse_test
@@ -8,6 +14,7 @@ from lta_discovery.lab_tests.plan_report import build_plan_report
 from lta_discovery.lab_tests.recognition import read_commanded_wrench, recognise_tests
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.quaternions import rotation_matrix
+from lta_model.effects.protocol import AXES
 from lta_model.vehicle import load_vehicle, Vehicle
 from lta_report.report import TextTable
 from lta_vehicle.figures.pendulum import compute_pendulum_mode
@@ -85,6 +92,20 @@ def test_a_step_fits_the_room_and_the_rotors(gtmab: Vehicle) -> None:
     flight = rehearse_test(gtmab, nominal, large['surge'], 'wrench')
     assert np.ptp(flight.position[:, 0]) < 4.0
     assert 0.0 < small['surge'].size < large['surge'].size
+    # A turn needs no room
+    assert small['yaw'].size == large['yaw'].size
+
+
+def test_a_light_vehicle_climbs_with_its_rotors_alone(gtmab: Vehicle, tmp_path: Path) -> None:
+    """What the gas lifts beyond the weight is no part of the commanded force."""
+    text = find_file('vehicle', 'gtmab').read_text(encoding='utf-8')
+    light = {'value': -0.002, 'unit': 'kg', 'source': 'a test'}
+    (tmp_path / 'light.yaml').write_text(set_yaml_value(text, ['trim', 'heaviness'], light))
+    vehicle = load_vehicle(str(tmp_path / 'light.yaml'))
+    assert vehicle.heaviness == pytest.approx(-0.002)
+    step = next(one for one in list_designed_tests(vehicle) if one.name == 'step in heave')
+    columns = [rotor.column[AXES.index('heave')] for rotor in vehicle.rotors]
+    assert np.dot(columns, step.thrusts) == pytest.approx(step.size, rel=0.02)
 
 
 def test_a_released_vehicle_begins_where_the_test_says(gtmab: Vehicle) -> None:
@@ -107,6 +128,36 @@ def test_every_rehearsed_test_is_recognised(gtmab: Vehicle, commands: str) -> No
         # One forward rotor alone pushes as well as it turns
         both = one.kind == 'step' and one.axis == 'yaw' and commands == 'rotors'
         assert len(found) == 1 + both, one.name
+
+
+def test_a_step_logged_at_its_changes_alone_ends_in_a_spin_down(gtmab: Vehicle) -> None:
+    """The last command but one holds until the last one, which ends it."""
+    tests = {one.kind: one for one in list_designed_tests(gtmab)}
+    nominal = NominalVehicle.from_vehicle(gtmab)
+    spin = rehearse_test(gtmab, nominal, tests['spin_down'], 'wrench')
+    time = np.arange(0.0, 22.0, PERIOD)
+    # Speeds up while the moment acts, and turns on by 2 rad
+    later = np.maximum(time - 8.0, 0.0)
+    heading = np.minimum(time, 8.0) ** 2 / 16.0 + 2.0 * (1.0 - np.exp(-later / 2.0))
+    turned = np.column_stack([0 * time, 0 * time, np.sin(heading / 2), np.cos(heading / 2)])
+    wrench = np.zeros((3, 6))
+    wrench[1, AXES.index('yaw')] = 1e-3
+    flight = replace(
+        spin,
+        time=time,
+        position=np.zeros((len(time), 3)),
+        quaternion=turned,
+        wrench=Stream(np.array([0.0, 1.0, 8.0]), wrench),
+    )
+    assert [one.kind for one in recognise_tests(flight, gtmab)] == ['step', 'spin_down']
+
+
+def test_a_log_without_any_command_is_recognised_by_its_motion(gtmab: Vehicle) -> None:
+    swing = next(one for one in list_designed_tests(gtmab) if one.kind == 'swing')
+    flight = rehearse_test(gtmab, NominalVehicle.from_vehicle(gtmab), swing, 'rotors')
+    rotors = len(gtmab.rotors)
+    silent = replace(flight, commands=Stream(np.zeros(0), np.zeros((0, rotors))))
+    assert [one.kind for one in recognise_tests(silent, gtmab)] == ['swing']
 
 
 def test_a_vehicle_that_falls_gets_no_list() -> None:

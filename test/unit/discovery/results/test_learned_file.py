@@ -1,12 +1,15 @@
 """What was learned stands in the vehicle file, and flies as it was learned."""
 
-from lta_config.files import find_file
+from types import SimpleNamespace
+
+from lta_config.files import find_file, parse_yaml
 from lta_discovery.finding import NamedEffect, ParameterEstimate, StudyResult
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import list_free_parameters
-from lta_discovery.results.learned_file import format_learned_vehicle
+from lta_discovery.results.learned_file import add_validity, format_learned_vehicle
 from lta_model.vehicle import load_vehicle
 from lta_vehicle.difference import compare_vehicles
+import numpy as np
 import pytest
 
 
@@ -101,3 +104,26 @@ def test_discoveries_chain(tmp_path):
     assert NominalVehicle.from_vehicle(again).parameter_value(
         'added_mass', 'heave'
     ) == pytest.approx(heave)
+
+
+def test_the_region_of_flights_by_force_has_no_duties() -> None:
+    """Their duties are zeros that nobody commanded: any flight by duties would be outside."""
+
+    def flown(duties, wrench):
+        start = np.zeros((3, 13))
+        start[:, 6], start[:, 7] = 1.0, (0.2, 0.3, 0.5)
+        flight = SimpleNamespace(wrench=wrench, commands=SimpleNamespace(values=np.array(duties)))
+        return SimpleNamespace(
+            replay=SimpleNamespace(cut=SimpleNamespace(start=start), flight=flight)
+        )
+
+    text = find_file('vehicle', 'rgblimp').read_text(encoding='utf-8')
+    names = load_vehicle('rgblimp').rotor_names
+    by_force = flown([[0.0, 0.0]], object())
+    by_duty = flown([[0.3, 0.6], [0.4, 0.9]], None)
+    region = parse_yaml(add_validity(text, [by_force], names, 'a test'), 'a test')['validity']
+    assert region['speed']['value'] == [0.2, 0.5]
+    assert 'commands' not in region
+    both = parse_yaml(add_validity(text, [by_force, by_duty], names, 'a test'), 'a test')
+    commands = both['validity']['commands']
+    assert [commands[name]['value'] for name in names] == [[0.3, 0.4], [0.6, 0.9]]

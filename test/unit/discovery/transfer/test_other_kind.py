@@ -85,6 +85,11 @@ def test_a_difference_within_chance_is_none() -> None:
     assert own['slow', 'position'].mean() > 1.1
     assert other_kind._worst('wind', own, other).ratio == 1.0
     assert other_kind._worst('wind', {k: 1.2 * v for k, v in other.items()}, other).ratio > 1.09
+    # Two flights that differ by their mean difference, and a single one
+    pair = {('slow', 'position'): np.ones(2)}
+    assert other_kind._worst('wind', {k: np.array([1.0, 1.4]) for k in pair}, pair).ratio == 1.0
+    lone = {('slow', 'position'): np.ones(1)}
+    assert other_kind._worst('wind', {k: 2.0 * v for k, v in lone.items()}, lone).ratio == 1.0
 
 
 def flight(speeds: np.ndarray, turns: np.ndarray):
