@@ -19,7 +19,7 @@ from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
 from lta_control.cascade import CascadeMeasurement, Setpoint
 from lta_control.control import FOOT, has_landed
-from lta_control.guidance import GuidanceInputs
+from lta_control.guidance import GuidanceInputs, refuse_failures
 from lta_control.mission import MissionSettings, remove_light
 from lta_control.phases import Mission, Phase, SWITCHING
 from lta_control.reserve import FlightPermission, is_stale
@@ -233,6 +233,7 @@ class CommandedFlight:
             now.measured, FLOOR, self._ground_height
         )
 
+    @refuse_failures
     def choose_setpoint(self, inputs: GuidanceInputs) -> Setpoint:
         """Return the setpoint after a light block."""
         self._situation, self._obstacle = inputs, ''

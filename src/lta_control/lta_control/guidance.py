@@ -4,9 +4,10 @@ Choose the setpoint after each light block, along the scenario's course or by th
 The navigator node and the one-process loop both decide with this class.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import wraps
 import math
-from typing import final, NamedTuple
+from typing import final, NamedTuple, TypeVar
 
 from lta_config.course import Course
 from lta_control.cascade import CascadeMeasurement, Setpoint
@@ -20,7 +21,10 @@ from lta_control.reserve import (
     ReserveResponseSettings,
 )
 from lta_control.strategies.protocol import LightMeasurement, NavigationStrategy
+from lta_control.strategies.strategy_file import explain_failure
 from lta_vlc.settings import NO_WISH
+
+Chooser = TypeVar('Chooser')
 
 
 class GuidanceInputs(NamedTuple):
@@ -57,6 +61,30 @@ class GuidanceInputs(NamedTuple):
         return explain_restriction(self.reserve, self.report, self.stamp_ns)
 
 
+def refuse_failures(
+    choose: Callable[[Chooser, GuidanceInputs], Setpoint],
+) -> Callable[[Chooser, GuidanceInputs], Setpoint]:
+    """Make a choice of setpoints raise `BadInput` where a strategy from a file fails."""
+
+    @wraps(choose)
+    def choose_or_refuse(chooser: Chooser, inputs: GuidanceInputs) -> Setpoint:
+        if not inputs.strategy.file:
+            return choose(chooser, inputs)
+        try:
+            # Messages take floats only
+            setpoint = Setpoint(*map(float, choose(chooser, inputs)))
+            # An unknown heading of the drone is no fault of the strategy
+            if math.isfinite(inputs.sight.heading) and not all(map(math.isfinite, setpoint)):
+                raise ValueError(
+                    f'it commands a heading of {setpoint.heading} rad at {setpoint.speed} m/s'
+                )
+        except (Exception, SystemExit) as error:
+            raise explain_failure(inputs.strategy, error) from error
+        return setpoint
+
+    return choose_or_refuse
+
+
 @final
 class Guidance:
     """
@@ -88,6 +116,7 @@ class Guidance:
         self._course, self._route = course, route
         self._begun_ns: int | None = None
 
+    @refuse_failures
     def choose_setpoint(self, inputs: GuidanceInputs) -> Setpoint:
         """Return the setpoint after a light block, and update the mission."""
         sight, measured = inputs.sight, inputs.measured

@@ -4,6 +4,12 @@ from dataclasses import replace
 from pathlib import Path
 
 from lta_config.errors import BadInput
+from lta_control.cascade import CascadeMeasurement
+from lta_control.commanded_flight import CommandedFlight, TaskLimits
+from lta_control.guidance import Guidance, GuidanceInputs
+from lta_control.mission import MissionSettings
+from lta_control.phases import Mission, Phase
+from lta_control.reserve import ReserveReport, ReserveResponseSettings
 from lta_control.strategies import find_navigation_strategy, STRATEGIES
 from lta_control.strategies.protocol import LightMeasurement
 from lta_control.strategies.settings import StrategySettings
@@ -33,7 +39,9 @@ def test_the_example_turns_first_and_searches_on_the_side_of_the_lamp():
 def test_a_file_that_imports_a_strategy_is_that_strategy(tmp_path):
     path = tmp_path / 'mine.py'
     path.write_text('from lta_control.strategies.homing import STRATEGY\n')
-    assert find_navigation_strategy(str(path)) == replace(STRATEGIES['homing'], name='mine')
+    assert find_navigation_strategy(str(path)) == replace(
+        STRATEGIES['homing'], name='mine', file=f'{path}'
+    )
 
 
 def test_an_edited_file_is_read_again(tmp_path):
@@ -86,3 +94,34 @@ def test_a_folder_is_refused(tmp_path):
     (tmp_path / 'mine.py').mkdir()
     with pytest.raises(BadInput, match='cannot be run as a strategy'):
         find_navigation_strategy(str(tmp_path / 'mine.py'))
+
+
+@pytest.mark.parametrize(
+    ('answer', 'commanded', 'said'),
+    [
+        ('1 / 0', False, r'ZeroDivisionError in line 6 \(division by zero\)'),
+        ('1 / 0', True, r'ZeroDivisionError in line 6 \(division by zero\)'),
+        ('exit()', False, 'SystemExit in line 6'),
+        ('None', True, 'TypeError'),
+        ("SteeringCommand(float('nan'), 0.2), (0.1,)", False, 'ValueError .* heading of nan rad'),
+    ],
+)
+def test_a_failure_in_flight_is_one_sentence(answer, commanded, said, tmp_path):
+    """The trial's light has a bearing of 0.5 at most."""
+    head, end, _ = HEAD.partition('    return {}')
+    body = f'    if sight.bearing > 1.0:\n        return {answer}\n    return {GOOD}'
+    path = tmp_path / 'mine.py'
+    path.write_text(head + body + HEAD.removeprefix(head + end))
+    strategy = find_navigation_strategy(str(path))
+    guidance = CommandedFlight(TaskLimits(), 0.3) if commanded else Guidance(None, ())
+    guidance.mission = Mission()._replace(phase=Phase.SEEK, memory=(0.0,), turns=9)
+    measured = CascadeMeasurement(0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    inputs = GuidanceInputs(
+        MissionSettings(), ReserveResponseSettings(), strategy, 0,
+        LightMeasurement(True, 0.5, 0.0, (1.0,) * 8, 0.1), measured,
+        ReserveReport(0, False, False),
+    )  # fmt: skip
+    assert guidance.choose_setpoint(inputs).speed in {0.0, 0.2}
+    guidance.mission = guidance.mission._replace(phase=Phase.SEEK)
+    with pytest.raises(BadInput, match=rf"'{path}' fails in flight: {said}.*; correct it\.$"):
+        guidance.choose_setpoint(inputs._replace(sight=inputs.sight._replace(bearing=1.5)))

@@ -4,6 +4,7 @@ from functools import partial
 import time
 from typing import Any
 
+from lta_config.errors import BadInput
 from lta_config.settings import setting
 from lta_control.cascade import CascadeMeasurement, Setpoint
 from lta_control.commanded_flight import (
@@ -145,12 +146,17 @@ class Navigator(GraphNode):
     def _compute_setpoint(self, step: InboxStep, measured: CascadeMeasurement | None) -> Setpoint:
         """Return the setpoint, and report the mission's state."""
         settings = self._settings.value
-        setpoint = self._guidance.choose_setpoint(
-            GuidanceInputs(
-                settings, settings.reserve, self._strategy, step.stamp_ns,
-                self._build_sight(step), measured, self._word,
-            )
+        inputs = GuidanceInputs(
+            settings, settings.reserve, self._strategy, step.stamp_ns,
+            self._build_sight(step), measured, self._word,
         )  # fmt: skip
+        try:
+            setpoint = self._guidance.choose_setpoint(inputs)
+        except BadInput as error:  # of a strategy from a file
+            # The bag holds why; the node ends, and without setpoints the drone lands
+            self.health.report('mission', HealthLevel.ERROR, f'{error}')
+            self.publish_health()
+            raise
         order = self._guidance.permission
         if self._commands is not None:
             self._commands.flight.limits = settings.limits

@@ -129,6 +129,8 @@ class NavigationStrategy:
         `distance(memory) -> horizontal distance to the lamp` [m], NaN where it is unknown.
     ranges : bool
         Whether it uses `LightMeasurement.strength`, which needs the selected resistor.
+    file : str
+        Path of the user's file that defines it; empty for a strategy of LTA.
 
     """
 
@@ -139,6 +141,7 @@ class NavigationStrategy:
     onward: Callable[[Any], Memory] = keep_lamp
     ranges: bool = False
     distance: Callable[[Any], float] = leave_distance_unknown
+    file: str = ''
 
     @property
     def arrives(self) -> bool:

@@ -72,7 +72,13 @@ def _load_cached(path: Path, changed_ns: int, size: int) -> NavigationStrategy:
         raise BadInput(
             f"The strategy '{path}' fails on a trial: {_describe_error(error, path)}; correct it."
         ) from error
-    return replace(found, name=path.stem)
+    return replace(found, name=path.stem, file=f'{path}')
+
+
+def explain_failure(strategy: NavigationStrategy, error: BaseException) -> BadInput:
+    """Return the sentence about an error of a strategy from a file in flight."""
+    reason = _describe_error(error, Path(strategy.file))
+    return BadInput(f"The strategy '{strategy.file}' fails in flight: {reason}; correct it.")
 
 
 def _run_file(path: Path) -> ModuleType:
