@@ -18,6 +18,7 @@ from lta_config.parameter_override import parse_assignment, parse_quantity
 from lta_config.quantity import Quantity
 from lta_config.topics import is_lta_msgs_built, load_topic_table, MESSAGES
 from lta_control.strategies import find_navigation_strategy
+from lta_control.strategies.strategy_file import is_strategy_file
 from lta_data.bag.recorded_flight import RecordedFlight
 from lta_graph.launch_file import LaunchPlan, load_plan
 from lta_graph.launch_node import format_ros_yaml, LaunchProcess
@@ -121,6 +122,13 @@ def check_request(order: ReplayRequest, flight: RecordedFlight) -> None:
     """Reject a request that the recording cannot serve."""
     if order.strategy is not None:
         find_navigation_strategy(order.strategy)
+    elif 'navigator' in order.nodes and find_recorded_strategy(flight.provenance) is None:
+        # A bag may come from anybody, and must not run code here
+        raise BadInput(
+            f"'{order.bag}' was flown with a strategy from a file, and a replay runs no code from "
+            'a bag; give the file with --strategy, or leave navigator out of --nodes. '
+            '(The page of lta report shows its text.)'
+        )
     if 'navigator' in order.nodes and flight.provenance.get('commanded') == 'true':
         raise BadInput(
             f"'{order.bag}' is of a flight by actions, whose goals are not in the bag, so the "
@@ -212,9 +220,7 @@ def build_launch_arguments(
         'rate': repr(float(order.rate or 1.0)),
         # The player records the answers itself
         'record': 'false',
-        'strategy': order.strategy
-        or extract_file(provenance, 'strategy', folder, '.py')
-        or provenance.get('strategy', STRATEGY),
+        'strategy': order.strategy or find_recorded_strategy(provenance) or STRATEGY,
         **select_files(order, provenance, folder),
     }
 
@@ -255,14 +261,18 @@ def select_files(
     }
 
 
-def extract_file(
-    provenance: Mapping[str, str], name: str, folder: Path, suffix: str = '.yaml'
-) -> str | None:
+def find_recorded_strategy(provenance: Mapping[str, str]) -> str | None:
+    """Return the strategy of LTA with which a bag was flown; None for a file, which is code."""
+    name = provenance.get('strategy', STRATEGY)
+    return None if is_strategy_file(name) or 'strategy_file' in provenance else name
+
+
+def extract_file(provenance: Mapping[str, str], name: str, folder: Path) -> str | None:
     """Write a file from the recording's provenance to the folder and return its path, if any."""
     text = provenance.get(f'{name}_file')
     if text is None:
         return None
-    path = folder / f'{name}{suffix}'
+    path = folder / f'{name}.yaml'
     try:
         path.write_text(text, encoding='utf-8')
     except OSError as error:

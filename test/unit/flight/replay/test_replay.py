@@ -20,6 +20,7 @@ from lta_flight.replay.comparison import (
 from lta_flight.replay.decisions import compare_decisions, compute_differences, DecisionComparison
 from lta_flight.replay.node_settings import NODES, parse_settings
 from lta_flight.replay.replay_request import (
+    build_launch_arguments,
     build_launch_plan,
     check_request,
     extract_file,
@@ -283,6 +284,21 @@ def test_a_navigator_that_got_goals_cannot_be_replayed_and_other_nodes_can(tmp_p
     with pytest.raises(BadInput, match=r'a flight by actions, .* leave navigator out of --nodes'):
         check_request(ReplayRequest(tmp_path, ('demodulator', 'navigator')), commanded)
     check_request(ReplayRequest(tmp_path, ('demodulator',)), commanded)
+
+
+@pytest.mark.parametrize(
+    'carried',
+    [{'strategy': './mine.py'}, {'strategy': 'bag', 'strategy_file': 'exit()'}],
+)
+def test_a_replay_runs_no_code_from_a_bag(carried, tmp_path):
+    flown = flight(**carried)
+    with pytest.raises(BadInput, match='runs no code from a bag; give the file with --strategy'):
+        check_request(ReplayRequest(tmp_path, ('navigator', 'demodulator')), flown)
+    check_request(ReplayRequest(tmp_path, ('navigator', 'demodulator'), strategy='bag'), flown)
+    others = ReplayRequest(tmp_path, ('demodulator',), vehicle='gtmab', gains='gtmab')
+    check_request(others, flown)
+    assert build_launch_arguments(others, flown, tmp_path)['strategy'] == 'bag'
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_full_disk_is_one_sentence_before_anything_starts(tmp_path, monkeypatch):
