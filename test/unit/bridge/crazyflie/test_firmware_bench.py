@@ -63,6 +63,26 @@ def test_readings_go_to_the_firmware_and_its_motors_move_the_body(firmware):
     assert set(received) == {'sense 0.1 -0.2 1 1 2 -3 0.45 1013.25 3.9'}
 
 
+def test_a_late_answer_does_not_delay_the_others(monkeypatch):
+    """The firmware misses the first two exchanges, answers them late, and then counts on."""
+    monkeypatch.setattr(firmware_bench, 'ANSWER', 0.2)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as firmware:
+        firmware.bind(('127.0.0.1', 0))
+        firmware.settimeout(5.0)
+        bench = FirmwareBench(RecordedBody(), firmware.getsockname()[1], 19850)
+        assert bench._exchange_readings() is None
+        assert bench._exchange_readings() is None
+        for _ in range(2):
+            firmware.sendto(b'1 1 1 1', firmware.recvfrom(256)[1])
+        thread = threading.Thread(
+            target=lambda: firmware.sendto(b'51 51 51 51', firmware.recvfrom(256)[1])
+        )
+        thread.start()
+        assert bench._exchange_readings() == (0.2,) * 4
+        thread.join()
+        bench._socket.close()
+
+
 def test_without_a_firmware_it_says_how_to_start_one(monkeypatch):
     monkeypatch.setattr(firmware_bench, 'STARTUP', 0.05)
     port = free_port(UDP)
