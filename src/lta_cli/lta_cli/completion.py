@@ -14,6 +14,7 @@ from typing import Annotated, Any, Final
 from lta_config.errors import BadInput
 from lta_config.files import find_file, FOLDERS, list_shipped_names, load_yaml
 import typer
+from typer.core import TyperGroup
 
 TABLE: Final = Path(__file__).parent / 'assets' / 'commands.json'
 SUFFIXES: Final = {'launch file': '.launch.yaml'}
@@ -29,9 +30,24 @@ def complete() -> None:
     build_app(table)(prog_name='lta')
 
 
+class TwoWordGroup(TyperGroup):
+    """A command group with commands of two words, such as `effects try`."""
+
+    def list_commands(self, ctx: object) -> list[str]:
+        """Return the commands of one word; `lta effects` completes the second word."""
+        del ctx
+        return [name for name in self.commands if ' ' not in name]
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:  # noqa: ANN401 - as in Click
+        """Return name and command of the first words, and the other words."""
+        both = ' '.join(args[:2])
+        words = [both, *args[2:]] if both in self.commands else args
+        return super().resolve_command(ctx, words)
+
+
 def build_app(table: Mapping[str, Any]) -> typer.Typer:
     """Return an app with the commands of the table, which cannot run."""
-    app = typer.Typer(name='lta', add_completion=True)
+    app = typer.Typer(name='lta', add_completion=True, cls=TwoWordGroup)
     app.callback()(lambda: None)
     add_commands(app, table['commands'], table)
     return app
@@ -132,6 +148,12 @@ def list_effects(line: Line, table: Mapping[str, Any]) -> Values:
     yield from table['effects'].items()
 
 
+def list_effects_and_try(line: Line, table: Mapping[str, Any]) -> Values:
+    """Yield what may follow `lta effects`: an effect, or `try`."""
+    yield 'try', table['commands']['effects try']['help']
+    yield from list_effects(line, table)
+
+
 def list_flight_paths(line: Line, table: Mapping[str, Any]) -> Values:
     """Yield the paths of `lta simulate --set`: of its vehicle, its scenario and the settings."""
     for root in ('vehicle', 'scenario'):
@@ -190,6 +212,7 @@ def list_launch_arguments(line: Line, table: Mapping[str, Any]) -> Values:
 LISTS: Final[dict[str, Callable[[Line, Mapping[str, Any]], Values]]] = {
     'strategy': list_strategies,
     'effect': list_effects,
+    'effect or try': list_effects_and_try,
     'topic': list_topics,
     'flight path': list_flight_paths,
     'vehicle path': list_vehicle_paths,

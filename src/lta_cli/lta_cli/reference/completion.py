@@ -50,7 +50,7 @@ VALUES = {
     'lta launch': {'FILE': 'launch file', '[NAME:=VALUE]...': 'launch argument'},
     'lta cells': {'TABLE': 'cell table'},
     'lta reproduce': {'NAMES': 'row of the paper'},
-    'lta effects': {'NAME': 'effect'},
+    'lta effects': {'NAME': 'effect or try'},
     'lta effects try': {'NAME': 'effect'},
 }
 
