@@ -90,6 +90,13 @@ def test_what_is_no_file_is_refused(name, said):
         find_navigation_strategy(name)
 
 
+def test_a_text_that_is_not_utf_8_is_refused(tmp_path):
+    path = tmp_path / 'mine.py'
+    path.write_bytes(b'# coding: latin-1\n# \xfc\n' + HEAD.format(GOOD).encode())
+    with pytest.raises(BadInput, match='cannot be run as a strategy: UnicodeDecodeError'):
+        find_navigation_strategy(str(path))
+
+
 def test_a_folder_is_refused(tmp_path):
     (tmp_path / 'mine.py').mkdir()
     with pytest.raises(BadInput, match='cannot be run as a strategy'):

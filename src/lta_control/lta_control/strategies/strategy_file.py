@@ -91,6 +91,8 @@ def _run_file(path: Path) -> ModuleType:
     # Dataclasses of the file look their module up
     sys.modules[spec.name] = module
     try:
+        # As a bag stores it
+        path.read_text(encoding='utf-8')
         spec.loader.exec_module(module)
     except (Exception, SystemExit) as error:
         raise BadInput(
