@@ -32,7 +32,7 @@ import pyarrow.compute as pc
 import pyarrow.csv as pacsv
 
 PART = 4 << 20  # bytes of text per part
-MOST_SKIPPED = 100_000  # rows more than were read, after which the rest need not be read
+MOST_SKIPPED = 3 * PART  # bytes of skipped rows without another one; parts are read ahead
 ZONELESS = 'The dates in the log have no time zone; UTC is assumed.'
 
 
@@ -193,6 +193,7 @@ class TextRows:
             stream, text, unread, delimiter_of(text).join(names).encode()
         )
         self._skipped = 0
+        self._skipped_bytes = 0  # since the last row that was read
         self._first_skipped = ''
         self._rows = 0
         # Bytes, since a text may not be UTF-8. Read at least one column to count the rows.
@@ -219,6 +220,8 @@ class TextRows:
         with self._refuse_skipped_rows():
             for batch in self._reader:
                 self._rows += batch.num_rows
+                if batch.num_rows:
+                    self._skipped_bytes = 0
                 yield batch
 
     @contextmanager
@@ -268,10 +271,13 @@ class TextRows:
         return notes
 
     def _skip_row(self, row: Any) -> str:  # noqa: ANN401 - pyarrow's InvalidRow
+        text = row.text or ''
         if not self._skipped:
-            self._first_skipped = shorten_cell(row.text or '')
+            self._first_skipped = shorten_cell(text)
         self._skipped += 1
-        return 'error' if self._skipped > self._rows + MOST_SKIPPED else 'skip'
+        self._skipped_bytes += len(text)
+        hopeless = self._skipped > self._rows and self._skipped_bytes > MOST_SKIPPED
+        return 'error' if hopeless else 'skip'
 
 
 def delimiter_of(text: TextFormat) -> str:
