@@ -11,7 +11,6 @@ import json
 from pathlib import Path
 from typing import Annotated, Any, Final
 
-from lta_config.errors import BadInput
 from lta_config.files import find_file, FOLDERS, list_shipped_names, load_yaml
 import typer
 from typer.core import TyperGroup
@@ -119,8 +118,8 @@ def build_completer(
         try:
             found = list_values(values, line, table)
             return [(name, about) for name, about in found if name.startswith(incomplete)]
-        except (BadInput, OSError):
-            return []  # such as a vehicle file that does not exist
+        except Exception:
+            return []  # a file that does not exist or has other contents: no traceback in a prompt
 
     return find
 

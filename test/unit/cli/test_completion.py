@@ -86,6 +86,22 @@ def test_the_topics_are_those_of_the_bag(ask, bag):
     assert ask(f'lta bag plot {bag / "bag"} li') == ['light/peaks']
 
 
+@pytest.mark.parametrize(
+    ('line', 'name', 'content'),
+    [
+        ('lta launch {} ', 'a.launch.py', b'text'),
+        ('lta launch {} ', 'a.launch.yaml', b'[1, 2]'),
+        ('lta bag plot {} ', 'a.mcap', b'\x89MCAP0\r\n' + b'\xff' * 60),
+        ('lta vehicle set {} ', 'a.yaml', b'\xff'),
+    ],
+)
+def test_a_file_with_other_contents_gives_nothing(line, name, content, ask, tmp_path):
+    path = tmp_path / name
+    path.write_bytes(content)
+    words = [word for word in ask(line.format(path)) if not word.startswith('effects.')]
+    assert words == ['']
+
+
 def test_zsh_and_fish_show_what_it_is(ask):
     line = 'lta simulate --set vehicle.trim.h'
     assert ask(line, 'fish') == ['vehicle.trim.heaviness=\t2 g']
