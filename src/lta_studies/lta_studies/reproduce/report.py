@@ -177,6 +177,8 @@ def format_headline(rows: Sequence[PaperRow], stored_rows: StoredRows) -> str:
     undrawn = [str(row.number) for row in rows if is_undrawn(row, stored_rows[row.name])]
     if not undrawn:
         return text
+    if len(undrawn) == 1:
+        return f'{text} Row {undrawn[0]} was not drawn yet: its verdicts are preliminary.'
     return f'{text} Rows {", ".join(undrawn)} were not drawn yet: their verdicts are preliminary.'
 
 

@@ -298,7 +298,7 @@ def test_a_row_that_was_not_drawn_yet_says_so():
     row = validate_content(PaperRow, {**CONTENT, 'draws': {'quick': 2, 'full': 200}}, 'row')
     found = {'row': stored(path=7.0, first='BAG')}
     assert format_headline([row], found).endswith(
-        'Rows 1 were not drawn yet: their verdicts are preliminary.'
+        'Row 1 was not drawn yet: its verdicts are preliminary.'
     )
     drawn = {'path': {'path': DrawSummary(200, 1.0, 7.0, 6.9, 7.1)}}
     assert 'preliminary' not in format_headline([row], {'row': stored(drawn, path=7.0)})
