@@ -87,7 +87,7 @@ def test_a_flight_to_its_end_is_status_0(ros2_launch, scenario, tmp_path, name):
         ('vehicle:=nope', "Unknown vehicle 'nope'; known: beavis"),
         ('seed:=x', 'The seed is x, but must be a whole number'),
         ('strateg:=bag', "Unknown launch argument 'strateg'"),
-        ('strategy:=up', 'Argument "strategy" provided value "up" is not valid.'),
+        ('strategy:=up', "Unknown strategy 'up'; known: bag, des, dga, homing."),
     ],
 )
 def test_a_wrong_argument_is_one_sentence_and_starts_nothing(ros2_launch, word, sentence):
