@@ -51,6 +51,17 @@ class FlightObserver(Protocol):
 
 
 @final
+class SilentObserver:
+    """Shows nothing of a flight."""
+
+    def show_position(self, time: float, distance: float, pace: float) -> None:
+        """Do nothing."""
+
+    def show_message(self, sentence: str) -> None:
+        """Do nothing."""
+
+
+@final
 @dataclass(frozen=True, slots=True)
 class FlightRequest:
     """What to fly: names or files, checked by `fly_once`."""

@@ -144,6 +144,19 @@ def discover(
         else:
             asked = DiscoveryRequest(vehicle, bags, seed, robot, plan, calibration)
             found = discover_effects(asked, folder, progress.show_stage)
+    show_result(found, hidden, folder, console, pictures, json=json)
+
+
+def show_result(
+    found: DiscoveryResult,
+    hidden: DemoEffect | None,
+    folder: Path,
+    console: Console,
+    pictures: Path | None,
+    *,
+    json: bool,
+) -> None:
+    """Write the pictures if asked for, and print the result."""
     if pictures is not None:
         write_pictures(found.page, pictures)
     if json:

@@ -4,11 +4,10 @@ from typing import Annotated
 
 from lta_challenge.effect_trial import choose_trial_effect
 from lta_cli.options.common_options import check_picture_output, Json, Out, Pictures, plain_console
-from lta_cli.verbs.discover import print_result, print_result_json
+from lta_cli.verbs.discover import show_result
 from lta_discovery.demo.demo import run_discovery_demo
 from lta_discovery.progress import DiscoverProgress
 from lta_report.results_folder import check_creatable, resolve_folder
-from lta_report.screenshots import write_pictures
 import typer
 
 
@@ -37,9 +36,4 @@ def try_(
     check_creatable(folder)
     with DiscoverProgress(console) as progress:
         found = run_discovery_demo(hidden, seed, folder, progress.show_stage)
-    if pictures is not None:
-        write_pictures(found.page, pictures)
-    if json:
-        print_result_json(found, hidden)
-    else:
-        print_result(found, hidden, folder, console)
+    show_result(found, hidden, folder, console, pictures, json=json)

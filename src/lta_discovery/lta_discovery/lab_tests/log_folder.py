@@ -125,10 +125,16 @@ def _draft_mappings(logs: Sequence[Path], answers: Mapping[str, str]) -> dict[Pa
     out = {}
     for same in alike.values():
         # Long logs show most: a float alone cannot tell up from down
-        same.sort(key=lambda log: -log.stat().st_size)
+        same.sort(key=measure_log, reverse=True)
         text = _draft_first(same, answers)
         out.update(dict.fromkeys(same, text))
     return out
+
+
+def measure_log(log: Path) -> int:
+    """Return the size of a log, which may be a folder of files. [bytes]"""
+    files = log.rglob('*') if log.is_dir() else [log]
+    return sum(path.stat().st_size for path in files if path.is_file())
 
 
 def _draft_first(logs: Sequence[Path], answers: Mapping[str, str]) -> str:

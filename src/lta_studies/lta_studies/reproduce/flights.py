@@ -9,6 +9,7 @@ from typing import Any, final
 
 from lta_config.command_line import format_lta_command
 from lta_config.schema.sweep_file import SweepSeeds
+from lta_flight.flight import SilentObserver
 from lta_flight.flight_spec import to_set_args
 from lta_flight.simulate import simulate_once, SimulationRequest
 from lta_flight.sweep.batch_workers import BatchWorkers
@@ -30,16 +31,6 @@ from plotly.graph_objects import Figure
 
 PAPERS = ('bag', 'dga', 'des')  # strategies of the paper
 BATCHED = 100  # draws from which on it pays to compile a batch
-
-
-class SilentWatcher:
-    """A flight watcher that shows nothing."""
-
-    def show_position(self, time: float, distance: float, pace: float) -> None:
-        """Ignore the position."""
-
-    def show_message(self, sentence: str) -> None:
-        """Ignore the message."""
 
 
 @final
@@ -213,6 +204,6 @@ def record_group(
     for cell in cells:
         if cell.strategy != pilot.NAME and seed in cell.rows:
             simulate_once(
-                build_request(group, cell, seed, folder / cell.strategy), SilentWatcher()
+                build_request(group, cell, seed, folder / cell.strategy), SilentObserver()
             )
     return relative_bag_path(folder)
