@@ -24,26 +24,12 @@ MINUTES = round(DAY / MINUTE)
 
 
 class PanelIrradiance(NamedTuple):
-    """
-    Irradiance of the panel at one time.
+    """Irradiance of the panel at one time."""
 
-    Attributes
-    ----------
-    sun : float
-        Direct and diffuse sunlight. [W/m2]
-    lamps : float
-        Lamps that burn steadily. [W/m2]
-    beacon : float
-        The flickering lamp while it is on. [W/m2]
-    duty : float
-        Duty cycle of the flickering lamp. [1]
-
-    """
-
-    sun: float
-    lamps: float
-    beacon: float
-    duty: float
+    sun: float  # direct and diffuse sunlight [W/m2]
+    lamps: float  # lamps that burn steadily [W/m2]
+    beacon: float  # the flickering lamp while it is on [W/m2]
+    duty: float  # duty cycle of the flickering lamp [1]
 
 
 DARK = PanelIrradiance(0.0, 0.0, 0.0, 1.0)
@@ -52,29 +38,16 @@ DARK = PanelIrradiance(0.0, 0.0, 0.0, 1.0)
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class IrradianceSeries:
-    """
-    Irradiance over several days, one sample per minute.
+    """Irradiance over several days, one sample per minute."""
 
-    Parameters
-    ----------
-    sun, lamps, beacon : ndarray, shape (n,)
-        As in `PanelIrradiance`. [W/m2]
-    clear : ndarray, shape (n,)
-        `sun` without clouds. [W/m2]
-    mean : float
-        Mean transmittance of the clouds. [1]
-    efficacies : tuple of float
-        Of sun, lamps and beacon. [lm/W]
-
-    """
-
+    # As in `PanelIrradiance`, shape (n,) [W/m2]
     sun: Array
     lamps: Array
     beacon: Array
     duty: float
-    clear: Array
-    mean: float
-    efficacies: tuple[float, float, float]
+    clear: Array  # `sun` without clouds, shape (n,) [W/m2]
+    mean: float  # mean transmittance of the clouds [1]
+    efficacies: tuple[float, float, float]  # of sun, lamps and beacon [lm/W]
 
     def at(self, time: float) -> PanelIrradiance:
         """Return the irradiance at a time since the first midnight. [s]"""

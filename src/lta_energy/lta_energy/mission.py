@@ -55,35 +55,19 @@ Fly = Callable[[Departure], Landing]
 @final
 @dataclass(frozen=True, slots=True)
 class PerchConfig:
-    """
-    Cell, charger, loads and rules of operation on the perch.
-
-    Parameters
-    ----------
-    awake, asleep : float
-        Load on the perch. [W]
-    work : tuple of float
-        Start and end of the working hours. [s of the day]
-    reserve : float
-        State of charge that a flight must leave. [1]
-    charge : float
-        State of charge at the first midnight. [1]
-    fetched : float
-        Time until a drone that landed elsewhere is brought back. [s]
-    gain, offset : float
-        Scale factor [1] and offset [A] of the current meter.
-
-    """
+    """Cell, charger, loads and rules of operation on the perch."""
 
     cell: BatteryModel
     charger: ChargerModel
     harvest: HarvestCurve
+    # Load on the perch [W]
     awake: float
     asleep: float
-    work: tuple[float, float]
-    reserve: float
-    charge: float
-    fetched: float
+    work: tuple[float, float]  # start and end of the working hours [s of the day]
+    reserve: float  # state of charge that a flight must leave [1]
+    charge: float  # state of charge at the first midnight [1]
+    fetched: float  # time until a drone that landed elsewhere is brought back [s]
+    # Scale factor [1] and offset [A] of the current meter
     gain: float = 1.0
     offset: float = 0.0
 

@@ -10,84 +10,45 @@ PERCHED, ASLEEP, ALOFT, AWAY, OUT = range(5)
 
 
 class MissionFlight(NamedTuple):
-    """
-    Log entry of one flight.
+    """Log entry of one flight."""
 
-    Attributes
-    ----------
-    start : float
-        Since the first midnight. [s]
-    duration : float
-        Time in the air. [s]
-    visits : int
-        Number of beacons of the round that were reached.
-    path : float
-        Horizontal length. [m]
-    before, after : float
-        True state of charge. [1]
-    told : float
-        Estimated state of charge after the flight. [1]
-    lowest : float
-        Minimum voltage. [V]
-    ending : str
-        'home', or how the flight failed: 'empty', 'away' (landed elsewhere at the reserve), 'lost'
-        (did not find the next beacon in time), 'escaped', 'stopped'.
-
-    """
-
-    start: float
-    duration: float
-    visits: int
-    path: float
+    start: float  # since the first midnight [s]
+    duration: float  # time in the air [s]
+    visits: int  # number of beacons of the round that were reached
+    path: float  # horizontal length [m]
     spent: EnergyTotals
+    # True state of charge [1]
     before: float
     after: float
-    told: float
-    lowest: float
+    told: float  # estimated state of charge after the flight [1]
+    lowest: float  # minimum voltage [V]
+    # 'home', or how the flight failed: 'empty', 'away' (landed elsewhere at the reserve), 'lost'
+    # (did not find the next beacon in time), 'escaped', 'stopped'
     ending: str
 
 
 @final
 @dataclass(slots=True)
 class MissionLog:
-    """
-    Log of a mission.
-
-    Attributes
-    ----------
-    time : list
-        Sample times, about one per minute. [s]
-    charge, told, deviation : list
-        True state of charge, its estimate and the estimate's standard deviation. [1]
-    state : list
-        `PERCHED`, `ASLEEP`, `ALOFT`, `AWAY` or `OUT`.
-    harvested, consumed, lost : list
-        Mean powers since the sample before; times the time between, they add up to `spent`. [W]
-    spent : EnergyTotals
-        Energy totals, flights included. [J]
-    begun, ended : float
-        Energy stored in the cell at start and end. [J]
-    outages : int
-        Number of times that the cell ran empty on the perch.
-    dark : int
-        Number of flights that ended without light on the panel.
-
-    """
+    """Log of a mission."""
 
     flights: list[MissionFlight] = field(default_factory=list)
-    time: list[float] = field(default_factory=list)
+    time: list[float] = field(default_factory=list)  # sample times, about one per minute [s]
+    # True state of charge, its estimate and the estimate's standard deviation [1]
     charge: list[float] = field(default_factory=list)
     told: list[float] = field(default_factory=list)
     deviation: list[float] = field(default_factory=list)
-    state: list[int] = field(default_factory=list)
+    state: list[int] = field(default_factory=list)  # `PERCHED`, `ASLEEP`, `ALOFT`, `AWAY` or `OUT`
+    # Mean powers since the sample before; times the time between, they add up to `spent` [W]
     harvested: list[float] = field(default_factory=list)
     consumed: list[float] = field(default_factory=list)
     lost: list[float] = field(default_factory=list)
-    spent: EnergyTotals = NOTHING
+    spent: EnergyTotals = NOTHING  # energy totals, flights included [J]
+    # Energy stored in the cell at start and end [J]
     begun: float = 0.0
     ended: float = 0.0
-    outages: int = 0
-    dark: int = 0
+    outages: int = 0  # number of times that the cell ran empty on the perch
+    dark: int = 0  # number of flights that ended without light on the panel
 
     @property
     def imbalance(self) -> float:

@@ -21,51 +21,24 @@ NIGHT = 1.3  # safety factor on the predicted energy for the night
 
 
 class ScheduleInputs(NamedTuple):
-    """
-    What a schedule may use.
+    """What a schedule may use."""
 
-    Attributes
-    ----------
-    time : float
-        Since the first midnight. [s]
-    gauge : ChargeGauge
-        Estimated state of charge.
-    cell : BatteryModel
-        Nominal cell.
-    income : callable
-        Maps light to the charger's maximum output. [W]
-    light : IrradianceSeries
-        Only its `forecast` is used.
-    seen : float
-        Ratio of measured to forecast sunlight over the last hour of daylight. [1]
-    awake, asleep : float
-        Load on the perch. [W]
-    work : tuple of float
-        Start and end of the working hours. [s of the day]
-    reserve : float
-        State of charge that a flight must leave. [1]
-    need, spread : float
-        Mean energy of a flight so far, and its standard deviation. [J]
-    flight : float
-        Duration of a flight. [s]
-    landed, lasted : float
-        End and duration of the last flight; `landed` is -inf before the first. [s]
-
-    """
-
-    time: float
-    gauge: ChargeGauge
-    cell: BatteryModel
-    income: Callable[[PanelIrradiance], float]
-    light: IrradianceSeries
-    seen: float
+    time: float  # since the first midnight [s]
+    gauge: ChargeGauge  # estimated state of charge
+    cell: BatteryModel  # nominal cell
+    income: Callable[[PanelIrradiance], float]  # maps light to the charger's maximum output [W]
+    light: IrradianceSeries  # only its `forecast` is used
+    seen: float  # ratio of measured to forecast sunlight over the last hour of daylight [1]
+    # Load on the perch [W]
     awake: float
     asleep: float
-    work: tuple[float, float]
-    reserve: float
+    work: tuple[float, float]  # start and end of the working hours [s of the day]
+    reserve: float  # state of charge that a flight must leave [1]
+    # Mean energy of a flight so far, and its standard deviation [J]
     need: float
     spread: float
-    flight: float
+    flight: float  # duration of a flight [s]
+    # End and duration of the last flight; `landed` is -inf before the first [s]
     landed: float
     lasted: float
 

@@ -25,33 +25,16 @@ _LIBC = ctypes.CDLL(None)  # loaded here, because loading is unsafe between fork
 @final
 @dataclass(frozen=True, slots=True)
 class ProcessExit:
-    """
-    The exit of one process.
+    """The exit of one process."""
 
-    Attributes
-    ----------
-    name : str
-        Label of the process in the plan.
-    status : int
-        Exit status; the negative signal number if a signal ended it.
-    stdout, stderr : tuple of str
-        Last lines of output.
-    ends_run : bool
-        Whether it ends the run (`on_exit: shutdown`).
-    success : bool
-        Whether it is a planned end of the run, with status 0.
-    stopped : bool
-        Whether the launcher stopped it.
-
-    """
-
-    name: str
-    status: int
+    name: str  # label of the process in the plan
+    status: int  # exit status; the negative signal number if a signal ended it
+    # Last lines of output
     stdout: tuple[str, ...]
     stderr: tuple[str, ...]
-    ends_run: bool
-    success: bool
-    stopped: bool
+    ends_run: bool  # whether it ends the run (`on_exit: shutdown`)
+    success: bool  # whether it is a planned end of the run, with status 0
+    stopped: bool  # whether the launcher stopped it
 
     @property
     def sentence(self) -> str:

@@ -22,22 +22,12 @@ BACKLOG = 100  # messages; queue length of an aperiodic topic
 @final
 @dataclass(frozen=True, slots=True)
 class InboxStep:
-    """
-    The inputs of one step of a node.
+    """The inputs of one step of a node."""
 
-    Attributes
-    ----------
-    stamp_ns : int
-        Stamp of the triggering message; outputs reuse it. [ns]
-    messages : mapping
-        New messages by topic, oldest first; an empty list if there are none.
-    valid : mapping
-        The same without those that `lta_graph.ros.message_validation` rejects.
-
-    """
-
-    stamp_ns: int
+    stamp_ns: int  # stamp of the triggering message; outputs reuse it [ns]
+    # New messages by topic, oldest first; an empty list if there are none
     messages: Mapping[str, list[Any]]
+    # The same without those that `lta_graph.ros.message_validation` rejects
     valid: Mapping[str, list[Any]]
 
     def last_message(self, topic: str) -> Any:  # noqa: ANN401 - a message of whatever type the topic has

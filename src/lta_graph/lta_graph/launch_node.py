@@ -22,35 +22,17 @@ from lta_graph.launch_substitutions import (
 @final
 @dataclass(frozen=True, slots=True)
 class LaunchProcess:
-    """
-    One process of a launch plan.
+    """One process of a launch plan."""
 
-    Attributes
-    ----------
-    package, executable : str
-        As in `ros2 run PACKAGE EXECUTABLE`.
-    name : str
-        The node's name; the executable by default.
-    namespace : str
-        Absolute; `/` by default.
-    arguments : tuple of str
-        Command line after the executable.
-    on_exit_shutdown : bool
-        Whether the exit of this process ends the run.
-    planned : bool
-        Whether its exit with status 0 is a planned end of the run.
-    sigterm_timeout : float or None
-        Time to exit after SIGINT; None for the launcher's own. [s]
-
-    """
-
+    # As in `ros2 run PACKAGE EXECUTABLE`
     package: str
     executable: str
-    name: str
-    namespace: str
-    arguments: tuple[str, ...]
-    on_exit_shutdown: bool
-    planned: bool = True
+    name: str  # the node's name; the executable by default
+    namespace: str  # absolute; `/` by default
+    arguments: tuple[str, ...]  # command line after the executable
+    on_exit_shutdown: bool  # whether the exit of this process ends the run
+    planned: bool = True  # whether its exit with status 0 is a planned end of the run
+    # Time to exit after SIGINT; None for the launcher's own [s]
     sigterm_timeout: float | None = None
 
 

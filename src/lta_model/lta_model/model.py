@@ -118,28 +118,14 @@ def _pack_rotor_geometry(rotors: Sequence[tuple[ArrayLike, ArrayLike]]) -> Vecto
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class VehicleModel:
-    """
-    A vehicle as the arrays that the kernel takes; build it with `VehicleModel.build`.
+    """A vehicle as the arrays that the kernel takes; build it with `VehicleModel.build`."""
 
-    Parameters
-    ----------
-    parameters : ndarray, shape (P,)
-        Parameters of the kernel's effects in registry order.
-    on : ndarray of uint8, shape (K,)
-        Whether each of these effects has a parameter that is not at its null value.
-    body : ndarray, shape (BODY,)
-        Mass properties and rotors, in the layout of `lta_model.state`.
-    inverse : ndarray, shape (36,)
-        Inverse of the mass matrix, rigid and added, row by row.
-    given : mapping
-        The parameters of every effect that is on, in the kernel or outside, by effect and name.
-
-    """
-
-    parameters: Vector
+    parameters: Vector  # parameters of the kernel's effects in registry order, shape (P,)
+    # Whether each of these effects has a parameter that is not at its null value, shape (K,)
     on: NDArray[np.uint8]
-    body: Vector
-    inverse: Vector
+    body: Vector  # mass properties and rotors, in the layout of `lta_model.state`, shape (BODY,)
+    inverse: Vector  # inverse of the mass matrix, rigid and added, row by row, shape (36,)
+    # The parameters of every effect that is on, in the kernel or outside, by effect and name
     given: Mapping[str, Mapping[str, float]]
 
     @classmethod

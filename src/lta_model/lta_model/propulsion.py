@@ -27,31 +27,18 @@ Six = tuple[float, float, float, float, float, float]
 @final
 @dataclass(frozen=True, slots=True)
 class RotorModel:
-    """
-    One rotor as the model takes it.
+    """One rotor as the model takes it."""
 
-    Parameters
-    ----------
-    name : str
-        As in `motors`.
-    reversible : bool
-        Whether it accepts negative duty.
-    place, axis : 3-tuple
-        From the hull centre [m], and unit direction of its thrust.
-    a, b : float
-        T = a u^2 + b u. [N]
-    column, reverse : 6-tuple
-        Wrench about the hull centre per newton of a + b, forward and, for the same duty reversed,
-        backward (times -T). [1, m]
-
-    """
-
-    name: str
-    reversible: bool
+    name: str  # as in `motors`
+    reversible: bool  # whether it accepts negative duty
+    # From the hull centre [m], and unit direction of its thrust
     place: Three
     axis: Three
+    # T = a u^2 + b u [N]
     a: float
     b: float
+    # Wrench about the hull centre per newton of a + b, forward and, for the same duty reversed,
+    # backward (times -T) [1, m]
     column: Six
     reverse: Six
 

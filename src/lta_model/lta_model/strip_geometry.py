@@ -28,21 +28,12 @@ SQUARE_PLATE = 1.17
 @final
 @dataclass(frozen=True, slots=True)
 class DragBox:
-    """
-    A part in the flow, its sides along the body axes.
+    """A part in the flow, its sides along the body axes."""
 
-    Parameters
-    ----------
-    place, size : 3-tuple
-        Centre from the hull centre, and full lengths of the sides, body frame. [m]
-    coefficient : float
-        Drag coefficient on the area of each side. [1]
-
-    """
-
+    # Centre from the hull centre, and full lengths of the sides, body frame [m]
     place: Vector
     size: Vector
-    coefficient: float = SQUARE_PLATE
+    coefficient: float = SQUARE_PLATE  # drag coefficient on the area of each side [1]
 
 
 def _split_box(box: DragBox, density: float) -> list[tuple[float, ...]]:

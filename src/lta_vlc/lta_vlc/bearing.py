@@ -31,21 +31,13 @@ SHORTEST = 1e-9
 @final
 @dataclass(frozen=True, slots=True)
 class Bearing:
-    """
-    The direction to a beacon in the body frame.
+    """The direction to a beacon in the body frame."""
 
-    Parameters
-    ----------
-    x, y : float
-        The paper's vector, not normalised; about 1/2 long in direct light with cosine diodes,
-        shorter with diffuse light.
-    angle, deviation : float
-        Counter-clockwise from forward, and its standard deviation by sensor noise. [rad]
-
-    """
-
+    # The paper's vector, not normalised; about 1/2 long in direct light with cosine diodes,
+    # shorter with diffuse light
     x: float
     y: float
+    # Counter-clockwise from forward, and its standard deviation by sensor noise [rad]
     angle: float
     deviation: float
 

@@ -28,51 +28,26 @@ from numpy.typing import ArrayLike, NDArray
 @final
 @dataclass(frozen=True, slots=True)
 class Peaks:
-    """
-    Readings of one beacon by each diode, arrays of shape (d,).
+    """Readings of one beacon by each diode, arrays of shape (d,)."""
 
-    Parameters
-    ----------
-    amplitude : ndarray of float64
-        Amplitude of the beacon's fundamental, in the unit of the samples.
-    snr : ndarray of float64
-        Highest bin over the mean of the quiet bins; 0 for a spoilt diode.
-    frequency : ndarray of float64
-        Peak frequency of each diode alone. [Hz]
-    noise : ndarray of float64
-        Mean magnitude of the quiet bins, in the unit of the samples. White noise of this mean
-        moves an amplitude by sqrt(2/pi) of it, one standard deviation.
-
-    """
-
+    # Amplitude of the beacon's fundamental, in the unit of the samples
     amplitude: NDArray[np.float64]
-    snr: NDArray[np.float64]
-    frequency: NDArray[np.float64]
+    snr: NDArray[np.float64]  # highest bin over the mean of the quiet bins; 0 for a spoilt diode
+    frequency: NDArray[np.float64]  # peak frequency of each diode alone [Hz]
+    # Mean magnitude of the quiet bins, in the unit of the samples. White noise of this mean moves
+    # an amplitude by sqrt(2/pi) of it, one standard deviation.
     noise: NDArray[np.float64]
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class DemodulatedBlock:
-    """
-    Results of one block.
+    """Results of one block."""
 
-    Parameters
-    ----------
-    peaks : tuple of Peaks
-        Of each beacon, the wanted one first.
-    frequencies : tuple of float
-        Of each beacon, common to all diodes. [Hz]
-    faults : tuple of DiodeFault
-        Of each diode.
-    level : ndarray of float64, shape (d,)
-        Mean of each diode: steady light, in the unit of the samples.
-
-    """
-
-    peaks: tuple[Peaks, ...]
-    frequencies: tuple[float, ...]
-    faults: tuple[DiodeFault, ...]
+    peaks: tuple[Peaks, ...]  # of each beacon, the wanted one first
+    frequencies: tuple[float, ...]  # of each beacon, common to all diodes [Hz]
+    faults: tuple[DiodeFault, ...]  # of each diode
+    # Mean of each diode: steady light, in the unit of the samples, shape (d,)
     level: NDArray[np.float64]
 
 

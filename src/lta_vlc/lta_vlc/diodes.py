@@ -19,19 +19,6 @@ class DiodeArray:
     """
     Place, axis and gain of each diode.
 
-    Parameters
-    ----------
-    axes, places : tuple of tuple of 3 floats
-        Unit axes, and places relative to the middle of all diodes [m], body frame.
-    response : float
-        Exponent p of the response cos^p to the angle between light and axis.
-    gains : tuple of float
-        Relative to the nominal diode; 0 for one that is known to be dead.
-    spread : float
-        Relative standard deviation of the true gains.
-    response_deviation : float
-        Standard deviation of the true exponent p.
-
     Raises
     ------
     BadInput
@@ -39,12 +26,13 @@ class DiodeArray:
 
     """
 
+    # Unit axes, and places relative to the middle of all diodes [m], body frame
     axes: tuple[Axis, ...]
     places: tuple[Axis, ...]
-    response: float
-    gains: tuple[float, ...]
-    spread: float
-    response_deviation: float = 0.0
+    response: float  # exponent p of the response cos^p to the angle between light and axis
+    gains: tuple[float, ...]  # relative to the nominal diode; 0 for one that is known to be dead
+    spread: float  # relative standard deviation of the true gains
+    response_deviation: float = 0.0  # standard deviation of the true exponent p
 
     def __post_init__(self) -> None:
         """Refuse an invalid array."""

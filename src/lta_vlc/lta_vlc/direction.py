@@ -22,31 +22,20 @@ LEAST = 1e-3  # smallest standard deviation of a prior [rad, 1/m]
 @final
 @dataclass(frozen=True, slots=True)
 class Direction:
-    """
-    Direction to the lamp in the body frame.
+    """Direction to the lamp in the body frame."""
 
-    Parameters
-    ----------
-    x, y, z : float
-        Unit vector from the middle of the diodes.
-    azimuth_variance, cross_variance, elevation_variance : float
-        Covariance of azimuth and elevation by noise, unequal gains, reflections and priors. [rad2]
-    strength, strength_deviation : float
-        Reading of a nominal diode that faces the lamp, of its direct light alone. [counts]
-    pedestal : float
-        Reading by diffuse light, the same for all diodes. [counts]
-
-    """
-
+    # Unit vector from the middle of the diodes
     x: float
     y: float
     z: float
+    # Covariance of azimuth and elevation by noise, unequal gains, reflections and priors [rad2]
     azimuth_variance: float
     cross_variance: float
     elevation_variance: float
+    # Reading of a nominal diode that faces the lamp, of its direct light alone [counts]
     strength: float
     strength_deviation: float
-    pedestal: float
+    pedestal: float  # reading by diffuse light, the same for all diodes [counts]
 
     @property
     def azimuth(self) -> float:

@@ -44,34 +44,21 @@ SURE = 10.0  # readings that the stated variances are worth beside the misfit
 
 
 class DirectionFit(NamedTuple):
-    """
-    The fitted direction.
+    """The fitted direction."""
 
-    Attributes
-    ----------
-    found : bool
-        Whether there is a direction; everything else is zero without one.
-    x, y, z : float
-        Unit vector to the lamp, body frame.
-    azimuth_variance, covariance, elevation_variance : float
-        Of azimuth and elevation. [rad2]
-    strength, strength_variance : float
-        S and its variance. [counts, counts2]
-    pedestal : float
-        P. [counts]
-
-    """
-
-    found: bool
+    found: bool  # whether there is a direction; everything else is zero without one
+    # Unit vector to the lamp, body frame
     x: float
     y: float
     z: float
+    # Of azimuth and elevation [rad2]
     azimuth_variance: float
     covariance: float
     elevation_variance: float
+    # S and its variance [counts, counts2]
     strength: float
     strength_variance: float
-    pedestal: float
+    pedestal: float  # P [counts]
 
 
 def fit_direction(

@@ -69,34 +69,21 @@ FAINT = 1e-6  # least error of a reading, part of the highest
 
 
 class DiodeFitInputs(NamedTuple):
-    """
-    The diodes as the fit takes them; sequences with a value for each diode.
+    """The diodes as the fit takes them; sequences with a value for each diode."""
 
-    Attributes
-    ----------
-    nx, ny, nz : sequence of float
-        Unit axes, body frame.
-    rx, ry, rz : sequence of float
-        Places relative to their middle. [m, body]
-    gains : sequence of float
-        0 for a diode that is known to be dead.
-    response, response_deviation : float
-        Prior of the exponent p: mean and standard deviation.
-    spread : float
-        Relative standard deviation of the true gains.
-
-    """
-
+    # Unit axes, body frame
     nx: Numbers
     ny: Numbers
     nz: Numbers
+    # Places relative to their middle [m, body]
     rx: Numbers
     ry: Numbers
     rz: Numbers
-    gains: Numbers
+    gains: Numbers  # 0 for a diode that is known to be dead
+    # Prior of the exponent p: mean and standard deviation
     response: float
     response_deviation: float
-    spread: float
+    spread: float  # relative standard deviation of the true gains
 
 
 class DirectionPrior(NamedTuple):

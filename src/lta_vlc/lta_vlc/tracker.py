@@ -14,21 +14,12 @@ LOST = 5  # blocks in a row without it after which it is lost
 @final
 @dataclass(frozen=True, slots=True)
 class FrequencyTracker:
-    """
-    Expected frequency of a beacon in the next block.
+    """Expected frequency of a beacon in the next block."""
 
-    Parameters
-    ----------
-    nominal, error : float
-        Nominal frequency, and estimated deviation from it. [Hz]
-    silent : int
-        Blocks since it was last detected.
-
-    """
-
+    # Nominal frequency, and estimated deviation from it [Hz]
     nominal: float
     error: float = 0.0
-    silent: int = 0
+    silent: int = 0  # blocks since it was last detected
 
     def update_frequency(self, frequency: float, reach: float) -> 'FrequencyTracker':
         """Return the tracker after a detection; `reach` limits the deviation. [Hz]"""

@@ -63,32 +63,17 @@ class LayoutMismatch(Exception):
 @final
 @dataclass(slots=True)
 class CdrLayout:
-    """
-    The layout of a message.
+    """The layout of a message."""
 
-    Attributes
-    ----------
-    size : int
-        Of the whole message. [bytes]
-    order : str
-        Byte order in numpy's notation.
-    leaves : list of CdrLeaf
-        What becomes columns, in the order of the definition.
-    packed : list of CdrLeaf
-        Byte arrays, which do not become columns: data of images and point clouds.
-    lengths : list of tuple of 2 int
-        Offset and value of each length word.
-    ends : list of int
-        Offsets of the terminating zeros of texts.
-
-    """
-
-    size: int
-    order: str
+    size: int  # of the whole message [bytes]
+    order: str  # byte order in numpy's notation
+    # What becomes columns, in the order of the definition
     leaves: list[CdrLeaf] = field(default_factory=list)
+    # Byte arrays, which do not become columns: data of images and point clouds
     packed: list[CdrLeaf] = field(default_factory=list)
+    # Offset and value of each length word
     lengths: list[tuple[int, int]] = field(default_factory=list)
-    ends: list[int] = field(default_factory=list)
+    ends: list[int] = field(default_factory=list)  # offsets of the terminating zeros of texts
 
     def find_matching_messages(self, table: NDArray[np.uint8]) -> NDArray[np.bool_]:
         """Return which messages of this size, shape (n, size), have this layout."""

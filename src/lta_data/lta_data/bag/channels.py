@@ -37,29 +37,14 @@ _ELEMENT: Final = re.compile(r'(.*)\[(\d+)\]')
 @final
 @dataclass(frozen=True, slots=True)
 class SignalChannel:
-    """
-    One quantity over time.
+    """One quantity over time."""
 
-    Attributes
-    ----------
-    name : str
-        Topic and field, 'odom/pose.pose.position.x'.
-    unit : str
-        Unit of the values; '' if unknown.
-    time : ndarray, shape (n,)
-        Since the start of the flight, in the order of recording. [s]
-    values : ndarray of float64, shape (n,)
-        NaN where a message lacks the field.
-    angular : bool
-        Whether values 2 pi apart are equal.
-
-    """
-
-    name: str
-    unit: str
+    name: str  # topic and field, 'odom/pose.pose.position.x'
+    unit: str  # unit of the values; '' if unknown
+    # Since the start of the flight, in the order of recording, shape (n,) [s]
     time: NDArray[np.float64]
-    values: NDArray[np.float64]
-    angular: bool = False
+    values: NDArray[np.float64]  # NaN where a message lacks the field, shape (n,)
+    angular: bool = False  # whether values 2 pi apart are equal
 
     @property
     def topic(self) -> str:

@@ -28,24 +28,13 @@ KINDS: Final = {
 
 
 class MessageColumns(NamedTuple):
-    """
-    Messages as columns.
+    """Messages as columns."""
 
-    Attributes
-    ----------
-    numbers, texts : dict of str to ndarray, shape (n,)
-        As `columns.build_columns` returns them.
-    stamps : ndarray of int64, shape (n,)
-        0 for a message without a stamp. [ns]
-    logged : list of int
-        Log times. [ns]
-
-    """
-
+    # As `columns.build_columns` returns them, shape (n,)
     numbers: Columns
     texts: Columns
-    stamps: NDArray[np.int64]
-    logged: list[int]
+    stamps: NDArray[np.int64]  # 0 for a message without a stamp, shape (n,) [ns]
+    logged: list[int]  # log times [ns]
 
 
 class MessageType(NamedTuple):

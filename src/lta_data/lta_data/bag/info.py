@@ -31,40 +31,19 @@ class TopicInfo:
 @final
 @dataclass(frozen=True, slots=True)
 class BagInfo:
-    """
-    Summary of a bag.
+    """Summary of a bag."""
 
-    Attributes
-    ----------
-    path : str
-        The opened path.
-    size : int
-        Size of its MCAP files. [bytes]
-    start : int or None
-        First log time; None without messages. [ns]
-    duration : float
-        From the first to the last log time. [s]
-    robots : list of str
-        Namespaces of the robots.
-    complete : bool
-        Whether nothing is missing.
-    losses : list of str
-        What is missing, one sentence each.
-    remarks : list of str
-        Irregularities without loss, one sentence each.
-
-    """
-
-    path: str
-    size: int
-    start: int | None
-    duration: float
+    path: str  # the opened path
+    size: int  # size of its MCAP files [bytes]
+    start: int | None  # first log time; None without messages [ns]
+    duration: float  # from the first to the last log time [s]
     messages: int
-    robots: list[str]
+    robots: list[str]  # namespaces of the robots
     topics: list[TopicInfo]
     provenance: dict[str, str]
-    complete: bool
-    losses: list[str]
+    complete: bool  # whether nothing is missing
+    losses: list[str]  # what is missing, one sentence each
+    # Irregularities without loss, one sentence each
     remarks: list[str] = field(default_factory=list)
 
     def to_json(self) -> str:
@@ -73,15 +52,7 @@ class BagInfo:
 
 
 def summarize_bag(path: Path | str) -> BagInfo:
-    """
-    Return the summary of a bag.
-
-    Raises
-    ------
-    BadInput
-        If there is no recording at `path`.
-
-    """
+    """Return the summary of a bag; raise BadInput if there is no recording at `path`."""
     bag = read_bag(path)
     seconds = bag_duration(bag)
     topics = [

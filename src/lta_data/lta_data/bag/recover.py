@@ -37,40 +37,22 @@ COUNTED: Final = {
 @final
 @dataclass(frozen=True, slots=True)
 class Recovery:
-    """
-    Result of a recovery.
+    """Result of a recovery."""
 
-    Attributes
-    ----------
-    source, path : str
-        The original, and the new bag.
-    messages : int
-        Messages in the new bag.
-    topics : dict of str to int
-        The same by topic.
-    size : int
-        Size of the original's files. [bytes]
-    lost_bytes, lost_chunks : int
-        Unusable part of the original; only regions with a chunk header count as chunks.
-    lost_spans : list of (float or None, float or None)
-        Time of the losses since the first intact message; None for the start or end of the
-        recording. [s]
-    missing : dict of str to MissingMessages
-        Lost messages by topic, as far as they can be determined.
-    losses, remarks : list of str
-        Messages of the reader, one sentence each.
-
-    """
-
+    # The original, and the new bag
     source: str
     path: str
-    messages: int
-    topics: dict[str, int]
-    size: int
+    messages: int  # messages in the new bag
+    topics: dict[str, int]  # the same by topic
+    size: int  # size of the original's files [bytes]
+    # Unusable part of the original; only regions with a chunk header count as chunks
     lost_bytes: int
     lost_chunks: int
+    # Time of the losses since the first intact message; None for the start or end of the recording
+    # [s]
     lost_spans: list[tuple[float | None, float | None]]
-    missing: dict[str, MissingMessages]
+    missing: dict[str, MissingMessages]  # lost messages by topic, as far as they can be determined
+    # Messages of the reader, one sentence each
     losses: list[str]
     remarks: list[str]
 

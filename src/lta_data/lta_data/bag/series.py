@@ -11,27 +11,15 @@ from numpy.typing import NDArray
 @final
 @dataclass(frozen=True, slots=True)
 class TopicSeries:
-    """
-    Fields of one topic over time; `series['pose.pose.position.x']` returns one of them.
+    """Fields of one topic over time; `series['pose.pose.position.x']` returns one of them."""
 
-    Attributes
-    ----------
-    stamps : ndarray of int64, shape (n,)
-        In the order of recording; for messages without a stamp, the log time converted to the
-        clock of the stamps. [ns]
-    time : ndarray, shape (n,)
-        The same since the start of the flight. [s]
-    numbers : dict of str to ndarray, shape (n,)
-        Numeric fields by path, in the units of the message.
-    texts : dict of str to ndarray of str, shape (n,)
-        Text fields by path.
-
-    """
-
+    # In the order of recording; for messages without a stamp, the log time converted to the clock
+    # of the stamps, shape (n,) [ns]
     stamps: NDArray[np.int64]
-    time: NDArray[np.float64]
+    time: NDArray[np.float64]  # the same since the start of the flight, shape (n,) [s]
+    # Numeric fields by path, in the units of the message, shape (n,)
     numbers: dict[str, NDArray[Any]]
-    texts: dict[str, NDArray[Any]]
+    texts: dict[str, NDArray[Any]]  # text fields by path, shape (n,)
 
     def __len__(self) -> int:
         """Return the number of messages."""

@@ -30,54 +30,28 @@ STRAY: Final = 0.01  # share of samples that noise alone may put outside the ban
 @final
 @dataclass(frozen=True, slots=True)
 class ChannelComparison:
-    """
-    One channel of both flights.
+    """One channel of both flights."""
 
-    Attributes
-    ----------
-    name, other : str
-        The channel's name in A and in B.
-    unit : str
-        Unit of the values.
-    angular : bool
-        Whether values 2 pi apart are equal.
-    verdict : str
-        'parted': outside the band to the end. 'apart at times': outside it for longer than a
-        moment, or at more than 1 % of the samples. 'together'. 'identical': all times and
-        values are equal. 'unknown': no common valid sample.
-    a, b : SampledSignal
-        Both as recorded, on A's time, B in A's frame.
-    both : AlignedSignals
-        Both at the same times.
-    periods : tuple of float
-        Median periods of A and B. [s]
-    measures : DifferenceMeasures or None
-        None if there is no common valid sample.
-    parting : Divergence
-        When they differ.
-    spectra : ChannelSpectra or None
-        None if there are too few consecutive samples.
-    peak : CorrelationPeak or None
-        None if one side is constant.
-    score : float
-        Rank of the divergence: RMS over the larger of both spreads and the band, times the share
-        of the common span during which they differ.
-
-    """
-
+    # The channel's name in A and in B
     name: str
     other: str
-    unit: str
-    angular: bool
+    unit: str  # unit of the values
+    angular: bool  # whether values 2 pi apart are equal
+    # 'parted': outside the band to the end. 'apart at times': outside it for longer than a moment,
+    # or at more than 1 % of the samples. 'together'. 'identical': all times and values are equal.
+    # 'unknown': no common valid sample
     verdict: str
+    # Both as recorded, on A's time, B in A's frame
     a: SampledSignal
     b: SampledSignal
-    both: AlignedSignals
-    periods: tuple[float, float]
-    measures: DifferenceMeasures | None
-    parting: Divergence
-    spectra: ChannelSpectra | None
-    peak: CorrelationPeak | None
+    both: AlignedSignals  # both at the same times
+    periods: tuple[float, float]  # median periods of A and B [s]
+    measures: DifferenceMeasures | None  # None if there is no common valid sample
+    parting: Divergence  # when they differ
+    spectra: ChannelSpectra | None  # None if there are too few consecutive samples
+    peak: CorrelationPeak | None  # None if one side is constant
+    # Rank of the divergence: RMS over the larger of both spreads and the band, times the share of
+    # the common span during which they differ.
     score: float
 
     @property

@@ -45,38 +45,20 @@ AMBIGUOUS: Final = 0.9  # relative height of a second peak that makes it ambiguo
 @final
 @dataclass(frozen=True, slots=True)
 class ClockOffset:
-    """
-    Reading of B's clock minus that of A's at the same event.
+    """Reading of B's clock minus that of A's at the same event."""
 
-    Attributes
-    ----------
-    value, sigma : float
-        Offset in the middle of the common span, and its standard deviation. [s]
-    drift, drift_sigma : float
-        Rate of growth of the offset; applied only if `drifts`. Zero and infinite if the common
-        span is too short to estimate it. [1]
-    drifts : bool
-        Whether the drift is significant and plausible for a clock.
-    middle : float
-        Time of `value` on A's clock. [s]
-    correlation : float
-        Median correlation of the rates of the channels in `used`, at this offset.
-    rival : float
-        Height of the highest other peak, relative to the best.
-    used : tuple of str
-        The channels of the fine step.
-
-    """
-
+    # Offset in the middle of the common span, and its standard deviation [s]
     value: float
     sigma: float
+    # Rate of growth of the offset; applied only if `drifts`. Zero and infinite if the common span
+    # is too short to estimate it [1]
     drift: float
     drift_sigma: float
-    drifts: bool
-    middle: float
-    correlation: float
-    rival: float
-    used: tuple[str, ...]
+    drifts: bool  # whether the drift is significant and plausible for a clock
+    middle: float  # time of `value` on A's clock [s]
+    correlation: float  # median correlation of the rates of the channels in `used`, at this offset
+    rival: float  # height of the highest other peak, relative to the best
+    used: tuple[str, ...]  # the channels of the fine step
 
     @property
     def is_ambiguous(self) -> bool:

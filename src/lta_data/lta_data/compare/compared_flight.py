@@ -15,65 +15,30 @@ import numpy as np
 @final
 @dataclass(frozen=True, slots=True)
 class ComparedTopic:
-    """
-    One topic of a flight.
+    """One topic of a flight."""
 
-    Attributes
-    ----------
-    name : str
-        Relative to the robot.
-    frame : str
-        `frame_id` of its first message; '' if it has none.
-    time : ndarray, shape (n,)
-        In the order of recording, since the start of the flight. [s]
-    digest : str
-        Hash of all its messages; '' if the raw bytes are not available.
-    repeated : int
-        Messages that repeat the previous one at the same time.
-
-    """
-
-    name: str
+    name: str  # relative to the robot
     type_name: str
-    frame: str
-    time: Array
-    digest: str = ''
-    repeated: int = 0
+    frame: str  # `frame_id` of its first message; '' if it has none
+    time: Array  # in the order of recording, since the start of the flight, shape (n,) [s]
+    digest: str = ''  # hash of all its messages; '' if the raw bytes are not available
+    repeated: int = 0  # messages that repeat the previous one at the same time
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class ComparedFlight:
-    """
-    A flight, ready to be compared.
+    """A flight, ready to be compared."""
 
-    Attributes
-    ----------
-    label : str
-        'A' or 'B'.
-    path, robot : str
-        Its origin.
-    start : int
-        Time 0 of its channels, on the clock of the stamps. [ns]
-    channels : dict of str to SignalChannel
-        By name.
-    topics : dict of str to ComparedTopic
-        By name, relative to the robot.
-    remarks : tuple of str
-        What could not be read.
-    provenance : dict of str to str
-        As the recorder stored it.
-
-    """
-
-    label: str
+    label: str  # 'A' or 'B'
+    # Its origin
     path: str
     robot: str
-    start: int
-    channels: Mapping[str, SignalChannel]
-    topics: Mapping[str, ComparedTopic]
-    remarks: tuple[str, ...] = ()
-    provenance: Mapping[str, str] = field(default_factory=dict)
+    start: int  # time 0 of its channels, on the clock of the stamps [ns]
+    channels: Mapping[str, SignalChannel]  # by name
+    topics: Mapping[str, ComparedTopic]  # by name, relative to the robot
+    remarks: tuple[str, ...] = ()  # what could not be read
+    provenance: Mapping[str, str] = field(default_factory=dict)  # as the recorder stored it
 
     @property
     def span(self) -> tuple[float, float]:

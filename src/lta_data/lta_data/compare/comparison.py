@@ -47,50 +47,25 @@ class ComparisonRequest:
 @final
 @dataclass(frozen=True, slots=True)
 class ComparisonResult:
-    """
-    Result of a comparison.
-
-    Attributes
-    ----------
-    asked : ComparisonRequest
-        The request.
-    a, b : ComparedFlight
-        The flights.
-    timing : TimeAlignment
-        How B's time was mapped to A's.
-    frames : tuple of FrameAlignment
-        What was done about each pair of world frames.
-    span : tuple of float
-        Common time on A's clock. [s]
-    channels : tuple of ChannelComparison
-        Those that diverge most and earliest first.
-    faults_a, faults_b : dict of str to TopicFaults
-        By topic.
-    only_a, only_b : tuple of str
-        Topics missing in the other flight.
-    topics : dict of str to str
-        Compared topics: B's by A's.
-    identical_topics : tuple of str
-        Topics whose messages are identical byte for byte.
-    remarks : tuple of str
-        Further remarks for the user.
-
-    """
+    """Result of a comparison."""
 
     asked: ComparisonRequest
     a: ComparedFlight
     b: ComparedFlight
-    timing: TimeAlignment
-    frames: tuple[FrameAlignment, ...]
-    span: tuple[float, float]
-    channels: tuple[ChannelComparison, ...]
+    timing: TimeAlignment  # how B's time was mapped to A's
+    frames: tuple[FrameAlignment, ...]  # what was done about each pair of world frames
+    span: tuple[float, float]  # common time on A's clock [s]
+    channels: tuple[ChannelComparison, ...]  # those that diverge most and earliest first
+    # By topic
     faults_a: Mapping[str, TopicFaults]
     faults_b: Mapping[str, TopicFaults]
+    # Topics missing in the other flight
     only_a: tuple[str, ...]
     only_b: tuple[str, ...]
+    # Compared topics: B's by A's.
     topics: Mapping[str, str]
-    identical_topics: tuple[str, ...]
-    remarks: tuple[str, ...]
+    identical_topics: tuple[str, ...]  # topics whose messages are identical byte for byte
+    remarks: tuple[str, ...]  # further remarks for the user
 
     @property
     def is_identical(self) -> bool:

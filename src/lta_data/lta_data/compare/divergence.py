@@ -21,29 +21,13 @@ FEWEST: Final = 10  # samples that a divergence must last
 @final
 @dataclass(frozen=True, slots=True)
 class Divergence:
-    """
-    When two channels differ.
+    """When two channels differ."""
 
-    Attributes
-    ----------
-    band : float
-        Largest difference explained by noise, or the tolerance. [unit]
-    given : bool
-        Whether the band is a tolerance set by the user.
-    at : float or None
-        Time from which they differ to the end; None if they agree at the end. [s]
-    first : float or None
-        Time when they first differ for longer than a moment. [s]
-    outside : float
-        Share of the samples outside the band.
-
-    """
-
-    band: float
-    given: bool
-    at: float | None
-    first: float | None
-    outside: float
+    band: float  # largest difference explained by noise, or the tolerance [unit]
+    given: bool  # whether the band is a tolerance set by the user
+    at: float | None  # time from which they differ to the end; None if they agree at the end [s]
+    first: float | None  # time when they first differ for longer than a moment [s]
+    outside: float  # share of the samples outside the band
 
 
 def noise_deviation(values: Array) -> float:

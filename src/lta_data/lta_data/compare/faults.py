@@ -21,47 +21,20 @@ class FaultInterval(NamedTuple):
 @final
 @dataclass(frozen=True, slots=True)
 class TopicFaults:
-    """
-    The faults of one topic of one flight.
+    """The faults of one topic of one flight."""
 
-    Attributes
-    ----------
-    count : int
-        Messages.
-    period : float or None
-        Median period; None for fewer than two messages. [s]
-    rhythm : bool
-        Whether messages come regularly enough to define a gap.
-    gaps : tuple of FaultInterval
-        Without a message for longer than 2.5 periods; the first 50.
-    missing : float
-        Total length of the gaps. [s]
-    gap_count : int
-        Number of gaps.
-    same_stamp : int
-        Messages with the time of an earlier one.
-    repeated : int
-        Of these, those with the same bytes as the previous message.
-    backwards : tuple of FaultInterval
-        Where time decreases: from the later time to the earlier one that follows; the first 50.
-    backwards_count : int
-        Number of decreases.
-    unknown : dict of str to float
-        Share of non-finite values, by channel, if any.
-
-    """
-
-    count: int
-    period: float | None
-    rhythm: bool
-    gaps: tuple[FaultInterval, ...]
-    missing: float
-    gap_count: int
-    same_stamp: int
-    repeated: int
+    count: int  # messages
+    period: float | None  # median period; None for fewer than two messages [s]
+    rhythm: bool  # whether messages come regularly enough to define a gap
+    gaps: tuple[FaultInterval, ...]  # without a message for longer than 2.5 periods; the first 50
+    missing: float  # total length of the gaps [s]
+    gap_count: int  # number of gaps
+    same_stamp: int  # messages with the time of an earlier one
+    repeated: int  # of these, those with the same bytes as the previous message
+    # Where time decreases: from the later time to the earlier one that follows; the first 50
     backwards: tuple[FaultInterval, ...]
-    backwards_count: int
-    unknown: dict[str, float]
+    backwards_count: int  # number of decreases
+    unknown: dict[str, float]  # share of non-finite values, by channel, if any
 
     @property
     def is_clean(self) -> bool:

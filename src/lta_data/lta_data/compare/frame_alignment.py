@@ -31,29 +31,13 @@ class PositionPair(NamedTuple):
 @final
 @dataclass(frozen=True, slots=True)
 class FrameAlignment:
-    """
-    What was done about one pair of frames.
+    """What was done about one pair of frames."""
 
-    Attributes
-    ----------
-    frames : tuple of str
-        A's and B's.
-    topic : str
-        A's topic whose positions were used.
-    fit : FrameTransform or None
-        Transformation from B to A; None with too few positions.
-    applied : bool
-        Whether it was applied.
-    reason : str
-        One sentence.
-
-    """
-
-    frames: tuple[str, str]
-    topic: str
-    fit: FrameTransform | None
-    applied: bool
-    reason: str
+    frames: tuple[str, str]  # A's and B's
+    topic: str  # A's topic whose positions were used
+    fit: FrameTransform | None  # transformation from B to A; None with too few positions
+    applied: bool  # whether it was applied
+    reason: str  # one sentence
 
 
 def align_frames(

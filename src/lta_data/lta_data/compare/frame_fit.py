@@ -16,28 +16,17 @@ TELLING: Final = 3.0  # least ratio of that spread to the misfit
 @final
 @dataclass(frozen=True, slots=True)
 class FrameTransform:
-    """
-    Transformation of positions of B into A's frame: rotation about z, then a shift.
+    """Transformation of positions of B into A's frame: rotation about z, then a shift."""
 
-    Attributes
-    ----------
-    yaw : float
-        [rad]
-    x, y, z : float
-        Shift after the rotation. [m]
-    before, after : float
-        RMS distance of the paths without and with the transformation. [m]
-    by_heading : bool
-        Whether the rotation comes from the headings because the path is too short.
-
-    """
-
-    yaw: float
+    yaw: float  # [rad]
+    # Shift after the rotation [m]
     x: float
     y: float
     z: float
+    # RMS distance of the paths without and with the transformation [m]
     before: float
     after: float
+    # Whether the rotation comes from the headings because the path is too short
     by_heading: bool = False
 
     def transform_positions(self, xyz: Array) -> Array:

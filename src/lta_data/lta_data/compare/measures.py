@@ -18,35 +18,20 @@ NORMAL: Final = 1.959964  # quantile of the normal distribution for the same tai
 @final
 @dataclass(frozen=True, slots=True)
 class DifferenceMeasures:
-    """
-    The difference of two channels, B minus A, on their common span.
+    """The difference of two channels, B minus A, on their common span."""
 
-    Attributes
-    ----------
-    count : int
-        Instants at which both values are known.
-    bias, rms : float
-        Mean and root mean square. [unit of the channel]
-    rms_low, rms_high : float
-        95 % interval of `rms` by block bootstrap.
-    greatest, greatest_at : float
-        The largest difference in magnitude, and its time. [unit; s]
-    spread : float
-        Standard deviation of A at the same instants.
-    nrmse : float or None
-        rms / spread; None if A is constant.
-
-    """
-
-    count: int
+    count: int  # instants at which both values are known
+    # Mean and root mean square [unit of the channel]
     bias: float
     rms: float
+    # 95 % interval of `rms` by block bootstrap
     rms_low: float
     rms_high: float
+    # The largest difference in magnitude, and its time [unit; s]
     greatest: float
     greatest_at: float
-    spread: float
-    nrmse: float | None
+    spread: float  # standard deviation of A at the same instants
+    nrmse: float | None  # rms / spread; None if A is constant
 
 
 def measure_difference(

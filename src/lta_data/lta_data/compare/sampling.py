@@ -81,24 +81,13 @@ def interpolate_signal(
 
 
 class AlignedSignals(NamedTuple):
-    """
-    Two signals at the same times.
+    """Two signals at the same times."""
 
-    Attributes
-    ----------
-    time : ndarray, shape (n,)
-        Times of the slower signal. [s]
-    a, b : ndarray, shape (n,)
-        Values; NaN where unknown.
-    difference : ndarray, shape (n,)
-        b minus a; for angles, the shorter way around.
-
-    """
-
-    time: Array
+    time: Array  # times of the slower signal, shape (n,) [s]
+    # Values; NaN where unknown, shape (n,)
     a: Array
     b: Array
-    difference: Array
+    difference: Array  # b minus a; for angles, the shorter way around, shape (n,)
 
     @property
     def both_valid(self) -> NDArray[np.bool_]:

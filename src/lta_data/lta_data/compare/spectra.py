@@ -15,30 +15,17 @@ FEWEST: Final = 32  # samples needed for a spectrum
 @final
 @dataclass(frozen=True, slots=True)
 class ChannelSpectra:
-    """
-    Power spectra of both channels and of their difference.
+    """Power spectra of both channels and of their difference."""
 
-    Attributes
-    ----------
-    frequency : ndarray, shape (n,)
-        Without zero. [Hz]
-    a, b, difference : ndarray, shape (n,)
-        One-sided power spectral density. [unit squared over Hz]
-    coherence : ndarray, shape (n,)
-        Share of B's power that is linear in A, 0 to 1.
-    segments : int
-        Number of averaged segments; unrelated channels have a coherence of about 1 / segments.
-    span : tuple of float
-        The longest stretch without a gap, from which they are computed. [s]
-
-    """
-
-    frequency: Array
+    frequency: Array  # without zero, shape (n,) [Hz]
+    # One-sided power spectral density, shape (n,) [unit squared over Hz]
     a: Array
     b: Array
     difference: Array
-    coherence: Array
+    coherence: Array  # share of B's power that is linear in A, 0 to 1, shape (n,)
+    # Number of averaged segments; unrelated channels have a coherence of about 1 / segments
     segments: int
+    # The longest stretch without a gap, from which they are computed [s]
     span: tuple[float, float]
 
 

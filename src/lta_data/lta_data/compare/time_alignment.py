@@ -24,46 +24,22 @@ PLACES: Final = ('position.x', 'position.y')
 @final
 @dataclass(frozen=True, slots=True)
 class TimeAlignment:
-    """
-    Mapping of B's time to A's.
+    """Mapping of B's time to A's."""
 
-    Attributes
-    ----------
-    how : str
-        'clock', 'motion', 'given' or 'none'.
-    reason : str
-        One sentence.
-    on_stamps : bool
-        Whether offsets refer to the clocks of the stamps; otherwise to the times since each
-        flight's start, because the stamps do not overlap.
-    lead : float
-        A's start minus B's, on the clock of the stamps; zero if not `on_stamps`. [s]
-    offset, sigma : float
-        Reading of B's clock minus A's at the same event, and its standard deviation. [s]
-    drift : float
-        Applied rate of growth of the offset. [1]
-    middle : float
-        Time of `offset` on A's clock. [s]
-    found : ClockOffset or None
-        Offset estimated from the data, applied or not.
-    used : tuple of str
-        Channels from which the offset was estimated.
-    remarks : tuple of str
-        Further remarks for the user.
-
-    """
-
-    how: str
-    reason: str
+    how: str  # 'clock', 'motion', 'given' or 'none'
+    reason: str  # one sentence
+    # Whether offsets refer to the clocks of the stamps; otherwise to the times since each flight's
+    # start, because the stamps do not overlap
     on_stamps: bool
-    lead: float
+    lead: float  # A's start minus B's, on the clock of the stamps; zero if not `on_stamps` [s]
+    # Reading of B's clock minus A's at the same event, and its standard deviation [s]
     offset: float = 0.0
     sigma: float = 0.0
-    drift: float = 0.0
-    middle: float = 0.0
-    found: ClockOffset | None = None
-    used: tuple[str, ...] = ()
-    remarks: tuple[str, ...] = ()
+    drift: float = 0.0  # applied rate of growth of the offset [1]
+    middle: float = 0.0  # time of `offset` on A's clock [s]
+    found: ClockOffset | None = None  # offset estimated from the data, applied or not
+    used: tuple[str, ...] = ()  # channels from which the offset was estimated
+    remarks: tuple[str, ...] = ()  # further remarks for the user
 
     def convert_to_a_time(self, time: Array) -> Array:
         """Convert times of B, since its start, to times since A's start. [s]"""

@@ -32,27 +32,14 @@ INDENT: Final = 4  # characters before the evidence
 @final
 @dataclass(frozen=True, slots=True)
 class CheckedRecording:
-    """
-    The checked data of one robot in one bag.
+    """The checked data of one robot in one bag."""
 
-    Attributes
-    ----------
-    path, robot : str
-        The bag and its robot; '' without one.
-    simulated : bool
-        Whether the recording declares itself simulated.
-    report : QualityReport
-        The findings.
-    losses : tuple of str
-        What is missing or unreadable, one sentence each.
-
-    """
-
+    # The bag and its robot; '' without one
     path: str
     robot: str
-    simulated: bool
-    report: QualityReport
-    losses: tuple[str, ...]
+    simulated: bool  # whether the recording declares itself simulated
+    report: QualityReport  # the findings
+    losses: tuple[str, ...]  # what is missing or unreadable, one sentence each
 
     @property
     def is_grave(self) -> bool:

@@ -26,30 +26,17 @@ GRAVE = frozenset((Severity.SUSPICIOUS, Severity.ERROR))
 @final
 @dataclass(frozen=True, slots=True)
 class QualityFinding:
-    """
-    One problem in a recording.
+    """One problem in a recording."""
 
-    Attributes
-    ----------
-    kind : str
-        Name of the check in `CHECKS`.
-    channel : str
-        The channel, or a topic or part of one ('imu/angular_velocity') if all of it is affected.
-    from_s, to_s : float
-        Interval since the start of the flight. [s]
-    evidence : str
-        One sentence with the figures.
-    values : mapping of str to float
-        The figures of the sentence, in SI units.
-
-    """
-
-    kind: str
+    kind: str  # name of the check in `CHECKS`
+    # The channel, or a topic or part of one ('imu/angular_velocity') if all of it is affected
     channel: str
+    # Interval since the start of the flight [s]
     from_s: float
     to_s: float
-    evidence: str
+    evidence: str  # one sentence with the figures
     severity: Severity
+    # The figures of the sentence, in SI units
     values: Mapping[str, float] = field(default_factory=dict)
 
     @property

@@ -18,22 +18,11 @@ Array = NDArray[np.float64]
 @final
 @dataclass(frozen=True, slots=True)
 class VectorSeries:
-    """
-    A vector over time.
+    """A vector over time."""
 
-    Attributes
-    ----------
-    name : str
-        Topic and path without the axis: 'imu/angular_velocity'.
-    time : ndarray, shape (n,)
-        Increasing. [s]
-    values : ndarray, shape (n, 3), or (n, 4) for quaternions x y z w without sign jumps
-
-    """
-
-    name: str
-    time: Array
-    values: Array
+    name: str  # topic and path without the axis: 'imu/angular_velocity'
+    time: Array  # increasing, shape (n,) [s]
+    values: Array  # shape (n, 3)
 
 
 @final

@@ -43,40 +43,20 @@ FINEST = 0.01  # smallest step of the grid [s]
 @final
 @dataclass(frozen=True, slots=True)
 class MotionPair:
-    """
-    Two sources of the same motion.
+    """Two sources of the same motion."""
 
-    Attributes
-    ----------
-    what : str
-        'rates', 'velocity', 'force', 'range' or 'pressure'.
-    told, made : str
-        Name of the sensor's vector, and of the pose's from which the other side is derived.
-    unit : str
-        Of both sides.
-    least : float
-        Smallest standard deviation of `right` that counts as motion.
-    grid : ndarray, shape (n,)
-        [s]
-    left, right : ndarray, shape (n, k)
-        Measured and derived values, one axis per column.
-    known : ndarray of bool, shape (n,)
-        Where both are known.
-    axes : tuple of str
-        Names of the columns.
-
-    """
-
-    what: str
+    what: str  # 'rates', 'velocity', 'force', 'range' or 'pressure'
+    # Name of the sensor's vector, and of the pose's from which the other side is derived
     told: str
     made: str
-    unit: str
-    least: float
-    grid: Array
+    unit: str  # of both sides
+    least: float  # smallest standard deviation of `right` that counts as motion
+    grid: Array  # shape (n,) [s]
+    # Measured and derived values, one axis per column, shape (n, k)
     left: Array
     right: Array
-    known: NDArray[np.bool_]
-    axes: tuple[str, ...] = ('x', 'y', 'z')
+    known: NDArray[np.bool_]  # where both are known, shape (n,)
+    axes: tuple[str, ...] = ('x', 'y', 'z')  # names of the columns
 
     @property
     def step(self) -> float:

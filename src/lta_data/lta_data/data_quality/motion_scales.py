@@ -23,20 +23,10 @@ OFFSETS: Final = 58  # whole turns of degrees in a turn of radians
 
 @final
 class VectorFit(NamedTuple):
-    """
-    A measured vector over a derived one.
+    """A measured vector over a derived one."""
 
-    Attributes
-    ----------
-    factor : float
-        Ratio of their sizes.
-    cosine : float
-        Between both, over all samples; 1 for the same motion.
-
-    """
-
-    factor: float
-    cosine: float
+    factor: float  # ratio of their sizes
+    cosine: float  # between both, over all samples; 1 for the same motion
 
 
 UNKNOWN_FIT: Final = VectorFit(float('nan'), 0.0)

@@ -18,32 +18,18 @@ FINE = 0.5  # match of each moving axis from which axes count as correct
 @final
 @dataclass(frozen=True, slots=True)
 class PairSimilarity:
-    """
-    How the left side of a pair follows the right one.
+    """How the left side of a pair follows the right one."""
 
-    Attributes
-    ----------
-    lag : float
-        Delay of the left side. [s]
-    correlation : ndarray, shape (k, k)
-        Of left axis i with right axis j at that lag; 0 for an axis without motion.
-    ratio : ndarray, shape (k, k)
-        Standard deviation of left axis i over that of right axis j.
-    match : ndarray, shape (k, k)
-        Concordance of left axis i with right axis j, which takes size into account (Lin 1989,
-        doi:10.2307/2532051, without means), after one common factor for all axes.
-    moving : ndarray of bool, shape (k,)
-        Axes of the right side that move enough to judge.
-    quick_at_lag, quick_at_zero : ndarray, shape (k,)
-        Correlation of the fast motion of each axis, at the lag and at zero lag; 0 without any.
-
-    """
-
-    lag: float
+    lag: float  # delay of the left side [s]
+    # Of left axis i with right axis j at that lag; 0 for an axis without motion, shape (k, k)
     correlation: Array
-    ratio: Array
+    ratio: Array  # standard deviation of left axis i over that of right axis j, shape (k, k)
+    # Concordance of left axis i with right axis j, which takes size into account (Lin 1989,
+    # doi:10.2307/2532051, without means), after one common factor for all axes, shape (k, k)
     match: Array
-    moving: NDArray[np.bool_]
+    moving: NDArray[np.bool_]  # axes of the right side that move enough to judge, shape (k,)
+    # Correlation of the fast motion of each axis, at the lag and at zero lag; 0 without any, shape
+    # (k,)
     quick_at_lag: Array
     quick_at_zero: Array
 

@@ -20,24 +20,13 @@ FLOWN: Final = ('seed', 'scenario')  # provenance keys that only a simulator wri
 @final
 @dataclass(frozen=True, slots=True)
 class ChannelRecording:
-    """
-    The data to check; any subset of topics will do.
+    """The data to check; any subset of topics will do."""
 
-    Attributes
-    ----------
-    channels : mapping of str to SignalChannel
-        By name, as in `lta_data.bag.channels`. A quaternion may be given as yaw, pitch and roll,
-        as x, y, z and w, or as both.
-    provenance : mapping of str to str
-        As stored in the recording.
-    arrivals : mapping of str to ndarray
-        Log time of each message by topic, since the topic's first; missing topics are not
-        judged. [s]
-
-    """
-
+    # By name, as in `lta_data.bag.channels`. A quaternion may be given as yaw, pitch and roll, as
+    # x, y, z and w, or as both.
     channels: Mapping[str, SignalChannel]
-    provenance: Mapping[str, str] = field(default_factory=dict)
+    provenance: Mapping[str, str] = field(default_factory=dict)  # as stored in the recording
+    # Log time of each message by topic, since the topic's first; missing topics are not judged [s]
     arrivals: Mapping[str, Array] = field(default_factory=dict)
 
     @property

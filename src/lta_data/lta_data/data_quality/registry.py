@@ -55,20 +55,10 @@ CHECKS: Final[dict[str, QualityCheck]] = {
 @final
 @dataclass(frozen=True, slots=True)
 class QualityReport:
-    """
-    Result of all checks of a recording.
+    """Result of all checks of a recording."""
 
-    Attributes
-    ----------
-    findings : tuple of QualityFinding
-        By time.
-    unjudged : tuple of str
-        What could not be judged, and why.
-
-    """
-
-    findings: tuple[QualityFinding, ...]
-    unjudged: tuple[str, ...]
+    findings: tuple[QualityFinding, ...]  # by time
+    unjudged: tuple[str, ...]  # what could not be judged, and why
 
     @property
     def is_grave(self) -> bool:

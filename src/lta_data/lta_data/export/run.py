@@ -52,26 +52,13 @@ class ExportObserver(Protocol):
 @final
 @dataclass(frozen=True, slots=True)
 class ExportRequest:
-    """
-    Options of an export.
+    """Options of an export."""
 
-    Attributes
-    ----------
-    form : str
-        One of `FORMATS`.
-    topics : tuple of str
-        Names; all if empty.
-    rate : float or None
-        Rate of the common clock, for one aligned file; None for a file per topic. [Hz]
-    method : str
-        How columns are resampled to that clock; see `lta_data.bag.align`.
-
-    """
-
-    form: str
-    topics: tuple[str, ...] = ()
+    form: str  # one of `FORMATS`
+    topics: tuple[str, ...] = ()  # names; all if empty
+    # Rate of the common clock, for one aligned file; None for a file per topic [Hz]
     rate: float | None = None
-    method: str = 'previous'
+    method: str = 'previous'  # how columns are resampled to that clock; see `lta_data.bag.align`
 
 
 @final

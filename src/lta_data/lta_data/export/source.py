@@ -31,32 +31,15 @@ FIXED: Final = {STAMP: 'ns', TIME: 's'}  # columns of every file, with their uni
 
 @final
 class ExportSource(NamedTuple):
-    """
-    The columns of one file.
+    """The columns of one file."""
 
-    Attributes
-    ----------
-    name : str
-        The topic, or what else the file holds.
-    kind : str
-        Message type; '' if none.
-    declared : dict of str to dtype
-        All columns in order; text columns are of kind U.
-    units : dict of str to str
-        Unit of the columns that have one.
-    parts : callable
-        Returns an iterator over the parts; each part has all columns.
-    remark : str
-        What is left out; '' if nothing.
-
-    """
-
-    name: str
-    kind: str
-    declared: dict[str, np.dtype[Any]]
-    units: dict[str, str]
+    name: str  # the topic, or what else the file holds
+    kind: str  # message type; '' if none
+    declared: dict[str, np.dtype[Any]]  # all columns in order; text columns are of kind U
+    units: dict[str, str]  # unit of the columns that have one
+    # Returns an iterator over the parts; each part has all columns
     parts: Callable[[], Iterator[Columns]]
-    remark: str = ''
+    remark: str = ''  # what is left out; '' if nothing
 
 
 def build_topic_source(flight: RecordedFlight, topic: str) -> ExportSource:

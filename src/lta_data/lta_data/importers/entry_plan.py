@@ -36,23 +36,12 @@ Axes = tuple[str, ...]
 @final
 @dataclass(frozen=True, slots=True)
 class EntryPlan:
-    """
-    A checked entry.
+    """A checked entry."""
 
-    Attributes
-    ----------
-    entry : TopicMapping
-        As in the mapping.
-    topic : str
-        Absolute name.
-    world, body : tuple of 3 str or None
-        Axes of the log; None if they are LTA's.
-
-    """
-
-    entry: TopicMapping
-    topic: str
+    entry: TopicMapping  # as in the mapping
+    topic: str  # absolute name
     target: ImportTarget
+    # Axes of the log; None if they are LTA's, tuple of 3 str or None
     world: Axes | None
     body: Axes | None
 

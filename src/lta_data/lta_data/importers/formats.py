@@ -33,23 +33,12 @@ USD = bytes([crazyflie_usd.MAGIC])
 
 @final
 class LogFormat(NamedTuple):
-    """
-    One format.
+    """One format."""
 
-    Attributes
-    ----------
-    about : str
-        Description for users.
-    mapping : str or None
-        The shipped mapping of a format with fixed names.
-    opened : callable
-        Opens a log; raises `BadInput` if the file has another format. Without a mapping only
-        bags can be opened, whose messages have names and units.
-
-    """
-
-    about: str
-    mapping: str | None
+    about: str  # description for users
+    mapping: str | None  # the shipped mapping of a format with fixed names
+    # Opens a log; raises `BadInput` if the file has another format. Without a mapping only bags
+    # can be opened, whose messages have names and units.
     opened: Callable[[Path, MappingFile | None], LogReader]
 
 

@@ -14,29 +14,17 @@ Times = NDArray[np.int64]
 @final
 @dataclass(frozen=True, slots=True)
 class LogTable:
-    """
-    Rows of a log, in the order of the log.
+    """Rows of a log, in the order of the log."""
 
-    Attributes
-    ----------
-    stamps, log_times : ndarray of int64, shape (n,)
-        Time of measurement and time of logging. [ns]
-    order : ndarray of int64, shape (n,)
-        Position of a row in the log, or its time if unknown; orders the rows of several tables.
-    columns : dict of str to ndarray, shape (n,)
-        Numbers as logged; NaN if missing.
-    first : int
-        Number of rows in the earlier parts of the log.
-    empty : dict of str to ndarray of bool, shape (n,)
-        Mask of the empty cells, for columns that have some.
-
-    """
-
+    # Time of measurement and time of logging, shape (n,) [ns]
     stamps: Times
     log_times: Times
+    # Position of a row in the log, or its time if unknown; orders the rows of several tables,
+    # shape (n,)
     order: Times
-    columns: Mapping[str, Numbers]
-    first: int = 0
+    columns: Mapping[str, Numbers]  # numbers as logged; NaN if missing, shape (n,)
+    first: int = 0  # number of rows in the earlier parts of the log
+    # Mask of the empty cells, for columns that have some, shape (n,)
     empty: Mapping[str, NDArray[np.bool_]] = field(default_factory=dict)
 
     def __len__(self) -> int:

@@ -19,23 +19,11 @@ MASS = 'moving_mass'  # its position is logged as actuators moving_mass_x, _y an
 
 @final
 class MappingChoice(NamedTuple):
-    """
-    What to do with a log.
+    """What to do with a log."""
 
-    Attributes
-    ----------
-    plans : list of EntryPlan
-        The entries that its columns can fill.
-    renamed : dict of str to str
-        Topics of a bag that are passed on unchanged -> their new names.
-    absent : list of str
-        Topics of the mapping that this log cannot fill.
-
-    """
-
-    plans: list[EntryPlan]
-    renamed: dict[str, str]
-    absent: list[str]
+    plans: list[EntryPlan]  # the entries that its columns can fill
+    renamed: dict[str, str]  # topics of a bag that are passed on unchanged -> their new names
+    absent: list[str]  # topics of the mapping that this log cannot fill
 
 
 def select_mapping(

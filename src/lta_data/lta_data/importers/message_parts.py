@@ -17,32 +17,15 @@ Kind = Literal['number', 'vector', 'axial', 'attitude']
 
 @final
 class MessagePart(NamedTuple):
-    """
-    One part of a message.
+    """One part of a message."""
 
-    Attributes
-    ----------
-    place : str
-        Path of the number, or of the parent of x, y, z (and w).
-    dimension : str
-        Its SI unit; '' for an attitude.
-    kind : str
-        'axial' for an axial vector, which a reflection leaves unchanged up to sign.
-    frame : str
-        Frame of a vector: 'world' or 'body'.
-    unknown : str
-        Path of the element that is -1 if the part is unknown; '' if there is none.
-    share : float
-        Message units per SI unit.
-
-    """
-
-    place: str
-    dimension: str
+    place: str  # path of the number, or of the parent of x, y, z (and w)
+    dimension: str  # its SI unit; '' for an attitude
+    # 'axial' for an axial vector, which a reflection leaves unchanged up to sign
     kind: Kind = 'number'
-    frame: Literal['world', 'body', ''] = ''
-    unknown: str = ''
-    share: float = 1.0
+    frame: Literal['world', 'body', ''] = ''  # frame of a vector: 'world' or 'body'
+    unknown: str = ''  # path of the element that is -1 if the part is unknown; '' if there is none
+    share: float = 1.0  # message units per SI unit
 
 
 @final

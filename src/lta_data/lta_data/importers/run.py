@@ -41,30 +41,17 @@ class ImportRequest:
 @final
 @dataclass(slots=True)
 class ImportedLog:
-    """
-    One imported log.
+    """One imported log."""
 
-    Attributes
-    ----------
-    source, bag : str
-        The log and the new bag.
-    format, mapping : str
-        How it was read; '' without a mapping.
-    data : str
-        'measured' or 'simulated', as the mapping declares.
-    topics : dict of str to int
-        Messages by topic.
-    notes : list of str
-        Remarks on odd, missing or omitted data, one sentence each.
-
-    """
-
+    # The log and the new bag
     source: str
     bag: str
+    # How it was read; '' without a mapping
     format: str
     mapping: str
-    data: str
-    topics: dict[str, int] = field(default_factory=dict)
+    data: str  # 'measured' or 'simulated', as the mapping declares
+    topics: dict[str, int] = field(default_factory=dict)  # messages by topic
+    # Remarks on odd, missing or omitted data, one sentence each
     notes: list[str] = field(default_factory=list)
 
 

@@ -13,62 +13,29 @@ Memory = tuple[float, ...]
 
 
 class MeterObservation(NamedTuple):
-    """
-    Input of a detector.
-
-    Attributes
-    ----------
-    before : MeterReading or None
-        The previous reading; None at the first.
-    dt : float
-        Time between the two stamps; 0 at the first, negative where stamps go back. [s]
-    cell : BatteryModel
-        The cell of the vehicle file.
-    surprise : float
-        Voltage innovation in standard deviations; 0 without a prediction.
-    back : float
-        By how much the clock was set back at this reading; otherwise 0. [s]
-
-    """
+    """Input of a detector."""
 
     reading: MeterReading
-    before: MeterReading | None
-    dt: float
-    cell: BatteryModel
-    surprise: float = 0.0
-    back: float = 0.0
+    before: MeterReading | None  # the previous reading; None at the first
+    dt: float  # time between the two stamps; 0 at the first, negative where stamps go back [s]
+    cell: BatteryModel  # the cell of the vehicle file
+    surprise: float = 0.0  # voltage innovation in standard deviations; 0 without a prediction
+    back: float = 0.0  # by how much the clock was set back at this reading; otherwise 0 [s]
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class FaultDetector:
-    """
-    One kind of faulty reading.
+    """One kind of faulty reading."""
 
-    Parameters
-    ----------
-    name : str
-        Name in messages and diagnostics.
-    sees : callable
-        `sees(memory, observation) -> (condition, memory)`.
-    says : callable
-        `says(observation) -> str`: the message, with what to check.
-    level : HealthLevel
-        At ERROR the energy is unreliable: the drone lands and does not take off.
-    spoils : bool
-        Whether a reading that fulfils the condition is unusable for the estimate.
-    rise, fall : float
-        Time that the condition must hold to report the fault, and be absent to clear it. [s]
-    start : tuple of float
-        Memory before the first reading.
-
-    """
-
-    name: str
+    name: str  # name in messages and diagnostics
+    # `sees(memory, observation) -> (condition, memory)`
     sees: Callable[[Memory, MeterObservation], tuple[bool, Memory]]
+    # `says(observation) -> str`: the message, with what to check
     says: Callable[[MeterObservation], str]
-    level: HealthLevel
-    spoils: bool
+    level: HealthLevel  # at ERROR the energy is unreliable: the drone lands and does not take off
+    spoils: bool  # whether a reading that fulfils the condition is unusable for the estimate
+    # Time that the condition must hold to report the fault, and be absent to clear it [s]
     rise: float
     fall: float
-    start: Memory = ()
+    start: Memory = ()  # memory before the first reading

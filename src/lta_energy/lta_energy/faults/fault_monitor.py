@@ -48,35 +48,17 @@ class MeterFault(NamedTuple):
 
 
 class DetectorStates(NamedTuple):
-    """
-    State of all detectors; every tuple is in the order of `DETECTORS`.
+    """State of all detectors; every tuple is in the order of `DETECTORS`."""
 
-    Attributes
-    ----------
-    memories : tuple
-        Internal state of each detector.
-    latches : tuple of Latch
-        Whether each fault is active.
-    seen : tuple of bool
-        Whether each condition holds for the newest reading.
-    sentences : tuple of str
-        Message from the last time that each condition held.
-    faults : tuple of MeterFault
-        The active faults.
-    is_unusable : bool
-        Whether the newest reading must not be used to estimate the cell.
-    is_doubtful : bool
-        Whether an active fault makes the energy estimate unreliable.
-
-    """
-
-    memories: tuple[Memory, ...] = UNTOUCHED
-    latches: tuple[Latch, ...] = (Latch(),) * len(DETECTORS)
+    memories: tuple[Memory, ...] = UNTOUCHED  # internal state of each detector
+    latches: tuple[Latch, ...] = (Latch(),) * len(DETECTORS)  # whether each fault is active
+    # Whether each condition holds for the newest reading
     seen: tuple[bool, ...] = (False,) * len(DETECTORS)
+    # Message from the last time that each condition held
     sentences: tuple[str, ...] = ('',) * len(DETECTORS)
-    faults: tuple[MeterFault, ...] = ()
-    is_unusable: bool = False
-    is_doubtful: bool = False
+    faults: tuple[MeterFault, ...] = ()  # the active faults
+    is_unusable: bool = False  # whether the newest reading must not be used to estimate the cell
+    is_doubtful: bool = False  # whether an active fault makes the energy estimate unreliable
 
 
 def update_detectors(watch: DetectorStates, observation: MeterObservation) -> DetectorStates:

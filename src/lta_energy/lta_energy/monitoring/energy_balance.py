@@ -11,26 +11,12 @@ from lta_energy.monitoring.soc_ekf import CellState, RELAXATION, RESISTANCE
 @final
 @dataclass(frozen=True, slots=True)
 class EnergyBalance:
-    """
-    Energy since the start. [J]
+    """Energy since the start. [J]"""
 
-    Attributes
-    ----------
-    harvested : float
-        From the panel.
-    consumed : float
-        By electronics and rotors.
-    lost : float
-        As heat in cell and charger.
-    stored : float
-        Change of the energy in the cell; negative after a net discharge.
-
-    """
-
-    harvested: float = 0.0
-    consumed: float = 0.0
-    lost: float = 0.0
-    stored: float = 0.0
+    harvested: float = 0.0  # from the panel
+    consumed: float = 0.0  # by electronics and rotors
+    lost: float = 0.0  # as heat in cell and charger
+    stored: float = 0.0  # change of the energy in the cell; negative after a net discharge
 
     @property
     def imbalance(self) -> float:

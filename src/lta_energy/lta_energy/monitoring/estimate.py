@@ -14,56 +14,23 @@ from lta_energy.monitoring.way_home import TravelEstimate
 
 
 class EnergyEstimate(NamedTuple):
-    """
-    Energy estimate after a reading.
+    """Energy estimate after a reading."""
 
-    Attributes
-    ----------
-    belief : CellState or None
-        State of the cell; None before the first usable reading.
-    load : LoadEstimate
-        Power drawn from the cell's chemistry, losses included.
-    travel : TravelEstimate or None
-        Power and speed of flight.
-    stock : ReserveMargin or None
-        Charge compared with reserve and way home.
-    low : bool
-        Whether the charge has reached the reserve, with hysteresis.
-    reserve : bool
-        Whether the reserve counts as reached: by the charge, or because the estimate is
-        unreliable.
-    critical : Latch
-        Whether the voltage is so low that the drone must land.
-    watch : DetectorStates
-        State of the fault detectors.
-    surprise : VoltageInnovation or None
-        Innovation of the newest voltage.
-    gap : float
-        Time since the previous reading. [s]
-    last : MeterReading or None
-        The newest reading.
-    good : MeterReading or None
-        The newest usable reading.
-    books : EnergyBalance
-        Energy balance since the first usable reading.
-    behind : tuple of int
-        Stamps of readings received after `last` that lie before it, in ascending order. [ns]
-
-    """
-
-    belief: CellState | None = None
-    load: LoadEstimate = LoadEstimate()
-    travel: TravelEstimate | None = None
-    stock: ReserveMargin | None = None
-    low: bool = False
+    belief: CellState | None = None  # state of the cell; None before the first usable reading
+    load: LoadEstimate = LoadEstimate()  # power drawn from the cell's chemistry, losses included
+    travel: TravelEstimate | None = None  # power and speed of flight
+    stock: ReserveMargin | None = None  # charge compared with reserve and way home
+    low: bool = False  # whether the charge has reached the reserve, with hysteresis
+    # Whether the reserve counts as reached: by the charge, or because the estimate is unreliable
     reserve: bool = True
-    critical: Latch = Latch()
-    watch: DetectorStates = DetectorStates()
-    surprise: VoltageInnovation | None = None
-    gap: float = 0.0
-    last: MeterReading | None = None
-    good: MeterReading | None = None
-    books: EnergyBalance = EnergyBalance()
+    critical: Latch = Latch()  # whether the voltage is so low that the drone must land
+    watch: DetectorStates = DetectorStates()  # state of the fault detectors
+    surprise: VoltageInnovation | None = None  # innovation of the newest voltage
+    gap: float = 0.0  # time since the previous reading [s]
+    last: MeterReading | None = None  # the newest reading
+    good: MeterReading | None = None  # the newest usable reading
+    books: EnergyBalance = EnergyBalance()  # energy balance since the first usable reading
+    # Stamps of readings received after `last` that lie before it, in ascending order [ns]
     behind: tuple[int, ...] = ()
 
     @property

@@ -13,48 +13,26 @@ MOST_AMPERES: Final = 100.0
 @final
 @dataclass(frozen=True, slots=True)
 class TravelState:
-    """
-    Dead-reckoned distance and speed of the drone.
+    """Dead-reckoned distance and speed of the drone."""
 
-    Attributes
-    ----------
-    distance : float
-        Horizontal distance from the start. [m]
-    speed : float
-        Horizontal airspeed; ground speed is not observable. [m/s]
-
-    """
-
-    distance: float
-    speed: float
+    distance: float  # horizontal distance from the start [m]
+    speed: float  # horizontal airspeed; ground speed is not observable [m/s]
 
 
 @final
 @dataclass(frozen=True)
 class MeterReading:
-    """
-    One reading of the meters; NaN where a value is not measured.
-
-    Attributes
-    ----------
-    voltage, current : float
-        Of the cell; a positive current charges. [V, A]
-    panel_voltage, panel_current : float
-        Of the panel; a positive current harvests. [V, A]
-    illuminance : float
-        At the panel. [lx]
-    where : TravelState or None
-        None while the position is unknown.
-
-    """
+    """One reading of the meters; NaN where a value is not measured."""
 
     stamp_ns: int
+    # Of the cell; a positive current charges [V, A]
     voltage: float
     current: float
+    # Of the panel; a positive current harvests [V, A]
     panel_voltage: float = math.nan
     panel_current: float = math.nan
-    illuminance: float = math.nan
-    where: TravelState | None = None
+    illuminance: float = math.nan  # at the panel [lx]
+    where: TravelState | None = None  # None while the position is unknown
 
     @cached_property
     def is_usable(self) -> bool:

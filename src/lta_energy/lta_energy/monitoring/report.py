@@ -21,24 +21,14 @@ LONGEST = 360_000.0  # s; a hundred hours: longer times are not shown
 
 
 class EnergyReport(NamedTuple):
-    """
-    What is reported of an energy estimate.
+    """What is reported of an energy estimate."""
 
-    Attributes
-    ----------
-    estimate : EnergyEstimate
-        What it is derived from.
-    empty, full : TimeEstimate
-        Time to empty and to full at the mean load; infinite while the cell is not drained or not
-        charged.
-    battery, meters, way : tuple of HealthLevel and str
-        Health level and message of the battery, the meter readings and the way home.
-
-    """
-
-    estimate: EnergyEstimate
+    estimate: EnergyEstimate  # what it is derived from
+    # Time to empty and to full at the mean load; infinite while the cell is not drained or not
+    # charged
     empty: TimeEstimate
     full: TimeEstimate
+    # Health level and message of the battery, the meter readings and the way home
     battery: Verdict
     meters: Verdict
     way: Verdict

@@ -36,23 +36,11 @@ class EnergyReserveSettings(Settings):
 
 
 class ReserveMargin(NamedTuple):
-    """
-    Charge compared with the reserve.
+    """Charge compared with the reserve."""
 
-    Attributes
-    ----------
-    sure : float
-        Lower bound of the charge. [1]
-    home : float
-        Charge needed for the way home. [1]
-    spare : float
-        Energy beyond reserve and way home; negative if it is missing. [J]
-
-    """
-
-    sure: float
-    home: float
-    spare: float
+    sure: float  # lower bound of the charge [1]
+    home: float  # charge needed for the way home [1]
+    spare: float  # energy beyond reserve and way home; negative if it is missing [J]
 
 
 def compute_reserve_margin(

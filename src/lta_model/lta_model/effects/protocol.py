@@ -35,33 +35,18 @@ AXES = ('surge', 'sway', 'heave', 'roll', 'pitch', 'yaw')
 
 
 class VehicleMotion(NamedTuple):
-    """
-    State of the vehicle as a wrench effect sees it, in the layouts of `lta_model.state`.
+    """State of the vehicle as a wrench effect sees it, in the layouts of `lta_model.state`."""
 
-    Parameters
-    ----------
-    position : 3-tuple
-        Hull centre in `map`. [m]
-    rotation : 9-tuple
-        Rotation matrix body -> map, row by row.
-    velocity, rates : 3-tuple
-        Velocity over the ground and body rates, body frame. [m/s, rad/s]
-    airspeed : 3-tuple
-        Velocity relative to the air, body frame. [m/s]
-    body, command : tuple of float
-        Mass properties and rotors; the command.
-    surroundings : tuple of float
-        Light on the hull, battery voltage; `airspeed` already includes the wind.
-
-    """
-
-    position: Vector
-    rotation: Matrix3
+    position: Vector  # hull centre in `map` [m]
+    rotation: Matrix3  # rotation matrix body -> map, row by row
+    # Velocity over the ground and body rates, body frame [m/s, rad/s]
     velocity: Vector
     rates: Vector
-    airspeed: Vector
+    airspeed: Vector  # velocity relative to the air, body frame [m/s]
+    # Mass properties and rotors; the command
     body: Values
     command: Values
+    # Light on the hull, battery voltage; `airspeed` already includes the wind
     surroundings: Values
 
 
@@ -79,59 +64,29 @@ class AirEffectInput(NamedTuple):
 
 
 class RigidBody(NamedTuple):
-    """
-    Mass properties that a body effect changes, about the hull centre, body frame.
+    """Mass properties that a body effect changes, about the hull centre, body frame."""
 
-    Parameters
-    ----------
-    mass : float
-        Mass of all solid parts and of the gas. [kg]
-    moment : 3-tuple
-        Mass times centre of gravity. [kg m]
-    inertia : 6-tuple
-        xx yy zz xy xz yz of the tensor. [kg m^2]
-    displaced : float
-        Mass of the displaced air. [kg]
-
-    """
-
-    mass: float
-    moment: Vector
-    inertia: Wrench
-    displaced: float
+    mass: float  # mass of all solid parts and of the gas [kg]
+    moment: Vector  # mass times centre of gravity [kg m]
+    inertia: Wrench  # xx yy zz xy xz yz of the tensor [kg m^2]
+    displaced: float  # mass of the displaced air [kg]
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class EffectParameter:
-    """
-    One parameter of an effect.
-
-    Parameters
-    ----------
-    unit : str
-        SI unit; '1' for a pure number.
-    null : float
-        Neutral value: with all parameters at theirs, the effect changes nothing.
-    low, high : float
-        Bounds for any vehicle; the null value is always allowed.
-    spread : float
-        Prior standard deviation for identification.
-    source : str
-        Source of bounds and spread.
-    beside : float, optional
-        Value held while identification tries other parameters of an effect that a vehicle lacks
-        and that alone would do nothing; this one is then not tried itself.
-
-    """
+    """One parameter of an effect."""
 
     name: str
-    unit: str
-    null: float
+    unit: str  # SI unit; '1' for a pure number
+    null: float  # neutral value: with all parameters at theirs, the effect changes nothing
+    # Bounds for any vehicle; the null value is always allowed
     low: float
     high: float
-    spread: float
-    source: str
+    spread: float  # prior standard deviation for identification
+    source: str  # source of bounds and spread
+    # Value held while identification tries other parameters of an effect that a vehicle lacks and
+    # that alone would do nothing; this one is then not tried itself
     beside: float | None = None
 
 
@@ -151,59 +106,35 @@ def no_rate(p: Values, memory: Values, inputs: VehicleMotion | AirEffectInput) -
 @final
 @dataclass(frozen=True, slots=True)
 class WrenchEffect:
-    """
-    A force and moment on the vehicle.
-
-    Parameters
-    ----------
-    parameters : tuple of EffectParameter
-        In the order of `p`.
-    wrench : callable
-        `wrench(p, memory, motion, thrust) -> (fx, fy, fz, tx, ty, tz)`: body frame, about the hull
-        centre [N, N m]; `thrust` of each rotor after all actuator effects [N].
-    linear_in : tuple of str
-        Parameters in which the wrench is jointly linear, the others held.
-    memory : tuple of (str, float)
-        Names and initial values of its states.
-    rate : callable
-        `rate(p, memory, motion) -> tuple`: d/dt of the memory. [1/s]
-    placed : bool
-        Whether it depends on the world pose, as walls do.
-    check : callable
-        Returns an objection to a combination of values, or ''.
-
-    """
+    """A force and moment on the vehicle."""
 
     name: str
-    parameters: tuple[EffectParameter, ...]
+    parameters: tuple[EffectParameter, ...]  # in the order of `p`
+    # `wrench(p, memory, motion, thrust) -> (fx, fy, fz, tx, ty, tz)`: body frame, about the hull
+    # centre [N, N m]; `thrust` of each rotor after all actuator effects [N]
     wrench: Callable[[Values, Values, VehicleMotion, Values], Wrench]
+    # Parameters in which the wrench is jointly linear, the others held
     linear_in: tuple[str, ...] = ()
-    memory: Names = ()
+    memory: Names = ()  # names and initial values of its states
+    # `rate(p, memory, motion) -> tuple`: d/dt of the memory [1/s]
     rate: Callable[[Values, Values, VehicleMotion], Values] = no_rate
-    placed: bool = False
+    placed: bool = False  # whether it depends on the world pose, as walls do
+    # Returns an objection to a combination of values, or ''
     check: Callable[[Mapping[str, float]], str] = no_check
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class AirEffect:
-    """
-    Motion of the air at the hull; other fields as in `WrenchEffect`.
-
-    Parameters
-    ----------
-    air : callable
-        `air(p, memory, place) -> (u, v, w, a_u, a_v, a_w)`: velocity of the air and its material
-        acceleration DU/Dt in `map`. [m/s, m/s^2]
-    rate : callable
-        `rate(p, memory, place) -> tuple`: d/dt of the memory. [1/s]
-
-    """
+    """Motion of the air at the hull; other fields as in `WrenchEffect`."""
 
     name: str
     parameters: tuple[EffectParameter, ...]
+    # `air(p, memory, place) -> (u, v, w, a_u, a_v, a_w)`: velocity of the air and its material
+    # acceleration DU/Dt in `map` [m/s, m/s^2]
     air: Callable[[Values, Values, AirEffectInput], Wrench]
     memory: Names = ()
+    # `rate(p, memory, place) -> tuple`: d/dt of the memory [1/s]
     rate: Callable[[Values, Values, AirEffectInput], Values] = no_rate
     check: Callable[[Mapping[str, float]], str] = no_check
 
@@ -230,25 +161,16 @@ class ActuatorEffect:
 
     The first stage takes a duty, the last returns newtons. `p` holds the shared parameters and
     then those of the rotor. Other fields as in `WrenchEffect`.
-
-    Parameters
-    ----------
-    shared, each : tuple of EffectParameter
-        Of all rotors alike, and of each rotor: in files `<name>_1` to `<name>_8`.
-    output : callable
-        `output(p, memory, value, surroundings) -> value` of one rotor.
-    memory : tuple of (str, float)
-        Names and initial values of its states, for each rotor.
-    rate : callable
-        `rate(p, memory, value, surroundings) -> tuple`: d/dt of the memory of one rotor. [1/s]
-
     """
 
     name: str
+    # Of all rotors alike, and of each rotor: in files `<name>_1` to `<name>_8`
     shared: tuple[EffectParameter, ...]
     each: tuple[EffectParameter, ...]
+    # `output(p, memory, value, surroundings) -> value` of one rotor
     output: Callable[[Values, Values, float, Values], float]
-    memory: Names = ()
+    memory: Names = ()  # names and initial values of its states, for each rotor
+    # `rate(p, memory, value, surroundings) -> tuple`: d/dt of the memory of one rotor [1/s]
     rate: Callable[[Values, Values, float, Values], Values] = no_rotor_rate
     check: Callable[[Mapping[str, float]], str] = no_check
 
@@ -261,19 +183,12 @@ class ActuatorEffect:
 @final
 @dataclass(frozen=True, slots=True)
 class InertiaEffect:
-    """
-    Inertia of the air that moves with the hull; other fields as in `WrenchEffect`.
-
-    Parameters
-    ----------
-    diagonal : callable
-        `diagonal(p) -> 6-tuple` added to the diagonal of the mass matrix; its momentum follows the
-        air-relative velocity. [kg, kg m^2]
-
-    """
+    """Inertia of the air that moves with the hull; other fields as in `WrenchEffect`."""
 
     name: str
     parameters: tuple[EffectParameter, ...]
+    # `diagonal(p) -> 6-tuple` added to the diagonal of the mass matrix; its momentum follows the
+    # air-relative velocity [kg, kg m^2]
     diagonal: Callable[[Values], Wrench]
     check: Callable[[Mapping[str, float]], str] = no_check
 

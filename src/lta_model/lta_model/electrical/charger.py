@@ -60,30 +60,19 @@ class ChargerModel(StrictModel):
 
 
 class PowerFlow(NamedTuple):
-    """
-    The cell after a step, and the mean powers of that step.
+    """The cell after a step, and the mean powers of that step."""
 
-    Attributes
-    ----------
-    charge, relaxation : float
-        State of charge [1] and relaxation voltage [V].
-    voltage, current : float
-        At the cell's terminals; a positive current charges. [V, A]
-    harvested, consumed, lost : float
-        From the array, by the loads, and as heat in cell and charger. [W]
-    fed : bool
-        Whether the supply holds; otherwise the loads are off.
-
-    """
-
+    # State of charge [1] and relaxation voltage [V]
     charge: float
     relaxation: float
+    # At the cell's terminals; a positive current charges [V, A]
     voltage: float
     current: float
+    # From the array, by the loads, and as heat in cell and charger [W]
     harvested: float
     consumed: float
     lost: float
-    fed: bool
+    fed: bool  # whether the supply holds; otherwise the loads are off
 
 
 def resting_flow(charge: float) -> PowerFlow:

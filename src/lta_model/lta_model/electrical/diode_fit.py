@@ -19,23 +19,13 @@ MARGIN = 1e-6  # keeps the equations apart
 
 
 class SingleDiodeModel(NamedTuple):
-    """
-    One panel at standard conditions.
+    """One panel at standard conditions."""
 
-    Attributes
-    ----------
-    light, saturation : float
-        Currents. [A]
-    thermal : float
-        Ideality times thermal voltage of all junctions. [V]
-    series, shunt : float
-        Series resistance [ohm] and shunt conductance [S].
-
-    """
-
+    # Currents [A]
     light: float
     saturation: float
-    thermal: float
+    thermal: float  # ideality times thermal voltage of all junctions [V]
+    # Series resistance [ohm] and shunt conductance [S]
     series: float
     shunt: float
 

@@ -14,30 +14,15 @@ from lta_model.light.light_checks import require, require_efficacy, require_lux
 @final
 @dataclass(frozen=True, slots=True)
 class Ambient:
-    """
-    Ambient light, the same from all sides.
+    """Ambient light, the same from all sides."""
 
-    Parameters
-    ----------
-    efficacy : float
-        Luminous by radiant flux, of the steady part and the flicker alike. [lm/W]
-    steady : float
-        Mean illuminance. [lx]
-    mains : float
-        Amplitude of the mains flicker; with its harmonics at most `steady`. [lx]
-    mains_frequency, mains_phase : float
-        Frequency of that flicker, twice that of the mains [Hz], and its phase at time zero
-        [cycles].
-    mains_harmonics : tuple of float
-        Amplitudes at two, three, ... times that frequency relative to `mains`, in phase with it.
-
-    """
-
-    efficacy: float
-    steady: float = 0.0
-    mains: float = 0.0
+    efficacy: float  # luminous by radiant flux, of the steady part and the flicker alike [lm/W]
+    steady: float = 0.0  # mean illuminance [lx]
+    mains: float = 0.0  # amplitude of the mains flicker; with its harmonics at most `steady` [lx]
+    # Frequency of that flicker, twice that of the mains [Hz], and its phase at time zero [cycles]
     mains_frequency: float = 100.0
     mains_phase: float = 0.0
+    # Amplitudes at two, three, ... times that frequency relative to `mains`, in phase with it
     mains_harmonics: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:

@@ -29,29 +29,13 @@ Array = NDArray[np.float64]
 @final
 @dataclass(frozen=True, slots=True)
 class LightField:
-    """
-    All light of a scene.
+    """All light of a scene."""
 
-    Parameters
-    ----------
-    lamps : tuple of BeaconLamp
-        The beacons, at least one.
-    ambient : Ambient
-        Light from all sides; in the room only, where there is an outside.
-    room : Room or None
-        Reflecting surfaces around the lamps.
-    daylight : Daylight or None
-        Over the whole scene.
-    outside : OutdoorArea or None
-        The area beyond a door of the room.
-
-    """
-
-    lamps: tuple[BeaconLamp, ...]
-    ambient: Ambient
-    room: Room | None = None
-    daylight: Daylight | None = None
-    outside: OutdoorArea | None = None
+    lamps: tuple[BeaconLamp, ...]  # the beacons, at least one
+    ambient: Ambient  # light from all sides; in the room only, where there is an outside
+    room: Room | None = None  # reflecting surfaces around the lamps
+    daylight: Daylight | None = None  # over the whole scene
+    outside: OutdoorArea | None = None  # the area beyond a door of the room
 
     def __post_init__(self) -> None:
         """Refuse a scene without a lamp, and a door that does not fit."""
@@ -82,20 +66,8 @@ class LightField:
 @final
 @dataclass(frozen=True, slots=True)
 class PlaneIlluminance:
-    """
-    Light on each of a set of small planes.
+    """Light on each of a set of small planes."""
 
-    Parameters
-    ----------
-    modulated : ndarray of float64, shape (l, ...)
-        Light of each lamp while it is on. [lx]
-    steady : ndarray of float64, shape (...)
-        Mean ambient light. [lx]
-    mains : ndarray of float64, shape (...)
-        Amplitude of the mains flicker. [lx]
-
-    """
-
-    modulated: Array
-    steady: Array
-    mains: Array
+    modulated: Array  # light of each lamp while it is on, shape (l, ...) [lx]
+    steady: Array  # mean ambient light, shape (...) [lx]
+    mains: Array  # amplitude of the mains flicker, shape (...) [lx]

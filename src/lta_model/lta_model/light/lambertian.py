@@ -20,35 +20,20 @@ Row = Array | tuple[float, ...]
 
 
 class LampBeam(NamedTuple):
-    """
-    A lamp while it is on, as numbers.
+    """A lamp while it is on, as numbers."""
 
-    Attributes
-    ----------
-    x, y, z : float
-        Position. [m, map]
-    i, j, k : float
-        Unit axis. [map]
-    intensity : float
-        On the axis. [cd]
-    order : float
-        Lambertian order.
-    square : float
-        Square of its radius. [m2]
-    diffuse, beyond : float
-        Reflected light, taken as uniform: in total, and reflected more than once. [lx]
-
-    """
-
+    # Position [m, map]
     x: float
     y: float
     z: float
+    # Unit axis [map]
     i: float
     j: float
     k: float
-    intensity: float
-    order: float
-    square: float
+    intensity: float  # on the axis [cd]
+    order: float  # Lambertian order
+    square: float  # square of its radius [m2]
+    # Reflected light, taken as uniform: in total, and reflected more than once [lx]
     diffuse: float
     beyond: float
 

@@ -30,39 +30,19 @@ def lambertian_order(half_power: float) -> float:
 @final
 @dataclass(frozen=True, slots=True)
 class BeaconLamp:
-    """
-    A flickering lamp without optics.
+    """A flickering lamp without optics."""
 
-    Parameters
-    ----------
-    position, axis : tuple of 3 floats
-        Centre of the emitting disc [m], and direction of the beam, of any length but zero. [map]
-    flux : float
-        Luminous flux while on. [lm]
-    wave : SquareWave
-        When it is on.
-    efficacy : float
-        Luminous flux by radiant flux. [lm/W]
-    order : float
-        Lambertian order: 1 for a half-power angle of 60 degrees.
-    radius : float
-        Radius of the emitting disc, which bounds the light close by. [m]
-    rise : float
-        Time from 10 % to 90 % of its light at switching on, and back at switching off. [s]
-    clock : DriftingClock
-        Timing error of its flicker.
-
-    """
-
+    # Centre of the emitting disc [m], and direction of the beam, of any length but zero [map]
     position: Vector
     axis: Vector
-    flux: float
-    wave: SquareWave
-    efficacy: float
-    order: float = 1.0
-    radius: float = 0.015
+    flux: float  # luminous flux while on [lm]
+    wave: SquareWave  # when it is on
+    efficacy: float  # luminous flux by radiant flux [lm/W]
+    order: float = 1.0  # Lambertian order: 1 for a half-power angle of 60 degrees
+    radius: float = 0.015  # radius of the emitting disc, which bounds the light close by [m]
+    # Time from 10 % to 90 % of its light at switching on, and back at switching off [s]
     rise: float = 0.0
-    clock: DriftingClock = RIGHT
+    clock: DriftingClock = RIGHT  # timing error of its flicker
 
     def __post_init__(self) -> None:
         """Refuse an impossible lamp."""

@@ -39,23 +39,11 @@ def phase_in_cycles(
 @final
 @dataclass(frozen=True, slots=True)
 class SquareWave:
-    """
-    A wave that is 1 for the first part of each period and 0 for the rest.
+    """A wave that is 1 for the first part of each period and 0 for the rest."""
 
-    Parameters
-    ----------
-    frequency : float
-        Positive. [Hz]
-    duty : float
-        Share of the period that it is on, between 0 and 1, both excluded.
-    phase : float
-        Position in the period at time zero. [cycles]
-
-    """
-
-    frequency: float
-    duty: float = 0.5
-    phase: float = 0.0
+    frequency: float  # positive [Hz]
+    duty: float = 0.5  # share of the period that it is on, between 0 and 1, both excluded
+    phase: float = 0.0  # position in the period at time zero [cycles]
 
     def __post_init__(self) -> None:
         """Refuse an invalid wave."""

@@ -13,22 +13,11 @@ Vector = tuple[float, float, float]
 @final
 @dataclass(frozen=True, slots=True)
 class OutdoorArea:
-    """
-    The open beyond a door in the wall at the high end of map x, down to the floor.
+    """The open beyond a door in the wall at the high end of map x, down to the floor."""
 
-    Parameters
-    ----------
-    daylight : Daylight
-        Light outdoors.
-    middle : float
-        Middle of the door along map y. [m]
-    width, height : float
-        Of the door. [m]
-
-    """
-
-    daylight: Daylight
-    middle: float
+    daylight: Daylight  # light outdoors
+    middle: float  # middle of the door along map y [m]
+    # Of the door [m]
     width: float
     height: float
 

@@ -17,24 +17,13 @@ from lta_model.rigid_body import rotation_matrix, to_body, to_map
 
 
 class PanelPlane(NamedTuple):
-    """
-    The panel on its vehicle.
+    """The panel on its vehicle."""
 
-    Attributes
-    ----------
-    hull : tuple of float
-        Half axes of the hull. [m]
-    spot, normal : tuple of float
-        Middle [m] and unit normal of the panel, body frame.
-    share : float
-        Share of light from all sides that the hull leaves. [1]
-
-    """
-
-    hull: Vector
+    hull: Vector  # half axes of the hull [m]
+    # Middle [m] and unit normal of the panel, body frame
     spot: Vector
     normal: Vector
-    share: float
+    share: float  # share of light from all sides that the hull leaves [1]
 
 
 def build_panel_plane(hull: Vector, spot: Vector, normal: Vector) -> PanelPlane:

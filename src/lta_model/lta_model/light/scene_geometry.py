@@ -19,44 +19,29 @@ NEAR = 1e-9  # m; tolerance, because a path may begin and end on a surface
 
 
 class SceneGeometry(NamedTuple):
-    """
-    Room, door and daylight as numbers.
+    """Room, door and daylight as numbers."""
 
-    Attributes
-    ----------
-    x, y, height : float
-        Half length, half width and height of the room; no room if the height is 0. [m]
-    floor, walls, ceiling : float
-        Albedos.
-    middle, half_width, top : float
-        Of the door, along y and up; no door if the top is 0. [m]
-    sun_x, sun_y, sun_z : float
-        Unit vector to the sun. [map]
-    sun : float
-        Illuminance by the sun on a facing plane. [lx]
-    sky, ground : float
-        Luminance of sky and ground, times pi. [lx]
-    beyond : float
-        Albedo of the ground beyond the door.
-
-    """
-
+    # Half length, half width and height of the room; no room if the height is 0 [m]
     x: float
     y: float
     height: float
+    # Albedos
     floor: float
     walls: float
     ceiling: float
+    # Of the door, along y and up; no door if the top is 0 [m]
     middle: float
     half_width: float
     top: float
+    # Unit vector to the sun [map]
     sun_x: float
     sun_y: float
     sun_z: float
-    sun: float
+    sun: float  # illuminance by the sun on a facing plane [lx]
+    # Luminance of sky and ground, times pi [lx]
     sky: float
     ground: float
-    beyond: float
+    beyond: float  # albedo of the ground beyond the door
 
 
 class RayHit(NamedTuple):

@@ -23,31 +23,14 @@ Course = Callable[[float], Setpoint]
 @final
 @dataclass(frozen=True, slots=True)
 class FlightTrack:
-    """
-    Recorded flight; every array has one value per control step.
+    """Recorded flight; every array has one value per control step."""
 
-    Attributes
-    ----------
-    time : ndarray
-        Time since the start. [s]
-    height : ndarray
-        Height of the hull centre. [m]
-    speed : ndarray
-        Horizontal ground speed. [m/s]
-    pitch : ndarray
-        Pitch, nose up positive. [rad]
-    rotors : ndarray
-        Electrical power of all rotors. [W]
-    voltage, charge : ndarray
-        Terminal voltage of the cell [V], and its state of charge [1].
-
-    """
-
-    time: Array
-    height: Array
-    speed: Array
-    pitch: Array
-    rotors: Array
+    time: Array  # time since the start [s]
+    height: Array  # height of the hull centre [m]
+    speed: Array  # horizontal ground speed [m/s]
+    pitch: Array  # pitch, nose up positive [rad]
+    rotors: Array  # electrical power of all rotors [W]
+    # Terminal voltage of the cell [V], and its state of charge [1]
     voltage: Array
     charge: Array
 

@@ -20,49 +20,29 @@ FAILED: Final = {
 @final
 @dataclass(frozen=True, slots=True)
 class MissionFigures:
-    """
-    Summary of one mission; energies in J, times in s.
+    """Summary of one mission; energies in J, times in s."""
 
-    Attributes
-    ----------
-    flights, rounds, visits : int
-        Number of flights, of flights that reached every beacon, and of beacons reached.
-    flown, longest : float
-        Time in the air, and the longest flight.
-    failures : mapping of str to int
-        Number of failures by kind.
-    harvested, curtailed, consumed, lost, stored : float
-        Energy balance.
-    imbalance : float
-        Error of the balance relative to the energy harvested or consumed. [1]
-    in_flight : float
-        Mean power drawn in flight. [W]
-    lowest_charge, lowest_voltage : float
-        Lowest true values in flight. [1, V]
-    gauge_error : float
-        Largest error of the drone's charge estimate. [1]
-    asleep : float
-        Share of the time asleep. [1]
-
-    """
-
+    # Number of flights, of flights that reached every beacon, and of beacons reached
     flights: int
     rounds: int
     visits: int
+    # Time in the air, and the longest flight
     flown: float
     longest: float
-    failures: Mapping[str, int]
+    failures: Mapping[str, int]  # number of failures by kind
+    # Energy balance
     harvested: float
     curtailed: float
     consumed: float
     lost: float
     stored: float
-    imbalance: float
-    in_flight: float
+    imbalance: float  # error of the balance relative to the energy harvested or consumed [1]
+    in_flight: float  # mean power drawn in flight [W]
+    # Lowest true values in flight [1, V]
     lowest_charge: float | None
     lowest_voltage: float | None
-    gauge_error: float
-    asleep: float
+    gauge_error: float  # largest error of the drone's charge estimate [1]
+    asleep: float  # share of the time asleep [1]
 
     @property
     def failure_count(self) -> int:

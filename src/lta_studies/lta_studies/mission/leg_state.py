@@ -37,59 +37,26 @@ GO, DWELL, LAND = range(3)  # kinds of leg
 
 
 class LegPlan(NamedTuple):
-    """
-    Plan of the next leg.
+    """Plan of the next leg."""
 
-    Attributes
-    ----------
-    kind : int
-        `GO` ends on arrival, `DWELL` after its time, `LAND` on the ground.
-    limit : float
-        Time limit of the leg. [s]
-    reserve : float
-        Charge estimate at which the leg is broken off. [1]
-    payload : float
-        Power of the payload: sensor and its radio. [W]
-    gain, offset : float
-        Errors of the current meter: factor, and offset in A.
-
-    """
-
-    kind: int
-    limit: float
-    reserve: float
-    payload: float
+    kind: int  # `GO` ends on arrival, `DWELL` after its time, `LAND` on the ground
+    limit: float  # time limit of the leg [s]
+    reserve: float  # charge estimate at which the leg is broken off [1]
+    payload: float  # power of the payload: sensor and its radio [W]
+    # Errors of the current meter: factor, and offset in A
     gain: float
     offset: float
 
 
 class LegState(NamedTuple):
-    """
-    Everything that a leg passes on to the next.
+    """Everything that a leg passes on to the next."""
 
-    Attributes
-    ----------
-    flight : FlightMemory
-        State of vehicle and drone; time and energy count from take-off.
-    charge : float
-        Charge estimate of the drone. [1]
-    begun : int
-        Control period at which this leg began.
-    path : float
-        Horizontal path since take-off. [m]
-    lowest : float
-        Lowest voltage since take-off. [V]
-    outcome : int
-        `FLYING` or how the leg ended.
-
-    """
-
-    flight: FlightMemory
-    charge: float
-    begun: int
-    path: float
-    lowest: float
-    outcome: int
+    flight: FlightMemory  # state of vehicle and drone; time and energy count from take-off
+    charge: float  # charge estimate of the drone [1]
+    begun: int  # control period at which this leg began
+    path: float  # horizontal path since take-off [m]
+    lowest: float  # lowest voltage since take-off [V]
+    outcome: int  # `FLYING` or how the leg ended
 
 
 def ground_leg_state(flight: FlightMemory, charge: float) -> LegState:

@@ -52,32 +52,14 @@ class MissionResult(NamedTuple):
 @final
 @dataclass(frozen=True, slots=True)
 class MissionRequest:
-    """
-    Options of a mission study.
-
-    Parameters
-    ----------
-    mission : MissionFile
-        The mission.
-    day : LightDay
-        Light over a day.
-    scenes : MissionScene
-        Vehicle and scene.
-    days : int
-        Number of days.
-    seeds : sequence of int
-        Random seeds of clouds, meters and flights.
-    schedules : sequence of str
-        Some of `SCHEDULES`.
-
-    """
+    """Options of a mission study."""
 
     mission: MissionFile
-    day: LightDay
-    scenes: MissionScene
-    days: int
-    seeds: Sequence[int]
-    schedules: Sequence[str]
+    day: LightDay  # light over a day
+    scenes: MissionScene  # vehicle and scene
+    days: int  # number of days
+    seeds: Sequence[int]  # random seeds of clouds, meters and flights
+    schedules: Sequence[str]  # some of `SCHEDULES`
 
     def simulate_light(self, seed: int) -> IrradianceSeries:
         """Simulate the light for a seed."""

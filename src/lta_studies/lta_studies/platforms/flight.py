@@ -45,32 +45,18 @@ class Entrant:
 @final
 @dataclass(frozen=True, slots=True)
 class ManeuverFlight:
-    """
-    Result of one flight.
+    """Result of one flight."""
 
-    Attributes
-    ----------
-    metrics, height : TrackingMetrics
-        Metrics of the rated signal, and of the altitude.
-    tilt : float
-        Largest tilt in the rated interval. [rad]
-    lost : str
-        Why the flight failed; '' if it did not.
-    asked, flown : ndarray, shape (n, 4)
-        Setpoint and true motion: time [s], altitude [m], heading [rad, unwrapped] and speed along
-        the course [m/s].
-    duties : ndarray, shape (n, rotors)
-        Duties of the rotors.
-
-    """
-
+    # Metrics of the rated signal, and of the altitude
     metrics: TrackingMetrics
     height: TrackingMetrics
-    tilt: float
-    lost: str
+    tilt: float  # largest tilt in the rated interval [rad]
+    lost: str  # why the flight failed; '' if it did not
+    # Setpoint and true motion: time [s], altitude [m], heading [rad, unwrapped] and speed along
+    # the course, shape (n, 4) [m/s]
     asked: Array
     flown: Array
-    duties: Array
+    duties: Array  # duties of the rotors, shape (n, rotors)
 
     @property
     def is_successful(self) -> bool:

@@ -73,23 +73,11 @@ STORE: Final = StoreFormat(
 
 
 class ComparisonEntries(NamedTuple):
-    """
-    Everything that the flights of a comparison depend on, besides the seed.
+    """Everything that the flights of a comparison depend on, besides the seed."""
 
-    Attributes
-    ----------
-    scenario : Scenario
-        Scenario of all flights.
-    entrants : mapping
-        Entrants by kind and name.
-    manoeuvres : mapping
-        Manoeuvres by name.
-
-    """
-
-    scenario: Scenario
-    entrants: Mapping[tuple[str, str], Entrant]
-    manoeuvres: Mapping[str, ManeuverFile]
+    scenario: Scenario  # scenario of all flights
+    entrants: Mapping[tuple[str, str], Entrant]  # entrants by kind and name
+    manoeuvres: Mapping[str, ManeuverFile]  # manoeuvres by name
 
     @property
     def identity(self) -> str:

@@ -40,20 +40,10 @@ class CostDifference:
 @final
 @dataclass(frozen=True, slots=True)
 class GainEvaluation:
-    """
-    Test flights of one set of gains.
+    """Test flights of one set of gains."""
 
-    Attributes
-    ----------
-    losses : tuple of float
-        Lift lost in each flight. [kg]
-    reports : tuple of ResponseMetrics
-        Metrics of each flight.
-
-    """
-
-    losses: tuple[float, ...]
-    reports: tuple[ResponseMetrics, ...]
+    losses: tuple[float, ...]  # lift lost in each flight [kg]
+    reports: tuple[ResponseMetrics, ...]  # metrics of each flight
 
     @property
     def lost_share(self) -> ShareInterval:

@@ -29,27 +29,14 @@ Vector = NDArray[np.float64]
 @final
 @dataclass(frozen=True, slots=True)
 class GainSearchResult:
-    """
-    Result of a gain search.
+    """Result of a gain search."""
 
-    Attributes
-    ----------
-    numbers : mapping
-        Best parameter values, by path.
-    cost, first : float
-        Cost of the best candidate and of the start.
-    history : tuple of float
-        Lowest cost so far, after each candidate.
-    stopped : bool
-        Whether the search was interrupted.
-
-    """
-
-    numbers: Numbers
+    numbers: Numbers  # best parameter values, by path
+    # Cost of the best candidate and of the start
     cost: float
     first: float
-    history: tuple[float, ...]
-    stopped: bool
+    history: tuple[float, ...]  # lowest cost so far, after each candidate
+    stopped: bool  # whether the search was interrupted
 
 
 def robust_cost(costs: Sequence[float]) -> float:

@@ -29,28 +29,14 @@ CLIMB_AND_SINK = STEPS[:2]
 @final
 @dataclass(frozen=True, slots=True)
 class HeliumLimit:
-    """
-    The largest losses of lift, relative to the trim of the vehicle file.
+    """The largest losses of lift, relative to the trim of the vehicle file."""
 
-    Attributes
-    ----------
-    grams : float or None
-        Largest loss flown successfully; None if the gains fail even without a loss. [g]
-    fails : float
-        Smallest loss at which the altitude was lost; infinite if none. [g]
-    rotors : float
-        Loss that full thrust compensates. [g]
-    demand : float
-        Loss that the vertical force limit of the gains compensates. [g]
-    days : tuple of float
-        Time to lose `grams` at the largest and the smallest permeation; 0 if None. [d]
-
-    """
-
+    # Largest loss flown successfully; None if the gains fail even without a loss [g]
     grams: float | None
-    fails: float
-    rotors: float
-    demand: float
+    fails: float  # smallest loss at which the altitude was lost; infinite if none [g]
+    rotors: float  # loss that full thrust compensates [g]
+    demand: float  # loss that the vertical force limit of the gains compensates [g]
+    # Time to lose `grams` at the largest and the smallest permeation; 0 if None [d]
     days: tuple[float, float]
 
 

@@ -31,32 +31,18 @@ NEUTRAL = 1e-5  # rounding tolerance for the integrators (position, bias), eigen
 @final
 @dataclass(frozen=True, slots=True)
 class LinearLoop:
-    """
-    An opened loop, linearised about one steady flight.
+    """An opened loop, linearised about one steady flight."""
 
-    Attributes
-    ----------
-    a, b, c : ndarray
-        Matrices of x' = A x + B u, y = C x; unconnected states are removed.
-    period : float
-        Control period. [s]
-    radius, swing : float
-        Spectral radius of the closed loop, and angular frequency of that mode. [1, rad/s]
-    tilt : float
-        Tilt in the steady flight. [rad]
-    thrusts : tuple of float
-        Thrusts in the steady flight. [N]
-
-    """
-
+    # Matrices of x' = A x + B u, y = C x; unconnected states are removed
     a: Array
     b: Array
     c: Array
-    period: float
+    period: float  # control period [s]
+    # Spectral radius of the closed loop, and angular frequency of that mode [1, rad/s]
     radius: float
     swing: float
-    tilt: float
-    thrusts: tuple[float, ...]
+    tilt: float  # tilt in the steady flight [rad]
+    thrusts: tuple[float, ...]  # thrusts in the steady flight [N]
 
     @property
     def is_stable(self) -> bool:

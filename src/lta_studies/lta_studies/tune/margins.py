@@ -23,35 +23,15 @@ Array = NDArray[np.float64]
 @final
 @dataclass(frozen=True, slots=True)
 class StabilityMargins:
-    """
-    Stability margins of a loop; None where a margin is unlimited.
+    """Stability margins of a loop; None where a margin is unlimited."""
 
-    Attributes
-    ----------
-    gain : float or None
-        Factor by which the gain may rise. [1]
-    gain_down : float or None
-        Factor below 1 to which the gain may fall. [1]
-    phase : float or None
-        Phase margin. [rad]
-    delay : float or None
-        Delay margin. [s]
-    crossover : float or None
-        Highest frequency with |L| = 1. [rad/s]
-    oscillation : float or None
-        Frequency of oscillation at the gain limit. [rad/s]
-    peak : float
-        Peak sensitivity, the maximum of |1 / (1 + L)|. [1]
-
-    """
-
-    gain: float | None
-    gain_down: float | None
-    phase: float | None
-    delay: float | None
-    crossover: float | None
-    oscillation: float | None
-    peak: float
+    gain: float | None  # factor by which the gain may rise [1]
+    gain_down: float | None  # factor below 1 to which the gain may fall [1]
+    phase: float | None  # phase margin [rad]
+    delay: float | None  # delay margin [s]
+    crossover: float | None  # highest frequency with |L| = 1 [rad/s]
+    oscillation: float | None  # frequency of oscillation at the gain limit [rad/s]
+    peak: float  # peak sensitivity, the maximum of |1 / (1 + L)| [1]
 
 
 def compute_margins(frequency: Array, response: Complex) -> StabilityMargins:

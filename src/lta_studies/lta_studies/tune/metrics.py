@@ -37,20 +37,10 @@ LOST: Final = 10.0
 @final
 @dataclass(frozen=True, slots=True)
 class StepMetrics:
-    """
-    Metrics of one step.
+    """Metrics of one step."""
 
-    Attributes
-    ----------
-    settle : float
-        Settling time to within 10 % of the step; infinite if it never settles. [s]
-    overshoot, steady, error : float
-        Overshoot, rms error over the last quarter, and mean absolute error, relative to the
-        step. [1]
-
-    """
-
-    settle: float
+    settle: float  # settling time to within 10 % of the step; infinite if it never settles [s]
+    # Overshoot, rms error over the last quarter, and mean absolute error, relative to the step [1]
     overshoot: float
     steady: float
     error: float
@@ -64,42 +54,18 @@ class StepMetrics:
 @final
 @dataclass(frozen=True, slots=True)
 class ResponseMetrics:
-    """
-    Metrics of one test flight.
+    """Metrics of one test flight."""
 
-    Attributes
-    ----------
-    marks : tuple of StepMetrics
-        Metrics of each step.
-    altitude : float
-        Rms altitude error during the other steps. [m]
-    swing : float
-        Standard deviation of the tilt over the last seconds. [rad]
-    effort : float
-        Mean change of a rotor's duty per second. [1/s]
-    lost : bool
-        Whether the altitude was lost or the motors stopped.
-    adrift : float
-        Largest altitude error at the end of a step. [m]
-    growth : float
-        Growth rate of the least damped mode in cruise, from the linear loop; 0 if not computed.
-        [1/s]
-    reached : bool
-        Whether the mission reached its goal.
-    search : float
-        Duration of the mission as a share of its time limit. [1]
-
-    """
-
-    marks: tuple[StepMetrics, ...]
-    altitude: float
-    swing: float
-    effort: float
-    lost: bool
-    adrift: float
+    marks: tuple[StepMetrics, ...]  # metrics of each step
+    altitude: float  # rms altitude error during the other steps [m]
+    swing: float  # standard deviation of the tilt over the last seconds [rad]
+    effort: float  # mean change of a rotor's duty per second [1/s]
+    lost: bool  # whether the altitude was lost or the motors stopped
+    adrift: float  # largest altitude error at the end of a step [m]
+    # Growth rate of the least damped mode in cruise, from the linear loop; 0 if not computed [1/s]
     growth: float = 0.0
-    reached: bool = True
-    search: float = 0.0
+    reached: bool = True  # whether the mission reached its goal
+    search: float = 0.0  # duration of the mission as a share of its time limit [1]
 
     @property
     def cost(self) -> float:

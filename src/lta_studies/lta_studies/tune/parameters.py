@@ -24,26 +24,14 @@ Model = TypeVar('Model', bound=BaseModel)
 @final
 @dataclass(frozen=True, slots=True)
 class TunableParameter:
-    """
-    One tunable parameter of a settings object.
+    """One tunable parameter of a settings object."""
 
-    Attributes
-    ----------
-    path : str
-        Dotted path, for example `climb.kp`.
-    value : float
-        Current value.
-    low, high : float
-        Declared bounds.
-    about, unit : str
-        Declared description and unit.
-
-    """
-
-    path: str
-    value: float
+    path: str  # dotted path, for example `climb.kp`
+    value: float  # current value
+    # Declared bounds
     low: float
     high: float
+    # Declared description and unit
     about: str = ''
     unit: str = ''
 

@@ -77,31 +77,17 @@ class GainSetResult:
 @final
 @dataclass(frozen=True, slots=True)
 class TuningResult:
-    """
-    Result of a tuning.
-
-    Attributes
-    ----------
-    found : GainSearchResult
-        Result of the search.
-    numbers : tuple of TunableParameter
-        Tuned parameters with their old values.
-    old, new : GainSetResult
-        Results with the old and the new gains.
-    losses : tuple of float
-        Losses in the search. [kg]
-    file, folder : Path
-        The gains file and the results folder.
-
-    """
+    """Result of a tuning."""
 
     order: TuningRequest
     gains_name: str
     found: GainSearchResult
-    numbers: tuple[TunableParameter, ...]
+    numbers: tuple[TunableParameter, ...]  # tuned parameters with their old values
+    # Results with the old and the new gains
     old: GainSetResult
     new: GainSetResult
-    losses: tuple[float, ...]
+    losses: tuple[float, ...]  # losses in the search [kg]
+    # The gains file and the results folder
     file: Path
     folder: Path
 

@@ -36,32 +36,18 @@ IDLE = 1e-6  # N; a rotor with less thrust counts as stopped
 @final
 @dataclass(frozen=True, slots=True)
 class LoopMargins:
-    """
-    One loop in one steady flight.
-
-    Attributes
-    ----------
-    speed, loss : float
-        Airspeed and lift lost. [m/s, kg]
-    stable : bool
-        Whether the whole drone is stable.
-    growth, swing : float
-        Growth rate and angular frequency of the least damped mode. [1/s, rad/s]
-    margins : StabilityMargins or None
-        None if there are no margins.
-    why : str
-        Why there are no margins.
-
-    """
+    """One loop in one steady flight."""
 
     loop: Loop
+    # Airspeed and lift lost [m/s, kg]
     speed: float
     loss: float
-    stable: bool
+    stable: bool  # whether the whole drone is stable
+    # Growth rate and angular frequency of the least damped mode [1/s, rad/s]
     growth: float
     swing: float
-    margins: StabilityMargins | None
-    why: str = ''
+    margins: StabilityMargins | None  # None if there are no margins
+    why: str = ''  # why there are no margins
 
 
 def frequency_grid(period: float) -> Array:

@@ -101,31 +101,19 @@ class TuningScene:
 @final
 @dataclass(frozen=True, slots=True)
 class StepResponse:
-    """
-    True motion in a test flight.
+    """True motion in a test flight."""
 
-    Attributes
-    ----------
-    time, altitude, heading, speed, course : ndarray, shape (n,)
-        Heading and course through the air are unwrapped and relative to the initial heading;
-        speed is along the body x axis. [s, m, rad, m/s, rad]
-    tilt : ndarray, shape (n,)
-        Angle between the body's z axis and the vertical. [rad]
-    work : ndarray, shape (n,)
-        Duty change per second since the previous sample, mean over the rotors. [1/s]
-    stopped : bool
-        Whether the drone switched its motors off.
-
-    """
-
+    # Heading and course through the air are unwrapped and relative to the initial heading; speed
+    # is along the body x axis, shape (n,) [s, m, rad, m/s, rad]
     time: Array
     altitude: Array
     heading: Array
     speed: Array
     course: Array
-    tilt: Array
+    tilt: Array  # angle between the body's z axis and the vertical, shape (n,) [rad]
+    # Duty change per second since the previous sample, mean over the rotors, shape (n,) [1/s]
     work: Array
-    stopped: bool
+    stopped: bool  # whether the drone switched its motors off
 
     def select_channel(self, channel: Channel) -> Array:
         """Return the time series of a channel."""

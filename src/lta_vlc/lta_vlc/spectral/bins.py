@@ -21,30 +21,16 @@ BESIDE = 1.5  # bins on either side of the flicker of the mains, whose frequency
 @final
 @dataclass(frozen=True, slots=True)
 class BeaconBins:
-    """
-    Bins of one beacon in blocks of one length.
+    """Bins of one beacon in blocks of one length."""
 
-    Parameters
-    ----------
-    first, last : int
-        Closed range of bins in which its peak is searched.
-    quiet : ndarray of int
-        Bins whose mean is the noise: away from the harmonics of every beacon.
-    unlit : ndarray of int
-        The quiet bins without mains flicker.
-    width : float
-        Width of a bin. [Hz]
-    samples : int
-        Samples in a block.
-
-    """
-
+    # Closed range of bins in which its peak is searched
     first: int
     last: int
+    # Bins whose mean is the noise: away from the harmonics of every beacon
     quiet: NDArray[np.intp]
-    unlit: NDArray[np.intp]
-    width: float
-    samples: int
+    unlit: NDArray[np.intp]  # the quiet bins without mains flicker
+    width: float  # width of a bin [Hz]
+    samples: int  # samples in a block
 
     @property
     def frequency_limits(self) -> tuple[float, float]:

@@ -8,23 +8,11 @@ from numpy.typing import NDArray
 
 
 class SampleStatistics(NamedTuple):
-    """
-    Statistics of each diode's samples, arrays of shape (d,).
+    """Statistics of each diode's samples, arrays of shape (d,)."""
 
-    Attributes
-    ----------
-    level : ndarray of float64
-        Means; NaN for a diode with a NaN or infinite sample.
-    span : ndarray of float64
-        Highest sample less the lowest.
-    full : ndarray of float64
-        Share of the samples at the upper end of the scale.
-
-    """
-
-    level: NDArray[np.float64]
-    span: NDArray[np.float64]
-    full: NDArray[np.float64]
+    level: NDArray[np.float64]  # means; NaN for a diode with a NaN or infinite sample
+    span: NDArray[np.float64]  # highest sample less the lowest
+    full: NDArray[np.float64]  # share of the samples at the upper end of the scale
 
 
 @compile_kernel

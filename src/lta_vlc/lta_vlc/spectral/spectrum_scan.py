@@ -8,22 +8,13 @@ from numpy.typing import NDArray
 
 
 class SpectrumScan(NamedTuple):
-    """
-    Results of the scan of whole bins.
+    """Results of the scan of whole bins."""
 
-    Attributes
-    ----------
-    highest : ndarray of int, shape (b,)
-        Strongest bin of each beacon, over all weighted diodes.
-    peak : ndarray, shape (b, d)
-        Magnitude of each diode's highest bin in the search range.
-    noise, loudest : ndarray, shape (d,)
-        Mean magnitude of the quiet bins, and largest one of the unlit bins.
-
-    """
-
+    # Strongest bin of each beacon, over all weighted diodes, shape (b,)
     highest: NDArray[np.int64]
+    # Magnitude of each diode's highest bin in the search range, shape (b, d)
     peak: NDArray[np.float64]
+    # Mean magnitude of the quiet bins, and largest one of the unlit bins, shape (d,)
     noise: NDArray[np.float64]
     loudest: NDArray[np.float64]
 

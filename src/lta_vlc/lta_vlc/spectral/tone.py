@@ -46,22 +46,11 @@ FARTHEST = 1.0  # bins from the highest bin to where the tone can be
 
 
 class Tones(NamedTuple):
-    """
-    Frequency and amplitude of each tone.
+    """Frequency and amplitude of each tone."""
 
-    Attributes
-    ----------
-    frequency : ndarray, shape (b,)
-        Common to all diodes. [bins]
-    own : ndarray, shape (b, d)
-        Of each diode alone. [bins]
-    amplitude : ndarray, shape (b, d)
-        At the common frequency, in the unit of the spectrum.
-
-    """
-
-    frequency: NDArray[np.float64]
-    own: NDArray[np.float64]
+    frequency: NDArray[np.float64]  # common to all diodes, shape (b,) [bins]
+    own: NDArray[np.float64]  # of each diode alone, shape (b, d) [bins]
+    # At the common frequency, in the unit of the spectrum, shape (b, d)
     amplitude: NDArray[np.float64]
 
 

@@ -52,15 +52,7 @@ class PackedLocation(NamedTuple):
 
 
 def iterate_records(data: bytes | memoryview) -> Iterator[McapRecord]:
-    """
-    Yield the records of a buffer in order.
-
-    Raises
-    ------
-    DamagedRecord
-        If the last one is cut off.
-
-    """
+    """Yield the records of a buffer in order; raise DamagedRecord if the last one is cut off."""
     at = 0
     while at < len(data):
         if at + RECORD.size > len(data):

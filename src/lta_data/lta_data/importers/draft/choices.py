@@ -29,22 +29,11 @@ class DraftQuestion(NamedTuple):
 @final
 @dataclass(slots=True)
 class DraftChoices:
-    """
-    The decisions of a draft.
+    """The decisions of a draft."""
 
-    Attributes
-    ----------
-    answers : mapping of str to str
-        Answers of the user, by key.
-    reasons : list of DraftReason
-    questions : list of DraftQuestion
-        Those without an answer.
-
-    """
-
-    answers: Mapping[str, str] = field(default_factory=dict)
+    answers: Mapping[str, str] = field(default_factory=dict)  # answers of the user, by key
     reasons: list[DraftReason] = field(default_factory=list)
-    questions: list[DraftQuestion] = field(default_factory=list)
+    questions: list[DraftQuestion] = field(default_factory=list)  # those without an answer
     used: set[str] = field(default_factory=set)
     settled: dict[str, str] = field(default_factory=dict)  # by the first topic, for the others
 

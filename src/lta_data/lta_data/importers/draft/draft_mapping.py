@@ -21,28 +21,14 @@ FIRST_SECONDS = 10.0  # that the picture shows [s]
 
 @final
 class MappingDraft(NamedTuple):
-    """
-    A proposed mapping.
+    """A proposed mapping."""
 
-    Attributes
-    ----------
-    text : str
-        The mapping file.
-    source : SourceTables
-    choices : DraftChoices
-        Reasons and open questions.
-    channels : list of SignalChannel
-        The first seconds of the columns in use, in the numbers of the log.
-    unused : list of str
-        Columns without a meaning.
-
-    """
-
-    text: str
+    text: str  # the mapping file
     source: SourceTables
-    choices: DraftChoices
+    choices: DraftChoices  # reasons and open questions
+    # The first seconds of the columns in use, in the numbers of the log
     channels: list[SignalChannel]
-    unused: list[str]
+    unused: list[str]  # columns without a meaning
 
 
 def draft_mapping(path: Path, answers: Mapping[str, str]) -> MappingDraft:

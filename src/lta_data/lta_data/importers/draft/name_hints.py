@@ -111,26 +111,12 @@ ACTUATORS: Final = frozenset(
 
 @final
 class ColumnName(NamedTuple):
-    """
-    A name of a column, taken apart.
+    """A name of a column, taken apart."""
 
-    Attributes
-    ----------
-    column : str
-        As in the log.
-    stem : tuple of str
-        Its words in lower case, without axis and unit.
-    axis : str
-        x, y, z, w, n, e, d, roll, pitch, yaw, an index, or ''.
-    unit : str
-        As written, if it is known; else ''.
-
-    """
-
-    column: str
-    stem: tuple[str, ...]
-    axis: str
-    unit: str
+    column: str  # as in the log
+    stem: tuple[str, ...]  # its words in lower case, without axis and unit
+    axis: str  # x, y, z, w, n, e, d, roll, pitch, yaw, an index, or ''
+    unit: str  # as written, if it is known; else ''
 
     @property
     def words(self) -> frozenset[str]:

@@ -21,40 +21,17 @@ COLUMNS = ('csv', 'mat', 'numpy', 'parquet', 'folder')  # formats without meanin
 
 @final
 class SourceTables(NamedTuple):
-    """
-    A source.
+    """A source."""
 
-    Attributes
-    ----------
-    path : Path
-        The file that was read: of a folder with runs, the first.
-    format : str
-    tables : mapping of str to columns by name
-        Empty for a format whose names have fixed meanings.
-    text : TextFormat or None
-        How the lines of a text are written.
-    notes : list of str
-        Remarks, one sentence each.
-
-    """
-
-    path: Path
+    path: Path  # the file that was read: of a folder with runs, the first
     format: str
-    tables: dict[str, dict[str, Column]]
-    text: TextFormat | None
-    notes: list[str]
+    tables: dict[str, dict[str, Column]]  # empty for a format whose names have fixed meanings
+    text: TextFormat | None  # how the lines of a text are written
+    notes: list[str]  # remarks, one sentence each
 
 
 def read_source(source: Path) -> SourceTables:
-    """
-    Read a source.
-
-    Raises
-    ------
-    BadInput
-        If it is of no known format.
-
-    """
+    """Read a source; raise BadInput if it is of no known format."""
     path = find_bag(source)
     format_ = detect_format(path)
     if format_ == 'folder':

@@ -21,20 +21,10 @@ NICE: Final = (
 
 @final
 class TimeBase(NamedTuple):
-    """
-    The time of a table.
+    """The time of a table."""
 
-    Attributes
-    ----------
-    seconds : ndarray, shape (n,)
-        [s]
-    entry : dict
-        As in a mapping.
-
-    """
-
-    seconds: Numbers
-    entry: dict[str, str]
+    seconds: Numbers  # shape (n,) [s]
+    entry: dict[str, str]  # as in a mapping
 
 
 def find_time_base(

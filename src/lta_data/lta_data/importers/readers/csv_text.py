@@ -286,15 +286,7 @@ def delimiter_of(text: TextFormat) -> str:
 
 
 def read_column_names(path: Path, text: TextFormat) -> list[str]:
-    """
-    Return the unique names of a text's columns, stripped.
-
-    Raises
-    ------
-    BadInput
-        If there are none.
-
-    """
+    """Return the unique names of a text's columns, stripped; raise BadInput if there are none."""
     if text.header is not None:
         return list(text.header)
     try:

@@ -42,15 +42,7 @@ class MessageFormat(NamedTuple):
 
 
 def open_dataflash(path: Path, mapping: MappingFile | None) -> InMemoryLog:
-    """
-    Read a DataFlash log completely.
-
-    Raises
-    ------
-    BadInput
-        If it contains no message with a time.
-
-    """
+    """Read a DataFlash log completely; raise BadInput if it contains no message with a time."""
     check_log_size(path)
     data = path.read_bytes()
     formats, places, skipped = _locate_messages(data)

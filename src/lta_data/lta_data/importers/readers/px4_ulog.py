@@ -41,15 +41,7 @@ FACTS = {
 
 
 def open_ulog(path: Path, mapping: MappingFile | None) -> InMemoryLog:
-    """
-    Read a PX4 log completely.
-
-    Raises
-    ------
-    BadInput
-        If it cannot be read, or contains no message.
-
-    """
+    """Read a PX4 log completely; raise BadInput if it cannot be read, or contains no message."""
     check_log_size(path)
     said = io.StringIO()
     try:

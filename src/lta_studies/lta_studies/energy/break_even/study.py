@@ -37,26 +37,12 @@ class CandidateArray:
 @final
 @dataclass(frozen=True, slots=True)
 class BreakEvenMap:
-    """
-    Break-even map of a vehicle.
+    """Break-even map of a vehicle."""
 
-    Parameters
-    ----------
-    vehicle : str
-        Name of the vehicle.
-    charger : ChargerModel
-        Its charger.
-    loads : mapping of str to float
-        Power of each task. [W]
-    arrays : sequence of CandidateArray
-        Arrays; the vehicle's own comes first.
-
-    """
-
-    vehicle: str
+    vehicle: str  # name of the vehicle
     charger: ChargerModel
-    loads: Mapping[str, float]
-    arrays: Sequence[CandidateArray]
+    loads: Mapping[str, float]  # power of each task [W]
+    arrays: Sequence[CandidateArray]  # arrays; the vehicle's own comes first
 
     def break_even_lux(self, array: CandidateArray, lamp: str, load: float) -> float:
         """Return the illuminance at which the charger output equals the load. [lx]"""

@@ -20,26 +20,12 @@ FORWARD = 0.5  # share of the thrust along x above which a rotor counts as a for
 @final
 @dataclass(frozen=True, slots=True)
 class PowerCauses:
-    """
-    Causes that alone explain a power; NaN where the vehicle's rotors cannot reach it.
+    """Causes that alone explain a power; NaN where the vehicle's rotors cannot reach it."""
 
-    Attributes
-    ----------
-    least : float
-        Hover power with ideal rotors in still air, radio on. [W]
-    heaviness : float
-        Mass minus displaced air. [kg]
-    wind : float
-        Wind against which the position is held. [m/s]
-    factor : float
-        Factor on the power of the rotors. [1]
-
-    """
-
-    least: float
-    heaviness: float
-    wind: float
-    factor: float
+    least: float  # hover power with ideal rotors in still air, radio on [W]
+    heaviness: float  # mass minus displaced air [kg]
+    wind: float  # wind against which the position is held [m/s]
+    factor: float  # factor on the power of the rotors [1]
 
 
 def explain_hover_power(vehicle: Vehicle, hover: float, goal: float) -> PowerCauses:

@@ -21,30 +21,15 @@ from lta_studies.energy.budget.tasks import (
 @final
 @dataclass(frozen=True, slots=True)
 class PowerBudget:
-    """
-    Power budget of a drone.
+    """Power budget of a drone."""
 
-    Attributes
-    ----------
-    vehicle, standard : str
-        The drone, and the multirotor for comparison.
-    tasks : mapping of str to TaskPower
-        Tasks of the drone, by name.
-    hover : TaskPower
-        Hover of the multirotor.
-    causes : PowerCauses
-        Possible causes of the paper's hover power.
-    loads : LoadModel
-        Loads of the drone.
-
-    """
-
+    # The drone, and the multirotor for comparison
     vehicle: str
     standard: str
-    tasks: Mapping[str, TaskPower]
-    hover: TaskPower
-    causes: PowerCauses
-    loads: LoadModel
+    tasks: Mapping[str, TaskPower]  # tasks of the drone, by name
+    hover: TaskPower  # hover of the multirotor
+    causes: PowerCauses  # possible causes of the paper's hover power
+    loads: LoadModel  # loads of the drone
 
     @property
     def hover_power_ratio(self) -> float:

@@ -37,29 +37,13 @@ MOVED = 0.01  # m above the standing height that counts as lift-off
 @final
 @dataclass(frozen=True, slots=True)
 class TaskPower:
-    """
-    Power of a task.
-
-    Attributes
-    ----------
-    name : str
-        Name of the task.
-    electronics : float
-        Power of controller, radio, light board and computing, if on. [W]
-    rotors : float
-        Rotor power, mean over the flights. [W]
-    off : float
-        Largest deviation of one flight from that mean. [W]
-    seconds : float
-        Mean duration of the task. [s]
-
-    """
+    """Power of a task."""
 
     name: str
-    electronics: float
-    rotors: float
-    off: float = 0.0
-    seconds: float = math.nan
+    electronics: float  # power of controller, radio, light board and computing, if on [W]
+    rotors: float  # rotor power, mean over the flights [W]
+    off: float = 0.0  # largest deviation of one flight from that mean [W]
+    seconds: float = math.nan  # mean duration of the task [s]
 
     @property
     def power(self) -> float:

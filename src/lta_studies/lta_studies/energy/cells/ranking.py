@@ -17,23 +17,11 @@ from lta_config.schema.cell_table import CellTable, CellTableRow
 @final
 @dataclass(frozen=True, slots=True)
 class CellReading:
-    """
-    One reading of one row.
+    """One reading of one row."""
 
-    Attributes
-    ----------
-    row : CellTableRow
-        Row as printed.
-    cell : CellFile
-        Panel that the row is read as.
-    readings : int
-        Number of possible readings of the row.
-
-    """
-
-    row: CellTableRow
-    cell: CellFile
-    readings: int
+    row: CellTableRow  # row as printed
+    cell: CellFile  # panel that the row is read as
+    readings: int  # number of possible readings of the row
 
     @property
     def title(self) -> str:

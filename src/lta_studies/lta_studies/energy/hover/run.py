@@ -30,26 +30,12 @@ FULL = {'value': 100, 'unit': '%'}
 @final
 @dataclass(frozen=True, slots=True)
 class HoverResult:
-    """
-    Hover of one drone.
+    """Hover of one drone."""
 
-    Attributes
-    ----------
-    name : str
-        Name of the vehicle.
-    trace : DischargeTrace
-        Voltage and charge of the cell, up to a failure of the supply.
-    power : float
-        Mean power in hover. [W]
-    energy : float
-        Energy drawn from the cell. [J]
-
-    """
-
-    name: str
-    trace: DischargeTrace
-    power: float
-    energy: float
+    name: str  # name of the vehicle
+    trace: DischargeTrace  # voltage and charge of the cell, up to a failure of the supply
+    power: float  # mean power in hover [W]
+    energy: float  # energy drawn from the cell [J]
 
 
 @final

@@ -24,29 +24,13 @@ STEP = 1e-3  # resolution of the volume factor
 @final
 @dataclass(frozen=True, slots=True)
 class MountedVehicle:
-    """
-    A vehicle with a mount.
-
-    Attributes
-    ----------
-    mount : MountFile
-        The mount.
-    ahead : float
-        Forward misplacement of the panels. [m]
-    fuller : float
-        Volume of the hull relative to the file, with the same outline. [1]
-    content : mapping
-        Content of the vehicle file.
-    vehicle : Vehicle
-        The resulting vehicle.
-
-    """
+    """A vehicle with a mount."""
 
     mount: MountFile
-    ahead: float
-    fuller: float
-    content: Mapping[str, Any]
-    vehicle: Vehicle
+    ahead: float  # forward misplacement of the panels [m]
+    fuller: float  # volume of the hull relative to the file, with the same outline [1]
+    content: Mapping[str, Any]  # content of the vehicle file
+    vehicle: Vehicle  # the resulting vehicle
 
     @property
     def nose_down_pitch(self) -> float:

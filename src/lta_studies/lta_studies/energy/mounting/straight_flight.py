@@ -27,32 +27,15 @@ SCENE = 'hall'
 @final
 @dataclass(frozen=True, slots=True)
 class StraightFlightResult:
-    """
-    Result of a flight.
+    """Result of a flight."""
 
-    Attributes
-    ----------
-    swing : float
-        Largest deviation from the mean pitch between lift-off and departure. [rad]
-    lean : float
-        Mean pitch after departure, nose down positive. [rad]
-    amplitude, rms : float
-        Half of the range, and standard deviation, of pitch after departure. [rad]
-    power : float
-        Mean power after departure, including electronics and radio. [W]
-    hover : float
-        Mean power in the last 10 s before departure. [W]
-    flown : FlightTrack
-        The flight.
-
-    """
-
-    swing: float
-    lean: float
+    swing: float  # largest deviation from the mean pitch between lift-off and departure [rad]
+    lean: float  # mean pitch after departure, nose down positive [rad]
+    # Half of the range, and standard deviation, of pitch after departure [rad]
     amplitude: float
     rms: float
-    power: float
-    hover: float
+    power: float  # mean power after departure, including electronics and radio [W]
+    hover: float  # mean power in the last 10 s before departure [W]
     flown: FlightTrack
 
 
