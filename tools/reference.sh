@@ -15,4 +15,3 @@ write parameters.md python -m lta_cli.reference parameters
 write vehicles.md python -m lta_cli.reference vehicles
 write discovery_thresholds.md python -m lta_cli.reference thresholds
 write images/graph.svg python -m lta_cli.reference graph
-write ../src/lta_cli/lta_cli/assets/commands.json python -m lta_cli.reference completion

@@ -6,7 +6,7 @@ setup(
     name='lta_cli',
     version='1.0.0',
     packages=find_packages(),
-    package_data={'lta_cli': ['py.typed', 'assets/*']},
+    package_data={'lta_cli': ['py.typed']},
     data_files=[
         ('share/ament_index/resource_index/packages', ['resource/lta_cli']),
         ('share/lta_cli', ['package.xml']),

@@ -1,21 +1,28 @@
 """
 Complete a command line for a shell: commands, options, names, topics and paths of parameters.
 
-The commands are those of `assets/commands.json`, which `make reference` writes; none is imported.
-Typer speaks with bash, zsh and fish; `lta --install-completion` tells them to ask.
+The table of commands is in the cache, since importing the commands takes seconds; it is written
+again once the code has changed. Typer speaks with bash, zsh and fish; `lta --install-completion`
+tells them to ask.
 """
 
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
+import hashlib
+from importlib.util import find_spec
 import inspect
 import json
+import os
 from pathlib import Path
 from typing import Annotated, Any, Final
 
 from lta_config.files import find_file, FOLDERS, list_shipped_names, load_yaml
+from lta_config.machine import find_cache_folder
 import typer
 from typer.core import TyperGroup
 
-TABLE: Final = Path(__file__).parent / 'assets' / 'commands.json'
+# The packages that declare what is in the table of commands
+PACKAGES: Final = ('lta_cli', 'lta_control', 'lta_energy', 'lta_flight', 'lta_model', 'lta_vlc')
 SUFFIXES: Final = {'launch file': '.launch.yaml'}
 # Vehicle and scenario of a command line that names none
 DEFAULTS: Final = {'vehicle': 'gtmab', 'scenario': 'lamp_room'}
@@ -25,8 +32,38 @@ Line = Mapping[str, Any]  # the words of the command line, by parameter
 
 def complete() -> None:
     """Answer the shell, which passes the line in the environment, and exit."""
-    table = json.loads(TABLE.read_text(encoding='utf-8'))
-    build_app(table)(prog_name='lta')
+    build_app(load_table())(prog_name='lta')
+
+
+def load_table() -> dict[str, Any]:
+    """Return the table of commands from the cache; write it if the code has changed since."""
+    path = find_cache_folder('completion') / 'commands.json'
+    code = compute_code_digest()
+    with suppress(OSError, ValueError, KeyError, TypeError):
+        table: dict[str, Any] = json.loads(path.read_text(encoding='utf-8'))
+        if table['code'] == code:
+            return table
+    from lta_cli.reference.completion import build_table  # imports every command
+
+    table = build_table() | {'code': code}
+    # Several shells may ask at once: each writes a file of its own
+    part = path.with_name(f'.{path.name}.{os.getpid()}')
+    with suppress(OSError):
+        part.write_text(json.dumps(table), encoding='utf-8')
+        part.replace(path)
+    return table
+
+
+def compute_code_digest() -> str:
+    """Return a digest of the sizes and times of the files that declare the commands."""
+    digest = hashlib.sha256()
+    for package in PACKAGES:
+        # Finding a package does not import it
+        for folder in find_spec(package).submodule_search_locations or ():  # type: ignore[union-attr]
+            for path in sorted(Path(folder).rglob('*.py')):
+                status = path.stat()
+                digest.update(f'{path} {status.st_size} {status.st_mtime_ns}\n'.encode())
+    return digest.hexdigest()
 
 
 class TwoWordGroup(TyperGroup):

@@ -4,9 +4,19 @@ import shlex
 import subprocess
 import sys
 
-from lta_cli.completion import complete
+from lta_cli import completion
+from lta_cli.completion import complete, load_table
 import pytest
 import yaml
+
+
+@pytest.fixture(scope='module', autouse=True)
+def _table(tmp_path_factory):
+    """Write the table once for all tests."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv('XDG_CACHE_HOME', str(tmp_path_factory.mktemp('cache')))
+        load_table()
+        yield
 
 
 @pytest.fixture
@@ -132,3 +142,20 @@ def test_no_command_is_imported():
     done = subprocess.run([sys.executable, '-c', program], capture_output=True, text=True)
     assert done.stdout.splitlines()[-1] == '[]', done.stderr
     assert 'gtmab' in done.stdout
+
+
+def test_the_table_is_built_again_only_after_a_change_of_the_code(tmp_path, monkeypatch):
+    built = []
+    monkeypatch.setenv('XDG_CACHE_HOME', str(tmp_path))
+    monkeypatch.setattr(
+        'lta_cli.reference.completion.build_table', lambda: built.append(1) or {'settings': {}}
+    )
+    assert load_table() == load_table()
+    assert len(built) == 1
+    monkeypatch.setattr(completion, 'compute_code_digest', lambda: 'changed')
+    [path] = (tmp_path / 'lta' / 'completion').iterdir()
+    for count, stored in enumerate((path.read_text(), '{"comm', '[]', '{}'), 2):
+        path.write_text(stored)
+        assert load_table() == load_table() == {'settings': {}, 'code': 'changed'}
+        assert len(built) == count
+    assert list(path.parent.iterdir()) == [path]

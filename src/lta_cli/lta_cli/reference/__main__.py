@@ -11,7 +11,6 @@ PAGES = {  # page name to path below docs/, as `make reference` writes them
     'vehicles': 'vehicles.md',
     'thresholds': 'discovery_thresholds.md',
     'graph': 'images/graph.svg',
-    'completion': '../src/lta_cli/lta_cli/assets/commands.json',
 }
 
 

@@ -1,11 +1,6 @@
-"""
-Generate the table from which a shell completes: every command, option, setting and effect.
-
-The table is a file, so that a shell need not import the commands, which takes a second.
-"""
+"""Build the table from which a shell completes: every command, option, setting and effect."""
 
 from collections.abc import Iterator
-import json
 from typing import Any, get_args, get_origin, Literal
 
 from lta_cli.app import build_app
@@ -55,9 +50,9 @@ VALUES = {
 }
 
 
-def render_page() -> str:
-    """Return the table as JSON."""
-    table = {
+def build_table() -> dict[str, Any]:
+    """Return the table, in types of JSON."""
+    return {
         'commands': describe_command(get_command(build_app()), 'lta')['commands'],
         'settings': dict(
             setting for root, model in SETTINGS.items() for setting in list_settings(model, root)
@@ -70,7 +65,6 @@ def render_page() -> str:
             for parameter in effect.parameters
         },
     }
-    return json.dumps(table, indent=1, ensure_ascii=False) + '\n'
 
 
 def describe_command(command: Any, words: str) -> dict[str, Any]:  # noqa: ANN401 - Typer's
