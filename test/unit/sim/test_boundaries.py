@@ -38,46 +38,6 @@ def touch(position, rotation=LEVEL, velocity=NO, rates=NO, p=ROOM):
     )
 
 
-def test_in_the_room_nothing_touches():
-    assert not touch((1.0, 0.0, 1.5)).any()
-    assert not touch((3.49, 1.49, 2.69)).any()
-    assert not touch((1.0, 0.0, -5.0)).any()  # the floor is another effect's
-
-
-@pytest.mark.parametrize(
-    ('position', 'axis', 'force'),
-    [
-        ((3.51, 0.0, 1.5), 0, -2.0),
-        ((-1.52, 0.0, 1.5), 0, 4.0),
-        ((1.0, 1.51, 1.5), 1, -2.0),
-        ((1.0, -1.51, 1.5), 1, 2.0),
-        ((1.0, 0.0, 2.71), 2, -2.0),
-    ],
-)
-def test_each_face_holds_by_its_depth(position, axis, force):
-    expected = np.zeros(6)
-    expected[axis] = force
-    np.testing.assert_allclose(touch(position), expected, atol=1e-12)
-
-
-def test_a_wall_dampens_on_the_way_in_and_never_pulls():
-    assert touch((3.51, 0.0, 1.5), velocity=(0.1, 0.0, 0.0))[0] == pytest.approx(-4.0)
-    assert touch((-1.51, 0.0, 1.5), velocity=(-0.1, 0.0, 0.0))[0] == pytest.approx(4.0)
-    assert not touch((3.51, 0.0, 1.5), velocity=(-0.2, 0.0, 0.0)).any()
-
-
-def test_a_wall_rubs():
-    wrench = touch((3.51, 0.0, 1.5), velocity=(0.0, 5.0, 0.0))
-    # 0.4 of 2 N, at the touching point 0.5 m ahead.
-    np.testing.assert_allclose(wrench[[0, 1, 5]], (-2.0, -0.8, -0.4), rtol=1e-4)
-    # Friction is scaled by v / sqrt(v^2 + v_s^2): by sqrt(1/2) at v = v_s = 5 cm/s.
-    slow = touch((3.51, 0.0, 1.5), velocity=(0.0, 0.03, 0.04))
-    assert slow[1:3] == pytest.approx([-0.8 * math.sqrt(0.5) * 0.6, -0.8 * math.sqrt(0.5) * 0.8])
-    # Rolling along the wall: the touching point stands still.
-    rolling = touch((3.51, 0.0, 1.5), velocity=(0.0, 0.5, 0.0), rates=(0.0, 0.0, -1.0))
-    assert rolling[1] == pytest.approx(0.0, abs=1e-12)
-
-
 def test_a_tilted_hull_reaches_as_far_as_its_spheroid():
     angle = 0.6
     turn = Rotation.from_euler('y', angle)

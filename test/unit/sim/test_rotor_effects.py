@@ -4,11 +4,9 @@ from lta_model.effects.protocol import CHANNELS
 from lta_model.effects.rotors import (
     battery_sag,
     command_delay,
-    motor_deadband,
     rotor_fault,
     thrust_curve,
     thrust_polynomial,
-    thrust_scale,
 )
 from lta_model.state import SURROUNDINGS, VOLTAGE
 import numpy as np
@@ -57,15 +55,6 @@ def rms(error):
     return float(np.sqrt(np.mean(np.square(error))))
 
 
-@pytest.mark.parametrize(
-    ('duty', 'turns'),
-    [(0.0, 0.0), (0.0799, 0.0), (-0.0799, 0.0), (0.08, 0.08), (-0.08, -0.08), (1.0, 1.0)],
-)
-def test_a_small_duty_does_not_turn_a_motor(duty, turns):
-    """Above the threshold the whole duty works: no shift."""
-    assert through(motor_deadband, (0.08,), duty) == turns
-
-
 def test_thrust_follows_the_voltage():
     # A duty of 0.6 at 3.15 V is the mean voltage of 0.45 at 4.2 V.
     assert through(battery_sag, (4.2, 1.0), 0.6, 3.15) == pytest.approx(0.45, rel=1e-15)
@@ -97,23 +86,6 @@ def test_no_sensitivity_reverses_a_rotor():
     assert through(battery_sag, (4.2, 2.0), 0.6, 0.5) == 0.0
 
 
-@pytest.mark.parametrize(
-    ('which', 'volts', 'newtons'),
-    [
-        # c_0 + c_1 v + c_2 v^2 + c_3 v^3, sums written out.
-        ('2.1+', 2.0, -0.024765 + 0.130476 - 0.107172 + 0.0542144),
-        ('2.1+', 3.0, -0.024765 + 0.195714 - 0.241137 + 0.1829736),
-        ('legacy', 2.0, -0.014831 + 0.09449 - 0.073896 + 0.0476872),
-        ('legacy', 3.0, -0.014831 + 0.141735 - 0.166266 + 0.1609443),
-        ('upgrade kit', 2.0, 0.0067281 + 0.0202312 + 0.0410528 + 0.0226872),
-        ('upgrade kit', 3.0, 0.0067281 + 0.0303468 + 0.0923688 + 0.0765693),
-    ],
-)
-def test_firmware_cubics_by_hand(which, volts, newtons):
-    assert cubic(which, volts / 4.2) == pytest.approx(newtons, rel=1e-12)
-    assert cubic(which, -volts / 4.2) == pytest.approx(-newtons, rel=1e-12)
-
-
 @pytest.mark.parametrize('which', CUBIC)
 def test_cubics_are_the_firmware_s_from_least_to_greatest_thrust(which):
     """`linear_to` is where the firmware starts; its greatest thrust needs no full cell."""
@@ -124,21 +96,6 @@ def test_cubics_are_the_firmware_s_from_least_to_greatest_thrust(which):
     assert cubic(which, 0.5 * LINEAR_TO[which] / 4.2) == pytest.approx(0.5 * at_start, rel=1e-12)
     rising = [cubic(which, float(duty)) for duty in np.linspace(-1.0, 1.0, 401)]
     assert np.all(np.diff(rising) > 0.0)
-
-
-def test_a_cubic_without_a_straight_start_is_clipped():
-    p = (4.2, 0.0, *CUBIC['2.1+'])
-    assert through(thrust_polynomial, p, 0.0) == 0.0
-    assert through(thrust_polynomial, p, 0.4 / 4.2) == 0.0
-    assert through(thrust_polynomial, p, 2.0 / 4.2) == pytest.approx(cubic('2.1+', 2.0 / 4.2))
-
-
-def test_sag_before_the_cubic_is_the_cubic_at_the_present_voltage():
-    p = (4.2, 0.774, *CUBIC['2.1+'])
-    for volts in (3.0, 3.5, 4.1):
-        sagged = through(battery_sag, (4.2, 1.0), 0.7, volts)
-        at_once = through(thrust_polynomial, (volts, *p[1:]), 0.7)
-        assert through(thrust_polynomial, p, sagged) == pytest.approx(at_once, rel=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -188,34 +145,9 @@ def test_the_bench_s_own_parabola_and_its_voltage():
     assert 1e3 * rms(by_voltage @ best - NEWTONS) == pytest.approx(2.84, abs=0.01)
 
 
-def test_scale_and_fault():
-    assert through(thrust_scale, (0.943,), 0.12) == pytest.approx(0.11316, rel=1e-12)
-    assert through(rotor_fault, (0.25,), 0.12) == pytest.approx(0.09, rel=1e-15)
-    assert through(rotor_fault, (1.0,), -0.12) == 0.0
-
-
 def test_a_fault_is_of_one_rotor():
     names = [parameter.name for parameter in rotor_fault.EFFECT.parameters]
     assert names == [f'lost_{i}' for i in range(1, 9)]
-
-
-@pytest.mark.parametrize(
-    ('effect', 'null'),
-    [
-        (motor_deadband, (0.0,)),
-        (battery_sag, (0.0, 1.0)),
-        (thrust_polynomial, (0.0,) * 6),
-        (thrust_scale, (1.0,)),
-        (rotor_fault, (0.0,)),
-    ],
-)
-def test_null_passes_everything_on(effect, null):
-    declared = (*effect.EFFECT.shared, *effect.EFFECT.each)
-    assert tuple(parameter.null for parameter in declared) == null
-    for value in (-1.0, -1e-300, -0.0, 0.0, 5e-324, 0.1, 0.7, 1.0):
-        for voltage in (0.0, 3.1):
-            passed = through(effect, null, value, voltage)
-            assert (passed, np.signbit(passed)) == (value, np.signbit(value))
 
 
 def test_commands_are_late():

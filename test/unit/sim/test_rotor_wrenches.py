@@ -1,7 +1,6 @@
 """What rotors do to the hull beyond B: tilted axes, reversed jets and jets that collide."""
 
 from lta_model.effects.protocol import AXES, VehicleMotion
-from lta_model.effects.regressors import compute_regressors
 from lta_model.effects.rotors import rotor_envelope_interaction, rotor_misalignment, rotor_thrust
 from lta_model.state import ACTUATORS, BODY, COMMAND, ROTOR, ROTOR_PLACE, SURROUNDINGS
 import numpy as np
@@ -151,27 +150,6 @@ ROTORS = (
 )
 
 
-@pytest.mark.parametrize(
-    ('rotor', 'turn', 'force'),
-    [
-        # Up: about x the thrust goes to -y, about y to x. Forward: about y it goes down, about z
-        # to the left.
-        (1, 'first', (0.0, -1.0, 0.0)),
-        (1, 'second', (1.0, 0.0, 0.0)),
-        (2, 'first', (0.0, 0.0, -1.0)),
-        (2, 'second', (0.0, 1.0, 0.0)),
-    ],
-)
-def test_tilt_of_upright_and_forward_rotors(rotor, turn, force):
-    p = numbers(rotor_misalignment.EFFECT, {f'{turn}_{rotor}': 0.01})
-    thrust = [0.0] * ACTUATORS
-    thrust[rotor - 1] = 0.5
-    wrench = rotor_misalignment.compute_wrench(p, (), seen(ROTORS), tuple(thrust))
-    np.testing.assert_allclose(wrench[:3], 0.005 * np.array(force), atol=1e-17)
-    moment = np.cross(ROTORS[rotor - 1][0], wrench[:3])
-    np.testing.assert_allclose(wrench[3:], moment, atol=1e-17)
-
-
 def perpendicular(axis):
     """Return the two axes about which a rotor tilts."""
     axis = np.asarray(axis)
@@ -202,34 +180,6 @@ def test_tilt_against_the_exact_rotation(angle, thrust):
         np.testing.assert_allclose(wrench[3:], np.cross(place, wrench[:3]), atol=1e-16)
 
 
-def test_tilts_of_all_rotors_add():
-    effect = rotor_misalignment.EFFECT
-    rotors = [((0.1 * i, -0.2, 0.3), tuple(np.roll(AXIS, i))) for i in range(ACTUATORS)]
-    values = np.linspace(-0.1, 0.12, 2 * ACTUATORS)
-    thrusts = tuple(np.linspace(0.1, -0.3, ACTUATORS).tolist())
-    expected = np.zeros(6)
-    for i, (place, axis) in enumerate(rotors):
-        first, second = perpendicular(axis)
-        tilt = values[i] * first + values[ACTUATORS + i] * second
-        force = thrusts[i] * np.cross(tilt, axis)
-        expected += (*force, *np.cross(place, force))
-    wrench = effect.wrench(tuple(values.tolist()), (), seen(rotors), thrusts)
-    np.testing.assert_allclose(wrench, expected, atol=1e-15)
-
-
 def test_rotors_that_do_not_exist_have_no_tilt():
     p = (0.1,) * (2 * ACTUATORS)
     assert rotor_misalignment.compute_wrench(p, (), seen(), (0.5,) * ACTUATORS) == (0.0,) * 6
-
-
-@pytest.mark.parametrize('effect', [rotor_misalignment.EFFECT, rotor_envelope_interaction.EFFECT])
-def test_linear_where_they_say_so(effect):
-    rng = np.random.default_rng(7)
-    values = {name: float(rng.uniform(-1.0, 1.0)) for name in effect.linear_in}
-    shares = {f'share_{i}': 1.0 for i in (1, 2)} if 'share_1' in str(effect.parameters) else {}
-    thrust = (0.4, 0.3, -0.2, 0.1, -0.4, 0.0, 0.2, -0.1)
-    given = {**values, **shares}
-    columns = compute_regressors(effect, given, seen(ROTORS), thrust)
-    wrench = effect.wrench(numbers(effect, given), (), seen(ROTORS), thrust)
-    np.testing.assert_allclose(columns @ list(values.values()), wrench, atol=1e-14)
-    assert np.max(np.abs(wrench)) > 0.01

@@ -5,7 +5,7 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_config.errors import BadInput
-from lta_model.effects.air import gusts, steady_wind, turbulence, wind_gradient, wind_profile
+from lta_model.effects.air import gusts, turbulence, wind_gradient, wind_profile
 from lta_model.effects.protocol import AirEffectInput
 from lta_model.military_turbulence import low_altitude_turbulence
 import numpy as np
@@ -18,17 +18,6 @@ NO_AIR = (0.0,) * 6
 
 def at(x=0.0, y=0.0, z=0.0, velocity=CALM, wind=CALM):
     return AirEffectInput((x, y, z), velocity, wind, (0.0,) * 8)
-
-
-def test_steady_wind_is_the_same_everywhere():
-    assert steady_wind.compute_air_motion((1.0, -2.0, 0.3), (), at(z=7.0)) == (
-        1.0,
-        -2.0,
-        0.3,
-        0.0,
-        0.0,
-        0.0,
-    )
 
 
 # 8 m/s from west to east at 10 m over 0.3 m, as the seed paper's outdoor flight is read.
@@ -113,16 +102,6 @@ G = np.array([[0.3, -0.2, 0.1], [0.5, -0.1, 0.7], [-0.4, 0.6, -0.2]])
 CURRENT = (1.0, 2.0, 3.0, *G.ravel()[:8].tolist())
 
 
-def test_gradient_by_hand():
-    place = np.array([1.5, 1.0, 4.0])
-    steady = np.array([0.2, -0.3, 0.1])
-    air = wind_gradient.compute_air_motion(
-        CURRENT, (), at(*place.tolist(), wind=tuple(steady.tolist()))
-    )
-    own = G @ (place - (1.0, 2.0, 3.0))
-    np.testing.assert_allclose(air, [*own, *(G @ (own + steady))], rtol=1e-14)
-
-
 def test_gradient_keeps_the_volume_of_the_air():
     def flow(place):
         return np.array(wind_gradient.compute_air_motion(CURRENT, (), at(*place.tolist()))[:3])
@@ -140,12 +119,6 @@ def test_air_follows_its_own_acceleration():
         wind_gradient.compute_air_motion(CURRENT, (), at(*(place + step * air[:3]).tolist()))
     )
     np.testing.assert_allclose((later - air)[:3] / step, air[3:], rtol=1e-7)
-
-
-def test_an_eddy_presses_to_its_axis():
-    turn = 0.5
-    eddy = (0.0, 0.0, 0.0, 0.0, -turn, 0.0, turn, 0.0, 0.0, 0.0, 0.0)
-    assert wind_gradient.compute_air_motion(eddy, (), at(x=2.0)) == (0.0, 1.0, 0.0, -0.5, 0.0, 0.0)
 
 
 GUST = (2.0, -1.0, 0.5, 3.0, 0.8, 1.5)  # begins at 3 s, rises in 0.8 s, stands for 1.5 s
@@ -172,11 +145,6 @@ def test_gust_accelerates_as_it_changes(time):
     # The slope has a kink where the gust begins and ends: half a step of its second derivative.
     kink = 2.0 * 0.5 * (math.pi / 0.8) ** 2 * step
     np.testing.assert_allclose(gust(time)[3:], slope, atol=kink)
-
-
-def test_gust_keeps_time():
-    assert gusts.compute_memory_rate(GUST, (3.3,), at()) == (1.0,)
-    assert gusts.EFFECT.memory == (('time', 0.0),)
 
 
 def test_gust_without_a_length_is_refused_and_blows_nothing():
