@@ -32,6 +32,7 @@ from lta_challenge.other.calibration_case import (
     SECONDS,
 )
 from lta_challenge.other.effect_injection import HIDINGS
+from lta_challenge.other.wrench_flight import Course
 from lta_challenge.recording import write_bag
 from lta_config.files import find_file
 from lta_discovery.calibration.calibrated_file import format_calibrated_vehicle
@@ -82,12 +83,13 @@ def record_case(
     folder: Path,
     effects: Mapping[str, float] | None = None,
     is_right: bool = False,
+    course: Course | None = None,
 ) -> tuple[CalibrationCase, Path, dict[Role, list[Path]]]:
     """Generate a case; write its bags and its vehicle file."""
-    vehicle, rotors = load_vehicle('gtmab'), is_driven(number)
+    vehicle, rotors = load_vehicle('gtmab'), is_driven(number) and course is None
     seconds = SECONDS if effects is None else SHORTER
     case = generate_calibration_case(
-        vehicle, seed, number, ROLES, seconds, rotors, effects, is_right
+        vehicle, seed, number, ROLES, seconds, rotors, effects, is_right, course
     )
     text = find_file('vehicle', 'gtmab').read_text(encoding='utf-8')
     if rotors and not is_right:
@@ -117,11 +119,16 @@ def list_intervals(case: CalibrationCase, found: Calibration) -> list[Row]:
     return rows
 
 
+def list_commanded_axes(case: CalibrationCase) -> list[bool]:
+    """Return the axes on which a wrench is commanded."""
+    axes = () if case.shares else (0, 1, 2, 5) if case.is_steered else (0, 2, 5)
+    return [axis in axes for axis in range(6)]
+
+
 def find_oracle(case: CalibrationCase, vehicle: Vehicle) -> NominalVehicle:
     """Return the vehicle file with all true values."""
     nominal = NominalVehicle.from_vehicle(vehicle)
-    commanded = [not case.shares and axis in (0, 2, 5) for axis in range(6)]
-    knobs = list_calibration_parameters(nominal, commanded, True)
+    knobs = list_calibration_parameters(nominal, list_commanded_axes(case), True)
     values = np.zeros(len(knobs))
     truths = case.list_true_values(load_vehicle('gtmab'))
     for k, knob in enumerate(knobs):
@@ -147,8 +154,7 @@ def find_oracle(case: CalibrationCase, vehicle: Vehicle) -> NominalVehicle:
 def score_oracle(case: CalibrationCase, vehicle: Vehicle, usable: UsableFlights) -> float:
     """Return the oracle's position error 3 s ahead in the confirming flight. [m]"""
     oracle = find_oracle(case, vehicle)
-    commanded = [not case.shares and axis in (0, 2, 5) for axis in range(6)]
-    knobs = list_calibration_parameters(oracle, commanded, True)
+    knobs = list_calibration_parameters(oracle, list_commanded_axes(case), True)
     flights = [
         prepare_flight(vehicle, flight, knobs)
         for _, role, flight in usable.flights

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import math
 from typing import Final, final
 
-from lta_discovery.calibration.coarse_fit import CoarseCalibration, fit_coarse_calibration, LIFT
+from lta_discovery.calibration.coarse_fit import CoarseCalibration, fit_coarse_calibration
 from lta_discovery.calibration.forecast_score import relative_error, score_forecasts
 from lta_discovery.calibration.refined_fit import refine_calibration
 from lta_discovery.calibration.result import CalibratedValue, Calibration, ForecastScore, WIDE
@@ -17,7 +17,7 @@ from lta_discovery.model.calibration_parameters import (
     ordinary_tolerances,
 )
 from lta_discovery.model.nominal import NominalVehicle
-from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.model.parameters import FreeParameter, NET_LIFT
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.study import prepare_flight
 from lta_model.vehicle import Vehicle
@@ -133,7 +133,7 @@ def _build_calibrated_vehicle(
 ) -> NominalVehicle:
     """Return the vehicle with the calibrated values and the mean net lift of the flights."""
     mean = best.shared[: len(knobs)].copy()
-    lift = _index(knobs, LIFT)
+    lift = _index(knobs, NET_LIFT)
     mean[lift] = np.mean([values[lift] for values, _ in best.flights])
     for k, knob in enumerate(knobs):
         # What a flight has of its own, apart from the mean of the lift, is not of the vehicle
@@ -160,7 +160,7 @@ def _list_estimates(
     knobs: Sequence[FreeParameter],
 ) -> list[_Estimate]:
     """Return the estimates in the order of preference; that of the file is the last."""
-    out, lift, count = [], _index(knobs, LIFT), len(knobs)
+    out, lift, count = [], _index(knobs, NET_LIFT), len(knobs)
     fit = refine_calibration(nominal, flights, coarse)
     if fit is not None and np.isfinite(fit.fitted.covariance).all():
         members = [
@@ -192,7 +192,7 @@ def _choose_estimate(
 
     None is returned that forecasts them worse than the vehicle file.
     """
-    lift = _index(knobs, LIFT)
+    lift = _index(knobs, NET_LIFT)
     best, error = estimates[-1], math.inf
     told: tuple[ForecastScore, ...] = ()
     for one in estimates:

@@ -14,7 +14,7 @@ from lta_discovery.model.calibration_parameters import (
     prior_deviation,
 )
 from lta_discovery.model.nominal import NominalVehicle
-from lta_discovery.model.parameters import FreeParameter, GAINS
+from lta_discovery.model.parameters import FreeParameter, GAINS, NET_LIFT
 
 NO_THRUST: Final = 0.05  # relative; a rotor with less has an uncertain thrust
 
@@ -65,7 +65,7 @@ def _flight_deviation(
     knob: FreeParameter, nominal: NominalVehicle, values: Sequence[CalibratedValue]
 ) -> float:
     """Return the standard deviation of what each flight has of its own."""
-    if knob.name == 'net_lift.force':
+    if knob.name == NET_LIFT:
         # That of other flights does not tell it
         return prior_deviation(knob, nominal)
     trends = [one.value for one in values if one.name == knob.name]

@@ -12,7 +12,7 @@ from lta_discovery.calibration.verdict import (
     format_inseparable,
     list_differences,
 )
-from lta_discovery.model.parameters import is_calibration
+from lta_discovery.model.parameters import is_calibration, NET_LIFT
 from lta_discovery.page.formatting import (
     DEGREES,
     format_number,
@@ -139,7 +139,7 @@ def build_first_step_table(calibration: Calibration) -> TextTable:
     """Return the table of a discovery's first step: differences, and the lift of each flight."""
     rows = []
     for one in calibration.values:
-        lift = bool(one.flight) and one.name == 'net_lift.force'
+        lift = bool(one.flight) and one.name == NET_LIFT
         if one.is_known and (lift or (one.is_far and not one.flight and is_calibration(one.name))):
             before, now, interval = _format_in_unit(one)
             where = f', {one.flight}' if one.flight else ''

@@ -6,6 +6,7 @@ from typing import Final
 
 from lta_discovery.calibration.result import CalibratedValue, Calibration
 from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import NET_LIFT
 from lta_discovery.page.formatting import DEGREES, format_number
 import numpy as np
 
@@ -60,7 +61,7 @@ def _gain_clauses(calibration: Calibration) -> Iterator[str]:
 
 def _lift_clauses(calibration: Calibration) -> Iterator[str]:
     """Yield the net lift of the flights if it is far from the file's."""
-    lifts = calibration.list_of_flights('net_lift.force')
+    lifts = calibration.list_of_flights(NET_LIFT)
     if any(one.is_far for one in lifts):
         low, high = (
             format_number(1e3 * each([one.value for one in lifts]), 3) for each in (min, max)

@@ -11,7 +11,12 @@ import math
 from typing import Final
 
 from lta_discovery.model.nominal import NominalVehicle
-from lta_discovery.model.parameters import CALIBRATION, FreeParameter, list_free_parameters
+from lta_discovery.model.parameters import (
+    CALIBRATION,
+    FreeParameter,
+    list_free_parameters,
+    NET_LIFT,
+)
 from lta_model.effects import EFFECTS
 from lta_model.effects.protocol import AXES
 import numpy as np
@@ -31,7 +36,7 @@ FLOWS: Final = {
 }
 TURNING: Final = 0.5  # rad/s; rate at which linear and quadratic damping are compared
 MEASURED: Final = 0.05  # tolerance of these in a vehicle file that was measured
-PER_FLIGHT: Final = frozenset({'net_lift.force', 'helium_leak.rate'})
+PER_FLIGHT: Final = frozenset({NET_LIFT, 'helium_leak.rate'})
 # With poses alone the clock of the flight is that of the tracker
 POSE_ONLY: Final = frozenset({'clock_offset.offset'})
 FAR: Final = 20.0  # largest gain
@@ -42,7 +47,7 @@ SWING: Final = 0.6  # largest logarithm of a factor on mass and inertia
 def prior_deviation(knob: FreeParameter, nominal: NominalVehicle) -> float:
     """Return the standard deviation of a parameter before a calibration; 0 for an effect."""
     weight, effect = GRAVITY * nominal.mass, knob.name.partition('.')[0]
-    if knob.name == 'net_lift.force':
+    if knob.name == NET_LIFT:
         return LIFT * weight
     if knob.name == 'helium_leak.rate':
         return TREND * weight
