@@ -115,6 +115,8 @@ def calibrate_flights(
     told_scores = {'train': scores}
     if roles['confirm']:
         shared = _without_lift(best.shared, knobs)
+        # As in the calibrated file; what a flight differs by, its own earlier forecasts tell
+        shared[_index(knobs, NET_LIFT)] = _mean_lift(best, knobs)
         told_scores['confirm'] = score_forecasts(nominal, roles['confirm'], shared, None)
     tell('done', 1.0)
     return Calibration(
@@ -134,12 +136,18 @@ def _build_calibrated_vehicle(
     """Return the vehicle with the calibrated values and the mean net lift of the flights."""
     mean = best.shared[: len(knobs)].copy()
     lift = _index(knobs, NET_LIFT)
-    mean[lift] = np.mean([values[lift] for values, _ in best.flights])
+    mean[lift] = _mean_lift(best, knobs)
     for k, knob in enumerate(knobs):
         # What a flight has of its own, apart from the mean of the lift, is not of the vehicle
         if (knob.per_flight and k != lift) or not (with_flows or knob.is_calibration):
             mean[k] = 0.0
     return apply_parameters(nominal, knobs, mean)[0]
+
+
+def _mean_lift(best: _Estimate, knobs: Sequence[FreeParameter]) -> float:
+    """Return the mean net lift of the flights. [N]"""
+    lift = _index(knobs, NET_LIFT)
+    return float(np.mean([values[lift] for values, _ in best.flights]))
 
 
 def _index(knobs: Sequence[FreeParameter], name: str) -> int:

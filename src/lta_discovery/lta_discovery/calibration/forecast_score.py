@@ -32,7 +32,8 @@ def score_forecasts(
     values : ndarray, shape (K,)
         The calibration, relative to the vehicle file.
     lifts : sequence of float, optional
-        Net lift of each flight [N]; by default that of its own earlier pieces.
+        Net lift of each flight [N]; by default that of `values`, corrected by its own earlier
+        pieces.
 
     """
     built = build_longest_fitter(nominal, flights)

@@ -170,8 +170,8 @@ def _build_score_table(scores: Mapping[str, Sequence[ForecastScore]]) -> TextTab
             rows.append([f'{role}, {one.horizon:g} s', *cells, str(one.pieces)])
     heads = ('flights and horizon', 'coasting', 'vehicle file', 'calibrated', 'forecasts')
     note = (
-        'RMS errors of position and attitude. The net lift of a confirming flight comes from its '
-        'own earlier forecasts.'
+        'RMS errors of position and attitude. The net lift of a confirming flight is the mean of '
+        'the training flights, corrected by its own earlier forecasts.'
     )
     return TextTable('Forecasts', heads, rows, note)
 

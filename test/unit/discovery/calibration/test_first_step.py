@@ -168,7 +168,7 @@ def test_the_first_line_names_the_reason(
 
 
 def test_wrong_gains_are_suspected_at_once(vehicle: Vehicle, wrong: list[Role]) -> None:
-    assert 'wrench_gain.surge' in first_step._list_suspicions(vehicle, wrong)
+    assert 'marker_offset.pitch' in first_step._list_suspicions(vehicle, wrong)
 
 
 def test_one_training_flight_shows_with_a_confirming_one_that_lifts_differ(
@@ -198,7 +198,7 @@ def test_flights_of_three_seconds_are_calibrated_by_their_shorter_forecasts(
 ) -> None:
     """No flight has a forecast over 3 s; many such runs have those over a second."""
     name, _, flight = wrong[0]
-    edges = np.linspace(0.0, 1.0, 8)
+    edges = np.linspace(0.0, 1.0, 10)
     runs = [
         (f'{name}_{k}', 'train', restrict_to_interval(flight, *each))
         for k, each in enumerate(itertools.pairwise(edges))

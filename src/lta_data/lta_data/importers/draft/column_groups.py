@@ -79,9 +79,7 @@ def group_columns(table: Columns) -> tuple[list[ColumnGroup], list[ColumnName]]:
     return groups, rest
 
 
-def _group_heading(
-    names: list[ColumnName], groups: list[ColumnGroup]
-) -> ColumnGroup | None:
+def _group_heading(names: list[ColumnName], groups: list[ColumnGroup]) -> ColumnGroup | None:
     """Return the one heading beside a position without any other attitude."""
     kinds = {group.kind for group in groups}
     found = [
@@ -107,7 +105,9 @@ def _split_angles(axes: Mapping[str, ColumnName]) -> list[dict[str, ColumnName]]
     angles = {*ANGLES.values()}
     if not angles <= {*axes}:
         return [dict(axes)]
-    parts = [{a: one for a, one in axes.items() if (a in angles) is which} for which in (True, False)]
+    parts = [
+        {a: one for a, one in axes.items() if (a in angles) is which} for which in (True, False)
+    ]
     return [part for part in parts if part]
 
 
