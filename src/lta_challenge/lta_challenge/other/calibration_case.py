@@ -11,7 +11,7 @@ import math
 from typing import Final, final
 
 from lta_challenge.case import CaseFlight
-from lta_challenge.other.air import MovingAir, RoomAirMotion
+from lta_challenge.other.air import MovingAir, RoomAirMotion, UnsteadyWind
 from lta_challenge.other.case_generator import draw_initial_state
 from lta_challenge.other.effect_injection import inject_effects
 from lta_challenge.other.flight import DutyPilot, FlightSimulator, TICK
@@ -303,6 +303,8 @@ def generate_calibration_case(
         unseen = SETTLED if course else 0.0
         draught = LAB_DRAUGHT if course else DRAUGHT
         air: list[MovingAir] = []
+        if any(truth.wind):
+            air.append(UnsteadyWind(truth, unseen + length, own))
         if draughty:
             air.append(RoomAirMotion(draught, unseen + length, own))
         pilot: DutyPilot = WrenchPilot(nominal, truth.wrench_gains, own)

@@ -13,6 +13,7 @@ from lta_discovery.fit.bounds import apply_parameters
 from lta_discovery.flights.role_assignment import Role
 from lta_discovery.model.calibration_parameters import (
     commanded_axes,
+    HEADING,
     list_calibration_parameters,
     ordinary_tolerances,
 )
@@ -31,7 +32,7 @@ KNOWN: Final = 0.7  # of the deviation before; a value with a larger one was not
 ALIKE: Final = 0.85  # correlation; values above it cannot be separated
 FAR: Final = 3.0  # tolerances; a value further from the file is reported first
 BETTER: Final = 0.9  # of the refined fit's forecast error; the coarse fit needs less
-TREND: Final = 'helium_leak.rate'
+MAP: Final = 'the direction of the axes of the map'
 
 
 @final
@@ -123,7 +124,10 @@ def calibrate_flights(
         name,
         nominal,
         _build_calibrated_vehicle(nominal, knobs, best, with_flows),
-        tuple(_list_values(nominal, knobs, best, prepared.names['train'])),
+        (
+            *_list_values(nominal, knobs, best, prepared.names['train']),
+            *_list_free_heading(nominal, knobs),
+        ),
         told_scores,
         best.method,
         {role: tuple(each) for role, each in prepared.names.items()},
@@ -230,6 +234,17 @@ def _list_values(
     for name, (values, covariance) in zip(names, best.flights, strict=True):
         out += [_build_value(nominal, knobs, k, values, covariance, name, usual) for k in own]
     return out
+
+
+def _list_free_heading(
+    nominal: NominalVehicle, knobs: Sequence[FreeParameter]
+) -> list[CalibratedValue]:
+    """Return the heading of the tracker where nothing tells it; nothing where it was fitted."""
+    if any(knob.name == HEADING for knob in knobs):
+        return []
+    now = nominal.parameter_value(*HEADING.split('.'))
+    ends = (now - math.pi, now + math.pi)
+    return [CalibratedValue(HEADING, 'rad', '', now, now, ends, False, False, (MAP,))]
 
 
 def _build_value(

@@ -8,6 +8,7 @@ from typing import Final
 from lta_discovery.calibration.result import CalibratedValue, WIDE
 from lta_discovery.model.calibration_parameters import (
     BY_EYE,
+    HEADING,
     list_marker_parameters,
     ordinary_tolerances,
     PER_FLIGHT,
@@ -39,7 +40,8 @@ def apply_calibration(
     out = []
     for knob in [*knobs, *list_marker_parameters()]:
         one = known.get(knob.name)
-        if one is None or not (knob.is_calibration or knob.name in PER_FLIGHT):
+        is_fitted = knob.name == HEADING and one is not None and one.is_known
+        if one is None or not (knob.is_calibration or knob.name in PER_FLIGHT or is_fitted):
             out.append(knob)
             continue
         own = knob.name in PER_FLIGHT

@@ -32,7 +32,8 @@ METHODS: Final = {
 }
 HEADS: Final = ('value', 'vehicle file', 'calibrated', '95 % interval', 'remark')
 ALWAYS: Final = (
-    'The heading of the tracker cannot be determined: it defines where the map points.',
+    'The heading of the tracker defines where the map points. Only a wind in the vehicle file, '
+    'which is fixed to the room, shows it. The heading of the markers on the vehicle is fitted.',
     'All forces and masses together can be scaled: the gains hold for the mass that is stated '
     'here. Weigh the vehicle to fix them.',
     'Net lift is that of a flight: a payload, ballast, gas or the temperature change it alike.',

@@ -5,6 +5,7 @@ import math
 from typing import Final
 
 from lta_discovery.calibration.result import CalibratedValue, Calibration
+from lta_discovery.model.calibration_parameters import HEADING
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import NET_LIFT
 from lta_discovery.page.formatting import DEGREES, format_number
@@ -133,6 +134,8 @@ def format_forecast_sentence(calibration: Calibration) -> str:
 def format_inseparable(one: CalibratedValue) -> str:
     """Return what a value cannot be separated from, in words."""
     words = ', '.join(each.replace('_', ' ') for each in one.inseparable)
+    if one.name == HEADING and not one.is_known:
+        return f'cannot be separated from {words}: no wind of the vehicle file shows it'
     if not one.is_known:
         return 'not learned from these flights' + (f'; moves with {words}' if words else '')
     return f'cannot be separated from {words}' if words else ''
