@@ -10,10 +10,15 @@ the oracle, the vehicle file with all true values.
 With `--discover`, the model of the vehicle lacks an effect in every second case. `lta discover`
 has to calibrate the vehicle, name the effect and nothing else. It also studies the same vehicle
 with a right file, for comparison.
+
+With `--closed-loop`, a controller flies by the state alone, without dither, at rest, in a circle
+or from place to place; every second case has a draught of 1 cm/s, which its commands answer. A
+gain of 0.3, 20 mN of lift, markers turned by 8 degrees and commands 0.2 s late are hidden, and no
+effect: `lta calibrate` has to find them, and `lta discover` may name nothing.
 """
 
 import argparse
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict
 import json
 import math
@@ -22,7 +27,7 @@ import sys
 import tempfile
 import time
 import traceback
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 from lta_challenge.other.calibration_case import (
     CalibrationCase,
@@ -32,6 +37,7 @@ from lta_challenge.other.calibration_case import (
     SECONDS,
 )
 from lta_challenge.other.effect_injection import HIDINGS
+from lta_challenge.other.wrench_flight import Course
 from lta_challenge.recording import write_bag
 from lta_config.files import find_file
 from lta_discovery.calibration.calibrated_file import format_calibrated_vehicle
@@ -43,6 +49,7 @@ from lta_discovery.flights.bags import read_bags, Role
 from lta_discovery.flights.usable_flights import select_usable_flights, UsableFlights
 from lta_discovery.model.calibration_parameters import list_calibration_parameters
 from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import NET_LIFT
 from lta_discovery.page.verdict_text import format_headline
 from lta_discovery.run import DiscoveryRequest, study_usable_flights
 from lta_discovery.selection.equivalence_classes import load_class_map
@@ -52,6 +59,8 @@ from lta_model.vehicle import load_vehicle, Vehicle
 import numpy as np
 
 ROLES: Final = ('train', 'train', 'confirm')
+COURSES: Final[tuple[Course, ...]] = ('hover', 'circle', 'places')
+AHEAD: Final = 3.0  # s
 SHORTER: Final = (40.0, 60.0)  # s; flights of a study
 # Effects that are no calibration, and visible in poses
 EFFECTS: Final = (
@@ -63,6 +72,14 @@ EFFECTS: Final = (
     'steady_wind.x',
 )  # fmt: skip
 Row = dict[str, Any]
+
+
+class Trial(NamedTuple):
+    """How to run a case, to format its row, and to list the table of all rows."""
+
+    run: Callable[[int, int], Row]
+    format: Callable[[Row], str]
+    list_table: Callable[[Sequence[Row]], Iterator[str]]
 
 
 def write_line(text: str) -> None:
@@ -82,12 +99,13 @@ def record_case(
     folder: Path,
     effects: Mapping[str, float] | None = None,
     is_right: bool = False,
+    course: Course | None = None,
 ) -> tuple[CalibrationCase, Path, dict[Role, list[Path]]]:
     """Generate a case; write its bags and its vehicle file."""
-    vehicle, rotors = load_vehicle('gtmab'), is_driven(number)
+    vehicle, rotors = load_vehicle('gtmab'), is_driven(number) and course is None
     seconds = SECONDS if effects is None else SHORTER
     case = generate_calibration_case(
-        vehicle, seed, number, ROLES, seconds, rotors, effects, is_right
+        vehicle, seed, number, ROLES, seconds, rotors, effects, is_right, course
     )
     text = find_file('vehicle', 'gtmab').read_text(encoding='utf-8')
     if rotors and not is_right:
@@ -117,11 +135,16 @@ def list_intervals(case: CalibrationCase, found: Calibration) -> list[Row]:
     return rows
 
 
+def list_commanded_axes(case: CalibrationCase) -> list[bool]:
+    """Return the axes on which a wrench is commanded."""
+    axes = () if case.shares else (0, 1, 2, 5) if case.is_steered else (0, 2, 5)
+    return [axis in axes for axis in range(6)]
+
+
 def find_oracle(case: CalibrationCase, vehicle: Vehicle) -> NominalVehicle:
     """Return the vehicle file with all true values."""
     nominal = NominalVehicle.from_vehicle(vehicle)
-    commanded = [not case.shares and axis in (0, 2, 5) for axis in range(6)]
-    knobs = list_calibration_parameters(nominal, commanded, True)
+    knobs = list_calibration_parameters(nominal, list_commanded_axes(case), True)
     values = np.zeros(len(knobs))
     truths = case.list_true_values(load_vehicle('gtmab'))
     for k, knob in enumerate(knobs):
@@ -147,14 +170,17 @@ def find_oracle(case: CalibrationCase, vehicle: Vehicle) -> NominalVehicle:
 def score_oracle(case: CalibrationCase, vehicle: Vehicle, usable: UsableFlights) -> float:
     """Return the oracle's position error 3 s ahead in the confirming flight. [m]"""
     oracle = find_oracle(case, vehicle)
-    commanded = [not case.shares and axis in (0, 2, 5) for axis in range(6)]
-    knobs = list_calibration_parameters(oracle, commanded, True)
+    knobs = list_calibration_parameters(oracle, list_commanded_axes(case), True)
     flights = [
         prepare_flight(vehicle, flight, knobs)
         for _, role, flight in usable.flights
         if role == 'confirm'
     ]
-    return score_forecasts(oracle, flights, np.zeros(len(knobs)), None)[-1].after[0]
+    values = np.zeros(len(knobs))
+    lift = next(k for k, knob in enumerate(knobs) if knob.name == NET_LIFT)
+    taught = [case.lifts[one.name] for one in case.flights if one.role == 'train']
+    values[lift] = np.mean(taught)
+    return score_forecasts(oracle, flights, values, None)[-1].after[0]
 
 
 def run_case(seed: int, number: int) -> Row:
@@ -178,6 +204,75 @@ def run_case(seed: int, number: int) -> Row:
         except Exception as fault:  # whatever a user would meet
             row['file'] = str(fault)
     return {**row, 'cpu_s': time.process_time() - began}
+
+
+def study_closed_loop(seed: int, number: int) -> Row:
+    """Return what a calibration and a discovery make of flights in closed loop."""
+    began, course = time.process_time(), COURSES[number % len(COURSES)]
+    with tempfile.TemporaryDirectory() as place:
+        case, path, bags = record_case(seed, number, Path(place), {}, course=course)
+        vehicle = load_vehicle(str(path))
+        usable = select_usable_flights(read_bags(bags), vehicle)
+        found = calibrate_flights(vehicle, str(path), usable.flights, lambda _what, _part: None)
+        study = study_usable_flights(
+            DiscoveryRequest(str(path), bags), vehicle, usable, lambda _what, _part: None
+        ).finding
+        return {
+            'course': course,
+            'draught': number % 2 == 1,
+            'method': found.method,
+            'values': list_intervals(case, found),
+            'scores': asdict(found.scores['confirm'][-1]),
+            'oracle': score_oracle(case, vehicle, usable),
+            'verdict': study.verdict,
+            'named': [knob for effect in study.effects for knob in effect.knobs],
+            'unexplained': list(study.unexplained),
+            'calibrated': study.calibration is not None,
+            'final': [
+                (gap.after, gap.coast)
+                for gap in study.gaps
+                if gap.channel == 'position' and gap.horizon_s == AHEAD
+            ],
+            'cpu_s': time.process_time() - began,
+        }
+
+
+def format_closed_loop(row: Row) -> str:
+    """Return a case in closed loop on one line."""
+    if 'fault' in row:
+        return f'{row["number"]}: {row["fault"]}'
+    outside = [
+        f'{one["name"]} {one["value"]:.3g} ({one["ci95"][0]:.3g} to {one["ci95"][1]:.3g}; '
+        f'{one["truth"]:.3g})'
+        for one in row['values']
+        if not is_inside(one)
+    ]
+    after, coast = (100.0 * row['scores'][key][0] for key in ('after', 'coast'))
+    air = ', draught' if row['draught'] else ''
+    return (
+        f'{row["number"]} {row["course"]}{air}: {len(row["values"]) - len(outside)}/'
+        f'{len(row["values"])} inside ({", ".join(outside)}); 3 s: {after:.1f} cm, oracle '
+        f'{100.0 * row["oracle"]:.1f}, coasting {coast:.1f}; {row["verdict"]} {row["named"]} '
+        f'{row["unexplained"]}'
+    )
+
+
+def list_closed_loop_table(rows: Sequence[Row]) -> Iterator[str]:
+    """Yield the lines of the table of cases in closed loop."""
+    known = [row for row in rows if 'fault' not in row]
+    yield f'cases {len(rows)}, failed {len(rows) - len(known)}'
+    yield f'effects named in {sum(bool(row["named"]) for row in known)}'
+    for air in (False, True):
+        some = [row for row in known if row['draught'] is air]
+        values = [one for row in some for one in row['values']]
+        inside = sum(map(is_inside, values))
+        verdicts = sorted(row['verdict'] for row in some)
+        final = [pair for row in some for pair in row['final']]
+        yield (
+            f'{"with" if air else "without"} a draught: {inside} of {len(values)} inside; '
+            f'{", ".join(f"{verdicts.count(one)} {one}" for one in dict.fromkeys(verdicts))}; '
+            f'final model better than coasting in {sum(a < b for a, b in final)} of {len(final)}'
+        )
 
 
 def draw_effect(seed: int, number: int) -> dict[str, float]:
@@ -249,7 +344,7 @@ def list_study_table(rows: Sequence[Row]) -> Iterator[str]:
             )
 
 
-def run_cases(options: argparse.Namespace) -> dict[int, Row]:
+def run_cases(options: argparse.Namespace, trial: Trial) -> dict[int, Row]:
     """Run the cases that have no row yet; return all rows."""
     options.out.parent.mkdir(parents=True, exist_ok=True)
     rows: dict[int, Row] = {}
@@ -262,14 +357,13 @@ def run_cases(options: argparse.Namespace) -> dict[int, Row]:
         if number in rows:
             continue
         try:
-            run = study_case if options.discover else run_case
-            row = run(options.seed, number)
+            row = trial.run(options.seed, number)
         except Exception as fault:  # a case that fails is counted
             row = {'fault': str(fault), 'traceback': traceback.format_exc()}
         rows[number] = {'seed': options.seed, 'number': number, **row}
         with options.out.open('a') as file:
             file.write(json.dumps(rows[number]) + '\n')
-        write_line((format_study if options.discover else format_row)(rows[number]))
+        write_line(trial.format(rows[number]))
     wanted = range(options.first, options.first + options.cases)
     return {number: rows[number] for number in wanted}
 
@@ -295,7 +389,7 @@ def format_row(row: Row) -> str:
     )
 
 
-def list_table(rows: Sequence[Row]) -> Iterator[str]:
+def list_kind_table(rows: Sequence[Row]) -> Iterator[str]:
     """Yield the lines of the table of some cases."""
     known = [row for row in rows if 'fault' not in row]
     yield f'cases {len(rows)}, failed {len(rows) - len(known)}'
@@ -330,28 +424,42 @@ def list_table(rows: Sequence[Row]) -> Iterator[str]:
         yield f'better than coasting: {better} of {len(scored)}'
 
 
+def list_table(rows: Sequence[Row]) -> Iterator[str]:
+    """Yield the lines of the tables by kind of command."""
+    for kind, driven in (('wrench', False), ('rotors', True)):
+        some = [row for row in rows if is_driven(row['number']) is driven]
+        if some:
+            yield f'\n{kind}'
+            yield from list_kind_table(some)
+
+
+TRIALS: Final = {
+    'calibration': Trial(run_case, format_row, list_table),
+    'discovery': Trial(study_case, format_study, list_study_table),
+    'closed-loop': Trial(study_closed_loop, format_closed_loop, list_closed_loop_table),
+}
+
+
 def main() -> None:
     """Run the cases and print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('--cases', type=int, default=20, help='number of cases')
     parser.add_argument('--first', type=int, default=0, help='number of the first case')
     parser.add_argument('--seed', type=int, default=2026, help='random seed')
-    parser.add_argument('--discover', action='store_true', help='study the flights instead')
+    modes = parser.add_mutually_exclusive_group()
+    for mode, words in (
+        ('discovery', 'study the flights instead'),
+        ('closed-loop', 'flights of a controller instead, calibrated and studied'),
+    ):
+        flag = '--discover' if mode == 'discovery' else f'--{mode}'
+        modes.add_argument(flag, action='store_const', const=mode, dest='mode', help=words)
     parser.add_argument('--out', type=Path, default=None, help='file of the rows; resumes')
     options = parser.parse_args()
-    name = 'discovery' if options.discover else 'calibration'
-    options.out = options.out or Path(f'runs/{name}-trials.jsonl')
-    rows = list(run_cases(options).values())
-    if options.discover:
-        for line in list_study_table(rows):
-            write_line(line)
-        return
-    for kind, driven in (('wrench', False), ('rotors', True)):
-        some = [row for row in rows if is_driven(row['number']) is driven]
-        if some:
-            write_line(f'\n{kind}')
-            for line in list_table(some):
-                write_line(line)
+    mode = options.mode or 'calibration'
+    options.out = options.out or Path(f'runs/{mode}-trials.jsonl')
+    trial = TRIALS[mode]
+    for line in trial.list_table(list(run_cases(options, trial).values())):
+        write_line(line)
 
 
 if __name__ == '__main__':

@@ -11,7 +11,7 @@ import math
 from typing import Final, final
 
 from lta_challenge.case import CaseFlight
-from lta_challenge.other.air import MovingAir, RoomAirMotion
+from lta_challenge.other.air import MovingAir, RoomAirMotion, UnsteadyWind
 from lta_challenge.other.case_generator import draw_initial_state
 from lta_challenge.other.effect_injection import inject_effects
 from lta_challenge.other.flight import DutyPilot, FlightSimulator, TICK
@@ -20,7 +20,12 @@ from lta_challenge.other.rotors import RotorSet
 from lta_challenge.other.sensors import SensorSet, STAMPS
 from lta_challenge.other.tolerance import perturb_vehicle, scale_randomly, shift_randomly
 from lta_challenge.other.truth import build_vehicle_truth, Six, to_triple, Triple, VehicleTruth
-from lta_challenge.other.wrench_flight import WrenchActuators, WrenchPilot
+from lta_challenge.other.wrench_flight import (
+    ClosedLoopController,
+    Course,
+    WrenchActuators,
+    WrenchPilot,
+)
 from lta_config.vehicle_edit import set_yaml_value
 from lta_model.vehicle import Vehicle
 import numpy as np
@@ -54,6 +59,14 @@ ROLES: Final = ('train', 'train', 'confirm', 'holdout')
 COMMANDED: Final = (0, 2, 5)  # axes: surge, heave, yaw
 BACKWARDS: Final = 0.25  # share of the rotors that push against the axis in the file
 FILE_LIFT: Final = 1e-3  # N; largest net lift of a flight of a vehicle whose file is right
+# Of flights in closed loop: what the file has wrong, and what such flights may not show
+LAB_GAIN: Final = 0.3
+LAB_TURN: Final = math.radians(8.0)  # rad
+LAB_ARM: Final = (0.05, 0.0, -0.04)  # m
+LAB_DELAY: Final = 0.2  # s
+LAB_LIFT: Final = (0.017, 0.023)  # N
+LAB_DRAUGHT: Final = 0.01  # m/s; in every second case the controller answers to nothing else
+SETTLED: Final = 30.0  # s; after them the log begins, without the answer to the start
 
 
 @final
@@ -71,6 +84,8 @@ class CalibrationCase:
     shares : tuple of float
         Thrust of each rotor, by that of the vehicle file; negative against its axis there. Empty
         for a commanded wrench.
+    is_steered : bool
+        Whether a controller closed the loop, which commands sway, too.
 
     """
 
@@ -79,6 +94,7 @@ class CalibrationCase:
     lifts: Mapping[str, float]
     trends: Mapping[str, float]
     shares: tuple[float, ...] = ()
+    is_steered: bool = False
 
     def list_true_values(self, vehicle: Vehicle) -> dict[str, float]:
         """Return the true values by the names of a calibration; factors of those of a vehicle."""
@@ -106,8 +122,8 @@ class CalibrationCase:
         if self.shares:
             out['motor_lag'] = truth.lag
             return out | {f'rotor_{k}.thrust': each for k, each in enumerate(self.shares, start=1)}
-        gains = zip(('surge', 'heave', 'yaw'), COMMANDED, strict=True)
-        return out | {f'wrench_gain.{axis}': truth.wrench_gains[k] for axis, k in gains}
+        gains = {'surge': 0, 'heave': 2, 'yaw': 5} | ({'sway': 1} if self.is_steered else {})
+        return out | {f'wrench_gain.{axis}': truth.wrench_gains[k] for axis, k in gains.items()}
 
 
 def _draw_gain(draw: Draw, backwards: float = 0.5) -> float:
@@ -175,6 +191,25 @@ def hide_calibration(truth: VehicleTruth, draw: Draw, with_flows: bool = True) -
     )
 
 
+def _hide_lab_calibration(truth: VehicleTruth, draw: Draw) -> VehicleTruth:
+    """Return a vehicle of which a third of each command arrives, late, with crooked markers."""
+    axis = draw.standard_normal(3)
+    turn = Rotation.from_rotvec(LAB_TURN * axis / np.linalg.norm(axis))
+    return replace(
+        truth,
+        wrench_gains=(LAB_GAIN, LAB_GAIN, LAB_GAIN, 1.0, 1.0, LAB_GAIN),
+        marker_turn=to_triple(turn.as_euler('ZYX')),
+        marker_arm=LAB_ARM,
+        delay=LAB_DELAY,
+    )
+
+
+def _cut_beginning(time: Array, values: Array, seconds: float) -> tuple[Array, Array]:
+    """Return a stream that begins later."""
+    kept = time >= seconds
+    return time[kept] - seconds, values[kept]
+
+
 def misstate_thrusts(text: str, vehicle: Vehicle, gains: Sequence[float]) -> str:
     """
     Return a vehicle file in which the true thrust of each rotor is a gain times the stated one.
@@ -218,6 +253,7 @@ def generate_calibration_case(
     rotors: bool = False,
     effects: Mapping[str, float] | None = None,
     is_right: bool = False,
+    course: Course | None = None,
 ) -> CalibrationCase:
     """
     Generate a case; it depends on its arguments only.
@@ -236,12 +272,19 @@ def generate_calibration_case(
         none, and both are off as a calibration assumes.
     is_right : bool
         Whether the file is right, and nothing to be calibrated: the same vehicle for comparison.
+    course : Course, optional
+        What a controller follows by the state alone, without dither; what is hidden is then a
+        gain of 0.3, 20 mN of lift, markers turned by 8 degrees, and commands 0.2 s late.
 
     """
     nominal, draw = build_vehicle_truth(vehicle), np.random.default_rng([seed, number, CODE])
     truth = perturb_vehicle(nominal, draw)
     if not is_right:
-        truth = hide_calibration(truth, draw, effects is None)
+        truth = (
+            _hide_lab_calibration(truth, draw)
+            if course
+            else hide_calibration(truth, draw, effects is None)
+        )
     truth = inject_effects(truth, effects or {})
     stamps = STAMPS[int(draw.integers(len(STAMPS)))]
     draughty = number % 2 == 1
@@ -253,24 +296,35 @@ def generate_calibration_case(
         trends[name] = own.uniform(-TREND, TREND)
         if is_right:
             lifts[name], trends[name] = FILE_LIFT * lifts[name] / LIFT, 0.0
+        elif course:
+            lifts[name], trends[name] = own.uniform(*LAB_LIFT), 0.0
         flown = replace(truth, lift=lifts[name], leak=-trends[name])
         length = float(round(own.uniform(*seconds)))
-        air: list[MovingAir] = [RoomAirMotion(DRAUGHT, length, own)] if draughty else []
+        unseen = SETTLED if course else 0.0
+        draught = LAB_DRAUGHT if course else DRAUGHT
+        air: list[MovingAir] = []
+        if any(truth.wind):
+            air.append(UnsteadyWind(truth, unseen + length, own))
+        if draughty:
+            air.append(RoomAirMotion(draught, unseen + length, own))
         pilot: DutyPilot = WrenchPilot(nominal, truth.wrench_gains, own)
         if rotors:
             pilot = SwingingPilot(length, nominal, own)
+        elif course:
+            pilot = ClosedLoopController(nominal, truth.wrench_gains, own, course)
         begin = draw_initial_state(float(own.uniform(-math.pi, math.pi)), own)
         path = FlightSimulator(
             flown, pilot, air, actuators=RotorSet if rotors else WrenchActuators
-        ).simulate_flight(begin, length)
+        ).simulate_flight(begin, unseen + length)
         time = TICK * np.arange(len(path.commands), dtype=np.float64)
         streams = {
             'ground_truth/odom': SensorSet(path, flown, stamps, own).measure_poses(),
             'motors' if rotors else 'wrench_command': (time, path.commands),
         }
+        streams = {topic: _cut_beginning(*each, unseen) for topic, each in streams.items()}
         flights.append(CaseFlight(name, role, 'rotors' if rotors else 'wrench', streams))
     gains = draw_calibration(vehicle, seed, number, rotors)
     shares = tuple(
         truth.thrust * own * gain for own, gain in zip(truth.gains, gains, strict=bool(gains))
     )
-    return CalibrationCase(tuple(flights), truth, lifts, trends, shares)
+    return CalibrationCase(tuple(flights), truth, lifts, trends, shares, course is not None)

@@ -1,8 +1,8 @@
-"""Simulate vehicles that are commanded by a wrench: the actuators, and a pilot in a lab."""
+"""Simulate vehicles that are commanded by a wrench: the actuators, a pilot, a controller."""
 
 from collections.abc import Sequence
 import math
-from typing import Final, final
+from typing import Final, final, Literal
 
 from lta_challenge.other.body import GRAVITY, rotation_matrix, State
 from lta_challenge.other.truth import Six, VehicleTruth
@@ -18,6 +18,13 @@ SPEED: Final = 0.35  # m/s; towards a setpoint
 # Largest force ahead and up [N], and yaw moment [N m]: about those of two rotors of 25 mN.
 MOST: Final = (0.05, 0.06, 0.006)
 SHAKE: Final = 0.35  # of the largest command; size of the dither
+Course = Literal['hover', 'circle', 'places']  # of a controller: rest, turn slowly, or step
+RADIUS: Final = 1.0  # m; of a circle
+PERIOD: Final = 40.0  # s; of a circle
+# Of the controller: proportional, integral and derivative gains of each position [N/m, N/(m s),
+# N s/m] and of the heading. [N m/rad, N m/(rad s), N m s/rad]
+PLACE: Final = (0.04, 0.004, 0.14)
+TURN: Final = (0.004, 0.0004, 0.012)
 
 
 @final
@@ -124,4 +131,70 @@ class WrenchPilot:
             for most, share, more in zip(MOST, shares, dither, strict=True)
         )
         wrench = (surge, 0.0, self._weight + heave, 0.0, 0.0, yaw)
+        return [each / gain for each, gain in zip(wrench, self._gains, strict=True)]
+
+
+@final
+class ClosedLoopController:
+    """
+    Controller that follows a course by the state alone: all that it commands is an answer.
+
+    Like a controller in a lab, it was tuned on the vehicle: its commands suit the true gains.
+
+    Parameters
+    ----------
+    nominal : VehicleTruth
+        Parameters of the vehicle file.
+    gains : six float
+        The true gains.
+    course : Course
+        What it follows; the places of 'places' are 15 to 25 s apart.
+
+    """
+
+    def __init__(
+        self, nominal: VehicleTruth, gains: Six, draw: Draw, course: Course = 'hover'
+    ) -> None:
+        self._draw, self._gains, self._course = draw, gains, course
+        self._weight = (nominal.mass - nominal.displaced) * GRAVITY
+        self._sums = [0.0] * 4
+        self._begin = float(draw.uniform(-math.pi, math.pi))
+        self._until, self._aim = math.inf, [0.0, 0.0, float(draw.uniform(*HEIGHTS)), 0.0]
+        if course == 'places':
+            self._until = 0.0
+
+    def initial_duties(self) -> list[float]:
+        """Return the command that carries the weight of the vehicle file."""
+        return [0.0, 0.0, self._weight / self._gains[2], 0.0, 0.0, 0.0]
+
+    def _follow_course(self, time: float) -> list[float]:
+        """Return where to be at a time: position and heading."""
+        if self._course == 'circle':
+            turn = self._begin + 2.0 * math.pi * time / PERIOD
+            place = [RADIUS * math.cos(turn), RADIUS * math.sin(turn)]
+            self._aim = [*place, self._aim[2], turn + 0.5 * math.pi]
+        elif time >= self._until:
+            x, y = self._draw.uniform(-REACH, REACH, 2)
+            height, turn = self._draw.uniform(*HEIGHTS), self._draw.uniform(-math.pi, math.pi)
+            self._aim = [float(each) for each in (x, y, height, turn)]
+            self._until = time + float(self._draw.uniform(15.0, 25.0))
+        return self._aim
+
+    def compute_duties(self, time: float, state: State) -> list[float]:
+        """Return the commanded wrench at a time and true state."""
+        r = rotation_matrix(*state[6:10])
+        x, y, z, heading = self._follow_course(time)
+        turn = math.remainder(heading - math.atan2(r[3], r[0]), 2.0 * math.pi)
+        off = [x - state[0], y - state[1], z - state[2], turn]
+        rates = [*state[3:6], state[12]]
+        push = []
+        for k, (error, rate) in enumerate(zip(off, rates, strict=True)):
+            p, i, d = PLACE if k < 3 else TURN
+            # A step in the place must not wind up the integral
+            error = min(max(error, -0.5), 0.5)
+            self._sums[k] += 0.01 * i * error
+            push.append(p * error + self._sums[k] - d * rate)
+        ahead = r[0] * push[0] + r[3] * push[1]
+        aside = r[1] * push[0] + r[4] * push[1]
+        wrench = (ahead, aside, self._weight + push[2], 0.0, 0.0, push[3])
         return [each / gain for each, gain in zip(wrench, self._gains, strict=True)]

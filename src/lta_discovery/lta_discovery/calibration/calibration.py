@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import math
 from typing import Final, final
 
-from lta_discovery.calibration.coarse_fit import CoarseCalibration, fit_coarse_calibration, LIFT
+from lta_discovery.calibration.coarse_fit import CoarseCalibration, fit_coarse_calibration
 from lta_discovery.calibration.forecast_score import relative_error, score_forecasts
 from lta_discovery.calibration.refined_fit import refine_calibration
 from lta_discovery.calibration.result import CalibratedValue, Calibration, ForecastScore, WIDE
@@ -13,11 +13,12 @@ from lta_discovery.fit.bounds import apply_parameters
 from lta_discovery.flights.role_assignment import Role
 from lta_discovery.model.calibration_parameters import (
     commanded_axes,
+    HEADING,
     list_calibration_parameters,
     ordinary_tolerances,
 )
 from lta_discovery.model.nominal import NominalVehicle
-from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.model.parameters import FreeParameter, NET_LIFT
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.study import prepare_flight
 from lta_model.vehicle import Vehicle
@@ -31,7 +32,7 @@ KNOWN: Final = 0.7  # of the deviation before; a value with a larger one was not
 ALIKE: Final = 0.85  # correlation; values above it cannot be separated
 FAR: Final = 3.0  # tolerances; a value further from the file is reported first
 BETTER: Final = 0.9  # of the refined fit's forecast error; the coarse fit needs less
-TREND: Final = 'helium_leak.rate'
+MAP: Final = 'the direction of the axes of the map'
 
 
 @final
@@ -115,13 +116,18 @@ def calibrate_flights(
     told_scores = {'train': scores}
     if roles['confirm']:
         shared = _without_lift(best.shared, knobs)
+        # As in the calibrated file; what a flight differs by, its own earlier forecasts tell
+        shared[_index(knobs, NET_LIFT)] = _mean_lift(best, knobs)
         told_scores['confirm'] = score_forecasts(nominal, roles['confirm'], shared, None)
     tell('done', 1.0)
     return Calibration(
         name,
         nominal,
         _build_calibrated_vehicle(nominal, knobs, best, with_flows),
-        tuple(_list_values(nominal, knobs, best, prepared.names['train'])),
+        (
+            *_list_values(nominal, knobs, best, prepared.names['train']),
+            *_list_free_heading(nominal, knobs),
+        ),
         told_scores,
         best.method,
         {role: tuple(each) for role, each in prepared.names.items()},
@@ -133,13 +139,19 @@ def _build_calibrated_vehicle(
 ) -> NominalVehicle:
     """Return the vehicle with the calibrated values and the mean net lift of the flights."""
     mean = best.shared[: len(knobs)].copy()
-    lift = _index(knobs, LIFT)
-    mean[lift] = np.mean([values[lift] for values, _ in best.flights])
+    lift = _index(knobs, NET_LIFT)
+    mean[lift] = _mean_lift(best, knobs)
     for k, knob in enumerate(knobs):
         # What a flight has of its own, apart from the mean of the lift, is not of the vehicle
         if (knob.per_flight and k != lift) or not (with_flows or knob.is_calibration):
             mean[k] = 0.0
     return apply_parameters(nominal, knobs, mean)[0]
+
+
+def _mean_lift(best: _Estimate, knobs: Sequence[FreeParameter]) -> float:
+    """Return the mean net lift of the flights. [N]"""
+    lift = _index(knobs, NET_LIFT)
+    return float(np.mean([values[lift] for values, _ in best.flights]))
 
 
 def _index(knobs: Sequence[FreeParameter], name: str) -> int:
@@ -160,7 +172,7 @@ def _list_estimates(
     knobs: Sequence[FreeParameter],
 ) -> list[_Estimate]:
     """Return the estimates in the order of preference; that of the file is the last."""
-    out, lift, count = [], _index(knobs, LIFT), len(knobs)
+    out, lift, count = [], _index(knobs, NET_LIFT), len(knobs)
     fit = refine_calibration(nominal, flights, coarse)
     if fit is not None and np.isfinite(fit.fitted.covariance).all():
         members = [
@@ -192,7 +204,7 @@ def _choose_estimate(
 
     None is returned that forecasts them worse than the vehicle file.
     """
-    lift = _index(knobs, LIFT)
+    lift = _index(knobs, NET_LIFT)
     best, error = estimates[-1], math.inf
     told: tuple[ForecastScore, ...] = ()
     for one in estimates:
@@ -222,6 +234,17 @@ def _list_values(
     for name, (values, covariance) in zip(names, best.flights, strict=True):
         out += [_build_value(nominal, knobs, k, values, covariance, name, usual) for k in own]
     return out
+
+
+def _list_free_heading(
+    nominal: NominalVehicle, knobs: Sequence[FreeParameter]
+) -> list[CalibratedValue]:
+    """Return the heading of the tracker where nothing tells it; nothing where it was fitted."""
+    if any(knob.name == HEADING for knob in knobs):
+        return []
+    now = nominal.parameter_value(*HEADING.split('.'))
+    ends = (now - math.pi, now + math.pi)
+    return [CalibratedValue(HEADING, 'rad', '', now, now, ends, False, False, (MAP,))]
 
 
 def _build_value(

@@ -14,7 +14,7 @@ from lta_config.errors import BadInput
 from lta_discovery.flights.measured_flight import PERIOD
 from lta_discovery.forecast.forecast_fit import ForecastFit, ForecastFitter
 from lta_discovery.model.nominal import NominalVehicle
-from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.model.parameters import FreeParameter, NET_LIFT
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.transfer.overlapping_pieces import cut_overlapping_pieces
 import numpy as np
@@ -29,7 +29,6 @@ MOST: Final = 100  # pieces of all flights, to limit the time
 DELAYS: Final = (0.0, 0.1, 0.2, 0.3, 0.4)  # s; tried
 QUICK: Final = (0.0, 0.2)  # s; tried by a short fit
 FIRST: Final = ('wrench_gain', 'marker_offset', 'rotor_')  # fitted at each delay
-LIFT: Final = 'net_lift.force'
 DELAY: Final = 'command_delay.delay'
 ROUNDS: Final = 6  # most linearisations of a fit
 
@@ -90,8 +89,17 @@ def build_forecast_fitter(
     long = {f: one for f, one in enumerate(cut) if one is not None}
     if not long:
         return None
-    lift = next(knob.tolerance for knob in knobs if knob.name == LIFT)
+    lift = next(knob.tolerance for knob in knobs if knob.name == NET_LIFT)
     return ForecastFitter(nominal, list(long.values()), lift, horizons=horizons), list(long)
+
+
+def build_longest_fitter(
+    nominal: NominalVehicle, flights: Sequence[FlightLinearizer]
+) -> tuple[ForecastFitter, list[int]] | None:
+    """Return the fitter to long forecasts; to short ones if no flight is long enough."""
+    return build_forecast_fitter(nominal, flights, LONG, APART[1]) or build_forecast_fitter(
+        nominal, flights, SHORT, APART[0]
+    )
 
 
 def find_calibration_start(
@@ -138,7 +146,8 @@ def fit_coarse_calibration(
             start = min(starts, key=lambda fit: fitter.rms_error(fit.values, every))
             late = [k for k in shared if knobs[k].name == DELAY]
             best = _improve(fitter, picked, best, start.values, [*first, *late])
-    long = build_forecast_fitter(nominal, flights, LONG, APART[1])
+    # Of runs of a few seconds, short forecasts fit all numbers, too
+    long = build_longest_fitter(nominal, flights)
     if long is not None:
         best = _improve(*long, best, best.values, shared)
     if short is not None:

@@ -19,7 +19,7 @@ from lta_discovery.calibration.coarse_fit import find_calibration_start, QuickFi
 from lta_discovery.calibration.forecast_score import relative_error, relative_position_error
 from lta_discovery.calibration.result import CalibratedValue, Calibration
 from lta_discovery.flights.role_assignment import assign_roles, Role
-from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.model.parameters import FreeParameter, NET_LIFT
 from lta_model.vehicle import load_vehicle, Vehicle
 
 Progress = Callable[[str, float | None], None]
@@ -79,15 +79,34 @@ def calibrate_first(
     # A held-out flight or part must not take part in any fit
     taught = [one for one in assign_roles(flights)[0] if one[1] != 'holdout']
     tell('checking the calibration', 0.0)
-    if not _is_suspicious(vehicle, taught):
+    suspicions = _list_suspicions(vehicle, taught)
+    if not suspicions:
         return None
-    found = calibrate_flights(vehicle, name, taught, tell, with_flows=False)
+    found = _find_clear_calibration(vehicle, name, taught, tell, _list_reasons)
+    if found is not None or NET_LIFT not in suspicions:
+        return found
+    if [role for _, role, _ in taught].count('train') > 1:
+        return None
+    # One training flight cannot show that lifts differ, so the confirming ones teach it, too
+    both = [(title, 'train', flight) for title, _, flight in taught]
+    return _find_clear_calibration(vehicle, name, both, tell, _list_different_lifts)
+
+
+def _find_clear_calibration(
+    vehicle: Vehicle,
+    name: str,
+    flights: Sequence[Role],
+    tell: Progress,
+    list_reasons: Callable[[Calibration], Iterator[CalibratedValue]],
+) -> Calibration | None:
+    """Return the calibration with these flights; None without a reason to go on from it."""
+    found = calibrate_flights(vehicle, name, flights, tell, with_flows=False)
     scores = [*found.scores.get('train', ()), *found.scores.get('confirm', ())]
     error = relative_error(scores)
     if found.method == 'likelihood':
         # The lift of a flight shows in its positions alone
         error = min(error, relative_position_error(scores))
-    reasons = list(_list_reasons(found))
+    reasons = list(list_reasons(found))
     # Written so that an error that is not a number is none that is better
     if not (reasons and error <= BETTER[found.method]):
         return None
@@ -96,16 +115,16 @@ def calibrate_first(
     return replace(found, values=tuple(values))
 
 
-def _is_suspicious(vehicle: Vehicle, flights: Sequence[Role]) -> bool:
-    """Return whether a short fit finds something that may call for a calibration."""
+def _list_suspicions(vehicle: Vehicle, flights: Sequence[Role]) -> list[str]:
+    """Return the parameters that a short fit finds far from the file, or between flights."""
     prepared = prepare_calibration(vehicle, flights)
     linear = [*prepared.flights['train'], *prepared.flights['confirm']]
     start = find_calibration_start(prepared.nominal, linear)
     if start is None:
-        return False
-    if max(start.lifts) - min(start.lifts) > MAYBE * LIFT:
-        return True
-    return any(_is_off(knob, start, k) for k, knob in enumerate(prepared.knobs))
+        return []
+    apart = max(start.lifts) - min(start.lifts) > MAYBE * LIFT
+    off = [knob.name for k, knob in enumerate(prepared.knobs) if _is_off(knob, start, k)]
+    return [NET_LIFT, *off] if apart else off
 
 
 def _is_off(knob: FreeParameter, start: QuickFit, k: int) -> bool:
@@ -128,7 +147,12 @@ def _list_reasons(calibration: Calibration) -> Iterator[CalibratedValue]:
         least = None if one.flight else find_calling_difference(one.name)
         if least is not None and is_difference_clear(one, least):
             yield one
-    lifts = calibration.list_of_flights('net_lift.force')
+    yield from _list_different_lifts(calibration)
+
+
+def _list_different_lifts(calibration: Calibration) -> Iterator[CalibratedValue]:
+    """Yield the lowest and the highest net lift of the flights if they differ clearly."""
+    lifts = calibration.list_of_flights(NET_LIFT)
     if lifts:
         low, high = (each(lifts, key=lambda one: one.value) for each in (min, max))
         if high.value - low.value > max(LIFT, SURE * (low.deviation + high.deviation)):

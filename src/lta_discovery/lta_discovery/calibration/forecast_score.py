@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from lta_config.errors import BadInput
-from lta_discovery.calibration.coarse_fit import APART, build_forecast_fitter, LONG
+from lta_discovery.calibration.coarse_fit import build_longest_fitter
 from lta_discovery.calibration.result import ForecastScore
 from lta_discovery.forecast.forecast_fit import ForecastFitter
 from lta_discovery.model.nominal import NominalVehicle
@@ -25,20 +25,24 @@ def score_forecasts(
     """
     Score the forecasts of the flights that are long enough; nothing if none is.
 
+    They look 3 s ahead, or 1.2 s if all flights are shorter.
+
     Parameters
     ----------
     values : ndarray, shape (K,)
         The calibration, relative to the vehicle file.
     lifts : sequence of float, optional
-        Net lift of each flight [N]; by default that of its own earlier pieces.
+        Net lift of each flight [N]; by default that of `values`, corrected by its own earlier
+        pieces.
 
     """
-    built = build_forecast_fitter(nominal, flights, LONG, APART[1])
+    built = build_longest_fitter(nominal, flights)
     if built is None:
         return ()
     fitter, picked = built
+    ahead = fitter.horizons
     none = np.zeros(len(values))
-    parts = {'coast': [coast_errors(one, LONG) for one in fitter.flights]}
+    parts = {'coast': [coast_errors(one, ahead) for one in fitter.flights]}
     parts['before'] = [_file_errors(fitter, none, f) for f in range(len(picked))]
     parts['after'] = [
         _calibrated_errors(fitter, values, f, None if lifts is None else lifts[picked[f]])
@@ -46,7 +50,7 @@ def score_forecasts(
     ]
     errors = {kind: np.concatenate(each) for kind, each in parts.items()}
     out = []
-    for h, horizon in enumerate(LONG):
+    for h, horizon in enumerate(ahead):
         known = np.isfinite(errors['coast'][:, h]).all(axis=-1)
         if known.any():
             coast, before, after = (_rms_pair(errors[kind][known, h]) for kind in errors)
@@ -66,8 +70,9 @@ def _calibrated_errors(fitter: ForecastFitter, values: Array, f: int, lift: floa
             return fitter.compute_flight_errors(values, f, (), lift).left
         seen = fitter.compute_flight_errors(values, f)
     except BadInput:
-        return np.full((len(fitter.flights[f].replay.first), len(LONG), 6), np.inf)
-    return subtract_online_lift(seen, piece_start_times(fitter.flights[f]), fitter.lift, LONG)
+        return np.full((len(fitter.flights[f].replay.first), len(fitter.horizons), 6), np.inf)
+    begins = piece_start_times(fitter.flights[f])
+    return subtract_online_lift(seen, begins, fitter.lift, fitter.horizons)
 
 
 def _rms_pair(left: Array) -> tuple[float, float]:

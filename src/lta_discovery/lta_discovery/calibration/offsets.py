@@ -5,10 +5,9 @@ from typing import Final
 
 from lta_discovery.fit.joint_fit import JointFit
 from lta_discovery.model.nominal import NominalVehicle
-from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.model.parameters import FreeParameter, NET_LIFT
 
 FAR: Final = 3.5  # tolerances; one in two thousand values of a correct file is further off
-LIFT: Final = 'net_lift.force'
 KINDS: Final = {True: 'force', False: 'moment'}
 FORCES: Final = ('surge', 'sway', 'heave')
 
@@ -39,7 +38,7 @@ def list_calibration_offsets(
             continue
         limit = FAR * knob.tolerance
         change = float(fit.fitted.mean[k])
-        if knob.name == LIFT:
+        if knob.name == NET_LIFT:
             out += _list_lifts(k, limit, fit, names)
         elif not knob.per_flight and 0.0 < limit < abs(change):
             out.append(_format_offset(nominal, knob, change))

@@ -8,13 +8,14 @@ from typing import Final
 from lta_discovery.calibration.result import CalibratedValue, WIDE
 from lta_discovery.model.calibration_parameters import (
     BY_EYE,
+    HEADING,
     list_marker_parameters,
     ordinary_tolerances,
     PER_FLIGHT,
     prior_deviation,
 )
 from lta_discovery.model.nominal import NominalVehicle
-from lta_discovery.model.parameters import FreeParameter, GAINS
+from lta_discovery.model.parameters import FreeParameter, GAINS, NET_LIFT
 
 NO_THRUST: Final = 0.05  # relative; a rotor with less has an uncertain thrust
 
@@ -39,7 +40,8 @@ def apply_calibration(
     out = []
     for knob in [*knobs, *list_marker_parameters()]:
         one = known.get(knob.name)
-        if one is None or not (knob.is_calibration or knob.name in PER_FLIGHT):
+        is_fitted = knob.name == HEADING and one is not None and one.is_known
+        if one is None or not (knob.is_calibration or knob.name in PER_FLIGHT or is_fitted):
             out.append(knob)
             continue
         own = knob.name in PER_FLIGHT
@@ -65,7 +67,7 @@ def _flight_deviation(
     knob: FreeParameter, nominal: NominalVehicle, values: Sequence[CalibratedValue]
 ) -> float:
     """Return the standard deviation of what each flight has of its own."""
-    if knob.name == 'net_lift.force':
+    if knob.name == NET_LIFT:
         # That of other flights does not tell it
         return prior_deviation(knob, nominal)
     trends = [one.value for one in values if one.name == knob.name]

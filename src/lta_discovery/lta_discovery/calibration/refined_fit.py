@@ -8,11 +8,12 @@ intervals contain what the model does not explain.
 from collections.abc import Sequence
 
 from lta_config.errors import BadInput
-from lta_discovery.calibration.coarse_fit import CoarseCalibration, LIFT
+from lta_discovery.calibration.coarse_fit import CoarseCalibration
 from lta_discovery.fit.bounds import apply_parameters
 from lta_discovery.fit.evidence import build_shared_prior, per_flight_variance, wrench_floor
 from lta_discovery.fit.joint_fit import JointFit, JointFitter
 from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import NET_LIFT
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.replay.knot_count import count_needed_knots
 from lta_discovery.replay.linearized_flight import LinearizationPoint, SENSORS, zero_unknowns
@@ -27,7 +28,7 @@ def refine_calibration(
     near = apply_parameters(nominal, knobs, coarse.values)[0]
     knots = count_needed_knots(flights, near)
     flights = [one.with_knots(knots) for one in flights]
-    lift = next(k for k, knob in enumerate(knobs) if knob.name == LIFT)
+    lift = next(k for k, knob in enumerate(knobs) if knob.name == NET_LIFT)
     points = []
     for one, force in zip(flights, coarse.lifts, strict=True):
         values = coarse.values.copy()

@@ -12,7 +12,7 @@ from lta_discovery.calibration.verdict import (
     format_inseparable,
     list_differences,
 )
-from lta_discovery.model.parameters import is_calibration
+from lta_discovery.model.parameters import is_calibration, NET_LIFT
 from lta_discovery.page.formatting import (
     DEGREES,
     format_number,
@@ -32,7 +32,8 @@ METHODS: Final = {
 }
 HEADS: Final = ('value', 'vehicle file', 'calibrated', '95 % interval', 'remark')
 ALWAYS: Final = (
-    'The heading of the tracker cannot be determined: it defines where the map points.',
+    'The heading of the tracker defines where the map points. Only a wind in the vehicle file, '
+    'which is fixed to the room, shows it. The heading of the markers on the vehicle is fitted.',
     'All forces and masses together can be scaled: the gains hold for the mass that is stated '
     'here. Weigh the vehicle to fix them.',
     'Net lift is that of a flight: a payload, ballast, gas or the temperature change it alike.',
@@ -139,7 +140,7 @@ def build_first_step_table(calibration: Calibration) -> TextTable:
     """Return the table of a discovery's first step: differences, and the lift of each flight."""
     rows = []
     for one in calibration.values:
-        lift = bool(one.flight) and one.name == 'net_lift.force'
+        lift = bool(one.flight) and one.name == NET_LIFT
         if one.is_known and (lift or (one.is_far and not one.flight and is_calibration(one.name))):
             before, now, interval = _format_in_unit(one)
             where = f', {one.flight}' if one.flight else ''
@@ -170,8 +171,8 @@ def _build_score_table(scores: Mapping[str, Sequence[ForecastScore]]) -> TextTab
             rows.append([f'{role}, {one.horizon:g} s', *cells, str(one.pieces)])
     heads = ('flights and horizon', 'coasting', 'vehicle file', 'calibrated', 'forecasts')
     note = (
-        'RMS errors of position and attitude. The net lift of a confirming flight comes from its '
-        'own earlier forecasts.'
+        'RMS errors of position and attitude. The net lift of a confirming flight is the mean of '
+        'the training flights, corrected by its own earlier forecasts.'
     )
     return TextTable('Forecasts', heads, rows, note)
 

@@ -5,7 +5,9 @@ import math
 from typing import Final
 
 from lta_discovery.calibration.result import CalibratedValue, Calibration
+from lta_discovery.model.calibration_parameters import HEADING
 from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import NET_LIFT
 from lta_discovery.page.formatting import DEGREES, format_number
 import numpy as np
 
@@ -60,7 +62,7 @@ def _gain_clauses(calibration: Calibration) -> Iterator[str]:
 
 def _lift_clauses(calibration: Calibration) -> Iterator[str]:
     """Yield the net lift of the flights if it is far from the file's."""
-    lifts = calibration.list_of_flights('net_lift.force')
+    lifts = calibration.list_of_flights(NET_LIFT)
     if any(one.is_far for one in lifts):
         low, high = (
             format_number(1e3 * each([one.value for one in lifts]), 3) for each in (min, max)
@@ -132,6 +134,8 @@ def format_forecast_sentence(calibration: Calibration) -> str:
 def format_inseparable(one: CalibratedValue) -> str:
     """Return what a value cannot be separated from, in words."""
     words = ', '.join(each.replace('_', ' ') for each in one.inseparable)
+    if one.name == HEADING and not one.is_known:
+        return f'cannot be separated from {words}: no wind of the vehicle file shows it'
     if not one.is_known:
         return 'not learned from these flights' + (f'; moves with {words}' if words else '')
     return f'cannot be separated from {words}' if words else ''

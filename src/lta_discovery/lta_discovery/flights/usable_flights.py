@@ -50,6 +50,7 @@ MOST: Final = 0.5  # of a flight; a channel that is bad for longer is dropped
 AROUND: Final = 0.2  # s; margin cut on either side of an interval
 # m above the standing height; a swinging vehicle may still touch the floor
 NEAR_FLOOR: Final = 0.05
+LOWEST: Final = 0.01  # quantile; lower poses may be outliers
 SHORTEST: Final = 1.5  # s; of a flight; only the total length decides beyond it
 LEAST: Final = 20.0  # s; of all training flights together
 STILL: Final = 0.005  # of the largest command: standard deviation over all training flights
@@ -116,7 +117,9 @@ def select_usable_flights(flights: Sequence[StudyRecording], vehicle: Vehicle) -
     streams: list[tuple[StudyRecording, FlightStreams]] = []
     for one in flights:
         try:
-            streams.append((one, _load_streams(one, vehicle)))
+            told, words = _raise_to_floor(one.name, _load_streams(one, vehicle), vehicle)
+            streams.append((one, told))
+            warnings += words
         except BadInput as fault:
             faults.setdefault(one.role, fault)
             warnings.append(f'{fault} The flight is left out.')
@@ -191,6 +194,26 @@ def _load_streams(one: StudyRecording, vehicle: Vehicle) -> FlightStreams:
         )
     known = np.isfinite(told.commands.values).all(axis=1)
     return replace(told, commands=Stream(told.commands.time[known], told.commands.values[known]))
+
+
+def _raise_to_floor(
+    name: str, streams: FlightStreams, vehicle: Vehicle
+) -> tuple[FlightStreams, list[str]]:
+    """Return a flight above the floor, where its tracker shows it below, and a warning."""
+    heights = streams.pose.values[:, 2]
+    known = heights[np.isfinite(heights)]
+    low = float(np.quantile(known, LOWEST))
+    # Heights below zero throughout are those of an axis that points down, which is checked later
+    if low >= 0.0 or known.max() <= 0.0:
+        return streams, []
+    more = vehicle.hull_height_on_floor - low
+    values = streams.pose.values.copy()
+    values[:, 2] += more
+    return replace(streams, pose=replace(streams.pose, values=values)), [
+        f'{name}: the hull centre is up to {-low:.2f} m below the floor, so the zero of the '
+        f"tracker is not on the floor. All heights were raised by {more:.2f} m; set the tracker's "
+        'origin on the floor, where height matters.'
+    ]
 
 
 def _check_commands_move(training: Sequence[FlightStreams]) -> None:

@@ -14,6 +14,7 @@ from lta_config.errors import BadInput
 from lta_discovery.fit.bounds import apply_parameters
 from lta_discovery.forecast.horizon_errors import (
     compute_horizon_errors,
+    find_measured_poses,
     HorizonErrors,
     HORIZONS,
 )
@@ -24,7 +25,7 @@ from lta_discovery.forecast.levenberg_marquardt import (
     TRIES,
 )
 from lta_discovery.model.nominal import NominalVehicle
-from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.model.parameters import FreeParameter, NET_LIFT
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.replay.linearized_flight import LinearizationPoint, SENSORS
 import numpy as np
@@ -37,6 +38,7 @@ ALIKE: Final = 0.1  # share of independent readings: the horizons of a piece are
 ROUNDS: Final = 4  # most linearisations
 ROBUST: Final = 4.5  # usual sizes; larger errors have a linear cost instead of a quadratic one
 SETTLED: Final = 1e-3  # of the cost; the fit ends with a step that gains less
+DIVERGED: Final = 10.0  # usual sizes; error of a forecast that diverges
 
 
 @final
@@ -119,7 +121,7 @@ class ForecastFitter:
         self.nominal, self.flights, self.lift = nominal, flights, lift
         self.horizons = horizons
         self.knobs: list[FreeParameter] = flights[0].knobs
-        self._lift = next(k for k, knob in enumerate(self.knobs) if knob.name == 'net_lift.force')
+        self._lift = next(k for k, knob in enumerate(self.knobs) if knob.name == NET_LIFT)
         zero = np.zeros(len(self.knobs))
         first = [
             compute_horizon_errors(
@@ -130,6 +132,7 @@ class ForecastFitter:
         self.weights = _error_weights(np.concatenate(first), place)
         # Number of readings, to detect forecasts that diverge
         self._known = [int(np.isfinite(left).sum()) for left in first]
+        self._measured = [find_measured_poses(one, horizons) for one in flights]
 
     def build_linearization_point(
         self, values: Array, lift: float, flight: FlightLinearizer
@@ -231,20 +234,36 @@ class ForecastFitter:
         return low, high
 
     def rms_error(
-        self, values: Array, flights: Sequence[int], columns: slice = slice(None)
+        self,
+        values: Array,
+        flights: Sequence[int],
+        columns: slice = slice(None),
+        diverged: float = DIVERGED,
     ) -> float:
-        """Return the RMS of weighted horizon errors, with the lift fitted to each flight."""
+        """
+        Return the RMS of weighted horizon errors, with the lift fitted to each flight.
+
+        Parameters
+        ----------
+        diverged : float
+            Error of a forecast that diverges; left out, it would count for the values.
+
+        """
         total, count = 0.0, 0
         for f in flights:
-            seen = self.compute_flight_errors(values, f)
+            with np.errstate(over='ignore', invalid='ignore'):
+                seen = self.compute_flight_errors(values, f)
             good = np.isfinite(seen.left)
+            lost = self._measured[f] & ~good
             left = (seen.left * self.weights)[good]
             column = (seen.columns[..., 0] * self.weights)[good]
             # Ridge estimate of the flight's lift, with its prior deviation
             lift = ALIKE * float(column @ left) / (ALIKE * float(column @ column) + self.lift**-2)
             rest = np.where(good, (seen.left - lift * seen.columns[..., 0]) * self.weights, 0.0)
             total += float(np.sum(rest[..., columns] ** 2))
-            count += int(good[..., columns].sum())
+            if lost[..., columns].any():
+                total += diverged**2 * int(lost[..., columns].sum())
+            count += int((good | lost)[..., columns].sum())
         return float(np.sqrt(total / max(count, 1)))
 
     def _try_step(

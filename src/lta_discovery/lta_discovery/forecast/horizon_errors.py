@@ -79,6 +79,17 @@ def compute_horizon_errors(
     return HorizonErrors(left, columns)
 
 
+def find_measured_poses(flight: FlightLinearizer, horizons: Sequence[float]) -> NDArray[np.bool_]:
+    """Return what was measured at the horizons, shape (S, H, 6), also where forecasts diverge."""
+    at = np.rint(np.asarray(horizons) / PERIOD).astype(np.int64)
+    index, told = flight.index[:, at], flight.replay.flight
+    place = np.isfinite(told.position[index])
+    turn = np.isfinite(told.quaternion[index]).all(axis=-1, keepdims=True)
+    known = np.concatenate([place, np.repeat(turn, 3, axis=-1)], axis=-1)
+    known[~flight.replay.cut.inside[:, at]] = False
+    return known
+
+
 def _compute_piece_errors(
     flight: FlightLinearizer,
     begun: LinearizationPoint,

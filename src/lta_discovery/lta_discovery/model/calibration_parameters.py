@@ -11,12 +11,19 @@ import math
 from typing import Final
 
 from lta_discovery.model.nominal import NominalVehicle
-from lta_discovery.model.parameters import CALIBRATION, FreeParameter, list_free_parameters
+from lta_discovery.model.parameters import (
+    CALIBRATION,
+    FreeParameter,
+    list_free_parameters,
+    NET_LIFT,
+)
 from lta_model.effects import EFFECTS
-from lta_model.effects.protocol import AXES
+from lta_model.effects.protocol import AirEffect, AXES
 import numpy as np
 
 ROTORS: Final = ('rotor_', 'motor_lag')  # of vehicles that are commanded by duties
+HEADING: Final = 'tracker_misalignment.yaw'
+TURN: Final = 0.2  # rad; heading of the tracker, where the vehicle file has moving air
 GRAVITY: Final = 9.81  # m/s2
 LIFT: Final = 0.01  # of the weight; net lift of a flight
 TREND: Final = 4e-5  # of the weight per second; change of the lift in a flight
@@ -31,7 +38,7 @@ FLOWS: Final = {
 }
 TURNING: Final = 0.5  # rad/s; rate at which linear and quadratic damping are compared
 MEASURED: Final = 0.05  # tolerance of these in a vehicle file that was measured
-PER_FLIGHT: Final = frozenset({'net_lift.force', 'helium_leak.rate'})
+PER_FLIGHT: Final = frozenset({NET_LIFT, 'helium_leak.rate'})
 # With poses alone the clock of the flight is that of the tracker
 POSE_ONLY: Final = frozenset({'clock_offset.offset'})
 FAR: Final = 20.0  # largest gain
@@ -42,12 +49,14 @@ SWING: Final = 0.6  # largest logarithm of a factor on mass and inertia
 def prior_deviation(knob: FreeParameter, nominal: NominalVehicle) -> float:
     """Return the standard deviation of a parameter before a calibration; 0 for an effect."""
     weight, effect = GRAVITY * nominal.mass, knob.name.partition('.')[0]
-    if knob.name == 'net_lift.force':
+    if knob.name == NET_LIFT:
         return LIFT * weight
     if knob.name == 'helium_leak.rate':
         return TREND * weight
     if knob.name.startswith('rotor_') and knob.name.endswith('.thrust'):
         return THRUST
+    if knob.name == HEADING:
+        return TURN if has_map_fixed_air(nominal) else 0.0
     if effect == 'rotor_misalignment':
         # As in a file that was measured: without it, the markers would turn instead
         return knob.tolerance
@@ -57,6 +66,18 @@ def prior_deviation(knob: FreeParameter, nominal: NominalVehicle) -> float:
         # The tolerance of the file is a share of its value
         return knob.tolerance * FLOWS[effect] / MEASURED
     return CALIBRATION.get(knob.name, 0.0)
+
+
+def has_map_fixed_air(nominal: NominalVehicle) -> bool:
+    """
+    Return whether the vehicle file has moving air, which alone is fixed to the map.
+
+    Without it, a vehicle flies alike in every direction, and no flight shows how the map is turned.
+    """
+    return any(
+        isinstance(EFFECTS.get(effect), AirEffect) and any(values.values())
+        for effect, values in nominal.given.items()
+    )
 
 
 def _damping_deviation(name: str, nominal: NominalVehicle) -> float:
@@ -80,6 +101,7 @@ BY_EYE: Final[dict[str, float]] = {
     **{f'marker_offset.{angle}': math.radians(2.0) for angle in ('yaw', 'pitch', 'roll')},
     'tracker_misalignment.pitch': math.radians(0.5),
     'tracker_misalignment.roll': math.radians(0.5),
+    HEADING: math.radians(2.0),
     'helium_leak.rate': 5e-5,
 }
 

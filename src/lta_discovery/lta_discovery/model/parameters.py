@@ -28,6 +28,7 @@ from lta_model.state import ACTUATORS
 
 BEYOND: Final = 3.0  # standard deviations; an estimate may exceed its bounds by this
 STEEP: Final = 2.0  # largest factor by which a linear estimate exceeds the true value
+NET_LIFT: Final = 'net_lift.force'
 Target = tuple[str, str]
 Reach = Literal['chain', 'wrench', 'body', 'memory', 'reading', 'delay']
 
@@ -196,7 +197,7 @@ CALIBRATION: Final[dict[str, float]] = {
     **{f'wrench_gain.{axis}': 2.0 for axis in AXES},
     'command_delay.delay': 0.2,
     'motor_lag': 0.02,
-    'net_lift.force': 0.03,
+    NET_LIFT: 0.03,
     **{f'marker_offset.{axis}': 0.1 for axis in 'xyz'},
     **{f'marker_offset.{angle}': 0.2 for angle in ('yaw', 'pitch', 'roll')},
     'tracker_misalignment.pitch': 0.03,
@@ -241,7 +242,7 @@ TRIMS: Final[dict[str, float]] = {
     'imu_bias.z': 0.13,
     'range_offset.offset': 0.012,
     'pressure_drift.rate': 0.0035,
-    'net_lift.force': 0.0006,
+    NET_LIFT: 0.0006,
     'clock_offset.offset': 0.002,
 }
 

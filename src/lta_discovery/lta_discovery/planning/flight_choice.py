@@ -91,6 +91,8 @@ class NextFlightPlanner:
     ----------
     past_flights : sequence of ReducedFlight
         Earlier flights, about the vehicle file.
+    knobs : sequence of FreeParameter, optional
+        Of the earlier flights; by default those of a vehicle that is commanded by duties.
 
     """
 
@@ -101,11 +103,12 @@ class NextFlightPlanner:
         sensors: Sensors = 'all',
         past_flights: Sequence[ReducedFlight] = (),
         tell: Tell = lambda _words, _share: None,
+        knobs: Sequence[FreeParameter] = (),
     ) -> None:
         self.made, self.sensors, self.flown, self._tell = spec, sensors, list(past_flights), tell
         self.vehicle, scenario, _ = build_vehicle_scenario_stack(spec)
         self.text, self.nominal = text, NominalVehicle.from_vehicle(self.vehicle)
-        self.knobs = list_free_parameters(self.nominal)
+        self.knobs = list(knobs) or list_free_parameters(self.nominal)
         self._names = [knob.name for knob in self.knobs]
         self._floor = wrench_floor(self.nominal)
         standing, top = self.vehicle.hull_height_on_floor, scenario.room.size.vector[2]

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, Final, final
 
 from lta_config.errors import BadInput
-from lta_config.files import find_file
+from lta_config.files import find_file, parse_yaml
 from lta_discovery.finding import NamedEffect
 from lta_discovery.fit.evidence import PieceReducer, ReducedFlight, wrench_floor
 from lta_discovery.model.parameters import FreeParameter
@@ -112,7 +112,9 @@ def plan_separating_flight(
         For an unknown effect, or a scenario too low to fly in.
 
     """
-    planner = _build_planner(vehicle, scene, kind, (), tell)
+    planner = NextFlightPlanner(
+        load_spec(vehicle, scene, STRATEGY, ''), _read_text(vehicle), SEEN_BY[kind], (), tell
+    )
     if first == second:
         raise BadInput(f"'{first}' is given twice; name two different effects.")
     one, other = planner.find_parameter(first), planner.find_parameter(second)
@@ -131,28 +133,23 @@ def plan_for_study(
     one = next((one for one in study.finding.effects if one.confusable_with), None)
     if one is None:
         return NextFlightPlan(CERTAIN)
-    # After a calibration the flights are about other parameters of another vehicle
-    past = _reduce_flights(study) if study.finding.calibration is None else ()
-    planner = _build_planner(vehicle, scene, _classify_study(study), past, tell)
+    kind, text = _classify_study(study), study.calibrated_file or _read_text(vehicle)
+    spec = load_spec(vehicle, scene, STRATEGY, '')
+    # After a calibration that file flies, and the flights are about its vehicle
+    spec = replace(spec, contents={**spec.contents, 'vehicle': parse_yaml(text, vehicle)})
+    knobs = study.flights[0].flight.knobs
+    planner = NextFlightPlanner(spec, text, SEEN_BY[kind], _reduce_flights(study), tell, knobs)
     knob = planner.find_parameter(one.knobs[0])
     first = ParameterHypothesis(knob, _estimate_changes(one, planner.knobs)[knob.name])
     known = {each.name for each in planner.knobs}
     rivals = [name for name in one.confusable_with if name in known and name != knob.name]
     others = [planner.fit_rival_value(first, planner.find_parameter(name)) for name in rivals]
-    return plan_decision(planner, first, others, _classify_study(study))
+    return plan_decision(planner, first, others, kind)
 
 
-def _build_planner(
-    vehicle: str,
-    scene: str,
-    kind: Kind,
-    past_flights: Sequence[ReducedFlight],
-    tell: Tell,
-) -> NextFlightPlanner:
-    """Return the planner of a vehicle."""
-    made = load_spec(vehicle, scene, STRATEGY, '')
-    text = find_file('vehicle', vehicle).read_text(encoding='utf-8')
-    return NextFlightPlanner(made, text, SEEN_BY[kind], past_flights, tell)
+def _read_text(vehicle: str) -> str:
+    """Return the text of a vehicle file."""
+    return find_file('vehicle', vehicle).read_text(encoding='utf-8')
 
 
 def plan_decision(

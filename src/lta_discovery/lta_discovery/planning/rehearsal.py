@@ -22,6 +22,7 @@ from lta_discovery.replay.sensing import estimate_floor_pressure, SensorPlaces
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_spec import FlightSpec
 from lta_flight.flight_stack import FlightStack
+from lta_model.effects.protocol import AXES
 from lta_model.scenario import Scenario
 from lta_model.vehicle import Vehicle
 from lta_sim.readings import FlightOutcome
@@ -172,16 +173,18 @@ def prepare_linearizer(
     """
     Prepare a simulated flight for linearization.
 
-    For `wrench` data, the rotor wrench becomes the commanded one, and the duties are unknown.
+    For `wrench` data, the command is the rotor wrench by the gains of the vehicle file, and the
+    duties are unknown.
     """
     streams = select_sensors(streams, sensors)
     still = vehicle.pack_command(())
     flight = resample_flight(streams)
     if sensors == 'wrench':
-        wrench = _rotor_wrench(
-            FlightReplay(flight, cut_into_pieces(flight), still),
-            NominalVehicle.from_vehicle(vehicle),
-        )
+        nominal = NominalVehicle.from_vehicle(vehicle)
+        wrench = _rotor_wrench(FlightReplay(flight, cut_into_pieces(flight), still), nominal)
+        gains = [nominal.parameter_value('wrench_gain', axis) for axis in AXES]
+        # An axis without a gain shows nothing, whatever was commanded
+        wrench = replace(wrench, values=wrench.values / [gain or 1.0 for gain in gains])
         silent = Stream(streams.commands.time[:1], 0.0 * streams.commands.values[:1])
         flight = replace(flight, commands=silent, wrench=wrench)
     # Two passes: the floor pressure needs the place of the barometer

@@ -158,14 +158,16 @@ def _select_groups(
         chosen = select_forward(taught.sight, every, parts, candidates)
         both = confirm_groups(taught.sight, chosen, halves)
         best, kept = _validate_groups(taught.sight, both, parts, seed, rest)
-        fell = [one for one in chosen.groups if one not in kept]
-        lost += fell
-        if best is not None:
+        kinds = ()
+        while best is not None:
             judged = judge_by_kind(taught.sight, kept, best.fitted.values, splits)
             rejected, kinds = [*rejected, *judged.rejected], judged.kinds
-            if judged.rejected:
-                fell += [one for one in kept if one not in judged.kept]
-                best, kept = _validate_groups(taught.sight, judged.kept, parts, seed, rest)
+            if not judged.rejected:
+                break
+            # Judged again, so that the errors by kind are those of the effects that remain
+            best, kept = _validate_groups(taught.sight, judged.kept, parts, seed, rest)
+        fell = [one for one in chosen.groups if one not in kept]
+        lost += [one for one in fell if one.name not in {each.name for each in rejected}]
         if not fell:
             break
         candidates = [one for one in candidates if one not in fell]

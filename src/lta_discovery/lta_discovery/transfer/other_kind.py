@@ -8,6 +8,7 @@ out. Position and attitude are judged separately: a fit to the sum can trade one
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+import math
 from typing import Final, final, NamedTuple
 
 from lta_discovery.finding import LeftOutKind
@@ -19,7 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-# Squared errors of each part of a flight, by kind of regime and channel
+# Squared errors of each part of a flight, infinite with a forecast that diverges, by kind of
+# regime and channel
 Errors = Mapping[tuple[str, str], Array]
 
 OUTER: Final = 0.2  # share of the pieces that are slowest, and that are fastest
@@ -50,6 +52,11 @@ class RejectedEffect(NamedTuple):
     @property
     def sentence(self) -> str:
         """Reason in one clause."""
+        if math.isinf(self.ratio):
+            return (
+                f'{self.name}: rejected, as forecasts of {self.channel} with it diverge in flight '
+                f'of another kind ({self.kind})'
+            )
         return (
             f'{self.name}: rejected, as it makes forecasts of {self.channel} '
             f'{100.0 * (self.ratio - 1.0):.0f} % worse in flight of another kind ({self.kind})'
@@ -175,8 +182,8 @@ def judge_by_kind(
         kept,
         lost,
         [
-            LeftOutKind(k, *(float(np.sqrt(own[k, c].sum() / file[k, c].sum())) for c in CHANNELS))
-            for k in names
+            LeftOutKind(kind, *(_ratio(own[kind, each], file[kind, each]) for each in CHANNELS))
+            for kind in names
         ],
     )
 
@@ -205,20 +212,29 @@ def _errors_by_kind(
             taught = _fit(sight, groups, others, values)
             for channel, columns in CHANNELS.items():
                 out[kind, channel] = np.array(
-                    [sight.rms_error(taught, [part], columns) ** 2 for part in inside]
+                    [sight.rms_error(taught, [part], columns, np.inf) ** 2 for part in inside]
                 ) * [len(sight.flights[part].replay.first) for part in inside]
     return out
+
+
+def _ratio(own: Array, other: Array) -> float:
+    """Return the ratio of two errors; infinite if forecasts diverge with the first alone."""
+    if (np.isinf(own) & np.isfinite(other)).any():
+        return math.inf
+    known = np.isfinite(own) & np.isfinite(other)
+    return float(np.sqrt(own[known].sum() / other[known].sum())) if known.any() else 1.0
 
 
 def _worst(name: str, own: Errors, other: Errors) -> RejectedEffect:
     """Return where forecasts with an effect are worst, compared with others."""
 
     def ratio(where: tuple[str, str]) -> float:
-        more = own[where] - other[where]
+        found = _ratio(own[where], other[where])
+        known = np.isfinite(own[where]) & np.isfinite(other[where])
+        more = own[where][known] - other[where][known]
         # A difference within its standard error, which one flight does not tell, counts as none
         chance = CHANCE * np.std(more, ddof=1) * len(more) ** 0.5 if len(more) > 1 else np.inf
-        found = float(np.sqrt(own[where].sum() / other[where].sum()))
-        return min(found, 1.0) if more.sum() <= chance else found
+        return min(found, 1.0) if more.sum() <= chance and math.isfinite(found) else found
 
     kind, channel = max(own, key=ratio)
     return RejectedEffect(name, kind, channel, ratio((kind, channel)))

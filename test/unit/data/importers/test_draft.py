@@ -44,6 +44,23 @@ def test_four_columns_are_a_quaternion_only_if_their_length_is_one():
     assert group_columns(table)[0] == []
 
 
+def test_a_place_and_the_angles_beside_it_are_two_groups():
+    """As in the commonest file of all: t, x, y, z, roll, pitch, yaw."""
+    table = {name: np.ones(10) for name in ('t', 'x', 'y', 'z', 'roll', 'pitch', 'yaw')}
+    assert {group.kind for group in group_columns(table)[0]} == {'position', 'euler'}
+
+
+@pytest.mark.parametrize(
+    ('name', 'is_heading'),
+    [('yaw', True), ('heading_deg', True), ('yaw_rate', False), ('yaw_setpoint', False)],
+)
+def test_a_heading_alone_is_the_attitude(name, is_heading):
+    table = {one: np.ones(10) for one in ('t', 'x', 'y', 'z', name)}
+    groups, rest = group_columns(table)
+    assert [group.kind for group in groups] == ['position', *(['euler'] if is_heading else [])]
+    assert [one.column for one in rest] == (['t'] if is_heading else ['t', name])
+
+
 def import_drafted(bring, source, answers=None):
     """Draft, require that nothing is open, import, and return the truth topic as arrays."""
     draft = draft_mapping(source, answers or {})
@@ -101,6 +118,19 @@ def test_millimetres_milliseconds_degrees_and_z_down(bring, tmp_path):
     assert got.stamps(ODOM)[:2] == [7_000_000_000, 7_020_000_000]
     reasons = ' '.join(reason.reason for reason in draft.choices.reasons)
     assert 'the accelerometer feels 9.8' in reasons
+
+
+def test_a_heading_alone_turns_a_level_vehicle(bring, tmp_path):
+    f = lab_flight()
+    source = write_csv(tmp_path / 'a.csv', {
+        't': f['t'] + 5.0, **three('', f['p']), 'yaw': np.degrees(f['rpy'][:, 2]),
+    })  # fmt: skip
+    found, _, draft = import_drafted(bring, source)
+    np.testing.assert_allclose(found['p'], f['p'], atol=1e-6)
+    level = Rotation.from_euler('z', f['rpy'][:, 2:])
+    assert (Rotation.from_quat(found['q']).inv() * level).magnitude().max() < 1e-6
+    said = ' '.join(f'{one.reading} {one.reason}' for one in draft.choices.reasons)
+    assert 'roll and pitch taken as 0' in said
 
 
 def test_north_east_down_by_name_and_velocity_in_the_world(bring, tmp_path):

@@ -1,17 +1,22 @@
 """Calibrations hidden in flights of the independent simulator, which shares no code."""
 
+from collections.abc import Mapping
 import math
 from pathlib import Path
 
 from lta_challenge.other.calibration_case import CalibrationCase, generate_calibration_case
+from lta_challenge.other.wrench_flight import Course
 from lta_challenge.recording import write_bag
 from lta_config.files import find_file
+from lta_config.vehicle_edit import set_yaml_value
 from lta_discovery.calibration.calibrated_file import format_calibrated_vehicle
 from lta_discovery.calibration.calibration import calibrate_flights
 from lta_discovery.calibration.report import build_report
 from lta_discovery.calibration.result import Calibration
+from lta_discovery.calibration.verdict import format_inseparable
 from lta_discovery.flights.bags import read_bags, Role
 from lta_discovery.flights.usable_flights import select_usable_flights
+from lta_discovery.model.calibration_parameters import list_calibration_parameters
 from lta_discovery.model.nominal import NominalVehicle
 from lta_model.vehicle import load_vehicle
 import numpy as np
@@ -21,16 +26,24 @@ ROLES = ('train', 'train', 'confirm')
 SECONDS = (35.0, 45.0)
 
 
-def calibrate_case(seed: int, folder: Path) -> tuple[CalibrationCase, Calibration]:
+def calibrate_case(
+    seed: int,
+    folder: Path,
+    name: str = 'gtmab',
+    effects: Mapping[str, float] | None = None,
+    course: Course | None = None,
+) -> tuple[CalibrationCase, Calibration]:
     """Return a case and its calibration, through bags."""
-    vehicle = load_vehicle('gtmab')
-    case = generate_calibration_case(vehicle, seed, 0, ROLES, SECONDS)
+    vehicle = load_vehicle(name)
+    case = generate_calibration_case(
+        load_vehicle('gtmab'), seed, 0, ROLES, SECONDS, effects=effects, course=course
+    )
     bags: dict[Role, list[Path]] = {'train': [], 'confirm': []}
     for flight in case.flights:
         write_bag(folder / flight.name, flight.streams, vehicle.rotor_names, {})
         bags['train' if flight.role == 'train' else 'confirm'].append(folder / flight.name)
     usable = select_usable_flights(read_bags(bags), vehicle)
-    return case, calibrate_flights(vehicle, 'gtmab', usable.flights, lambda _what, _part: None)
+    return case, calibrate_flights(vehicle, name, usable.flights, lambda _what, _part: None)
 
 
 @pytest.fixture(scope='module')
@@ -75,6 +88,50 @@ def test_the_first_line_says_what_is_wrong(
     assert report.headline.startswith('Surge: ')
     assert ('backwards' in report.headline.partition(';')[0]) == (case.truth.wrench_gains[0] < 0.0)
     assert 'delay of the commands cannot be separated from the clock' in str(report.blocks)
+
+
+def test_nothing_tells_the_heading_of_the_tracker_in_still_air(
+    calibrated: tuple[CalibrationCase, Calibration],
+) -> None:
+    """The heading of the markers on the vehicle is another number, which flights tell."""
+    case, found = calibrated
+    heading, markers = found.find('tracker_misalignment.yaw'), found.find('marker_offset.yaw')
+    assert heading is not None
+    assert markers is not None
+    assert not heading.is_known
+    assert format_inseparable(heading).startswith(
+        'cannot be separated from the direction of the axes of the map'
+    )
+    assert markers.is_known
+    assert markers.value == pytest.approx(case.truth.marker_turn[0], abs=0.02)
+
+
+def test_a_wind_in_the_vehicle_file_makes_the_heading_a_number_to_be_fitted() -> None:
+    still = NominalVehicle.from_vehicle(load_vehicle('gtmab'))
+    windy = still.with_value('steady_wind', 'x', 0.15)
+    for nominal, is_fitted in ((still, False), (windy, True)):
+        knobs = list_calibration_parameters(nominal, [True, False, True] + 3 * [False], True)
+        assert ('tracker_misalignment.yaw' in {knob.name for knob in knobs}) is is_fitted
+
+
+@pytest.mark.long
+def test_a_wind_in_the_vehicle_file_shows_the_heading_of_the_tracker(tmp_path: Path) -> None:
+    """Of a vehicle with all other calibrations hidden, too; the wind is that of the file."""
+    wind, heading = 0.15, 0.12
+    hidden = {'steady_wind.x': wind, 'tracker_misalignment.yaw': heading}
+    text = set_yaml_value(
+        find_file('vehicle', 'gtmab').read_text(encoding='utf-8'),
+        ['effects', 'steady_wind'],
+        {'x': {'value': wind, 'unit': 'm/s', 'source': 'an anemometer'}},
+    )
+    path = tmp_path / 'windy.yaml'
+    path.write_text(text)
+    _, found = calibrate_case(4, tmp_path, str(path), hidden)
+    one = found.find('tracker_misalignment.yaw')
+    assert one is not None
+    assert one.is_known
+    assert one.ci95[0] < heading < one.ci95[1]
+    assert one.deviation < 0.04
 
 
 def test_the_calibrated_file_is_the_calibrated_vehicle(

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 import io
+import itertools
 import math
 from pathlib import Path
 
@@ -18,6 +19,7 @@ from lta_discovery.calibration.coarse_fit import (
     SHORT,
 )
 from lta_discovery.calibration.first_step import calibrate_first
+from lta_discovery.calibration.forecast_score import score_forecasts
 from lta_discovery.calibration.priors import apply_calibration
 from lta_discovery.calibration.result import CalibratedValue, Calibration, ForecastScore
 from lta_discovery.calibration.verdict import list_differences
@@ -123,7 +125,7 @@ def test_what_calls_for_a_calibration(
 ) -> None:
     nominal = NominalVehicle.from_vehicle(vehicle)
     found = make_calibration(nominal, *values, after=after)
-    monkeypatch.setattr(first_step, '_is_suspicious', lambda *_: True)
+    monkeypatch.setattr(first_step, '_list_suspicions', lambda *_: ['wrench_gain.surge'])
     monkeypatch.setattr(first_step, 'calibrate_flights', lambda *_, **__: found)
     result = calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None)
     assert result == (found if called else None)
@@ -141,7 +143,7 @@ def test_a_rough_calibration_has_to_forecast_much_better(
     """A drag that is skewed looks like markers turned by 6 degrees, and halves the errors."""
     found = make_calibration(NominalVehicle.from_vehicle(vehicle), GAIN, after=after)
     found = replace(found, method='forecasts')
-    monkeypatch.setattr(first_step, '_is_suspicious', lambda *_: True)
+    monkeypatch.setattr(first_step, '_list_suspicions', lambda *_: ['wrench_gain.surge'])
     monkeypatch.setattr(first_step, 'calibrate_flights', lambda *_, **__: found)
     result = calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None)
     assert result == (found if called else None)
@@ -155,7 +157,7 @@ def test_the_first_line_names_the_reason(
     other = replace(make_value('wrench_gain.heave', 1.0, 0.9, 0.01), is_far=False)
     found = make_calibration(NominalVehicle.from_vehicle(vehicle), half, other)
     assert list_differences(found) == []
-    monkeypatch.setattr(first_step, '_is_suspicious', lambda *_: True)
+    monkeypatch.setattr(first_step, '_list_suspicions', lambda *_: ['wrench_gain.surge'])
     monkeypatch.setattr(first_step, 'calibrate_flights', lambda *_, **__: found)
     result = calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None)
     assert result is not None
@@ -166,7 +168,51 @@ def test_the_first_line_names_the_reason(
 
 
 def test_wrong_gains_are_suspected_at_once(vehicle: Vehicle, wrong: list[Role]) -> None:
-    assert first_step._is_suspicious(vehicle, wrong)
+    assert 'marker_offset.pitch' in first_step._list_suspicions(vehicle, wrong)
+
+
+def test_one_training_flight_shows_with_a_confirming_one_that_lifts_differ(
+    vehicle: Vehicle, wrong: list[Role], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    lifts = {
+        name: make_value('net_lift.force', 0.0, force, 1e-4, name)
+        for (name, _, _), force in zip(wrong, (0.021, 0.012), strict=True)
+    }
+    taught = []
+
+    def calibrate(_vehicle: Vehicle, _name: str, flights: list[Role], *_: object, **__: object):
+        taught.append([name for name, role, _ in flights if role == 'train'])
+        nominal = NominalVehicle.from_vehicle(vehicle)
+        return make_calibration(nominal, *(lifts[name] for name in taught[-1]))
+
+    monkeypatch.setattr(first_step, 'calibrate_flights', calibrate)
+    for suspicions, is_called in ((['net_lift.force'], True), (['wrench_gain.surge'], False)):
+        monkeypatch.setattr(first_step, '_list_suspicions', lambda *_, found=suspicions: found)
+        result = calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None)
+        assert (result is not None) == is_called
+    assert taught == [[wrong[0][0]], [name for name, _, _ in wrong], [wrong[0][0]]]
+
+
+def test_flights_of_three_seconds_are_calibrated_by_their_shorter_forecasts(
+    vehicle: Vehicle, wrong: list[Role]
+) -> None:
+    """No flight has a forecast over 3 s; many such runs have those over a second."""
+    name, _, flight = wrong[0]
+    edges = np.linspace(0.0, 1.0, 10)
+    runs = [
+        (f'{name}_{k}', 'train', restrict_to_interval(flight, *each))
+        for k, each in enumerate(itertools.pairwise(edges))
+    ]
+    prepared = prepare_calibration(vehicle, runs)
+    linear = prepared.flights['train']
+    assert build_forecast_fitter(prepared.nominal, linear, LONG, 1.5) is None
+    coarse = fit_coarse_calibration(prepared.nominal, linear)
+    assert not (coarse.values == 0.0).all()
+    before, after = (
+        score_forecasts(prepared.nominal, linear, values, [0.0] * len(linear))[-1].after[0]
+        for values in (np.zeros_like(coarse.values), coarse.values)
+    )
+    assert after < 0.5 * before
 
 
 def test_a_short_flight_does_not_disable_the_first_fit(

@@ -204,6 +204,22 @@ def test_an_absurd_pose_costs_itself_and_says_nothing_else(flights, gtmab):
     assert [name for name, *_ in found.flights] == ['A', 'B', 'C']
 
 
+def test_a_flight_below_the_floor_is_raised_and_said(flights, gtmab):
+    """The zero of a tracker is where it was calibrated, such as on a table."""
+
+    def lower(channel):
+        return replace(channel, values=channel.values - 0.6)
+
+    place = f'{TRUTH}pose.pose.position.z'
+    found = _believed(flights, gtmab, _changed(flights[0], lower, place))
+    (said,) = [words for words in found.warnings if 'below the floor' in words]
+    assert said.startswith('A: the hull centre is up to 0.')
+    before = select_usable_flights(flights, gtmab).flights[0][2]
+    raised = found.flights[0][2].position[:, 2] - before.position[:, 2]
+    np.testing.assert_allclose(raised, raised[-1])
+    assert abs(raised[-1]) < 0.02  # the flight begins on the floor, so its lowest pose is there
+
+
 def _resting(channel):
     """Return a channel of a tracker that sees a vehicle at rest."""
     draw = np.random.default_rng(len(channel.values))

@@ -70,17 +70,19 @@ def _read_quaternions(group: ColumnGroup, numbers: Numbers) -> Iterator[Attitude
 
 
 def _read_angles(group: ColumnGroup, numbers: Numbers) -> Iterator[AttitudeReading]:
-    roll, pitch, yaw = group.columns
-    angles = _fill_rows(numbers, [0.0, 0.0, 0.0])
+    # A heading alone is the attitude of a level vehicle
+    alone = len(group.columns) == 1
+    orders = (('Z', (0,)),) if alone else (('ZYX', (2, 1, 0)), ('XYZ', (0, 1, 2)))
+    angles = _fill_rows(numbers, [0.0] * len(group.columns))
     size = float(np.percentile(np.abs(angles), 99.0))
     units = ('deg',) if size > 7.0 or group.unit.startswith(('deg', '°')) else ('rad', 'deg')
     if group.unit == 'rad':
         units = ('rad',)
     for unit in units:
         for direction in ('body to world', 'world to body'):
-            for sequence, order in (('ZYX', (2, 1, 0)), ('XYZ', (0, 1, 2))):
-                for signs in ([1, 1, 1], [1, -1, 1]):
-                    listed = [(roll, pitch, yaw)[index] for index in order]
+            for sequence, order in orders:
+                for signs in ([1],) if alone else ([1, 1, 1], [1, -1, 1]):
+                    listed = [group.columns[index] for index in order]
                     turn = Rotation.from_euler(
                         sequence, angles[:, order] * signs, degrees=unit == 'deg'
                     )
@@ -88,9 +90,10 @@ def _read_angles(group: ColumnGroup, numbers: Numbers) -> Iterator[AttitudeReadi
                         'euler': listed, 'sequence': sequence, 'unit': unit,
                         'direction': direction,
                     }  # fmt: skip
-                    if signs[1] < 0:
+                    if -1 in signs:
                         entry['signs'] = signs
-                    nose = ', pitch inverted' if signs[1] < 0 else ''
+                    nose = ', pitch inverted' if -1 in signs else ''
+                    nose = ', roll and pitch taken as 0' if alone else nose
                     yield AttitudeReading(
                         f'{sequence}, {unit}, {direction}{nose}', entry,
                         turn if direction == 'body to world' else turn.inv(),

@@ -32,7 +32,8 @@ class ColumnGroup(NamedTuple):
     role : str
         'truth', 'estimate', 'setpoint', or '' if the names do not say.
     columns : tuple of str
-        x, y, z; of a quaternion as the log has them; of Euler angles roll, pitch, yaw.
+        x, y, z; of a quaternion as the log has them; of Euler angles roll, pitch, yaw, or
+        yaw alone.
     axes : tuple of str
         The axis in the name of each.
     unit : str
@@ -64,13 +65,50 @@ def group_columns(table: Columns) -> tuple[list[ColumnGroup], list[ColumnName]]:
     groups = [*_group_letters(names)]
     grouped = {column for group in groups for column in group.columns}
     for (stem, unit), axes in stems.items():
-        found = _group_stem(stem, unit, axes, table)
-        if found is not None and not grouped & {*found.columns}:
-            groups.append(found)
-            grouped |= {*found.columns}
+        for part in _split_angles(axes):
+            found = _group_stem(stem, unit, part, table)
+            if found is not None and not grouped & {*found.columns}:
+                groups.append(found)
+                grouped |= {*found.columns}
     groups += _group_nameless(table, names, grouped)
     grouped |= {column for group in groups for column in group.columns}
-    return groups, [name for name in names if name.column not in grouped]
+    rest = [name for name in names if name.column not in grouped]
+    heading = _group_heading(rest, groups)
+    if heading is not None:
+        return [*groups, heading], [name for name in rest if name.column not in heading.columns]
+    return groups, rest
+
+
+def _group_heading(names: list[ColumnName], groups: list[ColumnGroup]) -> ColumnGroup | None:
+    """Return the one heading beside a position without any other attitude."""
+    kinds = {group.kind for group in groups}
+    found = [
+        name
+        for name in names
+        if name.axis == 'yaw' and not {'rates', 'setpoint'} & {*_describe(name)}
+    ]
+    if len(found) != 1 or 'position' not in kinds or kinds & {'quaternion', 'euler'}:
+        return None
+    (one,) = found
+    why = 'a heading without roll and pitch'
+    return ColumnGroup('euler', match_role(one.words), (one.column,), ('yaw',), one.unit, why)
+
+
+def _describe(name: ColumnName) -> tuple[str, str, str]:
+    """Return kind and role by the words of a name, and the kind by its unit."""
+    unit = UNIT_WORDS.get(name.unit, ('',))[0]
+    return match_kind(name.words), match_role(name.words), 'rates' if unit.endswith('/s') else ''
+
+
+def _split_angles(axes: Mapping[str, ColumnName]) -> list[dict[str, ColumnName]]:
+    """Return a place and the three angles beside it apart."""
+    angles = {*ANGLES.values()}
+    if not angles <= {*axes}:
+        return [dict(axes)]
+    parts = [
+        {a: one for a, one in axes.items() if (a in angles) is which} for which in (True, False)
+    ]
+    return [part for part in parts if part]
 
 
 def _group_stem(
