@@ -13,6 +13,8 @@ def format_lta_command(*words: str | Path) -> str:
 
 
 def relative_path(path: Path) -> Path:
-    """Return a path relative to the current folder if it lies within it, else as it is."""
+    """Return a path relative to the current folder if it lies within it, else without `..`."""
     here = Path.cwd()
-    return path.absolute().relative_to(here) if path.absolute().is_relative_to(here) else path
+    # Not os.path.normpath, which removes a symbolic link together with the `..` after it
+    whole = path.resolve() if '..' in path.parts else path.absolute()
+    return whole.relative_to(here) if whole.is_relative_to(here) else whole

@@ -300,6 +300,7 @@ class TextFormat(StrictModel):
     """The format of the lines of a text."""
 
     delimiter: Annotated[str, Field(min_length=1)] = ','  # one character, 'tab' or 'whitespace'
+    decimal: Literal['.', ','] = '.'  # decimal mark of the numbers
     comment: Annotated[str, Field(min_length=1, max_length=1)] | None = None
     skip: Annotated[int, Field(ge=0)] = 0  # lines before the one with the names
     header: list[Column] | None = None  # column names, if the text has none
@@ -312,6 +313,15 @@ class TextFormat(StrictModel):
                 f'is "{value}", but must be a single character, "tab" or "whitespace"'
             )
         return value
+
+    @model_validator(mode='after')
+    def _check_decimal(self) -> Self:
+        if self.decimal == self.delimiter:
+            raise ValueError(
+                'has a comma as delimiter and as decimal mark; give the delimiter of the file, '
+                'such as ";"'
+            )
+        return self
 
 
 class ImportMapping(_WithAxes):

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 from scipy.spatial.transform import Rotation
+import yaml
 
 from .csv_texts import ODOM
 from .lab_flights import DOWN, lab_flight, three, write_csv
@@ -31,6 +32,9 @@ from .lab_flights import DOWN, lab_flight, three, write_csv
         ('vbat (mV)', ('vbat',), '', 'mv'),
         ('q[3]', ('q',), '3', ''),
         ('yaw_deg', (), 'yaw', 'deg'),
+        ('north_m', (), 'n', 'm'),
+        ('X_m', (), 'x', 'm'),
+        ('motor_m', ('motor', 'm'), '', ''),
     ],
 )
 def test_names_are_taken_apart(column, stem, axis, unit):
@@ -48,6 +52,12 @@ def test_a_place_and_the_angles_beside_it_are_two_groups():
     """As in the commonest file of all: t, x, y, z, roll, pitch, yaw."""
     table = {name: np.ones(10) for name in ('t', 'x', 'y', 'z', 'roll', 'pitch', 'yaw')}
     assert {group.kind for group in group_columns(table)[0]} == {'position', 'euler'}
+
+
+def test_an_angle_without_a_unit_belongs_to_those_with_one():
+    table = {name: np.ones(10) for name in ('X', 'Y', 'Z', 'roll_deg', 'pitch_deg', 'yaw')}
+    _, euler = sorted(group_columns(table)[0], key=lambda group: group.kind == 'euler')
+    assert (euler.columns, euler.unit) == (('roll_deg', 'pitch_deg', 'yaw'), 'deg')
 
 
 @pytest.mark.parametrize(
@@ -214,6 +224,34 @@ def test_the_scale_of_motors_follows_from_their_size(tmp_path, values, unit, ext
     effort = load_mapping(str(tmp_path / 'm.yaml'))[0].topics[0].actuators['motor_1'].effort
     assert effort.unit == unit
     assert {name: getattr(effort, name) for name in extra} == extra
+
+
+def test_commands_of_places_are_actuators_and_what_is_missing_is_said(call, tmp_path):
+    f = lab_flight(10.0)
+    names = 'cmd_left', 'cmd_down', 'knob'
+    source = write_csv(tmp_path / 'a.csv', {'time_s': f['t'], **dict.fromkeys(names, f['t'] / 10)})
+    status, told = call('import', '--draft', source, '--out', tmp_path / 'out')
+    assert status == 0
+    assert 'no position and no attitude; lta calibrate' in told.out
+    assert 'Columns without a meaning: knob.' in told.out
+    (motors,) = load_mapping(str(tmp_path / 'out' / 'mapping.yaml'))[0].topics
+    assert [*motors.actuators] == ['cmd_left', 'cmd_down']
+    (motors,) = yaml.safe_load(draft_mapping(source, {'knob.topic': 'motors'}).text)['topics']
+    assert [*motors['actuators']] == ['knob']
+
+
+def test_a_table_with_decimal_commas(bring, tmp_path):
+    rows = [f'{100 + k},5;0,{k}25;-1,5;2,5' for k in range(3)]
+    source = tmp_path / 'a.csv'
+    source.write_text('\n'.join(['t_s;X_m;Y_m;Z_m', *rows]) + '\n')
+    got = bring(source, draft_mapping(source, {}).text)
+    places = [message.pose.pose.position for message in got.messages[ODOM]]
+    assert [(place.x, place.y) for place in places] == [
+        (0.025, -1.5),
+        (0.125, -1.5),
+        (0.225, -1.5),
+    ]
+    assert got.stamps(ODOM) == [100_500_000_000, 101_500_000_000, 102_500_000_000]
 
 
 def test_a_folder_of_sensors_gets_a_table_and_a_time_for_each(bring, tmp_path):

@@ -62,6 +62,7 @@ def group_columns(table: Columns) -> tuple[list[ColumnGroup], list[ColumnName]]:
     for name in names:
         if name.axis:
             stems.setdefault((name.stem, name.unit), {}).setdefault(name.axis, name)
+    _complete_angles(stems)
     groups = [*_group_letters(names)]
     grouped = {column for group in groups for column in group.columns}
     for (stem, unit), axes in stems.items():
@@ -77,6 +78,18 @@ def group_columns(table: Columns) -> tuple[list[ColumnGroup], list[ColumnName]]:
     if heading is not None:
         return [*groups, heading], [name for name in rest if name.column not in heading.columns]
     return groups, rest
+
+
+def _complete_angles(stems: dict[tuple[tuple[str, ...], str], dict[str, ColumnName]]) -> None:
+    """Move an angle without a unit to those of its stem that have one: roll_deg, pitch_deg, yaw."""
+    for (stem, unit), axes in stems.items():
+        others = [
+            one for (of, named), one in stems.items()
+            if of == stem and named and not unit and {*one} & {*ANGLES.values()}
+        ]  # fmt: skip
+        for angle in {*ANGLES.values()} & {*axes}:
+            if len(others) == 1 and angle not in others[0]:
+                others[0][angle] = axes.pop(angle)
 
 
 def _group_heading(names: list[ColumnName], groups: list[ColumnGroup]) -> ColumnGroup | None:

@@ -9,6 +9,7 @@ from lta_data.importers.draft.draft_mapping import FIRST_SECONDS, MappingDraft
 from lta_data.plot.report import plot_channels
 from lta_report.formatting import format_count, Tile
 from lta_report.report import Grid, Picture, Report, TextSection, TextTable
+import yaml
 
 MAPPING: Final = 'mapping.yaml'
 
@@ -18,7 +19,15 @@ def build_draft_report(source: Path, draft: MappingDraft, commands: dict[str, st
     topics = sum(line.startswith('  - topic:') for line in draft.text.splitlines())
     notes = [*draft.source.notes]
     if draft.unused:
-        notes.append(f'Columns without a meaning: {", ".join(draft.unused)}.')
+        notes.append(
+            f'Columns without a meaning: {", ".join(draft.unused)}. If one commands an actuator, '
+            f'add --set {draft.unused[0]}.topic=motors.'
+        )
+    if missing := list_missing_parts(draft.text):
+        notes.append(
+            f'The mapping has no {" and no ".join(missing)}; lta calibrate and lta discover need '
+            'position, attitude and commands.'
+        )
     sections = [TextSection('Remarks', notes, printed=True)] if notes else []
     return Report(
         command='import --draft',
@@ -49,6 +58,18 @@ def build_draft_report(source: Path, draft: MappingDraft, commands: dict[str, st
         json_name='draft.json',
         outputs={MAPPING: draft.text},
     )
+
+
+def list_missing_parts(mapping: str) -> list[str]:
+    """Return what calibration and discovery need and a mapping lacks."""
+    topics = yaml.safe_load(mapping)['topics']
+    states = [each for each in topics if each['topic'] in ('ground_truth/odom', 'odom')]
+    there = {
+        'position': any('position' in each for each in states),
+        'attitude': any('orientation' in each for each in states),
+        'commands': any(each['topic'] in ('motors', 'wrench_command') for each in topics),
+    }
+    return [name for name, is_there in there.items() if not is_there]
 
 
 def build_reason_table(draft: MappingDraft) -> TextTable:

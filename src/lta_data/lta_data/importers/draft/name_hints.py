@@ -51,6 +51,7 @@ ANGLES: Final = {
     'roll': 'roll', 'pitch': 'pitch', 'yaw': 'yaw', 'heading': 'yaw',
     'phi': 'roll', 'theta': 'pitch', 'psi': 'yaw',
 }  # fmt: skip
+COMPASS: Final = {'north': 'n', 'east': 'e', 'down': 'd'}
 JOINED: Final = re.compile(
     r'(pos|vel|acc|accel|gyr|gyro|omega|euler|quat|force|torque|tau|[pvqwtagfrobe])([xyzwned]|\d)'
 )
@@ -109,6 +110,13 @@ ACTUATORS: Final = frozenset(
 )
 
 
+# A command of a place is that of the actuator there: cmd_left
+COMMANDS: Final = frozenset(['cmd', 'command', 'commanded', 'ctrl', 'control', 'input'])
+PLACES: Final = frozenset(
+    'left right up down front rear back top bottom main tail side vertical lateral l r'.split()
+)
+
+
 @final
 class ColumnName(NamedTuple):
     """A name of a column, taken apart."""
@@ -131,18 +139,31 @@ def parse_column_name(column: str) -> ColumnName:
     if bracket and bracket[1].strip().lower() in UNIT_WORDS:
         text, unit = column[: bracket.start()], bracket[1].strip().lower()
     words = [word.lower() for word in WORDS.findall(text)]
-    if not unit and len(words) > 1 and words[-1] in ENDINGS:
+    if not unit and len(words) > 1 and (words[-1] in ENDINGS or _is_unit_letter(*words[-2:])):
         unit = words.pop()
     for index in range(len(words) - 1, -1, -1):
         word = words[index]
         if word in ANGLES:
             return ColumnName(column, (*words[:index], *words[index + 1 :]), ANGLES[word], unit)
+        if word in COMPASS:
+            return ColumnName(column, (*words[:index], *words[index + 1 :]), COMPASS[word], unit)
         if word in AXES or word.isdigit():
             return ColumnName(column, (*words[:index], *words[index + 1 :]), word, unit)
         if joined := JOINED.fullmatch(word):
             stem = (*words[:index], joined[1], *words[index + 1 :])
             return ColumnName(column, stem, joined[2], unit)
     return ColumnName(column, tuple(words), '', unit)
+
+
+def _is_unit_letter(before: str, letter: str) -> bool:
+    """Return whether a letter is the unit of an axis or a time: x_m, t_s."""
+    return letter in ('m', 's') and (before in AXES or before in COMPASS or before in TIMES)
+
+
+def is_placed_command(column: str) -> bool:
+    """Return whether a name is that of a command and of a place on the vehicle."""
+    words = frozenset(word.lower() for word in WORDS.findall(column))
+    return bool(words & COMMANDS and words & PLACES)
 
 
 def match_kind(words: Iterable[str]) -> str:

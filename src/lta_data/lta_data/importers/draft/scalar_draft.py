@@ -6,7 +6,12 @@ from typing import Any, Final
 
 from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.column_groups import Columns
-from lta_data.importers.draft.name_hints import ACTUATORS, ColumnName, UNIT_WORDS
+from lta_data.importers.draft.name_hints import (
+    ACTUATORS,
+    ColumnName,
+    is_placed_command,
+    UNIT_WORDS,
+)
 from lta_data.importers.log_table import Numbers
 import numpy as np
 
@@ -40,15 +45,22 @@ def draft_scalars(
                     topics.setdefault(topic, {})[part] = {'column': name.column, 'unit': unit}
                     taken.add(name.column)
                     choices.add_reason(f'{topic}: {part}', [name.column], unit, why)
-    motors = [
+    told = [
+        name
+        for name in names
+        if (key := f'{name.column}.topic') in choices.answers
+        and choices.override(key, '') == 'motors'
+        and name.column not in taken
+    ]
+    motors = told or [
         name
         for name in names
         if name.column not in taken
-        and name.words & (ACTUATORS | FORCES | SPEEDS)
+        and (name.words & (ACTUATORS | FORCES | SPEEDS) or is_placed_command(name.column))
         and np.isfinite(table[name.column]).any()
     ]
     # What a controller asks of a mixer is no actuator, where the actuators are there
-    motors = [name for name in motors if not name.words & UPSTREAM] or motors
+    motors = told or [name for name in motors if not name.words & UPSTREAM] or motors
     entries: list[dict[str, Any]] = [{'topic': topic} | parts for topic, parts in topics.items()]
     if motors:
         entries.append({'topic': 'motors', 'actuators': _draft_actuators(motors, table, choices)})

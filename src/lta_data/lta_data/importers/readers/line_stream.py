@@ -94,6 +94,7 @@ class CleanedLines(io.RawIOBase):
         self.torn = False
         self._comment = None if text.comment is None else text.comment.encode()
         self._blank = text.delimiter == 'whitespace'
+        self._decimal = text.decimal.encode()
         self._rest = b''
         self._pieces = self._iterate_line_blocks(unread)
 
@@ -128,11 +129,10 @@ class CleanedLines(io.RawIOBase):
             # No line needs a change: pass large blocks on
             plain = self._comment is None and not self._blank
             for block in self._iterate_whole_lines():
-                if plain and not (self._repeated and self._repeated in block):
-                    yield block
-                    continue
-                lines = filter(self._is_data_line, block.splitlines(keepends=True))
-                yield b''.join(map(self._normalize_delimiters, lines))
+                if not plain or (self._repeated and self._repeated in block):
+                    lines = filter(self._is_data_line, block.splitlines(keepends=True))
+                    block = b''.join(map(self._normalize_delimiters, lines))
+                yield block if self._decimal == b'.' else block.replace(self._decimal, b'.')
         except (EOFError, zlib.error, gzip.BadGzipFile) as error:
             raise OSError(f'its compressed data are damaged or cut short: {error}') from None
 

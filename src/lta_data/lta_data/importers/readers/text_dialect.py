@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from itertools import chain
 from pathlib import Path
 from typing import Final
 
@@ -31,15 +32,20 @@ def detect_text_format(path: Path) -> TextFormat:
 
     """
     lines = list(_read_lines(path))
-    found = {name: _count_rows(lines, mark) for name, mark in DELIMITERS.items()}
-    delimiter, (rows, cells) = max(found.items(), key=lambda one: (one[1][0], one[1][1]))
+    found = {
+        (name, decimal): _count_rows(lines, mark, decimal)
+        for decimal in ('.', ',')
+        for name, mark in DELIMITERS.items()
+        if name != decimal
+    }
+    (delimiter, decimal), (rows, cells, _) = max(found.items(), key=lambda one: one[1])
     if rows < 2:
         raise BadInput(
-            f"'{path}' has no two lines with equally many numbers, so it is not a table; give a "
-            'text with columns of numbers.'
+            f"'{path}' has no two lines with equally many numbers, separated by commas, semicolons, "
+            'tabs or spaces, so it is not a table; give a text with columns of numbers.'
         )
     mark = DELIMITERS[delimiter]
-    first = next(i for i, line in enumerate(lines) if _is_row(line, mark, cells))
+    first = next(i for i, line in enumerate(lines) if _is_row(line, mark, decimal, cells))
     before = [i for i in range(first) if lines[i].strip()]
     marks = [start for i in before if (start := lines[i].lstrip()[0]) in COMMENTS]
     comment = marks[0] if marks else None
@@ -47,10 +53,12 @@ def detect_text_format(path: Path) -> TextFormat:
     plain = [i for i in before if lines[i].lstrip()[:1] not in COMMENTS]
     # The line with the names is read by its position, unless it is a comment or not there
     if names is not None and plain and plain[-1] == before[-1] and not marks:
-        return TextFormat(delimiter=delimiter, skip=len(plain) - 1)
+        return TextFormat(delimiter=delimiter, decimal=decimal, skip=len(plain) - 1)
     if names is None:
         names = TUM if cells == len(TUM) and mark is None else _number_columns(cells)
-    return TextFormat(delimiter=delimiter, comment=comment, skip=len(plain), header=names)
+    return TextFormat(
+        delimiter=delimiter, decimal=decimal, comment=comment, skip=len(plain), header=names
+    )
 
 
 def split_cells(line: str, mark: str | None) -> list[str]:
@@ -74,19 +82,24 @@ def _read_lines(path: Path) -> Iterator[str]:
         raise BadInput(f"'{path}' cannot be read ({error}); give an intact text file.") from None
 
 
-def _count_rows(lines: Sequence[str], mark: str | None) -> tuple[int, int]:
-    """Return how many lines have the most frequent number of cells of numbers, and that number."""
-    counts = Counter(
-        len(cells) for line in lines if (cells := split_cells(line, mark)) and _are_numbers(cells)
-    )
-    if not counts:
-        return 0, 0
+def _split_numbers(line: str, mark: str | None, decimal: str) -> list[str]:
+    """Return the cells of a line with points as decimal marks."""
+    return [cell.replace(decimal, '.') for cell in split_cells(line, mark)]
+
+
+def _count_rows(lines: Sequence[str], mark: str | None, decimal: str) -> tuple[int, int, int]:
+    """Return the rows with the most frequent number of cells, that number, and their numbers."""
+    split = [_split_numbers(line, mark, decimal) for line in lines]
+    table = [cells for cells in split if cells and _are_numbers(cells)]
+    if not table:
+        return 0, 0, 0
+    counts = Counter(map(len, table))
     count, rows = max(counts.items(), key=lambda one: (one[1], one[0]))
-    return rows, count
+    return rows, count, sum(map(_is_number, chain.from_iterable(table)))
 
 
-def _is_row(line: str, mark: str | None, count: int) -> bool:
-    cells = split_cells(line, mark)
+def _is_row(line: str, mark: str | None, decimal: str, count: int) -> bool:
+    cells = _split_numbers(line, mark, decimal)
     return len(cells) == count and _are_numbers(cells)
 
 
