@@ -240,10 +240,11 @@ def test_commands_of_places_are_actuators_and_what_is_missing_is_said(call, tmp_
     assert [*motors['actuators']] == ['knob']
 
 
-def test_a_table_with_decimal_commas(bring, tmp_path):
+@pytest.mark.parametrize('head', [['t_s;X_m;Y_m;Z_m'], ['log 3', 't;X;Y;Z', 's;m;m;[m]']])
+def test_a_table_with_decimal_commas_or_a_row_of_units(bring, tmp_path, head):
     rows = [f'{100 + k},5;0,{k}25;-1,5;2,5' for k in range(3)]
     source = tmp_path / 'a.csv'
-    source.write_text('\n'.join(['t_s;X_m;Y_m;Z_m', *rows]) + '\n')
+    source.write_text('\n'.join([*head, *rows]) + '\n')
     got = bring(source, draft_mapping(source, {}).text)
     places = [message.pose.pose.position for message in got.messages[ODOM]]
     assert [(place.x, place.y) for place in places] == [

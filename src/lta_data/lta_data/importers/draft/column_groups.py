@@ -81,7 +81,7 @@ def group_columns(table: Columns) -> tuple[list[ColumnGroup], list[ColumnName]]:
 
 
 def _complete_angles(stems: dict[tuple[tuple[str, ...], str], dict[str, ColumnName]]) -> None:
-    """Move an angle without a unit to those of its stem that have one: roll_deg, pitch_deg, yaw."""
+    """Move an angle without a unit to those of its stem with one: roll_deg, pitch_deg, yaw."""
     for (stem, unit), axes in stems.items():
         others = [
             one for (of, named), one in stems.items()

@@ -112,9 +112,10 @@ ACTUATORS: Final = frozenset(
 
 # A command of a place is that of the actuator there: cmd_left
 COMMANDS: Final = frozenset(['cmd', 'command', 'commanded', 'ctrl', 'control', 'input'])
-PLACES: Final = frozenset(
-    'left right up down front rear back top bottom main tail side vertical lateral l r'.split()
-)
+PLACES: Final[frozenset[str]] = frozenset([
+    'left', 'right', 'up', 'down', 'front', 'rear', 'back', 'top', 'bottom', 'main', 'tail', 'side',
+    'vertical', 'lateral', 'l', 'r',
+])  # fmt: skip
 
 
 @final

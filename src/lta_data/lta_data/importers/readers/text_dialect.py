@@ -4,15 +4,18 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from itertools import chain
 from pathlib import Path
-from typing import Final
+import re
+from typing import Final, Literal
 
 from lta_config.errors import BadInput
 from lta_config.limits import LINE_BYTES
 from lta_config.schema.import_file import TextFormat
+from lta_data.importers.draft.name_hints import UNIT_WORDS
 from lta_data.importers.readers.line_stream import decompress_stream
 
 LINES: Final = 60  # that are looked at
 DELIMITERS: Final = {',': ',', ';': ';', 'tab': '\t', 'whitespace': None}
+DECIMALS: Final[tuple[Literal['.', ','], ...]] = ('.', ',')
 COMMENTS: Final = '#%'
 # Columns of a trajectory of the TUM RGB-D benchmark, which has no header
 TUM: Final = ['timestamp', 'tx', 'ty', 'tz', 'qx', 'qy', 'qz', 'qw']
@@ -34,15 +37,15 @@ def detect_text_format(path: Path) -> TextFormat:
     lines = list(_read_lines(path))
     found = {
         (name, decimal): _count_rows(lines, mark, decimal)
-        for decimal in ('.', ',')
+        for decimal in DECIMALS
         for name, mark in DELIMITERS.items()
         if name != decimal
     }
     (delimiter, decimal), (rows, cells, _) = max(found.items(), key=lambda one: one[1])
     if rows < 2:
         raise BadInput(
-            f"'{path}' has no two lines with equally many numbers, separated by commas, semicolons, "
-            'tabs or spaces, so it is not a table; give a text with columns of numbers.'
+            f"'{path}' has no two lines with equally many numbers, separated by commas, "
+            'semicolons, tabs or spaces, so it is not a table; give a text with columns of numbers.'
         )
     mark = DELIMITERS[delimiter]
     first = next(i for i, line in enumerate(lines) if _is_row(line, mark, decimal, cells))
@@ -51,8 +54,14 @@ def detect_text_format(path: Path) -> TextFormat:
     comment = marks[0] if marks else None
     names = _find_names([lines[i] for i in before], delimiter, cells)
     plain = [i for i in before if lines[i].lstrip()[:1] not in COMMENTS]
+    if names is not None and {*map(_bare_unit, names)} <= {*UNIT_WORDS, ''}:
+        above = _find_names([lines[i] for i in before[:-1]], delimiter, cells)
+        # The mapping lists the names, as no single line has both
+        if above is not None:
+            names = [_add_unit(name, unit) for name, unit in zip(above, names, strict=True)]
+            before = []
     # The line with the names is read by its position, unless it is a comment or not there
-    if names is not None and plain and plain[-1] == before[-1] and not marks:
+    if names is not None and before and plain and plain[-1] == before[-1] and not marks:
         return TextFormat(delimiter=delimiter, decimal=decimal, skip=len(plain) - 1)
     if names is None:
         names = TUM if cells == len(TUM) and mark is None else _number_columns(cells)
@@ -131,6 +140,16 @@ def _find_names(before: Sequence[str], delimiter: str, cells: int) -> list[str] 
                     unique.append(known if known not in unique else f'{known} ({index + 1})')
                 return unique
     return None
+
+
+def _bare_unit(cell: str) -> str:
+    """Return a unit without brackets, or without the number that makes a name unique."""
+    return re.sub(r' \(\d+\)$|^unnamed \d+$', '', cell).strip('[]() -').lower()
+
+
+def _add_unit(name: str, unit: str) -> str:
+    bare = _bare_unit(unit)
+    return f'{name} [{bare}]' if bare else name
 
 
 def _number_columns(cells: int) -> list[str]:
