@@ -136,11 +136,6 @@ def find_file(kind: str, name: str, suffix: str = '.yaml') -> Path:
     folder = FOLDERS[kind]
     names = list_shipped_names(folder, suffix)
     if name not in names:
-        if Path(f'{name}{suffix}').is_file():
-            raise BadInput(
-                f"LTA ships no {kind.removesuffix(' file')} '{name}'; for the file in this "
-                f'folder give ./{name}{suffix}.'
-            )
         raise unknown_name_error(kind, name, names)
     return share_folder() / folder / f'{name}{suffix}'
 

@@ -17,7 +17,8 @@ from lta_config.schema.vehicle_file import VehicleFile
 from lta_config.validation_errors import format_errors
 from lta_model import effect_parameters, hull, propulsion
 from lta_model.stiffness import STEP_NS
-from lta_model.vehicle import Vehicle
+from lta_model.vehicle import load_vehicle, Vehicle
+from lta_vehicle.figures.entries import list_numbers
 from lta_vehicle.figures.sheet import build_sheet, VehicleSheet
 from lta_vehicle.stale_aero import find_stale_columns
 from pydantic import ValidationError
@@ -29,6 +30,7 @@ BUSY: Final = 70.0  # largest hover duty [%]
 SOON: Final = 7.0  # least hover endurance at the highest leak rate [days]
 LIGHT: Final = 1.0  # least ballast that can still be removed [g]
 DISAGREE: Final = 0.03  # relative; displaced air (weighed, hull) and sizes (envelope, hull)
+COPIED: Final = 0.3  # share of numbers of another vehicle, with their sources
 IMPURE: Final = 0.8  # least purity of the gas [1]
 
 
@@ -230,7 +232,31 @@ def _find_push_warnings(sheet: VehicleSheet) -> Iterator[str]:
         yield 'Its rotors cannot yaw it in both directions; check their positions and axes.'
 
 
+def _find_copied_numbers(sheet: VehicleSheet) -> Iterator[str]:
+    """Warn if most numbers are those of a shipped vehicle, which `lta vehicle new` copied."""
+    names = list_shipped_names(FOLDERS['vehicle'])
+    if sheet.vehicle.file.name in names:
+        return
+    own = {(each.place, each.value, each.source) for each in sheet.numbers}
+    shared = {
+        name: own & {
+            (each.place, each.value, each.source)
+            for each in list_numbers(load_vehicle(name).file)
+        }
+        for name in names
+    }  # fmt: skip
+    model = max(names, key=lambda name: len(shared[name]))
+    copied = sorted(place for place, _, _ in shared[model])
+    if len(copied) > COPIED * len(own):
+        groups = ', '.join(dict.fromkeys(place.split('.')[0] for place in copied))
+        yield (
+            f'{len(copied)} of its {len(own)} numbers and their sources are those of {model} '
+            f'(in {groups}); replace them with those of your vehicle, and name their source.'
+        )
+
+
 def _find_source_warnings(sheet: VehicleSheet) -> Iterator[str]:
+    yield from _find_copied_numbers(sheet)
     if sheet.assumed_count:
         yield (
             f'{sheet.assumed_count} of the {len(sheet.numbers)} numbers in the vehicle '

@@ -146,13 +146,6 @@ def test_the_data_is_found():
     assert (files.share_folder() / 'topics.yaml').is_file()
 
 
-def test_a_file_of_this_folder_has_to_be_given_as_a_path(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / 'mine.yaml').touch()
-    with pytest.raises(BadInput, match=r"no vehicle 'mine'; for the file .* give \./mine\.yaml"):
-        find_file('vehicle', 'mine')
-
-
 def test_unknown_names_the_known():
     assert str(unknown_name_error('wind', 'x', ['b', 'a'])) == "Unknown wind 'x'; known: a, b."
     assert str(unknown_name_error('wind', 'x', [])) == "Unknown wind 'x'; known: none."

@@ -134,6 +134,17 @@ def test_what_should_be_looked_at_is_said(call, tmp_path, old, new, warning):
     assert status == 0
 
 
+def test_numbers_copied_from_another_vehicle_are_reported(call, tmp_path):
+    assert call('new', 'mine', '--from', 'blimp2b')[0] == 0
+    found = json.loads(call('check', 'mine.yaml', '--json')[1].out)
+    told = [line for line in found['warnings'] if 'are those of blimp2b' in line]
+    assert told[0].startswith('63 of its 63 numbers')
+    own = (tmp_path / 'mine.yaml').read_text()
+    (tmp_path / 'mine.yaml').write_text(re.sub('source: .*?}', "source: 'kitchen scale'}", own))
+    found = json.loads(call('check', 'mine.yaml', '--json')[1].out)
+    assert not any('are those of' in line for line in found['warnings'])
+
+
 def test_show_prints_words_picture_and_sources(call):
     status, said = call('show', 'gtmab', '--sources')
     assert status == 0

@@ -94,15 +94,18 @@ def count_ticks(request: WindStudyRequest) -> int:
     """Return the largest number of ticks of `measure_limits`, for all vehicles."""
     # Airspeeds, times bisection steps and first try, times uniform wind and each ground.
     each = (len(SHARES) + 1) * (_bisection_steps(request) + 1) * (1 + len(request.roughness))
-    return sum(each for name in request.vehicles if request.fly and _shipped_gains_name(name))
+    return sum(each for name in request.vehicles if request.fly and _find_gains_name(name))
 
 
 def _bisection_steps(request: WindStudyRequest) -> int:
     return 4 if request.quick else 6
 
 
-def _shipped_gains_name(vehicle: str) -> str | None:
-    """Return the name of the shipped gains of a platform, or None."""
+def _find_gains_name(vehicle: str) -> str | None:
+    """Return the gains that a vehicle file names, those shipped under its name, or None."""
+    control = load_vehicle(vehicle).file.control
+    if control is not None and control.gains is not None:
+        return control.gains
     return vehicle if vehicle in list_shipped_names('control') else None
 
 
@@ -133,7 +136,8 @@ def measure_limits(
     )
     flight = _build_flight_spec(request, name, height) if request.fly else None
     if request.fly and flight is None:
-        note = (note + ' Not flown, as no gains are shipped for it.').strip()
+        words = ' Not flown, as its file names no gains (control.gains; lta tune finds some).'
+        note = (note + words).strip()
 
     def find_wind_over_ground(ground: GroundWind, share: float) -> FlyableWind | None:
         if flight is None:
@@ -199,7 +203,7 @@ def _hull_wind_share(
 
 
 def _build_flight_spec(request: WindStudyRequest, name: str, height: float) -> FlightSpec | None:
-    gains = _shipped_gains_name(name)
+    gains = _find_gains_name(name)
     if gains is None:
         return None
     made_of = load_spec(name, request.scenario, STRATEGY, gains)

@@ -115,6 +115,9 @@ def _derive_hover_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
         f'capacity at {NOMINAL} V (assumed), without solar power',
         cell,
         0,
+        ''
+        if thrust > 0.0
+        else 'floats without thrust; holding a height takes more (lta energy hover)',
     )
 
 

@@ -114,7 +114,7 @@ def test_limits_of_a_platform_flown_and_not(monkeypatch):
     assert [over.roughness for over in one.over] == [0.1, 0.3]
     assert one.over[1].static == pytest.approx(one.static / one.over[1].share)
     # Every shipped platform has a law by now; one of people's own may have none.
-    monkeypatch.setattr('lta_studies.wind.limits._shipped_gains_name', lambda vehicle: None)
+    monkeypatch.setattr('lta_studies.wind.limits._find_gains_name', lambda vehicle: None)
     other = measure_limits(asked(vehicles=('skye',)), 'skye', lambda: None)
     assert other.flown is None
     assert other.height == pytest.approx(1.35 + 0.1, abs=0.1)  # a hull of 2.7 m flies higher
