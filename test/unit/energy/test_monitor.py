@@ -128,18 +128,6 @@ def test_the_way_home_brings_the_reserve_nearer():
     assert report_energy(SETTINGS, CELL, near).way[0] is HealthLevel.OK
 
 
-def test_a_low_voltage_must_recover_before_it_is_taken_back():
-    estimate = follow(readings(*[(3.5, -0.1)] * 20))
-    stamp = estimate.last.stamp_ns
-    said = []
-    for k, volts in enumerate([3.15] * 5 + [3.25] * 30 + [3.35] * 60):
-        reading = MeterReading(stamp + (k + 1) * TENTH, volts, -0.1 - 1e-6 * k, 4.4, 0.0)
-        estimate = update_estimate(SETTINGS, ABOARD, estimate, reading)
-        said.append(estimate.critical.on)
-    assert said.index(True) == 2  # 0.3 s
-    assert said.index(False, 3) == 5 + 30 + 49  # 5 s above 3.3 V
-
-
 def test_a_reading_of_the_past_changes_nothing():
     estimate = follow(readings(*[(3.9, -0.1)] * 10))
     after = update_estimate(SETTINGS, ABOARD, estimate, replace(estimate.last, stamp_ns=TENTH))
