@@ -3,7 +3,7 @@ Upgrade vehicle files of older versions to the current one.
 
 Version 1 had a single list of parts, only balloons, and a column of B for every rotor instead of
 an axis. Its parts become one layer, `parts`, and each rotor points along the largest entry of its
-column. Version 2 had a flat energy block (`vehicle_version_energy`).
+column. Version 2 had a flat energy block.
 """
 
 from typing import Any
