@@ -58,18 +58,6 @@ def test_a_resting_cell_is_known_within_its_deviation(charge):
     assert estimate.deviation < 0.07
 
 
-def test_the_books_by_hand():
-    # Ten seconds of 3.9 V and -0.5 A beside 0.3 W of the panel.
-    estimate = follow(readings(*[(3.9, -0.5)] * 101, harvest=0.3))
-    books = estimate.books
-    assert books.harvested == pytest.approx(3.0)
-    assert books.consumed == pytest.approx(3.0 + 19.5)
-    # Chemistry gives what terminals take and resistances burn; what is left over is the model's.
-    assert books.stored < -19.5
-    assert books.lost == pytest.approx(0.15 * 0.25 * 10.0, rel=0.6)
-    assert abs(books.imbalance) < 0.1
-
-
 def test_the_books_of_a_cell_like_its_file_balance_to_a_thousandth():
     cell = Metered(3, (0.6, 0.9))
     books = follow(cell.reading() for _ in range(600)).books
