@@ -57,9 +57,9 @@ def load_table() -> dict[str, Any]:
 def compute_code_digest() -> str:
     """Return a digest of the sizes and times of the files that declare the commands."""
     digest = hashlib.sha256()
-    for package in PACKAGES:
-        # Finding a package does not import it
-        for folder in find_spec(package).submodule_search_locations or ():  # type: ignore[union-attr]
+    # Finding a package does not import it
+    for spec in filter(None, map(find_spec, PACKAGES)):
+        for folder in spec.submodule_search_locations or ():
             for path in sorted(Path(folder).rglob('*.py')):
                 status = path.stat()
                 digest.update(f'{path} {status.st_size} {status.st_mtime_ns}\n'.encode())

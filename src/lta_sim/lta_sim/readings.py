@@ -22,37 +22,21 @@ class FlightOutcome(StrEnum):
 @final
 @dataclass(slots=True)
 class SensorReadings:
-    """
-    Sensor readings of one control step; None where nothing is due.
-
-    Attributes
-    ----------
-    force, rates : tuple of float
-        Measured specific force [m/s2] and angular rates [rad/s], body frame.
-    ranges : list of (int, float)
-        Stamps [ns] and distances [m] since the last control step.
-    pressure : float or None
-        [Pa]
-    block : (int, ndarray of uint16) or None
-        Stamp of the first sample [ns] and the ADC block, shape (samples, diodes).
-    illuminance : float or None
-        At the panel. [lx]
-    battery, panel : (float, float) or None
-        Voltage [V] and current [A]; negative discharges.
-    truth : tuple of 13 floats or None
-        Motion reported by the tracker: position [m] and quaternion x y z w, velocity [m/s] and
-        rates [rad/s] in the body frame; equal to the true motion unless an effect acts on the
-        tracker.
-
-    """
+    """Sensor readings of one control step; None where nothing is due."""
 
     stamp_ns: int
+    # Measured specific force [m/s2] and angular rates [rad/s], body frame
     force: Vector = (0.0, 0.0, 0.0)
     rates: Vector = (0.0, 0.0, 0.0)
+    # Stamps [ns] and distances [m] since the last control step
     ranges: list[tuple[int, float]] = field(default_factory=list)
-    pressure: float | None = None
+    pressure: float | None = None  # [Pa]
+    # Stamp of the first sample [ns] and the ADC block, shape (samples, diodes)
     block: tuple[int, NDArray[np.uint16]] | None = None
-    illuminance: float | None = None
+    illuminance: float | None = None  # at the panel [lx]
+    # Voltage [V] and current [A]; negative discharges
     battery: tuple[float, float] | None = None
     panel: tuple[float, float] | None = None
+    # Motion reported by the tracker: position [m] and quaternion x y z w, velocity [m/s] and rates
+    # [rad/s] in the body frame; equal to the true motion unless an effect acts on the tracker
     truth: tuple[float, ...] | None = None

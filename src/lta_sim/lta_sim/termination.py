@@ -26,35 +26,19 @@ class DoorBounds(NamedTuple):
 
 
 class EndConditions(NamedTuple):
-    """
-    End conditions of a flight.
+    """End conditions of a flight."""
 
-    Attributes
-    ----------
-    stops : tuple of tuple of float
-        Lamps in the order in which they are to be reached. [m, map]
-    radius, vertical_tolerance : float
-        Largest horizontal distance and difference of height at which a lamp is reached. [m]
-    limit : float
-        Time limit. [s]
-    half_length, half_width, height : float
-        Size of the room. [m]
-    door : DoorBounds
-        Its door.
-    along : bool
-        Whether the flight follows a course instead of searching lamps.
-
-    """
-
-    stops: tuple[Place, ...]
+    stops: tuple[Place, ...]  # lamps in the order in which they are to be reached [m, map]
+    # Largest horizontal distance and difference of height at which a lamp is reached [m]
     radius: float
     vertical_tolerance: float
-    limit: float
+    limit: float  # time limit [s]
+    # Size of the room [m]
     half_length: float
     half_width: float
     height: float
     door: DoorBounds
-    along: bool
+    along: bool  # whether the flight follows a course instead of searching lamps
 
 
 class GoalProgress(NamedTuple):

@@ -30,20 +30,10 @@ Array = NDArray[np.float64]
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class WindRecord:
-    """
-    A recorded wind; create it with `WindRecord.read`.
+    """A recorded wind; create it with `WindRecord.read`."""
 
-    Parameters
-    ----------
-    time : ndarray, shape (N,)
-        Since the flight's start. [s]
-    wind : ndarray, shape (N, 3)
-        In `map`. [m/s]
-
-    """
-
-    time: Array
-    wind: Array
+    time: Array  # since the flight's start, shape (N,) [s]
+    wind: Array  # in `map`, shape (N, 3) [m/s]
 
     @classmethod
     def read(cls, path: Path, needed: float) -> Self:

@@ -43,35 +43,15 @@ CURVE_ERROR: Final = 0.0029  # N rms a rotor
 @final
 @dataclass(frozen=True, slots=True)
 class HeavinessEstimate:
-    """
-    Heaviness of a vehicle as estimated from a flight.
+    """Heaviness of a vehicle as estimated from a flight."""
 
-    Attributes
-    ----------
-    heaviness : float
-        Mass less displaced air. [kg]
-    error : float
-        Half of the 95 % interval, from the scatter of the intervals. [kg]
-    curve_error : float
-        Uncertainty by the thrust curve (1 sigma). [kg]
-    declared : float
-        Heaviness by the vehicle file. [kg]
-    duration : float
-        Total time of the intervals used. [s]
-    duty : float or None
-        Mean duty of the rotors that lift; None for a commanded wrench. [1]
-    force : float or None
-        Mean upward force of a commanded wrench; None for duties. [N]
-
-    """
-
-    heaviness: float
-    error: float
-    curve_error: float
-    declared: float
-    duration: float
-    duty: float | None
-    force: float | None = None
+    heaviness: float  # mass less displaced air [kg]
+    error: float  # half of the 95 % interval, from the scatter of the intervals [kg]
+    curve_error: float  # uncertainty by the thrust curve (1 sigma) [kg]
+    declared: float  # heaviness by the vehicle file [kg]
+    duration: float  # total time of the intervals used [s]
+    duty: float | None  # mean duty of the rotors that lift; None for a commanded wrench [1]
+    force: float | None = None  # mean upward force of a commanded wrench; None for duties [N]
 
     @property
     def ballast_change(self) -> float:

@@ -44,15 +44,7 @@ class VehicleValidation(NamedTuple):
 
 
 def validate_vehicle_file(path: Path) -> VehicleValidation:
-    """
-    Check a vehicle file.
-
-    Raises
-    ------
-    BadInput
-        If the file is not valid YAML.
-
-    """
+    """Check a vehicle file; raise BadInput if the file is not valid YAML."""
     content = load_yaml(path)
     if not isinstance(content, dict):
         return VehicleValidation(

@@ -40,13 +40,6 @@ def test_state_of_charge_is_the_inverse(charge):
     assert battery.state_of_charge(voltage) == pytest.approx(charge, abs=1e-12)
 
 
-@given(charges, charges)
-def test_a_fuller_cell_has_more_voltage_and_energy(one, other):
-    low, high = sorted((one, other))
-    assert battery.open_circuit_voltage(low) <= battery.open_circuit_voltage(high)
-    assert battery.stored_energy(low, 900.0) <= battery.stored_energy(high, 900.0)
-
-
 @pytest.mark.parametrize('charge', [0.0, 0.01, 0.05, 0.33, 0.5, 0.999, 1.0])
 def test_stored_energy_is_the_integral_of_voltage(charge):
     knots = [k / 20 for k in range(1, 20) if k / 20 < charge]
@@ -101,28 +94,6 @@ def test_counting_by_hand():
     assert battery.integrate_charge(0.5, -0.9, 900.0, 100.0) == pytest.approx(0.4, rel=1e-14)
     assert battery.integrate_charge(0.05, -0.9, 900.0, 100.0) == 0.0
     assert battery.integrate_charge(0.95, 0.9, 900.0, 100.0) == 1.0
-
-
-def test_advance_is_of_second_order():
-    def after(dt):
-        charge, relaxation = 0.62, 0.0  # 0.62 to 0.64 lies between two knots of the curve
-        for _ in range(round(32.0 / dt)):
-            charge, relaxation, *_ = battery.advance_cell(PAIR, charge, relaxation, 1.5, dt)
-        return charge, relaxation
-
-    exact = after(0.125)
-    for place, ratio in ((0, 4.0), (1, 4.0)):
-        errors = [after(dt)[place] - exact[place] for dt in (4.0, 2.0)]
-        assert errors[0] / errors[1] == pytest.approx(ratio, rel=0.1)
-
-
-def test_a_constant_power_empties_the_cell_when_its_energy_is_spent():
-    ideal = battery.BatteryModel(capacity=900.0, resistance=0.0)
-    charge, time = 1.0, 0.0
-    while charge > 0.0:
-        charge, *_ = battery.advance_cell(ideal, charge, 0.0, -1.333, 1.0)
-        time += 1.0
-    assert time == pytest.approx(900.0 * 3.85825 / 1.333, abs=1.5)
 
 
 def test_a_step_of_current_relaxes_by_hand():

@@ -5,7 +5,6 @@ import math
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_energy.faults.fault_monitor import DETECTORS
 from lta_energy.monitoring.estimate import EnergyEstimate
 from lta_energy.monitoring.latch import Latch, ROUNDING, update_latch
 from lta_energy.monitoring.monitor import update_estimate
@@ -96,10 +95,6 @@ def test_a_fault_of_the_panel_is_named_and_the_flight_goes_on(name):
     assert not estimate.reserve
     assert not estimate.is_landing_urgent
     assert report_energy(SETTINGS, CELL, estimate).meters[0] is HealthLevel.WARN
-
-
-def test_a_voltage_that_stands_still_is_frozen_too():
-    assert 'frozen' in flown(frozen('voltage'))[0]
 
 
 def test_a_reversed_current_is_seen_in_bright_light_by_the_resistance():
@@ -227,10 +222,6 @@ def test_the_electronics_alone_raise_no_alarm():
     for _ in range(6000):
         estimate = update_estimate(SETTINGS, ABOARD, estimate, cell.reading(0.119))
         assert names(estimate) == set()
-
-
-def test_each_detector_has_its_name():
-    assert len({detector.name for detector in DETECTORS}) == len(DETECTORS) == 13
 
 
 @given(st.lists(st.booleans(), max_size=60), st.floats(0.0, 1.0), st.floats(0.0, 1.0))

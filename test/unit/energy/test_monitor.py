@@ -58,18 +58,6 @@ def test_a_resting_cell_is_known_within_its_deviation(charge):
     assert estimate.deviation < 0.07
 
 
-def test_the_books_by_hand():
-    # Ten seconds of 3.9 V and -0.5 A beside 0.3 W of the panel.
-    estimate = follow(readings(*[(3.9, -0.5)] * 101, harvest=0.3))
-    books = estimate.books
-    assert books.harvested == pytest.approx(3.0)
-    assert books.consumed == pytest.approx(3.0 + 19.5)
-    # Chemistry gives what terminals take and resistances burn; what is left over is the model's.
-    assert books.stored < -19.5
-    assert books.lost == pytest.approx(0.15 * 0.25 * 10.0, rel=0.6)
-    assert abs(books.imbalance) < 0.1
-
-
 def test_the_books_of_a_cell_like_its_file_balance_to_a_thousandth():
     cell = Metered(3, (0.6, 0.9))
     books = follow(cell.reading() for _ in range(600)).books
@@ -126,18 +114,6 @@ def test_the_way_home_brings_the_reserve_nearer():
     assert report_energy(SETTINGS, CELL, far).way[0] is HealthLevel.WARN
     assert 'the start is 100.0 m away' in report_energy(SETTINGS, CELL, far).way[1]
     assert report_energy(SETTINGS, CELL, near).way[0] is HealthLevel.OK
-
-
-def test_a_low_voltage_must_recover_before_it_is_taken_back():
-    estimate = follow(readings(*[(3.5, -0.1)] * 20))
-    stamp = estimate.last.stamp_ns
-    said = []
-    for k, volts in enumerate([3.15] * 5 + [3.25] * 30 + [3.35] * 60):
-        reading = MeterReading(stamp + (k + 1) * TENTH, volts, -0.1 - 1e-6 * k, 4.4, 0.0)
-        estimate = update_estimate(SETTINGS, ABOARD, estimate, reading)
-        said.append(estimate.critical.on)
-    assert said.index(True) == 2  # 0.3 s
-    assert said.index(False, 3) == 5 + 30 + 49  # 5 s above 3.3 V
 
 
 def test_a_reading_of_the_past_changes_nothing():

@@ -135,15 +135,6 @@ def test_the_reserve_counts_what_is_sure_and_the_way_home():
     assert open_circuit_voltage(0.5) == 3.84
 
 
-def test_the_reserve_has_hysteresis():
-    settings, before = EnergyReserveSettings(reserve=0.25, hysteresis=0.05), False
-    for sure, expected in (
-        (0.27, False), (0.261, False), (0.259, True), (0.30, True), (0.309, True), (0.311, False),
-    ):  # fmt: skip
-        before = reserve.is_reserve_reached(settings, before, ReserveMargin(sure, 0.01, 0.0))
-        assert before is expected, sure
-
-
 def test_no_load_says_nothing():
     assert load.mean_load_deviation(LoadEstimate(), 5.0, 120.0) == 0.0
 

@@ -2,7 +2,7 @@
 
 from itertools import product
 
-from lta_graph.ros.raw_subscription import match_profile
+from lta_graph.ros.raw_subscriptions import match_profile
 import pytest
 from rclpy.qos import (
     DurabilityPolicy,

@@ -96,21 +96,6 @@ def test_a_cg_ahead_tips_the_nose_down():
     np.testing.assert_allclose(tilt(state), (0.0, math.atan(0.01 / DEPTH), 0.0), atol=1e-9)
 
 
-def test_a_lower_cg_swings_as_its_depth_says():
-    deeper = DEPTH + 0.02
-    inertia = 0.015 + MASS * deeper**2 + 4.7e-3 - (MASS * deeper) ** 2 / (MASS + 0.146)
-    expected = 2 * math.pi * math.sqrt(inertia / (MASS * balloon.G * deeper))
-    vehicle = model(NEUTRAL | {'cg_height': {'z': -0.02}})
-    state, dt, crossings = swung(1e-3), 2e-3, []
-    for k in range(5000):
-        later = advance(state, vehicle, OFF, CALM, dt, 1)
-        if state[4] < 0.0 <= later[4]:
-            crossings.append((k - state[4] / (later[4] - state[4])) * dt)
-        state = later
-    assert len(crossings) >= 5
-    assert np.diff(crossings).mean() == pytest.approx(expected, rel=1e-5)
-
-
 def test_a_frame_brakes_a_spin_as_one_over_time():
     """I dw/dt = -D w^2: w = w_0 / (1 + D w_0 t / I); a post 1 m off the axis, D = drag."""
     post = build_strips([DragBox((0.0, 1.0, 0.0), (0.01, 0.01, 0.3), 1.0)], 1.2)

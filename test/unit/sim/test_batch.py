@@ -62,13 +62,6 @@ def test_the_flights_meet_every_branch():
     assert 50 < np.count_nonzero(slower) < 350
 
 
-def test_null_parameters_are_null_to_the_bit(steps):
-    _, states, duties, winds = flights(20)
-    models = [balloon.model({'weight_and_buoyancy': balloon.WEIGHT})] * 20
-    many = advance_many(states, VehicleBatch.from_models(models), duties, winds, STEP, steps)
-    np.testing.assert_array_equal(many, alone(models, states, duties, winds, STEP, steps))
-
-
 def test_what_is_lost_stays_its_own(steps):
     models, states, duties, winds = flights(20)
     states[3] = np.nan

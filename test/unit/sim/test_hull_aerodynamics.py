@@ -142,19 +142,6 @@ def test_hull_lift_is_the_published_law_in_its_own_axes(seed):
     )
 
 
-def test_lift_by_hand():
-    # Straight ahead at 1 m/s: q = 0.15234 N; drag, side to the right and lift up.
-    q = 0.5 * 1.2187 * 0.25
-    force = lifted((1.0, 0.0, 0.0))
-    np.testing.assert_allclose(
-        force, [-0.2425 * q, -0.0083 * q, 0.1594 * q, 0.0131 * q, -0.0568 * q, -0.0006 * q],
-        rtol=2e-6,
-    )  # fmt: skip
-    # Nose up against the air (it comes from below) lifts more; from the left pushes to the right.
-    assert lifted((1.0, 0.0, -0.2))[2] > 3.0 * force[2]
-    assert lifted((1.0, 0.2, 0.0))[1] < -0.05
-
-
 def test_hull_lift_is_finite_at_rest_and_its_damping_slows():
     np.testing.assert_array_equal(lifted(NO), np.zeros(6))
     spin = lifted(NO, (0.5, -0.4, 0.3))

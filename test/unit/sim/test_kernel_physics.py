@@ -93,34 +93,6 @@ def test_fall_with_quadratic_drag():
     assert advance(state, model, OFF, CALM, 2e-3, 60_000)[9] == pytest.approx(-terminal, rel=1e-9)
 
 
-def test_free_balloon_drifts_with_the_wind():
-    still = {name: given for name, given in balloon.EVERYTHING.items() if name != 'floor_contact'}
-    model = balloon.model(still, displaced=balloon.MASS)
-    wind = np.array([1.0, 0.5, 0.0])
-    state = balloon.at(heading=0.7)
-    late = advance(state, model, OFF, wind, 2e-3, 100_000)
-    over_ground = Rotation.from_quat(late[QUATERNION]).apply(late[VELOCITY])
-    assert 0.9 < np.dot(over_ground, wind) / np.dot(wind, wind) < 1.0
-    carried = balloon.at(heading=0.7)
-    carried[VELOCITY] = Rotation.from_quat(carried[QUATERNION]).inv().apply(wind)
-    after = advance(carried, model, OFF, wind, 2e-3, 5000)
-    np.testing.assert_allclose(after[POSITION] - carried[POSITION], 10.0 * wind, atol=1e-10)
-
-
-def test_flight_in_steady_wind_is_the_flight_in_calm_carried_along():
-    still = {name: given for name, given in balloon.EVERYTHING.items() if name != 'floor_contact'}
-    model = balloon.model(still, cg=(0.03, -0.02, -0.08))
-    wind, duty = np.array([1.0, -0.5, 0.2]), np.array([0.3, 0.2, 0.6, 0.4])
-    calm = balloon.at(velocity=(0.2, 0.1, 0.0), rates=(0.5, -1.0, 2.0), heading=0.4)
-    windy = calm.copy()
-    windy[VELOCITY] += Rotation.from_quat(calm[QUATERNION]).inv().apply(wind)
-    calm = advance(calm, model, duty, CALM, 1e-3, 5000)
-    windy = advance(windy, model, duty, wind, 1e-3, 5000)
-    calm[POSITION] += 5.0 * wind
-    calm[VELOCITY] += Rotation.from_quat(calm[QUATERNION]).inv().apply(wind)
-    np.testing.assert_allclose(windy, calm, atol=1e-9)
-
-
 def test_turning_the_start_turns_the_flight():
     model = balloon.model(balloon.EVERYTHING)
     duty, turn = np.array([0.3, 0.2, 0.6, 0.4]), Rotation.from_euler('z', 1.1)
@@ -159,13 +131,6 @@ def test_motor_follows_its_time_constants():
     np.testing.assert_allclose(state[balloon.LAG], expected, rtol=1e-9, atol=0.0)
     later = advance(state, model, OFF, CALM, 1e-3, 150)
     np.testing.assert_allclose(later[balloon.LAG], expected * math.exp(-1.0), rtol=1e-9, atol=0.0)
-
-
-def test_without_lag_the_rotor_obeys_at_once():
-    model = balloon.model({'thrust_curve': balloon.CURVE, 'rotor_thrust': balloon.ROTORS})
-    rate = state_derivative(balloon.at(), model, (1.0, 1.0, 0.0, 0.0))
-    expected = 2 * 0.961 * (0.0915 + 0.0677) / balloon.MASS
-    assert rate[9] == pytest.approx(expected, rel=1e-12)
 
 
 def test_it_stands_on_the_floor_and_takes_off():

@@ -57,6 +57,17 @@ def test_at_null_the_truth_is_left_alone(effect):
 
 
 @pytest.mark.parametrize('effect', EFFECTS.values(), ids=lambda effect: effect.name)
+def test_declared_as_the_protocol_wants(effect):
+    assert effect.channel in CHANNELS
+    for parameter in effect.parameters:
+        assert parameter.low <= parameter.null <= parameter.high
+        assert parameter.low < parameter.high
+        # A prior of three deviations lies within the bounds.
+        assert 0.0 < 3.0 * parameter.spread <= parameter.high - parameter.null
+        assert parameter.source
+
+
+@pytest.mark.parametrize('effect', EFFECTS.values(), ids=lambda effect: effect.name)
 def test_every_parameter_shows_in_a_reading_of_the_right_length(effect):
     values = NUMBERS[: CHANNELS[effect.channel]]
     for one in effect.parameters:

@@ -4,9 +4,11 @@ from lta_model.effects.protocol import CHANNELS
 from lta_model.effects.rotors import (
     battery_sag,
     command_delay,
+    motor_deadband,
     rotor_fault,
     thrust_curve,
     thrust_polynomial,
+    thrust_scale,
 )
 from lta_model.state import SURROUNDINGS, VOLTAGE
 import numpy as np
@@ -143,6 +145,25 @@ def test_the_bench_s_own_parabola_and_its_voltage():
     by_voltage = np.column_stack([mean**2, mean])
     best = np.linalg.lstsq(by_voltage, NEWTONS)[0]
     assert 1e3 * rms(by_voltage @ best - NEWTONS) == pytest.approx(2.84, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ('effect', 'null'),
+    [
+        (motor_deadband, (0.0,)),
+        (battery_sag, (0.0, 1.0)),
+        (thrust_polynomial, (0.0,) * 6),
+        (thrust_scale, (1.0,)),
+        (rotor_fault, (0.0,)),
+    ],
+)
+def test_null_passes_everything_on(effect, null):
+    declared = (*effect.EFFECT.shared, *effect.EFFECT.each)
+    assert tuple(parameter.null for parameter in declared) == null
+    for value in (-1.0, -1e-300, -0.0, 0.0, 5e-324, 0.1, 0.7, 1.0):
+        for voltage in (0.0, 3.1):
+            passed = through(effect, null, value, voltage)
+            assert (passed, np.signbit(passed)) == (value, np.signbit(value))
 
 
 def test_a_fault_is_of_one_rotor():

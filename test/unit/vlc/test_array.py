@@ -82,15 +82,6 @@ def test_deviation_by_hand():
     assert estimate_bearing(peaks, ring, 6.0).deviation == pytest.approx(hand, rel=1e-12)
 
 
-def test_left_is_positive():
-    peaks = Peaks(
-        np.array([0.0, 1.0, 0.0, 0.0]), np.array([0.0, 99.0, 0.0, 0.0]), np.zeros(4), np.ones(4)
-    )
-    assert estimate_bearing(peaks, build_even_ring(4).ring, 6.0).angle == pytest.approx(
-        math.pi / 2.0, abs=1e-12
-    )
-
-
 def test_common_pedestal_cancels():
     direct = seen(8, 0.6, lambda c: c)
     lit = Peaks(direct.amplitude + 5.0, np.full(8, SURE), direct.frequency, direct.noise)

@@ -41,11 +41,6 @@ def test_sine_in_a_bin_reads_its_amplitude(samples, k):
     assert np.delete(spectrum, k).max() < 1e-12
 
 
-def test_highest_bin_of_an_even_block_reads_its_amplitude():
-    alternating = 2.5 * (-1.0) ** np.arange(64)
-    assert amplitude_spectrum(alternating[:, None])[32, 0] == pytest.approx(2.5, rel=1e-12)
-
-
 def test_highest_bin_of_an_odd_block_is_a_bin_like_others():
     sine = 2.5 * np.sin(2.0 * math.pi * 50.0 * np.arange(101) / 101.0)
     assert amplitude_spectrum(sine[:, None])[50, 0] == pytest.approx(2.5, rel=1e-12)

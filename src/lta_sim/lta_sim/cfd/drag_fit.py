@@ -19,24 +19,13 @@ from scipy.optimize import nnls
 @final
 @dataclass(frozen=True, slots=True)
 class DragFit:
-    """
-    Drag along or about one axis.
+    """Drag along or about one axis."""
 
-    Parameters
-    ----------
-    linear, quadratic : float
-        N s/m and N s2/m2 along, N m s and N m s2 about an axis.
-    error : float
-        Largest relative error of the points. [1]
-    exponent : float
-        Exponent of a power law through the points; NaN for one point. [1]
-
-    """
-
+    # N s/m and N s2/m2 along, N m s and N m s2 about an axis
     linear: float
     quadratic: float
-    error: float
-    exponent: float
+    error: float  # largest relative error of the points [1]
+    exponent: float  # exponent of a power law through the points; NaN for one point [1]
 
     def drag_at(self, speed: float) -> float:
         """Return the drag at a speed. [N or N m]."""

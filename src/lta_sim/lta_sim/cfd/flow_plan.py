@@ -32,26 +32,13 @@ LENGTHS: Final = 26.0  # hull lengths of flow in a transient; the first ones are
 @final
 @dataclass(frozen=True, slots=True)
 class TunnelFlow:
-    """
-    One flow of a sweep.
+    """One flow of a sweep."""
 
-    Parameters
-    ----------
-    kind : str
-        'wind', 'coarse' (a wind on a coarser mesh), 'transient', 'spin' or 'blow'.
-    about : str
-        Axis or rotor pattern.
-    speeds : sequence of float
-        Speeds of the results. [m/s or rad/s]
-    shares : mapping of str to float
-        Thrust of the running rotors, relative to full thrust.
-
-    """
-
-    kind: Kind
-    about: str
+    kind: Kind  # 'wind', 'coarse' (a wind on a coarser mesh), 'transient', 'spin' or 'blow'
+    about: str  # axis or rotor pattern
     case: FoamCase
-    speeds: Sequence[float] = ()
+    speeds: Sequence[float] = ()  # speeds of the results [m/s or rad/s]
+    # Thrust of the running rotors, relative to full thrust
     shares: Mapping[str, float] | None = None
 
 

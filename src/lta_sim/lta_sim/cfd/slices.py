@@ -20,27 +20,14 @@ POINTS: Final = 220  # along the longer side
 @final
 @dataclass(frozen=True, slots=True)
 class FlowSlice:
-    """
-    Air speed in a plane.
+    """Air speed in a plane."""
 
-    Parameters
-    ----------
-    about : str
-        Axis or pattern.
-    across, up : array
-        Coordinates along the two sides of the picture. [m]
-    names : (str, str)
-        Labels of the sides.
-    speed : array (len(up), len(across))
-        NaN inside the bodies. [m/s]
-
-    """
-
-    about: str
+    about: str  # axis or pattern
+    # Coordinates along the two sides of the picture [m]
     across: Array
     up: Array
-    names: tuple[str, str]
-    speed: Array
+    names: tuple[str, str]  # labels of the sides
+    speed: Array  # NaN inside the bodies [m/s]
 
 
 def read_flow_slice(model: TunnelModel, flow: TunnelFlow, place: Path) -> FlowSlice | None:

@@ -57,32 +57,16 @@ TURNS: Final = {
 @final
 @dataclass(frozen=True, slots=True)
 class MeshFineness:
-    """
-    Resolution of a tunnel mesh.
+    """Resolution of a tunnel mesh."""
 
-    Parameters
-    ----------
-    hull, parts : int
-        Levels on the hull and on other bodies.
-    trail : int
-        Level behind the hull, up to 1.5 lengths; one less up to 3.
-    shell : float
-        Distance around the hull that is refined to level 3. [lengths]
-    layers : int
-        Number of prism layers on the hull.
-    expansion : float
-        Thickness ratio of successive layers. [1]
-    cells, most : int
-        Expected and maximum number of cells of the whole domain.
-
-    """
-
+    # Levels on the hull and on other bodies
     hull: int = 4
     parts: int = 5
-    trail: int = 2
-    shell: float = 0.12
-    layers: int = 6
-    expansion: float = 1.3
+    trail: int = 2  # level behind the hull, up to 1.5 lengths; one less up to 3
+    shell: float = 0.12  # distance around the hull that is refined to level 3 [lengths]
+    layers: int = 6  # number of prism layers on the hull
+    expansion: float = 1.3  # thickness ratio of successive layers [1]
+    # Expected and maximum number of cells of the whole domain
     cells: int = 185_000
     most: int = 3_000_000
 

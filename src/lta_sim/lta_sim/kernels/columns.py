@@ -53,20 +53,10 @@ def build_thread_sources(parts: list[ModelStage], layout: EffectLayout) -> dict[
 @final
 @dataclass(frozen=True, slots=True)
 class ColumnAccess:
-    """
-    Access the numbers of vehicle i in blocks.
+    """Access the numbers of vehicle i in blocks."""
 
-    Parameters
-    ----------
-    width : str
-        Source of the block width.
-    state : str
-        Source of the block of states; '' where a state is a local tuple.
-
-    """
-
-    width: str
-    state: str = ''
+    width: str  # source of the block width
+    state: str = ''  # source of the block of states; '' where a state is a local tuple
 
     @property
     def loops(self) -> bool:

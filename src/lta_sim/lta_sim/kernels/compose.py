@@ -35,27 +35,14 @@ import math
 @final
 @dataclass(frozen=True, slots=True)
 class KernelTarget:
-    """
-    Compilation target of the model.
+    """Compilation target of the model."""
 
-    Parameters
-    ----------
-    imports : str
-        Import statements in addition to `math` and `namedtuple`.
-    inline, entry : str
-        Decorators of internal functions and of entry points.
-    access : KernelAccess
-        How the source accesses the numbers of a vehicle.
-    entries : Template
-        Entry points of this target; `render_kernel_source` fills in the layout.
-
-    """
-
-    imports: str
+    imports: str  # import statements in addition to `math` and `namedtuple`
+    # Decorators of internal functions and of entry points
     inline: str
     entry: str
-    access: KernelAccess
-    entries: Template
+    access: KernelAccess  # how the source accesses the numbers of a vehicle
+    entries: Template  # entry points of this target; `render_kernel_source` fills in the layout
 
 
 # One vehicle, in its row.

@@ -79,15 +79,7 @@ FORM = KernelTarget(
 
 
 def require_cuda() -> ModuleType:
-    """
-    Return numba's CUDA target.
-
-    Raises
-    ------
-    BadInput
-        If numba-cuda or a usable GPU is missing.
-
-    """
+    """Return numba's CUDA target; raise BadInput if numba-cuda or a usable GPU is missing."""
     # numba-cuda 0.30 still uses a function that numpy 2.5 removed.
     vars(np).setdefault('row_stack', np.vstack)
     try:

@@ -45,33 +45,17 @@ def format_offset(each: int) -> str:
 @final
 @dataclass(frozen=True, slots=True)
 class ModelStage:
-    """
-    One stage of the state derivative.
+    """One stage of the state derivative."""
 
-    Parameters
-    ----------
-    lines : tuple of str
-        Source that computes it.
-    reads, writes : tuple of str
-        Which of VARIABLES it needs and sets.
-    effect : str
-        Effect whose flag controls it; '' if it always runs.
-    memory : tuple of (int, str)
-        Places in the state and the source of their rates.
-    prelude : tuple of str
-        Lines needed first where the locals of earlier stages are not available.
-    each : bool
-        Whether its lines are for one rotor j.
-
-    """
-
-    lines: tuple[str, ...]
+    lines: tuple[str, ...]  # source that computes it
+    # Which of VARIABLES it needs and sets
     reads: tuple[str, ...] = ()
     writes: tuple[str, ...] = ()
-    effect: str = ''
-    memory: tuple[tuple[int, str], ...] = ()
+    effect: str = ''  # effect whose flag controls it; '' if it always runs
+    memory: tuple[tuple[int, str], ...] = ()  # places in the state and the source of their rates
+    # Lines needed first where the locals of earlier stages are not available
     prelude: tuple[str, ...] = ()
-    each: bool = False
+    each: bool = False  # whether its lines are for one rotor j
 
 
 @final

@@ -18,38 +18,16 @@ Numbers = NDArray[np.float64]
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class VehicleBatch:
-    """
-    Models of V vehicles, one row each, as in `VehicleModel`.
+    """Models of V vehicles, one row each, as in `VehicleModel`."""
 
-    Parameters
-    ----------
-    parameters : ndarray, shape (V, P)
-        Parameters of the kernel's effects in registry order.
-    on : ndarray of uint8, shape (V, K)
-        Flags of these effects.
-    body : ndarray, shape (V, BODY)
-        Rigid-body properties.
-    inverse : ndarray, shape (V, 36)
-        Inverse of the mass matrix.
-
-    """
-
-    parameters: Numbers
-    on: NDArray[np.uint8]
-    body: Numbers
-    inverse: Numbers
+    parameters: Numbers  # parameters of the kernel's effects in registry order, shape (V, P)
+    on: NDArray[np.uint8]  # flags of these effects, shape (V, K)
+    body: Numbers  # rigid-body properties, shape (V, BODY)
+    inverse: Numbers  # inverse of the mass matrix, shape (V, 36)
 
     @classmethod
     def from_models(cls, models: Sequence[VehicleModel]) -> Self:
-        """
-        Build a batch from at least one model.
-
-        Raises
-        ------
-        BadInput
-            If there are none.
-
-        """
+        """Build a batch from at least one model; raise BadInput if there are none."""
         if not models:
             raise BadInput('A batch needs at least one vehicle, but none was given.')
         return cls(

@@ -15,29 +15,13 @@ GUESSED = ('assumed', 'unverified', 'from memory')
 @final
 @dataclass(frozen=True, slots=True)
 class VehicleFileEntry:
-    """
-    A number or a choice in a vehicle file.
+    """A number or a choice in a vehicle file."""
 
-    Attributes
-    ----------
-    place : str
-        Dotted path, such as 'layers.top.solar_panels.mass'.
-    value : str
-        Value as written, with its unit.
-    source : str
-        Source of the number; '' for choices such as the hull shape.
-    numbers : tuple of float
-        SI values; empty for choices.
-    unit : str
-        SI unit of the numbers.
-
-    """
-
-    place: str
-    value: str
-    source: str = ''
-    numbers: tuple[float, ...] = ()
-    unit: str = ''
+    place: str  # dotted path, such as 'layers.top.solar_panels.mass'
+    value: str  # value as written, with its unit
+    source: str = ''  # source of the number; '' for choices such as the hull shape
+    numbers: tuple[float, ...] = ()  # SI values; empty for choices
+    unit: str = ''  # SI unit of the numbers
 
     @property
     def is_assumed(self) -> bool:

@@ -13,41 +13,17 @@ LARGER = {'g': 'kg', 'mN': 'N', 'mN m': 'N m', 'g m²': 'kg m²'}
 @final
 @dataclass(frozen=True, slots=True)
 class DerivedFigure:
-    """
-    A derived number.
+    """A derived number."""
 
-    Attributes
-    ----------
-    key : str
-        Identifier, used in JSON and in comparisons.
-    group : str
-        Heading of the table that shows it.
-    words : str
-        Label.
-    value : float or None
-        Value in `unit`; None if it does not exist, and `note` gives the reason.
-    unit : str
-        Display unit, such as 'g', 'cm' or 'm/s'.
-    source : str
-        Rule of the derivation.
-    rests : tuple of str
-        Paths of the inputs in the vehicle file.
-    digits : int
-        Number of significant decimals.
-    note : str
-        Remark shown with the figure.
-
-    """
-
-    key: str
-    group: str
-    words: str
-    value: float | None
-    unit: str
-    source: str
-    rests: tuple[str, ...] = ()
-    digits: int = 1
-    note: str = ''
+    key: str  # identifier, used in JSON and in comparisons
+    group: str  # heading of the table that shows it
+    words: str  # label
+    value: float | None  # value in `unit`; None if it does not exist, and `note` gives the reason
+    unit: str  # display unit, such as 'g', 'cm' or 'm/s'
+    source: str  # rule of the derivation
+    rests: tuple[str, ...] = ()  # paths of the inputs in the vehicle file
+    digits: int = 1  # number of significant decimals
+    note: str = ''  # remark shown with the figure
 
     @property
     def value_with_unit(self) -> str:

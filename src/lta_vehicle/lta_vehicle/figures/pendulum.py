@@ -33,23 +33,11 @@ ABOUT = {'roll': (0, 1), 'pitch': (1, 0)}  # axis of rotation, coupled axis of t
 @final
 @dataclass(frozen=True, slots=True)
 class PendulumMode:
-    """
-    The pendulum mode about one axis.
+    """The pendulum mode about one axis."""
 
-    Attributes
-    ----------
-    stiffness : float
-        Righting moment per angle; negative if unstable. [N m/rad]
-    inertia : float
-        Effective inertia, added inertia included. [kg m2]
-    damping : float
-        Moment per rate at an amplitude of 5 degrees. [N m s]
-
-    """
-
-    stiffness: float
-    inertia: float
-    damping: float
+    stiffness: float  # righting moment per angle; negative if unstable [N m/rad]
+    inertia: float  # effective inertia, added inertia included [kg m2]
+    damping: float  # moment per rate at an amplitude of 5 degrees [N m s]
 
     @property
     def period(self) -> float | None:

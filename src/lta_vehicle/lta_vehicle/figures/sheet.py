@@ -21,24 +21,12 @@ from lta_vehicle.figures.thrust_envelope import derive_rotor_figures, derive_spe
 @final
 @dataclass(frozen=True, slots=True)
 class VehicleSheet:
-    """
-    Properties and performance of a vehicle.
-
-    Attributes
-    ----------
-    figures : sequence of DerivedFigure
-        Derived figures, ordered by group.
-    budget : sequence of MassBudgetItem
-        Masses of the parts.
-    numbers : sequence of VehicleFileEntry
-        All numbers of the vehicle file.
-
-    """
+    """Properties and performance of a vehicle."""
 
     vehicle: Vehicle
-    figures: Sequence[DerivedFigure]
-    budget: Sequence[MassBudgetItem]
-    numbers: Sequence[VehicleFileEntry]
+    figures: Sequence[DerivedFigure]  # derived figures, ordered by group
+    budget: Sequence[MassBudgetItem]  # masses of the parts
+    numbers: Sequence[VehicleFileEntry]  # all numbers of the vehicle file
 
     @property
     def by_key(self) -> Mapping[str, DerivedFigure]:

@@ -36,23 +36,11 @@ DIRECTIONS = {
 @final
 @dataclass(frozen=True, slots=True)
 class WrenchLimit:
-    """
-    The largest force or moment in one direction.
+    """The largest force or moment in one direction."""
 
-    Attributes
-    ----------
-    most : float
-        Force or moment; negative if the held weight outweighs the thrust. [N, N m]
-    wrench : 6-tuple
-        Wrench of these thrusts. [N, N m]
-    thrusts : tuple of float
-        Of each rotor; negative if it is reversed. [N]
-
-    """
-
-    most: float
-    wrench: tuple[float, ...]
-    thrusts: tuple[float, ...]
+    most: float  # force or moment; negative if the held weight outweighs the thrust [N, N m]
+    wrench: tuple[float, ...]  # wrench of these thrusts [N, N m]
+    thrusts: tuple[float, ...]  # of each rotor; negative if it is reversed [N]
 
 
 def solve_wrench_limit(

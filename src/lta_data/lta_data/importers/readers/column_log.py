@@ -13,12 +13,16 @@ from lta_config.errors import BadInput
 from lta_config.quantity import UNITS
 from lta_config.schema.import_file import ImportMapping as MappingFile
 from lta_config.schema.import_file import TimeColumn
-from lta_config.topics import load_topic_table
 from lta_data.importers.log_provenance import CLOCK
 from lta_data.importers.log_table import LogTable, Times
 from lta_data.importers.protocol import PassThroughMessage, RawTopic, Reached
 from lta_data.importers.readers.csv_text import missing_columns_error
-from lta_data.importers.readers.row_times import compute_even_times, parse_exact_times, SECOND
+from lta_data.importers.readers.row_times import (
+    choose_time_offset,
+    compute_even_times,
+    parse_exact_times,
+    SECOND,
+)
 import numpy as np
 from numpy.typing import NDArray
 
@@ -97,17 +101,7 @@ class ColumnLog:
         if given:
             return round(given[0].si * SECOND)
         first = min((int(times.min()) for times in stamps.values() if len(times)), default=0)
-        start = load_topic_table().start_ns
-        if first >= start:
-            return 0
-        shift = start - min(0, first // SECOND) * SECOND
-        self.notes.append(
-            f'The times in the log start at {first / SECOND:g} s. {shift / SECOND:g} s were added '
-            'to all times, since in ROS time 0 means "no clock yet".'
-        )
-        self.facts.setdefault(CLOCK, 'from its own start')
-        self.facts['time_shift'] = f'{shift / SECOND:g} s'
-        return shift
+        return choose_time_offset(first, self.notes, self.facts)
 
 
 def _list_table_times(tables: Tables, mapping: MappingFile) -> dict[str, TimeColumn]:

@@ -15,12 +15,12 @@ from lta_config.errors import BadInput
 from lta_config.limits import LINE_BYTES
 from lta_config.schema.import_file import ImportMapping as MappingFile
 from lta_config.schema.import_file import TextFormat
-from lta_config.topics import load_topic_table
 from lta_data.importers.log_provenance import CLOCK
 from lta_data.importers.log_table import LogTable, Times
 from lta_data.importers.protocol import PassThroughMessage, RawTopic, Reached
 from lta_data.importers.readers.line_stream import decompress_stream, NAMED, open_text_lines
 from lta_data.importers.readers.row_times import (
+    choose_time_offset,
     compute_even_times,
     parse_exact_times,
     SECOND,
@@ -120,31 +120,12 @@ class CsvLog:
         else:
             texts = list(map(decode_cell, batch.column(time.column).to_pylist()))
             found, zoneless = parse_exact_times(texts, time.unit, time.column, int(rows[0]))
-            self._note_zone(zoneless)
+            if zoneless and ZONELESS not in self.notes:
+                self.notes.append(ZONELESS)
         # The first part decides for the whole file
         if self._shift is None:
-            self._shift = self._choose_time_offset(int(found[0]))
+            self._shift = choose_time_offset(int(found[0]), self.notes, self.facts)
         return found + self._shift
-
-    def _note_zone(self, zoneless: bool) -> None:
-        """Add the remark on missing time zones, once."""
-        if zoneless and ZONELESS not in self.notes:
-            self.notes.append(ZONELESS)
-
-    def _choose_time_offset(self, first: int) -> int:
-        """Return the offset of all times: zero, unless they start near or below zero. [ns]"""
-        start = load_topic_table().start_ns
-        if first >= start:
-            return 0
-        # A whole number of seconds keeps the digits readable.
-        shift = start - min(0, first // SECOND) * SECOND
-        self.notes.append(
-            f'The times in the log start at {first / SECOND:g} s. {shift / SECOND:g} s were added '
-            'to all times, since in ROS time 0 means "no clock yet".'
-        )
-        self.facts.setdefault(CLOCK, 'from its own start')
-        self.facts['time_shift'] = f'{shift / SECOND:g} s'
-        return shift
 
     def _translate_error(self, error: str, types: Mapping[str, pa.DataType]) -> BadInput:
         """Return the error for text that pyarrow cannot read."""

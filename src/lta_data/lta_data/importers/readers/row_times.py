@@ -8,6 +8,8 @@ from typing import Any, Final, NamedTuple
 
 from lta_config.errors import BadInput
 from lta_config.quantity import UNITS
+from lta_config.topics import load_topic_table
+from lta_data.importers.log_provenance import CLOCK
 from lta_data.importers.log_table import Times
 import numpy as np
 
@@ -95,3 +97,23 @@ def parse_date(text: str) -> int:
 def shorten_cell(cell: str) -> str:
     """Shorten a cell to one line for an error message."""
     return ' '.join(cell[:40].split())
+
+
+def choose_time_offset(first: int, notes: list[str], facts: dict[str, str]) -> int:
+    """
+    Return the offset of all times of a log: zero, unless they start near or below zero. [ns]
+
+    `first` is the earliest time [ns]; an offset is added to the notes and facts of the log.
+    """
+    start = load_topic_table().start_ns
+    if first >= start:
+        return 0
+    # A whole number of seconds keeps the digits readable.
+    shift = start - min(0, first // SECOND) * SECOND
+    notes.append(
+        f'The times in the log start at {first / SECOND:g} s. {shift / SECOND:g} s were added '
+        'to all times, since in ROS time 0 means "no clock yet".'
+    )
+    facts.setdefault(CLOCK, 'from its own start')
+    facts['time_shift'] = f'{shift / SECOND:g} s'
+    return shift

@@ -12,53 +12,26 @@ NOTHING: Final[Mapping[str, str]] = {}
 @final
 @dataclass(frozen=True, slots=True)
 class ProgramStep:
-    """
-    One program run in the folder of a case.
+    """One program run in the folder of a case."""
 
-    Parameters
-    ----------
-    name : str
-        Unique within the case.
-    files : mapping of str to str
-        Files to write before the run, by path; they replace existing ones.
-    rounds : int
-        Approximate number of iterations or time steps; 0 if it reports none.
-    begin : str
-        Name of the time folder that it starts from.
-
-    """
-
-    name: str
+    name: str  # unique within the case
     command: Sequence[str]
+    # Files to write before the run, by path; they replace existing ones
     files: Mapping[str, str] = field(default_factory=dict)
-    rounds: int = 0
-    begin: str = '0'
+    rounds: int = 0  # approximate number of iterations or time steps; 0 if it reports none
+    begin: str = '0'  # name of the time folder that it starts from
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class FoamCase:
-    """
-    A mesh, or a flow on a mesh.
+    """A mesh, or a flow on a mesh."""
 
-    Parameters
-    ----------
-    name : str
-        Label for users.
-    files : mapping of str to str or bytes
-        Content by path.
-    mesh : FoamCase, optional
-        Case of the mesh that the flow is solved on.
-    cells : int
-        Expected number of cells.
-
-    """
-
-    name: str
-    files: Mapping[str, str | bytes]
+    name: str  # label for users
+    files: Mapping[str, str | bytes]  # content by path
     steps: Sequence[ProgramStep]
-    mesh: 'FoamCase | None' = None
-    cells: int = 0
+    mesh: 'FoamCase | None' = None  # case of the mesh that the flow is solved on
+    cells: int = 0  # expected number of cells
 
     @property
     def key(self) -> str:

@@ -27,24 +27,13 @@ def parse_table(text: str) -> Array:
 @final
 @dataclass(frozen=True, slots=True)
 class WrenchHistory:
-    """
-    Force and moment on a patch at each iteration, at 1 kg/m3, about the origin.
+    """Force and moment on a patch at each iteration, at 1 kg/m3, about the origin."""
 
-    Parameters
-    ----------
-    time : array (n,)
-        Iteration, or time. [1 or s]
-    force, moment : array (n, 3)
-        [N, N m]
-    viscous : array (n, 3)
-        Viscous part of the force. [N]
-
-    """
-
-    time: Array
+    time: Array  # iteration, or time [1 or s]
+    # [N, N m]
     force: Array
     moment: Array
-    viscous: Array
+    viscous: Array  # viscous part of the force [N]
 
 
 def read_forces(folder: Path, name: str, begin: str) -> WrenchHistory:
