@@ -134,17 +134,18 @@ def _build_test_table(tests: Sequence[PlannedTest], plan: LabPlan, vehicle: Vehi
     for number, (title, planned) in enumerate(_list_runs(tests), start=2):
         duties = _test_duties(plan, vehicle, planned.test)
         level, height = planned.room
+        free = planned.test.kind == 'free_flight'
         rows.append([
             f'{BOX} {number}',
             title,
             format_amplitude(planned.test, vehicle.rotor_names, duties),
             f'{planned.test.seconds:.0f} s',
-            f'{level:.1f} m along, {height:.1f} m up or down',
+            'as the pilot wants' if free else f'{level:.1f} m along, {height:.1f} m up or down',
         ])  # fmt: skip
     heads = ('', 'test', 'how', 'how long', 'moves')
     note = (
         f'Steps begin at rest. Add the size of the vehicle and {CLEAR:g} m on each side to the '
-        'motion. A free flight moves as its pilot wants.'
+        'motion; the pilot keeps a free flight within the room.'
     )
     return TextTable('The afternoon', heads, rows, note)
 
@@ -155,7 +156,7 @@ def _build_reason_table(tests: Sequence[PlannedTest], vehicle: Vehicle) -> TextT
     for planned in tests:
         words = name_parameters([name for name, _ in planned.informs], vehicle.rotor_names)
         rows.append([planned.test.name, join_words(words[:SHOWN])])
-    note = 'First what other tests teach less well.'
+    note = 'What other tests teach less well comes first.'
     return TextTable('Why', ('test', 'teaches'), rows, note)
 
 
