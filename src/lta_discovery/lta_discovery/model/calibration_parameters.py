@@ -72,7 +72,7 @@ def has_map_fixed_air(nominal: NominalVehicle) -> bool:
     """
     Return whether the vehicle file has moving air, which alone is fixed to the map.
 
-    Without it, a vehicle flies alike in every direction, and no flight shows how the map is turned.
+    Without it, a vehicle flies alike in every direction: no flight shows how the map is turned.
     """
     return any(
         isinstance(EFFECTS.get(effect), AirEffect) and any(values.values())

@@ -10,7 +10,8 @@ from lta_challenge.recording import write_bag
 from lta_config.files import find_file
 from lta_config.vehicle_edit import set_yaml_value
 from lta_discovery.calibration.calibrated_file import format_calibrated_vehicle
-from lta_discovery.calibration.calibration import calibrate_flights
+from lta_discovery.calibration.calibration import calibrate_flights, prepare_calibration
+from lta_discovery.calibration.coarse_fit import find_calibration_start
 from lta_discovery.calibration.report import build_report
 from lta_discovery.calibration.result import Calibration
 from lta_discovery.calibration.verdict import format_inseparable
@@ -18,6 +19,7 @@ from lta_discovery.flights.bags import read_bags, Role
 from lta_discovery.flights.usable_flights import select_usable_flights
 from lta_discovery.model.calibration_parameters import list_calibration_parameters
 from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.run import DiscoveryRequest, study_usable_flights
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
@@ -88,6 +90,45 @@ def test_the_first_line_says_what_is_wrong(
     assert report.headline.startswith('Surge: ')
     assert ('backwards' in report.headline.partition(';')[0]) == (case.truth.wrench_gains[0] < 0.0)
     assert 'delay of the commands cannot be separated from the clock' in str(report.blocks)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize('course', ['hover', 'circle', 'places'])
+def test_flights_in_closed_loop_are_calibrated_and_nothing_is_named(
+    tmp_path: Path, course: Course
+) -> None:
+    """A controller without dither; `make calibration-trials` has more, also with a draught."""
+    case, found = calibrate_case(6, tmp_path, effects={}, course=course)
+    assert_truth_is_found(case, found)
+    vehicle, bags = load_vehicle('gtmab'), {'train': [], 'confirm': []}
+    for flight in case.flights:
+        bags['train' if flight.role == 'train' else 'confirm'].append(tmp_path / flight.name)
+    usable = select_usable_flights(read_bags(bags), vehicle)
+    request = DiscoveryRequest('gtmab', bags)
+    study = study_usable_flights(request, vehicle, usable, lambda _what, _part: None).finding
+    assert not study.effects
+    assert study.calibration is not None
+    (last,) = [one for one in study.gaps if one.channel == 'position' and one.horizon_s == 3.0]
+    assert last.after < last.coast
+
+
+def test_the_gain_of_a_controller_that_dithers_nothing_is_found(tmp_path: Path) -> None:
+    """By the short fit alone, which tells a discovery whether to calibrate."""
+    vehicle = load_vehicle('gtmab')
+    case = generate_calibration_case(
+        vehicle, 6, 0, ('train', 'confirm'), (24.0, 26.0), effects={}, course='places'
+    )
+    for flight in case.flights:
+        write_bag(tmp_path / flight.name, flight.streams, vehicle.rotor_names, {})
+    bags = {one.role: [tmp_path / one.name] for one in case.flights}
+    flights = select_usable_flights(read_bags(bags), vehicle).flights
+    prepared = prepare_calibration(vehicle, flights)
+    linear = [*prepared.flights['train'], *prepared.flights['confirm']]
+    start = find_calibration_start(prepared.nominal, linear)
+    assert start is not None
+    for axis in ('surge', 'sway', 'heave'):
+        k = [knob.name for knob in prepared.knobs].index(f'wrench_gain.{axis}')
+        assert 1.0 + start.values[k] == pytest.approx(0.3, abs=0.15), axis
 
 
 def test_nothing_tells_the_heading_of_the_tracker_in_still_air(

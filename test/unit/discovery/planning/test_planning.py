@@ -6,10 +6,12 @@ import math
 from lta_config.course import Course
 from lta_config.errors import BadInput
 from lta_config.files import find_file, load_yaml
+from lta_config.vehicle_edit import set_yaml_value
 from lta_discovery.finding import NamedEffect, StudyResult
 from lta_discovery.flights.measured_flight import FlightStreams, Stream
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.planning import next_flight
 from lta_discovery.planning.candidate_maneuvers import (
     AltitudeRange,
     build_maneuver,
@@ -32,7 +34,7 @@ from lta_discovery.planning.next_flight import (
     plan_for_study,
     plan_separating_flight,
 )
-from lta_discovery.planning.rehearsal import SimulatedFlight
+from lta_discovery.planning.rehearsal import prepare_linearizer, SimulatedFlight
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.study import DiscoveryStudy, StudyFlight
 from lta_flight.flight_spec import load_spec
@@ -209,3 +211,52 @@ def test_a_study_with_a_doubtful_name_says_what_comes_next(
     assert '--plan' in format_next_step(replace(study, finding=tied))
     assert format_next_step(study) == ''
     assert plan_for_study(study, 'gtmab') == NextFlightPlan(CERTAIN)
+
+
+def test_the_plan_after_a_calibration_flies_the_calibrated_file(
+    gtmab: Known, clean: FlightLinearizer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With the flights, and with their parameters, which those of the markers belong to."""
+
+    class Planner(Exception):
+        """What the planner was built with."""
+
+    def build(*given: object) -> None:
+        raise Planner(*given)
+
+    monkeypatch.setattr(next_flight, 'NextFlightPlanner', build)
+    lift = NamedEffect('net_lift', ('net_lift.force',), (), 30.0, ('payload.mass',))
+    finding = StudyResult('named', (lift,), (), (), (), False, (), (), 1, {}, 'gtmab')
+    text = TEXT.replace('name: gtmab', 'name: calibrated', 1)
+    study = DiscoveryStudy(
+        finding, gtmab[0], gtmab[0], [StudyFlight('a', 'train', clean)], (), calibrated_file=text
+    )
+    with pytest.raises(Planner) as caught:
+        plan_for_study(study, 'gtmab')
+    spec, given, _, past, _, knobs = caught.value.args
+    assert given == text
+    assert spec.contents['vehicle']['name'] == 'calibrated'
+    assert len(past) == 1
+    assert knobs == clean.knobs
+
+
+def test_a_rehearsed_command_is_what_makes_the_rotor_wrench_by_the_gains_of_the_file(
+    tmp_path,
+) -> None:
+    """Where a third of a command arrives, three times as much is commanded."""
+    time = np.arange(0.0, 20.0, 0.04)
+    pose = np.tile([0.0, 0.0, 1.5, 0.0, 0.0, 0.0, 1.0], (len(time), 1))
+    duties = 0.3 + 0.1 * np.sin(time)[:, None] * np.ones(4)
+    streams = FlightStreams(Stream(time, pose), Stream(time, duties))
+    gain = {'value': 0.3, 'unit': '1', 'source': 'a calibration'}
+    path = tmp_path / 'weak.yaml'
+    path.write_text(set_yaml_value(TEXT, ['effects', 'wrench_gain'], {'surge': gain}))
+    whole, weak = (
+        prepare_linearizer(streams, vehicle, [], 'wrench').replay.flight.wrench
+        for vehicle in (load_vehicle('gtmab'), load_vehicle(str(path)))
+    )
+    assert whole is not None
+    assert weak is not None
+    assert np.abs(whole.values[:, 0]).max() > 1e-3
+    np.testing.assert_allclose(0.3 * weak.values[:, 0], whole.values[:, 0])
+    np.testing.assert_allclose(weak.values[:, 1:], whole.values[:, 1:])

@@ -92,6 +92,21 @@ def test_a_difference_within_chance_is_none() -> None:
     assert other_kind._worst('wind', {k: 2.0 * v for k, v in lone.items()}, lone).ratio == 1.0
 
 
+def test_a_forecast_that_diverges_rejects_an_effect() -> None:
+    """Left out, or within chance, it would count for the effect."""
+    where = 'slow', 'position'
+    other = {where: np.ones(20)}
+    own = {where: np.where(np.arange(20) < 1, np.inf, 0.5)}
+    found = other_kind._worst('wind', own, other)
+    assert found.ratio == np.inf
+    assert found.sentence == (
+        'wind: rejected, as forecasts of position with it diverge in flight of another kind (slow)'
+    )
+    # Where the vehicle file diverges, too, the other parts decide
+    assert other_kind._worst('wind', own, {where: own[where] / 0.5}).ratio == 0.5**0.5
+    assert other_kind._worst('wind', {where: np.full(20, np.inf)}, own).ratio == np.inf
+
+
 def flight(speeds: np.ndarray, turns: np.ndarray):
     """Return what `split_by_kind` looks at of a flight."""
     start = np.zeros((len(speeds), 13))
