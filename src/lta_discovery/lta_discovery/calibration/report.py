@@ -86,8 +86,8 @@ def build_report(calibration: Calibration, calibrated_file: str | None) -> Repor
 def _build_tiles(calibration: Calibration) -> list[Tile]:
     """Return the tiles: differences, and the forecast error."""
     scores = calibration.scores.get('confirm') or calibration.scores.get('train', ())
-    count = len(list_differences(calibration))
-    tiles = [Tile('Beyond tolerance', str(count), '', 'numbers of the vehicle file')]
+    count = sum(one.is_far for one in calibration.values)
+    tiles = [Tile('Beyond tolerance', str(count), '', 'of the calibrated numbers, in bold')]
     if scores:
         last = scores[-1]
         for name, pair in (

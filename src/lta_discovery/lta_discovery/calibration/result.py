@@ -109,6 +109,12 @@ class Calibration:
     bags: Mapping[str, tuple[str, ...]]
     warnings: tuple[str, ...] = ()
 
+    @property
+    def is_contradicted(self) -> bool:
+        """Whether the vehicle file forecasts the positions of the confirming flights better."""
+        confirm = self.scores.get('confirm')
+        return bool(confirm) and confirm[-1].after[0] > confirm[-1].before[0]
+
     def find(self, name: str) -> CalibratedValue | None:
         """Return a value of the vehicle by name; None if it was not calibrated."""
         return next((one for one in self.values if one.name == name and not one.flight), None)

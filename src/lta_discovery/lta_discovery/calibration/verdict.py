@@ -67,8 +67,8 @@ def _lift_clauses(calibration: Calibration) -> Iterator[str]:
         low, high = (
             format_number(1e3 * each([one.value for one in lifts]), 3) for each in (min, max)
         )
-        span = f'{low} mN' if low == high else f'{low} to {high} mN, by flight'
-        yield f'net lift: {span}'
+        span = f'{low} mN' if low == high else f'{low} to {high} mN, by flight,'
+        yield f'net lift: {span} above that of the file'
 
 
 def _marker_clauses(calibration: Calibration) -> Iterator[str]:
@@ -89,7 +89,9 @@ def _pendulum_clauses(calibration: Calibration) -> Iterator[str]:
         pendulum_rates(calibration.nominal), pendulum_rates(calibration.calibrated), strict=True
     )
     for axis, (before, after) in zip(('roll', 'pitch'), both, strict=True):
-        if before > 0.0 and abs(after / before - 1.0) > PENDULUM:
+        moved = [calibration.find(name) for name in (f'vehicle.{axis}', 'cg_height.z')]
+        learned = any(one is not None and one.is_known for one in moved)
+        if before > 0.0 and learned and abs(after / before - 1.0) > PENDULUM:
             word = 'faster' if after > before else 'slower'
             percent = format_number(100.0 * abs(after / before - 1.0), 2)
             yield f'the {axis} pendulum is {percent} % {word}'
@@ -108,7 +110,13 @@ def format_headline(calibration: Calibration) -> str:
         return 'No calibration forecasts the training flights better than the vehicle file.'
     clauses = list_differences(calibration)
     said = '; '.join(clauses) if clauses else 'The vehicle file is within its tolerances'
-    return f'{said[:1].upper()}{said[1:]}.'
+    sentence = f'{said[:1].upper()}{said[1:]}.'
+    if calibration.is_contradicted:
+        return (
+            'The confirming flights contradict the calibration, so keep the vehicle file. '
+            f'Estimated from the training flights alone: {sentence}'
+        )
+    return sentence
 
 
 def format_forecast_sentence(calibration: Calibration) -> str:

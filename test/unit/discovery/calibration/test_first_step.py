@@ -21,6 +21,7 @@ from lta_discovery.calibration.coarse_fit import (
 from lta_discovery.calibration.first_step import calibrate_first
 from lta_discovery.calibration.forecast_score import score_forecasts
 from lta_discovery.calibration.priors import apply_calibration
+from lta_discovery.calibration.report import build_report
 from lta_discovery.calibration.result import CalibratedValue, Calibration, ForecastScore
 from lta_discovery.calibration.verdict import list_differences
 from lta_discovery.finding import StudyResult
@@ -278,7 +279,8 @@ def test_a_calibration_has_a_section_of_its_own(vehicle: Vehicle, tmp_path: Path
     finding = replace(finding, calibration=make_calibration(nominal, GAIN, lift))
     headline = format_headline(finding)
     assert headline.startswith(
-        'Calibrated first (surge: 30 % of the commanded force arrives; net lift: 20 mN). '
+        'Calibrated first (surge: 30 % of the commanded force arrives; net lift: 20 mN above '
+        'that of the file). '
     )
     assert 'calibrated.yaml' in format_advice(finding)
     commands = list_learned_file_commands(finding, tmp_path)
@@ -294,6 +296,17 @@ def test_a_calibration_has_a_section_of_its_own(vehicle: Vehicle, tmp_path: Path
         assert 'net lift, A' in text
     told = to_dict(finding)['calibration']
     assert told['values'][0]['value'] == pytest.approx(0.3)
+
+
+def test_a_calibration_that_confirming_flights_contradict_is_not_advised(vehicle: Vehicle) -> None:
+    sound = make_calibration(NominalVehicle.from_vehicle(vehicle), GAIN)
+    worse = ForecastScore(3.0, (0.14, 0.3), (0.09, 0.2), (0.11, 0.2), 20)
+    bad = replace(sound, scores=sound.scores | {'confirm': (worse,)})
+    assert build_report(sound, None).headline == 'Surge: 30 % of the commanded force arrives.'
+    assert build_report(bad, None).headline == (
+        'The confirming flights contradict the calibration, so keep the vehicle file. Estimated '
+        'from the training flights alone: Surge: 30 % of the commanded force arrives.'
+    )
 
 
 def rotor_wrench(nominal: NominalVehicle, rotor: int, duty: float) -> np.ndarray:

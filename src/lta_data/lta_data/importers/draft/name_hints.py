@@ -113,8 +113,8 @@ ACTUATORS: Final = frozenset(
 # A command of a place is that of the actuator there: cmd_left
 COMMANDS: Final = frozenset(['cmd', 'command', 'commanded', 'ctrl', 'control', 'input'])
 PLACES: Final[frozenset[str]] = frozenset([
-    'left', 'right', 'up', 'down', 'front', 'rear', 'back', 'top', 'bottom', 'main', 'tail', 'side',
-    'vertical', 'lateral', 'l', 'r',
+    'left', 'right', 'up', 'down', 'front', 'rear', 'back', 'top', 'bottom', 'main', 'tail',
+    'side', 'vertical', 'lateral', 'l', 'r',
 ])  # fmt: skip
 
 
