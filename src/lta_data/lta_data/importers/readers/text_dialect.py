@@ -44,8 +44,8 @@ def detect_text_format(path: Path) -> TextFormat:
     (delimiter, decimal), (rows, cells, _) = max(found.items(), key=lambda one: one[1])
     if rows < 2:
         raise BadInput(
-            f"'{path}' has no two lines with equally many numbers between commas, semicolons, tabs "
-            'or spaces; give a text with columns of numbers.'
+            f"'{path}' has no two lines with equally many numbers between commas, semicolons, "
+            'tabs or spaces; give a text with columns of numbers.'
         )
     mark = DELIMITERS[delimiter]
     first = next(i for i, line in enumerate(lines) if _is_row(line, mark, decimal, cells))
