@@ -148,11 +148,8 @@ def study_command(
 
 def build_quick_option(quick: Mapping[str, object]) -> object:
     """Return the declaration of --quick, whose help names the options that it sets."""
-    parts = []
-    for name, value in quick.items():
-        several = value if isinstance(value, list) else [value]
-        parts += [f'--{name.strip("_").replace("_", "-")} {each}' for each in several]
-    return Annotated[bool, typer.Option(f'--{QUICK}', help=f'The same as {" ".join(parts)}.')]
+    parts = ' '.join(f'--{name} {value}' for name, value in quick.items())
+    return Annotated[bool, typer.Option(f'--{QUICK}', help=f'The same as {parts}.')]
 
 
 def is_unset(context: typer.Context, name: str) -> bool:

@@ -98,8 +98,8 @@ def explain_shade(results: FlightResults) -> str:
         for each in (results.lamp_median, results.bearing_median)
     )
     return (
-        f'A few blocks, most of them close to the lamp where the hull hides it, make the RMS error '
-        f"of the direction; its median is {usual}, and {middle} for the paper's bearing. "
+        'A few blocks, most of them close to the lamp where the hull hides it, make the RMS '
+        f"error of the direction; its median is {usual}, and {middle} for the paper's bearing. "
     )
 
 

@@ -26,8 +26,8 @@ from plotly.graph_objects import Figure, Scatter
 PAPER: Final = (
     'Charging time per area against mass per area, the criterion of the paper (Huang et al. '
     '2025). The paper does not say which size of PowerFilm panel it measured: the full line '
-    'is the front with the small panel, the dashed line with the large one. The criterion favours large cells twice: they '
-    'charge faster, and the time is divided by a larger area.'
+    'is the front with the small panel, the dashed line with the large one. The criterion '
+    'favours large cells twice: they charge faster, and the time is divided by a larger area.'
 )
 FAIR: Final = (
     'Charging time times area, which does not depend on the size of a panel, against mass '

@@ -72,7 +72,8 @@ def plot_handovers(layout: LampLayout, handover: LampHandover) -> Figure:
     reached = [place for place in ends if place is not None]
     figure.add_trace(
         Scatter(
-            x=[x for x, _ in reached], y=[y for _, y in reached], mode='markers', name='end of the flight to a lamp',
+            x=[x for x, _ in reached], y=[y for _, y in reached], mode='markers',
+            name='end of the flight to a lamp',
             marker={'size': 6, 'color': PAPER, 'line': {'color': TRUTH, 'width': 1.5}},
             hovertemplate='a flight to the lamp ends here<extra></extra>',
         )
@@ -183,8 +184,8 @@ def draw_lamps(figure: Figure, layout: LampLayout) -> None:
         reach = 14.0 + CHARACTER * len(str(k + 1)) / 2.0
         figure.add_annotation(
             x=lamp.mount.position[0], y=lamp.mount.position[1], xshift=reach * along,
-            yshift=18.0 * up, text=f'<b>{k + 1}</b>', font={'color': INK, 'size': 10}, bgcolor=VEIL,
-            borderpad=1,
+            yshift=18.0 * up, text=f'<b>{k + 1}</b>', font={'color': INK, 'size': 10},
+            bgcolor=VEIL, borderpad=1,
         )  # fmt: skip
 
 
