@@ -74,9 +74,7 @@ def create_figure(rows: int = 1, heights: Sequence[float] | None = None) -> Figu
     return figure.update_layout(template=TEMPLATE)
 
 
-def decimate_line(
-    time: Array, values: Array, most: int = MOST_POINTS
-) -> tuple[Array, Array]:
+def decimate_line(time: Array, values: Array, most: int = MOST_POINTS) -> tuple[Array, Array]:
     """
     Reduce a line to few points, keeping the minimum and maximum of each interval.
 

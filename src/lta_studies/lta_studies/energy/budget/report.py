@@ -220,8 +220,13 @@ def draw_rotor_power(result: PowerBudget) -> Figure:
     )  # fmt: skip
     last = rotor.BENCH[-1]
     figure.add_annotation(
-        x=last.duty, y=(last.power - idle) / 4.0, text='bench data', xanchor='right', xshift=-8,
-        yshift=8, font={'color': LAMP},
+        x=last.duty,
+        y=(last.power - idle) / 4.0,
+        text='bench data',
+        xanchor='right',
+        xshift=-8,
+        yshift=8,
+        font={'color': LAMP},
     )
     label_ends(figure, labels, (0.0, 5.6))
     figure.update_xaxes(title_text='duty', title_font={'color': SOFT})
