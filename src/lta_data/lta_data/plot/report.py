@@ -20,6 +20,7 @@ LINE: Final = 20  # px per line of the legend
 POINTS: Final = 20_000  # of all lines of a page, which keeps it under 2 MB
 TILES: Final = 8
 NAME: Final = 'channels'
+LONGEST: Final = 100  # characters of a headline
 Panels = Sequence[tuple[str, list[SignalChannel]]]
 
 
@@ -66,7 +67,7 @@ def build_report(
     return Report(
         command='bag plot',
         subject=f'{len(every)} channels, {ends}',
-        headline=title,
+        headline=title if len(title) <= LONGEST else f'{len(every)} channels of a recording',
         introduction=(
             'The recorded values. Angles are in degrees and unwrapped (no jumps at 360 degrees).'
         ),
