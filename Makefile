@@ -20,7 +20,12 @@ help:  ## show this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1|\2/p' Makefile | awk -F '|' '{ printf "%-18s %s\n", $$1, $$2 }'
 
 demo: build  ## fly to the lamp; the last line gives the paths of bag and page
-	@./lta fly $(ARGS)
+	@# Robots on a domain share a clock: take the first domain on which nobody of this user flies
+	@for ROS_DOMAIN_ID in $${ROS_DOMAIN_ID:-0 1 2 3 4 5 6 7 8 9}; do \
+	    lock=$${XDG_RUNTIME_DIR:-$${TMPDIR:-/tmp}}/lta-$$(id -u)-$$ROS_DOMAIN_ID.lock; \
+	    [ ! -f "$$lock" ] || flock -n "$$lock" true || continue; \
+	    break; \
+	done; export ROS_DOMAIN_ID; exec ./lta fly $(ARGS)
 
 build:  ## build the environment in .venv and the workspace in install/, if they changed
 	@tools/environment.sh run

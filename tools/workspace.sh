@@ -8,7 +8,11 @@ AMENT_PREFIX_PATH=$root/.venv${AMENT_PREFIX_PATH:+:$AMENT_PREFIX_PATH}
 export AMENT_PREFIX_PATH
 # A "ros2" on the PATH belongs to another ROS, whose paths are gone: `lta launch` starts the graph itself.
 export LTA_UNDERLAY=wheels
-. "$root/install/local_setup.sh"
+# As install/local_setup.sh does; a second time adds nothing.
+while read -r name paths; do
+    eval "case :\${$name:-}: in *:\$paths:*) ;; *) export $name=\"\$paths\${$name:+:\$$name}\" ;; esac"
+done <"$root/install/environment"
+unset name paths
 PATH=$root/.venv/bin:$PATH
 
 export RMW_IMPLEMENTATION="${RMW_IMPLEMENTATION:-rmw_fastrtps_cpp}"

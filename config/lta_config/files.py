@@ -136,6 +136,9 @@ def find_file(kind: str, name: str, suffix: str = '.yaml') -> Path:
     folder = FOLDERS[kind]
     names = list_shipped_names(folder, suffix)
     if name not in names:
+        own = Path(f'{name}{suffix}')
+        if own.is_file():
+            raise BadInput(f"No {kind} '{name}' is shipped; for the file here, give './{own}'.")
         raise unknown_name_error(kind, name, names)
     return share_folder() / folder / f'{name}{suffix}'
 

@@ -17,6 +17,10 @@ PYTHON = """#!/bin/sh
 echo "$* PYTHONPATH=${PYTHONPATH-unset}" >>log.txt
 [ "$1" != tools/messages.py ] || exit "$(cat status)"
 """
+COLCON = """#!/bin/sh
+mkdir install
+echo 'export PYTHONPATH=/built' >install/local_setup.sh
+"""
 
 
 @pytest.fixture(scope='module')
@@ -42,7 +46,7 @@ def workspace(tmp_path):
         path.touch()
     shutil.copy(ROOT / 'tools/build.sh', tmp_path / 'tools')
     (tmp_path / '.venv/bin').mkdir()
-    for name, text in (('python', PYTHON), ('colcon', '#!/bin/sh\nmkdir install\n')):
+    for name, text in (('python', PYTHON), ('colcon', COLCON)):
         (tmp_path / '.venv/bin' / name).write_text(text, 'utf-8')
         (tmp_path / '.venv/bin' / name).chmod(0o755)
     return tmp_path
@@ -73,6 +77,9 @@ def test_messages_are_built_once_and_without_the_packages_of_a_sourced_ros(works
         assert build(workspace, 0).returncode == 0
     (line,) = list_message_builds(workspace)
     assert line == 'tools/messages.py tools/messages/one src/lta_msgs PYTHONPATH=unset'
+    # What commands read instead of starting local_setup.sh
+    written = (workspace / 'install/environment').read_text('utf-8').splitlines()
+    assert written[-1] == 'PYTHONPATH /built'
 
 
 @pytest.mark.parametrize('name', ['package.xml', 'msg/One.msg', 'action/One.action'])
@@ -129,7 +136,7 @@ def test_headers_of_python_that_are_missing_are_named(messages, tmp_path, monkey
 
 def test_two_builds_at_once_build_once(workspace):
     colcon = workspace / '.venv/bin/colcon'
-    colcon.write_text('#!/bin/sh\necho built >>calls\nsleep 1\nmkdir install\n', 'utf-8')
+    colcon.write_text(f'{COLCON}echo built >>calls\nsleep 1\n', 'utf-8')
     (workspace / 'status').write_text('0', 'utf-8')
     both = [subprocess.Popen(['env', workspace / 'tools/build.sh']) for _ in range(2)]
     assert [each.wait(60) for each in both] == [0, 0]

@@ -117,6 +117,12 @@ class SweepFile(StrictModel):
         """Flights at each point of the grid."""
         return self.samples or self.seeds.count or 1
 
+    def shorten(self) -> Self:
+        """Return the sweep with one flight at each point of the grid."""
+        if self.samples is not None:
+            return self.model_copy(update={'samples': 1})
+        return self.model_copy(update={'seeds': SweepSeeds(first=self.seeds.first, count=1)})
+
 
 def load_sweep(name: str) -> SweepFile:
     """Return a sweep file by shipped name or path; raise `BadInput` if it is invalid."""

@@ -74,7 +74,7 @@ def create_figure(rows: int = 1, heights: Sequence[float] | None = None) -> Figu
     return figure.update_layout(template=TEMPLATE)
 
 
-def decimate_line(time: Array, values: Array) -> tuple[Array, Array]:
+def decimate_line(time: Array, values: Array, most: int = MOST_POINTS) -> tuple[Array, Array]:
     """
     Reduce a line to few points, keeping the minimum and maximum of each interval.
 
@@ -82,16 +82,18 @@ def decimate_line(time: Array, values: Array) -> tuple[Array, Array]:
     ----------
     time, values : ndarray, shape (n,)
         The line.
+    most : int
+        Most points of the result.
 
     Returns
     -------
-    time, values : ndarray of float32, shape (at most MOST_POINTS,)
+    time, values : ndarray of float32, shape (at most `most`,)
         A line that looks the same.
 
     """
-    if len(time) > MOST_POINTS:
+    if len(time) > most:
         # Two points per interval
-        count = MOST_POINTS // 2
+        count = most // 2
         length = len(time) // count + 1
         # Repeat the last value, so that the line divides into equal intervals
         padded = np.pad(values, (0, length * count - len(values)), mode='edge')

@@ -1,27 +1,43 @@
 """HTML elements of pages: tiles, tables, figures, definition lists and embedded data."""
 
+from base64 import b85encode
 from collections.abc import Mapping
 from html import escape
 import json
 import re
 from typing import Final
+import zlib
 
 from plotly.graph_objects import Figure
 
 OWN: Final = 'br|/?(b|i|sub|sup|extra)|span style="color:#[0-9a-f]{6}"|/span'  # tags we use
+JSON: Final = 'application/json'  # type of an element with data
 MARKUP: Final = re.compile(f'<(?!({OWN})>)')  # the start of any other tag
 
 
 def embed_data(name: str, content: object) -> str:
     """Return data for the page's script as an HTML element."""
-    return embed_json(name, json.dumps(content, separators=(',', ':'), allow_nan=False))
+    return embed_json(name, format_json(content))
+
+
+def format_json(content: object) -> str:
+    """Return data as JSON without spaces."""
+    return json.dumps(content, separators=(',', ':'), allow_nan=False)
+
+
+def pack_text(name: str, text: str, kind: str) -> str:
+    """Return text as zlib data in base 85 in an HTML element, which `page.js` unpacks."""
+    data = zlib.compress(text.encode(), 9)
+    # The alphabet of base 85 has no slash, so no text in it can close the element
+    packed = b85encode(data, pad=True).decode()
+    return f'<script type="{kind}" id="{name}" data-size="{len(data)}">{packed}</script>'
 
 
 def embed_json(name: str, text: str) -> str:
     """Return JSON for the page's script; no text in it can close the element."""
     # The same character to a JSON parser, but "</script>" no longer occurs
     safe = text.replace('<', '\\u003c')
-    return f'<script type="application/json" id="{name}">{safe}</script>'
+    return f'<script type="{JSON}" id="{name}">{safe}</script>'
 
 
 def render_tile(name: str, value: str, unit: str, note: str) -> str:
@@ -41,6 +57,7 @@ def render_section(
     timed: bool = False,
     height: int | None = None,
     more: str = '',
+    packed: bool = False,
 ) -> str:
     """
     Return one figure with heading and caption.
@@ -59,13 +76,15 @@ def render_section(
         Height of the figure; by default that of the page's style. [px]
     more : str
         HTML below the caption.
+    packed : bool
+        Whether to compress the data of the figure; the page's own script then finds it late.
 
     """
     words, about = escape(heading), escape(caption)
     body = (
         picture
         if isinstance(picture, str)
-        else embed_picture(name, words, about, picture, timed, height)
+        else embed_picture(name, words, about, picture, timed, height, packed=packed)
     )
     return (
         f'<figure class="panel" id="panel-{name}" aria-labelledby="title-{name}">'
@@ -93,15 +112,24 @@ def _sanitize_part(part: object) -> object:
 
 
 def embed_picture(
-    name: str, words: str, about: str, picture: Figure, timed: bool, height: int | None = None
+    name: str,
+    words: str,
+    about: str,
+    picture: Figure,
+    timed: bool,
+    height: int | None = None,
+    *,
+    packed: bool = False,
 ) -> str:
     """Return the place of a figure, its caption and its data; the texts are already HTML."""
     style = '' if height is None else f'style="height: {height}px" '
     caption = f'<figcaption>{about}</figcaption>' if about else ''
+    text, place = format_json(sanitize_figure(picture)), f'figure-{name}'
+    data = pack_text(place, text, JSON) if packed else embed_json(place, text)
     return (
         f'<div class="plot" data-panel="{name}" data-timed="{str(timed).lower()}" {style}'
         f'role="img" aria-label="{words}. {about}"></div>'
-        f'{caption}{embed_data(f"figure-{name}", sanitize_figure(picture))}'
+        f'{caption}{data}'
     )
 
 

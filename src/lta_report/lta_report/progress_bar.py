@@ -1,8 +1,9 @@
-"""The base of progress bars, which are shown only on a terminal and only while work lasts."""
+"""The base of progress bars: shown on a terminal while work lasts, else a line each minute."""
 
 import sys
+import time
 from types import TracebackType
-from typing import Any, Self
+from typing import Any, Final, Self
 
 from rich.console import Console
 from rich.progress import (
@@ -14,6 +15,8 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
+EVERY: Final = 60.0  # wall s between two lines without a terminal
+
 
 class ProgressBar:
     """
@@ -22,7 +25,7 @@ class ProgressBar:
     Parameters
     ----------
     console : Console
-        Output; nothing is shown if it is not a terminal.
+        Output; if it is not a terminal, stderr gets a line each minute.
     columns : ProgressColumn
         Columns after the spinner; description, bar and remaining time by default.
     begin : str
@@ -61,6 +64,7 @@ class ProgressBar:
             speed_estimate_period=period,
         )
         self._task = self._bar.add_task(begin, total=total, **fields)
+        self._begun = self._said = time.monotonic()
 
     def __enter__(self) -> Self:
         """Show the bar."""
@@ -79,6 +83,20 @@ class ProgressBar:
     def update_bar(self, **change: Any) -> None:  # noqa: ANN401 - as rich takes them
         """Change description, total, completed, or fields; `advance` adds to completed."""
         self._bar.update(self._task, **change)
+        now = time.monotonic()
+        if not self._console.is_terminal and now - self._said >= EVERY:
+            self._said = now
+            sys.stderr.write(f'{self._describe(now - self._begun)} ...\n')
+            sys.stderr.flush()
+
+    def _describe(self, elapsed: float) -> str:
+        """Return the current work with its share and the time left, as far as known."""
+        task = self._bar.tasks[0]
+        share = task.completed / task.total if task.total else 0.0
+        if not 0.0 < share < 1.0:
+            return task.description
+        left = elapsed * (1.0 / share - 1.0)
+        return f'{task.description}: {100.0 * share:.0f} %, about {left / 60.0:.1f} min left'
 
     def wait_for(self, what: str) -> None:
         """

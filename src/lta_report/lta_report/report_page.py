@@ -70,6 +70,7 @@ def render_block(block: Block) -> str:
             return render_section(
                 block.name, block.heading, block.caption, block.figure,
                 timed=block.timed, height=block.height, more=render_picture_origin(block),
+                packed=True,
             )  # fmt: skip
         case TextTable():
             return render_table_section(block)

@@ -6,15 +6,17 @@ of trimesh. A page contains them as zlib data in base 85, a third of their size,
 unpacks them.
 """
 
-from base64 import b85encode
 from functools import cache
+import hashlib
 from importlib.util import find_spec
 from pathlib import Path
 import re
 from typing import Final
 import zipfile
-import zlib
 
+from lta_config.atomic_file import replace_atomically
+from lta_config.machine import find_cache_folder
+from lta_report.html_elements import pack_text
 from plotly.offline import get_plotlyjs
 
 VIEWER: Final = 'resources/templates/viewer.zip'  # in trimesh: a page that starts with three.js
@@ -55,8 +57,13 @@ def embed_three() -> str:
 
 
 def embed_library(name: str, text: str) -> str:
-    """Return a script as compressed data in an HTML element."""
-    data = zlib.compress(text.encode(), 9)
-    # The alphabet of base 85 has no slash, so no text in it can close the element
-    packed = b85encode(data, pad=True).decode()
-    return f'<script type="text/plain" id="{name}" data-size="{len(data)}">{packed}</script>'
+    """Return a script as compressed data in an HTML element; packed once on each machine."""
+    source = hashlib.sha256(text.encode()).hexdigest()[:16]
+    try:
+        stored = find_cache_folder('pages') / f'{name}-{source}.html'
+        if not stored.exists():
+            with replace_atomically(stored) as part:
+                part.write_text(pack_text(name, text, 'text/plain'), encoding='ascii')
+        return stored.read_text(encoding='ascii')
+    except OSError:  # no cache: a full disk, or a folder of somebody else
+        return pack_text(name, text, 'text/plain')

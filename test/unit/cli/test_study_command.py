@@ -25,7 +25,7 @@ def invoke(tmp_path, monkeypatch):
     """Run a small study that fails below zero."""
     monkeypatch.chdir(tmp_path)
 
-    @study_command('tiny')
+    @study_command('tiny', quick={'number': 0.5})
     def tiny(number: float = 1.0, *, run: StudyRun) -> Report:
         """Measure a number."""
         if number < 0.0:
@@ -57,6 +57,15 @@ def test_json_goes_alone_to_stdout(invoke, tmp_path):
     assert json.loads(done.stdout) == {'n': 1.0, 'page': str(tmp_path / 'results/report.html')}
     assert 'busy' in done.stderr
     assert 'The number is 1.' in done.stderr
+
+
+@pytest.mark.parametrize(
+    ('words', 'number'),
+    [(('--quick',), 0.5), (('--quick', '--number', '2'), 2.0), (('--quick', '--number=1.0'), 1.0)],
+)
+def test_a_quick_study_keeps_what_the_user_gives(invoke, words, number):
+    assert json.loads(invoke(*words, '--no-page', '--json').stdout) == {'n': number}
+    assert 'The same as --number 0.5.' in ' '.join(invoke('--help').stdout.split())
 
 
 def test_without_a_page(invoke, tmp_path):

@@ -137,6 +137,8 @@ def test_names_are_shipped_files_and_paths_are_paths(tmp_path, monkeypatch):
     for name in ('c', '', '..', 'A'):
         with pytest.raises(BadInput, match=r"^Unknown vehicle '.*'; known: a, b\.$"):
             find_file('vehicle', name)
+    with pytest.raises(BadInput, match=r"^No vehicle 'own' is shipped.*give './own.yaml'\.$"):
+        find_file('vehicle', 'own')
     for name in ('no.yaml', './a', '/', '~nobody-at-all/x.yaml'):
         with pytest.raises(BadInput, match=r'^There is no vehicle file .*; check the path\.$'):
             find_file('vehicle', name)

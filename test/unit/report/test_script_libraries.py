@@ -35,3 +35,16 @@ def test_three_ends_where_the_viewer_of_trimesh_begins():
 
 def test_plotly_leaves_space_for_the_content_of_a_page():
     assert len(embed_plotly()) < MOST - 150_000
+
+
+def test_a_library_is_packed_once_and_without_a_cache_each_time(tmp_path, monkeypatch):
+    monkeypatch.setenv('XDG_CACHE_HOME', str(tmp_path))
+    packed = embed_library('any', 'let a = 2;')
+    (stored,) = (tmp_path / 'lta/pages').iterdir()
+    assert stored.read_text() == packed
+    stored.write_text('from the cache')
+    assert embed_library('any', 'let a = 2;') == 'from the cache'
+    assert unpack(embed_library('any', 'let a = 3;')) == ('any', 'let a = 3;')
+    stored.unlink()
+    stored.mkdir()  # cannot be read
+    assert embed_library('any', 'let a = 2;') == packed

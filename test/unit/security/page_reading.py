@@ -1,8 +1,10 @@
 """What a browser would make of a page: its elements, its scripts, the texts of its pictures."""
 
+import base64
 from collections.abc import Iterator
 from html.parser import HTMLParser
 import json
+import zlib
 
 MARK = 'xyzzy'  # in whatever a stranger wrote
 EVIL = (
@@ -36,7 +38,7 @@ class Page(HTMLParser):
         super().__init__()
         self._open: list[str] = []
         self.words, self.data = '', {}
-        self._reads = ''
+        self._reads, self._size = '', 0
         self.feed(text)
         self.close()
         assert not [tag for tag in self._open if tag in ('script', 'style', 'title')]
@@ -53,6 +55,7 @@ class Page(HTMLParser):
         if tag == 'script':
             # Libraries have a name as well, and are no JSON
             self._reads = given.get('id', '') if given.get('type') == 'application/json' else ''
+            self._size = int(given.get('data-size', 0))
             assert 'src' not in given
 
     def handle_endtag(self, tag):
@@ -64,6 +67,8 @@ class Page(HTMLParser):
         """Look at text: in a script, or shown."""
         inside = self._open[-1] if self._open else ''
         if inside == 'script' and self._reads:
+            if self._size:
+                data = zlib.decompress(base64.b85decode(data)[: self._size])
             self.data[self._reads] = json.loads(data)
         elif inside in ('script', 'style'):
             assert MARK not in data, data[:200]

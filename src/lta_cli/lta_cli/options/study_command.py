@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from functools import wraps
 import inspect
 from pathlib import Path
-from typing import Annotated, Any, final, get_type_hints
+from typing import Annotated, Any, Final, final, get_type_hints
 
 from lta_bridge.provenance import read_commit
 from lta_cli.app import WORDS
@@ -35,9 +35,11 @@ import typer
 
 Page = Annotated[bool, typer.Option('--page/--no-page', help='Write an HTML report.')]
 OPTIONS = {'out': Out, 'page': Page, 'pictures': Pictures, 'json': Json}
+QUICK = 'quick'
 FLAGS = ('--json', '--page', '--no-page')
 FOLDERS = ('--out', '--pictures')
-DEFAULTS = {'out': None, 'page': True, 'pictures': None, 'json': False}
+DEFAULTS = {QUICK: False, 'out': None, 'page': True, 'pictures': None, 'json': False}
+NOTHING: Final[Mapping[str, object]] = {}
 
 
 @final
@@ -71,7 +73,7 @@ class StudyRun:
 
 
 def study_command(
-    name: str, *, resumes: bool = False
+    name: str, *, resumes: bool = False, quick: Mapping[str, object] = NOTHING
 ) -> Callable[[Callable[..., Report]], Callable[..., None]]:
     """
     Give a function that returns a report the options --out, --no-page, --pictures and --json.
@@ -85,12 +87,17 @@ def study_command(
         Name of the results folder, runs/<time>-<name>.
     resumes : bool
         Whether the study stores finished work in its folder, which may therefore exist.
+    quick : mapping of str to object
+        Options of the study that --quick sets, unless the user gives them. Without any, the
+        command has no --quick.
 
     """
 
     def decorate(study: Callable[..., Report]) -> Callable[..., None]:
         signature = inspect.signature(study)
-        added = {**OPTIONS, 'out': ResumedOut} if resumes else OPTIONS
+        added = {**OPTIONS, 'out': ResumedOut} if resumes else dict(OPTIONS)
+        if quick:
+            added = {QUICK: build_quick_option(quick), **added}
 
         @wraps(study)
         def command(
@@ -109,6 +116,8 @@ def study_command(
             if not resumes:
                 check_creatable(run.folder)
             own = {'run': run} if 'run' in signature.parameters else {}
+            if quick and options.pop(QUICK):
+                options |= {key: value for key, value in quick.items() if is_unset(context, key)}
             words = context.meta.get(WORDS, ())
             try:
                 report = study(*args, **own, **options)
@@ -135,6 +144,18 @@ def study_command(
         return command
 
     return decorate
+
+
+def build_quick_option(quick: Mapping[str, object]) -> object:
+    """Return the declaration of --quick, whose help names the options that it sets."""
+    parts = ' '.join(f'--{name} {value}' for name, value in quick.items())
+    return Annotated[bool, typer.Option(f'--{QUICK}', help=f'The same as {parts}.')]
+
+
+def is_unset(context: typer.Context, name: str) -> bool:
+    """Return whether the command line leaves an option at its default."""
+    source = context.get_parameter_source(name)
+    return source is None or source.name == 'DEFAULT'
 
 
 def add_options(signature: inspect.Signature, options: Mapping[str, object]) -> inspect.Signature:

@@ -14,7 +14,7 @@ from lta_studies.platforms.run import build_entries, fly_jobs, list_jobs
 import typer
 
 
-@study_command('platforms', resumes=True)
+@study_command('platforms', resumes=True, quick={'seeds': 1})
 def platforms(
     file: Annotated[
         str, typer.Argument(help='Comparison file, or the name platforms for the shipped file.')

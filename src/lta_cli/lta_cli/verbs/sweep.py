@@ -35,6 +35,9 @@ def sweep(
         ),
     ] = None,
     retry: RetryFailed = False,
+    quick: Annotated[
+        bool, typer.Option('--quick', help='Fly only the first seed or sample of each case.')
+    ] = False,
     *,
     run: StudyRun,
 ) -> Report:
@@ -65,7 +68,7 @@ def sweep(
     """
     asked = parse_duties(duties)
     check_exclusive_options(device, asked, workers, scheduler)
-    order = SweepRequest(file, run.out, workers, scheduler, retry, device, asked)
+    order = SweepRequest(file, run.out, workers, scheduler, retry, device, asked, quick)
     done = sweep_once(order, run.console)
     run.open_folder(done.folder)
     return build_report(done)

@@ -25,7 +25,7 @@ def parse_mass(text: str) -> float:
     return float(found['value']) * factor
 
 
-@study_command('tune', resumes=True)
+@study_command('tune', resumes=True, quick={'cases': 2, 'budget': 20, 'draws': 4})
 def tune(
     vehicle: Annotated[str, typer.Argument(help='Vehicle name or file.')] = 'gtmab',
     gains: Annotated[

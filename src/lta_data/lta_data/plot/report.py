@@ -6,7 +6,7 @@ import tempfile
 from typing import Final
 
 from lta_data.bag.channels import SignalChannel
-from lta_report.drawing import create_figure, decimate_line
+from lta_report.drawing import create_figure, decimate_line, MOST_POINTS
 from lta_report.formatting import format_number, Tile
 from lta_report.page_frame import write_file
 from lta_report.palette import ESTIMATE, GOOD, LAMP, SETPOINT, TIME, TRUTH
@@ -17,18 +17,23 @@ from plotly.graph_objects import Figure, Scatter
 
 COLOURS: Final = (TRUTH, ESTIMATE, GOOD, LAMP, TIME[0], SETPOINT, TIME[2])
 LINE: Final = 20  # px per line of the legend
+POINTS: Final = 20_000  # of all lines of a page, which keeps it under 2 MB
 TILES: Final = 8
 NAME: Final = 'channels'
+LONGEST: Final = 100  # characters of a headline
 Panels = Sequence[tuple[str, list[SignalChannel]]]
 
 
 def plot_channels(
-    unit: str, channels: Sequence[SignalChannel], span: tuple[float, float]
+    unit: str,
+    channels: Sequence[SignalChannel],
+    span: tuple[float, float],
+    most: int = MOST_POINTS,
 ) -> Figure:
-    """Plot channels of one unit over time."""
+    """Plot channels of one unit over time, with at most so many points each."""
     figure = create_figure()
     for k, channel in enumerate(channels):
-        time, values = decimate_line(channel.time, channel.values)
+        time, values = decimate_line(channel.time, channel.values, most)
         figure.add_trace(
             Scatter(
                 x=time, y=values, name=channel.name, mode='lines',
@@ -50,10 +55,11 @@ def build_report(
 ) -> Report:
     """Return the report, with a figure of each unit and a tile of each of the first channels."""
     every = [channel for _, shown in panels for channel in shown]
+    most = min(MOST_POINTS, POINTS // max(len(every), 1))
     pictures = [
         Picture(
-            f'unit-{k}', format_heading(shown), '', plot_channels(unit, shown, span), height=300,
-            timed=True,
+            f'unit-{k}', format_heading(shown), '', plot_channels(unit, shown, span, most),
+            height=300, timed=True,
         )
         for k, (unit, shown) in enumerate(panels)
     ]  # fmt: skip
@@ -61,7 +67,7 @@ def build_report(
     return Report(
         command='bag plot',
         subject=f'{len(every)} channels, {ends}',
-        headline=title,
+        headline=title if len(title) <= LONGEST else f'{len(every)} channels of a recording',
         introduction=(
             'The recorded values. Angles are in degrees and unwrapped (no jumps at 360 degrees).'
         ),

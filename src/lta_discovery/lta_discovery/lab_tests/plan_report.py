@@ -18,8 +18,9 @@ SHOWN: Final = 5  # things that a test teaches, as shown
 CLEAR: Final = 1.0  # m; around the path of a test
 BOX: Final = '\N{BALLOT BOX}'
 SCALES: Final = (
-    'Weigh the vehicle, without its gas, on scales to 0.1 g, and write its mass to the vehicle '
-    'file (lta vehicle set). No flight shows it: all forces and masses can be scaled together.'
+    'Weigh the vehicle, without its gas, on scales to 0.1 g. Correct the masses of the parts in '
+    "its file (lta vehicle set), or measured.mass where the file has it: that is with the gas's "
+    'own mass. No flight shows it: all forces and masses can be scaled together.'
 )
 WRONG: Final[dict[Kind, str]] = {
     'float': (

@@ -66,25 +66,41 @@ def build_tiles(results: FlightResults) -> list[Tile]:
 
 
 def explain_direction_errors(results: FlightResults) -> str:
-    """
-    Return the errors of the direction used for steering and of the paper's bearing.
-
-    Within some 1.6 m of a lamp that stands above the diodes, the hull hides it and the diodes see
-    reflections alone: these last blocks make the RMS. The medians are those of the way there.
-    """
+    """Return the errors of the direction used for steering and of the paper's bearing, briefly."""
     r = results
     error, middle, usual = (
         format_amount(each, '°', 1, DEGREES)
         for each in (r.bearing_error, r.bearing_median, r.lamp_median)
     )
-    text = f"as used for steering; error of the paper's bearing {error}"
     if r.lamp_median is None or r.bearing_median is None:
-        return text
-    text += f'; medians {usual} and {middle}'
-    # Far more than a spread of noise would make
-    if r.lamp_error is None or r.lamp_error < SHADED * r.lamp_median:
-        return text
-    return f'{text}: a few blocks make the RMS, most of them where the hull hides the lamp'
+        return f"paper's bearing {error}"
+    text = f"median {usual}; paper's bearing {error}, median {middle}"
+    return f'median {usual}: the hull hides the lamp at the end' if is_shaded(r) else text
+
+
+def is_shaded(results: FlightResults) -> bool:
+    """Return whether a few blocks make the RMS error: far more than a spread of noise would."""
+    error, usual = results.lamp_error, results.lamp_median
+    return error is not None and usual is not None and error >= SHADED * usual
+
+
+def explain_shade(results: FlightResults) -> str:
+    """
+    Return why the RMS error of the direction is far above its median, or ''.
+
+    Within some 1.6 m of a lamp that stands above the diodes, the hull hides it and the diodes see
+    reflections alone: these last blocks make the RMS. The medians are those of the way there.
+    """
+    if not is_shaded(results):
+        return ''
+    usual, middle = (
+        format_amount(each, '°', 1, DEGREES)
+        for each in (results.lamp_median, results.bearing_median)
+    )
+    return (
+        'A few blocks, most of them close to the lamp where the hull hides it, make the RMS '
+        f"error of the direction; its median is {usual}, and {middle} for the paper's bearing. "
+    )
 
 
 def build_table(results: FlightResults, *, with_paper: bool = True) -> list[OutcomeRow]:

@@ -10,7 +10,12 @@ from typing import Final
 from lta_config.command_line import format_lta_command, relative_path
 from lta_data.bag.bag_folder import find_bag_files
 from lta_data.bag.recorded_flight import open_flight, RecordedFlight
-from lta_flight.report.outcome import build_table, build_tiles, describe_outcome
+from lta_flight.report.outcome import (
+    build_table,
+    build_tiles,
+    describe_outcome,
+    explain_shade,
+)
 from lta_flight.report.panels.registry import FlightPanel, PANELS
 from lta_flight.report.results import compute_results, FlightResults
 from lta_flight.report.scene import render_flight_scene
@@ -90,7 +95,7 @@ def render_page(view: FlightView, results: FlightResults, bag: Path) -> str:
         scene=scene,
         bar=render_time_bar(READOUT, 'flight'),
         table=render_table(results, with_paper=is_paper_scene(view)),
-        note=PAPER_NOTE if is_paper_scene(view) else '',
+        note=escape(explain_shade(results)) + (PAPER_NOTE if is_paper_scene(view) else ''),
         # The path gets its own place next to the table
         hero=sections.pop('path'),
         panels='\n'.join(sections.values()),

@@ -35,6 +35,7 @@ class SweepRequest:
     retry: bool = False
     device: Device | None = None
     duties: tuple[float, ...] = ()
+    quick: bool = False
 
     @property
     def options(self) -> tuple[str, ...]:
@@ -99,7 +100,7 @@ def sweep_once(order: SweepRequest, console: Console) -> SweepRun:
 
     """
     file = load_sweep(order.file)
-    plan = SweepPlan(file)
+    plan = SweepPlan(file.shorten() if order.quick else file)
     plan.check()
     identity = order.compute_sweep_hash(plan)
     # The name contains the identity, so the same command resumes its own sweep

@@ -1,11 +1,13 @@
 'use strict';
 // Draws the figures, marks the same time in all of them, and switches the theme.
+const element = (plot) => document.getElementById('figure-' + plot.dataset.panel);
 const json = (id) => JSON.parse(document.getElementById(id).textContent);
 const dark = json('dark');
 let track = json('track');
 const plots = [...document.querySelectorAll('.plot')];
 const timed = plots.filter((plot) => plot.dataset.timed === 'true');
-const figures = new Map(plots.map((plot) => [plot, json('figure-' + plot.dataset.panel)]));
+// Figures that are compressed follow in start()
+const figures = new Map(plots.filter((plot) => !element(plot).dataset.size).map((plot) => [plot, json('figure-' + plot.dataset.panel)]));
 const config = { displayModeBar: false, responsive: true, doubleClick: 'reset' };
 const touch = matchMedia('(pointer: coarse)').matches;
 let scene = null;
@@ -27,16 +29,24 @@ function decode85(text, size) {
   return new Uint8Array(bytes.buffer, 0, size);
 }
 
-// Runs a library that the page holds compressed
+// Text that the page holds compressed
+function inflate(packed) {
+  const data = decode85(packed.textContent, Number(packed.dataset.size));
+  packed.remove();
+  return new Response(new Blob([data]).stream().pipeThrough(new DecompressionStream('deflate'))).text();
+}
+
 async function load(name) {
   const packed = document.getElementById(name);
   if (!packed) return;
-  const data = decode85(packed.textContent, Number(packed.dataset.size));
-  packed.remove();
-  const stream = new Blob([data]).stream().pipeThrough(new DecompressionStream('deflate'));
   const script = document.createElement('script');
-  script.textContent = await new Response(stream).text();
+  script.textContent = await inflate(packed);
   document.head.append(script);
+}
+
+async function loadFigure(plot) {
+  const packed = element(plot);
+  if (packed?.dataset.size) figures.set(plot, JSON.parse(await inflate(packed)));
 }
 
 // 16-bit integers times a scale, the least of them unknown
@@ -210,7 +220,7 @@ function setPlaying(wanted) {
 }
 
 async function start() {
-  await Promise.all(['plotly', 'three'].map(load));
+  await Promise.all([...['plotly', 'three'].map(load), ...plots.map(loadFigure)]);
   scene = typeof addScene === 'function' ? addScene() : null;
   const prefers = matchMedia('(prefers-color-scheme: dark)');
   const theme = () => document.documentElement.dataset.theme;

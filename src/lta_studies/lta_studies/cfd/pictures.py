@@ -26,13 +26,15 @@ def draw_drag(sweep: TunnelSweep, turning: bool) -> Figure:
     for colour, axis in zip(COLOURS, axes, strict=True):
         hand = sweep.by_hand[axis]
         speeds = np.geomspace(hand[0].speed, hand[-1].speed, 60)
+        points = select_solved_points(sweep, axis)
         figure.add_trace(
             Scatter(
                 x=[p.speed for p in hand], y=opposing_drag(axis, hand), name=f'{axis}, by hand',
-                mode='lines', line={'color': colour, 'width': 1, 'dash': 'dot'}, showlegend=False,
+                mode='lines', line={'color': colour, 'width': 1, 'dash': 'dot'},
+                # With points, theirs name the colour
+                showlegend=not points,
             )
         )  # fmt: skip
-        points = select_solved_points(sweep, axis)
         if not points:
             continue
         values = opposing_drag(axis, points)

@@ -32,7 +32,7 @@ def draw_charge(
         Scatter(
             x=hours[::EVERY], y=lux[::EVERY] / 1e3, name='light', mode='lines',
             line={'color': LAMP, 'width': 1.2, 'shape': 'hv'}, hovertemplate='%{y:.1f} klx',
-            showlegend=False,
+            showlegend=True,
         ),
         row=1,
         col=1,
@@ -78,7 +78,11 @@ def draw_timeline(results: Sequence[MissionResult], light: IrradianceSeries) -> 
                     hovertemplate=name, showlegend=True, connectgaps=False,
                 )
             )  # fmt: skip
-    figure.update_yaxes(type='category', automargin=True)
+    # From top to bottom in the order of the other figures
+    order = [result.schedule for result in reversed(results)]
+    figure.update_yaxes(
+        type='category', automargin=True, categoryorder='array', categoryarray=order
+    )
     figure.update_layout(hovermode='closest')
     return set_time_axis(figure, light)
 
@@ -123,6 +127,7 @@ def draw_flight_hours(results: Sequence[MissionResult], light: IrradianceSeries)
 def draw_energy_use(results: Sequence[MissionResult]) -> Figure:
     """Plot the use of the energy of the light."""
     figure = create_figure()
+    results = list(reversed(results))  # bars are drawn upwards
     names = [f'{each.schedule}' for each in results]
     parts = {
         'flight': (TRUTH, [flight_energy(each) for each in results]),
@@ -139,7 +144,7 @@ def draw_energy_use(results: Sequence[MissionResult]) -> Figure:
                 marker={'color': colour}, hovertemplate='%{x:.2f} kJ', showlegend=True,
             )
         )  # fmt: skip
-    add_legend(figure).update_layout(barmode='stack')
+    add_legend(figure).update_layout(barmode='stack', legend_traceorder='normal')
     figure.update_xaxes(title_text='energy [kJ]')
     figure.update_yaxes(automargin=True)
     return figure

@@ -73,7 +73,7 @@ def build_report(request: MissionRequest, results: Sequence[MissionResult]) -> R
                 'day', f'Light and state of charge, seed {seed}', DAY,
                 draw_charge(shown, light, mission.reserve.si),
             ),
-            Picture('when', 'Timeline', WHEN, draw_timeline(shown, light)),
+            Picture('when', 'Timeline', WHEN, draw_timeline(shown, light), height=250),
             Picture('hours', 'Minutes flown', HOURS, draw_flight_hours(shown, light)),
             Picture('books', 'Energy', BOOKS, draw_energy_use(shown)),
             *build_mission_tables(request, results),
@@ -127,7 +127,9 @@ def format_headline(request: MissionRequest, results: Sequence[MissionResult]) -
         f'In the mission {request.mission.name} the drone flies {own.value:.0f} minutes a day'
     )
     if more is not None:
-        sentence += f', {more.value:.2f} times as many as by the best other schedule, {rival}'
+        percent = round(100.0 * (more.value - 1.0))
+        amount = f'{abs(percent)} % {"more" if percent > 0 else "less"} than' if percent else 'as'
+        sentence += f', {amount} with the best other schedule ({rival})'
     alike = filter_by_schedule(results, first.schedule)
     if failed := sum(each.figures.failure_count for each in alike):
         count = sum(each.figures.flights for each in alike)

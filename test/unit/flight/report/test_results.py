@@ -7,7 +7,7 @@ from types import SimpleNamespace
 from lta_config.errors import BadInput
 from lta_data.bag import open_flight
 from lta_flight.report.goal import wrap_angle
-from lta_flight.report.outcome import build_tiles
+from lta_flight.report.outcome import build_tiles, explain_shade
 from lta_flight.report.results import compute_results, FlightPhases, FlightResults, is_cruising
 from lta_flight.report.view import FlightView
 from lta_report.curves import hold_last, TimeCurve
@@ -60,16 +60,15 @@ def test_the_tile_is_of_what_the_drone_steers_by(found):
     (tile,) = [each for each in build_tiles(found) if each.name == 'Direction of the lamp']
     assert (tile.value, tile.unit) == ('1.1', '° RMS error')
     # The errors of the scene are constant, so that medians and RMS are equal
-    assert (
-        tile.note
-        == "as used for steering; error of the paper's bearing 2.9°; medians 1.1° and 2.9°"
-    )
+    assert tile.note == "median 1.1°; paper's bearing 2.9°, median 2.9°"
+    assert explain_shade(found) == ''
 
 
 def test_a_few_blocks_that_make_the_rms_are_explained(found):
     shaded = replace(found, lamp_error=3.5 * found.lamp_median)
     (tile,) = [each for each in build_tiles(shaded) if each.name == 'Direction of the lamp']
-    assert tile.note.endswith('most of them where the hull hides the lamp')
+    assert tile.note == 'median 1.1°: the hull hides the lamp at the end'
+    assert "its median is 1.1°, and 2.9° for the paper's bearing." in explain_shade(shaded)
 
 
 def test_estimator_errors(found):

@@ -46,6 +46,13 @@ def test_a_grid_is_every_value_with_every_value():
     assert plan.units == {HEAVY: 'kg', WIND: 'm/s'}
 
 
+def test_a_short_sweep_flies_each_point_once():
+    vary = {HEAVY: ['1 g', '2 g']}
+    for content in ({'seeds': {'first': 5, 'count': 4}}, {'samples': 3, 'seeds': {'first': 5}}):
+        plan = SweepPlan(file(vary=vary, **content).shorten())
+        assert [plan.build_job(k).seed for k in range(plan.count)] == [5, 5]
+
+
 def test_cases_are_values_that_belong_together():
     """Each case with each value; a file that a case names keeps what the sweep sets."""
     cases = {'room': {}, 'field': {'scenario': 'windy_field', 'mission.speed': 1.0}}

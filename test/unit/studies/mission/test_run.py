@@ -95,8 +95,8 @@ def test_the_headline_counts_failures_of_the_schedule_by_light(failures, end):
         MissionResult('duty cycle, asleep', 1, None, best),
     ]
     request = SimpleNamespace(mission=SimpleNamespace(name='greenhouse'), days=1)
-    # 7200 / 6000: the rival is the schedule that flies most, not the usual one
+    # 7200 / 6000 minutes: the rival is the schedule that flies most, not the usual one
     assert format_headline(request, results) == (
         'In the mission greenhouse the drone flies 120 minutes a day, '
-        f'1.20 times as many as by the best other schedule, duty cycle, asleep{end}.'
+        f'20 % more than with the best other schedule (duty cycle, asleep){end}.'
     )

@@ -41,7 +41,7 @@ class Fidelity(StrEnum):
     reference = 'reference'
 
 
-@study_command('cfd')
+@study_command('cfd', quick={'fidelity': Fidelity.analytic})
 def run(
     name: Annotated[
         str,

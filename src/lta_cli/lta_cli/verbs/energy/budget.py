@@ -10,7 +10,7 @@ from lta_studies.energy.budget.run import count_flights, measure_budget
 import typer
 
 
-@study_command('budget')
+@study_command('budget', quick={'seeds': 1})
 def budget(
     vehicle: Annotated[str, typer.Option(help='Vehicle name or file.')] = 'gtmab',
     beside: Annotated[

@@ -11,7 +11,7 @@ from lta_studies.energy.hover.run import compare_hovering
 import typer
 
 
-@study_command('hover')
+@study_command('hover', quick={'seconds': 60})
 def hover(
     vehicle: Annotated[
         str, typer.Option(help='Buoyant vehicle, name or file; both drones use its battery cell.')

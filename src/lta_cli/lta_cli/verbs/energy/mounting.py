@@ -15,7 +15,7 @@ import typer
 MOUNTS = ['side', 'bottom', 'top']
 
 
-@study_command('mounting')
+@study_command('mounting', quick={'seeds': 1})
 def mounting(
     mount: Annotated[
         list[str] | None,

@@ -16,7 +16,7 @@ import typer
 ANY = 'any'
 
 
-@study_command('bearing')
+@study_command('bearing', quick={'poses': 20})
 def bearing(
     vehicle: Annotated[
         str, typer.Option(help='Vehicle that carries the photodiodes, name or file.')

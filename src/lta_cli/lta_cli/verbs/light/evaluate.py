@@ -16,7 +16,7 @@ from lta_studies.light.evaluation.sets import SETS
 import typer
 
 
-@study_command('light-evaluate', resumes=True)
+@study_command('light-evaluate', resumes=True, quick={'seeds': 2})
 def evaluate(
     seeds: Annotated[
         int, typer.Option(help='Number of flights of each strategy in each case.', min=1, max=MOST)

@@ -18,7 +18,7 @@ from lta_studies.light.bearing.study_report import build_report
 import typer
 
 
-@study_command('study')
+@study_command('study', quick={'readings': 5})
 def light_study(
     vehicle: Annotated[
         str, typer.Option(help='Vehicle that carries the photodiodes, name or file.')

@@ -6,7 +6,6 @@ from lta_report.drawing import build_line_trace, EndLabel, label_ends, padded_ra
 from lta_report.palette import ESTIMATE, GOOD
 import numpy as np
 from plotly.graph_objects import Figure
-from scipy.integrate import cumulative_trapezoid
 
 
 def plot_power(view: FlightView) -> Figure:
@@ -25,8 +24,9 @@ def plot_power(view: FlightView) -> Figure:
         )
         labels.append(EndLabel('from panel', float(volts[-1] * amperes[-1]), GOOD))
         shown.append(volts * amperes)
-    # The first value must be 0 J
-    energy = cumulative_trapezoid(power, time, initial=0)
+    # By the trapezoidal rule, from 0 J; scipy would take a tenth of a second to import
+    steps = np.diff(time) * (power[1:] + power[:-1]) / 2.0
+    energy = np.concatenate([[0.0], np.cumsum(steps)])
     figure.add_trace(build_line_trace('energy', time, energy, ESTIMATE, unit='J'), row=2, col=1)
     figure.update_yaxes(title_text='power [W]', row=1)
     figure.update_yaxes(title_text='energy [J]', row=2)

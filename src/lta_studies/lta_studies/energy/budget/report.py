@@ -162,11 +162,11 @@ def draw_task_power(result: PowerBudget) -> Figure:
     figure = create_figure()
     every = {**result.tasks, f'{result.standard}, hovering': result.hover}
     names = list(every)
-    for key, colour, opacity in (('electronics', RAW, 1.0), ('rotors', TRUTH, 1.0)):
+    for key, colour in (('electronics', RAW), ('rotors', TRUTH)):
         figure.add_trace(
             Bar(
-                x=names, y=[1e3 * getattr(each, key) for each in every.values()], name=key,
-                marker={'color': colour}, opacity=opacity, hovertemplate='%{y:.0f} mW',
+                y=names, x=[1e3 * getattr(each, key) for each in every.values()], name=key,
+                marker={'color': colour}, orientation='h', hovertemplate='%{x:.0f} mW',
             )
         )  # fmt: skip
     marks = [
@@ -177,19 +177,19 @@ def draw_task_power(result: PowerBudget) -> Figure:
     marks.append((names[-1], 1e3 * paper.STANDARD))
     figure.add_trace(
         Scatter(
-            x=[name for name, _ in marks], y=[power for _, power in marks], mode='markers',
+            y=[name for name, _ in marks], x=[power for _, power in marks], mode='markers',
             name='paper', marker={'color': ESTIMATE, 'size': 9, 'symbol': 'diamond'},
-            hovertemplate='paper %{y:.0f} mW',
+            hovertemplate='paper %{x:.0f} mW',
         )
     )  # fmt: skip
     for name, each in every.items():
         figure.add_annotation(
-            x=name, y=1e3 * each.power, yanchor='bottom', text=f'{1e3 * each.power:.0f}',
+            y=name, x=1e3 * each.power, xanchor='left', xshift=6, text=f'{1e3 * each.power:.0f}',
             font={'color': INK, 'size': 11},
         )  # fmt: skip
-    add_legend(figure).update_layout(barmode='stack', bargap=0.35)
-    figure.update_xaxes(automargin=True)
-    return figure.update_yaxes(title_text='power [mW]')
+    add_legend(figure).update_layout(barmode='stack', bargap=0.35, hovermode='closest')
+    figure.update_xaxes(title_text='power [mW]', rangemode='tozero')
+    return figure.update_yaxes(automargin=True, autorange='reversed')
 
 
 def draw_rotor_power(result: PowerBudget) -> Figure:
@@ -218,6 +218,16 @@ def draw_rotor_power(result: PowerBudget) -> Figure:
             hovertemplate='bench data: %{y:.2f} W at %{text}',
         )
     )  # fmt: skip
+    last = rotor.BENCH[-1]
+    figure.add_annotation(
+        x=last.duty,
+        y=(last.power - idle) / 4.0,
+        text='bench data',
+        xanchor='right',
+        xshift=-8,
+        yshift=8,
+        font={'color': LAMP},
+    )
     label_ends(figure, labels, (0.0, 5.6))
     figure.update_xaxes(title_text='duty', title_font={'color': SOFT})
     return figure.update_yaxes(title_text='power of one rotor [W]')

@@ -5,7 +5,7 @@ from typing import Final
 
 from lta_config.schema.cell_table import CellTable
 from lta_config.schema.vehicle_energy import EnergyBlock
-from lta_report.drawing import create_figure
+from lta_report.drawing import add_legend, create_figure
 from lta_report.formatting import format_number, Tile
 from lta_report.palette import ESTIMATE, SOFT, TRUTH
 from lta_report.report import Picture, Report, TextSection
@@ -23,13 +23,11 @@ from lta_studies.energy.cells.tables import (
 )
 from plotly.graph_objects import Figure, Scatter
 
-TITLE: Final = 'Which solar cell is best in mass and charging time depends on the criterion.'
 PAPER: Final = (
     'Charging time per area against mass per area, the criterion of the paper (Huang et al. '
-    '2025). Dots: cells. Lines: the Pareto front. The paper does not say which '
-    'size of PowerFilm panel it measured: the full line is the front with the small panel, '
-    'the dashed line with the large one. The criterion favours large cells twice: they '
-    'charge faster, and the time is divided by a larger area.'
+    '2025). The paper does not say which size of PowerFilm panel it measured: the full line '
+    'is the front with the small panel, the dashed line with the large one. The criterion '
+    'favours large cells twice: they charge faster, and the time is divided by a larger area.'
 )
 FAIR: Final = (
     'Charging time times area, which does not depend on the size of a panel, against mass '
@@ -42,6 +40,7 @@ SIDES: Final = {
     'Dracula': 'middle right', 'Kitronik': 'middle right', 'SEEED': 'top right',
     'Adafruit': 'middle left', 'ANYSOLAR': 'bottom center', 'PowerFilm': 'top right',
 }  # fmt: skip
+TICKS: Final = (0.03, 0.05, 0.1, 0.2, 0.5)  # g/cm2
 METHOD: Final = (
     'Areas are computed from the printed dimensions, taken as cm where mm would be impossible; '
     'masses are as printed. The paper states neither the light nor the capacitance of its '
@@ -63,7 +62,7 @@ def build_report(table: CellTable, energy: EnergyBlock, budget: float) -> Report
     return Report(
         command='cells',
         subject=table.name,
-        headline=TITLE,
+        headline=format_headline(paper, fair),
         introduction=table.about,
         tiles=build_tiles(table, energy),
         blocks=(
@@ -77,6 +76,17 @@ def build_report(table: CellTable, energy: EnergyBlock, budget: float) -> Report
         data=to_json(table, energy, budget),
         facts={'table': table.name},
     )
+
+
+def format_headline(*criteria: Sequence[Sequence[CellReading]]) -> str:
+    """Return the makers on every Pareto front, and those on some, in one sentence."""
+    fronts = [{each.row.maker for each in front} for fronts in criteria for front in fronts]
+    always = set.intersection(*fronts)
+    some = set.union(*fronts) - always
+    text = f'No cell beats {" or ".join(sorted(always))} in both mass and charging time'
+    if some:
+        text += f'; whether {" and ".join(sorted(some))} can compete depends on the criterion'
+    return f'{text}.'
 
 
 def build_tiles(table: CellTable, energy: EnergyBlock) -> list[Tile]:
@@ -102,11 +112,13 @@ def draw_fronts(
     """Plot a criterion of the cells against mass per area, with the Pareto fronts."""
     figure = create_figure()
     for front, dash in zip(fronts, ('solid', '5px,4px'), strict=False):
+        # The reading in which the fronts differ names them
+        read = [each.title for each in front if each.readings > 1]
         figure.add_trace(
             Scatter(
                 x=[_areal_mass(each) for each in front], y=[criterion(each) for each in front],
                 mode='lines', line={'color': TRUTH, 'width': 1.6, 'dash': dash},
-                hoverinfo='skip',
+                name=', '.join(['Pareto front', *read]), hoverinfo='skip',
             )
         )  # fmt: skip
     # By identity: the fronts hold the same objects as `entries`.
@@ -116,20 +128,24 @@ def draw_fronts(
             x=[_areal_mass(each) for each in entries], y=[criterion(each) for each in entries],
             mode='markers+text', text=[each.title for each in entries],
             textposition=[SIDES.get(each.row.maker, 'top center') for each in entries],
-            textfont={'color': SOFT, 'size': 11},
+            textfont={'color': SOFT, 'size': 11}, cliponaxis=False, showlegend=False,
             marker={
                 'size': 9, 'color': [ESTIMATE if id(each) in on else SOFT for each in entries],
             },
             hovertemplate=f'%{{text}}: %{{x:.3f}} g/cm², %{{y:.3g}} {unit}<extra></extra>',
         )
     )  # fmt: skip
-    figure.update_layout(hovermode='closest')
+    for name, colour in (('cell on a front', ESTIMATE), ('other cell', SOFT)):
+        # Only for the legend: one trace draws all cells
+        dot = {'size': 9, 'color': colour}
+        figure.add_trace(Scatter(x=[None], y=[None], mode='markers', name=name, marker=dot))
+    add_legend(figure).update_layout(hovermode='closest')
     figure.update_xaxes(
         # On a logarithmic axis the range is in decades: 0.025 to 0.89 g/cm2.
         type='log',
         title_text='mass per area [g/cm²]',
         range=[-1.6, -0.05],
-        dtick='D2',
+        tickvals=TICKS,
     )
     return figure.update_yaxes(type='log', title_text=f'charging time [{unit}]', dtick='D2')
 

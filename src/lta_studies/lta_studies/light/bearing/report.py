@@ -6,7 +6,7 @@ from typing import Final
 
 from lta_report.drawing import add_legend, create_figure
 from lta_report.formatting import MISSING, Tile
-from lta_report.palette import ESTIMATE, SOFT, TIME, TRUTH, WALL
+from lta_report.palette import ESTIMATE, TIME, TRUTH, WALL
 from lta_report.report import Picture, Report, TextSection, TextTable
 from lta_studies.light.bearing.places import PLACES
 from lta_studies.light.bearing.run import BearingTrialRequest, BearingTrialResult, to_json
@@ -211,7 +211,7 @@ def plot_calibration(results: Sequence[BearingTrialResult]) -> Figure:
     figure.add_trace(
         Scatter(
             x=100.0 * stated, y=100.0 * stated, mode='lines', name='calibrated', hoverinfo='skip',
-            showlegend=False, line={'color': WALL, 'width': 1, 'dash': '4px,4px'},
+            line={'color': WALL, 'width': 1, 'dash': '4px,4px'},
         )
     )  # fmt: skip
     for k, each in enumerate(results):
@@ -234,6 +234,4 @@ def plot_calibration(results: Sequence[BearingTrialResult]) -> Figure:
         )  # fmt: skip
     figure.update_xaxes(title_text='nominal [%]', range=[0, 100])
     figure.update_yaxes(title_text='true bearings inside [%]', range=[0, 101])
-    return add_legend(figure).add_annotation(
-        x=55, y=50, text='calibrated', showarrow=False, font={'size': 11, 'color': SOFT}
-    )
+    return add_legend(figure)

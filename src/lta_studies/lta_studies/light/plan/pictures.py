@@ -5,7 +5,7 @@ from itertools import pairwise
 import math
 from typing import Final
 
-from lta_report.drawing import create_figure
+from lta_report.drawing import add_legend, create_figure
 from lta_report.palette import (
     build_color_scale,
     ESTIMATE,
@@ -56,7 +56,7 @@ def plot_coverage(layout: LampLayout) -> Figure:
         )
     )  # fmt: skip
     hatch_gaps(figure, layout)
-    draw_lamps(figure, layout, [f'{lamp.frequency:g} Hz' for lamp in layout.lamps])
+    draw_lamps(figure, layout)
     return figure
 
 
@@ -72,7 +72,8 @@ def plot_handovers(layout: LampLayout, handover: LampHandover) -> Figure:
     reached = [place for place in ends if place is not None]
     figure.add_trace(
         Scatter(
-            x=[x for x, _ in reached], y=[y for _, y in reached], mode='markers', name='arrival',
+            x=[x for x, _ in reached], y=[y for _, y in reached], mode='markers',
+            name='end of the flight to a lamp',
             marker={'size': 6, 'color': PAPER, 'line': {'color': TRUTH, 'width': 1.5}},
             hovertemplate='a flight to the lamp ends here<extra></extra>',
         )
@@ -82,8 +83,8 @@ def plot_handovers(layout: LampLayout, handover: LampHandover) -> Figure:
         figure.add_annotation(
             x=x, y=y, text='start', yshift=-14, font={'color': GOOD, 'size': 11}, bgcolor=VEIL
         )
-    draw_lamps(figure, layout, ['' for _ in layout.lamps])
-    return figure
+    draw_lamps(figure, layout)
+    return add_legend(figure)
 
 
 def create_floor_figure(layout: LampLayout) -> Figure:
@@ -155,8 +156,8 @@ def hatch_gaps(figure: Figure, layout: LampLayout) -> None:
         )  # fmt: skip
 
 
-def draw_lamps(figure: Figure, layout: LampLayout, words: Sequence[str]) -> None:
-    """Draw the lamps in their direction, with number and label."""
+def draw_lamps(figure: Figure, layout: LampLayout) -> None:
+    """Draw the lamps in their direction, with the numbers that the table lists."""
     facing = [lamp.mount.axis[:2] for lamp in layout.lamps]
     sideways = [math.hypot(*axis) > SIDEWAYS for axis in facing]
     figure.add_trace(
@@ -177,15 +178,14 @@ def draw_lamps(figure: Figure, layout: LampLayout, words: Sequence[str]) -> None
             hovertemplate='%{customdata[0]}, %{customdata[1]} Hz<extra></extra>',
         )
     )  # fmt: skip
-    for k, (lamp, word) in enumerate(zip(layout.lamps, words, strict=True)):
+    for k, lamp in enumerate(layout.lamps):
         along, up = lamp.mount.axis[:2] if sideways[k] else (0.0, 1.0)
-        text = f'<b>{k + 1}</b> {word}'.strip()
         # Half the width of the label, plus a gap [px]
-        reach = 14.0 + CHARACTER * (len(str(k + 1)) + len(word)) / 2.0
+        reach = 14.0 + CHARACTER * len(str(k + 1)) / 2.0
         figure.add_annotation(
             x=lamp.mount.position[0], y=lamp.mount.position[1], xshift=reach * along,
-            yshift=18.0 * up, text=text, font={'color': INK, 'size': 10}, bgcolor=VEIL,
-            borderpad=1,
+            yshift=18.0 * up, text=f'<b>{k + 1}</b>', font={'color': INK, 'size': 10},
+            bgcolor=VEIL, borderpad=1,
         )  # fmt: skip
 
 
