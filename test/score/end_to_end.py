@@ -2,12 +2,13 @@
 Flights to the lamp through the real firmware: `make end-to-end FIRMWARE=/path/to/sources`.
 
 The Crazyflie firmware runs as a Linux process (firmware/crazyflie/linux), the portable part of the
-light board's firmware as another (firmware/light_board/host). One simulated world moves by the
-motors of the first, gives it what its sensors read, and gives the second the samples of its
-converter. The graph flies both over UDP and a serial port, in real time, as it would fly a drone.
+light board's firmware on a Cortex-M7 that QEMU emulates (firmware/light_board/mps2_an500). One
+simulated world moves by the motors of the first, gives it what its sensors read, and gives the
+second the samples of its converter. The graph flies both over UDP and a serial port, in real time,
+as it would fly a drone; `--slower 4` lets time pass so much more slowly for all of them.
 
-`end_to_end.py FIRMWARE --seeds 20` flies and writes docs/hardware_flights.md; rows stay in
-runs/end_to_end, and a campaign that was stopped goes on.
+`end_to_end.py FIRMWARE --seeds 20` flies, and stores the rows and docs/hardware_flights.md; a
+campaign that was stopped goes on.
 """
 
 import argparse
@@ -15,38 +16,46 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 import json
+import mmap
 import os
 from pathlib import Path
+import re
+import statistics
 import subprocess
 import sys
-import threading
 import time
 from typing import Final, final, Self
 
 import add_paths  # noqa: F401
-from campaign import campaign, Case, Row, tried, version
+from campaign import campaign, Case, describe_lateness, store, StoredCampaign, tried, version
 from command import Lta
 from diagnostic_msgs.msg import DiagnosticArray
 from linux_crazyflie import build, commit_of, Process
-from lta_config.topics import load_topic_table
+from lta_config.schema.vehicle_file import load_vehicle_file
+from lta_config.vehicle_identity import hash_diodes
 from lta_emulation.crazyflie.commander import BodyCommand
 from lta_emulation.crazyflie.firmware_bench import FirmwareBench
 from lta_emulation.crazyflie.simulated_body import SimulatedBody
 from lta_emulation.emulated_hardware import build_simulated_body
-from lta_emulation.teensy.emulated_board import Cable
 import numpy as np
 from numpy.typing import NDArray
 from outcome import Outcome
 from outcome import tried as tried_here
 from peer import Peer
+from slow_clock import slow_down
 from std_srvs.srv import SetBool
 
 ROOT: Final = Path(__file__).resolve().parents[2]
 PAGE: Final = ROOT / 'docs/hardware_flights.md'
+RECORD: Final = ROOT / 'test/golden/hardware_flights.json'
 PROGRAMS: Final = 'LTA_END_TO_END'  # folder of both programs
 LONGEST: Final = 80.0  # s from take-off to the lamp
 LANDS: Final = 30.0  # s from the request to motors that stand
 HUNG: Final = 400.0  # s
+MEMORY: Final = 1 << 24  # bytes that the board's converter and the world share (flight.c)
+FIRST_ROW: Final = 64  # byte
+CONVERTER_ROWS: Final = 1 << 19
+ROW: Final = np.dtype('<u2')
 READY: Final = {
     'crazyflie_bridge: link': 'connected',
     'teensy_bridge: light board': 'receiving light',
@@ -57,15 +66,17 @@ READY: Final = {
 HEAD: Final = """# Flights through the real firmware
 
 `make end-to-end FIRMWARE=/path/to/crazyflie-firmware` writes this page. The Crazyflie firmware
-(commit `{commit}`, with our app) and the portable part of the light board's firmware run as
-processes of Linux. One simulated world (GT-MAB, lamp_room) moves by the motors of the first, gives
-it the readings of its sensors, and gives the second the samples of its converter. The graph flies
-both over UDP and a serial port in real time, from arming to the lamp (1 m) and a request to land.
-Timers, radio and converters are simulated; nothing here ran on a board.
+(commit `{commit}`, with our app) runs as a process of Linux, the portable part of the light
+board's firmware on a Cortex-M7 that {emulator} emulates (`mps2-an500`); every sample passes its
+UART. One simulated world (GT-MAB, lamp_room) moves by the motors of the first, gives it the
+readings of its sensors, and gives the second the samples of its converter. The graph flies both
+over UDP and a serial port in real time, from arming to the lamp (1 m) and a request to land.
+Timers, radio and converters are simulated; nothing here ran on a board. The rows are in
+`test/golden/hardware_flights.json`.
 
 **{reached} of {count} seeds reached the lamp, and the motors of {stopped} stopped on request.**
-{late} The request is to land; whether the drone
-then reaches the floor is not measured.
+{late} The emulation of the board took {emulation:.2f} s of a processor for each second of flight.
+The request is to land; whether the drone then reaches the floor is not measured.
 
 | seed | start [m from the lamp] | reached after [s] | closest [m] | motors stopped after [s] | \
 missed exchanges |
@@ -75,77 +86,97 @@ missed exchanges |
 
 @dataclass(frozen=True, slots=True)
 class FlightRow(Outcome):
-    """A flight: distances [m], time to the lamp [s], exchanges that the firmware missed."""
+    """
+    A flight.
+
+    Attributes
+    ----------
+    begun, closest : float
+        Distance from the lamp. [m]
+    reached : float or None
+        Time to the lamp. [s]
+    missed : int
+        Exchanges that the firmware missed.
+    emulation : float
+        Processor time that the light board took in a second of flight. [s]
+
+    """
 
     begun: float = 0.0
     reached: float | None = None
     closest: float = 0.0
     missed: int = 0
+    emulation: float = 0.0
 
 
 @final
 class LightCore:
     """
-    The portable part of the light board's firmware as a process, at the end of a serial port.
+    The portable part of the light board's firmware on a Cortex-M7 that QEMU emulates.
+
+    Its converter is memory that both share: `firmware/light_board/mps2_an500/flight.c`.
 
     Parameters
     ----------
     program : Path
-        From firmware/light_board/host.
+        From firmware/light_board.
     folder : Path
-        For its ports and its samples.
+        For the shared memory.
+
+    Attributes
+    ----------
+    port : str
+        Its serial port.
 
     """
 
     def __init__(self, program: Path, folder: Path) -> None:
-        self._program, self._rows = program, folder / 'rows'
-        self._near, self._far = Cable(folder / 'light_board'), Cable(folder / 'inner')
-        self._inner = folder / 'inner'
-        self.port = folder / 'light_board'
-        self._running = threading.Event()
-        self._relay = threading.Thread(target=self._carry, daemon=True)
-        os.mkfifo(self._rows)
+        self._program, self._file, self._written = program, folder / 'converter', 0
+        with self._file.open('wb') as file:
+            file.truncate(MEMORY)
 
     def __enter__(self) -> Self:
-        light = load_topic_table().light
-        words = [self._inner, self._rows, 8, light.sample_rate.si, 0.0, 0.0]
-        self._process = subprocess.Popen([self._program, *map(str, words)])
-        # The board boots when its samples can begin
-        self._samples = self._rows.open('wb', buffering=0)
-        self._running.set()
-        self._relay.start()
+        memory = f'memory-backend-file,id=rows,size={MEMORY},mem-path={self._file},share=on'
+        words = ['qemu-system-arm', '-object', memory, '-M', 'mps2-an500,memory-backend=rows',
+                 '-display', 'none', '-monitor', 'none', '-serial', 'pty', '-kernel',
+                 self._program]  # fmt: skip
+        self._process = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
+        assert self._process.stdout is not None
+        said = self._process.stdout.readline()
+        found = re.search(r'/dev/pts/\d+', said)
+        assert found, f'QEMU names no serial port: {said!r}'
+        self.port = found[0]
+        with self._file.open('r+b') as file:
+            self._memory = mmap.mmap(file.fileno(), MEMORY)
         return self
 
     def __exit__(self, *_: object) -> None:
         self._process.kill()
-        self._process.wait()
-        self._running.clear()
-        self._relay.join()
-        self._samples.close()
-        self._near.pull()
-        self._far.pull()
+        self._process.communicate()
+        self._memory.close()
+
+    @property
+    def processor_time(self) -> float:
+        """Time of a processor of this machine that the emulation has taken. [s]"""
+        words = Path(f'/proc/{self._process.pid}/stat').read_text().rpartition(')')[2].split()
+        return (int(words[11]) + int(words[12])) / os.sysconf('SC_CLK_TCK')
 
     def sample_light(self, _begun: float, samples: NDArray[np.uint16]) -> None:
         """Give the board a block; shape (samples, diodes)."""
-        self._samples.write(samples.astype('<u2').tobytes())
-
-    def _carry(self) -> None:
-        # Until the bridge has asked for the time nobody reads, and a full port would hold up the
-        # board and with it the world
-        is_open = False
-        while self._running.is_set():
-            sent, asked = self._far.read(0.002), self._near.read()
-            is_open = is_open or bool(asked)
-            self._far.write(asked)
-            if is_open:
-                self._near.write(sent)
+        size = ROW.itemsize * samples.shape[1]
+        for row in samples.astype(ROW):
+            place = FIRST_ROW + size * (self._written % CONVERTER_ROWS)
+            self._memory[place : place + size] = row.tobytes()
+            self._written += 1
+        # The count after the rows that it shows, in one store
+        memoryview(self._memory)[:4].cast('I')[0] = self._written
 
 
 @contextmanager
 def serve(folder: Path, seed: int) -> Iterator[tuple[SimulatedBody, FirmwareBench, LightCore]]:
     """Serve both boards and their world."""
     programs = Path(os.environ[PROGRAMS])
-    light = LightCore(programs / 'light_board', folder)
+    light = LightCore(programs / 'flight.elf', folder)
     body = build_simulated_body('gtmab', 'lamp_room', seed, light.sample_light)
     # The first step compiles the model for seconds, in which the board would count on
     body.advance(0.011, BodyCommand((0.0,) * 4))
@@ -171,14 +202,16 @@ def fly(seed: int, folder: Path, peer: Peer) -> FlightRow:
             peer.until(lambda: all(facts.get(name) == word for name, word in READY.items()))
             begun, missed = float(world.goal_distance), bench.missed
             peer.arm_until(lambda: any(body.duties))
-            since, distances = time.monotonic(), [begun]
+            since, distances, busy = time.monotonic(), [begun], light.processor_time
 
             def is_over() -> bool:
                 distances.append(float(world.goal_distance))
                 return bool(world.is_at_lamp) or time.monotonic() > since + LONGEST
 
             peer.until(is_over)
-            reached = time.monotonic() - since if world.is_at_lamp else None
+            flown = time.monotonic() - since
+            reached = flown if world.is_at_lamp else None
+            emulation = (light.processor_time - busy) / flown
             peer.ask(SetBool, 'crazyflie_bridge/arm', data=False)
             asked = time.monotonic()
             peer.until(lambda: not any(body.duties) or time.monotonic() > asked + LANDS)
@@ -192,7 +225,7 @@ def fly(seed: int, folder: Path, peer: Peer) -> FlightRow:
         wrong = 'the motors did not stop'
     return FlightRow(
         took=took, wrong=wrong, begun=begun, reached=reached, closest=min(distances),
-        missed=bench.missed - missed,
+        missed=bench.missed - missed, emulation=emulation,
     )  # fmt: skip
 
 
@@ -205,15 +238,17 @@ def listen(peer: Peer, facts: dict[str, str]) -> None:
     peer.node.create_subscription(DiagnosticArray, '/diagnostics', hear, 100)
 
 
-def write_page(rows: dict[Case, Row], commit: str) -> None:
-    """Write the page."""
-    late = max(row['late'] for row in rows.values())
-    head = HEAD.format(
-        commit=commit,
+def compose_page(stored: StoredCampaign) -> str:
+    """Return the page of a campaign."""
+    rows = stored.rows
+    text = HEAD.format(
+        commit=stored.facts['firmware'],
+        emulator=stored.facts['emulator'],
         count=len(rows),
         reached=sum(row['reached'] is not None for row in rows.values()),
         stopped=sum(row['took'] is not None for row in rows.values()),
-        late=f'The machine was shared; it woke a sleeper {late:.2f} s too late at most.',
+        emulation=statistics.mean(row['emulation'] for row in rows.values()),
+        late=describe_lateness(rows.values()),
     )
 
     def cell(value: float | None) -> str:
@@ -224,7 +259,7 @@ def write_page(rows: dict[Case, Row], commit: str) -> None:
         f'{cell(row["took"])} | {row["missed"]} |'
         for case, row in rows.items()
     ]
-    PAGE.write_text(head + '\n'.join(lines) + '\n', encoding='utf-8')
+    return text + '\n'.join(lines) + '\n'
 
 
 def main() -> int:
@@ -237,26 +272,35 @@ def main() -> int:
     parser = argparse.ArgumentParser(description='Fly through the real firmware.')
     parser.add_argument('firmware', type=Path, help='checkout of crazyflie-firmware')
     parser.add_argument('--seeds', type=int, default=20)
+    parser.add_argument('--side', type=int, default=1, help='side by side')
+    parser.add_argument('--slower', type=int, default=1, help='let time pass so much more slowly')
     parser.add_argument('--out', type=Path, default=Path('runs/end_to_end'))
     asked = parser.parse_args()
     programs = (asked.out / 'programs').resolve()
     build(asked.firmware, 'app', programs)
-    words = [
-        'make',
-        '-s',
-        '-C',
-        ROOT / 'firmware/light_board',
-        f'BUILD={programs}',
-        f'PYTHON={sys.executable}',
-    ]
+    diodes = hash_diodes(load_vehicle_file('gtmab'))
+    words = ['make', '-s', '-C', ROOT / 'firmware/light_board', programs / 'flight.elf',
+             f'BUILD={programs}', f'PYTHON={sys.executable}',
+             f'IDENTITY=-DLTA_VEHICLE={diodes:#x}u']  # fmt: skip
     subprocess.run(words, check=True)
     os.environ[PROGRAMS] = str(programs)
-    commit, here = commit_of(asked.firmware), Path(__file__)
-    path = asked.out / f'{version([here])}.jsonl'
+    here = Path(__file__)
+    path = asked.out / f'{version([here, *(ROOT / "firmware/light_board").rglob("*.[ch]")])}.jsonl'
+    facts = {'firmware': commit_of(asked.firmware), 'emulator': read_emulator_version()}
+    slow_down(asked.slower, asked.out)
     cases = [Case('flight', seed) for seed in range(1, asked.seeds + 1)]
-    rows = campaign(cases, path, 1, lambda case: tried(case, here, HUNG))
-    write_page(rows, commit)
+    rows = campaign(cases, path, asked.side, lambda case: tried(case, here, HUNG))
+    stored = store(RECORD, StoredCampaign(facts, rows))
+    PAGE.write_text(compose_page(stored), encoding='utf-8')
     return int(any(row['wrong'] for row in rows.values()))
+
+
+def read_emulator_version() -> str:
+    """Return name and version of the emulator."""
+    words = ['qemu-system-arm', '--version']
+    said = subprocess.run(words, capture_output=True, text=True, check=True).stdout
+    found = re.search(r'version ([\d.]+)', said)
+    return f'QEMU {found[1] if found else "of unknown version"}'
 
 
 if __name__ == '__main__':

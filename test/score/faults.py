@@ -17,6 +17,7 @@ from campaign import version as hashed
 from fault_kinds import Kind, KINDS, SLACK
 from light_kinds import AGAIN, LIGHT_KINDS, TOLD
 import lta_bridge
+from slow_clock import slow_down
 
 HERE: Final = Path(__file__).resolve().parent
 PAGE: Final = HERE.parents[1] / 'docs/hardware_faults.md'
@@ -160,6 +161,7 @@ def main() -> int:
     """Print the table and write the page; 1 where anything was not as stated."""
     told = asked('Faults in flight.', ALL, EACH, Path('runs') / 'faults')
     path = told.out / f'{version()}.jsonl'
+    slow_down(told.slower, told.out)
     outcomes = campaign(turn_about(told.kinds, told.each), path, told.side, flown)
     status = printed([*rows(outcomes), *light_rows(outcomes)], path, outcomes)
     if set(told.kinds) == set(ALL):

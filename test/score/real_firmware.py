@@ -31,6 +31,7 @@ from firmware_scenarios import APP, app_files, ARMING, BUILDS, SCENARIOS, SOLD
 from firmware_trial import IMPOSSIBLE
 from linux_crazyflie import build, commit_of, Process
 import lta_bridge
+from slow_clock import slow_down
 
 HERE: Final = Path(__file__).resolve().parent
 ROOT: Final = HERE.parents[1]
@@ -213,6 +214,7 @@ def parsed() -> argparse.Namespace:
     parser.add_argument('--steps', nargs='*', default=list(STEPS), choices=STEPS)
     parser.add_argument('--each', type=int, default=EACH, help='flights of each fault')
     parser.add_argument('--side', type=int, default=os.cpu_count() or 1, help='side by side')
+    parser.add_argument('--slower', type=int, default=1, help='let time pass so much more slowly')
     parser.add_argument('--out', type=Path, default=Path('runs/firmware'))
     words = parser.parse_args()
     if not (words.firmware / 'src/modules/src/supervisor.c').is_file():
@@ -249,6 +251,7 @@ def main() -> int:
     os.environ['LTA_FIRMWARE_BUILDS'] = str(words.out)
     path = words.out / f'{version(commit)}.jsonl'
     if 'faults' in words.steps:
+        slow_down(words.slower, words.out)
         campaign(
             cases(words.builds, words.each),
             path,
