@@ -40,7 +40,7 @@ class Case(NamedTuple):
 class StoredCampaign(NamedTuple):
     """What the repository keeps of a campaign: facts, such as the firmware's commit, and rows."""
 
-    facts: dict[str, str]
+    facts: dict[str, Any]
     rows: dict[Case, Row]
 
 
@@ -76,6 +76,14 @@ def describe_lateness(rows: Iterable[Row]) -> str:
         how = f' Time passed {min(slower)} to {max(slower)} times more slowly'
     how += ' for all processes (`--slower`).' if how else ''
     return f'The machine had other work; it woke a sleeper {late:.2f} s too late at most.{how}'
+
+
+def count_flights(rows: dict[Case, Row]) -> str:
+    """Return how many flights of how many kinds there are, in words."""
+    of_each = Counter(case.kind for case in rows)
+    least, most = min(of_each.values()), max(of_each.values())
+    each = f'{least} of each' if least == most else f'{least} to {most} of each'
+    return f'{len(rows)} flights of {len(of_each)} kinds, {each}'
 
 
 def version(paths: Iterable[Path]) -> str:

@@ -3,24 +3,43 @@ Faults in flight: `make faults ARGS='--side 4'`, about an hour on two idle cores
 
 Flies each kind of `fault_kinds.py` and `light_kinds.py` several times, at random moments, in
 parallel, each flight in its own process (`fault_trial.py`, `light_trial.py`). A stopped campaign
-resumes if bridge and kinds are unchanged. Writes docs/hardware_faults.md.
+resumes if bridge and kinds are unchanged. Stores the rows, and writes docs/hardware_faults.md.
 """
 
 from collections.abc import Iterator
+import json
 from pathlib import Path
 import sys
 from typing import Final
 
-from campaign import asked, campaign, Case, codes, Row, STALLED, tried, TRIES, turn_about
+import add_paths  # noqa: F401
+from campaign import (
+    asked,
+    campaign,
+    Case,
+    codes,
+    count_flights,
+    describe_lateness,
+    Row,
+    STALLED,
+    store,
+    StoredCampaign,
+    tried,
+    TRIES,
+    turn_about,
+)
 from campaign import told as printed
 from campaign import version as hashed
 from fault_kinds import Kind, KINDS, SLACK
+from firmware_scenarios import APP
 from light_kinds import AGAIN, LIGHT_KINDS, TOLD
 import lta_bridge
 from slow_clock import slow_down
 
 HERE: Final = Path(__file__).resolve().parent
 PAGE: Final = HERE.parents[1] / 'docs/hardware_faults.md'
+RECORD: Final = HERE.parents[1] / 'test/golden/hardware_faults.json'
+FIRMWARE: Final = HERE.parents[1] / 'test/golden/crazyflie_firmware.json'
 HUNG: Final = 240.0  # s after which a flight hangs
 EACH: Final = 20
 HEAD: Final = """\
@@ -29,7 +48,8 @@ HEAD: Final = """\
 `make faults` writes this page. It injects each fault at a random moment of a flight. The
 flights are alternately commanded by motor duties (GT-MAB) and by setpoints (multirotor). They use
 an emulated Crazyflie with the real bridge and recorder, over UDP and DDS in real time. A pilot
-climbs, cruises and descends in turn and does not react to the fault.
+climbs, cruises and descends in turn and does not react to the fault. The emulated drone is held to
+[the real firmware](hardware_firmware.md) (commit `{commit}`), on which the same faults were flown.
 
 The table shows the time until the motors stop, counted from the fault, or from the request to
 disarm if the flight should continue. The first time is the stated limit, the second the longest
@@ -41,9 +61,9 @@ A late stop or a different message does not count against the bridge if the mach
 {stalled:.2f} s or more: the flight is repeated, at most {tries} times, and the last one counts. No
 other failure is repeated.
 
-{wanted} flights were planned, {each} for each of {kinds} faults; {codes}.
-{again} repeated. In {stalls} of the counted flights the machine paused for {stalled:.2f} s or
-more.
+{flights} ({codes}, each a hash of bridge, emulator and trial). {again} repeated. In
+{stalls} of the counted flights the machine paused for {stalled:.2f} s or more. {late}
+The rows are in `test/golden/hardware_faults.json`.
 
 | fault | outcome of the flight | by duties | by setpoints | as stated |
 |---|---|---|---|---|
@@ -119,14 +139,9 @@ def about(name: str) -> str:
     return (KINDS[name] if name in KINDS else LIGHT_KINDS[name]).about
 
 
-def flown_with(outcomes: dict[Case, Row]) -> str:
-    """Return how many flights were flown with which code, in words."""
-    told = codes(outcomes).replace(', ', ' and ').replace(' of code', ' were flown with code', 1)
-    return told.replace(' of code', ' with code')
-
-
-def paged(outcomes: dict[Case, Row]) -> str:
+def compose_page(stored: StoredCampaign) -> str:
     """Return the page: the table, and each flight that was not as stated."""
+    outcomes = stored.rows
     wrong = [
         f'- {about(case.kind)}, flight {case.number}: {row["wrong"]}.\n'
         for case, row in outcomes.items()
@@ -138,10 +153,10 @@ def paged(outcomes: dict[Case, Row]) -> str:
         slack=SLACK,
         stalled=STALLED,
         tries=TRIES - 1,
-        codes=flown_with(outcomes),
-        wanted=EACH * len(ALL),
-        each=EACH,
-        kinds=len(ALL),
+        codes=codes(outcomes),
+        commit=stored.facts['firmware'],
+        flights=count_flights(outcomes),
+        late=describe_lateness(outcomes.values()),
         again=f'{again} were' if again else 'None was',
         stalls=sum(row.get('late', 0.0) > STALLED for row in outcomes.values()),
     )
@@ -164,8 +179,11 @@ def main() -> int:
     slow_down(told.slower, told.out)
     outcomes = campaign(turn_about(told.kinds, told.each), path, told.side, flown)
     status = printed([*rows(outcomes), *light_rows(outcomes)], path, outcomes)
-    if set(told.kinds) == set(ALL):
-        PAGE.write_text(paged(outcomes), encoding='utf-8')
+    if {case.kind for case in outcomes} == set(ALL):
+        # The commit that the emulator is held to
+        commit = json.loads(FIRMWARE.read_text())['builds'][APP]['commit']
+        stored = store(RECORD, StoredCampaign({'firmware': commit}, outcomes))
+        PAGE.write_text(compose_page(stored), encoding='utf-8')
     return status
 
 

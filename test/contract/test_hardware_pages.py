@@ -1,0 +1,24 @@
+"""The pages on hardware are those of the stored rows, and name the firmware that was tried."""
+
+from importlib import import_module
+from pathlib import Path
+import sys
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path += [str(ROOT / 'test/score'), str(ROOT / 'tools')]
+PAGES = import_module('hardware_pages').PAGES
+COMMIT = import_module('firmware').FIRMWARE.commit
+BY_HAND = {'hardware.md'}
+
+
+@pytest.mark.parametrize('page', PAGES, ids=lambda page: page.stem)
+def test_a_page_is_that_of_the_stored_rows(page):
+    assert page.read_text(encoding='utf-8') == PAGES[page](), 'run make reference'
+
+
+def test_every_page_names_the_commit_of_the_firmware():
+    pages = set((ROOT / 'docs').glob('hardware*.md'))
+    assert {page.name for page in pages} == {page.name for page in PAGES} | BY_HAND
+    assert all(COMMIT[:12] in page.read_text(encoding='utf-8') for page in pages)
