@@ -22,3 +22,8 @@ def test_every_page_names_the_commit_of_the_firmware():
     pages = set((ROOT / 'docs').glob('hardware*.md'))
     assert {page.name for page in pages} == {page.name for page in PAGES} | BY_HAND
     assert all(COMMIT[:12] in page.read_text(encoding='utf-8') for page in pages)
+
+
+def test_the_sentence_on_damaged_frames_is_that_of_the_stored_counts():
+    page = ' '.join((ROOT / 'docs/hardware.md').read_text(encoding='utf-8').split())
+    assert import_module('mutated_frames').compose_sentence() in page

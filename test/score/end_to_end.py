@@ -23,6 +23,7 @@ import re
 import statistics
 import subprocess
 import sys
+import threading
 import time
 from typing import Final, final, Self
 
@@ -37,6 +38,7 @@ from lta_emulation.crazyflie.commander import BodyCommand
 from lta_emulation.crazyflie.firmware_bench import FirmwareBench
 from lta_emulation.crazyflie.simulated_body import SimulatedBody
 from lta_emulation.emulated_hardware import build_simulated_body
+from lta_emulation.teensy.emulated_board import Cable
 import numpy as np
 from numpy.typing import NDArray
 from outcome import Outcome
@@ -52,10 +54,10 @@ PROGRAMS: Final = 'LTA_END_TO_END'  # folder of both programs
 LONGEST: Final = 80.0  # s from take-off to the lamp
 LANDS: Final = 30.0  # s from the request to motors that stand
 HUNG: Final = 400.0  # s
-MEMORY: Final = 1 << 24  # bytes that the board's converter and the world share (flight.c)
-FIRST_ROW: Final = 64  # byte
+MEMORY: Final = 1 << 24  # bytes that the board shares with us (flight.c)
+FIRST: Final = 64  # byte after the count
 CONVERTER_ROWS: Final = 1 << 19
-ROW: Final = np.dtype('<u2')
+LINK, LINK_BYTES = 0xC00000, 1 << 20
 READY: Final = {
     'crazyflie_bridge: link': 'connected',
     'teensy_bridge: light board': 'receiving light',
@@ -67,8 +69,9 @@ HEAD: Final = """# Flights through the real firmware
 
 `make end-to-end FIRMWARE=/path/to/crazyflie-firmware` writes this page. The Crazyflie firmware
 (commit `{commit}`, with our app) runs as a process of Linux, the portable part of the light
-board's firmware on a Cortex-M7 that {emulator} emulates (`mps2-an500`); every sample passes its
-UART. One simulated world (GT-MAB, lamp_room) moves by the motors of the first, gives it the
+board's firmware on a Cortex-M7 that {emulator} emulates (`mps2-an500`); its converter and the
+outgoing half of its link are memory that it shares with the simulator, in the place of DMA. One
+simulated world (GT-MAB, lamp_room) moves by the motors of the first, gives it the
 readings of its sensors, and gives the second the samples of its converter. The graph flies both
 over UDP and a serial port in real time, from arming to the lamp (1 m) and a request to land.
 Timers, radio and converters are simulated; nothing here ran on a board. The rows are in
@@ -114,46 +117,48 @@ class LightCore:
     """
     The portable part of the light board's firmware on a Cortex-M7 that QEMU emulates.
 
-    Its converter is memory that both share: `firmware/light_board/mps2_an500/flight.c`.
+    Its converter and its link are memory that both share, in the place of DMA:
+    `firmware/light_board/mps2_an500/flight.c`.
 
     Parameters
     ----------
     program : Path
         From firmware/light_board.
     folder : Path
-        For the shared memory.
-
-    Attributes
-    ----------
-    port : str
-        Its serial port.
+        For the shared memory and its serial port.
 
     """
 
     def __init__(self, program: Path, folder: Path) -> None:
-        self._program, self._file, self._written = program, folder / 'converter', 0
+        self._program, self._file = program, folder / 'memory'
+        self._rows = self._sent = 0
+        self.port = folder / 'light_board'
+        self._cable = Cable(self.port)
         with self._file.open('wb') as file:
             file.truncate(MEMORY)
+        self._running = threading.Event()
+        self._relay = threading.Thread(target=self._carry, daemon=True)
 
     def __enter__(self) -> Self:
-        memory = f'memory-backend-file,id=rows,size={MEMORY},mem-path={self._file},share=on'
-        words = ['qemu-system-arm', '-object', memory, '-M', 'mps2-an500,memory-backend=rows',
-                 '-display', 'none', '-monitor', 'none', '-serial', 'pty', '-kernel',
+        memory = f'memory-backend-file,id=shared,size={MEMORY},mem-path={self._file},share=on'
+        words = ['qemu-system-arm', '-object', memory, '-M', 'mps2-an500,memory-backend=shared',
+                 '-display', 'none', '-monitor', 'none', '-serial', 'stdio', '-kernel',
                  self._program]  # fmt: skip
-        self._process = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
-        assert self._process.stdout is not None
-        said = self._process.stdout.readline()
-        found = re.search(r'/dev/pts/\d+', said)
-        assert found, f'QEMU names no serial port: {said!r}'
-        self.port = found[0]
+        self._process = subprocess.Popen(words, stdin=subprocess.PIPE, bufsize=0)
         with self._file.open('r+b') as file:
             self._memory = mmap.mmap(file.fileno(), MEMORY)
+        counts = memoryview(self._memory).cast('I')
+        self._rows_count, self._link_count = counts[:1], counts[LINK // 4 : LINK // 4 + 1]
+        self._running.set()
+        self._relay.start()
         return self
 
     def __exit__(self, *_: object) -> None:
+        self._running.clear()
+        self._relay.join()
         self._process.kill()
         self._process.communicate()
-        self._memory.close()
+        self._cable.pull()
 
     @property
     def processor_time(self) -> float:
@@ -163,13 +168,35 @@ class LightCore:
 
     def sample_light(self, _begun: float, samples: NDArray[np.uint16]) -> None:
         """Give the board a block; shape (samples, diodes)."""
-        size = ROW.itemsize * samples.shape[1]
-        for row in samples.astype(ROW):
-            place = FIRST_ROW + size * (self._written % CONVERTER_ROWS)
-            self._memory[place : place + size] = row.tobytes()
-            self._written += 1
+        data = samples.astype('<u2').tobytes()
+        size = len(data) // len(samples)
+        for turn in range(len(samples)):
+            place = FIRST + size * ((self._rows + turn) % CONVERTER_ROWS)
+            self._memory[place : place + size] = data[size * turn : size * (turn + 1)]
         # The count after the rows that it shows, in one store
-        memoryview(self._memory)[:4].cast('I')[0] = self._written
+        self._rows += len(samples)
+        self._rows_count[0] = self._rows
+
+    def _carry(self) -> None:
+        # Until the bridge has asked for the time nobody reads, and a full port would hold us up
+        assert self._process.stdin is not None
+        is_open = False
+        while self._running.is_set():
+            asked = self._cable.read(0.002)
+            is_open = is_open or bool(asked)
+            if asked:
+                self._process.stdin.write(asked)
+            sent = self._read_link()
+            if is_open:
+                self._cable.write(sent)
+
+    def _read_link(self) -> bytes:
+        """Return what the board has sent since the last call."""
+        begun, ended = self._sent, self._link_count[0]
+        self._sent, first = ended, LINK + FIRST
+        begun, ended = begun % LINK_BYTES, begun % LINK_BYTES + (ended - begun)
+        data = self._memory[first + begun : first + min(ended, LINK_BYTES)]
+        return data + self._memory[first : first + max(0, ended - LINK_BYTES)]
 
 
 @contextmanager

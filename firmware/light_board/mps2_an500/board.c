@@ -3,6 +3,7 @@
  * SysTick takes the samples, UART0 is the link. There are no diodes: raw rows are a pattern by their
  * number; with PEAK_HZ a lamp of that frequency shines, on each diode 100 counts brighter. */
 #include "../core/lamp.h"
+#include "../core/light_board.h"
 #include "mps2.h"
 
 enum { PERIOD = CLOCK_MHZ * PERIOD_US };
@@ -37,6 +38,20 @@ static uint64_t now_us(void)
         left = SYSTICK_CURRENT;
     } while (before != ticks);
     return (uint64_t)before * PERIOD_US + (PERIOD - left) / CLOCK_MHZ;
+}
+
+/* A frame that has begun must end: the link takes a byte at a time, sooner or later. */
+static bool send(void *link, const uint8_t *bytes, size_t count)
+{
+    (void)link;
+    if (UART_STATE & TX_FULL)
+        return false;
+    for (size_t i = 0; i < count; i++) {
+        while (UART_STATE & TX_FULL) {
+        }
+        UART_DATA = bytes[i];
+    }
+    return true;
 }
 
 void reset(void)

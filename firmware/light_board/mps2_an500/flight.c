@@ -1,18 +1,21 @@
 /* The light board on an emulated Cortex-M7 in a simulated world: `make end-to-end`.
  *
- * The converter is the emulator's memory at CONVERTER, where a program of the host writes rows as a
- * converter with DMA would. UART0 is the link, a timer of the board its clock, in the host's real time. */
+ * Converter and link are memory that a program of the host shares, which takes the place of DMA: rows
+ * come in at CONVERTER, frames go out at LINK, as to the USB controller of a Teensy. What the bridge
+ * sends comes by UART0. A timer of the board is its clock, in the host's real time. */
+#include "../core/light_board.h"
 #include "mps2.h"
 #include <string.h>
 
 #define TIMER_CONTROL REGISTER(0x40002008) /* CMSDK dual timer: counts down, freely */
 #define TIMER_VALUE REGISTER(0x40002004)
 #define INTERRUPT_ENABLE REGISTER(0xE000E100)
-#define CONVERTER 0x60000000u /* PSRAM: rows written so far, then at FIRST_ROW the rows in turn */
+#define CONVERTER 0x60000000u /* PSRAM: rows written so far, then at FIRST the rows in turn */
+#define LINK 0x60C00000u      /* bytes written so far, then at FIRST the bytes in turn */
 
 enum { TIMER_ON_32_BITS_BY_16 = 0x86, TICKS_PER_16_US = 25, WAKE_US = 1000 };
 enum { UART_RX_INTERRUPT = 8 + ENABLE_BOTH, UART_RX_CLEAR = 2, UART_RX_LINE = 1, HEARD_BYTES = 512 };
-enum { FIRST_ROW = 64, CONVERTER_ROWS = 1 << 19 };
+enum { FIRST = 64, CONVERTER_ROWS = 1 << 19, LINK_BYTES = 1 << 20 };
 
 static light_board_t board;
 static volatile uint8_t heard[HEARD_BYTES];
@@ -26,6 +29,17 @@ static uint64_t now_us(void)
     ticks += last - value;
     last = value;
     return ticks * 16 / TICKS_PER_16_US;
+}
+
+static bool send(void *link, const uint8_t *bytes, size_t count)
+{
+    (void)link;
+    const uint32_t written = REGISTER(LINK);
+    for (size_t i = 0; i < count; i++)
+        ((volatile uint8_t *)(LINK + FIRST))[(written + i) % LINK_BYTES] = bytes[i];
+    __atomic_thread_fence(__ATOMIC_RELEASE); /* the bytes before the count that shows them */
+    REGISTER(LINK) = written + (uint32_t)count;
+    return true;
 }
 
 static void receive(void)
@@ -55,7 +69,7 @@ static void sample_due(uint64_t now)
            && board.sampled * PERIOD_US < now - board.config.start_us) {
         uint16_t row[DIODES];
         const uint32_t place = (uint32_t)board.sampled % CONVERTER_ROWS;
-        memcpy(row, (const void *)(CONVERTER + FIRST_ROW + place * sizeof row), sizeof row);
+        memcpy(row, (const void *)(CONVERTER + FIRST + place * sizeof row), sizeof row);
         light_board_sample(&board, row);
     }
 }

@@ -1,6 +1,6 @@
-/* What the programs for Arm's MPS2 board with a Cortex-M7 (AN500) share: its registers, and the link over UART0. */
+/* What the programs for Arm's MPS2 board with a Cortex-M7 (AN500) share: its registers. */
 #pragma once
-#include "../core/light_board.h"
+#include <stdint.h>
 
 #define REGISTER(address) (*(volatile uint32_t *)(address))
 #define SYSTICK_CONTROL REGISTER(0xE000E010)
@@ -17,20 +17,6 @@ enum { TX_FULL = 1, RX_FULL = 2, ENABLE_BOTH = 3, COUNT_INTERRUPT_CPU = 7, FLOAT
 enum { CLOCK_MHZ = 25, PERIOD_US = 100, DIODES = 8 };
 
 extern uint32_t stack_top;
-
-/* A frame that has begun must end: the link takes a byte at a time, sooner or later. */
-static bool send(void *link, const uint8_t *bytes, size_t count)
-{
-    (void)link;
-    if (UART_STATE & TX_FULL)
-        return false;
-    for (size_t i = 0; i < count; i++) {
-        while (UART_STATE & TX_FULL) {
-        }
-        UART_DATA = bytes[i];
-    }
-    return true;
-}
 
 static void begin_hardware(void)
 {
