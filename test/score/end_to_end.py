@@ -13,18 +13,21 @@ campaign that was stopped goes on.
 
 import argparse
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass
 import json
 import mmap
 import os
 from pathlib import Path
 import re
+import select
 import statistics
 import subprocess
 import sys
+import termios
 import threading
 import time
+import tty
 from typing import Final, final, Self
 
 import add_paths  # noqa: F401
@@ -38,7 +41,6 @@ from lta_emulation.crazyflie.commander import BodyCommand
 from lta_emulation.crazyflie.firmware_bench import FirmwareBench
 from lta_emulation.crazyflie.simulated_body import SimulatedBody
 from lta_emulation.emulated_hardware import build_simulated_body
-from lta_emulation.teensy.emulated_board import Cable
 import numpy as np
 from numpy.typing import NDArray
 from outcome import Outcome
@@ -132,8 +134,11 @@ class LightCore:
     def __init__(self, program: Path, folder: Path) -> None:
         self._program, self._file = program, folder / 'memory'
         self._rows = self._sent = 0
-        self.port = folder / 'light_board'
-        self._cable = Cable(self.port)
+        self._near, theirs = os.openpty()
+        tty.setraw(theirs, termios.TCSANOW)
+        os.set_blocking(self._near, False)
+        self.port = os.ttyname(theirs)
+        self._far = theirs  # stays open: without a reader the port would be gone
         with self._file.open('wb') as file:
             file.truncate(MEMORY)
         self._running = threading.Event()
@@ -158,7 +163,8 @@ class LightCore:
         self._relay.join()
         self._process.kill()
         self._process.communicate()
-        self._cable.pull()
+        os.close(self._near)
+        os.close(self._far)
 
     @property
     def processor_time(self) -> float:
@@ -178,17 +184,19 @@ class LightCore:
         self._rows_count[0] = self._rows
 
     def _carry(self) -> None:
-        # Until the bridge has asked for the time nobody reads, and a full port would hold us up
+        # Until the bridge has asked for the time nobody reads; afterwards nothing is lost, as
+        # the memory holds 6 s
         assert self._process.stdin is not None
-        is_open = False
+        is_open, pending = False, b''
         while self._running.is_set():
-            asked = self._cable.read(0.002)
-            is_open = is_open or bool(asked)
-            if asked:
-                self._process.stdin.write(asked)
-            sent = self._read_link()
-            if is_open:
-                self._cable.write(sent)
+            if select.select([self._near], [], [], 0.002)[0]:
+                self._process.stdin.write(os.read(self._near, 65536))
+                is_open = True
+            if not pending:
+                sent = self._read_link()
+                pending = sent if is_open else b''
+            with suppress(BlockingIOError):
+                pending = pending[os.write(self._near, pending) :] if pending else b''
 
     def _read_link(self) -> bytes:
         """Return what the board has sent since the last call."""
