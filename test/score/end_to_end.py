@@ -31,16 +31,28 @@ import tty
 from typing import Final, final, Self
 
 import add_paths  # noqa: F401
-from campaign import campaign, Case, describe_lateness, store, StoredCampaign, tried, version
+from campaign import (
+    campaign,
+    Case,
+    describe_lateness,
+    read_stored,
+    Row,
+    store,
+    StoredCampaign,
+    tried,
+    version,
+)
 from command import Lta
 from diagnostic_msgs.msg import DiagnosticArray
 from linux_crazyflie import build, commit_of, Process
 from lta_config.schema.vehicle_file import load_vehicle_file
+from lta_config.topics import load_topic_table
 from lta_config.vehicle_identity import hash_diodes
 from lta_emulation.crazyflie.commander import BodyCommand
 from lta_emulation.crazyflie.firmware_bench import FirmwareBench
 from lta_emulation.crazyflie.simulated_body import SimulatedBody
 from lta_emulation.emulated_hardware import build_simulated_body
+from lta_emulation.teensy.emulated_board import Cable
 import numpy as np
 from numpy.typing import NDArray
 from outcome import Outcome
@@ -67,26 +79,42 @@ READY: Final = {
     'demodulator: light': 'beacon found',
     'navigator: mission': 'climb',
 }
+PROCESS, EMULATED = 'process', 'emulated'  # ways to run the light board's core
 HEAD: Final = """# Flights through the real firmware
 
 `make end-to-end FIRMWARE=/path/to/crazyflie-firmware` writes this page. The Crazyflie firmware
-(commit `{commit}`, with our app) runs as a process of Linux, the portable part of the light
-board's firmware on a Cortex-M7 that {emulator} emulates (`mps2-an500`); its converter and the
-outgoing half of its link are memory that it shares with the simulator, in the place of DMA. One
-simulated world (GT-MAB, lamp_room) moves by the motors of the first, gives it the
-readings of its sensors, and gives the second the samples of its converter. The graph flies both
-over UDP and a serial port in real time, from arming to the lamp (1 m) and a request to land.
-Timers, radio and converters are simulated; nothing here ran on a board. The rows are in
+(commit `{commit}`, with our app) runs as a process of Linux, and the portable part of the light
+board's firmware in one of two ways. One simulated world (GT-MAB, lamp_room) moves by the motors of
+the first, gives it the readings of its sensors, and gives the second the samples of its converter.
+The graph flies both over UDP and a serial port in real time, from arming to the lamp (1 m) and a
+request to land. Timers, radio and converters are simulated; nothing here ran on a board. The
+request is to land; whether the drone then reaches the floor is not measured. The rows are in
 `test/golden/hardware_flights.json`.
+"""
+TABLE: Final = """
+## {title}
 
-**{reached} of {count} seeds reached the lamp, and the motors of {stopped} stopped on request.**
-{late} The emulation of the board took {emulation:.2f} s of a processor for each second of flight.
-The request is to land; whether the drone then reaches the floor is not measured.
+{about}
+
+**{reached} of {count} flights reached the lamp, and the motors of {stopped} stopped on request.**
+{late}
 
 | seed | start [m from the lamp] | reached after [s] | closest [m] | motors stopped after [s] | \
 missed exchanges |
 |---|---|---|---|---|---|
 """
+TITLES: Final = {
+    PROCESS: 'Light board as a process',
+    EMULATED: 'Light board on an emulated Cortex-M7',
+}
+ABOUT: Final = {
+    PROCESS: 'The core is a process of Linux (`--core process`).',
+    EMULATED: (
+        '{emulator} emulates the processor (`mps2-an500`). The converter and the outgoing half of '
+        'the link are memory that it shares with the simulator, in the place of DMA. It takes '
+        '{emulation:.2f} s of a processor of this machine for each second of flight.'
+    ),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,7 +143,7 @@ class FlightRow(Outcome):
 
 
 @final
-class LightCore:
+class EmulatedCore:
     """
     The portable part of the light board's firmware on a Cortex-M7 that QEMU emulates.
 
@@ -169,8 +197,7 @@ class LightCore:
     @property
     def processor_time(self) -> float:
         """Time of a processor of this machine that the emulation has taken. [s]"""
-        words = Path(f'/proc/{self._process.pid}/stat').read_text().rpartition(')')[2].split()
-        return (int(words[11]) + int(words[12])) / os.sysconf('SC_CLK_TCK')
+        return read_processor_time(self._process.pid)
 
     def sample_light(self, _begun: float, samples: NDArray[np.uint16]) -> None:
         """Give the board a block; shape (samples, diodes)."""
@@ -207,11 +234,86 @@ class LightCore:
         return data + self._memory[first : first + max(0, ended - LINK_BYTES)]
 
 
+@final
+class ProcessCore:
+    """
+    The portable part of the light board's firmware as a process, at the end of a serial port.
+
+    Parameters
+    ----------
+    program : Path
+        From firmware/light_board/host.
+    folder : Path
+        For its ports and its samples.
+
+    """
+
+    def __init__(self, program: Path, folder: Path) -> None:
+        self._program, self._rows = program, folder / 'rows'
+        self._near, self._far = Cable(folder / 'light_board'), Cable(folder / 'inner')
+        self._inner = folder / 'inner'
+        self.port = folder / 'light_board'
+        self._running = threading.Event()
+        self._relay = threading.Thread(target=self._carry, daemon=True)
+        os.mkfifo(self._rows)
+
+    def __enter__(self) -> Self:
+        light = load_topic_table().light
+        words = [self._inner, self._rows, 8, light.sample_rate.si, 0.0, 0.0]
+        self._process = subprocess.Popen([self._program, *map(str, words)])
+        # The board boots when its samples can begin
+        self._samples = self._rows.open('wb', buffering=0)
+        self._running.set()
+        self._relay.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._process.kill()
+        self._process.wait()
+        self._running.clear()
+        self._relay.join()
+        self._samples.close()
+        self._near.pull()
+        self._far.pull()
+
+    @property
+    def processor_time(self) -> float:
+        """As of `EmulatedCore`."""
+        return read_processor_time(self._process.pid)
+
+    def sample_light(self, _begun: float, samples: NDArray[np.uint16]) -> None:
+        """Give the board a block; shape (samples, diodes)."""
+        self._samples.write(samples.astype('<u2').tobytes())
+
+    def _carry(self) -> None:
+        # Until the bridge has asked for the time nobody reads, and a full port would hold up the
+        # board and with it the world
+        is_open = False
+        while self._running.is_set():
+            sent, asked = self._far.read(0.002), self._near.read()
+            is_open = is_open or bool(asked)
+            self._far.write(asked)
+            if is_open:
+                self._near.write(sent)
+
+
+def read_processor_time(process: int) -> float:
+    """Return the time of a processor that a process has taken. [s]"""
+    words = Path(f'/proc/{process}/stat').read_text().rpartition(')')[2].split()
+    return (int(words[11]) + int(words[12])) / os.sysconf('SC_CLK_TCK')
+
+
+CORES: Final = {PROCESS: (ProcessCore, 'light_board'), EMULATED: (EmulatedCore, 'flight.elf')}
+
+
 @contextmanager
-def serve(folder: Path, seed: int) -> Iterator[tuple[SimulatedBody, FirmwareBench, LightCore]]:
+def serve(
+    core: str, folder: Path, seed: int
+) -> Iterator[tuple[SimulatedBody, FirmwareBench, ProcessCore | EmulatedCore]]:
     """Serve both boards and their world."""
     programs = Path(os.environ[PROGRAMS])
-    light = LightCore(programs / 'flight.elf', folder)
+    kind, program = CORES[core]
+    light = kind(programs / program, folder)
     body = build_simulated_body('gtmab', 'lamp_room', seed, light.sample_light)
     # The first step compiles the model for seconds, in which the board would count on
     body.advance(0.011, BodyCommand((0.0,) * 4))
@@ -223,10 +325,10 @@ def serve(folder: Path, seed: int) -> Iterator[tuple[SimulatedBody, FirmwareBenc
         yield body, bench, light
 
 
-def fly(seed: int, folder: Path, peer: Peer) -> FlightRow:
+def fly(core: str, seed: int, folder: Path, peer: Peer) -> FlightRow:
     """Fly to the lamp, and ask for a landing."""
     facts: dict[str, str] = {}
-    with serve(folder, seed) as (body, bench, light):
+    with serve(core, folder, seed) as (body, bench, light):
         lta, world = Lta(), body.world
         listen(peer, facts)
         graph = lta.start(
@@ -275,14 +377,25 @@ def listen(peer: Peer, facts: dict[str, str]) -> None:
 
 def compose_page(stored: StoredCampaign) -> str:
     """Return the page of a campaign."""
-    rows = stored.rows
-    text = HEAD.format(
-        commit=stored.facts['firmware'],
-        emulator=stored.facts['emulator'],
+    head = HEAD.format(commit=stored.facts['firmware'])
+    parts = (compose_part(core, stored) for core in CORES)
+    return head + ''.join(parts)
+
+
+def compose_part(core: str, stored: StoredCampaign) -> str:
+    """Return the part on one way to run the light board's core; empty without a flight."""
+    rows = {case.number: row for case, row in stored.rows.items() if case.kind == core}
+    if not rows:
+        return ''
+    text = TABLE.format(
+        title=TITLES[core],
+        about=ABOUT[core].format(
+            emulator=stored.facts['emulator'],
+            emulation=statistics.mean(row['emulation'] for row in rows.values()),
+        ),
         count=len(rows),
         reached=sum(row['reached'] is not None for row in rows.values()),
         stopped=sum(row['took'] is not None for row in rows.values()),
-        emulation=statistics.mean(row['emulation'] for row in rows.values()),
         late=describe_lateness(rows.values()),
     )
 
@@ -290,44 +403,59 @@ def compose_page(stored: StoredCampaign) -> str:
         return '-' if value is None else f'{value:.1f}'
 
     lines = [
-        f'| {case.number} | {row["begun"]:.1f} | {cell(row["reached"])} | {row["closest"]:.2f} | '
-        f'{cell(row["took"])} | {row["missed"]} |'
-        for case, row in rows.items()
+        f'| {number} | {row["begun"]:.1f} | {cell(row["reached"])} | {row["closest"]:.2f} | '
+        f'{cell(row["took"])} | {row["missed"]} |\n'
+        for number, row in rows.items()
     ]
-    return text + '\n'.join(lines) + '\n'
+    wrong = [f'- Seed {number}: {row["wrong"]}.\n' for number, row in rows.items() if row['wrong']]
+    return text + ''.join(lines) + ('\nNot as stated:\n\n' + ''.join(wrong) if wrong else '')
 
 
 def main() -> int:
-    """Build, fly all seeds and write the page; or fly one seed: `flight NUMBER`."""
-    if sys.argv[1:2] == ['flight']:
-        number = int(sys.argv[2])
-        row = tried_here(lambda folder, peer: fly(number, folder, peer), FlightRow)
+    """Build, fly all seeds and write the page; or fly one seed: `CORE NUMBER`."""
+    if sys.argv[1] in CORES:
+        core, number = sys.argv[1], int(sys.argv[2])
+        row = tried_here(lambda folder, peer: fly(core, number, folder, peer), FlightRow)
         sys.stdout.write(json.dumps(asdict(row)) + '\n')
         return 0
     parser = argparse.ArgumentParser(description='Fly through the real firmware.')
     parser.add_argument('firmware', type=Path, help='checkout of crazyflie-firmware')
+    parser.add_argument('--core', choices=CORES, default=EMULATED, help='of the light board')
     parser.add_argument('--seeds', type=int, default=20)
     parser.add_argument('--side', type=int, default=1, help='side by side')
     parser.add_argument('--slower', type=int, default=1, help='let time pass so much more slowly')
     parser.add_argument('--out', type=Path, default=Path('runs/end_to_end'))
     asked = parser.parse_args()
     programs = (asked.out / 'programs').resolve()
-    build(asked.firmware, 'app', programs)
-    diodes = hash_diodes(load_vehicle_file('gtmab'))
-    words = ['make', '-s', '-C', ROOT / 'firmware/light_board', programs / 'flight.elf',
-             f'BUILD={programs}', f'PYTHON={sys.executable}',
-             f'IDENTITY=-DLTA_VEHICLE={diodes:#x}u']  # fmt: skip
-    subprocess.run(words, check=True)
+    build_programs(asked.firmware, asked.core, programs)
     os.environ[PROGRAMS] = str(programs)
     here = Path(__file__)
     path = asked.out / f'{version([here, *(ROOT / "firmware/light_board").rglob("*.[ch]")])}.jsonl'
-    facts = {'firmware': commit_of(asked.firmware), 'emulator': read_emulator_version()}
     slow_down(asked.slower, asked.out)
-    cases = [Case('flight', seed) for seed in range(1, asked.seeds + 1)]
+    cases = [Case(asked.core, seed) for seed in range(1, asked.seeds + 1)]
     rows = campaign(cases, path, asked.side, lambda case: tried(case, here, HUNG))
-    stored = store(RECORD, StoredCampaign(facts, rows))
-    PAGE.write_text(compose_page(stored), encoding='utf-8')
+    facts = {'firmware': commit_of(asked.firmware), 'emulator': read_emulator_version()}
+    keep(facts, rows)
     return int(any(row['wrong'] for row in rows.values()))
+
+
+def build_programs(firmware: Path, core: str, programs: Path) -> None:
+    """Build both firmwares, with the hashes of the vehicle inside."""
+    build(firmware, 'app', programs)
+    diodes = hash_diodes(load_vehicle_file('gtmab'))
+    words = ['make', '-s', '-C', ROOT / 'firmware/light_board', programs / CORES[core][1],
+             f'BUILD={programs}', f'PYTHON={sys.executable}',
+             f'IDENTITY=-DLTA_VEHICLE={diodes:#x}u']  # fmt: skip
+    subprocess.run(words, check=True)
+
+
+def keep(facts: dict[str, str], rows: dict[Case, Row]) -> None:
+    """Store rows in the place of those of their core, and write the page."""
+    kinds = {case.kind for case in rows}
+    others = read_stored(RECORD).rows if RECORD.exists() else {}
+    others = {case: row for case, row in others.items() if case.kind not in kinds}
+    stored = store(RECORD, StoredCampaign(facts, others | rows))
+    PAGE.write_text(compose_page(stored), encoding='utf-8')
 
 
 def read_emulator_version() -> str:
