@@ -10,6 +10,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 sys.path += [str(ROOT / 'test/score'), str(ROOT / 'tools')]
 hardware_pages, real_firmware = import_module('hardware_pages'), import_module('real_firmware')
+faults, read_stored = import_module('faults'), import_module('campaign').read_stored
 PAGES = hardware_pages.PAGES
 COMMIT = import_module('firmware').FIRMWARE.commit
 BY_HAND = {'hardware.md'}
@@ -22,6 +23,13 @@ def test_a_page_is_that_of_the_stored_rows_or_called_stale(page):
         assert text == PAGES[page](), 'run make reference'
     else:
         assert '\n**Stale:** ' in text
+
+
+def test_the_part_on_the_light_link_is_that_of_its_rows():
+    if not hardware_pages.is_stored(faults.PAGE):
+        stored = read_stored(faults.LIGHT_RECORD)
+        text = faults.PAGE.read_text(encoding='utf-8')
+        assert text.endswith('\n' + faults.compose_light_part(stored))
 
 
 def test_the_tables_of_the_firmware_are_those_that_were_recorded():

@@ -39,6 +39,7 @@ from slow_clock import slow_down
 HERE: Final = Path(__file__).resolve().parent
 PAGE: Final = HERE.parents[1] / 'docs/hardware_faults.md'
 RECORD: Final = HERE.parents[1] / 'test/golden/hardware_faults.json'
+LIGHT_RECORD: Final = HERE.parents[1] / 'test/golden/hardware_light_faults.json'
 FIRMWARE: Final = HERE.parents[1] / 'test/golden/crazyflie_firmware.json'
 HUNG: Final = 240.0  # s after which a flight hangs
 EACH: Final = 20
@@ -165,6 +166,32 @@ def compose_page(stored: StoredCampaign) -> str:
     return head + '\n'.join(lines).rstrip('\n') + '\n'
 
 
+def compose_light_part(stored: StoredCampaign) -> str:
+    """Return the page's part on the link of the light board, of a campaign of it alone."""
+    outcomes = stored.rows
+    wrong = [
+        f'- {about(case.kind)}, trial {case.number}: {row["wrong"]}.'
+        for case, row in outcomes.items()
+        if row['wrong']
+    ]
+    lines = [
+        LIGHT_HEAD.format(told=TOLD, again=AGAIN, slack=SLACK),
+        *light_rows(outcomes),
+        '',
+        f'{count_flights(outcomes)} ({codes(outcomes)}). {describe_lateness(outcomes.values())} '
+        'The rows are in `test/golden/hardware_light_faults.json`.',
+        *(['', 'Not as stated:', '', *wrong] if wrong else []),
+    ]
+    return '\n'.join(lines).lstrip('\n') + '\n'
+
+
+def write_light_part(stored: StoredCampaign) -> None:
+    """Write the part on the light board's link, and leave the rest of the page as it is."""
+    text = PAGE.read_text(encoding='utf-8')
+    place = text.index(LIGHT_HEAD.split('\n')[1])
+    PAGE.write_text(text[:place] + compose_light_part(stored), encoding='utf-8')
+
+
 def fate(kind: Kind) -> str:
     """Return what becomes of a flight, in words."""
     if not any(kind.stated):
@@ -184,6 +211,8 @@ def main() -> int:
         commit = json.loads(FIRMWARE.read_text())['builds'][APP]['commit']
         stored = store(RECORD, StoredCampaign({'firmware': commit}, outcomes))
         PAGE.write_text(compose_page(stored), encoding='utf-8')
+    elif {case.kind for case in outcomes} == set(LIGHT_KINDS):
+        write_light_part(store(LIGHT_RECORD, StoredCampaign({}, outcomes)))
     return status
 
 
