@@ -38,7 +38,9 @@ def app_files() -> list[Path]:
     """Return our files that decide what a recorded build does."""
     folder = Path(__file__).resolve().parents[1] / 'firmware/crazyflie'
     parts = (folder / 'src', folder / 'linux', folder / 'linux/include')
-    found = [path for part in parts for path in part.iterdir() if path.is_file()]
+    # A build leaves its objects beside the sources
+    built = ('.o', '.cmd')
+    found = [p for part in parts for p in part.iterdir() if p.is_file() and p.suffix not in built]
     return [folder / 'app-config', *found]
 
 

@@ -13,6 +13,7 @@ from collections.abc import Sequence
 import os
 from pathlib import Path
 import shutil
+import socket
 import struct
 import subprocess
 import sys
@@ -148,8 +149,22 @@ def build_light_board(cores: Path, adc: Path, identity: Identity) -> Path:
     return image
 
 
+def require_free_ports(ports: Sequence[int]) -> None:
+    """Check that no program has the ports; raise `BadInput`, as an old firmware would answer."""
+    for port in ports:
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+            try:
+                probe.bind(('', port))
+            except OSError:
+                raise BadInput(
+                    f'Another program has the UDP port {port}, probably the firmware of an '
+                    f'earlier rehearsal; end it ("fuser {port}/udp" prints its process).'
+                ) from None
+
+
 def rehearse(firmware: Path, identity: Identity, vehicle: str) -> None:
     """Build the firmware with the app as a Linux process, and fly it in a simulated world."""
+    require_free_ports((PORT, BENCH))
     out = CRAZYFLIE / 'build_linux'
     run_make(
         '-C', str(CRAZYFLIE / 'linux'), f'FIRMWARE={firmware}', 'BUILD=app', f'OUT={out}',

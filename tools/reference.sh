@@ -15,3 +15,4 @@ write parameters.md python -m lta_cli.reference parameters
 write vehicles.md python -m lta_cli.reference vehicles
 write discovery_thresholds.md python -m lta_cli.reference thresholds
 write images/graph.svg python -m lta_cli.reference graph
+python test/score/hardware_pages.py

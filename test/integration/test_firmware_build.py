@@ -1,11 +1,14 @@
 """`make firmware`: both images, where compilers and the user's checkouts are there."""
 
+from importlib import import_module
 import os
 from pathlib import Path
 import shutil
+import socket
 import subprocess
 import sys
 
+from lta_config.errors import BadInput
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -40,6 +43,19 @@ def test_sources_of_another_version_are_refused(tmp_path):
     done = built(FIRMWARE=str(tmp_path))
     assert done.returncode == 2
     assert 'but LTA was tried with bitcraze/crazyflie-firmware 2026.08' in done.stderr
+
+
+def test_a_rehearsal_refuses_the_port_of_an_earlier_one():
+    """Its firmware would answer in place of the one that was just built."""
+    sys.path.append(str(ROOT / 'tools'))
+    firmware = import_module('firmware')
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as old:
+        old.bind(('0.0.0.0', 0))
+        port = old.getsockname()[1]
+        with pytest.raises(BadInput) as caught:
+            firmware.require_free_ports((port,))
+        assert f'has the UDP port {port}, probably the firmware of an earlier' in str(caught.value)
+    firmware.require_free_ports((port,))
 
 
 @pytest.mark.long

@@ -6,6 +6,7 @@ counts its time by instructions, and a busy machine hears it late. So our clock 
 stream: it stands at the newest row that was heard, and the bridge must find the board's beside it.
 """
 
+from importlib import import_module
 from pathlib import Path
 import shutil
 import subprocess
@@ -19,6 +20,7 @@ from lta_config.topics import load_topic_table
 from lta_emulation.teensy.emulated_board import Cable
 import numpy as np
 import pytest
+import serial
 from waiting import PATIENCE
 
 FIRMWARE = Path(__file__).resolve().parents[2] / 'firmware/light_board'
@@ -126,3 +128,27 @@ def test_its_peaks_are_those_of_its_lamp(built, switched_on):
         )
         rest = heights * np.sqrt(0.25 - 2.0 / np.pi**2)  # half the height squared, less the sine's
         assert record['noise'][:DIODES] == pytest.approx(rest, rel=2e-3, abs=0.1)
+
+
+def test_what_a_world_shows_comes_through_the_bridge_whole(built, tmp_path):
+    """As in `make end-to-end`: the rows are in memory that a program of the host shares."""
+    sys.path.append(str(FIRMWARE.parents[1] / 'test/score'))
+    light_core = import_module('end_to_end').EmulatedCore
+    link, blocks, shown = LightBoard(LIGHT, DIODES), [], 0
+    with (
+        light_core(built / 'flight.elf', tmp_path) as board,
+        serial.Serial(str(board.port), timeout=0.02) as port,
+    ):
+        deadline = time.monotonic() + PATIENCE
+        while len(blocks) < ENOUGH and time.monotonic() < deadline:
+            port.write(link.compose_due_messages(time.time_ns()))
+            board.sample_light(0.0, pattern(shown).astype(np.uint16))
+            shown += LIGHT.samples
+            until = time.monotonic() + LIGHT.samples * ROW * 1e-9
+            while time.monotonic() < until:
+                blocks += link.receive_bytes(port.read(4096), time.time_ns())
+    assert (link.fault, link.framing.crc_errors) == ('', 0)
+    assert len(blocks) >= ENOUGH
+    for block in blocks:
+        low, high = map(int, block.samples[0, :2])
+        assert (block.samples == pattern(low + (high << 12))).all()

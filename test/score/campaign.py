@@ -22,6 +22,7 @@ from typing import Any, Final, NamedTuple
 import uuid
 
 from rich.progress import track
+from slow_clock import get_factor
 
 STALLED: Final = 0.25  # s: a sleeper woken so much later; commands are stale after 0.3 s
 TRIES: Final = 3
@@ -34,6 +35,55 @@ class Case(NamedTuple):
 
     kind: str
     number: int
+
+
+class StoredCampaign(NamedTuple):
+    """What the repository keeps of a campaign: facts, such as the firmware's commit, and rows."""
+
+    facts: dict[str, Any]
+    rows: dict[Case, Row]
+
+
+def store(path: Path, stored: StoredCampaign) -> StoredCampaign:
+    """Write a campaign, a row in a line and numbers to 4 decimals; return what it then holds."""
+    rows = [
+        json.dumps({'case': case, **{name: shorten(value) for name, value in row.items()}})
+        for case, row in stored.rows.items()
+    ]
+    text = ',\n'.join(rows)
+    path.write_text(f'{{"facts": {json.dumps(stored.facts)}, "rows": [\n{text}\n]}}\n')
+    return read_stored(path)
+
+
+def shorten(value: Any) -> Any:
+    """Round a float."""
+    return round(value, 4) if isinstance(value, float) else value
+
+
+def read_stored(path: Path) -> StoredCampaign:
+    """Read a campaign."""
+    found = json.loads(path.read_text())
+    rows = {Case(*row.pop('case')): row for row in found['rows']}
+    return StoredCampaign(found['facts'], rows)
+
+
+def describe_lateness(rows: Iterable[Row]) -> str:
+    """Return how late the machine woke a sleeper, and by how much time was slowed down."""
+    rows = list(rows)
+    late, slower = max(row['late'] for row in rows), {row['slower'] for row in rows}
+    how = f' Time passed {min(slower)} times more slowly' if slower != {1} else ''
+    if how and len(slower) > 1:
+        how = f' Time passed {min(slower)} to {max(slower)} times more slowly'
+    how += ' for all processes (`--slower`).' if how else ''
+    return f'The machine had other work; it woke a sleeper {late:.2f} s too late at most.{how}'
+
+
+def count_flights(rows: dict[Case, Row]) -> str:
+    """Return how many flights of how many kinds there are, in words."""
+    of_each = Counter(case.kind for case in rows)
+    least, most = min(of_each.values()), max(of_each.values())
+    each = f'{least} of each' if least == most else f'{least} to {most} of each'
+    return f'{len(rows)} flights of {len(of_each)} kinds, {each}'
 
 
 def version(paths: Iterable[Path]) -> str:
@@ -50,6 +100,7 @@ def asked(about: str, kinds: Sequence[str], each: int, out: Path) -> argparse.Na
     parser.add_argument('--each', type=int, default=each, help='trials of each kind')
     parser.add_argument('--side', type=int, default=os.cpu_count() or 1, help='side by side')
     parser.add_argument('--kinds', nargs='*', default=kinds, choices=kinds)
+    parser.add_argument('--slower', type=int, default=1, help='let time pass so much more slowly')
     parser.add_argument('--out', type=Path, default=out)
     told = parser.parse_args()
     told.out.mkdir(parents=True, exist_ok=True)
@@ -89,7 +140,11 @@ def tried_once(case: Case, script: Path, patience: float) -> Row:
     variables = os.environ | {name: value}
     try:
         done = subprocess.run(
-            words, capture_output=True, text=True, timeout=patience, env=variables
+            words,
+            capture_output=True,
+            text=True,
+            timeout=patience * get_factor(),
+            env=variables,
         )
     except subprocess.TimeoutExpired:
         return {'wrong': 'it hung', 'took': None, 'timing': False}
@@ -131,7 +186,7 @@ def campaign(
         try:
             for future in watched:
                 case = flying[future]
-                done[case] = {**future.result(), 'code': path.stem}
+                done[case] = {**future.result(), 'slower': get_factor(), 'code': path.stem}
                 file.write(json.dumps({'case': case, **done[case]}) + '\n')
                 file.flush()
         except KeyboardInterrupt:  # the rest another time

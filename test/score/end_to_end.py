@@ -2,33 +2,52 @@
 Flights to the lamp through the real firmware: `make end-to-end FIRMWARE=/path/to/sources`.
 
 The Crazyflie firmware runs as a Linux process (firmware/crazyflie/linux), the portable part of the
-light board's firmware as another (firmware/light_board/host). One simulated world moves by the
-motors of the first, gives it what its sensors read, and gives the second the samples of its
-converter. The graph flies both over UDP and a serial port, in real time, as it would fly a drone.
+light board's firmware on a Cortex-M7 that QEMU emulates (firmware/light_board/mps2_an500). One
+simulated world moves by the motors of the first, gives it what its sensors read, and gives the
+second the samples of its converter. The graph flies both over UDP and a serial port, in real time,
+as it would fly a drone; `--slower 4` lets time pass so much more slowly for all of them.
 
-`end_to_end.py FIRMWARE --seeds 20` flies and writes docs/hardware_flights.md; rows stay in
-runs/end_to_end, and a campaign that was stopped goes on.
+`end_to_end.py FIRMWARE --seeds 20` flies, and stores the rows and docs/hardware_flights.md; a
+campaign that was stopped goes on.
 """
 
 import argparse
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass
 import json
+import mmap
 import os
 from pathlib import Path
+import re
+import select
+import statistics
 import subprocess
 import sys
+import termios
 import threading
 import time
+import tty
 from typing import Final, final, Self
 
 import add_paths  # noqa: F401
-from campaign import campaign, Case, Row, tried, version
+from campaign import (
+    campaign,
+    Case,
+    describe_lateness,
+    read_stored,
+    Row,
+    store,
+    StoredCampaign,
+    tried,
+    version,
+)
 from command import Lta
 from diagnostic_msgs.msg import DiagnosticArray
 from linux_crazyflie import build, commit_of, Process
+from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.topics import load_topic_table
+from lta_config.vehicle_identity import hash_diodes
 from lta_emulation.crazyflie.commander import BodyCommand
 from lta_emulation.crazyflie.firmware_bench import FirmwareBench
 from lta_emulation.crazyflie.simulated_body import SimulatedBody
@@ -39,14 +58,20 @@ from numpy.typing import NDArray
 from outcome import Outcome
 from outcome import tried as tried_here
 from peer import Peer
+from slow_clock import slow_down
 from std_srvs.srv import SetBool
 
 ROOT: Final = Path(__file__).resolve().parents[2]
 PAGE: Final = ROOT / 'docs/hardware_flights.md'
+RECORD: Final = ROOT / 'test/golden/hardware_flights.json'
 PROGRAMS: Final = 'LTA_END_TO_END'  # folder of both programs
 LONGEST: Final = 80.0  # s from take-off to the lamp
 LANDS: Final = 30.0  # s from the request to motors that stand
 HUNG: Final = 400.0  # s
+MEMORY: Final = 1 << 24  # bytes that the board shares with us (flight.c)
+FIRST: Final = 64  # byte after the count
+CONVERTER_ROWS: Final = 1 << 19
+LINK, LINK_BYTES = 0xC00000, 1 << 20
 READY: Final = {
     'crazyflie_bridge: link': 'connected',
     'teensy_bridge: light board': 'receiving light',
@@ -54,37 +79,163 @@ READY: Final = {
     'demodulator: light': 'beacon found',
     'navigator: mission': 'climb',
 }
+PROCESS, EMULATED = 'process', 'emulated'  # ways to run the light board's core
 HEAD: Final = """# Flights through the real firmware
 
 `make end-to-end FIRMWARE=/path/to/crazyflie-firmware` writes this page. The Crazyflie firmware
-(commit `{commit}`, with our app) and the portable part of the light board's firmware run as
-processes of Linux. One simulated world (GT-MAB, lamp_room) moves by the motors of the first, gives
-it the readings of its sensors, and gives the second the samples of its converter. The graph flies
-both over UDP and a serial port in real time, from arming to the lamp (1 m) and a request to land.
-Timers, radio and converters are simulated; nothing here ran on a board.
+(commit `{commit}`, with our app) runs as a process of Linux, and the portable part of the light
+board's firmware in one of two ways. One simulated world (GT-MAB, lamp_room) moves by the motors of
+the first, gives it the readings of its sensors, and gives the second the samples of its converter.
+The graph flies both over UDP and a serial port in real time, from arming to the lamp (1 m) and a
+request to land. Timers, radio and converters are simulated; nothing here ran on a board. The
+request is to land; whether the drone then reaches the floor is not measured. The rows are in
+`test/golden/hardware_flights.json`.
+"""
+TABLE: Final = """
+## {title}
 
-**{reached} of {count} seeds reached the lamp, and the motors of {stopped} stopped on request.**
-{late} The request is to land; whether the drone
-then reaches the floor is not measured.
+{about}
+
+**{reached} of {count} flights reached the lamp, and the motors of {stopped} stopped on request.**
+{late}
 
 | seed | start [m from the lamp] | reached after [s] | closest [m] | motors stopped after [s] | \
 missed exchanges |
 |---|---|---|---|---|---|
 """
+TITLES: Final = {
+    PROCESS: 'Light board as a process',
+    EMULATED: 'Light board on an emulated Cortex-M7',
+}
+ABOUT: Final = {
+    PROCESS: 'The core is a process of Linux (`--core process`).',
+    EMULATED: (
+        '{emulator} emulates the processor (`mps2-an500`). The converter and the outgoing half of '
+        'the link are memory that it shares with the simulator, in the place of DMA. It takes '
+        '{emulation:.2f} s of a processor of this machine for each second of flight.'
+    ),
+}
 
 
 @dataclass(frozen=True, slots=True)
 class FlightRow(Outcome):
-    """A flight: distances [m], time to the lamp [s], exchanges that the firmware missed."""
+    """
+    A flight.
+
+    Attributes
+    ----------
+    begun, closest : float
+        Distance from the lamp. [m]
+    reached : float or None
+        Time to the lamp. [s]
+    missed : int
+        Exchanges that the firmware missed.
+    emulation : float
+        Processor time that the light board took in a second of flight. [s]
+
+    """
 
     begun: float = 0.0
     reached: float | None = None
     closest: float = 0.0
     missed: int = 0
+    emulation: float = 0.0
 
 
 @final
-class LightCore:
+class EmulatedCore:
+    """
+    The portable part of the light board's firmware on a Cortex-M7 that QEMU emulates.
+
+    Its converter and its link are memory that both share, in the place of DMA:
+    `firmware/light_board/mps2_an500/flight.c`.
+
+    Parameters
+    ----------
+    program : Path
+        From firmware/light_board.
+    folder : Path
+        For the shared memory and its serial port.
+
+    """
+
+    def __init__(self, program: Path, folder: Path) -> None:
+        self._program, self._file = program, folder / 'memory'
+        self._rows = self._sent = 0
+        self._near, theirs = os.openpty()
+        tty.setraw(theirs, termios.TCSANOW)
+        os.set_blocking(self._near, False)
+        self.port = os.ttyname(theirs)
+        self._far = theirs  # stays open: without a reader the port would be gone
+        with self._file.open('wb') as file:
+            file.truncate(MEMORY)
+        self._running = threading.Event()
+        self._relay = threading.Thread(target=self._carry, daemon=True)
+
+    def __enter__(self) -> Self:
+        memory = f'memory-backend-file,id=shared,size={MEMORY},mem-path={self._file},share=on'
+        words = ['qemu-system-arm', '-object', memory, '-M', 'mps2-an500,memory-backend=shared',
+                 '-display', 'none', '-monitor', 'none', '-serial', 'stdio', '-kernel',
+                 self._program]  # fmt: skip
+        self._process = subprocess.Popen(words, stdin=subprocess.PIPE, bufsize=0)
+        with self._file.open('r+b') as file:
+            self._memory = mmap.mmap(file.fileno(), MEMORY)
+        counts = memoryview(self._memory).cast('I')
+        self._rows_count, self._link_count = counts[:1], counts[LINK // 4 : LINK // 4 + 1]
+        self._running.set()
+        self._relay.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._running.clear()
+        self._relay.join()
+        self._process.kill()
+        self._process.communicate()
+        os.close(self._near)
+        os.close(self._far)
+
+    @property
+    def processor_time(self) -> float:
+        """Time of a processor of this machine that the emulation has taken. [s]"""
+        return read_processor_time(self._process.pid)
+
+    def sample_light(self, _begun: float, samples: NDArray[np.uint16]) -> None:
+        """Give the board a block; shape (samples, diodes)."""
+        data = samples.astype('<u2').tobytes()
+        size = len(data) // len(samples)
+        for turn in range(len(samples)):
+            place = FIRST + size * ((self._rows + turn) % CONVERTER_ROWS)
+            self._memory[place : place + size] = data[size * turn : size * (turn + 1)]
+        # The count after the rows that it shows, in one store
+        self._rows += len(samples)
+        self._rows_count[0] = self._rows
+
+    def _carry(self) -> None:
+        # Until the bridge has asked for the time nobody reads; afterwards nothing is lost, as
+        # the memory holds 6 s
+        assert self._process.stdin is not None
+        is_open, pending = False, b''
+        while self._running.is_set():
+            if select.select([self._near], [], [], 0.002)[0]:
+                self._process.stdin.write(os.read(self._near, 65536))
+                is_open = True
+            if not pending:
+                sent = self._read_link()
+                pending = sent if is_open else b''
+            with suppress(BlockingIOError):
+                pending = pending[os.write(self._near, pending) :] if pending else b''
+
+    def _read_link(self) -> bytes:
+        """Return what the board has sent since the last call."""
+        begun, ended = self._sent, self._link_count[0]
+        self._sent, first = ended, LINK + FIRST
+        begun, ended = begun % LINK_BYTES, begun % LINK_BYTES + (ended - begun)
+        data = self._memory[first + begun : first + min(ended, LINK_BYTES)]
+        return data + self._memory[first : first + max(0, ended - LINK_BYTES)]
+
+
+@final
+class ProcessCore:
     """
     The portable part of the light board's firmware as a process, at the end of a serial port.
 
@@ -125,6 +276,11 @@ class LightCore:
         self._near.pull()
         self._far.pull()
 
+    @property
+    def processor_time(self) -> float:
+        """As of `EmulatedCore`."""
+        return read_processor_time(self._process.pid)
+
     def sample_light(self, _begun: float, samples: NDArray[np.uint16]) -> None:
         """Give the board a block; shape (samples, diodes)."""
         self._samples.write(samples.astype('<u2').tobytes())
@@ -141,11 +297,23 @@ class LightCore:
                 self._near.write(sent)
 
 
+def read_processor_time(process: int) -> float:
+    """Return the time of a processor that a process has taken. [s]"""
+    words = Path(f'/proc/{process}/stat').read_text().rpartition(')')[2].split()
+    return (int(words[11]) + int(words[12])) / os.sysconf('SC_CLK_TCK')
+
+
+CORES: Final = {PROCESS: (ProcessCore, 'light_board'), EMULATED: (EmulatedCore, 'flight.elf')}
+
+
 @contextmanager
-def serve(folder: Path, seed: int) -> Iterator[tuple[SimulatedBody, FirmwareBench, LightCore]]:
+def serve(
+    core: str, folder: Path, seed: int
+) -> Iterator[tuple[SimulatedBody, FirmwareBench, ProcessCore | EmulatedCore]]:
     """Serve both boards and their world."""
     programs = Path(os.environ[PROGRAMS])
-    light = LightCore(programs / 'light_board', folder)
+    kind, program = CORES[core]
+    light = kind(programs / program, folder)
     body = build_simulated_body('gtmab', 'lamp_room', seed, light.sample_light)
     # The first step compiles the model for seconds, in which the board would count on
     body.advance(0.011, BodyCommand((0.0,) * 4))
@@ -157,10 +325,10 @@ def serve(folder: Path, seed: int) -> Iterator[tuple[SimulatedBody, FirmwareBenc
         yield body, bench, light
 
 
-def fly(seed: int, folder: Path, peer: Peer) -> FlightRow:
+def fly(core: str, seed: int, folder: Path, peer: Peer) -> FlightRow:
     """Fly to the lamp, and ask for a landing."""
     facts: dict[str, str] = {}
-    with serve(folder, seed) as (body, bench, light):
+    with serve(core, folder, seed) as (body, bench, light):
         lta, world = Lta(), body.world
         listen(peer, facts)
         graph = lta.start(
@@ -171,14 +339,16 @@ def fly(seed: int, folder: Path, peer: Peer) -> FlightRow:
             peer.until(lambda: all(facts.get(name) == word for name, word in READY.items()))
             begun, missed = float(world.goal_distance), bench.missed
             peer.arm_until(lambda: any(body.duties))
-            since, distances = time.monotonic(), [begun]
+            since, distances, busy = time.monotonic(), [begun], light.processor_time
 
             def is_over() -> bool:
                 distances.append(float(world.goal_distance))
                 return bool(world.is_at_lamp) or time.monotonic() > since + LONGEST
 
             peer.until(is_over)
-            reached = time.monotonic() - since if world.is_at_lamp else None
+            flown = time.monotonic() - since
+            reached = flown if world.is_at_lamp else None
+            emulation = (light.processor_time - busy) / flown
             peer.ask(SetBool, 'crazyflie_bridge/arm', data=False)
             asked = time.monotonic()
             peer.until(lambda: not any(body.duties) or time.monotonic() > asked + LANDS)
@@ -192,7 +362,7 @@ def fly(seed: int, folder: Path, peer: Peer) -> FlightRow:
         wrong = 'the motors did not stop'
     return FlightRow(
         took=took, wrong=wrong, begun=begun, reached=reached, closest=min(distances),
-        missed=bench.missed - missed,
+        missed=bench.missed - missed, emulation=emulation,
     )  # fmt: skip
 
 
@@ -205,58 +375,95 @@ def listen(peer: Peer, facts: dict[str, str]) -> None:
     peer.node.create_subscription(DiagnosticArray, '/diagnostics', hear, 100)
 
 
-def write_page(rows: dict[Case, Row], commit: str) -> None:
-    """Write the page."""
-    late = max(row['late'] for row in rows.values())
-    head = HEAD.format(
-        commit=commit,
+def compose_page(stored: StoredCampaign) -> str:
+    """Return the page of a campaign."""
+    head = HEAD.format(commit=stored.facts['firmware'])
+    parts = (compose_part(core, stored) for core in CORES)
+    return head + ''.join(parts)
+
+
+def compose_part(core: str, stored: StoredCampaign) -> str:
+    """Return the part on one way to run the light board's core; empty without a flight."""
+    rows = {case.number: row for case, row in stored.rows.items() if case.kind == core}
+    if not rows:
+        return ''
+    text = TABLE.format(
+        title=TITLES[core],
+        about=ABOUT[core].format(
+            emulator=stored.facts['emulator'],
+            emulation=statistics.mean(row['emulation'] for row in rows.values()),
+        ),
         count=len(rows),
         reached=sum(row['reached'] is not None for row in rows.values()),
         stopped=sum(row['took'] is not None for row in rows.values()),
-        late=f'The machine was shared; it woke a sleeper {late:.2f} s too late at most.',
+        late=describe_lateness(rows.values()),
     )
 
     def cell(value: float | None) -> str:
         return '-' if value is None else f'{value:.1f}'
 
     lines = [
-        f'| {case.number} | {row["begun"]:.1f} | {cell(row["reached"])} | {row["closest"]:.2f} | '
-        f'{cell(row["took"])} | {row["missed"]} |'
-        for case, row in rows.items()
+        f'| {number} | {row["begun"]:.1f} | {cell(row["reached"])} | {row["closest"]:.2f} | '
+        f'{cell(row["took"])} | {row["missed"]} |\n'
+        for number, row in rows.items()
     ]
-    PAGE.write_text(head + '\n'.join(lines) + '\n', encoding='utf-8')
+    wrong = [f'- Seed {number}: {row["wrong"]}.\n' for number, row in rows.items() if row['wrong']]
+    return text + ''.join(lines) + ('\nNot as stated:\n\n' + ''.join(wrong) if wrong else '')
 
 
 def main() -> int:
-    """Build, fly all seeds and write the page; or fly one seed: `flight NUMBER`."""
-    if sys.argv[1:2] == ['flight']:
-        number = int(sys.argv[2])
-        row = tried_here(lambda folder, peer: fly(number, folder, peer), FlightRow)
+    """Build, fly all seeds and write the page; or fly one seed: `CORE NUMBER`."""
+    if sys.argv[1] in CORES:
+        core, number = sys.argv[1], int(sys.argv[2])
+        row = tried_here(lambda folder, peer: fly(core, number, folder, peer), FlightRow)
         sys.stdout.write(json.dumps(asdict(row)) + '\n')
         return 0
     parser = argparse.ArgumentParser(description='Fly through the real firmware.')
     parser.add_argument('firmware', type=Path, help='checkout of crazyflie-firmware')
+    parser.add_argument('--core', choices=CORES, default=EMULATED, help='of the light board')
     parser.add_argument('--seeds', type=int, default=20)
+    parser.add_argument('--side', type=int, default=1, help='side by side')
+    parser.add_argument('--slower', type=int, default=1, help='let time pass so much more slowly')
     parser.add_argument('--out', type=Path, default=Path('runs/end_to_end'))
     asked = parser.parse_args()
     programs = (asked.out / 'programs').resolve()
-    build(asked.firmware, 'app', programs)
-    words = [
-        'make',
-        '-s',
-        '-C',
-        ROOT / 'firmware/light_board',
-        f'BUILD={programs}',
-        f'PYTHON={sys.executable}',
-    ]
-    subprocess.run(words, check=True)
+    build_programs(asked.firmware, asked.core, programs)
     os.environ[PROGRAMS] = str(programs)
-    commit, here = commit_of(asked.firmware), Path(__file__)
-    path = asked.out / f'{version([here])}.jsonl'
-    cases = [Case('flight', seed) for seed in range(1, asked.seeds + 1)]
-    rows = campaign(cases, path, 1, lambda case: tried(case, here, HUNG))
-    write_page(rows, commit)
+    here = Path(__file__)
+    path = asked.out / f'{version([here, *(ROOT / "firmware/light_board").rglob("*.[ch]")])}.jsonl'
+    slow_down(asked.slower, asked.out)
+    cases = [Case(asked.core, seed) for seed in range(1, asked.seeds + 1)]
+    rows = campaign(cases, path, asked.side, lambda case: tried(case, here, HUNG))
+    facts = {'firmware': commit_of(asked.firmware), 'emulator': read_emulator_version()}
+    keep(facts, rows)
     return int(any(row['wrong'] for row in rows.values()))
+
+
+def build_programs(firmware: Path, core: str, programs: Path) -> None:
+    """Build both firmwares, with the hashes of the vehicle inside."""
+    build(firmware, 'app', programs)
+    diodes = hash_diodes(load_vehicle_file('gtmab'))
+    words = ['make', '-s', '-C', ROOT / 'firmware/light_board', programs / CORES[core][1],
+             f'BUILD={programs}', f'PYTHON={sys.executable}',
+             f'IDENTITY=-DLTA_VEHICLE={diodes:#x}u']  # fmt: skip
+    subprocess.run(words, check=True)
+
+
+def keep(facts: dict[str, str], rows: dict[Case, Row]) -> None:
+    """Store rows in the place of those of their core, and write the page."""
+    kinds = {case.kind for case in rows}
+    others = read_stored(RECORD).rows if RECORD.exists() else {}
+    others = {case: row for case, row in others.items() if case.kind not in kinds}
+    stored = store(RECORD, StoredCampaign(facts, others | rows))
+    PAGE.write_text(compose_page(stored), encoding='utf-8')
+
+
+def read_emulator_version() -> str:
+    """Return name and version of the emulator."""
+    words = ['qemu-system-arm', '--version']
+    said = subprocess.run(words, capture_output=True, text=True, check=True).stdout
+    found = re.search(r'version ([\d.]+)', said)
+    return f'QEMU {found[1] if found else "of unknown version"}'
 
 
 if __name__ == '__main__':

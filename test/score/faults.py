@@ -3,23 +3,44 @@ Faults in flight: `make faults ARGS='--side 4'`, about an hour on two idle cores
 
 Flies each kind of `fault_kinds.py` and `light_kinds.py` several times, at random moments, in
 parallel, each flight in its own process (`fault_trial.py`, `light_trial.py`). A stopped campaign
-resumes if bridge and kinds are unchanged. Writes docs/hardware_faults.md.
+resumes if bridge and kinds are unchanged. Stores the rows, and writes docs/hardware_faults.md.
 """
 
 from collections.abc import Iterator
+import json
 from pathlib import Path
 import sys
 from typing import Final
 
-from campaign import asked, campaign, Case, codes, Row, STALLED, tried, TRIES, turn_about
+import add_paths  # noqa: F401
+from campaign import (
+    asked,
+    campaign,
+    Case,
+    codes,
+    count_flights,
+    describe_lateness,
+    Row,
+    STALLED,
+    store,
+    StoredCampaign,
+    tried,
+    TRIES,
+    turn_about,
+)
 from campaign import told as printed
 from campaign import version as hashed
 from fault_kinds import Kind, KINDS, SLACK
+from firmware_scenarios import APP
 from light_kinds import AGAIN, LIGHT_KINDS, TOLD
 import lta_bridge
+from slow_clock import slow_down
 
 HERE: Final = Path(__file__).resolve().parent
 PAGE: Final = HERE.parents[1] / 'docs/hardware_faults.md'
+RECORD: Final = HERE.parents[1] / 'test/golden/hardware_faults.json'
+LIGHT_RECORD: Final = HERE.parents[1] / 'test/golden/hardware_light_faults.json'
+FIRMWARE: Final = HERE.parents[1] / 'test/golden/crazyflie_firmware.json'
 HUNG: Final = 240.0  # s after which a flight hangs
 EACH: Final = 20
 HEAD: Final = """\
@@ -28,7 +49,8 @@ HEAD: Final = """\
 `make faults` writes this page. It injects each fault at a random moment of a flight. The
 flights are alternately commanded by motor duties (GT-MAB) and by setpoints (multirotor). They use
 an emulated Crazyflie with the real bridge and recorder, over UDP and DDS in real time. A pilot
-climbs, cruises and descends in turn and does not react to the fault.
+climbs, cruises and descends in turn and does not react to the fault. The emulated drone is held to
+[the real firmware](hardware_firmware.md) (commit `{commit}`), on which the same faults were flown.
 
 The table shows the time until the motors stop, counted from the fault, or from the request to
 disarm if the flight should continue. The first time is the stated limit, the second the longest
@@ -40,9 +62,9 @@ A late stop or a different message does not count against the bridge if the mach
 {stalled:.2f} s or more: the flight is repeated, at most {tries} times, and the last one counts. No
 other failure is repeated.
 
-{wanted} flights were planned, {each} for each of {kinds} faults; {codes}.
-{again} repeated. In {stalls} of the counted flights the machine paused for {stalled:.2f} s or
-more.
+{flights} ({codes}, each a hash of bridge, emulator and trial). {again} repeated. In
+{stalls} of the counted flights the machine paused for {stalled:.2f} s or more. {late}
+The rows are in `test/golden/hardware_faults.json`.
 
 | fault | outcome of the flight | by duties | by setpoints | as stated |
 |---|---|---|---|---|
@@ -118,14 +140,9 @@ def about(name: str) -> str:
     return (KINDS[name] if name in KINDS else LIGHT_KINDS[name]).about
 
 
-def flown_with(outcomes: dict[Case, Row]) -> str:
-    """Return how many flights were flown with which code, in words."""
-    told = codes(outcomes).replace(', ', ' and ').replace(' of code', ' were flown with code', 1)
-    return told.replace(' of code', ' with code')
-
-
-def paged(outcomes: dict[Case, Row]) -> str:
+def compose_page(stored: StoredCampaign) -> str:
     """Return the page: the table, and each flight that was not as stated."""
+    outcomes = stored.rows
     wrong = [
         f'- {about(case.kind)}, flight {case.number}: {row["wrong"]}.\n'
         for case, row in outcomes.items()
@@ -137,16 +154,42 @@ def paged(outcomes: dict[Case, Row]) -> str:
         slack=SLACK,
         stalled=STALLED,
         tries=TRIES - 1,
-        codes=flown_with(outcomes),
-        wanted=EACH * len(ALL),
-        each=EACH,
-        kinds=len(ALL),
+        codes=codes(outcomes),
+        commit=stored.facts['firmware'],
+        flights=count_flights(outcomes),
+        late=describe_lateness(outcomes.values()),
         again=f'{again} were' if again else 'None was',
         stalls=sum(row.get('late', 0.0) > STALLED for row in outcomes.values()),
     )
     light = LIGHT_HEAD.format(told=TOLD, again=AGAIN, slack=SLACK)
     lines = [*rows(outcomes), light, *light_rows(outcomes), told]
     return head + '\n'.join(lines).rstrip('\n') + '\n'
+
+
+def compose_light_part(stored: StoredCampaign) -> str:
+    """Return the page's part on the link of the light board, of a campaign of it alone."""
+    outcomes = stored.rows
+    wrong = [
+        f'- {about(case.kind)}, trial {case.number}: {row["wrong"]}.'
+        for case, row in outcomes.items()
+        if row['wrong']
+    ]
+    lines = [
+        LIGHT_HEAD.format(told=TOLD, again=AGAIN, slack=SLACK),
+        *light_rows(outcomes),
+        '',
+        f'{count_flights(outcomes)} ({codes(outcomes)}). {describe_lateness(outcomes.values())} '
+        'The rows are in `test/golden/hardware_light_faults.json`.',
+        *(['', 'Not as stated:', '', *wrong] if wrong else []),
+    ]
+    return '\n'.join(lines).lstrip('\n') + '\n'
+
+
+def write_light_part(stored: StoredCampaign) -> None:
+    """Write the part on the light board's link, and leave the rest of the page as it is."""
+    text = PAGE.read_text(encoding='utf-8')
+    place = text.index(LIGHT_HEAD.split('\n')[1])
+    PAGE.write_text(text[:place] + compose_light_part(stored), encoding='utf-8')
 
 
 def fate(kind: Kind) -> str:
@@ -160,10 +203,16 @@ def main() -> int:
     """Print the table and write the page; 1 where anything was not as stated."""
     told = asked('Faults in flight.', ALL, EACH, Path('runs') / 'faults')
     path = told.out / f'{version()}.jsonl'
+    slow_down(told.slower, told.out)
     outcomes = campaign(turn_about(told.kinds, told.each), path, told.side, flown)
     status = printed([*rows(outcomes), *light_rows(outcomes)], path, outcomes)
-    if set(told.kinds) == set(ALL):
-        PAGE.write_text(paged(outcomes), encoding='utf-8')
+    if {case.kind for case in outcomes} == set(ALL):
+        # The commit that the emulator is held to
+        commit = json.loads(FIRMWARE.read_text())['builds'][APP]['commit']
+        stored = store(RECORD, StoredCampaign({'firmware': commit}, outcomes))
+        PAGE.write_text(compose_page(stored), encoding='utf-8')
+    elif {case.kind for case in outcomes} == set(LIGHT_KINDS):
+        write_light_part(store(LIGHT_RECORD, StoredCampaign({}, outcomes)))
     return status
 
 

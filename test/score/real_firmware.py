@@ -20,7 +20,18 @@ import sys
 from typing import Any, Final
 
 import add_paths  # noqa: F401
-from campaign import campaign, Case, codes, Row, tried, turn_about
+from campaign import (
+    campaign,
+    Case,
+    codes,
+    count_flights,
+    describe_lateness,
+    Row,
+    store,
+    StoredCampaign,
+    tried,
+    turn_about,
+)
 from campaign import kept as flown
 from campaign import told as printed
 from campaign import version as hashed
@@ -31,10 +42,12 @@ from firmware_scenarios import APP, app_files, ARMING, BUILDS, SCENARIOS, SOLD
 from firmware_trial import IMPOSSIBLE
 from linux_crazyflie import build, commit_of, Process
 import lta_bridge
+from slow_clock import slow_down
 
 HERE: Final = Path(__file__).resolve().parent
 ROOT: Final = HERE.parents[1]
 RECORD: Final = ROOT / 'test/golden/crazyflie_firmware.json'
+FLIGHTS: Final = ROOT / 'test/golden/hardware_firmware.json'
 PAGE: Final = ROOT / 'docs/hardware_firmware.md'
 PICTURE: Final = ROOT / 'docs/images/firmware_motors.svg'
 SUITE: Final = 'test/integration/test_any_crazyflie.py'
@@ -123,14 +136,14 @@ def scenario_rows(kept: dict[str, Any]) -> Iterator[str]:
         yield f'| {scenario.about} | ' + ' | '.join(cells) + ' |'
 
 
-def page(kept: dict[str, Any], suites: dict[str, Any], outcomes: dict[Case, Row]) -> str:
-    """Return the page."""
+def compose_page(kept: dict[str, Any], stored: StoredCampaign) -> str:
+    """Return the page, from what was recorded of the firmware and its flights."""
+    suites, outcomes = stored.facts['suites'], stored.rows
     wrong = [
         f'- {case.kind}, flight {case.number}: {row["wrong"]}.'
         for case, row in outcomes.items()
         if row['wrong']
     ]
-    wanted = EACH
     left_out = ', '.join(KINDS[name].about for name in IMPOSSIBLE)
     suite_cells = ' | '.join(
         ', '.join(f'{count} {word}' for word, count in suites.get(name, {}).items()) or '-'
@@ -191,8 +204,9 @@ def page(kept: dict[str, Any], suites: dict[str, Any], outcomes: dict[Case, Row]
         'and by setpoints on the other builds. Each cell has the stated time until the motors '
         f'stop ({SLACK:.0f} s more counts as stated, as the machine has other work), the longest '
         'measured time, and how many flights were as stated.',
-        f'The campaign plans {wanted} of each kind; flown were {codes(outcomes)}, each a hash of '
-        'bridge, app and trial.',
+        f'{count_flights(outcomes)} ({codes(outcomes)}, each a hash of bridge, app and trial). '
+        f'{describe_lateness(outcomes.values())} The rows are in '
+        '`test/golden/hardware_firmware.json`.',
         'The 0.3 s after a bridge is killed apply only to our app: other builds fly their last '
         'setpoint for 2 s and then lock.',
         f'Left out, because this firmware cannot be forced into it: {left_out}.',
@@ -213,6 +227,7 @@ def parsed() -> argparse.Namespace:
     parser.add_argument('--steps', nargs='*', default=list(STEPS), choices=STEPS)
     parser.add_argument('--each', type=int, default=EACH, help='flights of each fault')
     parser.add_argument('--side', type=int, default=os.cpu_count() or 1, help='side by side')
+    parser.add_argument('--slower', type=int, default=1, help='let time pass so much more slowly')
     parser.add_argument('--out', type=Path, default=Path('runs/firmware'))
     words = parser.parse_args()
     if not (words.firmware / 'src/modules/src/supervisor.c').is_file():
@@ -249,6 +264,7 @@ def main() -> int:
     os.environ['LTA_FIRMWARE_BUILDS'] = str(words.out)
     path = words.out / f'{version(commit)}.jsonl'
     if 'faults' in words.steps:
+        slow_down(words.slower, words.out)
         campaign(
             cases(words.builds, words.each),
             path,
@@ -259,7 +275,8 @@ def main() -> int:
     status |= printed(list(fault_rows(outcomes)), path, outcomes)
     if 'page' in words.steps:
         PICTURE.write_text(draw(kept['builds']))
-        PAGE.write_text(page(kept, suites, outcomes))
+        stored = store(FLIGHTS, StoredCampaign({'suites': suites}, outcomes))
+        PAGE.write_text(compose_page(kept, stored))
     return status
 
 

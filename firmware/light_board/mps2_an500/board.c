@@ -4,19 +4,9 @@
  * number; with PEAK_HZ a lamp of that frequency shines, on each diode 100 counts brighter. */
 #include "../core/lamp.h"
 #include "../core/light_board.h"
+#include "mps2.h"
 
-#define REGISTER(address) (*(volatile uint32_t *)(address))
-#define SYSTICK_CONTROL REGISTER(0xE000E010)
-#define SYSTICK_RELOAD REGISTER(0xE000E014)
-#define SYSTICK_CURRENT REGISTER(0xE000E018)
-#define COPROCESSORS REGISTER(0xE000ED88)
-#define UART_DATA REGISTER(0x40004000) /* CMSDK APB UART */
-#define UART_STATE REGISTER(0x40004004)
-#define UART_CONTROL REGISTER(0x40004008)
-#define UART_DIVIDER REGISTER(0x40004010)
-
-enum { TX_FULL = 1, RX_FULL = 2, ENABLE_BOTH = 3, COUNT_INTERRUPT_CPU = 7, FLOATING_POINT = 0xF << 20 };
-enum { CLOCK_MHZ = 25, PERIOD_US = 100, PERIOD = CLOCK_MHZ * PERIOD_US, DIODES = 8 };
+enum { PERIOD = CLOCK_MHZ * PERIOD_US };
 
 static light_board_t board;
 static lamp_t lamp;
@@ -66,17 +56,12 @@ static bool send(void *link, const uint8_t *bytes, size_t count)
 
 void reset(void)
 {
-    COPROCESSORS |= FLOATING_POINT;
-    __asm__ volatile("dsb; isb");
-    UART_DIVIDER = 16;
-    UART_CONTROL = ENABLE_BOTH;
+    begin_hardware();
     lamp_begin(&lamp, PEAK_HZ, 0.5, 1e6 / PERIOD_US, 0.0);
     light_board_begin(&board, (light_board_config_t){.diodes = DIODES, .sample_rate = 1e6f / PERIOD_US,
                                                      .peak_frequency = PEAK_HZ, .start_us = PERIOD_US,
                                                      .send = send});
-    SYSTICK_RELOAD = PERIOD - 1;
-    SYSTICK_CURRENT = 0;
-    SYSTICK_CONTROL = COUNT_INTERRUPT_CPU;
+    begin_systick(PERIOD);
     for (;;) {
         if (UART_STATE & RX_FULL) {
             const uint8_t byte = (uint8_t)UART_DATA;
@@ -87,14 +72,7 @@ void reset(void)
     }
 }
 
-static void fault(void)
-{
-    for (;;) {
-    }
-}
-
 /* The loader fills the memory, .data and zeros included: nothing is to be copied. */
-extern uint32_t stack_top;
 __attribute__((section(".vectors"), used)) static const void *const vectors[16] = {
     [0] = &stack_top, [1] = reset, [2] = fault, [3] = fault, [4] = fault, [5] = fault, [6] = fault,
     [11] = fault, [14] = fault, [15] = sample,

@@ -61,7 +61,7 @@ class Rotors(NamedTuple):
     low, high : tuple of float
         Thrust limits by slot. [N]
     lowest_heave : float
-        Strongest downward force of the upward-pointing rotors. [N]
+        Strongest downward force of the vertical rotors; 0 if none pushes down. [N]
     sink : float
         Heave per newton of surge, caused by the forward-pushing rotors. [N/N]
     a, b : tuple of float

@@ -1,6 +1,6 @@
 """Collect the vehicle data for estimator and controller, from the nominal values of its file."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 import math
 from typing import cast
 
@@ -23,20 +23,28 @@ def build_rotors(vehicle: Vehicle, weights: Wrench = WEIGHTS) -> Rotors:
         -full * share if rotor.reversible else 0.0
         for rotor, full, share in zip(vehicle.rotors, high, reverse, strict=False)
     )
-    lows = zip(vehicle.allocation, low, strict=True)
     return Rotors(
         number=len(vehicle.allocation),
         allocation=allocation_columns(vehicle),
         low=pad_to_slots(low),
         high=pad_to_slots(high),
-        # Rotors within 60 degrees of the vertical count as upward
-        lowest_heave=sum(column[2] * least for column, least in lows if column[2] > 0.5),
+        lowest_heave=_lowest_heave(vehicle, low, high),
         a=a,
         b=b,
         reverse=cast('PerRotor', reverse + ALIKE[len(reverse) :]),
         weights=weights,
         sink=_heave_per_surge(vehicle),
     )
+
+
+def _lowest_heave(vehicle: Vehicle, low: Sequence[float], high: Sequence[float]) -> float:
+    """Return the strongest downward force of the rotors within 60 degrees of the vertical. [N]"""
+    force = 0.0
+    for column, least, most in zip(vehicle.allocation, low, high, strict=False):
+        if abs(column[2]) > 0.5:
+            # One that points down pushes down by its forward thrust
+            force += column[2] * (least if column[2] > 0.0 else most)
+    return force
 
 
 def _heave_per_surge(vehicle: Vehicle) -> float:

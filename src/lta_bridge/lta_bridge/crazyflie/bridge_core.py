@@ -88,6 +88,8 @@ class BridgeCore:
         Whether it may fly without a position estimate.
     lifting : sequence of str or None
         Names of the rotors that lift; by default all.
+    pressing : sequence of str
+        Names of the rotors that push down.
 
     Attributes
     ----------
@@ -96,7 +98,7 @@ class BridgeCore:
     power, motors : PowerReading, MotorsReading or None
         The newest readings.
     buoyancy : BuoyancyMonitor
-        Whether the drone rises without thrust.
+        Whether the drone is lighter than air.
     malformed, unasked : RejectionCount
         Unreadable packets and invalid commands.
 
@@ -111,6 +113,7 @@ class BridgeCore:
         watchdog: bool = False,
         blind: bool = False,
         lifting: Sequence[str] | None = None,
+        pressing: Sequence[str] = (),
     ) -> None:
         # The lock guards state that both the tick and the thread of arriving packets use
         self._link, self._lock = link, threading.Lock()
@@ -133,7 +136,9 @@ class BridgeCore:
         self._asked: CrazyflieCommand | None = None
         self._estimated = self._tracked = PositionEstimate()
         self._blind = blind
-        self._lifts = [lifting is None or name in lifting for name in file.motors.values()]
+        names = list(file.motors.values())
+        self._lifts = [lifting is None or name in lifting for name in names]
+        self._presses = [name in pressing for name in names]
         self.buoyancy = BuoyancyMonitor()
         self._sequence = 0
         self.packets = 0
@@ -290,12 +295,15 @@ class BridgeCore:
             return
         known = self.motors is not None and inputs.silence <= safety.SILENT
         duties = self.motors.duties if self.motors is not None and known else ()
-        lifting = max(
-            (duty for duty, lifts in zip(duties, self._lifts, strict=False) if lifts),
-            default=0.0 if known else math.nan,
+        lifting, pressing = (
+            max(
+                (duty for duty, counts in zip(duties, group, strict=False) if counts),
+                default=0.0 if known else math.nan,
+            )
+            for group in (self._lifts, self._presses)
         )
         height = inputs.height if inputs.place_age <= safety.LOST else math.nan
-        self.buoyancy.observe(now, height, lifting)
+        self.buoyancy.observe(now, height, lifting, pressing)
 
     def find_arming_refusal(self, now_ns: int, linked: bool, active: bool) -> str:
         """Return why arming would be refused now; empty if it would be accepted."""

@@ -1,8 +1,11 @@
 """
-Detect a drone that is lighter than air: without lifting thrust it rises, and goes on rising.
+Detect a drone that is lighter than air.
 
-The firmware calls a drone landed whose motors have stopped, and such a drone is not. No motor of a
-Crazyflie reverses, so only ballast, a tether or a rotor that blows upwards brings it down.
+Without lifting thrust it rises, and goes on rising; or it does not sink although a rotor pushes it
+down. The firmware calls a drone landed whose motors have stopped, and such a drone is not. No
+motor of a Crazyflie reverses, so only ballast, a tether or a rotor that blows upwards brings it
+down. Such a rotor stops with the others when the drone is disarmed: a motor must never turn on
+because a balloon might rise.
 """
 
 from collections import deque
@@ -10,7 +13,7 @@ import math
 from typing import Final, final
 
 WINDOW: Final = 4.0  # s without lifting thrust
-RISE: Final = 0.1  # m in the second half of the window
+RISE: Final = 0.1  # m in the second half of the window; less is no motion
 # A drone that coasts upwards slows down by its drag; one that is lighter than air does not
 KEPT: Final = 0.95  # of the rise in the first half
 IDLE: Final = 0.02  # duty below which a rotor does not lift
@@ -26,14 +29,17 @@ class BuoyancyMonitor:
     ----------
     rises : bool
         Whether the drone rose without lifting thrust when it was last observed for a whole window.
+    is_held_down : bool
+        Whether it did not sink, although a rotor pushed it down all the time.
 
     """
 
     def __init__(self) -> None:
         self._heights: deque[tuple[float, float]] = deque()
-        self.rises = False
+        self._pushed_since = math.inf
+        self.rises = self.is_held_down = False
 
-    def observe(self, now: float, height: float, lifting: float) -> None:
+    def observe(self, now: float, height: float, lifting: float, pressing: float = 0.0) -> None:
         """
         Add an observation.
 
@@ -43,15 +49,17 @@ class BuoyancyMonitor:
             Monotonic time. [s]
         height : float
             NaN if unknown. [m]
-        lifting : float
-            Largest duty of a rotor that lifts; NaN if unknown.
+        lifting, pressing : float
+            Largest duty of a rotor that lifts, and of one that pushes down; NaN if unknown.
 
         """
         if not lifting <= IDLE:
             # Pushed up, or perhaps: nothing follows from its height
             self._heights.clear()
-            self.rises = False
+            self._pushed_since = math.inf
+            self.rises = self.is_held_down = False
             return
+        self._pushed_since = min(self._pushed_since, now) if pressing > IDLE else math.inf
         if math.isnan(height):
             return
         if self._heights and now - self._heights[-1][0] > GAP:
@@ -60,9 +68,10 @@ class BuoyancyMonitor:
         while now - self._heights[0][0] > WINDOW:
             self._heights.popleft()
         if now - self._heights[0][0] >= WINDOW - GAP:
-            self.rises = self._keeps_rising()
+            self._judge()
 
-    def _keeps_rising(self) -> bool:
+    def _judge(self) -> None:
         (began, first), (ended, last) = self._heights[0], self._heights[-1]
         middle = next(h for t, h in self._heights if t >= 0.5 * (began + ended))
-        return last - middle >= max(RISE, KEPT * (middle - first))
+        self.rises = last - middle >= max(RISE, KEPT * (middle - first))
+        self.is_held_down = self._pushed_since <= began and last - middle > -RISE

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 from lta_bridge.crazyflie.bridge_core import BridgeCore
+from lta_bridge.crazyflie.buoyancy import BuoyancyMonitor
 from lta_bridge.crazyflie.connection_manager import ConnectionManager
 from lta_bridge.crazyflie.safety import SafetyInputs, SafetyStage, SILENT
 from lta_graph.health import HealthFact, HealthLevel
@@ -11,6 +12,10 @@ NOT_CONFIGURED = 'not configured'
 RISING = (
     'the drone rises without thrust, so it is lighter than air and will not land: hold the '
     'tether, and add ballast'
+)
+HELD_DOWN = (
+    'the drone does not sink although it is pushed down, so it is lighter than air and will rise '
+    'when its motors stop: hold the tether before you disarm it, and add ballast'
 )
 
 
@@ -27,6 +32,11 @@ def describe_health(
 def describe_connection(keeper: ConnectionManager | None) -> tuple[str, int]:
     """Return why there is no link, empty if there is one, and the number of attempts."""
     return (NOT_CONFIGURED, 0) if keeper is None else (keeper.why, keeper.attempts)
+
+
+def describe_buoyancy(buoyancy: BuoyancyMonitor) -> str:
+    """Return the error of a drone that is lighter than air; empty if it is not."""
+    return RISING if buoyancy.rises else HELD_DOWN if buoyancy.is_held_down else ''
 
 
 def _describe_link(
@@ -59,6 +69,6 @@ def _describe_safety(bridge: BridgeCore, inputs: SafetyInputs) -> HealthFact:
     }
     level = HealthLevel.ERROR if state.stage is SafetyStage.STOPPED else HealthLevel.OK
     message = f'{state.stage.value}: {state.why}' if state.why else state.stage.value
-    if bridge.buoyancy.rises:
-        level, message = HealthLevel.ERROR, f'{message}; {RISING}'
+    if warning := describe_buoyancy(bridge.buoyancy):
+        level, message = HealthLevel.ERROR, f'{message}; {warning}'
     return HealthFact('safety', level, message, figures)

@@ -21,7 +21,11 @@ from lta_bridge.crazyflie.bridge_core import (
 )
 from lta_bridge.crazyflie.connection_manager import ConnectionManager
 from lta_bridge.crazyflie.drone_lock import DroneLock
-from lta_bridge.crazyflie.health_diagnostics import describe_connection, describe_health, RISING
+from lta_bridge.crazyflie.health_diagnostics import (
+    describe_buoyancy,
+    describe_connection,
+    describe_health,
+)
 from lta_bridge.crazyflie.link import LinkLost, MalformedPacket, Ping
 from lta_bridge.crazyflie.links import create_link
 from lta_bridge.crazyflie.log_table import BLOCKS, check_log_table
@@ -77,6 +81,7 @@ class CrazyflieBridge(DeviceNode):
         link = self._link = create_link(settings.uri, BLOCKS, self._graph_time_ns)
         file = self._file = find_crazyflie(settings.vehicle, vehicle.file.name, settings.crazyflie)
         command = settings.command or file.command
+        axes = {name: rotor.axis.vector[2] for name, rotor in vehicle.file.rotors.items()}
         self._bridge = BridgeCore(
             link,
             file,
@@ -84,11 +89,8 @@ class CrazyflieBridge(DeviceNode):
             command,
             watchdog=settings.watchdog in (command, 'always'),
             blind=settings.blind or settings.tethered,
-            lifting=[
-                name
-                for name, rotor in vehicle.file.rotors.items()
-                if rotor.axis.vector[2] > UPWARD
-            ],
+            lifting=[name for name, up in axes.items() if up > UPWARD],
+            pressing=[name for name, up in axes.items() if up < -UPWARD],
         )
         self._keeper: ConnectionManager | None = None
         self._former: ConnectionManager | None = None  # its connection may still be closing
@@ -99,7 +101,7 @@ class CrazyflieBridge(DeviceNode):
         self._velocity: Any = None
         self._odom: Any = None
         self._tracked_start: Any = None
-        self._was_rising = False
+        self._buoyancy_warning = ''
         self._controller = self.create_client(SetBool, 'arm')
         # The controller arms separately from the drone
         self._told = False  # whether the controller was armed
@@ -359,9 +361,10 @@ class CrazyflieBridge(DeviceNode):
         inputs = self._bridge.collect_safety_inputs(
             self._graph_time_ns(), self._is_linked, self.active
         )
-        if self._bridge.buoyancy.rises and not self._was_rising:
-            self.get_logger().error(RISING)
-        self._was_rising = self._bridge.buoyancy.rises
+        warning = describe_buoyancy(self._bridge.buoyancy)
+        if warning not in ('', self._buoyancy_warning):
+            self.get_logger().error(warning)
+        self._buoyancy_warning = warning
         for fact in describe_health(self._bridge, why, attempts, self._link.protocol, inputs):
             self.health.report(fact.task, fact.level, fact.message, **fact.values)
         super().publish_health()

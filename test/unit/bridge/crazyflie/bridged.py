@@ -29,9 +29,19 @@ class Kept:
 class Bridged:
     """A bridge, and what its drone and its graph tell it at every tick."""
 
-    def __init__(self, command='override', watchdog=False):
+    def __init__(self, command='override', watchdog=False, pressing=()):
         self.kept, self.now, self.word = Kept(), 0, SupervisorBit.ARMED
-        self.bridge = BridgeCore(self.kept, FILE, list(FILE.motors.values()), command, watchdog)
+        names = list(FILE.motors.values())
+        self.bridge = BridgeCore(
+            self.kept,
+            FILE,
+            names,
+            command,
+            watchdog,
+            lifting=[name for name in names if name not in pressing] if pressing else None,
+            pressing=pressing,
+        )
+        self.turning = (0.0,) * 4  # what the drone says that its motors do
         self.linked = self.active = self.commands = self.logs = True
         self.height = 1.0
         self.power = {'pm.vbat': 4.0, 'pm.state': 0}
@@ -51,7 +61,8 @@ class Bridged:
     def tick(self, asked=NOTHING):
         self.now += TICK
         if self.logs:
-            values = {f'motor.m{n}': 0.0 for n in range(1, 5)} | {'supervisor.info': self.word}
+            values = {f'motor.m{n}': 65535.0 * duty for n, duty in enumerate(self.turning, 1)}
+            values['supervisor.info'] = self.word
             for name, told in (('motors', values), ('power', self.power)):
                 self.bridge.receive_packet(LogPacket(name, self.now // 1_000_000, told, self.now))
         if self.commands:

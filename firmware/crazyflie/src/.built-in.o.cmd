@@ -1,1 +1,0 @@
-cmd_/tmp/w/d/boards/firmware/crazyflie/src/built-in.o :=  arm-none-eabi-gcc -mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16  -r -o /tmp/w/d/boards/firmware/crazyflie/src/built-in.o /tmp/w/d/boards/firmware/crazyflie/src/lta_app.o /tmp/w/d/boards/firmware/crazyflie/src/lta_duties.o

@@ -1,0 +1,146 @@
+"""Each barrier of the hazard table has a test that fails without it."""
+
+import os
+from pathlib import Path
+import re
+import subprocess
+import sys
+from typing import NamedTuple
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+BRIDGE = 'src/lta_bridge/lta_bridge'
+UNIT = 'test/unit/bridge/crazyflie'
+
+
+class Barrier(NamedTuple):
+    """A barrier: its source, the text that makes it, what is left without it, and its test."""
+
+    source: str
+    text: str
+    without: str
+    test: str
+
+
+BARRIERS = {
+    'firmware of another vehicle': Barrier(
+        f'{BRIDGE}/crazyflie/connection_manager.py',
+        'if value is None or int(value) == airframe:', 'if True:',
+        f'{UNIT}/test_crazyflie_link.py',
+    ),
+    'light board of another vehicle': Barrier(
+        f'{BRIDGE}/teensy/light_board.py',
+        'elif self.vehicle and self._vehicle not in (None, self.vehicle):', 'elif False:',
+        'test/unit/bridge/test_teensy_light_board.py',
+    ),
+    'no estimate': Barrier(
+        f'{BRIDGE}/crazyflie/safety.py',
+        'return math.isinf(inputs.place_age) or math.isnan(inputs.height) or '
+        'math.isnan(inputs.distance)', 'return False',
+        'test/property/test_crazyflie_safety.py',
+    ),
+    'old estimate': Barrier(
+        f'{BRIDGE}/crazyflie/safety.py', 'if LOST < inputs.place_age < math.inf:', 'if False:',
+        'test/property/test_crazyflie_safety.py',
+    ),
+    'tracker': Barrier(
+        f'{BRIDGE}/crazyflie/bridge_core.py', 'if len(known) == len(both):', 'if False:',
+        f'{UNIT}/test_crazyflie_cores.py',
+    ),
+    'rises': Barrier(
+        f'{BRIDGE}/crazyflie/buoyancy.py',
+        'self.rises = last - middle >= max(RISE, KEPT * (middle - first))', 'self.rises = False',
+        f'{UNIT}/test_buoyancy.py',
+    ),
+    'held down': Barrier(
+        f'{BRIDGE}/crazyflie/buoyancy.py',
+        'self.is_held_down = self._pushed_since <= began and last - middle > -RISE',
+        'self.is_held_down = False', f'{UNIT}/test_buoyancy.py',
+    ),
+    'downward thrust': Barrier(
+        'src/lta_control/lta_control/vehicle_parameters.py',
+        'lowest_heave=_lowest_heave(vehicle, low, high)', 'lowest_heave=0.0',
+        'test/unit/control/test_downward_thrust.py',
+    ),
+    'duties expire on board': Barrier(
+        'firmware/crazyflie/src/lta_duties.c',
+        'return now_ms - duties->since_ms < duties->hold_ms;',
+        '(void)now_ms; return duties->known;', f'{UNIT}/test_crazyflie_app.py',
+    ),
+    'watchdog': Barrier(
+        f'{BRIDGE}/crazyflie/bridge_core.py',
+        'self._guarded |= self._watchdog and bool(order.arm)', 'self._guarded = False',
+        f'{UNIT}/test_bridge.py',
+    ),
+    'motors that turn without a command': Barrier(
+        f'{BRIDGE}/crazyflie/connection_manager.py', 'link.write_parameter(name, 0.0, CONFIRM)',
+        'pass', f'{UNIT}/test_crazyflie_link.py',
+    ),
+    'old command': Barrier(
+        f'{BRIDGE}/crazyflie/safety.py', 'if inputs.command_age > STALE:', 'if False:',
+        f'{UNIT}/test_safety.py',
+    ),
+    'command of the future': Barrier(
+        'src/lta_graph/lta_graph/health.py', 'return passed if passed >= -AHEAD else math.inf',
+        'return passed', f'{UNIT}/test_crazyflie_cores.py',
+    ),
+    'low cell': Barrier(
+        f'{BRIDGE}/crazyflie/safety.py', 'if now - state.low_since >= LOW:', 'if False:',
+        f'{UNIT}/test_safety.py',
+    ),
+    'low cell before arming': Barrier(
+        f'{BRIDGE}/crazyflie/safety.py', 'if inputs.voltage < limits.voltage:', 'if False:',
+        f'{UNIT}/test_safety.py',
+    ),
+    'typed name': Barrier(
+        'src/lta_cli/lta_cli/verbs/hardware/bench.py',
+        'if sys.stdin.readline().strip() != wanted:', 'if False:',
+        'test/unit/bridge/hardware/test_motor.py',
+    ),
+    'emergency stop': Barrier(
+        f'{BRIDGE}/crazyflie/safety.py', 'if request.stop:', 'if False:', f'{UNIT}/test_safety.py',
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize('name', BARRIERS)
+def test_a_barrier_is_where_it_was(name):
+    """Cheap: the long test below takes it out."""
+    barrier = BARRIERS[name]
+    assert (ROOT / barrier.source).read_text(encoding='utf-8').count(barrier.text) == 1
+    assert (ROOT / barrier.test).is_file()
+
+
+def test_the_table_names_tests_that_are_there_and_those_of_the_barriers():
+    page = (ROOT / 'docs/hardware.md').read_text(encoding='utf-8')
+    table = page[page.index('## Hazards') : page.index('## First flight')]
+    named = set(re.findall(r'(test_\w+\.py)', table))
+    assert named <= {path.name for path in (ROOT / 'test').rglob('test_*.py')}
+    assert {Path(barrier.test).name for barrier in BARRIERS.values()} <= named
+
+
+@pytest.mark.long
+@pytest.mark.parametrize('name', BARRIERS)
+def test_without_a_barrier_its_test_fails(name, tmp_path):
+    barrier = BARRIERS[name]
+    words = ['git', 'archive', 'HEAD', 'config', 'src', 'test', 'firmware', 'conftest.py']
+    words += ['pyproject.toml', 'tools', 'lta', 'docs']
+    archive = subprocess.run(words, cwd=ROOT, check=True, capture_output=True).stdout
+    subprocess.run(['tar', '-x', '-C', tmp_path], input=archive, check=True)
+    source = tmp_path / barrier.source
+    source.write_text(
+        (ROOT / barrier.source).read_text(encoding='utf-8').replace(barrier.text, barrier.without)
+    )
+    paths = [tmp_path / 'config', *sorted((tmp_path / 'src').iterdir()), *sys.path]
+    # Only this test: others of its file need hardware, minutes or the network
+    words = [sys.executable, '-m', 'pytest', '-q', '-n', '0', '-x', '-m', 'not long', barrier.test]
+    done = subprocess.run(
+        words,
+        cwd=tmp_path,
+        env=os.environ | {'PYTHONPATH': os.pathsep.join(map(str, paths))},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 1, done.stdout[-2000:]
+    assert re.search(r'^FAILED ', done.stdout, re.MULTILINE), done.stdout[-2000:]
