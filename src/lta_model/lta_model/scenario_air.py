@@ -62,6 +62,11 @@ class WindProfile(StrictModel):
             )
         return self
 
+    def mean_wind(self, height: float) -> float:
+        """Return the mean wind at a height [m] by the log law. [m/s]"""
+        rough = self.roughness.si
+        return self.wind.si * max(math.log(height / rough), 0.0) / math.log(self.height.si / rough)
+
     def effect_parameters(self, half_height: float) -> Parameters:
         """Return the parameters of `wind_profile` for half the height of a hull. [m]"""
         speed, towards = self.wind.si, self.towards.si
@@ -78,7 +83,8 @@ class Turbulence(StrictModel):
     """
     Dryden turbulence: rms and length along the mean wind, across it and up, or one for all three.
 
-    Or `by` a standard, which derives both from the mean wind at 6.1 m (20 ft) and the height.
+    Or `by` a standard, which derives both from the mean wind at 6.1 m (20 ft) and the height. If
+    it is `sheared`, wind and height are those of the profile and of the hull.
     """
 
     intensity: Annotated[Quantity, _axes_validator('m/s', 0.0, 30.0)] | None = None
@@ -86,10 +92,18 @@ class Turbulence(StrictModel):
     by: Literal['MIL-F-8785C'] | None = None
     wind: Speed | None = None
     height: Annotated[Quantity, si_quantity('m')] | None = None
+    sheared: bool = False
 
     @model_validator(mode='after')
     def _check_exclusive_forms(self) -> Self:
         own, standard = (self.intensity, self.length), (self.by, self.wind, self.height)
+        if self.sheared and self.by and own + standard[1:] == (None,) * 4:
+            return self
+        if self.sheared:
+            raise ValueError(
+                'follows the height ("sheared"), so it needs "by: MIL-F-8785C" and nothing else; '
+                'remove the other keys'
+            )
         if None not in own and standard == (None,) * 3:
             return self
         if None not in standard and own == (None,) * 2:
@@ -101,8 +115,13 @@ class Turbulence(StrictModel):
             'speed at 20 ft) and height (flight height)'
         )
 
-    def effect_parameters(self) -> Parameters:
-        """Return the parameters of `turbulence`."""
+    def effect_parameters(self, profile: WindProfile | None = None) -> Parameters:
+        """Return the parameters of `turbulence`; sheared, in the wind of a profile."""
+        if self.sheared and profile is not None:
+            return military_turbulence.sheared_turbulence(
+                profile.mean_wind(military_turbulence.MEASURED),
+                profile.mean_wind(military_turbulence.LOWEST),
+            )
         if self.wind is not None and self.height is not None:
             return military_turbulence.low_altitude_turbulence(self.height.si, self.wind.si)
         strong, long = (
@@ -170,6 +189,15 @@ class ScenarioAir(StrictModel):
     gradient: WindGradient | None = None
     recorded: Annotated[str, Field(pattern=r'\.csv$')] | None = None  # of `wind_record`
 
+    @model_validator(mode='after')
+    def _check_shear(self) -> Self:
+        if self.turbulence is not None and self.turbulence.sheared and self.profile is None:
+            raise ValueError(
+                'has turbulence that follows the height ("sheared"), but no profile of the mean '
+                'wind; add air.profile'
+            )
+        return self
+
     @property
     def density(self) -> float:
         """Density of dry air. [kg/m3]."""
@@ -184,7 +212,7 @@ class ScenarioAir(StrictModel):
         if self.gradient:
             given['wind_gradient'] = self.gradient.effect_parameters()
         if self.turbulence:
-            given['turbulence'] = self.turbulence.effect_parameters()
+            given['turbulence'] = self.turbulence.effect_parameters(self.profile)
         if self.gust:
             given['gusts'] = self.gust.effect_parameters()
         return given

@@ -77,6 +77,17 @@ def test_turbulence_by_numbers_and_by_the_standard():
     )
 
 
+def test_sheared_turbulence_follows_profile_and_height():
+    """8 m/s at 10 m over 0.3 m are 6.87 m/s at 20 ft and 5.29 m/s at 10 ft by the log law."""
+    air = {'air/profile': FIELD, 'air/turbulence': {'by': 'MIL-F-8785C', 'sheared': True}}
+    given = effects(**air)['turbulence']
+    standard = low_altitude_turbulence(3.048, 8.0 * math.log(6.096 / 0.3) / math.log(10.0 / 0.3))
+    assert given == pytest.approx(
+        standard | {'mean': 8.0 * math.log(3.048 / 0.3) / math.log(10.0 / 0.3), 'height': 3.048}
+    )
+    assert given['up'] == pytest.approx(0.687, abs=5e-4)
+
+
 def test_gust_and_gradient():
     given = effects(**{'air/gust': GUST, 'air/gradient': SHEAR})
     assert given['gusts'] == {
@@ -130,6 +141,16 @@ def test_how_far_vehicles_reach():
             'air.turbulence',
             {'by': 'MIL-F-8785C', 'wind': '8 m/s', 'height': '0.5 m'},
             'MIL-F-8785C defines no low-altitude turbulence at a height of 0.5 m, only from 3.05',
+        ),
+        (
+            'air.turbulence',
+            {'by': 'MIL-F-8785C', 'sheared': True, 'height': '5 m'},
+            'air.turbulence follows the height ("sheared"), so it needs "by: MIL-F-8785C" and',
+        ),
+        (
+            'air.turbulence',
+            {'by': 'MIL-F-8785C', 'sheared': True},
+            'air has turbulence that follows the height ("sheared"), but no profile of the mean',
         ),
         (
             'air.turbulence',

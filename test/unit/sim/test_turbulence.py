@@ -15,7 +15,7 @@ from scipy.stats import chi2
 CALM = (0.0,) * 3
 # Intensities and lengths: along, across, up.
 SIGMA, LENGTH = (0.3, 0.25, 0.2), (1.0, 0.8, 0.6)
-P = (*SIGMA, *LENGTH)
+P = (*SIGMA, *LENGTH, 0.0, 0.0)  # the same at all heights
 SPEEDS = (2.0, 0.8)
 STATES = 5
 
@@ -158,6 +158,22 @@ def test_along_is_the_way_of_the_mean_wind():
     for north, turned in ((0.9e-3, False), (1.1e-3, True)):
         head = turbulence.compute_air_motion(P, memory, place(0.0, wind=(0.0, north, 0.0)))
         assert head[:2] == pytest.approx((0.0, 0.3) if turned else (0.3, 0.0))
+
+
+@pytest.mark.parametrize(
+    ('wind', 'height', 'strong', 'long'),
+    [(1.5, 1.0, 0.5, 0.5), (3.0, 2.0, 1.0, 1.0), (9.0, 9.0, 1.0, 1.0), (0.3, 0.0, 0.1, 0.05)],
+)
+def test_near_the_ground_rms_follows_the_mean_wind_and_length_the_height(
+    wind, height, strong, long
+):
+    p, memory = (*SIGMA, *LENGTH, 3.0, 2.0), (1.0, 0.0, 0.0, 0.0, 0.0)
+    here = place(1.0, wind=(wind, 0.0, 0.0))._replace(position=(0.0, 0.0, height))
+    air = turbulence.compute_air_motion(p, memory, here)
+    assert air[:3] == pytest.approx((strong * SIGMA[0], 0.0, 0.0))
+    # Rate of the filter along: V / L, or sigma / L if that is faster
+    rate = turbulence.compute_memory_rate(p, memory, here)[0]
+    assert -rate == pytest.approx(max(1.0, strong * SIGMA[0]) / (long * LENGTH[0]))
 
 
 def test_held_noise_keeps_the_variance_that_is_stated():

@@ -8,7 +8,6 @@ from lta_config.compilation.compiler import compile_functions
 from lta_config.topics import load_topic_table
 from lta_control.cascade import wrap_angle
 from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec
-from lta_model.light.gain_selection import select_diode_gain
 from lta_model.light.view import LightView
 from lta_model.sensors.photodiode import PhotodiodeArray
 from lta_studies.light.bearing.poses import Pose
@@ -74,14 +73,13 @@ class BearingBench:
             self._vehicle = build_vehicle_scenario_stack(truth)[0]
         # The compiled fit is the one that flies, and fast enough for thousands of poses.
         self._finder = DirectionFinder(believed, compile_functions(fit_direction)[0], np.array)
-        self._diodes = select_diode_gain(self.scenario.light_field, self._vehicle)
         # Columns 0 to 2 are the positions of the diodes; bearings refer to their centre. [m, body]
         self._middle = self._vehicle.diodes.planes[:, :3].mean(axis=0)
         self._lamp = np.array(self.scenario.goal_lamp.position.vector)
 
     def sample_diode_gains(self, chance: Generator) -> PhotodiodeArray:
         """Return the diodes of one vehicle with random gains."""
-        return self._diodes.draw_gains(chance)
+        return self._vehicle.diodes.draw_gains(chance)
 
     def estimate_block_bearing(
         self, pose: Pose, diodes: PhotodiodeArray, chance: Generator
