@@ -53,9 +53,10 @@ class PhotodiodesBlock(StrictModel):
     The photodiodes, `radius` out along their axes from a point `height` above the hull centre.
 
     `feedback` is the resistor of the amplifiers. It is part of the vehicle: light beyond its full
-    scale saturates the diodes, in whatever scene. Without `axes` the diodes are spaced evenly around the horizon, the first forward, then
-    counter-clockwise. `gains` are measured gains relative to the nominal diode (`lta light
-    calibrate`); the true ones have the relative standard deviation `gain_spread` about them.
+    scale saturates the diodes, in whatever scene. Without `axes` the diodes are spaced evenly
+    around the horizon, the first forward, then counter-clockwise. `gains` are measured gains
+    relative to the nominal diode (`lta light calibrate`); the true ones have the relative standard
+    deviation `gain_spread` about them.
     """
 
     count: Annotated[int, Field(ge=1, le=MOST)]

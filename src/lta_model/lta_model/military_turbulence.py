@@ -7,10 +7,12 @@ Compute turbulence intensity and length near the ground by MIL-F-8785C, for scen
 with h in feet, from 10 ft to 1000 ft (MIL-F-8785C, section 3.7.3.4), U_20 the mean wind at 20 ft:
 15, 30 and 45 knots there for light, moderate and severe. Continued to the height at which a small
 blimp flies, 0.5 m, it would say that the wind there has 1.4 m/s rms when 8 m/s blow at 10 m, more
-than the wind itself: below 10 ft it is refused. `sheared_turbulence` continues it with the mean wind
-of a profile: at 10 ft it has the values of the standard, and below them intensity by mean wind, and
-length by height, stay (effect `turbulence`).
+than the wind itself: below 10 ft it is refused. `sheared_turbulence` continues it with the mean
+wind of a profile: at 10 ft it has the values of the standard, and below, rms by mean wind and
+length by height stay the same (effect `turbulence`).
 """
+
+from collections.abc import Callable
 
 from lta_config.errors import BadInput
 
@@ -54,6 +56,10 @@ def low_altitude_turbulence(height: float, wind: float) -> dict[str, float]:
     }
 
 
-def sheared_turbulence(at_20_feet: float, at_10_feet: float) -> dict[str, float]:
-    """Return parameters that follow the height, from the mean wind at 20 and 10 ft [m/s]."""
-    return low_altitude_turbulence(LOWEST, at_20_feet) | {'mean': at_10_feet, 'height': LOWEST}
+def sheared_turbulence(
+    mean_wind: Callable[[float], float], strength: float = 1.0
+) -> dict[str, float]:
+    """Return parameters that follow the height, from the mean wind [m/s] by height [m]."""
+    found = low_altitude_turbulence(LOWEST, mean_wind(MEASURED))
+    found |= {axis: strength * found[axis] for axis in ('along', 'across', 'up')}
+    return found | {'mean': mean_wind(LOWEST), 'height': LOWEST}

@@ -5,6 +5,7 @@ Uniform wind (`wind`) and recorded wind (`recorded`) are surroundings of the ker
 air effects. All winds add up, as the direction of the flow in `map`.
 """
 
+from collections.abc import Callable
 import math
 from typing import Annotated, Literal, Self
 
@@ -84,7 +85,8 @@ class Turbulence(StrictModel):
     Dryden turbulence: rms and length along the mean wind, across it and up, or one for all three.
 
     Or `by` a standard, which derives both from the mean wind at 6.1 m (20 ft) and the height. If
-    it is `sheared`, wind and height are those of the profile and of the hull.
+    it is `sheared`, wind and height are those of the scene and of the hull; `strength` is then the
+    share of the standard's rms.
     """
 
     intensity: Annotated[Quantity, _axes_validator('m/s', 0.0, 30.0)] | None = None
@@ -93,6 +95,9 @@ class Turbulence(StrictModel):
     wind: Speed | None = None
     height: Annotated[Quantity, si_quantity('m')] | None = None
     sheared: bool = False
+    strength: Annotated[Quantity, si_quantity('1', low=0.0, high=10.0)] = Quantity(
+        value=1.0, unit='1'
+    )
 
     @model_validator(mode='after')
     def _check_exclusive_forms(self) -> Self:
@@ -115,13 +120,10 @@ class Turbulence(StrictModel):
             'speed at 20 ft) and height (flight height)'
         )
 
-    def effect_parameters(self, profile: WindProfile | None = None) -> Parameters:
-        """Return the parameters of `turbulence`; sheared, in the wind of a profile."""
-        if self.sheared and profile is not None:
-            return military_turbulence.sheared_turbulence(
-                profile.mean_wind(military_turbulence.MEASURED),
-                profile.mean_wind(military_turbulence.LOWEST),
-            )
+    def effect_parameters(self, mean_wind: Callable[[float], float] | None = None) -> Parameters:
+        """Return the parameters of `turbulence`; sheared, from the mean wind by height."""
+        if self.sheared and mean_wind is not None:
+            return military_turbulence.sheared_turbulence(mean_wind, self.strength.si)
         if self.wind is not None and self.height is not None:
             return military_turbulence.low_altitude_turbulence(self.height.si, self.wind.si)
         strong, long = (
@@ -189,20 +191,16 @@ class ScenarioAir(StrictModel):
     gradient: WindGradient | None = None
     recorded: Annotated[str, Field(pattern=r'\.csv$')] | None = None  # of `wind_record`
 
-    @model_validator(mode='after')
-    def _check_shear(self) -> Self:
-        if self.turbulence is not None and self.turbulence.sheared and self.profile is None:
-            raise ValueError(
-                'has turbulence that follows the height ("sheared"), but no profile of the mean '
-                'wind; add air.profile'
-            )
-        return self
-
     @property
     def density(self) -> float:
         """Density of dry air. [kg/m3]."""
         # Ideal gas law, absolute temperature
         return self.pressure.si / (GAS_CONSTANT_OF_AIR * (self.temperature.si + 273.15))
+
+    def mean_wind(self, height: float) -> float:
+        """Return the mean wind, uniform and of the profile, at a height [m]. [m/s]"""
+        speed = math.hypot(*self.wind.vector[:2])
+        return speed if self.profile is None else speed + self.profile.mean_wind(height)
 
     def collect_effects(self, half_height: float) -> dict[str, Parameters]:
         """Return the air effects that are on, by name, in SI; `half_height` of the hull in m."""
@@ -211,8 +209,8 @@ class ScenarioAir(StrictModel):
             given['wind_profile'] = self.profile.effect_parameters(half_height)
         if self.gradient:
             given['wind_gradient'] = self.gradient.effect_parameters()
-        if self.turbulence:
-            given['turbulence'] = self.turbulence.effect_parameters(self.profile)
+        if self.turbulence and self.turbulence.strength.si > 0.0:
+            given['turbulence'] = self.turbulence.effect_parameters(self.mean_wind)
         if self.gust:
             given['gusts'] = self.gust.effect_parameters()
         return given

@@ -86,6 +86,12 @@ def test_sheared_turbulence_follows_profile_and_height():
         standard | {'mean': 8.0 * math.log(3.048 / 0.3) / math.log(10.0 / 0.3), 'height': 3.048}
     )
     assert given['up'] == pytest.approx(0.687, abs=5e-4)
+    # Without a profile, in the uniform wind
+    calm = effects(**{'air/turbulence': air['air/turbulence']})['turbulence']
+    assert (calm['along'], calm['mean']) == (0.0, 0.0)
+    air['air/turbulence'] = {**air['air/turbulence'], 'strength': {'value': 0.5, 'unit': '1'}}
+    half = effects(**air)['turbulence']
+    assert (half['up'], half['mean']) == (0.5 * given['up'], given['mean'])
 
 
 def test_gust_and_gradient():
@@ -146,11 +152,6 @@ def test_how_far_vehicles_reach():
             'air.turbulence',
             {'by': 'MIL-F-8785C', 'sheared': True, 'height': '5 m'},
             'air.turbulence follows the height ("sheared"), so it needs "by: MIL-F-8785C" and',
-        ),
-        (
-            'air.turbulence',
-            {'by': 'MIL-F-8785C', 'sheared': True},
-            'air has turbulence that follows the height ("sheared"), but no profile of the mean',
         ),
         (
             'air.turbulence',

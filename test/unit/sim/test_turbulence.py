@@ -192,5 +192,5 @@ def test_turbulence_without_a_length_is_refused():
     assert turbulence.find_conflict(named) == ''
     assert 'across_length' in turbulence.find_conflict({**named, 'across_length': 0.0})
     assert (
-        turbulence.compute_memory_rate((0.0,) * 6, (0.0,) * STATES, place(1.0)) == (0.0,) * STATES
+        turbulence.compute_memory_rate((0.0,) * 8, (0.0,) * STATES, place(1.0)) == (0.0,) * STATES
     )

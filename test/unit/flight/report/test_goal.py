@@ -120,9 +120,7 @@ def test_a_flight_in_the_sun_tells_what_its_gas_gained():
     view.scene.vehicle = load_vehicle('gtmab').file
     found = compute_results(view)
     irradiance = (92e3 + 15e3 * 0.5 * (1 + math.sin(math.pi / 4))) / 105.0
-    assert found.gas_warmth == pytest.approx(
-        0.017 * irradiance * (1.0 - math.exp(-2.0)), rel=0.1
-    )
+    assert found.gas_warmth == pytest.approx(0.017 * irradiance * (1.0 - math.exp(-2.0)), rel=0.1)
     assert found.gas_lift == pytest.approx(0.4129 * found.gas_warmth / 293.15, rel=0.01)
     (tile,) = [each for each in build_tiles(found) if each.name == 'Lift by sunlight']
     assert tile.value == f'{1e3 * found.gas_lift:.1f}'

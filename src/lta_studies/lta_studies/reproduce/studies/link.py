@@ -12,6 +12,7 @@ from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
 from lta_report.drawing import add_legend, create_figure
 from lta_report.palette import ESTIMATE, RAW, TRUTH
+from lta_studies.light.bearing.places import FOR_SUN
 from lta_studies.light.link.link_budget import (
     compute_lamp_link,
     LampLink,
@@ -23,7 +24,6 @@ from lta_studies.light.plan.floor import build_floor
 from lta_studies.light.plan.inputs import load_inputs
 from lta_studies.light.plan.mounts import list_mounts
 from lta_studies.light.plan.planner import plan_layout
-from lta_studies.light.bearing.places import FOR_SUN
 from lta_studies.reproduce.study_result import (
     collect_draws,
     MeasuredValue,

@@ -113,8 +113,7 @@ def draw_orders(
                 measure(build_drawn_gtmab(request, seed).vehicle) for seed in request.draw_seeds
             ]
         draws[f'{criterion}_order'] = [
-            rank_concordance(criterion, {**values, 'gtmab': MeasuredValue(each)})
-            for each in found
+            rank_concordance(criterion, {**values, 'gtmab': MeasuredValue(each)}) for each in found
         ]
     return draws
 
