@@ -84,9 +84,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
         values[f'vacuous_{speed:g}'] = yes_no_value(
             find_cell(winds, pilot.NAME, speed).reached_share.value <= MOST
         )
-    gusts = fly_group(
-        'winds', request.seeds, vary={WIND: [f'{WINDS[0]:g} m/s']}, change=EDDIES
-    )
+    gusts = fly_group('winds', request.seeds, vary={WIND: [f'{WINDS[0]:g} m/s']}, change=EDDIES)
     for name in PAPERS:
         values |= measure_reached_share(f'{name}_gusts', gusts, name, WINDS[0])
     values['des_8_away'], values['dga_8_past'] = measure_failures(winds)
