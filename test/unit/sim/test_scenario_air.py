@@ -1,5 +1,7 @@
 """The air and the walls of a scenario: what they come to for a vehicle, and what is refused."""
 
+import math
+
 from lta_config.errors import BadInput
 from lta_config.files import list_shipped_names, load_yaml, share_folder
 from lta_config.quantity import Quantity
