@@ -56,10 +56,10 @@ class GainTracker:
         gains = tuple((self._prior * np.exp(self._log)).tolist())
         return replace(self._diodes, gains=gains, spread=spread)
 
-    def update_gains(self, peaks: Peaks, found: Direction) -> None:
+    def update_gains(self, peaks: Peaks, direction: Direction) -> None:
         """Learn from one block and the direction that a fit with the present gains found."""
-        cosine = np.maximum(self._axes @ (found.x, found.y, found.z), 0.0)
-        expected = found.strength * cosine**self._diodes.response + found.pedestal
+        cosine = np.maximum(self._axes @ (direction.x, direction.y, direction.z), 0.0)
+        expected = direction.strength * cosine**self._diodes.response + direction.pedestal
         # A spoilt or dead diode says nothing
         used = (cosine > FACING) & (peaks.snr > 0.0) & (self._prior > 0.0) & (expected > 0.0)
         read = np.where(used, peaks.amplitude / np.where(used, self._prior * expected, 1.0), 1.0)

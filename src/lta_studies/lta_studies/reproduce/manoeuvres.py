@@ -96,7 +96,7 @@ def fly_entries(pairs: Iterable[tuple[str, str]], seeds: int) -> ComparisonFligh
     return ComparisonFlights(comparison, rows)
 
 
-def build_drawn_gtmab(request: RowStudyRequest, seed: int) -> Entrant:
+def sample_gtmab(request: RowStudyRequest, seed: int) -> Entrant:
     """Return GT-MAB with a draw of what is assumed."""
     comparison = load_comparison(FILE)
     changed = comparison.contestants['gtmab'].model_copy(
@@ -105,12 +105,12 @@ def build_drawn_gtmab(request: RowStudyRequest, seed: int) -> Entrant:
     return build_entrant(changed, load_scenario(comparison.scenario).air.density)
 
 
-def fly_drawn_gtmab(
+def fly_gtmab_draws(
     request: RowStudyRequest, manoeuvres: Sequence[str]
 ) -> dict[str, list[ManeuverFlight]]:
     """Fly GT-MAB once in every draw of what is assumed; return its flights by manoeuvre."""
     scenario = load_scenario(load_comparison(FILE).scenario)
-    drawn = {seed: build_drawn_gtmab(request, seed) for seed in request.draw_seeds}
+    drawn = {seed: sample_gtmab(request, seed) for seed in request.draw_seeds}
     return {
         name: [
             fly_maneuver(entrant, scenario, load_maneuver_file(name), seed)
@@ -126,7 +126,7 @@ def draw_gtmab(
     """Fly GT-MAB once in every draw of what is assumed; return what it held, by measure."""
     return {
         f'gtmab_{name}_held': [float(each.is_successful) for each in flights]
-        for name, flights in fly_drawn_gtmab(request, manoeuvres).items()
+        for name, flights in fly_gtmab_draws(request, manoeuvres).items()
     }
 
 

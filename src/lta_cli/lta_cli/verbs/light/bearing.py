@@ -68,7 +68,7 @@ def bearing(
             max=50.0,
         ),
     ] = None,
-    beside: Annotated[
+    off_axis: Annotated[
         float,
         typer.Option(
             help="Largest angle between the lamp's axis and the drone, degrees; 0: on the axis, "
@@ -118,7 +118,7 @@ def bearing(
             for spread in dict.fromkeys(_as_shares(gain_spread))
         ),
         turn,
-        math.radians(beside),
+        math.radians(off_axis),
     )
     for name in asked.places:
         if name not in PLACES:

@@ -35,7 +35,7 @@ class BearingTrialRequest:
         The simulated diodes; the drone assumes those of the vehicle file.
     turn : int
         Light blocks of a turn in place from which the drone learns its gains before each pose.
-    beside : float
+    off_axis : float
         Largest angle to the lamp's axis. [rad]
 
     """
@@ -48,7 +48,7 @@ class BearingTrialRequest:
     seed: int
     diodes: tuple[TrueDiodes, ...] = (TrueDiodes(),)
     turn: int = 0
-    beside: float = BESIDE
+    off_axis: float = BESIDE
 
     @property
     def pose_count(self) -> int:
@@ -118,7 +118,7 @@ def simulate_random_poses(
     where, what = (np.random.default_rng([request.seed, k]) for k in range(2))
     readings = []
     for _ in range(request.poses):
-        pose = draw_pose(bench.scenario, distance, where, request.beside)
+        pose = draw_pose(bench.scenario, distance, where, request.off_axis)
         diodes = bench.sample_diode_gains(what)
         finder = bench.learn_gains(pose, diodes, request.turn, what)
         readings.append(bench.estimate_block_bearing(pose, diodes, what, finder))

@@ -15,11 +15,11 @@ from lta_report.drawing import create_figure
 from lta_report.palette import GRID, INK, PAPER, TRUTH
 from lta_studies.platforms.entrants import build_entrant
 from lta_studies.reproduce.manoeuvres import (
-    build_drawn_gtmab,
     ComparisonFlights,
     find_speed_limit,
-    fly_drawn_gtmab,
     fly_entries,
+    fly_gtmab_draws,
+    sample_gtmab,
 )
 from lta_studies.reproduce.study_result import (
     MeasuredValue,
@@ -102,16 +102,14 @@ def draw_orders(
 ) -> dict[str, list[float | str]]:
     """Return the concordance in every draw of GT-MAB; the other platforms stay as measured."""
     flown = [FLOWN[criterion] for criterion in measured if criterion in FLOWN]
-    flights = fly_drawn_gtmab(request, flown)
+    flights = fly_gtmab_draws(request, flown)
     draws: dict[str, list[float | str]] = {}
     for criterion, values in measured.items():
         if criterion in FLOWN:
             found = [each.metrics.rms for each in flights[FLOWN[criterion]]]
         else:
             measure = OF_VEHICLE[criterion]
-            found = [
-                measure(build_drawn_gtmab(request, seed).vehicle) for seed in request.draw_seeds
-            ]
+            found = [measure(sample_gtmab(request, seed).vehicle) for seed in request.draw_seeds]
         draws[f'{criterion}_order'] = [
             rank_concordance(criterion, {**values, 'gtmab': MeasuredValue(each)}) for each in found
         ]
