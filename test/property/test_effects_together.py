@@ -57,7 +57,8 @@ CHOSEN = {
     'wind_profile': {'x': 2.0, 'y': -1.0, 'roughness': 0.03, 'half_height': 0.3},
     'wind_gradient': {'x_y': 0.1, 'z_x': -0.2},
     'turbulence': dict.fromkeys(('along', 'across', 'up'), 0.1)
-    | dict.fromkeys(('along_length', 'across_length', 'up_length'), 1.0),
+    | dict.fromkeys(('along_length', 'across_length', 'up_length'), 1.0)
+    | {'mean': 3.0, 'height': 3.0},
     'gusts': {'x': 0.5, 'y': 0.2, 'begin': 0.1, 'length': 1.0},
     'cross_flow': {'horizontal': 1.0, 'total': 0.5, 'sway': 0.09},
     'munk_moment': {'lost': 0.3},

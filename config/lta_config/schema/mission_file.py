@@ -41,6 +41,8 @@ class MissionFile(StrictModel):
     round: Annotated[tuple[Beacon, ...], Field(strict=False, min_length=1, max_length=50)]
     dwell: Annotated[Quantity, si_quantity('s', low=0.0, high=3600.0)]
     payload: InspectionPayload | None = None
+    # Of the photodiodes' amplifiers, mounted for the light of the place; else the vehicle's own
+    feedback: Annotated[Quantity, si_quantity('ohm', above=0.0, sourced=True)] | None = None
     # Start and end of the working hours, as time of day
     work: Annotated[Quantity, si_quantity('s', low=0.0, high=DAY, length=2, sourced=True)]
     asleep: Power

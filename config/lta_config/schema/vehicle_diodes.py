@@ -8,8 +8,8 @@ import math
 from typing import Annotated, Any, Self
 
 from lta_config.files import StrictModel
-from lta_config.quantity import describe_misfit, Quantity, si_quantity, UNSOURCED
-from pydantic import AfterValidator, Field, model_validator
+from lta_config.quantity import Quantity, si_quantity
+from pydantic import Field, model_validator
 
 MOST = 64  # diodes
 UNIT = 1e-3  # tolerance of the length of an axis
@@ -19,20 +19,6 @@ DATA_SHEET = 'OPT101 data sheet, SBBS002'
 
 def _default_quantity(value: float, unit: str, source: str) -> Any:  # noqa: ANN401 - a default of a field
     return Field(default=Quantity(value=value, unit=unit, source=source))
-
-
-def _check_resistors(quantity: Quantity) -> Quantity:
-    """Check the feedback resistors, one of which is selected before a flight."""
-    count = len(quantity.vector)
-    if complaint := describe_misfit(quantity, 'ohm', above=0.0, length=max(count, 1)):
-        raise ValueError(complaint)
-    if not quantity.source:
-        raise ValueError(UNSOURCED)
-    if list(quantity.vector) != sorted(quantity.vector, reverse=True):
-        raise ValueError(
-            'has feedback resistors in the wrong order; list them from largest to smallest'
-        )
-    return quantity
 
 
 class DiodeAxes(StrictModel):
@@ -66,16 +52,17 @@ class PhotodiodesBlock(StrictModel):
     """
     The photodiodes, `radius` out along their axes from a point `height` above the hull centre.
 
-    Of several `feedback` resistors the one that suits the scene's light is selected. Without
-    `axes` the diodes are spaced evenly around the horizon, the first forward, then
-    counter-clockwise. `gains` are measured gains relative to the nominal diode (`lta light
-    calibrate`); the true ones have the relative standard deviation `gain_spread` about them.
+    `feedback` is the resistor of the amplifiers. It is part of the vehicle: light beyond its full
+    scale saturates the diodes, in whatever scene. Without `axes` the diodes are spaced evenly
+    around the horizon, the first forward, then counter-clockwise. `gains` are measured gains
+    relative to the nominal diode (`lta light calibrate`); the true ones have the relative standard
+    deviation `gain_spread` about them.
     """
 
     count: Annotated[int, Field(ge=1, le=MOST)]
     radius: Annotated[Quantity, si_quantity('m', low=0.0, high=20.0, sourced=True)]
     height: Annotated[Quantity, si_quantity('m', low=-5.0, high=5.0, sourced=True)]
-    feedback: Annotated[Quantity, AfterValidator(_check_resistors)]
+    feedback: Annotated[Quantity, si_quantity('ohm', above=0.0, sourced=True)]
     axes: DiodeAxes | None = None
     response: Annotated[Quantity, si_quantity('1', low=0.1, high=20.0, sourced=True)] = (
         _default_quantity(

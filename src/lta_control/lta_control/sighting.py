@@ -75,7 +75,7 @@ def build_sight(
     interval : float
         Time since the last sight. [s]
     scale : float
-        Gain of the selected resistor relative to the largest one. [1]
+        Gain of the photodiodes' resistor relative to one of 100 kohm. [1]
 
     """
     # A diode without valid samples counts as dark.

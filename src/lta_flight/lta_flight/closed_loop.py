@@ -294,7 +294,7 @@ class ClosedLoop:
         # The estimator gets the block one control period after its end
         age = (self.world.stamp_ns + self._table.control_ns - middle_ns) * 1e-9
         self._sighting = build_sighting(lamp, self._axes, amplitudes, frequencies, age)
-        scale = self.world.diode_scale
+        scale = self.world.vehicle.diodes.gain_scale
         sight = build_sight(lamp, self._axes, amplitudes, self._reckoned[0], self._block, scale)
         policy, report = self.policy, None
         if self.energy is not None:

@@ -7,14 +7,19 @@ Compute turbulence intensity and length near the ground by MIL-F-8785C, for scen
 with h in feet, from 10 ft to 1000 ft (MIL-F-8785C, section 3.7.3.4), U_20 the mean wind at 20 ft:
 15, 30 and 45 knots there for light, moderate and severe. Continued to the height at which a small
 blimp flies, 0.5 m, it would say that the wind there has 1.4 m/s rms when 8 m/s blow at 10 m, more
-than the wind itself: below 10 ft it is refused.
+than the wind itself: below 10 ft it is refused. `sheared_turbulence` continues it with the mean
+wind of a profile: at 10 ft it has the values of the standard, and below, rms by mean wind and
+length by height stay the same (effect `turbulence`).
 """
+
+from collections.abc import Callable
 
 from lta_config.errors import BadInput
 
 # m
 FOOT = 0.3048
 LOWEST, HIGHEST = 10.0 * FOOT, 1000.0 * FOOT
+MEASURED = 20.0 * FOOT  # height of the mean wind
 
 
 def low_altitude_turbulence(height: float, wind: float) -> dict[str, float]:
@@ -49,3 +54,12 @@ def low_altitude_turbulence(height: float, wind: float) -> dict[str, float]:
         'across_length': length,
         'up_length': height,
     }
+
+
+def sheared_turbulence(
+    mean_wind: Callable[[float], float], strength: float = 1.0
+) -> dict[str, float]:
+    """Return parameters that follow the height, from the mean wind [m/s] by height [m]."""
+    found = low_altitude_turbulence(LOWEST, mean_wind(MEASURED))
+    found |= {axis: strength * found[axis] for axis in ('along', 'across', 'up')}
+    return found | {'mean': mean_wind(LOWEST), 'height': LOWEST}

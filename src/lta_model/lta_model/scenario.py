@@ -186,6 +186,11 @@ class Scenario(StrictModel):
         return tuple((name, known[name]) for name in self.route)
 
     @property
+    def sun(self) -> DaylightScene | None:
+        """The daylight of the scene, or of the place outside its door."""
+        return self.daylight if self.outside is None else self.outside.daylight
+
+    @property
     def light_field(self) -> LightField:
         """The light of the scene; `BadInput` where the light itself cannot be."""
         return LightField(

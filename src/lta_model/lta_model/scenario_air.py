@@ -5,6 +5,7 @@ Uniform wind (`wind`) and recorded wind (`recorded`) are surroundings of the ker
 air effects. All winds add up, as the direction of the flow in `map`.
 """
 
+from collections.abc import Callable
 import math
 from typing import Annotated, Literal, Self
 
@@ -62,6 +63,11 @@ class WindProfile(StrictModel):
             )
         return self
 
+    def mean_wind(self, height: float) -> float:
+        """Return the mean wind at a height [m] by the log law. [m/s]"""
+        rough = self.roughness.si
+        return self.wind.si * max(math.log(height / rough), 0.0) / math.log(self.height.si / rough)
+
     def effect_parameters(self, half_height: float) -> Parameters:
         """Return the parameters of `wind_profile` for half the height of a hull. [m]"""
         speed, towards = self.wind.si, self.towards.si
@@ -78,7 +84,9 @@ class Turbulence(StrictModel):
     """
     Dryden turbulence: rms and length along the mean wind, across it and up, or one for all three.
 
-    Or `by` a standard, which derives both from the mean wind at 6.1 m (20 ft) and the height.
+    Or `by` a standard, which derives both from the mean wind at 6.1 m (20 ft) and the height. If
+    it is `sheared`, wind and height are those of the scene and of the hull; `strength` is then the
+    share of the standard's rms.
     """
 
     intensity: Annotated[Quantity, _axes_validator('m/s', 0.0, 30.0)] | None = None
@@ -86,10 +94,21 @@ class Turbulence(StrictModel):
     by: Literal['MIL-F-8785C'] | None = None
     wind: Speed | None = None
     height: Annotated[Quantity, si_quantity('m')] | None = None
+    sheared: bool = False
+    strength: Annotated[Quantity, si_quantity('1', low=0.0, high=10.0)] = Quantity(
+        value=1.0, unit='1'
+    )
 
     @model_validator(mode='after')
     def _check_exclusive_forms(self) -> Self:
         own, standard = (self.intensity, self.length), (self.by, self.wind, self.height)
+        if self.sheared and self.by and own + standard[1:] == (None,) * 4:
+            return self
+        if self.sheared:
+            raise ValueError(
+                'follows the height ("sheared"), so it needs "by: MIL-F-8785C" and nothing else; '
+                'remove the other keys'
+            )
         if None not in own and standard == (None,) * 3:
             return self
         if None not in standard and own == (None,) * 2:
@@ -101,8 +120,10 @@ class Turbulence(StrictModel):
             'speed at 20 ft) and height (flight height)'
         )
 
-    def effect_parameters(self) -> Parameters:
-        """Return the parameters of `turbulence`."""
+    def effect_parameters(self, mean_wind: Callable[[float], float] | None = None) -> Parameters:
+        """Return the parameters of `turbulence`; sheared, from the mean wind by height."""
+        if self.sheared and mean_wind is not None:
+            return military_turbulence.sheared_turbulence(mean_wind, self.strength.si)
         if self.wind is not None and self.height is not None:
             return military_turbulence.low_altitude_turbulence(self.height.si, self.wind.si)
         strong, long = (
@@ -176,6 +197,11 @@ class ScenarioAir(StrictModel):
         # Ideal gas law, absolute temperature
         return self.pressure.si / (GAS_CONSTANT_OF_AIR * (self.temperature.si + 273.15))
 
+    def mean_wind(self, height: float) -> float:
+        """Return the mean wind, uniform and of the profile, at a height [m]. [m/s]"""
+        speed = math.hypot(*self.wind.vector[:2])
+        return speed if self.profile is None else speed + self.profile.mean_wind(height)
+
     def collect_effects(self, half_height: float) -> dict[str, Parameters]:
         """Return the air effects that are on, by name, in SI; `half_height` of the hull in m."""
         given = {}
@@ -183,8 +209,8 @@ class ScenarioAir(StrictModel):
             given['wind_profile'] = self.profile.effect_parameters(half_height)
         if self.gradient:
             given['wind_gradient'] = self.gradient.effect_parameters()
-        if self.turbulence:
-            given['turbulence'] = self.turbulence.effect_parameters()
+        if self.turbulence and self.turbulence.strength.si > 0.0:
+            given['turbulence'] = self.turbulence.effect_parameters(self.mean_wind)
         if self.gust:
             given['gusts'] = self.gust.effect_parameters()
         return given

@@ -131,13 +131,18 @@ class AmbientScene(StrictModel):
 
 
 class DaylightScene(StrictModel):
-    """Sun and sky; the sun on a plane that faces it, the sky on level ground."""
+    """
+    Sun and sky; the sun on a plane that faces it, the sky on level ground.
+
+    They warm the gas of the hull (effect `superheat`) unless `warms_gas` is false.
+    """
 
     sun: Annotated[Quantity, si_quantity('lx', low=0.0, high=2e5)]
     azimuth: Annotated[Quantity, si_quantity('rad')]
     elevation: Annotated[Quantity, si_quantity('rad', above=0.0, high=math.pi / 2.0)]
     sky: Annotated[Quantity, si_quantity('lx', low=0.0, high=2e5)]
     efficacy: Efficacy
+    warms_gas: bool = True
 
     def build_daylight(self, ground: float) -> Daylight:
         """Return the light over ground of some albedo. [1]"""

@@ -218,9 +218,7 @@ class Vehicle:
             gain_spread=ring.gain_spread.si,
             gains=tuple(ring.gains.value) if ring.gains else (),
             dead=tuple(ring.dead),
-            # The first resistor until one is selected for the scene
-            feedback_resistance=ring.feedback.vector[0],
-            resistors=ring.feedback.vector,
+            feedback_resistance=ring.feedback.si,
             bandwidth=ring.bandwidth.si,
             noise=ring.noise.si,
             adc_bits=ring.bits,

@@ -15,7 +15,6 @@ from lta_config.topics import TopicTable
 from lta_model import stiffness
 from lta_model.effects import EFFECTS
 from lta_model.electrical.loads import navigation_power
-from lta_model.light.gain_selection import select_diode_gain
 from lta_model.light.view import LightView, Pose
 from lta_model.measurement_chain import build_chains, Chain
 from lta_model.scenario import Scenario
@@ -133,9 +132,7 @@ class World:
         self._rhythm = {name: (table[name].latency_ns, table[name].period_ns) for name in SENSED}
         self._shape = (table.light.sample_rate.si, table.light.samples)
         field = scenario.light_field
-        selected = select_diode_gain(field, self.vehicle)
-        self.diode_scale = selected.gain_scale  # the drone knows the selected resistor
-        diodes = selected.draw_gains(self._chance['diodes'])
+        diodes = self.vehicle.diodes.draw_gains(self._chance['diodes'])
         self._light = LightView(field, self.vehicle, diodes)
         self._imu_place = _to_vector(sensors.imu_position.vector)
         self._range_place = _to_vector(sensors.range_position.vector)

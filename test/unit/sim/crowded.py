@@ -20,7 +20,7 @@ MASS, DISPLACED = 0.36, 0.35
 FIXED = {
     'wind_profile': {'x': 2.0, 'y': -1.0, 'height': 10.0, 'roughness': 0.03, 'half_height': 0.3},
     'turbulence': {'along': 0.3, 'across': 0.2, 'up': 0.1}
-    | {'along_length': 1.0, 'across_length': 0.8, 'up_length': 0.5},
+    | {'along_length': 1.0, 'across_length': 0.8, 'up_length': 0.5, 'mean': 3.0, 'height': 3.0},
     'gusts': {'x': 0.5, 'y': 0.2, 'z': -0.1, 'begin': 0.2, 'length': 0.3, 'hold': 0.1},
     'gas_state': {'gas': 0.08, 'temperature': 4.0, 'overpressure': 200.0},
     'weight_and_buoyancy': {'gravity': 9.8},

@@ -1,5 +1,7 @@
 """The air and the walls of a scenario: what they come to for a vehicle, and what is refused."""
 
+import math
+
 from lta_config.errors import BadInput
 from lta_config.files import list_shipped_names, load_yaml, share_folder
 from lta_config.quantity import Quantity
@@ -77,6 +79,23 @@ def test_turbulence_by_numbers_and_by_the_standard():
     )
 
 
+def test_sheared_turbulence_follows_profile_and_height():
+    """8 m/s at 10 m over 0.3 m are 6.87 m/s at 20 ft and 5.29 m/s at 10 ft by the log law."""
+    air = {'air/profile': FIELD, 'air/turbulence': {'by': 'MIL-F-8785C', 'sheared': True}}
+    given = effects(**air)['turbulence']
+    standard = low_altitude_turbulence(3.048, 8.0 * math.log(6.096 / 0.3) / math.log(10.0 / 0.3))
+    assert given == pytest.approx(
+        standard | {'mean': 8.0 * math.log(3.048 / 0.3) / math.log(10.0 / 0.3), 'height': 3.048}
+    )
+    assert given['up'] == pytest.approx(0.687, abs=5e-4)
+    # Without a profile, in the uniform wind
+    calm = effects(**{'air/turbulence': air['air/turbulence']})['turbulence']
+    assert (calm['along'], calm['mean']) == (0.0, 0.0)
+    air['air/turbulence'] = {**air['air/turbulence'], 'strength': {'value': 0.5, 'unit': '1'}}
+    half = effects(**air)['turbulence']
+    assert (half['up'], half['mean']) == (0.5 * given['up'], given['mean'])
+
+
 def test_gust_and_gradient():
     given = effects(**{'air/gust': GUST, 'air/gradient': SHEAR})
     assert given['gusts'] == {
@@ -130,6 +149,11 @@ def test_how_far_vehicles_reach():
             'air.turbulence',
             {'by': 'MIL-F-8785C', 'wind': '8 m/s', 'height': '0.5 m'},
             'MIL-F-8785C defines no low-altitude turbulence at a height of 0.5 m, only from 3.05',
+        ),
+        (
+            'air.turbulence',
+            {'by': 'MIL-F-8785C', 'sheared': True, 'height': '5 m'},
+            'air.turbulence follows the height ("sheared"), so it needs "by: MIL-F-8785C" and',
         ),
         (
             'air.turbulence',

@@ -15,7 +15,7 @@ from scipy.stats import chi2
 CALM = (0.0,) * 3
 # Intensities and lengths: along, across, up.
 SIGMA, LENGTH = (0.3, 0.25, 0.2), (1.0, 0.8, 0.6)
-P = (*SIGMA, *LENGTH)
+P = (*SIGMA, *LENGTH, 0.0, 0.0)  # the same at all heights
 SPEEDS = (2.0, 0.8)
 STATES = 5
 
@@ -160,6 +160,22 @@ def test_along_is_the_way_of_the_mean_wind():
         assert head[:2] == pytest.approx((0.0, 0.3) if turned else (0.3, 0.0))
 
 
+@pytest.mark.parametrize(
+    ('wind', 'height', 'strong', 'long'),
+    [(1.5, 1.0, 0.5, 0.5), (3.0, 2.0, 1.0, 1.0), (9.0, 9.0, 1.0, 1.0), (0.3, 0.0, 0.1, 0.05)],
+)
+def test_near_the_ground_rms_follows_the_mean_wind_and_length_the_height(
+    wind, height, strong, long
+):
+    p, memory = (*SIGMA, *LENGTH, 3.0, 2.0), (1.0, 0.0, 0.0, 0.0, 0.0)
+    here = place(1.0, wind=(wind, 0.0, 0.0))._replace(position=(0.0, 0.0, height))
+    air = turbulence.compute_air_motion(p, memory, here)
+    assert air[:3] == pytest.approx((strong * SIGMA[0], 0.0, 0.0))
+    # Rate of the filter along: V / L, or sigma / L if that is faster
+    rate = turbulence.compute_memory_rate(p, memory, here)[0]
+    assert -rate == pytest.approx(max(1.0, strong * SIGMA[0]) / (long * LENGTH[0]))
+
+
 def test_held_noise_keeps_the_variance_that_is_stated():
     """The docstring's tanh: the stationary variance of the first order, exactly discretised."""
     ratio = PERIOD * SPEEDS[0] / LENGTH[0]
@@ -176,5 +192,5 @@ def test_turbulence_without_a_length_is_refused():
     assert turbulence.find_conflict(named) == ''
     assert 'across_length' in turbulence.find_conflict({**named, 'across_length': 0.0})
     assert (
-        turbulence.compute_memory_rate((0.0,) * 6, (0.0,) * STATES, place(1.0)) == (0.0,) * STATES
+        turbulence.compute_memory_rate((0.0,) * 8, (0.0,) * STATES, place(1.0)) == (0.0,) * STATES
     )

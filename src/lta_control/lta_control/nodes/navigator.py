@@ -51,7 +51,6 @@ from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
 from lta_graph.ros.stamps import from_stamp
-from lta_model.light.gain_selection import compute_gain_scale
 from lta_model.scenario import load_course, load_route
 from lta_model.vehicle import load_vehicle
 from nav_msgs.msg import Odometry
@@ -95,9 +94,7 @@ class Navigator(GraphNode):
         check_route(self._strategy, len(self._route))
         self._scale = 1.0
         if self._strategy.ranges:
-            self._scale = compute_gain_scale(
-                self._settings.value.scenario, self._settings.value.vehicle
-            )
+            self._scale = load_vehicle(self._settings.value.vehicle).diodes.gain_scale
         self._guidance: Guidance | CommandedFlight = Guidance(self._course, self._route)
         check_reserve(self._settings.value.reserve, self._strategy)
         self._word: ReserveReport | None = None  # latest energy report; None: stay on the ground

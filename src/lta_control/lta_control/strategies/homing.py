@@ -50,8 +50,8 @@ class HomingSettings(Settings):
     )
     brightness: float = setting(
         2100.0,
-        'Expected brightness of the lamp at 1 m, with the largest resistor of the '
-        'photodiode amplifier.',
+        'Expected brightness of the lamp at 1 m, with a resistor of 100 kohm in the '
+        'photodiode amplifiers.',
         unit='counts',
         low=1.0,
         high=1e9,

@@ -32,8 +32,8 @@ class LightMeasurement(NamedTuple):
     deviation : float
         Standard deviation of the bearing. [rad]
     strength : float
-        Light on a diode that faces the lamp, without the pedestal, scaled to the largest
-        resistor; 0 where it is not seen. [ADC counts]
+        Light on a diode that faces the lamp, without the pedestal, scaled to a
+        resistor of 100 kohm; 0 where it is not seen. [ADC counts]
     elevation : float
         Of the lamp over the body's horizon; 0 where it is unknown. [rad]
     position : tuple of float
@@ -128,7 +128,7 @@ class NavigationStrategy:
     distance : callable, optional
         `distance(memory) -> horizontal distance to the lamp` [m], NaN where it is unknown.
     ranges : bool
-        Whether it uses `LightMeasurement.strength`, which needs the selected resistor.
+        Whether it uses `LightMeasurement.strength`, which needs the resistor.
     file : str
         Path of the user's file that defines it; empty for a strategy of LTA.
 

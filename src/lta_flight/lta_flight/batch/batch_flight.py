@@ -23,7 +23,6 @@ from lta_model.effects import EFFECTS
 from lta_model.effects.protocol import MeasurementEffect
 from lta_model.electrical.loads import navigation_power
 from lta_model.hull import half_axes
-from lta_model.light.gain_selection import select_diode_gain
 from lta_model.light.panel_light import build_panel_plane
 from lta_model.light.view import find_spectral_weights
 from lta_model.model import VehicleModel
@@ -214,14 +213,13 @@ def build_constants(
         policy.tilt_limit,
     )
     rate, samples = light.sample_rate.si, light.samples
-    selected = select_diode_gain(scenario.light_field, vehicle)
     return FlightConstants(
         drone=drone,
         mission=policy.mission,
         sensors=build_sensors(vehicle, scenario.air.pressure.si),
         listening=build_light_link(
             scenario.light_field,
-            selected,
+            vehicle.diodes,
             half_axes(vehicle.file.hull),
             policy.demodulation,
             rate,
@@ -241,7 +239,7 @@ def build_constants(
         mass_place=(0.0, 0.0, 0.0),
         duties=NONE,
         reserve=policy.reserve.rule,
-        diode_scale=selected.gain_scale,
+        diode_scale=vehicle.diodes.gain_scale,
     )
 
 

@@ -67,7 +67,7 @@ class FlightConstants(NamedTuple):
     reserve : ReserveRule
         Action at the energy reserve.
     diode_scale : float
-        Gain of the selected resistor relative to the largest one.
+        Gain of the photodiodes' resistor relative to one of 100 kohm. [1]
 
     """
 

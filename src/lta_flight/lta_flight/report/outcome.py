@@ -6,6 +6,7 @@ from typing import Final, NamedTuple
 from lta_flight.report.results import FlightResults
 from lta_report.formatting import format_amount, format_number, format_spread, MISSING, Tile
 
+GRAMS: Final = 1e3
 DEGREES: Final = 180.0 / math.pi
 SHADED: Final = 3.0  # RMS by median error above which a few blocks make the RMS
 
@@ -43,6 +44,11 @@ def describe_outcome(results: FlightResults) -> str:
 def build_tiles(results: FlightResults) -> list[Tile]:
     """Return tiles with the main results."""
     r = results
+    warm = [] if r.gas_lift is None else [
+        Tile('Lift by sunlight', format_number(r.gas_lift, 1, GRAMS), 'g',
+             f'net lift gained by gas that is {format_amount(r.gas_warmth, "K", 1)} warmer than '
+             'the air at the end (effect superheat)')
+    ]  # fmt: skip
     return [
         Tile('Time to the lamp', format_number(r.search_time, 1), 's',
              f'{format_amount(r.flight_time, "s", 1)} from take-off'),
@@ -62,6 +68,7 @@ def build_tiles(results: FlightResults) -> list[Tile]:
              f'{format_amount(r.energy, "J", 1)} from the cell between take-off and goal'),
         Tile('Heading drift', format_number(r.heading_drift, 1, DEGREES), '°',
              'error of the estimated heading at the end'),
+        *warm,
     ]  # fmt: skip
 
 
@@ -138,6 +145,8 @@ def build_table(results: FlightResults, *, with_paper: bool = True) -> list[Outc
             format_amount(r.airspeed_estimate_error, 'm/s')),
         OutcomeRow('estimated heading, RMS error',
             format_amount(r.heading_estimate_error, '°', 1, DEGREES)),
+        OutcomeRow('net lift gained by gas that sunlight warmed, at the end',
+            format_amount(r.gas_lift, 'g', 1, GRAMS)),
     ]  # fmt: skip
     if not with_paper:
         rows = [row._replace(paper=MISSING) for row in rows]

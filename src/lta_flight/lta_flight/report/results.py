@@ -8,11 +8,17 @@ route this is the last lamp, after all others. Truth comes from the simulator or
 """
 
 from dataclasses import asdict, dataclass, field, fields
+import math
 from typing import Any, final, NamedTuple
 
+from lta_config.constants import AIR_TEMPERATURE
 from lta_flight.report.evidence import FlightDataSource
 from lta_flight.report.goal import wrap_angle
+from lta_model.light.view import LightView
+from lta_model.state import DISPLACED
+from lta_model.vehicle import Vehicle
 from lta_report.curves import Array, DirectionCurve, hold_last, interpolate, MotionCurve
+from lta_sim.scene_model import build_scene_model
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,6 +26,7 @@ Flags = NDArray[np.bool_]
 
 LIFTED = 0.01  # m above the start that count as lift-off
 CRUISING = 0.9  # share of the set speed at which the cruise begins
+WARMING_STEP = 0.5  # s, far below the lag of the gas
 ENDS = 5  # blocks whose median is the SNR at the start or the end
 
 
@@ -96,6 +103,12 @@ class FlightResults:
     energy: float | None = result_field('J', 'energy from the cell between take-off and goal')
     power: float | None = result_field('W', 'mean power from the cell between take-off and goal')
     cruise_power: float | None = result_field('W', 'mean power from the cell in cruise')
+    gas_warmth: float | None = result_field(
+        'K', 'temperature of the gas above that of the air at the end, by the light of the scene'
+    )
+    gas_lift: float | None = result_field(
+        'kg', 'lift that the warm gas has gained at the end, as mass'
+    )
 
     def to_dict(self) -> dict[str, float | bool | None]:
         """Return the results by name, ready for JSON."""
@@ -128,6 +141,7 @@ def compute_results(view: FlightDataSource) -> FlightResults:
         **compute_light_metrics(view, phases),
         **compute_estimate_errors(view, phases),
         **compute_energy_metrics(view, phases),
+        **compute_gas_metrics(view, phases),
     }
     known: dict[str, Any] = {
         # Keeps bools and counts as they are
@@ -323,3 +337,26 @@ def compute_energy_metrics(view: FlightDataSource, phases: FlightPhases) -> dict
         'power': energy / (phases.end - phases.lift_off),
         'cruise_power': mean_or_nan(power[is_cruising(view, phases, time)]),
     }
+
+
+def compute_gas_metrics(view: FlightDataSource, phases: FlightPhases) -> dict[str, float]:
+    """Return how warm sunlight has made the gas at the end [K], and its lift [kg]."""
+    scenario, file = view.scene.scenario, view.scene.vehicle
+    if scenario is None or file is None or not view.has_topics('ground_truth/odom'):
+        return {}
+    vehicle = Vehicle(file, scenario.air.density)
+    model = build_scene_model(vehicle, scenario)
+    p = model.given.get('superheat')
+    if p is None:
+        return {}
+    light, truth = LightView(scenario.light_field, vehicle), view.truth
+    time = np.arange(truth.time[0], phases.end, WARMING_STEP)
+    places = zip(*(interpolate(time, truth.time, part) for part in truth[1:4]), strict=True)
+    warmer = 0.0
+    # Exact for light that is steady during a step
+    share = 1.0 if p['lag'] <= 0.0 else -math.expm1(-WARMING_STEP / p['lag'])
+    for x, y, z in places:
+        steady = p['warming'] * light.hull_irradiance((x, y, z, 0.0, 0.0, 0.0, 1.0))
+        warmer += share * (steady - warmer)
+    gained = p['slack'] * float(model.body[DISPLACED]) * warmer / AIR_TEMPERATURE
+    return {'gas_warmth': warmer, 'gas_lift': gained}

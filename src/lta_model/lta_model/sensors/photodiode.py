@@ -14,6 +14,8 @@ of view: 1 is a flat plane, 1.2 the package of the OPT101. Gains differ from dio
 
 Source: OPT101 data sheet, Texas Instruments SBBS002; the exponent is from memory of its plot of
 responsivity by angle, to be measured. Not modelled: the amplifier's output swing.
+
+The resistor is mounted with the diode, so it is part of the vehicle and the same in every scene.
 """
 
 from dataclasses import dataclass
@@ -43,7 +45,7 @@ def spread_azimuths(count: int) -> tuple[float, ...]:
 
 Array = NDArray[np.float64]
 ELEMENTARY_CHARGE = 1.602176634e-19  # C, exact in SI
-ROOM = 0.75  # largest share of the converter's range for steady light
+REFERENCE_RESISTANCE = 1e5  # ohm, to which the strength of a lamp is scaled
 NOISE_RESISTANCE = 1e6  # ohm, at which the data sheet gives the noise
 
 Finite = Annotated[float, Field(allow_inf_nan=False)]
@@ -74,8 +76,8 @@ class PhotodiodeArray(StrictModel):
         Of each diode, relative to the nominal; all 1 by default.
     dead : tuple of int
         Indices of dead diodes, from 0.
-    feedback_resistance, resistors : float, tuple of float
-        Feedback resistor, and those that may be selected, the largest first. [ohm]
+    feedback_resistance : float
+        Feedback resistor. [ohm]
     area : float
         Sensitive area of a diode. [m2]
     responsivity : float
@@ -107,7 +109,6 @@ class PhotodiodeArray(StrictModel):
     gains: tuple[NotNegative, ...] = ()
     dead: tuple[Annotated[int, Field(ge=0)], ...] = ()
     feedback_resistance: Positive
-    resistors: tuple[Positive, ...] = ()
     area: Positive = 5.2e-6
     responsivity: Positive = 0.45
     dark_offset: NotNegative = 7.5e-3
@@ -148,19 +149,8 @@ class PhotodiodeArray(StrictModel):
 
     @property
     def gain_scale(self) -> float:
-        """Reading by the selected resistor over that by the largest. [1]"""
-        return self.feedback_resistance / max(self.resistors, default=self.feedback_resistance)
-
-    def select_resistor(self, irradiance: float) -> 'PhotodiodeArray':
-        """Return these diodes with the largest resistor not saturated by steady light. [W/m2]"""
-        volts = [
-            resistor * self.area * self.responsivity * irradiance for resistor in self.resistors
-        ]
-        for resistor, reached in zip(self.resistors, volts, strict=True):
-            # The smallest resistor is the fallback in very bright light
-            if reached <= ROOM * self.adc_range or resistor == self.resistors[-1]:
-                return self.model_copy(update={'feedback_resistance': resistor})
-        return self
+        """Reading with this resistor over that with `REFERENCE_RESISTANCE`. [1]"""
+        return self.feedback_resistance / REFERENCE_RESISTANCE
 
     def draw_gains(self, chance: np.random.Generator) -> 'PhotodiodeArray':
         """Return these diodes with gains drawn about their own by the spread, none below zero."""

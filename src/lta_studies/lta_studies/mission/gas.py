@@ -12,11 +12,10 @@ from typing import Final, final
 
 from lta_config.constants import AIR_TEMPERATURE, STANDARD_GRAVITY
 from lta_energy.irradiance import IrradianceSeries
+from lta_model.effects.weight.superheat import IN_SUN
 from lta_model.vehicle import Vehicle
 from lta_vehicle.figures.wrench_limit import solve_wrench_limit
 
-# K m2/W, the heat balance of an aluminised 1 m balloon in the docstring of `superheat`
-WARMING: Final = 0.017
 SWING: Final = 10.0  # K, a change of the air over a day
 
 
@@ -56,7 +55,7 @@ class GasOverDay:
 def estimate_gas_over_day(vehicle: Vehicle, light: IrradianceSeries) -> GasOverDay:
     """Return the change of lift over a day with some light."""
     brightest = float((light.sun + light.lamps).max())
-    warmer = WARMING * brightest
+    warmer = IN_SUN['warming'] * brightest
     displaced = vehicle.air_density * vehicle.volume
     down = solve_wrench_limit(vehicle, 'down')
     return GasOverDay(

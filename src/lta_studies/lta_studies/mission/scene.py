@@ -1,8 +1,8 @@
 """
 Build the constants of a mission leg for a beacon and a light level.
 
-The drone knows its scene: it demodulates the frequency of its target beacon, uses the feedback
-resistor for the current light level, and knows the brightness of a beacon at one metre.
+The drone knows its scene: it demodulates the frequency of its target beacon, and knows the
+brightness of a beacon at one metre. The mission file may name the resistor of its photodiodes.
 """
 
 from dataclasses import replace
@@ -27,7 +27,6 @@ from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec, loa
 from lta_model.electrical.panel import array_spectral_factor
 from lta_model.hull import half_axes
 from lta_model.light.field import LightField
-from lta_model.light.gain_selection import select_diode_gain
 from lta_model.light.lamp import BeaconLamp
 from lta_sim.light_link import build_light_link, LightLink
 
@@ -48,6 +47,9 @@ def build_flight_spec(mission: MissionFile) -> FlightSpec:
     """
     made_of = load_spec(mission.vehicle, mission.scene, 'homing', '')
     made_of = made_of.with_values({'mission.altitude': mission.altitude.si})
+    if mission.feedback is not None:
+        resistor = mission.feedback.model_dump(mode='json', exclude_none=True)
+        made_of = made_of.with_values({'vehicle.sensors.diodes.feedback': resistor})
     return made_of if mission.payload is None else add_payload(made_of, mission.payload)
 
 
@@ -152,7 +154,7 @@ class MissionScene:
         frequency = self.scenario.lamps[beacon].frequency.si
         return build_light_link(
             field,
-            select_diode_gain(field, self.vehicle),
+            self.vehicle.diodes,
             half_axes(self.vehicle.file.hull),
             self.policy.demodulation.model_copy(update={'frequency': frequency}),
             self._table.light.sample_rate.si,
@@ -165,7 +167,7 @@ class MissionScene:
             update={'brightness': lamp_brightness(listening, lamp)}
         )
         mission = self.policy.mission.model_copy(update={'homing': homing})
-        # The brightness is that by the resistor selected for this lantern.
+        # The brightness is that of this lantern by the vehicle's resistor.
         return self._base._replace(
             listening=listening, mission=mission, route=(0,), diode_scale=1.0
         )

@@ -10,7 +10,7 @@ from lta_config.schema.comparison_file import ComparisonFile, load_comparison
 from lta_config.schema.maneuver_file import load_maneuver_file
 from lta_model.scenario import load_scenario
 from lta_studies.platforms.entrants import build_entrant
-from lta_studies.platforms.flight import fly_maneuver
+from lta_studies.platforms.flight import Entrant, fly_maneuver, ManeuverFlight
 from lta_studies.platforms.pictures import draw_tracking, format_entry_name
 from lta_studies.platforms.run import (
     ABLATION,
@@ -96,22 +96,38 @@ def fly_entries(pairs: Iterable[tuple[str, str]], seeds: int) -> ComparisonFligh
     return ComparisonFlights(comparison, rows)
 
 
+def sample_gtmab(request: RowStudyRequest, seed: int) -> Entrant:
+    """Return GT-MAB with a draw of what is assumed."""
+    comparison = load_comparison(FILE)
+    changed = comparison.contestants['gtmab'].model_copy(
+        update={'changes': request.draw_changes(seed)}
+    )
+    return build_entrant(changed, load_scenario(comparison.scenario).air.density)
+
+
+def fly_gtmab_draws(
+    request: RowStudyRequest, manoeuvres: Sequence[str]
+) -> dict[str, list[ManeuverFlight]]:
+    """Fly GT-MAB once in every draw of what is assumed; return its flights by manoeuvre."""
+    scenario = load_scenario(load_comparison(FILE).scenario)
+    drawn = {seed: sample_gtmab(request, seed) for seed in request.draw_seeds}
+    return {
+        name: [
+            fly_maneuver(entrant, scenario, load_maneuver_file(name), seed)
+            for seed, entrant in drawn.items()
+        ]
+        for name in manoeuvres
+    }
+
+
 def draw_gtmab(
     request: RowStudyRequest, manoeuvres: Sequence[str]
 ) -> dict[str, list[float | str]]:
     """Fly GT-MAB once in every draw of what is assumed; return what it held, by measure."""
-    comparison = load_comparison(FILE)
-    scenario = load_scenario(comparison.scenario)
-    draws: dict[str, list[float | str]] = {f'gtmab_{each}_held': [] for each in manoeuvres}
-    for seed in request.draw_seeds:
-        change = comparison.contestants['gtmab'].model_copy(
-            update={'changes': request.draw_changes(seed)}
-        )
-        entrant = build_entrant(change, scenario.air.density)
-        for each in manoeuvres:
-            flight = fly_maneuver(entrant, scenario, load_maneuver_file(each), seed)
-            draws[f'gtmab_{each}_held'].append(float(flight.is_successful))
-    return draws
+    return {
+        f'gtmab_{name}_held': [float(each.is_successful) for each in flights]
+        for name, flights in fly_gtmab_draws(request, manoeuvres).items()
+    }
 
 
 def find_speed_limit(name: str, seeds: int) -> MeasuredValue:

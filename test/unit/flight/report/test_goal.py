@@ -6,9 +6,10 @@ from types import SimpleNamespace
 from lta_config.course import Course
 from lta_data.bag.recorded_flight import PointSeries
 from lta_flight.report.goal import FlightGoal
-from lta_flight.report.outcome import describe_outcome
+from lta_flight.report.outcome import build_tiles, describe_outcome
 from lta_flight.report.results import compute_results
 from lta_model.scenario import load_scenario
+from lta_model.vehicle import load_vehicle
 from lta_report.curves import DirectionCurve, MotionCurve, TimeCurve
 import numpy as np
 import pytest
@@ -109,6 +110,20 @@ def test_a_flight_above_the_lamp_says_how_high():
     assert describe_outcome(compute_results(view)).endswith(
         'it came no nearer than 2.0 m horizontally, at a mean height of 6.8 m'
     )
+
+
+def test_a_flight_in_the_sun_tells_what_its_gas_gained():
+    """80 klx and the lamp at 0.017 K m2/W after 140 s, twice the lag: 0.414 kg of air by T."""
+    scenario = load_scenario('sunny_field')
+    view = flown(np.full(141, -3.5), scenario)
+    assert compute_results(view).gas_lift is None  # the vehicle is not known
+    view.scene.vehicle = load_vehicle('gtmab').file
+    found = compute_results(view)
+    irradiance = (92e3 + 15e3 * 0.5 * (1 + math.sin(math.pi / 4))) / 105.0
+    assert found.gas_warmth == pytest.approx(0.017 * irradiance * (1.0 - math.exp(-2.0)), rel=0.1)
+    assert found.gas_lift == pytest.approx(0.4129 * found.gas_warmth / 293.15, rel=0.01)
+    (tile,) = [each for each in build_tiles(found) if each.name == 'Lift by sunlight']
+    assert tile.value == f'{1e3 * found.gas_lift:.1f}'
 
 
 def test_on_a_course_no_lamp_is_sought():

@@ -163,7 +163,9 @@ def test_unreadable_file_in_the_bag_is_one_sentence(tmp_path, key, text, fault):
 
 
 def test_a_whole_recording_tells_every_figure(found):
-    assert [name for name, value in found.to_dict().items() if value is None] == []
+    assert [name for name, value in found.to_dict().items() if value is None] == [
+        'gas_warmth', 'gas_lift',  # there is no sun in the lamp room
+    ]  # fmt: skip
 
 
 def test_units_are_told_by_name():

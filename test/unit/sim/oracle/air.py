@@ -59,6 +59,10 @@ def turbulence(p, memory, scene):
         ('along', 'across', 'up'), np.split(memory, [1, 3]), scene.noise, strict=True
     ):
         sigma, length = p(name), p(f'{name}_length')
+        if p('mean'):
+            sigma *= min(np.hypot(*scene.wind[:2]) / p('mean'), 1.0)
+        if p('height'):
+            length *= np.clip(scene.position[2] / p('height'), 0.05, 1.0)
         time = length / max(np.linalg.norm(through), sigma) if length > 0.0 else np.inf
         if name == 'along':
             rates.append((np.sqrt(2.0 * time) * noise - kept[0]) / time if length else 0.0)

@@ -68,6 +68,24 @@ def bearing(
             max=50.0,
         ),
     ] = None,
+    off_axis: Annotated[
+        float,
+        typer.Option(
+            help="Largest angle between the lamp's axis and the drone, degrees; 0: on the axis, "
+            'at a --range in metres.',
+            min=0.0,
+            max=60.0,
+        ),
+    ] = 60.0,
+    turn: Annotated[
+        int,
+        typer.Option(
+            help='Number of light blocks of a turn in place, before each pose, from which the '
+            'drone learns the gains of its photodiodes.',
+            min=0,
+            max=1000,
+        ),
+    ] = 0,
     seed: Annotated[int, typer.Option(help='Random seed.', min=0)] = 1,
     *,
     run: StudyRun,
@@ -99,6 +117,8 @@ def bearing(
             for exponent in dict.fromkeys(response or (None,))
             for spread in dict.fromkeys(_as_shares(gain_spread))
         ),
+        turn,
+        math.radians(off_axis),
     )
     for name in asked.places:
         if name not in PLACES:

@@ -39,6 +39,14 @@ def link(
     altitude: Annotated[
         float, typer.Option(help='Height of the hull centre in metres.', min=0.05, max=1000.0)
     ] = 1.3,
+    feedback: Annotated[
+        float | None,
+        typer.Option(
+            help="Feedback resistor of the photodiodes in kohm; default: the vehicle's own.",
+            min=0.001,
+            max=1e6,
+        ),
+    ] = None,
     blocks: Annotated[
         int, typer.Option(help='Number of ADC blocks simulated at each distance.', min=1, max=1000)
     ] = 20,
@@ -50,7 +58,8 @@ def link(
 
     The drone is on the axis of the scene's first lamp and faces it. Direct: on a plane that faces
     the lamp. Read: at the brightest diode, with its angular response, room reflections and the
-    shadow of the hull. Echo: at the darkest diode. SNR: as the demodulator reports it.
+    shadow of the hull. Echo: at the darkest diode. SNR: as the demodulator reports it. In light
+    that saturates the diodes there is none; --feedback tries another resistor.
 
     Exit status 0: done. 2: bad input.
 
@@ -62,7 +71,7 @@ def link(
     read = [load_scenario(name) for name in scenes]
     links = [
         compute_lamp_link(
-            load_vehicle(vehicle, each.air.density), each, distances, altitude, blocks
+            load_vehicle(vehicle, each.air.density), each, distances, altitude, blocks, feedback
         )
         # The density of the scene's air belongs to the vehicle model
         for each in track(read, 'light link', console=run.console, transient=True)

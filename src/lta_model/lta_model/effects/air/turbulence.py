@@ -17,6 +17,16 @@ variance tanh(d / 2T) 2T / d, 1 - (d / T)^2 / 12, of sigma^2. The memory is in u
 its initial zeros the turbulence becomes stationary after a few T; `stationary_memory` draws a
 stationary state: variance 1 along, 1/2 and 1/4 across and up, covariance 1/4 of these two states.
 
+Near the ground both follow the height, by two optional references that stand for the place at
+which sigma and L hold:
+
+    sigma(z) = sigma min(V_mean(z) / mean, 1),    L(z) = L min(z / height, 1)
+
+V_mean is the mean wind at the hull, such as that of `wind_profile`, z its height. L ~ z as in
+MIL-F-8785C (L_w = h, the others within 3 % below 10 ft); among the elements of the roughness the
+intensity sigma / V_mean stays about the same (Finnigan 2000, Annu. Rev. Fluid Mech. 32, from
+memory). Without a reference, rms or length is the same everywhere.
+
     DU/Dt = 0
 
 The eddies are frozen: air that moves with the mean wind keeps its velocity. They act by drag and
@@ -42,18 +52,37 @@ PARAMETERS = (
         EffectParameter(f'{name}_length', 'm', 0.0, 0.1, 1e3, 0.5, _LENGTH)
         for name in ('along', 'across', 'up')
     ),
+    EffectParameter(
+        'mean', 'm/s', 0.0, 0.0, 60.0, 0.5, 'spread: as of a steady wind; limit: a storm'
+    ),
+    EffectParameter(
+        'height', 'm', 0.0, 0.0, 300.0, 0.5, 'MIL-F-8785C: 10 to 1000 ft; spread: 0.5 m (assumed)'
+    ),
 )
 
 MEMORY = (('along', 0.0), ('across_1', 0.0), ('across_2', 0.0), ('up_1', 0.0), ('up_2', 0.0))
 
 # Zero of the transverse Dryden filter
 ROOT_3 = math.sqrt(3.0)
+SHORTEST = 0.05  # share of the length below which no height reduces it
 STILL_AIR = 1e-6  # square of the mean wind below which it has no direction [m2/s2]
+
+
+def shear_shares(p: Values, place: AirEffectInput) -> tuple[float, float]:
+    """Return rms and length at the hull, relative to those of the parameters. [1]"""
+    mean, height = p[6], p[7]
+    wind = place.wind
+    speed = math.sqrt(wind[0] * wind[0] + wind[1] * wind[1])
+    strong = min(speed / mean, 1.0) if mean > 0.0 else 1.0
+    # No eddy has a length of zero, wherever the hull is
+    long = min(max(place.position[2] / height, SHORTEST), 1.0) if height > 0.0 else 1.0
+    return strong, long
 
 
 def compute_air_motion(p: Values, memory: Values, place: AirEffectInput) -> Wrench:
     """Return the turbulence from the state of the filters."""
-    along, across, up, along_length, across_length, up_length = p  # noqa: RUF059
+    strong = shear_shares(p, place)[0]
+    along, across, up = strong * p[0], strong * p[1], strong * p[2]
     head = along * memory[0]
     # (1 + sqrt(3) T s) / (1 + T s)^2 as two poles in series, states 1 and 2
     side = across * (ROOT_3 * memory[1] + (1.0 - ROOT_3) * memory[2])
@@ -76,7 +105,9 @@ def inverse_time_constant(sigma: float, length: float, speed: float) -> float:
 
 def compute_memory_rate(p: Values, memory: Values, place: AirEffectInput) -> Values:
     """Return d/dt of the filters."""
-    along, across, up, along_length, across_length, up_length = p
+    strong, long = shear_shares(p, place)
+    along, across, up = strong * p[0], strong * p[1], strong * p[2]
+    along_length, across_length, up_length = long * p[3], long * p[4], long * p[5]
     # Speed of the hull relative to the mean wind sets how fast eddies pass
     u = place.velocity[0] - place.wind[0]
     v = place.velocity[1] - place.wind[1]

@@ -17,10 +17,14 @@ aluminised film, aluminium outside: Fortescue, Swinerd and Stark 2011, table 11.
 loses h = 2.6 W/(m2 K) by free convection on 2.47 m2 (unverified, from memory; radiation is small,
 emittance 0.05), so warming = 0.017 K m2/W; gas 296 J/K and film 152 J/K (116.8 g at
 1.3 kJ/(kg K), unverified, from memory) over 6.4 W/K, so lag = 70 s. Under 80 klx (270 W/m2 at
-300 lm/W, assumed) that is 4.5 K and, slack, 6 g of lift.
+300 lm/W, assumed) that is 4.5 K and, slack, 6 g of lift. `IN_SUN` has these values, for scenes
+with a sun; a vehicle file that has the effect has its own.
 
 Not modelled: forced convection by wind, stirring of the gas, one-sided sun, a change of T.
 """
+
+from collections.abc import Mapping
+from typing import Final
 
 from lta_config.constants import AIR_TEMPERATURE, STANDARD_GRAVITY
 from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, Wrench, WrenchEffect
@@ -44,6 +48,9 @@ PARAMETERS = (
         beside=0.3,
     ),
 )  # fmt: skip
+
+# Heat balance above, and the envelope that lets all of the lift out
+IN_SUN: Final[Mapping[str, float]] = {'warming': 0.017, 'lag': 70.0, 'slack': 1.0}
 
 
 def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:

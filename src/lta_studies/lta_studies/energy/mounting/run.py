@@ -109,12 +109,13 @@ class MountingStudy:
 @final
 @dataclass(frozen=True, slots=True)
 class MountingRequest:
-    """Options: content of a vehicle file, mounts, misplacement [m] and number of seeds."""
+    """Options: content of a vehicle file, mounts, misplacement [m], number of seeds, first one."""
 
     content: Mapping[str, Any]
     mounts: Sequence[str]
     ahead: float
     seeds: int
+    first: int = 1
 
     def build_vehicles(self) -> dict[str, list[MountedVehicle]]:
         """Build all vehicles by group; raise `BadInput` if one cannot be built."""
@@ -133,10 +134,10 @@ class MountingRequest:
         }
 
 
-def evaluate_mount(mounted: MountedVehicle, seeds: int, tick: Callable[[], None]) -> MountTrial:
+def evaluate_mount(mounted: MountedVehicle, seeds: range, tick: Callable[[], None]) -> MountTrial:
     """Evaluate a mount: analytical swing, release, and flights."""
     flights = []
-    for seed in range(1, seeds + 1):
+    for seed in seeds:
         flights.append(fly_straight(mounted, find_gains_name(mounted), seed))
         tick()
     body = mounted.vehicle
@@ -173,8 +174,9 @@ def compute_panel_light(
 def compare_mounts(request: MountingRequest, tick: Callable[[], None]) -> MountingStudy:
     """Compare the mounts; call `tick` after each flight."""
     fits = request.build_vehicles()
+    seeds = range(request.first, request.first + request.seeds)
     own, shared, misplaced = (
-        {each.mount.name: evaluate_mount(each, request.seeds, tick) for each in fits[group]}
+        {each.mount.name: evaluate_mount(each, seeds, tick) for each in fits[group]}
         for group in ('own', 'shared', 'misplaced')
     )
     # If the hull carries no mount, use the larger hull.

@@ -8,15 +8,15 @@ from lta_config.compilation.compiler import compile_functions
 from lta_config.topics import load_topic_table
 from lta_control.cascade import wrap_angle
 from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec
-from lta_model.light.gain_selection import select_diode_gain
 from lta_model.light.view import LightView
 from lta_model.sensors.photodiode import PhotodiodeArray
 from lta_studies.light.bearing.poses import Pose
 from lta_vlc.bearing import estimate_bearing
 from lta_vlc.demodulation import demodulate_beacon, Peaks, plan_bins
-from lta_vlc.diodes import build_diode_array
+from lta_vlc.diodes import build_diode_array, DiodeArray
 from lta_vlc.direction import DirectionFinder, PART
 from lta_vlc.direction_fit import fit_direction
+from lta_vlc.gain_tracking import GainTracker
 import numpy as np
 from numpy.random import Generator
 from scipy.spatial.transform import Rotation
@@ -68,23 +68,54 @@ class BearingBench:
         table = load_topic_table()
         self._rate, self._samples = table.light.sample_rate.si, table.light.samples
         self._bins = plan_bins(self._policy.demodulation, self._rate, self._samples)
-        believed = build_diode_array(self._vehicle.file.sensors.diodes)
-        self._ring = believed.ring
+        self._believed = build_diode_array(self._vehicle.file.sensors.diodes)
+        self._ring = self._believed.ring
         if truth is not None:
             self._vehicle = build_vehicle_scenario_stack(truth)[0]
         # The compiled fit is the one that flies, and fast enough for thousands of poses.
-        self._finder = DirectionFinder(believed, compile_functions(fit_direction)[0], np.array)
-        self._diodes = select_diode_gain(self.scenario.light_field, self._vehicle)
+        self._core = compile_functions(fit_direction)[0]
+        self._finder = self._build_finder(self._believed)
         # Columns 0 to 2 are the positions of the diodes; bearings refer to their centre. [m, body]
         self._middle = self._vehicle.diodes.planes[:, :3].mean(axis=0)
         self._lamp = np.array(self.scenario.goal_lamp.position.vector)
 
     def sample_diode_gains(self, chance: Generator) -> PhotodiodeArray:
         """Return the diodes of one vehicle with random gains."""
-        return self._diodes.draw_gains(chance)
+        return self._vehicle.diodes.draw_gains(chance)
+
+    def _build_finder(self, diodes: DiodeArray) -> DirectionFinder:
+        return DirectionFinder(diodes, self._core, np.array)
+
+    def learn_gains(
+        self, pose: Pose, diodes: PhotodiodeArray, turn: int, chance: Generator
+    ) -> DirectionFinder:
+        """Return the fit after a turn in place, of so many light blocks, that taught it gains."""
+        tracker = GainTracker(self._believed)
+        finder = self._finder
+        for k in range(turn):
+            heading = Rotation.from_euler('z', math.tau * k / turn) * Rotation.from_quat(pose[3:])
+            peaks = self._simulate_peaks((*pose[:3], *heading.as_quat()), diodes, chance)
+            found = finder.find(peaks, self._policy.demodulation.threshold, self._policy.prior)
+            if found is not None:
+                tracker.update_gains(peaks, found)
+                finder = self._build_finder(tracker.diodes)
+        return finder
+
+    def _simulate_peaks(self, pose: Pose, diodes: PhotodiodeArray, chance: Generator) -> Peaks:
+        """Return the demodulated peaks of one light block, with a random phase of the lamp."""
+        view = LightView(self.scenario.light_field, self._vehicle, diodes)
+        view.record_pose(pose)
+        # Random start within 1 s [ns], so that the phase of the lamp differs between blocks.
+        start = int(chance.integers(1_000_000_000))
+        block = view.sample_light_block(start, self._rate, self._samples, chance)
+        return demodulate_beacon(block, self._bins)
 
     def estimate_block_bearing(
-        self, pose: Pose, diodes: PhotodiodeArray, chance: Generator
+        self,
+        pose: Pose,
+        diodes: PhotodiodeArray,
+        chance: Generator,
+        finder: DirectionFinder | None = None,
     ) -> BearingReading:
         """
         Simulate one light block and estimate the bearing.
@@ -97,19 +128,16 @@ class BearingBench:
             The true diodes.
         chance : Generator
             Random generator of the noise and of the lamp's phase.
+        finder : DirectionFinder, optional
+            The fit, by default that of the vehicle file.
 
         """
-        view = LightView(self.scenario.light_field, self._vehicle, diodes)
-        view.record_pose(pose)
-        # Random start within 1 s [ns], so that the phase of the lamp differs between blocks.
-        start = int(chance.integers(1_000_000_000))
-        block = view.sample_light_block(start, self._rate, self._samples, chance)
-        peaks = demodulate_beacon(block, self._bins)
+        peaks = self._simulate_peaks(pose, diodes, chance)
         threshold, prior = self._policy.demodulation.threshold, self._policy.prior
         azimuth, elevation = self.true_direction(pose)
         # Both estimators get the same block.
         paper = estimate_bearing(peaks, self._ring, threshold)
-        ours = self._finder.find(peaks, threshold, prior)
+        ours = (finder or self._finder).find(peaks, threshold, prior)
         nan = math.nan
         return BearingReading(
             float(peaks.snr.max()),

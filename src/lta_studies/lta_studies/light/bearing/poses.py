@@ -20,7 +20,9 @@ TRIES: Final = 10_000
 Pose = tuple[float, ...]  # position and quaternion x y z w
 
 
-def draw_pose(scenario: Scenario, distance: float | None, chance: Generator) -> Pose:
+def draw_pose(
+    scenario: Scenario, distance: float | None, chance: Generator, off_axis: float = BESIDE
+) -> Pose:
     """
     Draw a random pose within the lamp's beam.
 
@@ -32,6 +34,8 @@ def draw_pose(scenario: Scenario, distance: float | None, chance: Generator) -> 
         Horizontal distance to the lamp; None for any place in the room. [m]
     chance : Generator
         Random generator.
+    off_axis : float
+        Largest angle to the lamp's axis, seen from above. [rad]
 
     Raises
     ------
@@ -42,8 +46,8 @@ def draw_pose(scenario: Scenario, distance: float | None, chance: Generator) -> 
     height = chance.uniform(*HEIGHTS)
     # Rejection sampling: draw places until one is usable.
     for _ in range(TRIES):
-        x, y = draw_place(scenario, distance, chance)
-        if is_within_lamp_beam(scenario, x, y):
+        x, y = draw_place(scenario, distance, chance, off_axis)
+        if is_within_lamp_beam(scenario, x, y, off_axis):
             pitch, roll = TILT * chance.standard_normal(2)
             # Upper-case axes are intrinsic: yaw, then pitch, then roll.
             turn = Rotation.from_euler('ZYX', [chance.uniform(-math.pi, math.pi), pitch, roll])
@@ -55,7 +59,7 @@ def draw_pose(scenario: Scenario, distance: float | None, chance: Generator) -> 
 
 
 def draw_place(
-    scenario: Scenario, distance: float | None, chance: Generator
+    scenario: Scenario, distance: float | None, chance: Generator, off_axis: float = BESIDE
 ) -> tuple[float, float]:
     """Draw a horizontal position at a distance from the lamp, or anywhere. [m]"""
     lamp_x, lamp_y, _ = scenario.goal_lamp.position.vector
@@ -66,11 +70,11 @@ def draw_place(
         x, y = (chance.uniform(-each, each) for each in reach)
         return x, y
     ahead_x, ahead_y, _ = scenario.goal_lamp.facing.vector
-    angle = math.atan2(ahead_y, ahead_x) + chance.uniform(-BESIDE, BESIDE)
+    angle = math.atan2(ahead_y, ahead_x) + chance.uniform(-off_axis, off_axis)
     return lamp_x + distance * math.cos(angle), lamp_y + distance * math.sin(angle)
 
 
-def is_within_lamp_beam(scenario: Scenario, x: float, y: float) -> bool:
+def is_within_lamp_beam(scenario: Scenario, x: float, y: float, off_axis: float = BESIDE) -> bool:
     """Return whether a place [m] is in the room, within the beam and far enough away."""
     lamp_x, lamp_y, _ = scenario.goal_lamp.position.vector
     ahead = np.array(scenario.goal_lamp.facing.vector[:2])
@@ -79,5 +83,5 @@ def is_within_lamp_beam(scenario: Scenario, x: float, y: float) -> bool:
     away = math.hypot(*way)
     inside = abs(x) <= 0.5 * length - CLEAR and abs(y) <= 0.5 * width - CLEAR
     # Angle by dot product; 1e-9 admits places exactly on the edge of the beam.
-    within = way @ ahead >= (math.cos(BESIDE) - 1e-9) * away * math.hypot(*ahead)
+    within = way @ ahead >= (math.cos(off_axis) - 1e-9) * away * math.hypot(*ahead)
     return inside and bool(within) and away >= NEAREST

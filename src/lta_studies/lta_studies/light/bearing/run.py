@@ -6,7 +6,7 @@ from typing import Any, final
 
 from lta_studies.light.bearing.bench import BearingBench, BearingReading
 from lta_studies.light.bearing.places import build_flight_spec, PLACES, TrueDiodes
-from lta_studies.light.bearing.poses import draw_pose
+from lta_studies.light.bearing.poses import BESIDE, draw_pose
 from lta_studies.light.bearing.score import BearingScore, score_readings
 import numpy as np
 
@@ -33,6 +33,10 @@ class BearingTrialRequest:
         Random seed.
     diodes : tuple of TrueDiodes
         The simulated diodes; the drone assumes those of the vehicle file.
+    turn : int
+        Light blocks of a turn in place from which the drone learns its gains before each pose.
+    off_axis : float
+        Largest angle to the lamp's axis. [rad]
 
     """
 
@@ -43,6 +47,8 @@ class BearingTrialRequest:
     poses: int
     seed: int
     diodes: tuple[TrueDiodes, ...] = (TrueDiodes(),)
+    turn: int = 0
+    off_axis: float = BESIDE
 
     @property
     def pose_count(self) -> int:
@@ -112,8 +118,10 @@ def simulate_random_poses(
     where, what = (np.random.default_rng([request.seed, k]) for k in range(2))
     readings = []
     for _ in range(request.poses):
-        pose = draw_pose(bench.scenario, distance, where)
-        readings.append(bench.estimate_block_bearing(pose, bench.sample_diode_gains(what), what))
+        pose = draw_pose(bench.scenario, distance, where, request.off_axis)
+        diodes = bench.sample_diode_gains(what)
+        finder = bench.learn_gains(pose, diodes, request.turn, what)
+        readings.append(bench.estimate_block_bearing(pose, diodes, what, finder))
         tick()
     return readings
 

@@ -9,9 +9,9 @@ from functools import cache
 import math
 from typing import Final
 
-from lta_config.quantity import Quantity
 from lta_control.cascade import CascadeGains
 from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec
+from lta_model.scenario_air import AXES
 from lta_model.vehicle import load_vehicle
 from lta_sim import wind_limits
 
@@ -30,10 +30,10 @@ def wind_to_airspeed_ratio(spec: FlightSpec) -> float:
         mean += profile.wind.si * wind_limits.wind_share_at_hull(
             vehicle, policy.mission.altitude, profile.height.si, profile.roughness.si
         )
-    turbulence = air.turbulence
-    # Only some turbulence models state an intensity. [m/s]
-    intensity = getattr(turbulence, 'intensity', None)
-    deviation = max(intensity.vector) if isinstance(intensity, Quantity) else 0.0
+    eddies = air.collect_effects(0.0).get('turbulence', {})
+    deviation = max((eddies[axis] for axis in AXES if eddies), default=0.0)
+    if (reference := eddies.get('mean', 0.0)) > 0.0:
+        deviation *= min(mean / reference, 1.0)  # it follows the mean wind near the ground
     top = level_airspeed(spec.names['vehicle'], air.density)
     if isinstance(policy.gains, CascadeGains):
         top = min(top, policy.gains.speed_limit)

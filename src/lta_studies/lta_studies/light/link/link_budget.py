@@ -14,7 +14,6 @@ from typing import final
 from lta_config.errors import BadInput
 from lta_config.topics import load_topic_table
 from lta_model.light.field import LightField
-from lta_model.light.gain_selection import select_diode_gain
 from lta_model.light.lambertian import build_beam, direct_light
 from lta_model.light.reflections import build_field_geometry
 from lta_model.light.scene_geometry import is_in_room
@@ -68,7 +67,7 @@ class LinkPoint:
 @final
 @dataclass(frozen=True, slots=True)
 class LampLink:
-    """Link of one scene by distance, with the selected feedback resistor [ohm]."""
+    """Link of one scene by distance, with the feedback resistor of the vehicle [ohm]."""
 
     scenario: str
     about: str
@@ -77,7 +76,12 @@ class LampLink:
 
 
 def compute_lamp_link(
-    vehicle: Vehicle, scenario: Scenario, distances: Sequence[float], altitude: float, blocks: int
+    vehicle: Vehicle,
+    scenario: Scenario,
+    distances: Sequence[float],
+    altitude: float,
+    blocks: int,
+    feedback: float | None = None,
 ) -> LampLink:
     """
     Compute the link of a scene.
@@ -92,6 +96,8 @@ def compute_lamp_link(
         Height of the hull centre. [m]
     blocks : int
         ADC blocks at each distance.
+    feedback : float, optional
+        Feedback resistor in place of the vehicle's own. [kohm]
 
     Raises
     ------
@@ -109,7 +115,9 @@ def compute_lamp_link(
             'computed along a horizontal axis; choose a scenario whose first lamp shines '
             'sideways.'
         )
-    diodes, around = select_diode_gain(field, vehicle), build_field_geometry(field)
+    diodes, around = vehicle.diodes, build_field_geometry(field)
+    if feedback is not None:
+        diodes = diodes.model_copy(update={'feedback_resistance': 1e3 * feedback})
     x, y, _ = field.first_lamp.position
     found = []
     for distance in distances:

@@ -10,7 +10,6 @@ import math
 from lta_config.compilation.compiler import compile_functions
 from lta_model.hull import half_axes
 from lta_model.light.field import LightField
-from lta_model.light.gain_selection import select_diode_gain
 from lta_model.light.lambertian import build_beam, DiodeResponse
 from lta_model.light.lamp import BeaconLamp
 from lta_model.light.modulation import SquareWave
@@ -56,7 +55,7 @@ def build_lamp_link(
     field = build_light_field(plan, mount, frequency)
     return build_light_link(
         field,
-        select_diode_gain(field, ear.vehicle),
+        ear.vehicle.diodes,
         half_axes(ear.vehicle.file.hull),
         ear.demodulation.model_copy(update={'frequency': frequency}),
         ear.light.sample_rate.si,

@@ -8,11 +8,11 @@ from typing import Any, Final
 from lta_config.command_line import format_lta_command
 from lta_config.topics import load_topic_table
 from lta_flight.flight_spec import build_vehicle_scenario_stack, load_spec
-from lta_model.light.gain_selection import select_diode_gain
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
 from lta_report.drawing import add_legend, create_figure
 from lta_report.palette import ESTIMATE, RAW, TRUTH
+from lta_studies.light.bearing.places import FOR_SUN
 from lta_studies.light.link.link_budget import (
     compute_lamp_link,
     LampLink,
@@ -52,7 +52,8 @@ TRACED: Final = (
 
 def run_study(request: RowStudyRequest) -> RowStudyResult:
     """Study the link in the room, at dusk and in the sun, with one ADC block per seed."""
-    links = {name: measure_link(name, request.seeds) for name in (ROOM, DUSK, SUN)}
+    links = {name: measure_link(name, request.seeds) for name in (ROOM, DUSK)}
+    links[SUN] = measure_link(SUN, request.seeds, FOR_SUN)
     at = {name: find_point(link.at, RANGE) for name, link in links.items()}
     values = {
         'lux': MeasuredValue(at[ROOM].lux),
@@ -116,7 +117,7 @@ def simulate_samples(distance: float = TRACE) -> np.ndarray:
     x, y, _ = field.first_lamp.position
     # The lamp shines towards -x; the drone faces it with heading 0.
     stand = (x - distance, y, ALTITUDE, 0.0)
-    return simulate_block(field, vehicle, select_diode_gain(field, vehicle), stand, 0)
+    return simulate_block(field, vehicle, vehicle.diodes, stand, 0)
 
 
 def estimate_frequency() -> float:

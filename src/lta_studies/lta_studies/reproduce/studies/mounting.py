@@ -6,6 +6,7 @@ from typing import Final
 
 from lta_config.command_line import format_lta_command
 from lta_config.files import find_file, load_yaml
+from lta_config.schema.parameter_ranges import draw_content
 from lta_studies.energy.course_flight import stop_after
 from lta_studies.energy.mounting.report import (
     draw_overturning,
@@ -25,6 +26,7 @@ from lta_studies.energy.mounting.straight_flight import average_over_seeds, END,
 from lta_studies.energy.mounting.tables import build_comparison_tables
 from lta_studies.reproduce.recording import record_flight, relative_bag_path
 from lta_studies.reproduce.study_result import (
+    collect_draws,
     MeasuredValue,
     RowStudyRequest,
     RowStudyResult,
@@ -52,7 +54,16 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
                      draw_overturning(found), command),
         StudyPicture('swing', 'Swing after a release', SWUNG, draw_swings(found), command),
     ]  # fmt: skip
-    return RowStudyResult(values, pictures, build_comparison_tables(found))
+    draws = collect_draws(request, measure_draw)
+    return RowStudyResult(values, pictures, build_comparison_tables(found), draws)
+
+
+def measure_draw(seed: int) -> dict[str, float | str]:
+    """Return the measures of a draw of what is assumed in the vehicle."""
+    content = draw_content(load_yaml(find_file('vehicle', 'gtmab')), seed, 'vehicle')
+    found = compare_mounts(MountingRequest(content, MOUNTS, AHEAD, 1, seed), lambda: None)
+    values = {**measure_mounts(found, 1), **measure_tilt_by_height(found)}
+    return {name: each.value for name, each in values.items()}
 
 
 def record_flights(comparison: MountingStudy, folder: Path) -> str:
@@ -77,7 +88,8 @@ def measure_mounts(comparison: MountingStudy, seeds: int) -> dict[str, MeasuredV
             average_over_seeds(each.flights, 'rms').mean, seeds=seeds
         )
         values[f'{name}_spare'] = MeasuredValue(-comparison.lacking[name])
-    own = comparison.own['side']
+    # A drawn hull may be too small for any mount
+    own = comparison.own.get('side', comparison.shared['side'])
     values['side_out_of_place'] = MeasuredValue(own.misplacement)
     values['side_misplaced_swing'] = MeasuredValue(
         average_over_seeds(comparison.misplaced['side'].flights, 'swing').mean

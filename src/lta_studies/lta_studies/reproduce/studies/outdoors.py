@@ -47,6 +47,7 @@ from plotly.graph_objects import Figure, Scatter
 
 WIND: Final = 'scenario.air.profile.wind'
 ROUGH: Final = 'scenario.air.profile.roughness'
+EDDIES: Final = {'scenario.air.turbulence.strength': {'value': 1.0, 'unit': '1'}}
 WINDS: Final = (8.0, 14.0)  # m/s, seed paper
 GROUNDS: Final = (0.3, 0.35, 0.4, 0.45)  # m
 MOST: Final = 0.5  # share of the flights that counts as most
@@ -83,6 +84,9 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
         values[f'vacuous_{speed:g}'] = yes_no_value(
             find_cell(winds, pilot.NAME, speed).reached_share.value <= MOST
         )
+    gusts = fly_group('winds', request.seeds, vary={WIND: [f'{WINDS[0]:g} m/s']}, change=EDDIES)
+    for name in PAPERS:
+        values |= measure_reached_share(f'{name}_gusts', gusts, name, WINDS[0])
     values['des_8_away'], values['dga_8_past'] = measure_failures(winds)
     grounds = fly_group(
         'roughness', request.seeds, strategies=('bag',),

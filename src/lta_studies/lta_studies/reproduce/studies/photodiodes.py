@@ -117,6 +117,8 @@ def study_count(
     # The ranges of the row are those of the room
     own = {p: each for p, each in changes.items() if place == 'indoor' or p.startswith('vehicle')}
     spec = build_flight_spec(PLACES[place], 'gtmab', count).with_values(own)
+    # A draw of the vehicle's own resistor does not change the one that is mounted for the sun
+    spec = spec.with_values(PLACES[place].mounted)
     return study_ring(BearingBench(spec), place, count, readings, seed, lambda: None, aside)
 
 

@@ -1,6 +1,7 @@
 """Rank five platforms by six criteria, each from a flown task or from the vehicle file."""
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from itertools import combinations
 import math
 from typing import Final
@@ -13,7 +14,13 @@ from lta_model.vehicle import Vehicle
 from lta_report.drawing import create_figure
 from lta_report.palette import GRID, INK, PAPER, TRUTH
 from lta_studies.platforms.entrants import build_entrant
-from lta_studies.reproduce.manoeuvres import ComparisonFlights, find_speed_limit, fly_entries
+from lta_studies.reproduce.manoeuvres import (
+    ComparisonFlights,
+    find_speed_limit,
+    fly_entries,
+    fly_gtmab_draws,
+    sample_gtmab,
+)
 from lta_studies.reproduce.study_result import (
     MeasuredValue,
     RowStudyRequest,
@@ -87,7 +94,26 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
                 flights.record_flights(each, RANKED, request.folder / each))
         for each in flown
     ]  # fmt: skip
-    return RowStudyResult(values, pictures)
+    return RowStudyResult(values, pictures, draws=draw_orders(request, measured))
+
+
+def draw_orders(
+    request: RowStudyRequest, measured: Mapping[str, Mapping[str, MeasuredValue]]
+) -> dict[str, list[float | str]]:
+    """Return the concordance in every draw of GT-MAB; the other platforms stay as measured."""
+    flown = [FLOWN[criterion] for criterion in measured if criterion in FLOWN]
+    flights = fly_gtmab_draws(request, flown)
+    draws: dict[str, list[float | str]] = {}
+    for criterion, values in measured.items():
+        if criterion in FLOWN:
+            found = [each.metrics.rms for each in flights[FLOWN[criterion]]]
+        else:
+            measure = OF_VEHICLE[criterion]
+            found = [measure(sample_gtmab(request, seed).vehicle) for seed in request.draw_seeds]
+        draws[f'{criterion}_order'] = [
+            rank_concordance(criterion, {**values, 'gtmab': MeasuredValue(each)}) for each in found
+        ]
+    return draws
 
 
 def build_criterion_functions(
@@ -95,16 +121,15 @@ def build_criterion_functions(
 ) -> dict[str, Callable[[str], MeasuredValue]]:
     """Return a function of the platform name for each criterion."""
 
-    def vehicle(name: str) -> Vehicle:
-        return build_entrant(flights.comparison.contestants[name], AIR_DENSITY).vehicle
+    def of_vehicle(measure: Callable[[Vehicle], float], name: str) -> MeasuredValue:
+        entrant = build_entrant(flights.comparison.contestants[name], AIR_DENSITY)
+        return MeasuredValue(measure(entrant.vehicle))
 
     return {
         'planar': lambda name: flights.metric_value(name, 'cruise', 'rms'),
         'vertical': lambda name: flights.metric_value(name, 'climb', 'rms'),
         'attitude': lambda name: flights.metric_value(name, 'turn', 'rms'),
-        'endurance': lambda name: MeasuredValue(thrust_to_weight(vehicle(name))),
-        'size': lambda name: MeasuredValue(greatest_extent(vehicle(name))),
-        'complexity': lambda name: MeasuredValue(float(count_thrust_lines(vehicle(name)))),
+        **{criterion: partial(of_vehicle, each) for criterion, each in OF_VEHICLE.items()},
     }
 
 
@@ -125,14 +150,19 @@ def greatest_extent(vehicle: Vehicle) -> float:
     return max(span, 2.0 * max(hull.half_axes(vehicle.file.hull)))
 
 
-def count_thrust_lines(vehicle: Vehicle) -> int:
-    """Return the number of different lines of thrust."""
+def count_thrust_lines(vehicle: Vehicle) -> float:
+    """Return the number of different lines of thrust. [1]"""
     lines: list[tuple[float, float, float]] = []
     for rotor in vehicle.rotors:
         # Opposite axes count as the same line, hence the absolute value.
         if all(abs(float(np.dot(rotor.axis, other))) < SAME for other in lines):
             lines.append(rotor.axis)
-    return len(lines)
+    return float(len(lines))
+
+
+OF_VEHICLE: Final[Mapping[str, Callable[[Vehicle], float]]] = {
+    'endurance': thrust_to_weight, 'size': greatest_extent, 'complexity': count_thrust_lines,
+}  # fmt: skip
 
 
 def rank_concordance(criterion: str, values: Mapping[str, MeasuredValue]) -> float:

@@ -1,0 +1,62 @@
+"""Gains that a turn in front of a lamp teaches, against those that were simulated."""
+
+import math
+
+from lta_vlc.demodulation import Peaks
+from lta_vlc.diodes import DiodeArray
+from lta_vlc.direction import Direction
+from lta_vlc.gain_tracking import GainTracker
+import numpy as np
+import pytest
+
+COUNT = 8
+ANGLES = np.arange(COUNT) * math.tau / COUNT
+AXES = tuple((math.cos(a), math.sin(a), 0.0) for a in ANGLES)
+TRUE = np.array([1.05, 0.93, 1.0, 1.04, 0.96, 1.02, 0.98, 1.03])
+
+
+def array(spread=0.05, gains=(1.0,) * COUNT):
+    return DiodeArray(AXES, ((0.0, 0.0, 0.0),) * COUNT, 1.2, gains, spread)
+
+
+def block(angle, spoilt=()):
+    """Return the readings of a lamp of 100 counts on 5 of pedestal, and its direction."""
+    facing = np.maximum(np.cos(ANGLES - angle), 0.0) ** 1.2
+    snr = np.full(COUNT, 50.0)
+    snr[list(spoilt)] = 0.0
+    quiet = np.ones(COUNT)
+    peaks = Peaks(TRUE * (100.0 * facing + 5.0), quiet, snr, quiet)
+    found = Direction(math.cos(angle), math.sin(angle), 0.0, 0.0, 0.0, 0.0, 100.0, 0.0, 5.0)
+    return peaks, found
+
+
+def test_a_turn_teaches_all_gains_but_their_mean():
+    tracker = GainTracker(array())
+    for k in range(64):
+        tracker.update_gains(*block(k * math.tau / 64))
+    learnt = np.array(tracker.diodes.gains)
+    relative = TRUE / np.exp(np.log(TRUE).mean())
+    # A quarter of the prior is left: 5 % against 6 % a block, a diode faces the lamp in a third
+    assert np.abs(learnt / relative - 1.0).max() < 0.02
+    assert tracker.diodes.spread < 0.025
+
+
+def test_a_straight_flight_teaches_only_the_diodes_ahead():
+    tracker = GainTracker(array())
+    for _ in range(64):
+        tracker.update_gains(*block(0.0))
+    learnt = np.array(tracker.diodes.gains)
+    # Nobody looked at those behind: they keep their ratio
+    assert learnt[3] / learnt[4] == pytest.approx(1.0)
+    assert learnt[0] / learnt[4] == pytest.approx(TRUE[0], abs=0.01)
+
+
+def test_a_spoilt_or_dead_diode_teaches_nothing():
+    tracker = GainTracker(array(gains=(1.0, 0.0, *(1.0,) * 6)))
+    for k in range(16):
+        tracker.update_gains(*block(k * math.tau / 16, spoilt=(0,)))
+    learnt = tracker.diodes.gains
+    assert learnt[1] == 0.0
+    assert np.isfinite(learnt).all()
+    kept = np.array(learnt)
+    assert kept[2] / kept[4] == pytest.approx(TRUE[2] / TRUE[4], abs=0.02)
