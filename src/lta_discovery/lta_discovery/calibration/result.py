@@ -112,8 +112,7 @@ class Calibration:
     @property
     def is_contradicted(self) -> bool:
         """Whether the vehicle file forecasts the positions of the confirming flights better."""
-        confirm = self.scores.get('confirm')
-        return bool(confirm) and confirm[-1].after[0] > confirm[-1].before[0]
+        return any(one.after[0] > one.before[0] for one in self.scores.get('confirm', ())[-1:])
 
     def find(self, name: str) -> CalibratedValue | None:
         """Return a value of the vehicle by name; None if it was not calibrated."""
