@@ -2,11 +2,14 @@
 
 import time
 
-from lta_graph.ros.spin import spin_node
+from lta_graph.ros.spin import list_actions, spin_node
 import pytest
 import rclpy
+from rclpy.action import ActionServer
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
+from rclpy.qos import qos_profile_sensor_data
+from std_msgs.msg import Float64
 from std_srvs.srv import Trigger
 from waiting import PATIENCE
 
@@ -74,3 +77,14 @@ def test_an_exception_leaves_the_spin(node):
     node.create_timer(0.01, breaks, clock=STEADY)
     with pytest.raises(ValueError, match='on purpose'):
         spin_until(node, lambda: False)
+
+
+def test_the_spin_waits_for_actions_but_not_for_events_of_topics(node):
+    node.create_publisher(Float64, 'out', 1)
+    node.create_subscription(Float64, 'in', print, qos_profile_sensor_data)
+    assert len(list(node.waitables)) > 0
+    assert list_actions(node) == []
+    action = pytest.importorskip('lta_msgs.action').Land
+    server = ActionServer(node, action, 'land', print)
+    assert list_actions(node) == [server]
+    server.destroy()

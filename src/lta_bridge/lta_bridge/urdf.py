@@ -10,7 +10,6 @@ to be on the viewer's machine, so the hull is a stack of discs.
 from collections.abc import Iterator, Sequence
 import math
 from typing import Final
-import warnings
 from xml.etree import ElementTree
 
 from lta_bridge.live.frames import list_sensor_frames, SceneFrame
@@ -29,12 +28,12 @@ from lta_bridge.live.shapes import (
 )
 from lta_bridge.live.vehicle_shapes import BASE, draw_body
 from lta_model.vehicle import Vehicle
-from scipy.spatial.transform import Rotation
 
 Element = ElementTree.Element
 DISCS: Final = 15  # per hull: the largest step at its side is 2 % of its radius
 CHIP: Final[Three] = (0.02, 0.02, 0.01)  # m, box drawn for a sensor
 CHIP_COLOUR: Final[Colour] = (0.85, 0.55, 0.10, 1.0)
+LOCK: Final = 1e-7  # rad from a pitch of +-90 deg, where only yaw - roll or yaw + roll is defined
 DIODE: Final[Three] = (0.005, 0.01, 0.01)  # m; an OPT101 in its DIP package, looking along x
 
 
@@ -161,11 +160,25 @@ def _add_visual(link: Element, shape: BoxShape | CylinderShape) -> None:
 
 def _build_origin(place: Three, turn: Turn) -> Element:
     """Return the origin of a pose; URDF's rpy is about fixed axes, x first."""
-    with warnings.catch_warnings(
-        action='ignore'
-    ):  # gimbal lock: any split of yaw and roll is valid
-        rpy = Rotation.from_quat(turn).as_euler('xyz').tolist()
-    return Element('origin', xyz=_format_numbers(place), rpy=_format_numbers(rpy))
+    return Element('origin', xyz=_format_numbers(place), rpy=_format_numbers(to_rpy(turn)))
+
+
+def to_rpy(turn: Turn) -> Three:
+    """
+    Return roll, pitch and yaw of a quaternion x y z w. [rad]
+
+    Plain numbers, because scipy takes a third of a second to import.
+    """
+    x, y, z, w = turn
+    # Half the sum and half the difference of roll and yaw stay exact where pitch is +-90 deg
+    pitch = 2.0 * math.atan2(math.hypot(y + w, z - x), math.hypot(w - y, x + z)) - 0.5 * math.pi
+    plus, minus = math.atan2(x + z, w - y), math.atan2(x - z, w + y)
+    if min(abs(pitch - 0.5 * math.pi), abs(pitch + 0.5 * math.pi)) < LOCK:
+        # Gimbal lock: any split of yaw and roll is valid
+        roll, yaw = 2.0 * (plus if pitch < 0.0 else minus), 0.0
+    else:
+        roll, yaw = plus + minus, plus - minus
+    return math.remainder(roll, 2.0 * math.pi), pitch, math.remainder(yaw, 2.0 * math.pi)
 
 
 def _format_numbers(values: Sequence[float]) -> str:

@@ -1,5 +1,6 @@
 """The URDF of every shipped vehicle: frames, mass and hull by what the vehicle file says."""
 
+import itertools
 import math
 from pathlib import Path
 from xml.etree import ElementTree
@@ -9,7 +10,13 @@ from lta_bridge.live.frames import list_sensor_frames
 from lta_bridge.live.messages import build_marker_array, list_cone_triangles
 from lta_bridge.live.room_shapes import draw_static_scene
 from lta_bridge.live.shapes import BillboardText, CylinderShape, EllipsoidShape, PolylineShape
-from lta_bridge.urdf import build_urdf, convert_to_rods, list_fixed_frames, slice_into_discs
+from lta_bridge.urdf import (
+    build_urdf,
+    convert_to_rods,
+    list_fixed_frames,
+    slice_into_discs,
+    to_rpy,
+)
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
 import numpy as np
@@ -22,6 +29,18 @@ VEHICLES = sorted(path.stem for path in Path(__file__).parents[3].glob('config/v
 
 def numbers(text):
     return np.array(list(map(float, text.split())))
+
+
+def test_rpy_is_that_of_scipy():
+    angles = np.linspace(-3.0, 3.0, 7)
+    pitches = [-1.5, -0.4, 0.0, 1.2]
+    for given in itertools.product(angles, pitches, angles):
+        turn = Rotation.from_euler('xyz', given)
+        assert to_rpy(turn.as_quat()) == pytest.approx(given, abs=1e-12)
+    for roll, pitch, yaw in itertools.product(angles, [-math.pi / 2, math.pi / 2], angles):
+        turn = Rotation.from_euler('xyz', [roll, pitch, yaw])
+        assert to_rpy(turn.as_quat())[2] == 0.0
+        assert (Rotation.from_euler('xyz', to_rpy(turn.as_quat())).inv() * turn).magnitude() < 1e-7
 
 
 @pytest.mark.parametrize('name', VEHICLES)

@@ -14,6 +14,7 @@ served only in a node with action servers, every 0.05 s.
 from collections.abc import Callable, Iterable
 import time
 
+from rclpy.event_handler import EventHandler
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.node import Node
@@ -23,6 +24,13 @@ from rclpy.waitable import Waitable
 RARELY = 1.0  # s between runs of rclpy's executor, for events that only it serves
 OFTEN = 0.05  # the same for the coroutines of action servers
 WAIT_NS = 100_000_000  # upper bound of the time to notice that the node should stop
+
+
+def list_actions(node: Node) -> list[Waitable]:
+    """Return the action servers and clients of a node."""
+    # The events of publishers and subscriptions are waitables too. They are rare, and waiting for
+    # them costs more than all messages: rclpy's executor serves them (see RARELY)
+    return [item for item in node.waitables if not isinstance(item, EventHandler)]
 
 
 def count_entities(action: Waitable) -> tuple[int, ...]:
@@ -70,7 +78,7 @@ def spin_node(
     inputs = [
         (item.handle, item.callback, item.msg_type, item.raw) for item in node.subscriptions
     ][::-1]
-    actions = list(node.waitables)
+    actions = list_actions(node)
     # Subscriptions, guard conditions, timers, clients, services, events
     size = (len(inputs), 0, len(timers), len(clients), len(services), 0)
     for action in actions:
