@@ -8,24 +8,13 @@ INPUTS = ': inputs'  # suffix of the task in which a node reports missing inputs
 
 
 class DiagnosticsEntry(NamedTuple):
-    """
-    One status of a diagnostics message.
+    """One status of a diagnostics message."""
 
-    Attributes
-    ----------
-    robot, task : str
-        For example 'lta1' and 'controller: inputs'.
-    failing : bool
-        Whether the status is an error.
-    over : bool
-        Whether the status reports the end of the robot's flight or replay.
-
-    """
-
+    # For example 'lta1' and 'controller: inputs'
     robot: str
     task: str
-    failing: bool
-    over: bool = False
+    failing: bool  # whether the status is an error
+    over: bool = False  # whether the status reports the end of the robot's flight or replay
 
 
 @final

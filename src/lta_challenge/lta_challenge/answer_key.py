@@ -36,15 +36,7 @@ def read_digest(path: Path) -> str:
 
 
 def read_answers(path: Path) -> dict[str, Any]:
-    """
-    Read the answers.
-
-    Raises
-    ------
-    BadInput
-        If the file cannot be read or was changed.
-
-    """
+    """Read the answers; raise BadInput if the file cannot be read or was changed."""
     try:
         # A wrong number of lines raises ValueError, handled below
         note, digest, data = path.read_text(encoding='utf-8').splitlines()

@@ -43,66 +43,34 @@ TILT: Final = 0.05  # rad; standard deviation of the initial tilt
 @final
 @dataclass(frozen=True, slots=True)
 class ChallengeVehicle:
-    """
-    The vehicle of a challenge, without hidden effects.
+    """The vehicle of a challenge, without hidden effects."""
 
-    Attributes
-    ----------
-    vehicle : Vehicle
-        Vehicle of the file.
-    nominal : NominalVehicle
-        Its parameters.
-    knobs : list of FreeParameter
-        Parameters that can be hidden.
-
-    """
-
-    vehicle: Vehicle
-    nominal: NominalVehicle
-    knobs: list[FreeParameter]
+    vehicle: Vehicle  # vehicle of the file
+    nominal: NominalVehicle  # its parameters
+    knobs: list[FreeParameter]  # parameters that can be hidden
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class CaseFlight:
-    """
-    A recorded flight of a case.
+    """A recorded flight of a case."""
 
-    Attributes
-    ----------
-    name, role, course : str
-        Name of its bag; 'train', 'confirm' or 'holdout'; kind of course.
-    streams : mapping of topic to (times, values)
-        Recorded data.
-
-    """
-
+    # Name of its bag; 'train', 'confirm' or 'holdout'; kind of course
     name: str
     role: str
     course: str
-    streams: Streams
+    streams: Streams  # recorded data
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class ChallengeCase:
-    """
-    A case.
-
-    Attributes
-    ----------
-    flights : tuple of CaseFlight
-        Its flights.
-    answer : dict
-        Hidden until scoring.
-    vehicle_file : str
-        Text of the vehicle file that discovery gets; '' for the unchanged one.
-
-    """
+    """A case."""
 
     number: int
     flights: tuple[CaseFlight, ...]
-    answer: dict[str, Any]
+    answer: dict[str, Any]  # hidden until scoring
+    # Text of the vehicle file that discovery gets; '' for the unchanged one
     vehicle_file: str = ''
 
 

@@ -17,25 +17,14 @@ FAR: Final = 3.0  # s; forecast horizon at which a model is compared with the or
 @final
 @dataclass(frozen=True, slots=True)
 class ParameterInterval:
-    """
-    An estimated parameter with its true value.
+    """An estimated parameter with its true value."""
 
-    Attributes
-    ----------
-    name : str
-        EFFECT.PARAMETER.
-    true, nominal, value : float
-        True value, value of the vehicle file, and estimate.
-    ci95 : pair of float
-        Reported 95 % interval.
-
-    """
-
-    name: str
+    name: str  # EFFECT.PARAMETER
+    # True value, value of the vehicle file, and estimate
     true: float
     nominal: float
     value: float
-    ci95: tuple[float, float]
+    ci95: tuple[float, float]  # reported 95 % interval
 
     @property
     def covers(self) -> bool:
@@ -52,66 +41,34 @@ class ParameterInterval:
 @final
 @dataclass(frozen=True, slots=True)
 class ScoredCase:
-    """
-    The score of one case.
+    """The score of one case."""
 
-    Attributes
-    ----------
-    number, kind, row : int, str, str
-        Identification of the case.
-    hidden, named : tuple of str
-        Hidden and named parameters.
-    missed, wrong : tuple of str
-        Hidden but not named, and named but not hidden; indistinguishable ones count as one.
-    outside : str
-        Hidden kind outside the library, or ''.
-    floors : float
-        Its strength in noise floors.
-    verdict : str
-        Verdict of the study.
-    refused : str
-        Reason why there is no result, or ''.
-    sigma : mapping of str to float
-        Strength of each hidden parameter in standard deviations.
-    intervals : tuple of ParameterInterval
-        Parameters of the correctly named effects.
-    errors : mapping of str to float
-        Position errors at the horizon: before, tuned, after, oracle, coast, noise. [m]
-    seconds : float
-        Processor time of the study. [s]
-    promised : tuple of str
-        Missed parameters that exceed the reported detection limit.
-    contradictions : tuple of str
-        Contradictions between the outputs of the study.
-    remainder : float
-        Size of the largest force that was reported as unexplained, in noise floors; 0 if none.
-    traceback : str
-        Of a study that ended with one, or ''.
-    training : mapping of str to float
-        Errors 'tuned' and 'after' on the flights of the fit, by those of the vehicle file: the
-        larger ratio of position and attitude.
-
-    """
-
+    # Identification of the case
     number: int
     kind: Kind
     row: str
+    # Hidden and named parameters
     hidden: tuple[str, ...]
     named: tuple[str, ...]
+    # Hidden but not named, and named but not hidden; indistinguishable ones count as one
     missed: tuple[str, ...]
     wrong: tuple[str, ...]
-    outside: str
-    floors: float
-    verdict: str
-    refused: str
-    sigma: Mapping[str, float]
-    intervals: tuple[ParameterInterval, ...]
+    outside: str  # hidden kind outside the library, or ''
+    floors: float  # its strength in noise floors
+    verdict: str  # verdict of the study
+    refused: str  # reason why there is no result, or ''
+    sigma: Mapping[str, float]  # strength of each hidden parameter in standard deviations
+    intervals: tuple[ParameterInterval, ...]  # parameters of the correctly named effects
+    # Position errors at the horizon: before, tuned, after, oracle, coast, noise [m]
     errors: Mapping[str, float]
-    seconds: float
-    promised: tuple[str, ...] = ()
-    contradictions: tuple[str, ...] = ()
+    seconds: float  # processor time of the study [s]
+    promised: tuple[str, ...] = ()  # missed parameters that exceed the reported detection limit
+    contradictions: tuple[str, ...] = ()  # contradictions between the outputs of the study
+    # Size of the largest force that was reported as unexplained, in noise floors; 0 if none
     remainder: float = 0.0
-    traceback: str = ''
+    traceback: str = ''  # of a study that ended with one, or ''
+    # Errors 'tuned' and 'after' on the flights of the fit, by those of the vehicle file: the
+    # larger ratio of position and attitude
     training: Mapping[str, float] = field(default_factory=dict)
 
     @property

@@ -33,27 +33,14 @@ SCHEMA: Final = 1
 @final
 @dataclass(frozen=True, slots=True)
 class ChallengeRequest:
-    """
-    A challenge to generate.
+    """A challenge to generate."""
 
-    Attributes
-    ----------
-    seed, count : int
-        Random seed, and number of cases.
-    row : str
-        Kind of flights, see `rows.ROWS`.
-    kind : str or None
-        Kind of hidden effects; None draws it for each case.
-    seconds : pair of float
-        Range of flight lengths. [s]
-
-    """
-
+    # Random seed, and number of cases
     seed: int
     count: int
-    row: str = 'base'
-    kind: Kind | None = None
-    seconds: tuple[float, float] = SECONDS
+    row: str = 'base'  # kind of flights, see `rows.ROWS`
+    kind: Kind | None = None  # kind of hidden effects; None draws it for each case
+    seconds: tuple[float, float] = SECONDS  # range of flight lengths [s]
 
 
 @cache

@@ -21,44 +21,21 @@ ALL: Final = ('ground_truth/odom', 'imu', 'range', 'pressure', 'battery')
 @final
 @dataclass(frozen=True, slots=True)
 class ChallengeRow:
-    """
-    The kind of flights in a row.
+    """The kind of flights in a row."""
 
-    Attributes
-    ----------
-    about : str
-        Description.
-    code : int
-        Part of the random seed; must never change.
-    worse : float
-        Factor on tolerances and noise.
-    topics : tuple of str
-        Recorded topics besides the commands.
-    courses : tuple of str
-        Keys of `course.COURSES`.
-    structured : bool
-        Whether all flights, clean ones included, have a model error.
-    pushed : bool
-        Whether the vehicle is commanded by a wrench.
-    data : str
-        Kind of data that defines which effects count as one
-        (`lta_discovery.selection.equivalence_classes`).
-    independent : bool
-        Whether the flights come from the independent simulator (`lta_challenge.other`).
-    rough : bool
-        Whether vehicle files and logs are as a laboratory's first ones (`rough_case`).
-
-    """
-
-    about: str
-    code: int
-    worse: float = 1.0
-    topics: tuple[str, ...] = ALL
-    courses: tuple[str, ...] = ('laps', 'climbs', 'steps', 'wandering')
-    structured: bool = False
-    pushed: bool = False
+    about: str  # description
+    code: int  # part of the random seed; must never change
+    worse: float = 1.0  # factor on tolerances and noise
+    topics: tuple[str, ...] = ALL  # recorded topics besides the commands
+    courses: tuple[str, ...] = ('laps', 'climbs', 'steps', 'wandering')  # keys of `course.COURSES`
+    structured: bool = False  # whether all flights, clean ones included, have a model error
+    pushed: bool = False  # whether the vehicle is commanded by a wrench
+    # Kind of data that defines which effects count as one
+    # (`lta_discovery.selection.equivalence_classes`)
     data: Data = 'all'
+    # Whether the flights come from the independent simulator (`lta_challenge.other`)
     independent: bool = False
+    # Whether vehicle files and logs are as a laboratory's first ones (`rough_case`)
     rough: bool = False
 
 

@@ -39,20 +39,10 @@ STORE: Final = StoreFormat(
 @final
 @dataclass(frozen=True, slots=True)
 class ChallengeScore:
-    """
-    The score of a challenge.
+    """The score of a challenge."""
 
-    Attributes
-    ----------
-    about : dict
-        Description of the challenge and the versions that analysed its cases.
-    cases : tuple of ScoredCase
-        Cases in the order of their numbers.
-
-    """
-
-    about: dict[str, Any]
-    cases: tuple[ScoredCase, ...]
+    about: dict[str, Any]  # description of the challenge and the versions that analysed its cases
+    cases: tuple[ScoredCase, ...]  # cases in the order of their numbers
 
 
 def collect_versions() -> dict[str, str]:

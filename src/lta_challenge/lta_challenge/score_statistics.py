@@ -42,22 +42,11 @@ def estimate_share(hits: int, count: int) -> ShareEstimate:
 
 @final
 class ScoreFigure(NamedTuple):
-    """
-    A figure of the score.
+    """A figure of the score."""
 
-    Attributes
-    ----------
-    name : str
-        Label.
-    share : ShareEstimate
-        Share with Wilson's 95 % interval.
-    least, most : float
-        Target range; NaN for no bound.
-
-    """
-
-    name: str
-    share: ShareEstimate
+    name: str  # label
+    share: ShareEstimate  # share with Wilson's 95 % interval
+    # Target range; NaN for no bound
     least: float = math.nan
     most: float = math.nan
 

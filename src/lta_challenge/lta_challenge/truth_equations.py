@@ -30,92 +30,45 @@ WIND_DISTANCE = 1e-3  # over which the wind is differentiated, in seconds of tra
 
 
 class TruthConstants(NamedTuple):
-    """
-    Values that stay constant during a flight, except the voltage.
+    """Values that stay constant during a flight, except the voltage."""
 
-    Attributes
-    ----------
-    parameters, on : ndarray
-        Parameters and flags of the effects.
-    surroundings : ndarray, shape (SURROUNDINGS,)
-        `lta_model.state.VOLTAGE` is the index of the battery voltage.
-    body, inverse : ndarray
-        Mass properties, and the inverse of the inertia matrix.
-    lift : ndarray
-        Gravity. [m/s2]
-    allocation : ndarray, shape (rotors, 6)
-        Wrench of each rotor per newton.
-    pushed : bool
-        Whether commands are wrenches instead of duties.
-
-    """
-
+    # Parameters and flags of the effects
     parameters: Array
     on: NDArray[np.bool_]
+    # `lta_model.state.VOLTAGE` is the index of the battery voltage, shape (SURROUNDINGS,)
     surroundings: Array
+    # Mass properties, and the inverse of the inertia matrix
     body: Array
     inverse: Array
-    lift: Array
-    allocation: Array
-    pushed: bool
+    lift: Array  # gravity [m/s2]
+    allocation: Array  # wrench of each rotor per newton, shape (rotors, 6)
+    pushed: bool  # whether commands are wrenches instead of duties
 
 
 class TruthWork(NamedTuple):
-    """
-    Working arrays.
+    """Working arrays."""
 
-    Attributes
-    ----------
-    stages : ndarray, shape (7, size)
-        Derivatives of the integrator's stages, and a state.
-    command : ndarray, shape (8,)
-        The command that acts.
-    thrusts : ndarray, shape (8,)
-        Thrust of each rotor. [N]
-    speeds : ndarray, shape (9,)
-        Velocity, rates and wind, body axes.
-    strange : ndarray, shape (6,)
-        Wrench of the effects outside the library.
-    height_sum : ndarray, shape (1,)
-        Integral of the pilot's height control.
-    square : ndarray, shape (3, 3)
-        For a matrix product.
-
-    """
-
-    stages: Array
-    command: Array
-    thrusts: Array
-    speeds: Array
-    strange: Array
-    height_sum: Array
-    square: Array
+    stages: Array  # derivatives of the integrator's stages, and a state, shape (7, size)
+    command: Array  # the command that acts, shape (8,)
+    thrusts: Array  # thrust of each rotor, shape (8,) [N]
+    speeds: Array  # velocity, rates and wind, body axes, shape (9,)
+    strange: Array  # wrench of the effects outside the library, shape (6,)
+    height_sum: Array  # integral of the pilot's height control, shape (1,)
+    square: Array  # for a matrix product, shape (3, 3)
 
 
 class TruthKernel(NamedTuple):
-    """
-    The parts of the equations that depend on the effects and the number of rotors.
+    """The parts of the equations that depend on the effects and the number of rotors."""
 
-    Attributes
-    ----------
-    rotors, size : int
-        Number of rotors, and of elements in the state.
-    wind_at : callable
-        Wind at a place.
-    is_windy : callable
-        Whether the flags switch on any wind.
-    write_thrusts : callable
-        Writes the thrust of each rotor, and the derivative of the rotors' memory.
-    add_wrenches : callable
-        Adds the wrenches of the effects to force and moment; writes those outside the library.
-
-    """
-
+    # Number of rotors, and of elements in the state
     rotors: int
     size: int
-    wind_at: Callable[..., Vector] = GeneratedFunction('wind_at')
+    wind_at: Callable[..., Vector] = GeneratedFunction('wind_at')  # wind at a place
+    # Whether the flags switch on any wind
     is_windy: Callable[..., bool] = GeneratedFunction('is_windy')
+    # Writes the thrust of each rotor, and the derivative of the rotors' memory
     write_thrusts: Callable[..., None] = GeneratedFunction('write_thrusts')
+    # Adds the wrenches of the effects to force and moment; writes those outside the library
     add_wrenches: Callable[..., Any] = GeneratedFunction('add_wrenches')
 
 

@@ -30,49 +30,26 @@ SAMPLE_SIZE: Final = 38
 
 
 class PilotConstants(NamedTuple):
-    """
-    The pilot and what it assumes about the vehicle.
+    """The pilot and what it assumes about the vehicle."""
 
-    Attributes
-    ----------
-    gains : ndarray, shape (8,)
-        Of height, climb, sum of the heights, hover force; heading, yaw rate; speed, drag.
-    mixing : ndarray, shape (rotors, 3)
-        Thrust of each rotor per force forward and up, and per moment about the vertical.
-    curve : ndarray, shape (2,)
-        Nominal thrust curve.
-    limits : ndarray, shape (6,)
-        Of a commanded wrench. [N, N m]
-
-    """
-
+    # Of height, climb, sum of the heights, hover force; heading, yaw rate; speed, drag, shape (8,)
     gains: Array
+    # Thrust of each rotor per force forward and up, and per moment about the vertical, shape
+    # (rotors, 3)
     mixing: Array
-    curve: Array
-    limits: Array
+    curve: Array  # nominal thrust curve, shape (2,)
+    limits: Array  # of a commanded wrench, shape (6,) [N, N m]
 
 
 class PilotInputs(NamedTuple):
-    """
-    Inputs of the pilot for one flight.
+    """Inputs of the pilot for one flight."""
 
-    Attributes
-    ----------
-    setpoints : ndarray, shape (n, 3)
-        Height [m], heading [rad] and forward speed [m/s] at each tick.
-    noise : ndarray, shape (n, 3)
-        Measurement noise of height, heading and speed.
-    shaken : ndarray, shape (n, 8)
-        Excitation added to duties [1], or to a wrench, relative to its limits.
-    pushed : bool
-        Whether the commands are wrenches instead of duties.
-
-    """
-
+    # Height [m], heading [rad] and forward speed [m/s] at each tick, shape (n, 3)
     setpoints: Array
-    noise: Array
+    noise: Array  # measurement noise of height, heading and speed, shape (n, 3)
+    # Excitation added to duties [1], or to a wrench, relative to its limits, shape (n, 8)
     shaken: Array
-    pushed: bool = False
+    pushed: bool = False  # whether the commands are wrenches instead of duties
 
 
 def dormand_prince_step(

@@ -39,16 +39,9 @@ FARTHEST: Final = 4.0  # m; limit of the range finder
 @final
 @dataclass(frozen=True, slots=True)
 class Instruments:
-    """
-    Noise and resolution of the sensors.
+    """Noise and resolution of the sensors."""
 
-    Attributes
-    ----------
-    place, turn, rates, force, range, pressure, voltage : (float, float)
-        Standard deviation of the noise, and step of rounding. [m, rad, rad/s, m/s2, m, Pa, V]
-
-    """
-
+    # Standard deviation of the noise, and step of rounding [m, rad, rad/s, m/s2, m, Pa, V]
     place: tuple[float, float] = (1.0e-3, 1e-4)
     turn: tuple[float, float] = (2.5e-3, 0.0)
     rates: tuple[float, float] = (2.4e-3, 5e-4)

@@ -31,32 +31,17 @@ LIMITS: Final = (0.2, 0.05, 0.2, 0.012, 0.012, 0.012)  # of a commanded wrench [
 @final
 @dataclass(frozen=True, slots=True)
 class TruthTrajectory:
-    """
-    The true trajectory of a flight, every 10 ms.
+    """The true trajectory of a flight, every 10 ms."""
 
-    Attributes
-    ----------
-    position, rotation, velocity, rates : ndarray, shape (n, 3), (n, 3, 3), (n, 3), (n, 3)
-        Position in the map; body to map; velocity and rates in body axes.
-    thrust : ndarray, shape (n, 8)
-        Thrust of each rotor [N], or the applied wrench.
-    strange : ndarray, shape (n, 6)
-        Wrench of effects outside the library in body axes. [N, N m]
-    voltage : ndarray, shape (n,)
-        Battery voltage. [V]
-    commands : ndarray, shape (n, 8)
-        Commands of the pilot.
-
-    """
-
+    # Position in the map; body to map; velocity and rates in body axes, shape (n, 3)
     position: Array
     rotation: Array
     velocity: Array
     rates: Array
-    thrust: Array
-    strange: Array
-    voltage: Array
-    commands: Array
+    thrust: Array  # thrust of each rotor [N], or the applied wrench, shape (n, 8)
+    strange: Array  # wrench of effects outside the library in body axes, shape (n, 6) [N, N m]
+    voltage: Array  # battery voltage, shape (n,) [V]
+    commands: Array  # commands of the pilot, shape (n, 8)
 
 
 def wind_at_position(hull: TruthVehicle, place: Array) -> Array:

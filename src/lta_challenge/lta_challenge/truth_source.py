@@ -51,20 +51,10 @@ def _tuple_source(name: str, first: int, count: int) -> str:
 @final
 @dataclass(frozen=True, slots=False)
 class TruthModel:
-    """
-    The effects of the truth simulator and the layout of its arrays.
+    """The effects of the truth simulator and the layout of its arrays."""
 
-    Attributes
-    ----------
-    effects : mapping of str to effect
-        Effects of the library.
-    strange : mapping of str to WrenchEffect
-        Effects outside the library.
-
-    """
-
-    effects: Mapping[str, KernelEffect]
-    strange: Mapping[str, WrenchEffect]
+    effects: Mapping[str, KernelEffect]  # effects of the library
+    strange: Mapping[str, WrenchEffect]  # effects outside the library
 
     @cached_property
     def all_effects(self) -> dict[str, KernelEffect]:

@@ -47,30 +47,17 @@ def compile_truth(rotors: int) -> ModuleType:
 @final
 @dataclass(frozen=True, slots=True)
 class TruthVehicle:
-    """
-    The arrays of one vehicle for the compiled simulator.
+    """The arrays of one vehicle for the compiled simulator."""
 
-    Attributes
-    ----------
-    parameters, on : ndarray
-        Parameters of all effects, and flags of the active effects.
-    body, inverse : ndarray, shape (BODY,) and (6, 6)
-        Body in the layout of `lta_model.state`, and the inverse of the mass matrix.
-    lift : ndarray, shape (1,)
-        Gravity. [m/s2]
-    allocation : ndarray, shape (rotors, 6)
-        Wrench per newton of each rotor, misalignment included.
-    readings : mapping of str to tuple
-        Measurement effects of each channel, with their parameters.
-
-    """
-
+    # Parameters of all effects, and flags of the active effects
     parameters: Array
     on: NDArray[np.bool_]
+    # Body in the layout of `lta_model.state`, and the inverse of the mass matrix, shape (BODY,)
     body: Array
     inverse: Array
-    lift: Array
-    allocation: Array
+    lift: Array  # gravity, shape (1,) [m/s2]
+    allocation: Array  # wrench per newton of each rotor, misalignment included, shape (rotors, 6)
+    # Measurement effects of each channel, with their parameters
     readings: Mapping[str, tuple[tuple[MeasurementEffect, Values], ...]]
 
     @property

@@ -49,40 +49,23 @@ ALIKE: PerRotor = (1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0)
 
 
 class Rotors(NamedTuple):
-    """
-    Rotor data for the allocation; the rotors come first, unused slots last.
+    """Rotor data for the allocation; the rotors come first, unused slots last."""
 
-    Attributes
-    ----------
-    number : int
-        Number of rotors, 1 to 8.
-    allocation : tuple of tuple of float
-        B: one column per slot, wrench (fx, fy, fz, mx, my, mz) per newton of thrust. [N/N, m]
-    low, high : tuple of float
-        Thrust limits by slot. [N]
-    lowest_heave : float
-        Strongest downward force of the vertical rotors; 0 if none pushes down. [N]
-    sink : float
-        Heave per newton of surge, caused by the forward-pushing rotors. [N/N]
-    a, b : tuple of float
-        Thrust curve T = a u^2 + b u by slot, u = duty (paper section on thrust). [N]
-    reverse : tuple of float
-        Reverse thrust divided by forward thrust at the same duty, by slot. [1]
-    weights : tuple of float
-        w, by axis.
-
-    """
-
-    number: int
+    number: int  # number of rotors, 1 to 8
+    # B: one column per slot, wrench (fx, fy, fz, mx, my, mz) per newton of thrust [N/N, m]
     allocation: Columns
+    # Thrust limits by slot [N]
     low: PerRotor
     high: PerRotor
+    # Strongest downward force of the vertical rotors; 0 if none pushes down [N]
     lowest_heave: float
+    # Thrust curve T = a u^2 + b u by slot, u = duty (paper section on thrust) [N]
     a: PerRotor
     b: PerRotor
+    # Reverse thrust divided by forward thrust at the same duty, by slot [1]
     reverse: PerRotor = ALIKE
-    weights: Wrench = WEIGHTS
-    sink: float = 0.0
+    weights: Wrench = WEIGHTS  # w, by axis
+    sink: float = 0.0  # heave per newton of surge, caused by the forward-pushing rotors [N/N]
 
 
 def create_working_array() -> list[float]:

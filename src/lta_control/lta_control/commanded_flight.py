@@ -106,26 +106,14 @@ class TaskProgress(NamedTuple):
 @final
 @dataclass(slots=True, eq=False)
 class FlightTask:
-    """
-    A task that was requested.
-
-    Attributes
-    ----------
-    value : float
-        Height of a take-off [m] or frequency of a lamp [Hz]; 0: as in the settings.
-    result : TaskResult or None
-        None while it is flown.
-    newest_ns : int or None
-        Stamp of its newest light block. [ns]
-    flown_ns, unseen_ns : int
-        Time since its first block, and since light from the lamp or the first block. [ns]
-
-    """
+    """A task that was requested."""
 
     kind: TaskKind
+    # Height of a take-off [m] or frequency of a lamp [Hz]; 0: as in the settings
     value: float = 0.0
-    result: TaskResult | None = None
-    newest_ns: int | None = None
+    result: TaskResult | None = None  # None while it is flown
+    newest_ns: int | None = None  # stamp of its newest light block [ns]
+    # Time since its first block, and since light from the lamp or the first block [ns]
     flown_ns: int = 0
     unseen_ns: int = 0
 

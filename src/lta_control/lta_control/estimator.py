@@ -79,38 +79,23 @@ class EstimatorSettings(Settings):
 
 
 class EstimatorModel(NamedTuple):
-    """
-    Vehicle data for the estimator.
-
-    Attributes
-    ----------
-    standing_height : float
-        Height of the hull centre above the floor while the vehicle stands on it. [m]
-    imu_position, range_position : tuple
-        Sensor positions, body frame. [m]
-    number : int
-        Number of rotors, 1 to 8.
-    allocation : tuple of tuple of float
-        B: one column per slot. [N/N, m]
-    a, b : tuple of float
-        Thrust curve T = a u^2 + b u by slot. [N]
-    lag_up, lag_down : float
-        Time constants of the motors. [s]
-    rate_bias, force_bias : tuple
-        IMU biases in the vehicle file; the calibrated ones are expected near them. [rad/s, m/s2]
-
-    """
+    """Vehicle data for the estimator."""
 
     hull: HullDragModel
+    # Height of the hull centre above the floor while the vehicle stands on it [m]
     standing_height: float
+    # Sensor positions, body frame [m]
     imu_position: Vector
     range_position: Vector
-    number: int
-    allocation: Columns
+    number: int  # number of rotors, 1 to 8
+    allocation: Columns  # B: one column per slot [N/N, m]
+    # Thrust curve T = a u^2 + b u by slot [N]
     a: PerRotor
     b: PerRotor
+    # Time constants of the motors [s]
     lag_up: float
     lag_down: float
+    # IMU biases in the vehicle file; the calibrated ones are expected near them [rad/s, m/s2]
     rate_bias: Vector = (0.0, 0.0, 0.0)
     force_bias: Vector = (0.0, 0.0, 0.0)
 

@@ -28,29 +28,15 @@ Chooser = TypeVar('Chooser')
 
 
 class GuidanceInputs(NamedTuple):
-    """
-    What a setpoint is chosen from after a light block.
-
-    Attributes
-    ----------
-    stamp_ns : int
-        Stamp of the block; a course counts from the first one. [ns]
-    sight : LightMeasurement
-        The light of the block.
-    measured : CascadeMeasurement or None
-        The drone's motion; None while the estimator calibrates.
-    report : ReserveReport or None
-        The latest report of the energy monitor.
-
-    """
+    """What a setpoint is chosen from after a light block."""
 
     settings: MissionSettings
     reserve: ReserveResponseSettings
     strategy: NavigationStrategy
-    stamp_ns: int
-    sight: LightMeasurement
-    measured: CascadeMeasurement | None
-    report: ReserveReport | None
+    stamp_ns: int  # stamp of the block; a course counts from the first one [ns]
+    sight: LightMeasurement  # the light of the block
+    measured: CascadeMeasurement | None  # the drone's motion; None while the estimator calibrates
+    report: ReserveReport | None  # the latest report of the energy monitor
 
     def decide_permission(self) -> FlightPermission:
         """Return what the energy allows."""

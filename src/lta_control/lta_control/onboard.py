@@ -26,30 +26,16 @@ from lta_control.sighting import DeadReckonedMotion
 
 
 class DroneConstants(NamedTuple):
-    """
-    Values that stay constant during a flight.
-
-    Attributes
-    ----------
-    surge_drag : tuple
-        Linear [N s/m] and quadratic [N s2/m2] drag along body x.
-    uprightness : float
-        Cosine of the tilt beyond which the motors stop.
-    dt : float
-        Control period. [s]
-    fresh : ControlMemory
-        Initial state of the controller.
-
-    """
+    """Values that stay constant during a flight."""
 
     estimator: EstimatorSettings
     body: EstimatorModel
     gains: CascadeGains
     rotors: Rotors
-    surge_drag: tuple[float, float]
-    uprightness: float
-    dt: float
-    fresh: ControlMemory = ControlMemory()
+    surge_drag: tuple[float, float]  # linear [N s/m] and quadratic [N s2/m2] drag along body x
+    uprightness: float  # cosine of the tilt beyond which the motors stop
+    dt: float  # control period [s]
+    fresh: ControlMemory = ControlMemory()  # initial state of the controller
 
 
 class SensorInputs(NamedTuple):

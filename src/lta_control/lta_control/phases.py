@@ -25,39 +25,15 @@ class Phase(IntEnum):
 
 
 class Mission(NamedTuple):
-    """
-    State of a mission.
-
-    Attributes
-    ----------
-    memory : tuple of float
-        Memory of the strategy, once it has begun.
-    leg : int
-        Index of the lamp that it seeks or holds at, from 0.
-    asked : int
-        Index of the lamp that it listens for: `leg`, or the next.
-    turns : int
-        Light blocks since it began to listen for that one.
-    heard : int
-        Latest consecutive blocks with that lamp in sight.
-    refused : bool
-        Whether it stays because the next lamp was not received.
-    start : tuple of float
-        Take-off position, by dead reckoning. [m, odom]
-    left : float
-        Remaining time for the flight back. [s]
-    heading : float
-        Last commanded heading, held while landing. [rad, odom]
-
-    """
+    """State of a mission."""
 
     phase: Phase = Phase.REST
-    memory: Memory = ()
-    leg: int = 0
-    asked: int = 0
-    turns: int = SWITCHING
-    heard: int = 0
-    refused: bool = False
-    start: tuple[float, float] = (0.0, 0.0)
-    left: float = 0.0
-    heading: float = 0.0
+    memory: Memory = ()  # memory of the strategy, once it has begun
+    leg: int = 0  # index of the lamp that it seeks or holds at, from 0
+    asked: int = 0  # index of the lamp that it listens for: `leg`, or the next
+    turns: int = SWITCHING  # light blocks since it began to listen for that one
+    heard: int = 0  # latest consecutive blocks with that lamp in sight
+    refused: bool = False  # whether it stays because the next lamp was not received
+    start: tuple[float, float] = (0.0, 0.0)  # take-off position, by dead reckoning [m, odom]
+    left: float = 0.0  # remaining time for the flight back [s]
+    heading: float = 0.0  # last commanded heading, held while landing [rad, odom]

@@ -85,28 +85,13 @@ class ReserveResponseSettings(Settings):
 
 
 class ReserveReport(NamedTuple):
-    """
-    Latest report of the energy monitor.
+    """Latest report of the energy monitor."""
 
-    Attributes
-    ----------
-    reserve_ns : int
-        Arrival of `energy/reserve` in graph time. [ns]
-    reserve : bool
-        Whether the reserve is reached.
-    urgent : bool
-        Whether to land at once.
-    why : str
-        Reason in words.
-    status_ns : int or None
-        Arrival of `energy/status`, from which `urgent` and `why` are; None: with the reserve.
-
-    """
-
-    reserve_ns: int
-    reserve: bool
-    urgent: bool
-    why: str = ''
+    reserve_ns: int  # arrival of `energy/reserve` in graph time [ns]
+    reserve: bool  # whether the reserve is reached
+    urgent: bool  # whether to land at once
+    why: str = ''  # reason in words
+    # Arrival of `energy/status`, from which `urgent` and `why` are; None: with the reserve
     status_ns: int | None = None
 
     @property

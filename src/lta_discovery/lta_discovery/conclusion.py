@@ -36,40 +36,24 @@ ADVICE: Final[Mapping[Advice, str]] = {
 @final
 @dataclass(frozen=True, slots=True)
 class Conclusion:
-    """
-    What a study supports, and the advice that follows.
+    """What a study supports, and the advice that follows."""
 
-    Attributes
-    ----------
-    asserted : bool
-        True: the effects are missing. False: they may be missing.
-    rivals : tuple of str
-        Parameters that explain the data as well as an effect; the headline names them with "or".
-    coasting : bool
-        Whether a model that ignores the commands predicts the position best, at the longest
-        horizon.
-    useless : ChannelErrors, optional
-        The position error over some seconds, if the final model does not beat coasting there:
-        then it is no improvement.
-    advice : str
-        What to do with the vehicle file, a key of `ADVICE`.
-    gain : ChannelErrors, optional
-        The improvement to report: the position at the longest horizon. None unless the advice is
-        to act on it.
-    by_tolerances : bool
-        Whether tuning the tolerances of the file alone makes most of that improvement.
-    fits : bool
-        Whether the vehicle file explains the flights to within its tolerances and the noise.
-
-    """
-
+    # True: the effects are missing. False: they may be missing.
     asserted: bool
+    # Parameters that explain the data as well as an effect; the headline names them with "or"
     rivals: tuple[str, ...]
+    # Whether a model that ignores the commands predicts the position best, at the longest horizon
     coasting: bool
-    advice: Advice
+    advice: Advice  # what to do with the vehicle file, a key of `ADVICE`
+    # The improvement to report: the position at the longest horizon. None unless the advice is to
+    # act on it.
     gain: ChannelErrors | None
+    # Whether tuning the tolerances of the file alone makes most of that improvement
     by_tolerances: bool
+    # Whether the vehicle file explains the flights to within its tolerances and the noise
     fits: bool
+    # The position error over some seconds, if the final model does not beat coasting there: then
+    # it is no improvement
     useless: ChannelErrors | None = None
 
     @property

@@ -56,47 +56,23 @@ Tell = Callable[[str, float | None], None]
 @final
 @dataclass(frozen=True, slots=True)
 class DiscoveryRequest:
-    """
-    Inputs of a discovery.
+    """Inputs of a discovery."""
 
-    Attributes
-    ----------
-    vehicle : str
-        Name or file.
-    bags : mapping of role to paths
-        'train', 'confirm', 'holdout'.
-    robot : str, optional
-        Robot to read, where a bag holds several.
-    plan : bool
-        Whether to plan the next flight.
-    calibrate : bool
-        Whether to calibrate the vehicle first, where the flights call for it.
-
-    """
-
-    vehicle: str
-    bags: Mapping[Role, Sequence[Path]]
+    vehicle: str  # name or file
+    bags: Mapping[Role, Sequence[Path]]  # 'train', 'confirm', 'holdout'
     seed: int = 1
-    robot: str | None = None
-    plan: bool = False
-    calibrate: bool = True
+    robot: str | None = None  # robot to read, where a bag holds several
+    plan: bool = False  # whether to plan the next flight
+    calibrate: bool = True  # whether to calibrate the vehicle first, where the flights call for it
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class DiscoveryResult:
-    """
-    Results of a discovery.
-
-    Attributes
-    ----------
-    told : mapping
-        Content of discovery.json.
-
-    """
+    """Results of a discovery."""
 
     study: DiscoveryStudy
-    told: Mapping[str, object]
+    told: Mapping[str, object]  # content of discovery.json
     page: Path
 
 

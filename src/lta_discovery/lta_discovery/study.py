@@ -66,18 +66,10 @@ class StudyFlight:
 @final
 @dataclass(frozen=True, slots=True)
 class ThreeModelComparison:
-    """
-    One flight under three models; a held-out flight took no part in their fit.
-
-    Attributes
-    ----------
-    before, tuned, after : LinearizationPoint
-        The vehicle file; the file with fitted tolerances and no new effect; with the named
-        effects.
-
-    """
+    """One flight under three models; a held-out flight took no part in their fit."""
 
     flown: StudyFlight
+    # The vehicle file; the file with fitted tolerances and no new effect; with the named effects
     before: LinearizationPoint
     tuned: LinearizationPoint
     after: LinearizationPoint
@@ -86,36 +78,21 @@ class ThreeModelComparison:
 @final
 @dataclass(frozen=True, slots=True)
 class DiscoveryStudy:
-    """
-    A finding, with the flights and fits that the page needs.
+    """A finding, with the flights and fits that the page needs."""
 
-    Attributes
-    ----------
-    finding : StudyResult
-        Texts and numbers.
-    nominal, learned : NominalVehicle
-        The vehicle of the file, and the same with the named effects.
-    shown : sequence of ThreeModelComparison
-        The held-out flights, or the confirming ones where there are none.
-    bare : sequence of FlightFit
-        Training flights, then confirming ones, with fitted tolerances and no new effect.
-    full : sequence of FlightFit
-        The same with the named effects.
-    refitted : NominalVehicle, optional
-        The vehicle with all parameters fitted to forecasts; valid only between the flown regimes.
-    calibrated_file : str
-        Text of the calibrated vehicle file, if the vehicle was calibrated first.
-
-    """
-
-    finding: StudyResult
+    finding: StudyResult  # texts and numbers
+    # The vehicle of the file, and the same with the named effects
     nominal: NominalVehicle
     learned: NominalVehicle
     flights: Sequence[StudyFlight]
+    # The held-out flights, or the confirming ones where there are none
     shown: Sequence[ThreeModelComparison]
+    # Training flights, then confirming ones, with fitted tolerances and no new effect
     bare: Sequence[FlightFit] = ()
-    full: Sequence[FlightFit] = ()
+    full: Sequence[FlightFit] = ()  # the same with the named effects
+    # The vehicle with all parameters fitted to forecasts; valid only between the flown regimes
     refitted: NominalVehicle | None = None
+    # Text of the calibrated vehicle file, if the vehicle was calibrated first
     calibrated_file: str = ''
 
 

@@ -50,25 +50,13 @@ from numpy.typing import NDArray
 @final
 @dataclass(frozen=True, slots=True)
 class LightObservation:
-    """
-    The results of one light block.
+    """The results of one light block."""
 
-    Parameters
-    ----------
-    hearing : DemodulatedBlock
-        Amplitude and SNR of each beacon at each diode.
-    bearing : Bearing or None
-        The paper's estimate; None if no diode exceeds the threshold or the ring is evenly lit.
-    direction : Direction or None
-        The fitted direction, if there is one.
-    lamp : LampEstimate or None
-        The lamp's position in the body frame by the fit, which the drone steers by.
-
-    """
-
-    hearing: DemodulatedBlock
+    hearing: DemodulatedBlock  # amplitude and SNR of each beacon at each diode
+    # The paper's estimate; None if no diode exceeds the threshold or the ring is evenly lit
     bearing: Bearing | None
-    direction: Direction | None
+    direction: Direction | None  # the fitted direction, if there is one
+    # The lamp's position in the body frame by the fit, which the drone steers by
     lamp: LampEstimate | None
 
     @property

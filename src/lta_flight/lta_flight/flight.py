@@ -78,29 +78,15 @@ class FlightRequest:
 @final
 @dataclass(frozen=True, slots=True)
 class FlightRun:
-    """
-    The result of a flight.
+    """The result of a flight."""
 
-    Attributes
-    ----------
-    folder, bag : Path
-        Results folder and recording.
-    outcome : str
-        'reached', 'timeout', 'escaped', or 'failed' if the graph broke.
-    sentence : str
-        The outcome in words, to be put after 'The drone'.
-    pace : float
-        Flight seconds per wall second.
-    warning : str
-        Whether the flight left the region of validity of the vehicle file; '' if not.
-
-    """
-
+    # Results folder and recording
     folder: Path
     bag: Path
-    outcome: str
-    sentence: str
-    pace: float
+    outcome: str  # 'reached', 'timeout', 'escaped', or 'failed' if the graph broke
+    sentence: str  # the outcome in words, to be put after 'The drone'
+    pace: float  # flight seconds per wall second
+    # Whether the flight left the region of validity of the vehicle file; '' if not
     warning: str = ''
 
 

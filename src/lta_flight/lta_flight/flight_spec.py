@@ -62,26 +62,12 @@ ROOTS = (*FILES, *(name for name in SETTINGS if name not in FILES))
 @final
 @dataclass(frozen=True, slots=True)
 class FlightSpec:
-    """
-    Everything that determines a flight except its seed.
+    """Everything that determines a flight except its seed."""
 
-    Attributes
-    ----------
-    names : mapping
-        Names or paths of the files, by root.
-    strategy : str
-        Navigation strategy.
-    contents : mapping
-        Contents of the files and settings as YAML has them, by root.
-    replaced : mapping
-        Replaced parameters, by path.
-
-    """
-
-    names: Mapping[str, str]
-    strategy: str
-    contents: Mapping[str, Any]
-    replaced: Mapping[str, Any] = field(default_factory=dict)
+    names: Mapping[str, str]  # names or paths of the files, by root
+    strategy: str  # navigation strategy
+    contents: Mapping[str, Any]  # contents of the files and settings as YAML has them, by root
+    replaced: Mapping[str, Any] = field(default_factory=dict)  # replaced parameters, by path
 
     def with_values(self, values: Mapping[str, Any]) -> 'FlightSpec':
         """

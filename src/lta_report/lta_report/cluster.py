@@ -19,24 +19,13 @@ UNKNOWN: Final = 'unknown'
 
 
 class ClusterSoftware(NamedTuple):
-    """
-    Versions that must agree within a cluster.
+    """Versions that must agree within a cluster."""
 
-    Attributes
-    ----------
-    lta, commit : str
-        Version and commit of LTA; '' if it is not installed, or 'unknown'.
-    python : str
-        Such as '3.11'.
-    dask : str
-        Version of dask.distributed.
-
-    """
-
+    # Version and commit of LTA; '' if it is not installed, or 'unknown'
     lta: str
     commit: str
-    python: str
-    dask: str
+    python: str  # such as '3.11'
+    dask: str  # version of dask.distributed
 
     def matches(self, other: 'ClusterSoftware') -> bool:
         """Return whether both give the same results; what is unknown matches any."""

@@ -49,45 +49,20 @@ class SceneRotor:
 @final
 @dataclass(frozen=True, slots=True)
 class SceneFlight:
-    """
-    One vehicle in the view.
+    """One vehicle in the view."""
 
-    Attributes
-    ----------
-    name : str
-        Shown beside the view.
-    colour : str
-        Light colour of the palette.
-    body : ShapeEntity or None
-        Shapes in the body frame; None draws only the path.
-    position : ndarray, shape (n, 3)
-        Hull centre; NaN where unknown. [m, map]
-    turn : ndarray, shape (n, 4)
-        Attitude as quaternion x y z w, body to map.
-    rotors : sequence of SceneRotor
-        Rotors with an arrow.
-    thrust : ndarray, shape (n, rotors), optional
-        Thrust by full thrust, signed. [1]
-    bearing : ndarray, shape (n, 4), optional
-        Azimuth and elevation of the lamp in the body frame, and their standard deviations; NaN
-        without a lamp. [rad]
-    wind : ndarray, shape (n, 3), optional
-        Air velocity. [m/s, map]
-    ghost : bool
-        Whether to draw the body more transparent.
-
-    """
-
-    name: str
-    colour: str
-    body: ShapeEntity | None
-    position: Array
-    turn: Array
-    rotors: Sequence[SceneRotor] = ()
-    thrust: Array | None = None
+    name: str  # shown beside the view
+    colour: str  # light colour of the palette
+    body: ShapeEntity | None  # shapes in the body frame; None draws only the path
+    position: Array  # hull centre; NaN where unknown, shape (n, 3) [m, map]
+    turn: Array  # attitude as quaternion x y z w, body to map, shape (n, 4)
+    rotors: Sequence[SceneRotor] = ()  # rotors with an arrow
+    thrust: Array | None = None  # thrust by full thrust, signed, shape (n, rotors) [1]
+    # Azimuth and elevation of the lamp in the body frame, and their standard deviations; NaN
+    # without a lamp, shape (n, 4) [rad]
     bearing: Array | None = None
-    wind: Array | None = None
-    ghost: bool = False
+    wind: Array | None = None  # air velocity, shape (n, 3) [m/s, map]
+    ghost: bool = False  # whether to draw the body more transparent
 
 
 @final

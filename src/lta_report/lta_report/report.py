@@ -26,70 +26,33 @@ class Emphasis(str):
 @final
 @dataclass(frozen=True, slots=True)
 class TextTable:
-    """
-    A table of text; the first cell of a row is its name.
+    """A table of text; the first cell of a row is its name."""
 
-    Attributes
-    ----------
-    heading : str
-        Title of the table.
-    heads : sequence of str
-        One per column.
-    rows : sequence of sequence of str
-        Cells of each row; an `Emphasis` is bold.
-    note : str
-        Remark below the table.
-    groups : tuple of (str, int)
-        Heads above the heads, each with the number of columns that it spans; none by default.
-    printed : bool
-        Whether the terminal shows the table.
-    colors : mapping of str to str
-        Colour on the page of all cells with a text, such as a verdict.
-
-    """
-
-    heading: str
-    heads: Sequence[str]
-    rows: Sequence[Sequence[str]]
-    note: str = ''
+    heading: str  # title of the table
+    heads: Sequence[str]  # one per column
+    rows: Sequence[Sequence[str]]  # cells of each row; an `Emphasis` is bold
+    note: str = ''  # remark below the table
+    # Heads above the heads, each with the number of columns that it spans; none by default
     groups: tuple[tuple[str, int], ...] = ()
-    printed: bool = True
+    printed: bool = True  # whether the terminal shows the table
+    # Colour on the page of all cells with a text, such as a verdict
     colors: Mapping[str, CellColor] = field(default_factory=dict)
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """
-    A figure with heading and caption.
+    """A figure with heading and caption."""
 
-    Attributes
-    ----------
-    name : str
-        Id on the page, and name of its PNG file.
-    heading, caption : str
-        Plain text.
-    figure : Figure
-        The figure.
-    height : int
-        Height on the page. [px]
-    timed : bool
-        Whether x is time: such figures share a cursor and zoom together.
-    command : str
-        The command that draws it, shown below the caption.
-    bag : str
-        The bag of its flight, relative to the page.
-
-    """
-
-    name: str
+    name: str  # id on the page, and name of its PNG file
+    # Plain text
     heading: str
     caption: str
     figure: Figure
-    height: int = 400
-    timed: bool = False
-    command: str = ''
-    bag: str = ''
+    height: int = 400  # height on the page [px]
+    timed: bool = False  # whether x is time: such figures share a cursor and zoom together
+    command: str = ''  # the command that draws it, shown below the caption
+    bag: str = ''  # the bag of its flight, relative to the page
 
 
 @final
@@ -135,52 +98,25 @@ Block = Picture | TextTable | TextSection | Grid | ReportSection
 @final
 @dataclass(frozen=True, slots=True)
 class Report:
-    """
-    The results of a study, declared once.
+    """The results of a study, declared once."""
 
-    Attributes
-    ----------
-    command : str
-        Words of the command, such as 'energy hover'.
-    subject : str
-        What was studied.
-    headline : str
-        The result in one sentence. It counts failed items.
-    introduction : str
-        What was done, in one or two sentences.
-    tiles : sequence of Tile
-        Key figures.
-    blocks : sequence of Block
-        Content in the order of the page.
-    data : mapping or list
-        Content of the JSON file, in SI units.
-    facts, commands, files : mapping of str to str
-        Footer of the page: origin of the results, next steps, and whole files.
-    closing : sequence of str
-        Lines that only the terminal shows, after the headline.
-    json_name : str
-        Name of the JSON file; the last word of the command by default.
-    outputs : mapping of str to str
-        Further files of the results folder: name and content.
-    status : int
-        Exit status of the command.
-
-    """
-
-    command: str
-    subject: str
+    command: str  # words of the command, such as 'energy hover'
+    subject: str  # what was studied
+    # The result in one sentence. It counts failed items.
     headline: str
-    introduction: str
-    tiles: Sequence[Tile]
-    blocks: Sequence[Block]
-    data: Mapping[str, Any] | list[Any]
+    introduction: str  # what was done, in one or two sentences
+    tiles: Sequence[Tile]  # key figures
+    blocks: Sequence[Block]  # content in the order of the page
+    data: Mapping[str, Any] | list[Any]  # content of the JSON file, in SI units
+    # Footer of the page: origin of the results, next steps, and whole files
     facts: Mapping[str, str] = field(default_factory=dict)
     commands: Mapping[str, str] = field(default_factory=dict)
     files: Mapping[str, str] = field(default_factory=dict)
-    closing: Sequence[str] = ()
-    json_name: str = ''
+    closing: Sequence[str] = ()  # lines that only the terminal shows, after the headline
+    json_name: str = ''  # name of the JSON file; the last word of the command by default
+    # Further files of the results folder: name and content
     outputs: Mapping[str, str] = field(default_factory=dict)
-    status: int = 0
+    status: int = 0  # exit status of the command
 
 
 def transpose_table(table: TextTable) -> TextTable:

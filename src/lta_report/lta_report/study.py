@@ -33,30 +33,16 @@ class StudyOptions:
 @final
 @dataclass(frozen=True, slots=True)
 class StudyOutcome(Generic[Result]):
-    """
-    The outcome of a study.
+    """The outcome of a study."""
 
-    Attributes
-    ----------
-    results : mapping
-        Results by key, in the order of the items; failed items are missing.
-    failures : mapping
-        Failed items by key.
-    finished, lost : int
-        Items of this run, and workers that died in it.
-    unit : str
-        What the items are, such as 'flights'.
-    folder : Path
-        Folder of the store.
-
-    """
-
+    # Results by key, in the order of the items; failed items are missing
     results: Mapping[str, Result]
-    failures: Mapping[str, ItemFailure]
+    failures: Mapping[str, ItemFailure]  # failed items by key
+    # Items of this run, and workers that died in it
     finished: int
     lost: int
-    unit: str
-    folder: Path
+    unit: str  # what the items are, such as 'flights'
+    folder: Path  # folder of the store
 
     def require_all(self) -> list[Result]:
         """Return all results; raise `BadInput` if an item failed."""
@@ -107,28 +93,13 @@ def run_items(
 @final
 @dataclass(frozen=True, slots=True)
 class Study(Generic[Item, Result]):
-    """
-    What a study consists of.
+    """What a study consists of."""
 
-    Attributes
-    ----------
-    function : callable
-        Returns the result of an item; must be picklable.
-    find_key : callable
-        Returns the key of an item in the store.
-    form : StoreFormat
-        How results are stored.
-    unit : str
-        What the items are, such as 'flights'.
-    describe : callable, optional
-        Returns a line that a terminal shows when an item is finished.
-
-    """
-
-    function: Callable[[Item], Result]
-    find_key: Callable[[Item], str]
-    form: StoreFormat[Result]
-    unit: str
+    function: Callable[[Item], Result]  # returns the result of an item; must be picklable
+    find_key: Callable[[Item], str]  # returns the key of an item in the store
+    form: StoreFormat[Result]  # how results are stored
+    unit: str  # what the items are, such as 'flights'
+    # Returns a line that a terminal shows when an item is finished
     describe: Callable[[Item, Result], str] | None = None
 
     def run(

@@ -19,31 +19,18 @@ FAILED, KEY, RESULT = 'failed', 'key', 'result'  # keys of a line
 @final
 @dataclass(frozen=True, slots=True)
 class StoreFormat(Generic[Result]):
-    """
-    How the results of a kind of study are stored.
+    """How the results of a kind of study are stored."""
 
-    Attributes
-    ----------
-    kind : LogKind
-        File name and words for messages.
-    adapter : TypeAdapter
-        Converts a result to JSON and back; NaN and infinity become the constants that Python,
-        pandas and JSON5 read.
-    find_key : callable, optional
-        Returns the key of a result that identifies its item. By default a line has the form
-        {"key": ..., "result": ...} with text as key.
-    is_failed : callable, optional
-        Returns whether a result is that of a failed item, for results that can express it.
-    shares_folder : bool
-        Whether the folder may contain other files.
-
-    """
-
-    kind: LogKind
+    kind: LogKind  # file name and words for messages
+    # Converts a result to JSON and back; NaN and infinity become the constants that Python, pandas
+    # and JSON5 read
     adapter: TypeAdapter[Result]
+    # Returns the key of a result that identifies its item. By default a line has the form {"key":
+    # ..., "result": ...} with text as key.
     find_key: Callable[[Result], Hashable] | None = None
+    # Returns whether a result is that of a failed item, for results that can express it
     is_failed: Callable[[Result], bool] | None = None
-    shares_folder: bool = False
+    shares_folder: bool = False  # whether the folder may contain other files
 
     def to_line(self, key: Hashable, outcome: Result | ItemFailure) -> Mapping[str, Any]:
         """Return the content of a line."""

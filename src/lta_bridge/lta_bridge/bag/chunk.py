@@ -32,26 +32,14 @@ class FinishedChunk:
 @final
 @dataclass(frozen=True, slots=True)
 class CompressedChunk:
-    """
-    A compressed chunk that does not depend on its position in a file.
+    """A compressed chunk that does not depend on its position in a file."""
 
-    Attributes
-    ----------
-    record : bytes
-        The MCAP record.
-    entries : dict of int to bytes
-        Index entries by channel.
-    start, end : int
-        First and last log time. [ns]
-    packed_size, size : int
-        Bytes of the messages, compressed and not.
-
-    """
-
-    record: bytes
-    entries: dict[int, bytes]
+    record: bytes  # the MCAP record
+    entries: dict[int, bytes]  # index entries by channel
+    # First and last log time [ns]
     start: int
     end: int
+    # Bytes of the messages, compressed and not
     packed_size: int
     size: int
 

@@ -7,20 +7,10 @@ from typing import final
 @final
 @dataclass(frozen=True, slots=True)
 class SplitLimits:
-    """
-    Limits of one file of a bag; 0 means no limit.
+    """Limits of one file of a bag; 0 means no limit."""
 
-    Attributes
-    ----------
-    size : int
-        Size on the disk; a file exceeds it by one chunk at most. [bytes]
-    duration_ns : int
-        Log time since the first message of the file. [ns]
-
-    """
-
-    size: int = 0
-    duration_ns: int = 0
+    size: int = 0  # size on the disk; a file exceeds it by one chunk at most [bytes]
+    duration_ns: int = 0  # log time since the first message of the file [ns]
 
     def is_exceeded(self, size: int, age_ns: int) -> bool:
         """Return whether a file of a size [bytes] and an age [ns] is full."""

@@ -20,20 +20,11 @@ FILES: Final = (  # module names
 
 
 class LinkScheme(NamedTuple):
-    """
-    Link of one URI scheme.
+    """Link of one URI scheme."""
 
-    Attributes
-    ----------
-    rest : str
-        Regular expression of the part after ://.
-    link : callable
-        `link(uri, blocks, clock)` returns a closed link; raises `BadInput` if the link's library
-        is not installed.
-
-    """
-
-    rest: str
+    rest: str  # regular expression of the part after ://
+    # `link(uri, blocks, clock)` returns a closed link; raises `BadInput` if the link's library is
+    # not installed
     link: Callable[[str, Sequence[LogBlock], Callable[[], int]], CrazyflieLink]
 
 

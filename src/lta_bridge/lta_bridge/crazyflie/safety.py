@@ -47,42 +47,20 @@ class SafetyLimits(NamedTuple):
 
 
 class SafetyInputs(NamedTuple):
-    """
-    Inputs at a tick.
+    """Inputs at a tick."""
 
-    Attributes
-    ----------
-    linked : bool
-        Whether a Crazyflie is connected and its parameters are as expected.
-    active : bool
-        Whether the node is active.
-    word : int
-        The supervisor's newest status word.
-    silence : float
-        Age of the newest packet with that word. [s]
-    command_age : float
-        Age of the newest usable command; infinite without one. [s]
-    voltage : float
-        Cell voltage; NaN if unknown. [V]
-    height, distance : float
-        Above and from the start; NaN if unknown. [m]
-    place_age : float
-        Age of these two; infinite if there never was an estimate. [s]
-    blind : bool
-        Whether the operator allows a flight without any position estimate. An estimate that has
-        begun must still continue.
-
-    """
-
-    linked: bool = False
-    active: bool = False
-    word: int = 0
-    silence: float = math.inf
-    command_age: float = math.inf
-    voltage: float = math.nan
+    linked: bool = False  # whether a Crazyflie is connected and its parameters are as expected
+    active: bool = False  # whether the node is active
+    word: int = 0  # the supervisor's newest status word
+    silence: float = math.inf  # age of the newest packet with that word [s]
+    command_age: float = math.inf  # age of the newest usable command; infinite without one [s]
+    voltage: float = math.nan  # cell voltage; NaN if unknown [V]
+    # Above and from the start; NaN if unknown [m]
     height: float = math.nan
     distance: float = math.nan
-    place_age: float = math.inf
+    place_age: float = math.inf  # age of these two; infinite if there never was an estimate [s]
+    # Whether the operator allows a flight without any position estimate. An estimate that has
+    # begun must still continue.
     blind: bool = False
 
 
@@ -94,60 +72,28 @@ class SafetyRequest(NamedTuple):
 
 
 class SafetyState(NamedTuple):
-    """
-    Memory of the state machine.
-
-    Attributes
-    ----------
-    since, began : float
-        Start of the stage and of the flight. [s]
-    why : str
-        Reason for the stage.
-    stops : int
-        Emergency stops that are still to be sent.
-    asked_at : float
-        When the newest unconfirmed request was sent. [s]
-    curable : bool
-        Whether a fresh command ends this landing.
-    low_since : float
-        Since when the cell voltage has been low or unknown; infinite if it is fine. [s]
-
-    """
+    """Memory of the state machine."""
 
     stage: SafetyStage = SafetyStage.DISARMED
+    # Start of the stage and of the flight [s]
     since: float = 0.0
     began: float = 0.0
-    why: str = 'not armed yet'
-    stops: int = 0
-    asked_at: float = -math.inf
-    curable: bool = False
+    why: str = 'not armed yet'  # reason for the stage
+    stops: int = 0  # emergency stops that are still to be sent
+    asked_at: float = -math.inf  # when the newest unconfirmed request was sent [s]
+    curable: bool = False  # whether a fresh command ends this landing
+    # Since when the cell voltage has been low or unknown; infinite if it is fine [s]
     low_since: float = math.inf
 
 
 class SafetyOutputs(NamedTuple):
-    """
-    Outputs to send at a tick.
+    """Outputs to send at a tick."""
 
-    Attributes
-    ----------
-    arm : bool or None
-        Request to arm or disarm.
-    drive : float
-        Fraction of the newest usable command to fly, 0 to 1.
-    stream : bool
-        Whether to send a command at all.
-    hand_over : bool
-        Whether to announce that no more setpoints follow, and to land.
-    stop : bool
-        Whether to send an emergency stop.
-
-    """
-
-    arm: bool | None = None
-    drive: float = 0.0
-    stream: bool = False
-    hand_over: bool = False
-    stop: bool = False
+    arm: bool | None = None  # request to arm or disarm
+    drive: float = 0.0  # fraction of the newest usable command to fly, 0 to 1
+    stream: bool = False  # whether to send a command at all
+    hand_over: bool = False  # whether to announce that no more setpoints follow, and to land
+    stop: bool = False  # whether to send an emergency stop
 
 
 QUIET: Final = SafetyOutputs()

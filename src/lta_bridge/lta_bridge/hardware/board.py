@@ -34,46 +34,28 @@ class DiodeMeasurement:
 @final
 @dataclass(frozen=True, slots=True)
 class BoardMeasurement:
-    """
-    Measurements of a light board.
-
-    Attributes
-    ----------
-    rate : float
-        Rate of received rows. [Hz]
-    rows, lost, overruns : int
-        Rows received, lost on the link, and dropped by the board.
-    frames, crc_errors, unknown : int
-        Messages received whole, damaged, and of unknown type.
-    round_trip, drift, uncertainty : float or None
-        Of the board's clock [s, 1, s]; None before its first answer.
-    wrong : str
-        Why the blocks cannot be used; empty if they can.
-    trouble : str
-        Why the link is down; empty if it is up.
-    commit, vehicle : int
-        Of its firmware: commit, and hash of the diodes; 0 is unknown.
-    diodes : tuple of DiodeMeasurement
-        Counter-clockwise from the nose.
-
-    """
+    """Measurements of a light board."""
 
     port: str
-    rate: float
+    rate: float  # rate of received rows [Hz]
+    # Rows received, lost on the link, and dropped by the board
     rows: int
     lost: int
     overruns: int
+    # Messages received whole, damaged, and of unknown type
     frames: int
     crc_errors: int
     unknown: int
+    # Of the board's clock [s, 1, s]; None before its first answer
     round_trip: float | None
     drift: float | None
     uncertainty: float | None
-    wrong: str
-    trouble: str
+    wrong: str  # why the blocks cannot be used; empty if they can
+    trouble: str  # why the link is down; empty if it is up
+    # Of its firmware: commit, and hash of the diodes; 0 is unknown
     commit: int
     vehicle: int
-    diodes: tuple[DiodeMeasurement, ...]
+    diodes: tuple[DiodeMeasurement, ...]  # counter-clockwise from the nose
 
 
 def measure_board(

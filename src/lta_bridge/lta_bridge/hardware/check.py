@@ -87,15 +87,7 @@ def find_board(port: str, serial: Sequence[SerialPortInfo]) -> str:
 def require_hardware(
     usb_devices: Sequence[UsbDevice], serial: Sequence[SerialPortInfo], drone: str, board: str
 ) -> None:
-    """
-    Check that there is any hardware.
-
-    Raises
-    ------
-    BadInput
-        If there is no radio, drone or board.
-
-    """
+    """Check that there is any hardware; raise BadInput if there is no radio, drone or board."""
     if drone or board or usb_devices:
         return
     others = ', '.join(port.path for port in serial)
@@ -109,27 +101,14 @@ def require_hardware(
 @final
 @dataclass(frozen=True, slots=True)
 class HardwareCheckRequest:
-    """
-    What to check.
+    """What to check."""
 
-    Attributes
-    ----------
-    uri, port : str
-        Addresses of drone and light board; searched for if empty.
-    vehicle : str
-        Vehicle name or file.
-    frequency : float
-        Modulation frequency of the lamp. [Hz]
-    seconds : float
-        Duration of each measurement. [s]
-
-    """
-
+    # Addresses of drone and light board; searched for if empty
     uri: str
     port: str
-    vehicle: str
-    frequency: float
-    seconds: float
+    vehicle: str  # vehicle name or file
+    frequency: float  # modulation frequency of the lamp [Hz]
+    seconds: float  # duration of each measurement [s]
 
 
 @final

@@ -10,26 +10,14 @@ State = Literal['ok', 'warn', 'fail']
 @final
 @dataclass(frozen=True, slots=True)
 class HardwareCheck:
-    """
-    The result of one check.
+    """The result of one check."""
 
-    Parameters
-    ----------
-    name : str
-        Subject of the check.
-    state : {'ok', 'warn', 'fail'}
-        `fail`: LTA cannot fly like this. `warn`: something will be slow or left out.
-    found : str
-        The finding, with its figures.
-    remedy : str
-        What to do, in one sentence; empty if nothing needs doing.
-
-    """
-
-    name: str
+    name: str  # subject of the check
+    # `fail`: LTA cannot fly like this. `warn`: something will be slow or left out. 'ok', 'warn',
+    # 'fail'
     state: State
-    found: str
-    remedy: str = ''
+    found: str  # the finding, with its figures
+    remedy: str = ''  # what to do, in one sentence; empty if nothing needs doing
 
 
 def grade_value(

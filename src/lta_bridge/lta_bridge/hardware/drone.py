@@ -27,49 +27,23 @@ RELEASE: Final = ('firmware.revision0', 'firmware.revision1')
 @final
 @dataclass(frozen=True, slots=True)
 class DroneMeasurement:
-    """
-    Measurements of a Crazyflie.
-
-    Attributes
-    ----------
-    protocol : int
-        Version of CRTP.
-    revision : str
-        Revision of the firmware, hexadecimal.
-    streams : tuple of StreamStatistics
-        Statistics of the log blocks.
-    latency : float
-        95th percentile of the round trip; NaN without an answer. [s]
-    drift : float
-        Relative rate error of its clock, positive if it runs fast. [1]
-    voltage : float
-        Cell voltage; NaN if unknown. [V]
-    word : int or None
-        The supervisor's status word; None if it did not arrive.
-    parameters : mapping of str to float or None
-        Parameters that the vehicle needs; None for one that the firmware lacks.
-    commit, vehicle : int or None
-        Of LTA's app: commit, and hash of the vehicle; None without the app.
-    compensates : bool
-        Whether the firmware corrects duties for the battery's voltage.
-    lost : str
-        Why the link was lost; empty if it was not.
-
-    """
+    """Measurements of a Crazyflie."""
 
     uri: str
-    protocol: int
-    revision: str
-    streams: tuple[StreamStatistics, ...]
-    latency: float
-    drift: float
-    voltage: float
-    word: int | None
+    protocol: int  # version of CRTP
+    revision: str  # revision of the firmware, hexadecimal
+    streams: tuple[StreamStatistics, ...]  # statistics of the log blocks
+    latency: float  # 95th percentile of the round trip; NaN without an answer [s]
+    drift: float  # relative rate error of its clock, positive if it runs fast [1]
+    voltage: float  # cell voltage; NaN if unknown [V]
+    word: int | None  # the supervisor's status word; None if it did not arrive
+    # Parameters that the vehicle needs; None for one that the firmware lacks
     parameters: Mapping[str, float | None]
+    # Of LTA's app: commit, and hash of the vehicle; None without the app
     commit: int | None
     vehicle: int | None
-    compensates: bool
-    lost: str
+    compensates: bool  # whether the firmware corrects duties for the battery's voltage
+    lost: str  # why the link was lost; empty if it was not
 
 
 def measure_drone(

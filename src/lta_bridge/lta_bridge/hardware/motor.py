@@ -34,23 +34,11 @@ NOTHING: Final = Wish()
 
 @final
 class MotorTurnResult(NamedTuple):
-    """
-    Values logged by the drone.
+    """Values logged by the drone."""
 
-    Attributes
-    ----------
-    duty : float
-        Largest duty of the tested motor, 0 to 1.
-    others : float
-        Largest duty of any other motor.
-    voltage : float
-        Lowest cell voltage; NaN if none was received. [V]
-
-    """
-
-    duty: float
-    others: float
-    voltage: float
+    duty: float  # largest duty of the tested motor, 0 to 1
+    others: float  # largest duty of any other motor
+    voltage: float  # lowest cell voltage; NaN if none was received [V]
 
 
 @final

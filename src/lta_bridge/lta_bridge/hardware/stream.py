@@ -11,27 +11,15 @@ import numpy as np
 
 @final
 class StreamStatistics(NamedTuple):
-    """
-    Statistics of one log block.
-
-    Attributes
-    ----------
-    wanted, rate : float
-        Requested rate, and mean rate between the first and the last packet. [Hz]
-    packets : int
-        Number of received packets.
-    loss : float
-        Lost fraction of the packets between the first and the last one.
-    jitter : float
-        95th percentile of the difference between arrival interval and stamp interval. [s]
-
-    """
+    """Statistics of one log block."""
 
     name: str
+    # Requested rate, and mean rate between the first and the last packet [Hz]
     wanted: float
     rate: float
-    packets: int
-    loss: float
+    packets: int  # number of received packets
+    loss: float  # lost fraction of the packets between the first and the last one
+    # 95th percentile of the difference between arrival interval and stamp interval [s]
     jitter: float
 
 

@@ -28,27 +28,15 @@ WIND = (0.45, 0.75, 0.95, 1.0)
 
 
 class SceneState(NamedTuple):
-    """
-    The moving parts of a scene.
+    """The moving parts of a scene."""
 
-    Attributes
-    ----------
-    place, turn : tuple
-        The hull centre in the map [m], and the attitude.
-    duties : dict of str to float
-        Commanded duty by actuator. [1]
-    seen : 3-tuple
-        The bearing vector; zero without a detected lamp. [1, base_link]
-    wind : 3-tuple
-        Velocity of the air at the hull. [m/s, map]
-
-    """
-
+    # The hull centre in the map [m], and the attitude
     place: Three = ORIGIN
     turn: Turn = LEVEL
+    # Commanded duty by actuator [1]
     duties: dict[str, float] = {}  # noqa: RUF012 - never changed
-    seen: Three = ORIGIN
-    wind: Three = ORIGIN
+    seen: Three = ORIGIN  # the bearing vector; zero without a detected lamp [1, base_link]
+    wind: Three = ORIGIN  # velocity of the air at the hull [m/s, map]
 
 
 @final

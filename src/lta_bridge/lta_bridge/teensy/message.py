@@ -16,26 +16,12 @@ SIGNED = 0x01  # the only incompatibility flag of MAVLink 2
 @final
 @dataclass(frozen=True, slots=True)
 class MavlinkMessage:
-    """
-    One message of the dialect.
+    """One message of the dialect."""
 
-    Parameters
-    ----------
-    number : int
-        Message id.
-    name : str
-        Name in the XML.
-    crc_extra : int
-        Checksum seed that ensures that both ends use the same fields.
-    layout : numpy.dtype
-        Fields in the order of the wire, little endian and packed.
-
-    """
-
-    number: int
-    name: str
-    crc_extra: int
-    layout: 'np.dtype[np.void]'
+    number: int  # message id
+    name: str  # name in the XML
+    crc_extra: int  # checksum seed that ensures that both ends use the same fields
+    layout: 'np.dtype[np.void]'  # fields in the order of the wire, little endian and packed
 
     def parse_payload(self, payload: bytes | bytearray) -> np.void:
         """Return the fields of a payload; trailing zeros are not sent, unknown fields are cut."""

@@ -33,15 +33,7 @@ def _missing_gamepad_error(path: Path) -> BadInput:
 
 @final
 class Gamepad:
-    """
-    Read a gamepad.
-
-    Raises
-    ------
-    BadInput
-        If there is no such device, or it may not be read.
-
-    """
+    """Read a gamepad; raise BadInput if there is no such device, or it may not be read."""
 
     def __init__(self, path: Path, layout: GamepadLayout) -> None:
         self._path, self._layout = path, layout

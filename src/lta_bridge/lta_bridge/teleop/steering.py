@@ -70,23 +70,11 @@ class TeleopState(NamedTuple):
 
 
 class TeleopOutputs(NamedTuple):
-    """
-    Outputs to publish at a tick.
+    """Outputs to publish at a tick."""
 
-    Attributes
-    ----------
-    held : bool or None
-        Whether the operator has control; None to publish nothing.
-    setpoint : Setpoint or None
-        The operator's setpoint.
-    stop : bool
-        Whether to send an emergency stop.
-
-    """
-
-    held: bool | None = None
-    setpoint: Setpoint | None = None
-    stop: bool = False
+    held: bool | None = None  # whether the operator has control; None to publish nothing
+    setpoint: Setpoint | None = None  # the operator's setpoint
+    stop: bool = False  # whether to send an emergency stop
 
 
 SILENT: Final = TeleopOutputs()

@@ -7,21 +7,13 @@ from lta_config.settings import setting, Settings
 
 
 class Sticks(NamedTuple):
-    """
-    Deflections and buttons at an instant.
+    """Deflections and buttons at an instant."""
 
-    Attributes
-    ----------
-    forward, turn, climb : float
-        Ahead, to the left, up: from -1 to 1, exactly 0 at rest.
-    take, give_back, stop : bool
-        Whether to take control, hand it back, or stop the motors.
-
-    """
-
+    # Ahead, to the left, up: from -1 to 1, exactly 0 at rest
     forward: float = 0.0
     turn: float = 0.0
     climb: float = 0.0
+    # Whether to take control, hand it back, or stop the motors
     take: bool = False
     give_back: bool = False
     stop: bool = False

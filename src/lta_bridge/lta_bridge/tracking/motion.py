@@ -21,27 +21,15 @@ GAP_NS: Final = 250_000_000  # no derivative is taken across a longer gap
 
 
 class TrackerMotion(NamedTuple):
-    """
-    A pose with its motion.
+    """A pose with its motion."""
 
-    Attributes
-    ----------
-    stamp_ns : int
-        Stamp of the pose. [ns]
-    pose : TrackerPose
-        The pose, not smoothed.
-    velocity, rates : 3-tuple
-        In the body frame. [m/s, rad/s]
-    place_sigma, turn_sigma, velocity_sigma, rates_sigma : float
-        Standard deviations from the residuals of the parabola; NaN without degrees of freedom.
-        [m, rad, m/s, rad/s]
-
-    """
-
-    stamp_ns: int
-    pose: TrackerPose
+    stamp_ns: int  # stamp of the pose [ns]
+    pose: TrackerPose  # the pose, not smoothed
+    # In the body frame [m/s, rad/s]
     velocity: Three
     rates: Three
+    # Standard deviations from the residuals of the parabola; NaN without degrees of freedom [m,
+    # rad, m/s, rad/s]
     place_sigma: float
     turn_sigma: float
     velocity_sigma: float

@@ -72,29 +72,17 @@ SETTLED: Final = 30.0  # s; after them the log begins, without the answer to the
 @final
 @dataclass(frozen=True, slots=True)
 class CalibrationCase:
-    """
-    Flights of one vehicle, and its hidden calibration.
-
-    Attributes
-    ----------
-    truth : VehicleTruth
-        The vehicle.
-    lifts, trends : mapping of str to float
-        Net lift at the start of each flight [N], and its growth. [N/s]
-    shares : tuple of float
-        Thrust of each rotor, by that of the vehicle file; negative against its axis there. Empty
-        for a commanded wrench.
-    is_steered : bool
-        Whether a controller closed the loop, which commands sway, too.
-
-    """
+    """Flights of one vehicle, and its hidden calibration."""
 
     flights: tuple[CaseFlight, ...]
     truth: VehicleTruth
+    # Net lift at the start of each flight [N], and its growth [N/s]
     lifts: Mapping[str, float]
     trends: Mapping[str, float]
+    # Thrust of each rotor, by that of the vehicle file; negative against its axis there. Empty for
+    # a commanded wrench.
     shares: tuple[float, ...] = ()
-    is_steered: bool = False
+    is_steered: bool = False  # whether a controller closed the loop, which commands sway, too
 
     def list_true_values(self, vehicle: Vehicle) -> dict[str, float]:
         """Return the true values by the names of a calibration; factors of those of a vehicle."""

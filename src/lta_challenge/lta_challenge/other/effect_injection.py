@@ -13,29 +13,15 @@ Draw = np.random.Generator
 @final
 @dataclass(frozen=True, slots=True)
 class InjectionRule:
-    """
-    How a parameter is hidden.
+    """How a parameter is hidden."""
 
-    Attributes
-    ----------
-    field : str
-        Field of `VehicleTruth` to which the value is added.
-    least, most : float
-        Bounds of the absolute value, in the unit of the parameter.
-    axis : int or None
-        Index within the field, if it has several elements.
-    signs : tuple of int
-        Allowed signs.
-    others : mapping of int to pair of float
-        Different bounds for one of the signs.
-
-    """
-
-    field: str
+    field: str  # field of `VehicleTruth` to which the value is added
+    # Bounds of the absolute value, in the unit of the parameter
     least: float
     most: float
-    axis: int | None = None
-    signs: tuple[int, ...] = (1,)
+    axis: int | None = None  # index within the field, if it has several elements
+    signs: tuple[int, ...] = (1,)  # allowed signs
+    # Different bounds for one of the signs
     others: Mapping[int, tuple[float, float]] | None = None
 
 

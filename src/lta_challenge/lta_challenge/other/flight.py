@@ -72,32 +72,15 @@ class DutyPilot(Protocol):
 @final
 @dataclass(frozen=True, slots=True)
 class SimulatedTrajectory:
-    """
-    The trajectory of a simulated flight.
+    """The trajectory of a simulated flight."""
 
-    Attributes
-    ----------
-    time : ndarray, shape (N,)
-        Times of the states. [s]
-    states : ndarray, shape (N, 13)
-        Position and velocity in the map, quaternion w x y z, body rates.
-    gains : ndarray, shape (N, 6)
-        Acceleration of the hull centre in the map, and of the body rates.
-    commands : ndarray, shape (M, rotors)
-        Duties, every TICK from 0 on.
-    thrusts : ndarray, shape (N, rotors)
-        Thrusts of the rotors. [N]
-    unlisted : ndarray, shape (N, 6)
-        Wrench of effects outside the library, in body axes. [N], [N m]
-
-    """
-
-    time: Array
+    time: Array  # times of the states, shape (N,) [s]
+    # Position and velocity in the map, quaternion w x y z, body rates, shape (N, 13)
     states: Array
-    gains: Array
-    commands: Array
-    thrusts: Array
-    unlisted: Array
+    gains: Array  # acceleration of the hull centre in the map, and of the body rates, shape (N, 6)
+    commands: Array  # duties, every TICK from 0 on, shape (M, rotors)
+    thrusts: Array  # thrusts of the rotors, shape (N, rotors) [N]
+    unlisted: Array  # wrench of effects outside the library, in body axes, shape (N, 6) [N], [N m]
 
 
 def state_derivative(state: State, gain: Six) -> State:

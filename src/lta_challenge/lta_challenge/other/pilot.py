@@ -24,32 +24,14 @@ EASE: Final = 0.0067  # N; least thrust of each forward rotor, so that they can 
 @final
 @dataclass(frozen=True, slots=True)
 class PilotManeuver:
-    """
-    A manoeuvre.
+    """A manoeuvre."""
 
-    Attributes
-    ----------
-    name : str
-        One of `MANOEUVRES`.
-    end : float
-        End time. [s]
-    duty : float
-        Duty of the forward rotors while they push.
-    period : float
-        Period of alternating commands. [s]
-    height : float
-        Height setpoint. [m]
-    turn : float
-        Change of heading at the start. [rad]
-
-    """
-
-    name: str
-    end: float
-    duty: float
-    period: float
-    height: float
-    turn: float
+    name: str  # one of `MANOEUVRES`
+    end: float  # end time [s]
+    duty: float  # duty of the forward rotors while they push
+    period: float  # period of alternating commands [s]
+    height: float  # height setpoint [m]
+    turn: float  # change of heading at the start [rad]
 
 
 def draw_maneuvers(seconds: float, draw: Draw) -> list[PilotManeuver]:

@@ -47,24 +47,15 @@ INNER: Final = 0.15  # ohm; internal resistance of the battery
 @final
 @dataclass(frozen=True, slots=True)
 class SampledMotion:
-    """
-    The motion at the times of samples.
+    """The motion at the times of samples."""
 
-    Attributes
-    ----------
-    place, velocity, gain : ndarray, shape (N, 3)
-        Position, velocity and acceleration of the hull centre in the map. [m], [m/s], [m/s2]
-    turn : Rotation
-        From body to map.
-    rates, spin : ndarray, shape (N, 3)
-        Body rates and their derivatives. [rad/s], [rad/s2]
-
-    """
-
+    # Position, velocity and acceleration of the hull centre in the map, shape (N, 3) [m], [m/s],
+    # [m/s2]
     place: Array
     velocity: Array
     gain: Array
-    turn: Rotation
+    turn: Rotation  # from body to map
+    # Body rates and their derivatives, shape (N, 3) [rad/s], [rad/s2]
     rates: Array
     spin: Array
 

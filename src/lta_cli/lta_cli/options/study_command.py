@@ -45,26 +45,13 @@ NOTHING: Final[Mapping[str, object]] = {}
 @final
 @dataclass(slots=True)
 class StudyRun:
-    """
-    What a study gets from its command, as the argument `run`.
+    """What a study gets from its command, as the argument `run`."""
 
-    Attributes
-    ----------
-    console : Console
-        For progress; it writes to stderr if the results are printed as JSON.
-    folder : Path
-        Results folder, absolute. A study that resumes or names it calls `open_folder`.
-    out : Path or None
-        The folder that the user has chosen.
-    page : bool
-        Whether a page is written; a study may then skip what only the page shows.
-
-    """
-
-    console: Console
+    console: Console  # for progress; it writes to stderr if the results are printed as JSON
+    # Results folder, absolute. A study that resumes or names it calls `open_folder`.
     folder: Path
-    out: Path | None
-    page: bool
+    out: Path | None  # the folder that the user has chosen
+    page: bool  # whether a page is written; a study may then skip what only the page shows
 
     def open_folder(self, default: Path) -> Path:
         """Set and return the results folder: the user's, or a default one."""

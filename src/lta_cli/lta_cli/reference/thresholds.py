@@ -45,24 +45,13 @@ which cases of `make sensitivity` change when it is doubled or halved. A dash me
 
 @final
 class Threshold(NamedTuple):
-    """
-    A threshold constant.
+    """A threshold constant."""
 
-    Attributes
-    ----------
-    module, name : str
-        Module below the package and constant: 'selection.candidate_acceptance', 'GAIN'.
-    value : str
-        Source text of the value.
-    about : str
-        Its comment: unit and purpose.
-
-    """
-
+    # Module below the package and constant: 'selection.candidate_acceptance', 'GAIN'
     module: str
     name: str
-    value: str
-    about: str
+    value: str  # source text of the value
+    about: str  # its comment: unit and purpose
 
     @property
     def key(self) -> str:

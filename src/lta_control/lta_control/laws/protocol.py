@@ -27,26 +27,14 @@ class Feedback(StrEnum):
 
 
 class ControlMotion(NamedTuple):
-    """
-    Motion of the vehicle as input of a law; the frame begins at the vehicle's start.
+    """Motion of the vehicle as input of a law; the frame begins at the vehicle's start."""
 
-    Attributes
-    ----------
-    position : tuple
-        Of the hull centre; z above the floor. Without a tracker, x and y are dead reckoning. [m]
-    attitude : tuple
-        Body to that frame, x y z w.
-    velocity : tuple
-        Body frame: over ground from a tracker, through the air from the estimator. [m/s]
-    rates : tuple
-        Body frame. [rad/s]
-
-    """
-
+    # Of the hull centre; z above the floor. Without a tracker, x and y are dead reckoning [m]
     position: Vector = (0.0, 0.0, 0.0)
-    attitude: Quaternion = (0.0, 0.0, 0.0, 1.0)
+    attitude: Quaternion = (0.0, 0.0, 0.0, 1.0)  # body to that frame, x y z w
+    # Body frame: over ground from a tracker, through the air from the estimator [m/s]
     velocity: Vector = (0.0, 0.0, 0.0)
-    rates: Vector = (0.0, 0.0, 0.0)
+    rates: Vector = (0.0, 0.0, 0.0)  # body frame [rad/s]
 
 
 class LawInputs(NamedTuple):

@@ -11,19 +11,10 @@ from typing import NamedTuple
 
 
 class HullDragModel(NamedTuple):
-    """
-    Drag and inertia of the vehicle along body x and y, about the hull centre.
+    """Drag and inertia of the vehicle along body x and y, about the hull centre."""
 
-    Attributes
-    ----------
-    mass : tuple of float
-        Mass including the added mass. [kg]
-    linear, quadratic : tuple of float
-        Drag coefficients. [N s/m], [N s2/m2]
-
-    """
-
-    mass: tuple[float, float]
+    mass: tuple[float, float]  # mass including the added mass [kg]
+    # Drag coefficients [N s/m], [N s2/m2]
     linear: tuple[float, float]
     quadratic: tuple[float, float]
 

@@ -33,28 +33,16 @@ NEAR_GROUND = 0.03  # m above the height on the floor, up to which the drone may
 
 
 class ModelledMotion(NamedTuple):
-    """
-    What the filter takes from the estimator.
+    """What the filter takes from the estimator."""
 
-    Attributes
-    ----------
-    ready : bool
-        Whether the IMU biases are known.
-    yaw, yaw_rate : float
-        Heading in the odom frame [rad], and its rate [rad/s].
-    surge, sway : float
-        Airspeed of the drag model, body frame. [m/s]
-    on_ground : bool
-        Whether the drone may stand on the floor, or be held there.
-
-    """
-
-    ready: bool
+    ready: bool  # whether the IMU biases are known
+    # Heading in the odom frame [rad], and its rate [rad/s]
     yaw: float
     yaw_rate: float
+    # Airspeed of the drag model, body frame [m/s]
     surge: float
     sway: float
-    on_ground: bool = False
+    on_ground: bool = False  # whether the drone may stand on the floor, or be held there
 
 
 def is_on_ground(height: float, standing_height: float) -> bool:

@@ -57,42 +57,19 @@ class GroundSettings(Settings):
 
 
 class GroundMotion(NamedTuple):
-    """
-    State of the filter; `rows` is empty before the first step.
+    """State of the filter; `rows` is empty before the first step."""
 
-    Attributes
-    ----------
-    mean, rows
-        States in the order of the module's constants, and their covariance.
-    air : tuple of float
-        Velocity of the drag model. [m/s, odom]
-    moved : tuple of float
-        Way since the last prediction. [m, odom]
-    elapsed : float
-        Time since the last prediction. [s]
-    frequency : float
-        Of the lamp in the state; 0 while there is none. [Hz]
-    doubted : float
-        Time since the last sighting that fitted, with outliers only. [s]
-    restarts : int
-        How often the filter began again, because its state could not be computed.
-    on_ground : bool
-        As in `ModelledMotion`, since the last prediction.
-    innovation : float
-        Running mean of the normalised innovations of bearings.
-
-    """
-
+    # States in the order of the module's constants, and their covariance
     mean: Row = NOTHING
     rows: tuple[Row, ...] = ()
-    air: tuple[float, float] = (0.0, 0.0)
-    moved: tuple[float, float] = (0.0, 0.0)
-    elapsed: float = 0.0
-    frequency: float = 0.0
-    doubted: float = 0.0
-    restarts: int = 0
-    on_ground: bool = False
-    innovation: float = 0.0
+    air: tuple[float, float] = (0.0, 0.0)  # velocity of the drag model [m/s, odom]
+    moved: tuple[float, float] = (0.0, 0.0)  # way since the last prediction [m, odom]
+    elapsed: float = 0.0  # time since the last prediction [s]
+    frequency: float = 0.0  # of the lamp in the state; 0 while there is none [Hz]
+    doubted: float = 0.0  # time since the last sighting that fitted, with outliers only [s]
+    restarts: int = 0  # how often the filter began again, because its state could not be computed
+    on_ground: bool = False  # as in `ModelledMotion`, since the last prediction
+    innovation: float = 0.0  # running mean of the normalised innovations of bearings
 
     @property
     def position(self) -> tuple[float, float]:

@@ -10,31 +10,17 @@ NEAREST = 0.3  # m
 
 
 class LampSighting(NamedTuple):
-    """
-    A lamp as one light block shows it.
+    """A lamp as one light block shows it."""
 
-    Attributes
-    ----------
-    bearing, deviation : float
-        In the body frame, and its standard deviation. [rad]
-    distance, spread : float
-        Rough distance [m], and its relative standard deviation.
-    strength : float
-        Amplitude of a diode that would face the lamp. [ADC counts]
-    frequency : float
-        Which tells lamps apart. [Hz]
-    age : float
-        Time since the middle of the block. [s]
-
-    """
-
+    # In the body frame, and its standard deviation [rad]
     bearing: float
     deviation: float
+    # Rough distance [m], and its relative standard deviation
     distance: float
     spread: float
-    strength: float
-    frequency: float
-    age: float
+    strength: float  # amplitude of a diode that would face the lamp [ADC counts]
+    frequency: float  # which tells lamps apart [Hz]
+    age: float  # time since the middle of the block [s]
 
 
 def build_sighting(

@@ -14,65 +14,31 @@ Memory = tuple[Any, ...]  # numbers and tuples of numbers; the first is the last
 
 
 class LightMeasurement(NamedTuple):
-    """
-    Light of one block, at the middle of the block.
+    """Light of one block, at the middle of the block."""
 
-    Attributes
-    ----------
-    seen : bool
-        Whether the lamp is seen.
-    bearing : float
-        Of the lamp in the body frame, counter-clockwise; 0 where it is not seen. [rad]
-    heading : float
-        Of the drone, in the odom frame, at the same instant. [rad]
-    amplitudes : tuple of float
-        Light at the beacon's frequency by diode. [ADC counts]
-    interval : float
-        Time since the last sight. [s]
-    deviation : float
-        Standard deviation of the bearing. [rad]
-    strength : float
-        Light on a diode that faces the lamp, without the pedestal, scaled to a
-        resistor of 100 kohm; 0 where it is not seen. [ADC counts]
-    elevation : float
-        Of the lamp over the body's horizon; 0 where it is unknown. [rad]
-    position : tuple of float
-        x and y by dead reckoning through the air, without the wind. [m, odom]
-    drift : tuple of float
-        Estimated airspeed forward and to the left. [m/s, body]
-
-    """
-
-    seen: bool
+    seen: bool  # whether the lamp is seen
+    # Of the lamp in the body frame, counter-clockwise; 0 where it is not seen [rad]
     bearing: float
-    heading: float
-    amplitudes: tuple[float, ...]
-    interval: float
-    deviation: float = 0.0
+    heading: float  # of the drone, in the odom frame, at the same instant [rad]
+    amplitudes: tuple[float, ...]  # light at the beacon's frequency by diode [ADC counts]
+    interval: float  # time since the last sight [s]
+    deviation: float = 0.0  # standard deviation of the bearing [rad]
+    # Light on a diode that faces the lamp, without the pedestal, scaled to a resistor of 100 kohm;
+    # 0 where it is not seen [ADC counts]
     strength: float = 0.0
-    elevation: float = 0.0
+    elevation: float = 0.0  # of the lamp over the body's horizon; 0 where it is unknown [rad]
+    # x and y by dead reckoning through the air, without the wind [m, odom]
     position: tuple[float, float] = (0.0, 0.0)
+    # Estimated airspeed forward and to the left [m/s, body]
     drift: tuple[float, float] = (0.0, 0.0)
 
 
 class SteeringCommand(NamedTuple):
-    """
-    Course of the strategy.
+    """Course of the strategy."""
 
-    Attributes
-    ----------
-    heading : float
-        In the odom frame. [rad]
-    speed : float
-        Forward airspeed. [m/s]
-    arrived : bool
-        Whether the strategy considers itself at the lamp.
-
-    """
-
-    heading: float
-    speed: float
-    arrived: bool = False
+    heading: float  # in the odom frame [rad]
+    speed: float  # forward airspeed [m/s]
+    arrived: bool = False  # whether the strategy considers itself at the lamp
 
 
 class CruiseSettings(Settings):
@@ -110,38 +76,22 @@ class NavigationStrategy:
     A navigation strategy: plain functions of scalars and tuples with memory in and out.
 
     A new one needs one file with its functions and a `STRATEGY`; CONTRIBUTING.md lists the rest.
-
-    Parameters
-    ----------
-    name : str
-        Name in launch files.
-    start : callable
-        `start(heading) -> memory` before the first sight.
-    steer : callable
-        `steer(settings, memory, sight) -> (course, memory)`.
-    watch : callable, optional
-        `watch(settings, memory, sight) -> memory` during the climb, before it may steer; keeps
-        the heading.
-    onward : callable, optional
-        `onward(memory) -> memory` when the drone has arrived and continues to another lamp.
-        Required for a route of several lamps.
-    distance : callable, optional
-        `distance(memory) -> horizontal distance to the lamp` [m], NaN where it is unknown.
-    ranges : bool
-        Whether it uses `LightMeasurement.strength`, which needs the resistor.
-    file : str
-        Path of the user's file that defines it; empty for a strategy of LTA.
-
     """
 
-    name: str
-    start: Callable[[float], Memory]
+    name: str  # name in launch files
+    start: Callable[[float], Memory]  # `start(heading) -> memory` before the first sight
+    # `steer(settings, memory, sight) -> (course, memory)`
     steer: Callable[['StrategySettings', Any, LightMeasurement], tuple[SteeringCommand, Memory]]
+    # `watch(settings, memory, sight) -> memory` during the climb, before it may steer; keeps the
+    # heading
     watch: Callable[['StrategySettings', Any, LightMeasurement], Memory] = keep_memory
+    # `onward(memory) -> memory` when the drone has arrived and continues to another lamp. Required
+    # for a route of several lamps.
     onward: Callable[[Any], Memory] = keep_lamp
-    ranges: bool = False
+    ranges: bool = False  # whether it uses `LightMeasurement.strength`, which needs the resistor
+    # `distance(memory) -> horizontal distance to the lamp` [m], NaN where it is unknown
     distance: Callable[[Any], float] = leave_distance_unknown
-    file: str = ''
+    file: str = ''  # path of the user's file that defines it; empty for a strategy of LTA
 
     @property
     def arrives(self) -> bool:

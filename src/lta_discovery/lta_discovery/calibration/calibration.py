@@ -49,20 +49,11 @@ class _Estimate:
 @final
 @dataclass(frozen=True, slots=True)
 class PreparedCalibration:
-    """
-    What a calibration works on.
-
-    Attributes
-    ----------
-    knobs : list of FreeParameter
-        The calibrated numbers.
-    flights, names : mapping of role to flights, or to their names
-        Role 'train' or 'confirm'.
-
-    """
+    """What a calibration works on."""
 
     nominal: NominalVehicle
-    knobs: list[FreeParameter]
+    knobs: list[FreeParameter]  # the calibrated numbers
+    # Role 'train' or 'confirm'
     flights: Mapping[str, list[FlightLinearizer]]
     names: Mapping[str, list[str]]
 

@@ -36,43 +36,23 @@ ROUNDS: Final = 6  # most linearisations of a fit
 @final
 @dataclass(frozen=True, slots=True)
 class CoarseCalibration:
-    """
-    Result of the coarse fit.
+    """Result of the coarse fit."""
 
-    Attributes
-    ----------
-    values : ndarray, shape (K,)
-        Relative to the vehicle file.
-    lifts : ndarray, shape (F,)
-        Net lift of each flight. [N]
-    covariance : ndarray, shape (K, K)
-        Of the values; that of the prior where no forecast was fitted.
-
-    """
-
-    values: Array
-    lifts: Array
+    values: Array  # relative to the vehicle file, shape (K,)
+    lifts: Array  # net lift of each flight, shape (F,) [N]
+    # Of the values; that of the prior where no forecast was fitted, shape (K, K)
     covariance: Array
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class QuickFit:
-    """
-    Result of a short fit of gains, markers' frame and lift.
+    """Result of a short fit of gains, markers' frame and lift."""
 
-    Attributes
-    ----------
-    values, deviations : ndarray, shape (K,)
-        Relative to the vehicle file, and their standard deviations; 0 where not fitted.
-    lifts : ndarray, shape (F,)
-        Net lift of each flight. [N]
-
-    """
-
+    # Relative to the vehicle file, and their standard deviations; 0 where not fitted, shape (K,)
     values: Array
     deviations: Array
-    lifts: Array
+    lifts: Array  # net lift of each flight, shape (F,) [N]
 
 
 def build_forecast_fitter(

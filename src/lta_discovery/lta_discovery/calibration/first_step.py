@@ -45,23 +45,11 @@ BETTER: Final = {'likelihood': 0.8, 'forecasts': 0.3, 'file': 0.0}
 @final
 @dataclass(frozen=True, slots=True)
 class CalibratedStart:
-    """
-    The vehicle from which a discovery goes on.
-
-    Attributes
-    ----------
-    vehicle : Vehicle
-        The calibrated vehicle.
-    text : str
-        Its file.
-    calibration : Calibration
-        What was calibrated.
-
-    """
+    """The vehicle from which a discovery goes on."""
 
     vehicle: Vehicle
-    text: str
-    calibration: Calibration
+    text: str  # its file
+    calibration: Calibration  # what was calibrated
 
 
 def calibrate_first(

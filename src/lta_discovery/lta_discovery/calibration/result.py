@@ -12,63 +12,35 @@ WIDE: Final = 1.96  # standard deviations of a 95 % interval
 @final
 @dataclass(frozen=True, slots=True)
 class ForecastScore:
-    """
-    RMS errors of forecasts at one horizon, over all pieces of some flights.
+    """RMS errors of forecasts at one horizon, over all pieces of some flights."""
 
-    Attributes
-    ----------
-    horizon : float
-        [s]
-    coast, before, after : pair of float
-        Position [m] and attitude [rad] with constant body velocity, with the vehicle file, and
-        with the calibration.
-    pieces : int
-        Number of forecasts.
-
-    """
-
-    horizon: float
+    horizon: float  # [s]
+    # Position [m] and attitude [rad] with constant body velocity, with the vehicle file, and with
+    # the calibration
     coast: tuple[float, float]
     before: tuple[float, float]
     after: tuple[float, float]
-    pieces: int
+    pieces: int  # number of forecasts
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class CalibratedValue:
-    """
-    One calibrated number.
+    """One calibrated number."""
 
-    Attributes
-    ----------
-    name, unit : str
-        Of the parameter; a mass or inertia is a factor on that of the file, with the unit '1'.
-    flight : str
-        The flight that it belongs to; '' for the vehicle.
-    before, value : float
-        In the vehicle file, and calibrated.
-    ci95 : pair of float
-        95 % interval.
-    is_known : bool
-        Whether the flights narrow it down; otherwise the interval is the assumed one.
-    is_far : bool
-        Whether the file is off by more than its tolerance explains, or by so much that a discovery
-        goes on from the calibrated file.
-    inseparable : tuple of str
-        Parameters that could be changed instead.
-
-    """
-
+    # Of the parameter; a mass or inertia is a factor on that of the file, with the unit '1'
     name: str
     unit: str
-    flight: str
+    flight: str  # the flight that it belongs to; '' for the vehicle
+    # In the vehicle file, and calibrated
     before: float
     value: float
-    ci95: tuple[float, float]
-    is_known: bool
+    ci95: tuple[float, float]  # 95 % interval
+    is_known: bool  # whether the flights narrow it down; otherwise the interval is the assumed one
+    # Whether the file is off by more than its tolerance explains, or by so much that a discovery
+    # goes on from the calibrated file
     is_far: bool
-    inseparable: tuple[str, ...]
+    inseparable: tuple[str, ...]  # parameters that could be changed instead
 
     @property
     def deviation(self) -> float:
@@ -79,33 +51,17 @@ class CalibratedValue:
 @final
 @dataclass(frozen=True, slots=True)
 class Calibration:
-    """
-    Result of a calibration.
+    """Result of a calibration."""
 
-    Attributes
-    ----------
-    vehicle : str
-        Name or file.
-    nominal, calibrated : NominalVehicle
-        Of the vehicle file, and calibrated, with the mean net lift of the flights; without drag
-        and added mass if those are left to a discovery.
-    values : tuple of CalibratedValue
-        Of the vehicle, then by flight.
-    scores : mapping of role to scores
-        Of forecasts of the training and of the confirming flights.
-    method : str
-        'likelihood', 'forecasts', or 'file' if nothing forecasts the flights better.
-    bags : mapping of role to names
-    warnings : tuple of str
-
-    """
-
-    vehicle: str
+    vehicle: str  # name or file
+    # Of the vehicle file, and calibrated, with the mean net lift of the flights; without drag and
+    # added mass if those are left to a discovery
     nominal: NominalVehicle
     calibrated: NominalVehicle
-    values: tuple[CalibratedValue, ...]
+    values: tuple[CalibratedValue, ...]  # of the vehicle, then by flight
+    # Of forecasts of the training and of the confirming flights
     scores: Mapping[str, tuple[ForecastScore, ...]]
-    method: str
+    method: str  # 'likelihood', 'forecasts', or 'file' if nothing forecasts the flights better
     bags: Mapping[str, tuple[str, ...]]
     warnings: tuple[str, ...] = ()
 

@@ -65,23 +65,11 @@ HIDEABLE: Final[dict[str, tuple[float, float]]] = {
 @final
 @dataclass(frozen=True, slots=True)
 class DemoEffect:
-    """
-    The hidden effect.
+    """The hidden effect."""
 
-    Attributes
-    ----------
-    name : str
-        Of the parameter: 'linear_drag.surge', 'motor_lag'.
-    value : float
-        In `unit`.
-    unit : str
-        SI.
-
-    """
-
-    name: str
-    value: float
-    unit: str
+    name: str  # of the parameter: 'linear_drag.surge', 'motor_lag'
+    value: float  # in `unit`
+    unit: str  # SI
 
     def hide_in(self, spec: FlightSpec) -> FlightSpec:
         """Return a flight whose vehicle has the effect."""

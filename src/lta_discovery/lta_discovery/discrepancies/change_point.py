@@ -32,23 +32,11 @@ CHANCE: Final = 0.04  # significance level; 8 pieces have too few orders for a s
 
 @final
 class ChangePoint(NamedTuple):
-    """
-    A permanent change.
+    """A permanent change."""
 
-    Attributes
-    ----------
-    piece : int
-        First piece after it.
-    knob : str
-        Changed parameter: 'rotor_fault.lost_3'.
-    won : float
-        Log Bayes factor. [nats]
-
-    """
-
-    piece: int
-    knob: str
-    won: float
+    piece: int  # first piece after it
+    knob: str  # changed parameter: 'rotor_fault.lost_3'
+    won: float  # log Bayes factor [nats]
 
 
 def find_change_point(

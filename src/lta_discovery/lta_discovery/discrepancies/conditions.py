@@ -21,20 +21,10 @@ SECTORS: Final = ('east', 'north', 'west', 'south')  # x of the map is east (REP
 
 @final
 class FlightCondition(NamedTuple):
-    """
-    Condition under which a disagreement is largest.
+    """Condition under which a disagreement is largest."""
 
-    Attributes
-    ----------
-    name : str
-        'speed above 0.4 m/s'; 'always' where no condition stands out.
-    holds : ndarray of bool, shape (n,)
-        Whether it holds.
-
-    """
-
-    name: str
-    holds: NDArray[np.bool_]
+    name: str  # 'speed above 0.4 m/s'; 'always' where no condition stands out
+    holds: NDArray[np.bool_]  # whether it holds, shape (n,)
 
 
 def ground_speed(flight: MeasuredFlight) -> Array:

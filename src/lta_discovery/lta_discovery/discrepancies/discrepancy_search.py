@@ -40,52 +40,25 @@ EVERY: Final = 25  # grid points per value of a channel: 1 s
 @final
 @dataclass(frozen=True, slots=True)
 class BaselineFlight:
-    """
-    One flight under the model of the vehicle file.
+    """One flight under the model of the vehicle file."""
 
-    Attributes
-    ----------
-    name : str
-        Of its bag.
-    before : LinearizationPoint
-        The vehicle file.
-    fit : FlightFit or None
-        Its tolerances, fitted without any effect; None if that was not done.
-    light : ndarray, shape (n,), or None
-        Illuminance on the grid. [lx]
-
-    """
-
-    name: str
+    name: str  # of its bag
     flight: FlightLinearizer
-    before: LinearizationPoint
+    before: LinearizationPoint  # the vehicle file
+    # Its tolerances, fitted without any effect; None if that was not done
     fit: FlightFit | None = None
-    light: Array | None = None
+    light: Array | None = None  # illuminance on the grid, shape (n,) [lx]
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class DisagreementSeries:
-    """
-    One disagreement over time, in units of its noise.
+    """One disagreement over time, in units of its noise."""
 
-    Attributes
-    ----------
-    name : str
-        Channel or axis.
-    values : ndarray, shape (n,)
-        Root mean squares, or signed values.
-    index : ndarray of int, shape (n,)
-        Points of the grid, rising.
-    block : int
-        Correlation length, in values.
-
-    """
-
-    name: str
-    values: Array
-    index: NDArray[np.int64]
-    block: int
+    name: str  # channel or axis
+    values: Array  # root mean squares, or signed values, shape (n,)
+    index: NDArray[np.int64]  # points of the grid, rising, shape (n,)
+    block: int  # correlation length, in values
 
 
 def find_discrepancies(flights: Sequence[BaselineFlight], seed: int) -> tuple[Discrepancy, ...]:

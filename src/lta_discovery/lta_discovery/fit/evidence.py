@@ -70,20 +70,10 @@ def wrench_floor(nominal: NominalVehicle) -> Array:
 
 @final
 class Prior(NamedTuple):
-    """
-    Prior of the parameters, followed by the sensor errors (SENSORS).
+    """Prior of the parameters, followed by the sensor errors (SENSORS)."""
 
-    Attributes
-    ----------
-    mean : ndarray, shape (G,)
-        Relative to the vehicle file.
-    covariance : ndarray, shape (G, G)
-        Rows and columns of 0 fix a parameter.
-
-    """
-
-    mean: Array
-    covariance: Array
+    mean: Array  # relative to the vehicle file, shape (G,)
+    covariance: Array  # rows and columns of 0 fix a parameter, shape (G, G)
 
     @property
     def free(self) -> NDArray[np.bool_]:
@@ -145,40 +135,22 @@ def posterior_as_prior(before: 'ParameterPosterior', widened: float = 1.5) -> Pr
 @final
 @dataclass(frozen=True, slots=True)
 class ReducedFlight:
-    """
-    A flight with the unknowns of its pieces eliminated.
+    """A flight with the unknowns of its pieces eliminated."""
 
-    Attributes
-    ----------
-    products : ndarray, shape (G + 1, G + 1)
-        Of parameter columns and residual, in the remaining inverse covariance.
-    constant : float
-        Of the log evidence: unknowns of the pieces and readings, less the noise levels.
-
-    """
-
+    # Of parameter columns and residual, in the remaining inverse covariance, shape (G + 1, G + 1)
     products: Array
+    # Of the log evidence: unknowns of the pieces and readings, less the noise levels
     constant: float
 
 
 @final
 class LatentSolution(NamedTuple):
-    """
-    Latent wrench of a flight's pieces for some deviations.
+    """Latent wrench of a flight's pieces for some deviations."""
 
-    Attributes
-    ----------
-    reduced : ReducedFlight
-        The flight without the unknowns of its pieces.
-    inverse : ndarray, shape (S, L, L)
-        Covariance of the wrench at the knots, for fixed parameters.
-    answer : ndarray, shape (S, L, G + 1)
-        Sensitivity of the wrench to the parameters; the last column is its change for fixed ones.
-
-    """
-
-    reduced: ReducedFlight
-    inverse: Array
+    reduced: ReducedFlight  # the flight without the unknowns of its pieces
+    inverse: Array  # covariance of the wrench at the knots, for fixed parameters, shape (S, L, L)
+    # Sensitivity of the wrench to the parameters; the last column is its change for fixed ones,
+    # shape (S, L, G + 1)
     answer: Array
 
 

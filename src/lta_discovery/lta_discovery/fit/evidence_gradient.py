@@ -30,23 +30,11 @@ Array = NDArray[np.float64]
 
 @final
 class EvidenceGradient(NamedTuple):
-    """
-    Log evidence at some deviations.
+    """Log evidence at some deviations."""
 
-    Attributes
-    ----------
-    value : float
-        Including the prior of the deviations. [nats]
-    slope : ndarray, shape (6,)
-        Gradient in the logarithms of the deviations.
-    bend : ndarray, shape (6, 6)
-        Minus the expected Hessian.
-
-    """
-
-    value: float
-    slope: Array
-    bend: Array
+    value: float  # including the prior of the deviations [nats]
+    slope: Array  # gradient in the logarithms of the deviations, shape (6,)
+    bend: Array  # minus the expected Hessian, shape (6, 6)
 
 
 def compute_evidence_gradient(

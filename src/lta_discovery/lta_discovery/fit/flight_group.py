@@ -34,21 +34,13 @@ class FlightSolution(NamedTuple):
 @final
 @dataclass(frozen=True, slots=True)
 class LinearizedGroup:
-    """
-    Flights, linearized about a common point.
-
-    Attributes
-    ----------
-    at : ndarray, shape (G,)
-        Shared parameters. If a flight was linearized at others, its linearization is extrapolated.
-    variance : ndarray, shape (G,)
-        Of each flight's own parameters; 0 for shared ones.
-
-    """
+    """Flights, linearized about a common point."""
 
     pieces: tuple[PieceReducer, ...]
+    # Shared parameters. If a flight was linearized at others, its linearization is extrapolated.
+    # Shape (G,)
     at: Array
-    variance: Array
+    variance: Array  # of each flight's own parameters; 0 for shared ones, shape (G,)
 
     @property
     def linears(self) -> tuple[LinearizedFlight, ...]:

@@ -52,27 +52,15 @@ ASTRAY: Final = 3.0  # times the error of unaided forecasts; a step above it is 
 @final
 @dataclass(frozen=True, slots=True)
 class FlightFit:
-    """
-    Fit of one flight, alone or with others.
+    """Fit of one flight, alone or with others."""
 
-    Attributes
-    ----------
-    linear, pieces : LinearizedFlight, PieceReducer
-        About the last point.
-    reduced : ReducedFlight
-        For the fitted deviations.
-    deviations : ndarray, shape (6,)
-        Of the latent force [N] and moment [N m].
-    evidence : float
-        Log evidence of all jointly fitted flights, including the prior of the deviations. [nats]
-
-    """
-
+    # About the last point
     linear: LinearizedFlight
     pieces: PieceReducer
-    reduced: ReducedFlight
-    deviations: Array
+    reduced: ReducedFlight  # for the fitted deviations
+    deviations: Array  # of the latent force [N] and moment, shape (6,) [N m]
     fitted: ParameterPosterior
+    # Log evidence of all jointly fitted flights, including the prior of the deviations [nats]
     evidence: float
     rounds: int
 
@@ -80,23 +68,12 @@ class FlightFit:
 @final
 @dataclass(frozen=True, slots=True)
 class JointFit:
-    """
-    Joint fit of flights of one vehicle.
+    """Joint fit of flights of one vehicle."""
 
-    Attributes
-    ----------
-    group : LinearizedGroup
-        About the last point.
-    reduced : ReducedFlight
-        Of the shared parameters, for the fitted deviations.
-    deviations, fitted, evidence, rounds
-        As for `FlightFit`; fitted are the shared parameters.
-
-    """
-
-    group: LinearizedGroup
+    group: LinearizedGroup  # about the last point
     prior: Prior
-    reduced: ReducedFlight
+    reduced: ReducedFlight  # of the shared parameters, for the fitted deviations
+    # As for `FlightFit`; fitted are the shared parameters
     deviations: Array
     fitted: ParameterPosterior
     evidence: float
@@ -126,49 +103,23 @@ class JointFit:
 
 @final
 class FitStep(NamedTuple):
-    """
-    Next linearization point.
+    """Next linearization point."""
 
-    Attributes
-    ----------
-    at : ndarray, shape (G,)
-        Shared parameters.
-    points : list of LinearizationPoint
-        Of each flight.
-    kept : float
-        Difference between actual and predicted misfit.
-    whole : bool
-        Whether it is the full step.
-
-    """
-
-    at: Array
-    points: list[LinearizationPoint]
-    kept: float
-    whole: bool
+    at: Array  # shared parameters, shape (G,)
+    points: list[LinearizationPoint]  # of each flight
+    kept: float  # difference between actual and predicted misfit
+    whole: bool  # whether it is the full step
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class JointFitter:
-    """
-    Fit flights jointly.
+    """Fit flights jointly."""
 
-    Attributes
-    ----------
-    nominal : NominalVehicle
-        The vehicle of the file, where all parameters are 0.
-    variance : ndarray, shape (G,)
-        Of per-flight parameters.
-    floor : ndarray, shape (6,)
-        Noise floor of the latent wrench.
-
-    """
-
-    nominal: NominalVehicle
+    nominal: NominalVehicle  # the vehicle of the file, where all parameters are 0
     flights: Sequence[FlightLinearizer]
-    variance: Array
-    floor: Array
+    variance: Array  # of per-flight parameters, shape (G,)
+    floor: Array  # noise floor of the latent wrench, shape (6,)
 
     def linearize_flights(
         self, at: Array, points: Sequence[LinearizationPoint], prior: Prior | None = None

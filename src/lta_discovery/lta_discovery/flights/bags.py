@@ -21,26 +21,12 @@ ROLES: Final[tuple[Role, ...]] = ('train', 'confirm', 'holdout')
 @final
 @dataclass(frozen=True, slots=True)
 class StudyRecording:
-    """
-    One recorded flight.
+    """One recorded flight."""
 
-    Attributes
-    ----------
-    name : str
-        Of the bag; unique within the study.
-    role : str
-        'train', 'confirm' or 'holdout'.
-    recording : ChannelRecording
-        Its channels and provenance.
-    losses : tuple of str
-        Missing or unreadable parts, one sentence each.
-
-    """
-
-    name: str
-    role: Role
-    recording: ChannelRecording
-    losses: tuple[str, ...] = ()
+    name: str  # of the bag; unique within the study
+    role: Role  # 'train', 'confirm' or 'holdout'
+    recording: ChannelRecording  # its channels and provenance
+    losses: tuple[str, ...] = ()  # missing or unreadable parts, one sentence each
 
     @property
     def vehicle(self) -> str:

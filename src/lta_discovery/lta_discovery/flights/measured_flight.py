@@ -32,89 +32,49 @@ FILTERS: Final = ('rates', 'force', 'range', 'pressure')  # sensors that settle
 @final
 @dataclass(frozen=True, slots=True)
 class Stream:
-    """
-    Samples of one sensor, or of the commands.
+    """Samples of one sensor, or of the commands."""
 
-    Attributes
-    ----------
-    time : ndarray, shape (n,)
-        Since the start of the flight, rising. [s]
-    values : ndarray, shape (n, k)
-        NaN or infinite where a reading is invalid.
-
-    """
-
-    time: Array
-    values: Array
+    time: Array  # since the start of the flight, rising, shape (n,) [s]
+    values: Array  # NaN or infinite where a reading is invalid, shape (n, k)
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class FlightStreams:
-    """
-    All recorded streams of a flight.
+    """All recorded streams of a flight."""
 
-    Attributes
-    ----------
-    pose : Stream
-        Position [m] and quaternion x y z w of the body in the map.
-    commands : Stream
-        Duty of each rotor, held until the next.
-    others : mapping of str to Stream
-        Any of 'rates' [rad/s], 'force' [m/s2], 'range' [m], 'pressure' [Pa], 'voltage' [V].
-    floor : float
-        Height of the hull centre below which the vehicle may touch the floor. [m]
-    wrench : Stream, optional
-        Commanded force and moment about the hull centre, body frame, held until the next; for
-        vehicles without duty commands. [N, N m]
-    mass : Stream, optional
-        Commanded place of the moving mass, body frame, held until the next. [m]
-
-    """
-
-    pose: Stream
-    commands: Stream
+    pose: Stream  # position [m] and quaternion x y z w of the body in the map
+    commands: Stream  # duty of each rotor, held until the next
+    # Any of 'rates' [rad/s], 'force' [m/s2], 'range' [m], 'pressure' [Pa], 'voltage' [V]
     others: Mapping[str, Stream] = field(default_factory=dict)
+    # Height of the hull centre below which the vehicle may touch the floor [m]
     floor: float = -np.inf
+    # Commanded force and moment about the hull centre, body frame, held until the next; for
+    # vehicles without duty commands [N, N m]
     wrench: Stream | None = None
+    # Commanded place of the moving mass, body frame, held until the next [m]
     mass: Stream | None = None
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class MeasuredFlight:
-    """
-    A flight on a grid of n points.
+    """A flight on a grid of n points."""
 
-    Attributes
-    ----------
-    time : ndarray, shape (n,)
-        [s]
-    position, quaternion : ndarray, shape (n, 3) and (n, 4)
-        NaN in gaps.
-    readings : ndarray, shape (n, 8)
-        Rates, specific force, range, pressure; the first two as means until the next point.
-    noise : ndarray, shape (14,)
-        Standard deviation by CHANNELS; infinite for an absent channel.
-    usable : ndarray of bool, shape (n,)
-        Whether the point is part of the fit.
-    voltage : ndarray, shape (n,)
-        Of the battery, NaN where it is unknown. [V]
-    alike : float
-        Number of successive poses with correlated errors; `noise` is scaled by its root.
-
-    """
-
-    time: Array
+    time: Array  # shape (n,) [s]
+    # NaN in gaps, shape (n, 3)
     position: Array
     quaternion: Array
+    # Rates, specific force, range, pressure; the first two as means until the next point, shape
+    # (n, 8)
     readings: Array
-    noise: Array
-    usable: NDArray[np.bool_]
+    noise: Array  # standard deviation by CHANNELS; infinite for an absent channel, shape (14,)
+    usable: NDArray[np.bool_]  # whether the point is part of the fit, shape (n,)
     commands: Stream
-    voltage: Array
+    voltage: Array  # of the battery, NaN where it is unknown, shape (n,) [V]
     wrench: Stream | None = None
     mass: Stream | None = None
+    # Number of successive poses with correlated errors; `noise` is scaled by its root
     alike: float = 1.0
 
     @property

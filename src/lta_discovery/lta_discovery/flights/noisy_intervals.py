@@ -17,26 +17,17 @@ CHANNEL: Final = {6: 12, 7: 13}  # of CHANNELS by column of the readings
 @final
 @dataclass(frozen=True, slots=True)
 class ExcludedInterval:
-    """
-    An excluded part of a flight.
+    """An excluded part of a flight."""
 
-    Attributes
-    ----------
-    flight, channel : str
-        The flight, and the checked channel. The flight itself is excluded there if the channel is
-        the pose, the commands or the whole; otherwise only that sensor.
-    from_s, to_s : float
-        Since its start. [s]
-    disturbs_all : bool
-        Whether the whole vehicle is disturbed, whatever the channel: it is in a hand.
-
-    """
-
+    # The flight, and the checked channel. The flight itself is excluded there if the channel is
+    # the pose, the commands or the whole; otherwise only that sensor.
     flight: str
     channel: str
+    # Since its start [s]
     from_s: float
     to_s: float
     reason: str
+    # Whether the whole vehicle is disturbed, whatever the channel: it is in a hand
     disturbs_all: bool = False
 
 

@@ -75,21 +75,12 @@ SENSORS: Final = {
 @final
 @dataclass(frozen=True, slots=True)
 class UsableFlights:
-    """
-    The usable parts of flights.
+    """The usable parts of flights."""
 
-    Attributes
-    ----------
-    flights : tuple of (name, role, MeasuredFlight)
-        Input of a study.
-    light : mapping of str to ndarray
-        Illuminance on the grid, by flight. [lx]
-
-    """
-
-    flights: tuple[tuple[str, Role, MeasuredFlight], ...]
+    flights: tuple[tuple[str, Role, MeasuredFlight], ...]  # input of a study
     cuts: tuple[ExcludedInterval, ...]
     warnings: tuple[str, ...]
+    # Illuminance on the grid, by flight [lx]
     light: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
 
 

@@ -32,28 +32,14 @@ KNOTS: Final = 9  # of a piece, unless the motion of the vehicle requires more
 @final
 @dataclass(frozen=True, slots=True)
 class Windows:
-    """
-    Pieces of a flight, all of n grid periods.
+    """Pieces of a flight, all of n grid periods."""
 
-    Attributes
-    ----------
-    first : ndarray of int, shape (S,)
-        Grid point of each beginning.
-    length : int
-        n; a piece has n + 1 states.
-    start : ndarray, shape (S, 13)
-        Initial states, from the poses around them.
-    inside : ndarray of bool, shape (S, n)
-        Points that belong to the piece: the last piece of a run may be shorter.
-    knots : int
-        Of the latent wrench of a piece, evenly spaced from its beginning to its end.
-
-    """
-
-    first: NDArray[np.int64]
-    length: int
-    start: Array
+    first: NDArray[np.int64]  # grid point of each beginning, shape (S,)
+    length: int  # n; a piece has n + 1 states
+    start: Array  # initial states, from the poses around them, shape (S, 13)
+    # Points that belong to the piece: the last piece of a run may be shorter, shape (S, n)
     inside: NDArray[np.bool_]
+    # Of the latent wrench of a piece, evenly spaced from its beginning to its end
     knots: int = KNOTS
 
 

@@ -28,26 +28,14 @@ SHARES: Final = (0.5, 0.25, 0.1, 0.03, 0.0)  # of the fitted tolerances, tried i
 @final
 @dataclass(frozen=True, slots=True)
 class ComparedFits:
-    """
-    Fits that predict their own flights no worse than the vehicle file.
+    """Fits that predict their own flights no worse than the vehicle file."""
 
-    Attributes
-    ----------
-    bare, full : JointFit
-        Without effects, and with those named.
-    errors : tuple of ChannelErrors
-        Of position and attitude on the flights of the fit.
-    share : float
-        Of the fitted tolerances that is kept.
-    withdrawn : bool
-        Whether the named effects made forecasts worse: `full` is `bare` then.
-
-    """
-
+    # Without effects, and with those named
     bare: JointFit
     full: JointFit
-    errors: tuple[ChannelErrors, ...]
-    share: float = 1.0
+    errors: tuple[ChannelErrors, ...]  # of position and attitude on the flights of the fit
+    share: float = 1.0  # of the fitted tolerances that is kept
+    # Whether the named effects made forecasts worse: `full` is `bare` then
     withdrawn: bool = False
 
 

@@ -21,25 +21,12 @@ POSE: Final = slice(0, 6)  # of CHANNELS
 
 @final
 class ModelPrediction(NamedTuple):
-    """
-    Prediction of a flight by a model.
+    """Prediction of a flight by a model."""
 
-    Attributes
-    ----------
-    time : ndarray, shape (S, n)
-        Of each piece. [s]
-    position : ndarray, shape (S, n, 3)
-        NaN outside of the pieces. [m]
-    heading : ndarray, shape (S, n)
-        [rad]
-    speed, turning : ndarray, shape (S,)
-        Mean speed and mean absolute yaw rate of each piece. [m/s, rad/s]
-
-    """
-
-    time: Array
-    position: Array
-    heading: Array
+    time: Array  # of each piece, shape (S, n) [s]
+    position: Array  # NaN outside of the pieces, shape (S, n, 3) [m]
+    heading: Array  # shape (S, n) [rad]
+    # Mean speed and mean absolute yaw rate of each piece, shape (S,) [m/s, rad/s]
     speed: Array
     turning: Array
 

@@ -44,52 +44,26 @@ DIVERGED: Final = 10.0  # usual sizes; error of a forecast that diverges
 @final
 @dataclass(frozen=True, slots=True)
 class ForecastNormalEquations:
-    """
-    Normal equations of one flight about a point, with its own lift eliminated.
+    """Normal equations of one flight about a point, with its own lift eliminated."""
 
-    Attributes
-    ----------
-    products : ndarray, shape (K, K)
-        Of the columns.
-    pull : ndarray, shape (K,)
-        Products of the columns with the residuals.
-    own : tuple of float, float, ndarray
-        Information of the lift, its pull, and its products with the columns.
-    cost : float
-        Squared residuals; linear beyond `ROBUST`.
-
-    """
-
-    products: Array
-    pull: Array
+    products: Array  # of the columns, shape (K, K)
+    pull: Array  # products of the columns with the residuals, shape (K,)
+    # Information of the lift, its pull, and its products with the columns
     own: tuple[float, float, Array]
-    cost: float
+    cost: float  # squared residuals; linear beyond `ROBUST`
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class ForecastFit:
-    """
-    Result of a fit to forecasts.
+    """Result of a fit to forecasts."""
 
-    Attributes
-    ----------
-    values : ndarray, shape (G,)
-        Shared parameters, relative to the vehicle file; 0 if not fitted.
-    precision, pull : ndarray, shape (K, K) and (K,)
-        Of the fitted parameters, about `values`, without the prior.
-    said : tuple of ForecastNormalEquations
-        By flight.
-    lifts : ndarray, shape (F,)
-        Net lift of each flight of the fitter, besides the shared one. [N]
-
-    """
-
-    values: Array
+    values: Array  # shared parameters, relative to the vehicle file; 0 if not fitted, shape (G,)
+    # Of the fitted parameters, about `values`, without the prior, shape (K, K)
     precision: Array
     pull: Array
-    said: tuple[ForecastNormalEquations, ...]
-    lifts: Array
+    said: tuple[ForecastNormalEquations, ...]  # by flight
+    lifts: Array  # net lift of each flight of the fitter, besides the shared one, shape (F,) [N]
 
 
 @final

@@ -33,20 +33,12 @@ CHUNK: Final = 32  # pieces at a time, to limit memory
 @final
 @dataclass(frozen=True, slots=True)
 class HorizonErrors:
-    """
-    Errors of one flight about one set of parameters.
+    """Errors of one flight about one set of parameters."""
 
-    Attributes
-    ----------
-    left : ndarray, shape (S, H, 6)
-        Measured minus predicted: position, then rotation vector; NaN where unknown. [m, rad]
-    columns : ndarray, shape (S, H, 6, K)
-        Sensitivity of the prediction to each requested parameter.
-
-    """
-
+    # Measured minus predicted: position, then rotation vector; NaN where unknown, shape (S, H, 6)
+    # [m, rad]
     left: Array
-    columns: Array
+    columns: Array  # sensitivity of the prediction to each requested parameter, shape (S, H, 6, K)
 
 
 def compute_horizon_errors(

@@ -34,17 +34,9 @@ HORIZONS: Final = (1.0, 2.0, 3.0, 5.0)  # s
 @final
 @dataclass(frozen=True, slots=True)
 class ErrorStatistics:
-    """
-    Prediction errors at one horizon.
+    """Prediction errors at one horizon."""
 
-    Attributes
-    ----------
-    mean : float
-        Root mean square of the distance [m] or angle [rad] over all pieces.
-
-    """
-
-    mean: float
+    mean: float  # root mean square of the distance [m] or angle [rad] over all pieces
     median: float
     pieces: int
 
@@ -52,27 +44,16 @@ class ErrorStatistics:
 @final
 @dataclass(frozen=True, slots=True)
 class PredictionErrors:
-    """
-    Prediction errors of one flight and one set of parameters.
+    """Prediction errors of one flight and one set of parameters."""
 
-    Attributes
-    ----------
-    model, coast : mapping of (what, horizon) to ErrorStatistics
-        Of 'position' [m] and 'attitude' [rad], by horizon [s].
-    noise : mapping of what to float
-        Of the tracker: the lower limit of any model's error.
-    over_time : ndarray, shape (S, 2)
-        Beginning of each piece [s] and its RMS error by the noise, over all channels; about 1 for
-        a perfect model.
-    by_channel : ndarray, shape (14,)
-        The same of each channel of CHANNELS over all pieces, NaN where there is none.
-
-    """
-
+    # Of 'position' [m] and 'attitude' [rad], by horizon [s]
     model: Mapping[tuple[What, float], ErrorStatistics]
     coast: Mapping[tuple[What, float], ErrorStatistics]
-    noise: Mapping[What, float]
+    noise: Mapping[What, float]  # of the tracker: the lower limit of any model's error
+    # Beginning of each piece [s] and its RMS error by the noise, over all channels; about 1 for a
+    # perfect model, shape (S, 2)
     over_time: Array
+    # The same of each channel of CHANNELS over all pieces, NaN where there is none, shape (14,)
     by_channel: Array
 
 

@@ -62,40 +62,19 @@ class _Push(NamedTuple):
 @final
 @dataclass(frozen=True, slots=True)
 class LabTest:
-    """
-    A test, as it is flown.
-
-    Attributes
-    ----------
-    axis : str
-        Of `AXES`; '' for tests of the whole vehicle.
-    seconds : float
-        [s]
-    tilt, rate : float
-        Tilt about the axis, or yaw rate, when it is let go. [rad], [rad/s]
-    share : float
-        Of the largest force or moment of the axis that is commanded.
-    size : float
-        That force or moment. [N], [N m]
-    thrusts : tuple of float
-        Of each rotor during a step. [N]
-    parts : tuple of LabTest
-        Steps that a free flight mixes.
-    is_neutral : bool
-        Whether ballast has to carry the vehicle, since nothing else does.
-
-    """
+    """A test, as it is flown."""
 
     kind: Kind
-    axis: str
-    seconds: float
+    axis: str  # of `AXES`; '' for tests of the whole vehicle
+    seconds: float  # [s]
+    # Tilt about the axis, or yaw rate, when it is let go [rad], [rad/s]
     tilt: float = 0.0
     rate: float = 0.0
-    share: float = 0.0
-    size: float = 0.0
-    thrusts: tuple[float, ...] = ()
-    parts: 'tuple[LabTest, ...]' = ()
-    is_neutral: bool = False
+    share: float = 0.0  # of the largest force or moment of the axis that is commanded
+    size: float = 0.0  # that force or moment [N], [N m]
+    thrusts: tuple[float, ...] = ()  # of each rotor during a step [N]
+    parts: 'tuple[LabTest, ...]' = ()  # steps that a free flight mixes
+    is_neutral: bool = False  # whether ballast has to carry the vehicle, since nothing else does
 
     @property
     def name(self) -> str:

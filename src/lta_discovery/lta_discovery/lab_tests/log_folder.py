@@ -22,19 +22,10 @@ MCAP: Final = '.mcap'
 
 @final
 class LabLogs(NamedTuple):
-    """
-    The logs of a folder.
-
-    Attributes
-    ----------
-    bags : list of Path
-    drafts : dict of str to str
-        Drafted mappings by the name of a file.
-
-    """
+    """The logs of a folder."""
 
     bags: list[Path]
-    drafts: dict[str, str]
+    drafts: dict[str, str]  # drafted mappings by the name of a file
 
 
 def open_lab_folder(

@@ -57,55 +57,27 @@ SEED: Final = 37  # of the commands of the free flight
 @final
 @dataclass(frozen=True, slots=True)
 class PlannedTest:
-    """
-    A test with what it teaches.
-
-    Attributes
-    ----------
-    informs : tuple of (str, float)
-        Parameters that it teaches alone, with the remaining share of their deviation; first those
-        that other tests teach less well.
-    best_for : tuple of str
-        Parameters that it teaches much better than all shorter tests.
-    room : tuple of float
-        Largest horizontal and vertical extent of its path. [m]
-    is_needed : bool
-        Whether it belongs to the afternoon.
-
-    """
+    """A test with what it teaches."""
 
     test: LabTest
+    # Parameters that it teaches alone, with the remaining share of their deviation; first those
+    # that other tests teach less well
     informs: tuple[tuple[str, float], ...]
-    best_for: tuple[str, ...]
-    room: tuple[float, float]
-    is_needed: bool
+    best_for: tuple[str, ...]  # parameters that it teaches much better than all shorter tests
+    room: tuple[float, float]  # largest horizontal and vertical extent of its path [m]
+    is_needed: bool  # whether it belongs to the afternoon
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class LabPlan:
-    """
-    The tests of an afternoon.
-
-    Attributes
-    ----------
-    vehicle : str
-    commands : str
-        'rotors' or 'wrench'.
-    tests : tuple of PlannedTest
-        All that the vehicle can do, needed or not.
-    unknown : tuple of str
-        Parameters that no test teaches, not even all together.
-    weight : float
-        Weight that nothing carries while the rotors are off. [N]
-
-    """
+    """The tests of an afternoon."""
 
     vehicle: str
-    commands: Commands
-    tests: tuple[PlannedTest, ...]
-    unknown: tuple[str, ...]
-    weight: float
+    commands: Commands  # 'rotors' or 'wrench'
+    tests: tuple[PlannedTest, ...]  # all that the vehicle can do, needed or not
+    unknown: tuple[str, ...]  # parameters that no test teaches, not even all together
+    weight: float  # weight that nothing carries while the rotors are off [N]
 
 
 def plan_lab_tests(

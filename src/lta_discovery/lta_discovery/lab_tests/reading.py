@@ -27,28 +27,14 @@ PAIR: Final = 2  # free flights of an afternoon
 @final
 @dataclass(frozen=True, slots=True)
 class LabReading:
-    """
-    What the logs of a folder show.
-
-    Attributes
-    ----------
-    tests : mapping of str to RecognisedTest
-        Of each flight.
-    seconds : mapping of str to float
-        Usable time of each flight. [s]
-    missing : tuple of str
-        What would teach more, one sentence each.
-    drafts : mapping of str to str
-        Drafted mappings by file name.
-
-    """
+    """What the logs of a folder show."""
 
     vehicle: Vehicle
     calibration: Calibration
-    tests: Mapping[str, tuple[RecognisedTest, ...]]
-    seconds: Mapping[str, float]
-    missing: tuple[str, ...]
-    drafts: Mapping[str, str]
+    tests: Mapping[str, tuple[RecognisedTest, ...]]  # of each flight
+    seconds: Mapping[str, float]  # usable time of each flight [s]
+    missing: tuple[str, ...]  # what would teach more, one sentence each
+    drafts: Mapping[str, str]  # drafted mappings by file name
 
 
 def read_lab_tests(

@@ -34,21 +34,12 @@ SMOOTH: Final = 13  # points of the grid, 0.5 s
 
 @final
 class RecognisedTest(NamedTuple):
-    """
-    A test in a log, and why it was recognised.
+    """A test in a log, and why it was recognised."""
 
-    Attributes
-    ----------
-    kind, axis : str
-        As in `LabTest`.
-    evidence : str
-        What shows it, in words.
-
-    """
-
+    # As in `LabTest`
     kind: Kind
     axis: str
-    evidence: str
+    evidence: str  # what shows it, in words
 
     @property
     def title(self) -> str:

@@ -54,30 +54,15 @@ class ReplayRows:
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class NominalVehicle:
-    """
-    Inputs of `VehicleModel.build`.
+    """Inputs of `VehicleModel.build`."""
 
-    Attributes
-    ----------
-    given : mapping
-        Parameters by effect and name.
-    mass, displaced : float
-        Of the vehicle and of the displaced air. [kg]
-    cg : ndarray, shape (3,)
-        From the hull centre. [m]
-    inertia : ndarray, shape (3, 3)
-        About the centre of gravity. [kg m2]
-    rotors : tuple of (place, axis)
-        As in `VehicleModel.build`.
-
-    """
-
-    given: Given
+    given: Given  # parameters by effect and name
+    # Of the vehicle and of the displaced air [kg]
     mass: float
     displaced: float
-    cg: Array
-    inertia: Array
-    rotors: tuple[tuple[Array, Array], ...]
+    cg: Array  # from the hull centre, shape (3,) [m]
+    inertia: Array  # about the centre of gravity, shape (3, 3) [kg m2]
+    rotors: tuple[tuple[Array, Array], ...]  # as in `VehicleModel.build`
 
     @classmethod
     def from_vehicle(cls, vehicle: Vehicle) -> Self:

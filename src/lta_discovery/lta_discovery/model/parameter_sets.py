@@ -10,30 +10,17 @@ Array = NDArray[np.float64]
 
 @final
 class ParameterSteps(NamedTuple):
-    """
-    Free parameters, each as two parameter sets and the step between them.
+    """Free parameters, each as two parameter sets and the step between them."""
 
-    Attributes
-    ----------
-    rows, on : ndarray, shape (R, W) and (R, F)
-        Rows and flags of the body kernel for each set.
-    faced : ndarray of int, shape (R,)
-        Index of each set's inputs (Q of them).
-    commands, memory, wrench : ndarray, shape (Q, G, ...)
-        As in `replay.BodyInputs`, by grid period.
-    before, after : ndarray of int, shape (K,)
-        The two sets of each parameter.
-    steps : ndarray, shape (K,)
-        Their difference.
-
-    """
-
+    # Rows and flags of the body kernel for each set, shape (R, W)
     rows: Array
     on: NDArray[np.uint8]
-    faced: NDArray[np.int64]
+    faced: NDArray[np.int64]  # index of each set's inputs (Q of them), shape (R,)
+    # As in `replay.BodyInputs`, by grid period, shape (Q, G, ...)
     commands: Array
     memory: Array
     wrench: Array
+    # The two sets of each parameter, shape (K,)
     before: NDArray[np.int64]
     after: NDArray[np.int64]
-    steps: Array
+    steps: Array  # their difference, shape (K,)

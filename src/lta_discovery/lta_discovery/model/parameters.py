@@ -36,42 +36,23 @@ Reach = Literal['chain', 'wrench', 'body', 'memory', 'reading', 'delay']
 @final
 @dataclass(frozen=True, slots=True)
 class FreeParameter:
-    """
-    A direction in which a model can differ from the vehicle file.
+    """A direction in which a model can differ from the vehicle file."""
 
-    Attributes
-    ----------
-    name : str
-        'thrust_scale.factor', or of the vehicle itself 'vehicle.mass'.
-    moves : mapping of (effect, parameter) to float
-        Change of each model parameter per unit. The effect 'vehicle' has `mass`, and `roll`,
-        `pitch`, `yaw` of the inertia, as logarithms of a factor.
-    step : float
-        Of the finite difference at 0.
-    fine : float
-        Of the finite difference elsewhere.
-    tolerance : float
-        Standard deviation of the nominal model's error; 0 where there is none.
-    typical : float
-        Standard deviation of the effect if present; 0 if it is not a candidate.
-    per_flight : bool
-        Whether its error differs from flight to flight.
-    companions : mapping of (effect, parameter) to float
-        Initial parameters of an absent effect; with these and a value of 0, the effect changes
-        nothing.
-
-    """
-
-    name: str
+    name: str  # 'thrust_scale.factor', or of the vehicle itself 'vehicle.mass'
     unit: str
+    # Change of each model parameter per unit. The effect 'vehicle' has `mass`, and `roll`,
+    # `pitch`, `yaw` of the inertia, as logarithms of a factor.
     moves: Mapping[Target, float]
-    step: float
-    fine: float
+    step: float  # of the finite difference at 0
+    fine: float  # of the finite difference elsewhere
+    # Standard deviation of the nominal model's error; 0 where there is none
     tolerance: float = 0.0
-    typical: float = 0.0
+    typical: float = 0.0  # standard deviation of the effect if present; 0 if it is not a candidate
     low: float = -math.inf
     high: float = math.inf
-    per_flight: bool = False
+    per_flight: bool = False  # whether its error differs from flight to flight
+    # Initial parameters of an absent effect; with these and a value of 0, the effect changes
+    # nothing
     companions: Mapping[Target, float] = field(default_factory=dict)
 
     def apply_to(self, nominal: NominalVehicle, value: float) -> NominalVehicle:

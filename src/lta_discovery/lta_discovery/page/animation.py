@@ -44,25 +44,14 @@ FRAMES: Final = np.arange(0.0, LOOP + 0.5 * FRAME, FRAME)
 
 @final
 class PredictedPiece(NamedTuple):
-    """
-    A piece of flight with its predictions before and after.
+    """A piece of flight with its predictions before and after."""
 
-    Attributes
-    ----------
-    seconds : float
-        Duration. [s]
-    measured, before, after : ndarray, shape (n, 3)
-        Positions, z up. [m]
-    hull : tuple of float
-        Diameter and height of the hull; zeros without one. [m]
-
-    """
-
-    seconds: float
+    seconds: float  # duration [s]
+    # Positions, z up, shape (n, 3) [m]
     measured: Array
     before: Array
     after: Array
-    hull: tuple[float, float]
+    hull: tuple[float, float]  # diameter and height of the hull; zeros without one [m]
 
 
 def select_piece(

@@ -24,43 +24,25 @@ SAMPLES = 750  # of all overlays together; limits the file size of the page
 
 @final
 class StudyFlightView(NamedTuple):
-    """
-    One flight, replayed before and after.
-
-    Attributes
-    ----------
-    before, after : ModelPrediction
-        Predictions of the two models.
-    left : tuple of two ndarrays, shape (S, n, 14)
-        Residuals by the noise, each piece from its best-fitting initial state.
-    shown : bool
-        Whether the prediction errors of the finding are of this flight.
-
-    """
+    """One flight, replayed before and after."""
 
     flown: StudyFlight
+    # Predictions of the two models
     before: ModelPrediction
     after: ModelPrediction
+    # Residuals by the noise, each piece from its best-fitting initial state, shape (S, n, 14)
     left: tuple[Array, Array]
-    shown: bool
+    shown: bool  # whether the prediction errors of the finding are of this flight
 
 
 @final
 class FlightOverlay(NamedTuple):
-    """
-    Lines of one flight on a common time grid, NaN between pieces.
+    """Lines of one flight on a common time grid, NaN between pieces."""
 
-    Attributes
-    ----------
-    begin, period : float
-        Of the time grid. [s]
-    lines : tuple of three ndarrays, shape (m, 4)
-        Measured, before, after: x, y, z [m] and heading [deg].
-
-    """
-
+    # Of the time grid [s]
     begin: float
     period: float
+    # Measured, before, after: x, y, z [m] and heading, shape (m, 4) [deg]
     lines: tuple[Array, Array, Array]
 
 

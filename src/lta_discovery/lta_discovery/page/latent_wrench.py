@@ -16,29 +16,14 @@ Array = NDArray[np.float64]
 
 @final
 class LatentWrench(NamedTuple):
-    """
-    Unexplained wrench of one flight.
+    """Unexplained wrench of one flight."""
 
-    Attributes
-    ----------
-    name : str
-        Of its bag.
-    time : ndarray, shape (S, K)
-        Of the knots of each piece. [s]
-    wrench : ndarray, shape (S, K, 6)
-        Force [N] and moment [N m], body frame.
-    known : ndarray of bool, shape (S, K)
-        Whether the flight has data there: the last piece may end early.
-    terms : mapping of str to ndarray, shape (S * K,)
-        Candidate terms of the state, at the knots.
-
-    """
-
-    name: str
-    time: Array
-    wrench: Array
+    name: str  # of its bag
+    time: Array  # of the knots of each piece, shape (S, K) [s]
+    wrench: Array  # force [N] and moment [N m], body frame, shape (S, K, 6)
+    # Whether the flight has data there: the last piece may end early, shape (S, K)
     known: NDArray[np.bool_]
-    terms: dict[str, Array]
+    terms: dict[str, Array]  # candidate terms of the state, at the knots, shape (S * K,)
 
 
 def collect_latent_wrenches(study: DiscoveryStudy) -> list[LatentWrench]:

@@ -33,39 +33,20 @@ class PlannedLeg(NamedTuple):
 @final
 @dataclass(frozen=True, slots=True)
 class PlannedManeuver:
-    """
-    A manoeuvre.
-
-    Attributes
-    ----------
-    course : mapping
-        In the format of a scenario file.
-    length : float
-        Until the end of the landing. [s]
-    cost : float
-        Effort: seconds, weighted more with dither.
-
-    """
+    """A manoeuvre."""
 
     about: str
-    course: Mapping[str, Any]
-    length: float
-    cost: float
+    course: Mapping[str, Any]  # in the format of a scenario file
+    length: float  # until the end of the landing [s]
+    cost: float  # effort: seconds, weighted more with dither
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class AltitudeRange:
-    """
-    Permitted altitudes.
+    """Permitted altitudes."""
 
-    Attributes
-    ----------
-    low, high : float
-        Of the hull centre. [m]
-
-    """
-
+    # Of the hull centre [m]
     low: float
     high: float
 

@@ -51,20 +51,11 @@ KINDS: Final[dict[str, tuple[Sensors, bool]]] = {
 @final
 @dataclass(frozen=True, slots=True)
 class EffectSeparability:
-    """
-    Separability of effects for one kind of data.
-
-    Attributes
-    ----------
-    cosine : ndarray, shape (n, n)
-        |cosine| of each pair.
-    reach, cap : ndarray, shape (n,)
-        Significance of a typical size: for these flights, and for unlimited length.
-
-    """
+    """Separability of effects for one kind of data."""
 
     names: tuple[str, ...]
-    cosine: Array
+    cosine: Array  # |cosine| of each pair, shape (n, n)
+    # Significance of a typical size: for these flights, and for unlimited length, shape (n,)
     reach: Array
     cap: Array
 

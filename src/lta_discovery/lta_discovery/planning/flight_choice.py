@@ -61,25 +61,13 @@ class ParameterHypothesis(NamedTuple):
 @final
 @dataclass(frozen=True, slots=True)
 class FlightChoice:
-    """
-    The chosen flight.
-
-    Attributes
-    ----------
-    nats : float
-        Expected log Bayes factor of the true effect over another, for the worst pair and two
-        flights.
-    space : tuple of three floats
-        Required length, width and height. [m]
-    made : FlightSpec
-        Specification of the flight, including the scenario.
-
-    """
+    """The chosen flight."""
 
     manoeuvre: PlannedManeuver
+    # Expected log Bayes factor of the true effect over another, for the worst pair and two flights
     nats: float
-    space: tuple[float, float, float]
-    made: FlightSpec
+    space: tuple[float, float, float]  # required length, width and height [m]
+    made: FlightSpec  # specification of the flight, including the scenario
 
 
 @final

@@ -53,23 +53,11 @@ SEEN_BY: Final[dict[Kind, Sensors]] = {
 @final
 @dataclass(frozen=True, slots=True)
 class NextFlightPlan:
-    """
-    The plan.
+    """The plan."""
 
-    Attributes
-    ----------
-    text : str
-        A sentence or two; '' if there is nothing to decide.
-    scenario : mapping or None
-        Content of the file; None if no flight decides.
-    nats : float
-        Expected log Bayes factor of the flight; 0 without one.
-
-    """
-
-    text: str = ''
-    scenario: Mapping[str, Any] | None = None
-    nats: float = 0.0
+    text: str = ''  # a sentence or two; '' if there is nothing to decide
+    scenario: Mapping[str, Any] | None = None  # content of the file; None if no flight decides
+    nats: float = 0.0  # expected log Bayes factor of the flight; 0 without one
 
     def write(self, folder: Path) -> Path | None:
         """Write the scenario into a folder; return its path, or None without a scenario."""

@@ -56,28 +56,14 @@ def with_course(spec: FlightSpec, course: Mapping[str, Any], length: float) -> F
 @final
 @dataclass(frozen=True, slots=True)
 class SimulatedFlight:
-    """
-    Result of a simulated flight.
-
-    Attributes
-    ----------
-    path : ndarray, shape (n, 3)
-        True position of the hull centre. [m, map]
-    duties : ndarray, shape (n, rotors)
-        Commanded.
-    tilt : float
-        Largest tilt. [rad]
-    standing : float
-        Height of the hull centre of the standing vehicle. [m]
-
-    """
+    """Result of a simulated flight."""
 
     streams: FlightStreams
     outcome: FlightOutcome
-    path: Array
-    duties: Array
-    tilt: float
-    standing: float
+    path: Array  # true position of the hull centre, shape (n, 3) [m, map]
+    duties: Array  # commanded, shape (n, rotors)
+    tilt: float  # largest tilt [rad]
+    standing: float  # height of the hull centre of the standing vehicle [m]
 
 
 def simulate_flight(

@@ -19,21 +19,12 @@ ALIKE: Final = 0.8  # cosine; below it two effects are never confused, only both
 
 @final
 class ParameterPair(NamedTuple):
-    """
-    Joint information on two parameters, all others marginalized.
+    """Joint information on two parameters, all others marginalized."""
 
-    Attributes
-    ----------
-    first, second : float
-        Information of each. [1 / unit2]
-    shared : float
-        Between the two.
-
-    """
-
+    # Information of each [1 / unit2]
     first: float
     second: float
-    shared: float
+    shared: float  # between the two
 
     @property
     def cosine(self) -> float:

@@ -25,28 +25,16 @@ class SensorStep(NamedTuple):
 
 @final
 class LinearizationInputs(NamedTuple):
-    """
-    Inputs of a linearization about a point.
+    """Inputs of a linearization about a point."""
 
-    Attributes
-    ----------
-    rows, ready : ReplayRows, BodyInputs
-        Of the point itself.
-    moving, reading : tuple of int
-        Parameters that change the motion, and those that change only the readings.
-    turns : ParameterSteps
-        Of the former.
-    turned : tuple of SensorStep
-        Of the latter.
-
-    """
-
+    # Of the point itself
     rows: ReplayRows
     ready: BodyInputs
+    # Parameters that change the motion, and those that change only the readings
     moving: tuple[int, ...]
     reading: tuple[int, ...]
-    turns: ParameterSteps
-    turned: tuple[SensorStep, ...]
+    turns: ParameterSteps  # of the former
+    turned: tuple[SensorStep, ...]  # of the latter
 
 
 @final
@@ -110,15 +98,7 @@ def prepare_linearization(
     point: LinearizationPoint,
     columns: NDArray[np.bool_] | None = None,
 ) -> LinearizationInputs:
-    """
-    Prepare a linearization about a point.
-
-    Raises
-    ------
-    BadInput
-        For an impossible vehicle.
-
-    """
+    """Prepare a linearization about a point; raise BadInput for an impossible vehicle."""
     sets, pairs, turned = _ParameterSets(replay, point.nominal), [], []
     moving, reading = [], []
     base = sets.rows[0]

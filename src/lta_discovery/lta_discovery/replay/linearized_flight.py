@@ -32,23 +32,12 @@ def count_knots(count: int) -> int:
 @final
 @dataclass(frozen=True, slots=True)
 class LinearizationPoint:
-    """
-    A point to linearize about.
+    """A point to linearize about."""
 
-    Attributes
-    ----------
-    nominal : NominalVehicle
-        The vehicle with all parameters applied.
-    values : ndarray, shape (G,)
-        Parameters relative to the vehicle file, followed by SENSORS.
-    random : ndarray, shape (S, R)
-        The `count_unknowns` of each piece: state offsets, latent wrench at the knots axis by axis,
-        and pressure.
-
-    """
-
-    nominal: NominalVehicle
-    values: Array
+    nominal: NominalVehicle  # the vehicle with all parameters applied
+    values: Array  # parameters relative to the vehicle file, followed by SENSORS, shape (G,)
+    # The `count_unknowns` of each piece: state offsets, latent wrench at the knots axis by axis,
+    # and pressure, shape (S, R)
     random: Array
 
     @property
@@ -60,26 +49,16 @@ class LinearizationPoint:
 @final
 @dataclass(frozen=True, slots=True)
 class LinearizedFlight:
-    """
-    A flight, linearized about a point.
+    """A flight, linearized about a point."""
 
-    Attributes
-    ----------
-    names : tuple of str
-        Of the parameters, and SENSORS.
-    grams : ndarray, shape (S, N, N)
-        Products of whitened columns: the `count_unknowns`, then the names, then the residual.
-    rows : ndarray of int, shape (S,)
-        Number of valid readings.
-    residual : ndarray, shape (S, n, 14)
-        Measured minus predicted, in units of the noise; NaN where nothing was measured.
-
-    """
-
-    names: tuple[str, ...]
+    names: tuple[str, ...]  # of the parameters, and SENSORS
+    # Products of whitened columns: the `count_unknowns`, then the names, then the residual, shape
+    # (S, N, N)
     grams: Array
-    rows: NDArray[np.int64]
+    rows: NDArray[np.int64]  # number of valid readings, shape (S,)
     point: LinearizationPoint
+    # Measured minus predicted, in units of the noise; NaN where nothing was measured, shape (S, n,
+    # 14)
     residual: Array
 
     @property

@@ -36,23 +36,12 @@ REMEMBERING: Final = [
 @final
 @dataclass(frozen=True, slots=True)
 class BodyInputs:
-    """
-    Inputs of the body in each step of a flight, for one set of parameters.
+    """Inputs of the body in each step of a flight, for one set of parameters."""
 
-    Attributes
-    ----------
-    commands : ndarray, shape (T, COMMAND)
-        Mean thrust of each rotor [N], and the place of the moving mass.
-    memory : ndarray, shape (T, M)
-        Of the effects of the body.
-    wrench : ndarray, shape (T, 6)
-        Commanded wrench, body frame. [N, N m]
-
-    """
-
+    # Mean thrust of each rotor [N], and the place of the moving mass, shape (T, COMMAND)
     commands: Array
-    memory: Array
-    wrench: Array
+    memory: Array  # of the effects of the body, shape (T, M)
+    wrench: Array  # commanded wrench, body frame, shape (T, 6) [N, N m]
 
     def average_periods(self) -> tuple[Array, Array, Array]:
         """Return the means over each grid period."""

@@ -18,32 +18,14 @@ TRIFLE: Final = 0.04
 
 @final
 class CandidateTrial(NamedTuple):
-    """
-    Evidence for one candidate on training and confirming flights.
+    """Evidence for one candidate on training and confirming flights."""
 
-    Attributes
-    ----------
-    name : str
-        Of the candidate, or of a generic rival.
-    gain : float
-        Gain in log evidence on the training flights, all parameters refitted. [nats]
-    replicated : float
-        The same on the confirming flights alone.
-    held_out : float
-        Gain of the training posterior on the confirming flights.
-    apart : float
-        Difference of the two values, in standard deviations.
-    part : float
-        The same, relative to the larger value.
-
-    """
-
-    name: str
-    gain: float
-    replicated: float
-    held_out: float
-    apart: float
-    part: float
+    name: str  # of the candidate, or of a generic rival
+    gain: float  # gain in log evidence on the training flights, all parameters refitted [nats]
+    replicated: float  # the same on the confirming flights alone
+    held_out: float  # gain of the training posterior on the confirming flights
+    apart: float  # difference of the two values, in standard deviations
+    part: float  # the same, relative to the larger value
 
     @property
     def total_evidence(self) -> float:

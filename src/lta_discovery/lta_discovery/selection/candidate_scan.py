@@ -17,31 +17,17 @@ SIZES: Final[dict[float, float]] = {1.0: 0.0, 5.0: 2.0, 25.0: 3.5}
 
 @final
 class CandidateScore(NamedTuple):
-    """
-    Linearized evidence for one candidate.
-
-    Attributes
-    ----------
-    gain : float
-        Log Bayes factor of the effect against tolerance alone. [nats]
-    score : float
-        Pull over the root of the information: N(0, 1) without an effect.
-    value, deviation : float
-        Posterior of the parameter with the effect, in its unit.
-    sigma : float
-        |value| over the combined deviation of estimate and tolerance.
-    size : float
-        The most probable of SIZES.
-
-    """
+    """Linearized evidence for one candidate."""
 
     name: str
-    gain: float
+    gain: float  # log Bayes factor of the effect against tolerance alone [nats]
+    # Pull over the root of the information: N(0, 1) without an effect.
     score: float
+    # Posterior of the parameter with the effect, in its unit
     value: float
     deviation: float
-    sigma: float
-    size: float = 1.0
+    sigma: float  # |value| over the combined deviation of estimate and tolerance
+    size: float = 1.0  # the most probable of SIZES
 
 
 def evidence_gain(

@@ -23,22 +23,12 @@ LARGEST: Final = 1e3  # typical sizes; effects with a larger limit are undetecta
 
 @final
 class DetectionLimit(NamedTuple):
-    """
-    Detection limit of one candidate.
-
-    Attributes
-    ----------
-    size : float
-        Smallest size that is named in 19 of 20 cases.
-    typical : float
-        Typical size of the effect.
-
-    """
+    """Detection limit of one candidate."""
 
     knob: str
     unit: str
-    size: float
-    typical: float
+    size: float  # smallest size that is named in 19 of 20 cases
+    typical: float  # typical size of the effect
 
 
 def compute_detection_limits(

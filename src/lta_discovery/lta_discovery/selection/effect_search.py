@@ -75,50 +75,24 @@ def _prior_cost(name: str, sizes: Sizes) -> float:
 @final
 @dataclass(frozen=True, slots=True)
 class SelectionRound:
-    """
-    One round of the search.
+    """One round of the search."""
 
-    Attributes
-    ----------
-    trials : tuple of CandidateTrial
-        Refitted candidates, the best first.
-    tied : tuple of str
-        Candidates that are indistinguishable from the best.
-    named : str
-        '' if none was confirmed.
-
-    """
-
-    trials: tuple[CandidateTrial, ...]
-    tied: tuple[str, ...]
-    named: str
+    trials: tuple[CandidateTrial, ...]  # refitted candidates, the best first
+    tied: tuple[str, ...]  # candidates that are indistinguishable from the best
+    named: str  # '' if none was confirmed
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class EffectSearchResult:
-    """
-    Result of the search.
+    """Result of the search."""
 
-    Attributes
-    ----------
-    steps : tuple of SelectionRound
-        Rounds; the last named nothing unless the limit was reached.
-    names : tuple of str
-        Of the effects, in the order of acceptance.
-    fits : pair of JointFit
-        Of training and confirming flights, with the effects.
-    bare : pair of JointFit
-        The same without any.
-    sizes : mapping of str to float
-        Prior deviation of each component in typical sizes, where known.
-
-    """
-
+    # Rounds; the last named nothing unless the limit was reached
     steps: tuple[SelectionRound, ...]
-    names: tuple[str, ...]
-    fits: Pair
-    bare: Pair
+    names: tuple[str, ...]  # of the effects, in the order of acceptance
+    fits: Pair  # of training and confirming flights, with the effects
+    bare: Pair  # the same without any
+    # Prior deviation of each component in typical sizes, where known
     sizes: Sizes = field(default_factory=dict)
 
 

@@ -50,37 +50,20 @@ CLEAR: Final = 3.0  # standard deviations; smaller vector components are not rep
 @final
 @dataclass(frozen=True, slots=True)
 class VerifiedEffects:
-    """
-    Verified effects.
+    """Verified effects."""
 
-    Attributes
-    ----------
-    names : tuple of str
-        Of the effects, by decreasing evidence.
-    costs : mapping of str to float
-        Log evidence lost without each. [nats]
-    rivals : mapping of str to tuple of str
-        Equally good replacements of each, the better first.
-    unlike : mapping of str to tuple of str
-        Rivals with a dissimilar column: real ambiguities, not equivalents.
-    full, bare : JointFit
-        All flights with the effects, and without any.
-    measured : JointFit
-        All flights with the effects and flat priors of their sizes. The usual priors serve to
-        compare effects, but would bias the values towards 0.
-    steps : tuple of SelectionRound
-        Rounds of the search for weak effects on all flights.
-
-    """
-
-    names: tuple[str, ...]
-    costs: Mapping[str, float]
-    rivals: Mapping[str, tuple[str, ...]]
+    names: tuple[str, ...]  # of the effects, by decreasing evidence
+    costs: Mapping[str, float]  # log evidence lost without each [nats]
+    rivals: Mapping[str, tuple[str, ...]]  # equally good replacements of each, the better first
+    # Rivals with a dissimilar column: real ambiguities, not equivalents
     unlike: Mapping[str, tuple[str, ...]]
+    # All flights with the effects, and without any
     full: JointFit
     bare: JointFit
+    # All flights with the effects and flat priors of their sizes. The usual priors serve to
+    # compare effects, but would bias the values towards 0.
     measured: JointFit
-    steps: tuple[SelectionRound, ...] = ()
+    steps: tuple[SelectionRound, ...] = ()  # rounds of the search for weak effects on all flights
 
     def without_effects(self) -> 'VerifiedEffects':
         """Return the same flights with nothing named."""

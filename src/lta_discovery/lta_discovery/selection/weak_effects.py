@@ -42,24 +42,13 @@ ALIKE: Final = 0.98  # cosine of two columns; above it they are equivalent
 
 @final
 class WeakCandidate(NamedTuple):
-    """
-    One candidate on all flights.
-
-    Attributes
-    ----------
-    gain : float
-        Gain in log evidence on all flights together. [nats]
-    sides : pair of CandidateScore
-        Of the training flights and of the confirming flights.
-    least : float
-        Required gain. [nats]
-
-    """
+    """One candidate on all flights."""
 
     name: str
-    gain: float
+    gain: float  # gain in log evidence on all flights together [nats]
+    # Of the training flights and of the confirming flights
     sides: tuple[CandidateScore, CandidateScore]
-    least: float = GAIN
+    least: float = GAIN  # required gain. [nats]
 
     @property
     def scaled_difference(self) -> float:

@@ -44,20 +44,10 @@ HEAVY: Final[dict[str, float]] = {'added_inertia': 0.005}
 
 @final
 class CandidateGroup(NamedTuple):
-    """
-    One candidate.
+    """One candidate."""
 
-    Attributes
-    ----------
-    name : str
-        Readable and unique.
-    knobs : tuple of int
-        Indices among all parameters.
-
-    """
-
-    name: str
-    knobs: tuple[int, ...]
+    name: str  # readable and unique
+    knobs: tuple[int, ...]  # indices among all parameters
 
 
 def list_candidate_groups(

@@ -22,20 +22,11 @@ TOLD: Final = 3  # most regimes that a warning names
 
 @final
 class RegimeForecastErrors(NamedTuple):
-    """
-    Forecast error of one left-out regime.
+    """Forecast error of one left-out regime."""
 
-    Attributes
-    ----------
-    name : str
-        'moving mass at 0.0847 m'.
-    before, after : float
-        Weighted error with the vehicle file, and with the values of the other regimes.
-
-    """
-
-    name: str
+    name: str  # 'moving mass at 0.0847 m'
     flights: int
+    # Weighted error with the vehicle file, and with the values of the other regimes
     before: float
     after: float
 

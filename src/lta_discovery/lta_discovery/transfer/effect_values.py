@@ -23,22 +23,12 @@ TUNING: Final = 4  # most steps of the fit of tolerances
 
 @final
 class EffectValues(NamedTuple):
-    """
-    Selected effects with their values.
-
-    Attributes
-    ----------
-    draws : ndarray, shape (D, K)
-        Bootstrap values.
-    regimes : list of RegimeForecastErrors
-        Left-out regimes, the worst first.
-
-    """
+    """Selected effects with their values."""
 
     which: list[int]
     fitted: ForecastFit
-    draws: Array
-    regimes: list[RegimeForecastErrors]
+    draws: Array  # bootstrap values, shape (D, K)
+    regimes: list[RegimeForecastErrors]  # left-out regimes, the worst first
 
 
 def fit_effect_values(

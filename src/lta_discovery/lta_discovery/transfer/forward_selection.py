@@ -40,29 +40,15 @@ class CandidateGain(NamedTuple):
 
 @final
 class GroupSelection(NamedTuple):
-    """
-    Result of the selection.
+    """Result of the selection."""
 
-    Attributes
-    ----------
-    groups : tuple of CandidateGroup
-        In the order in which they were added.
-    worth : tuple of float
-        Share of the vehicle file's squared error in left-out regimes that each removes.
-    values : ndarray, shape (G,)
-        Fitted to all flights.
-    rounds : tuple of tuple of CandidateGain
-        All candidates by round; the last round usually adds none.
-    first : float
-        Cost of the vehicle file.
-
-    """
-
-    groups: tuple[CandidateGroup, ...]
+    groups: tuple[CandidateGroup, ...]  # in the order in which they were added
+    # Share of the vehicle file's squared error in left-out regimes that each removes
     worth: tuple[float, ...]
-    values: Array
+    values: Array  # fitted to all flights, shape (G,)
+    # All candidates by round; the last round usually adds none
     rounds: tuple[tuple[CandidateGain, ...], ...]
-    first: float
+    first: float  # cost of the vehicle file
 
     @property
     def log_likelihood_gains(self) -> tuple[float, ...]:

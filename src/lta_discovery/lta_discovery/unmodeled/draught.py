@@ -30,20 +30,10 @@ CHANCE: Final = 1e-3  # significance level of the test of isotropy
 
 @final
 class DraughtEstimate(NamedTuple):
-    """
-    A draught.
+    """A draught."""
 
-    Attributes
-    ----------
-    force : float
-        Root mean square along each horizontal direction. [N]
-    speed : float
-        Approximate speed of the air. [m/s]
-
-    """
-
-    force: float
-    speed: float
+    force: float  # root mean square along each horizontal direction [N]
+    speed: float  # approximate speed of the air [m/s]
 
     @property
     def sentence(self) -> str:

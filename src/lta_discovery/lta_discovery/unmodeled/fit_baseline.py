@@ -26,31 +26,16 @@ Array = NDArray[np.float64]
 @final
 @dataclass(frozen=True, slots=True)
 class FitBaseline:
-    """
-    A joint fit, as the baseline of generic rivals.
+    """A joint fit, as the baseline of generic rivals."""
 
-    Attributes
-    ----------
-    linears : tuple of LinearizedFlight
-        Each about its point.
-    at : ndarray, shape (G,)
-        Shared parameters.
-    variance : ndarray, shape (G,)
-        Of per-flight parameters; 0 for shared ones.
-    deviations, floor : ndarray, shape (6,)
-        Of the latent wrench, and its noise floor. [N, N m]
-    evidence : float
-        Log evidence, including the prior of the deviations. [nats]
-
-    """
-
-    linears: tuple[LinearizedFlight, ...]
-    at: Array
-    variance: Array
+    linears: tuple[LinearizedFlight, ...]  # each about its point
+    at: Array  # shared parameters, shape (G,)
+    variance: Array  # of per-flight parameters; 0 for shared ones, shape (G,)
     prior: Prior
+    # Of the latent wrench, and its noise floor, shape (6,) [N, N m]
     deviations: Array
     floor: Array
-    evidence: float
+    evidence: float  # log evidence, including the prior of the deviations [nats]
 
     @classmethod
     def from_joint(cls, joint: JointFit, floor: Array) -> 'FitBaseline':

@@ -54,47 +54,23 @@ class FlightBoundingBox(NamedTuple):
 @final
 @dataclass(frozen=True, slots=True)
 class TermInputs:
-    """
-    Inputs of the terms in each step of the pieces.
+    """Inputs of the terms in each step of the pieces."""
 
-    Attributes
-    ----------
-    time : ndarray, shape (S, n)
-        [s]
-    states : ndarray, shape (S, n, 13)
-        As fitted.
-    pushed : ndarray, shape (S, n, 6)
-        Wrench of the rotors in the model. [N, N m]
-    felt : ndarray, shape (S, n, 3)
-        Specific force of the hull, body frame. [m/s2]
-
-    """
-
-    time: Array
-    states: Array
-    pushed: Array
-    felt: Array
+    time: Array  # shape (S, n) [s]
+    states: Array  # as fitted, shape (S, n, 13)
+    pushed: Array  # wrench of the rotors in the model, shape (S, n, 6) [N, N m]
+    felt: Array  # specific force of the hull, body frame, shape (S, n, 3) [m/s2]
 
 
 @final
 class TermGroup(NamedTuple):
-    """
-    Terms that are tested together.
+    """Terms that are tested together."""
 
-    Attributes
-    ----------
-    name : str
-        'heave by height'.
-    axes : tuple of int
-        Axes of the wrench on which it acts.
-    values : ndarray, shape (S, J, 6, K)
-        Wrench of each term at the K knots of a piece, for a weight of 1 noise floor.
-
-    """
-
-    name: str
-    axes: tuple[int, ...]
+    name: str  # 'heave by height'
+    axes: tuple[int, ...]  # axes of the wrench on which it acts
     terms: tuple[str, ...]
+    # Wrench of each term at the K knots of a piece, for a weight of 1 noise floor, shape (S, J, 6,
+    # K)
     values: Array
 
 

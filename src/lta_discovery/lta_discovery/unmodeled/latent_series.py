@@ -18,21 +18,11 @@ class LatentSeries(NamedTuple):
     Latent wrench of a flight at its N valid knots.
 
     A time occurs twice where one piece ends and the next begins.
-
-    Attributes
-    ----------
-    time : ndarray, shape (N,)
-        Of the knots. [s]
-    ground : ndarray, shape (N, 3)
-        Force in the axes of the map. [N]
-    body : ndarray, shape (N, 6)
-        Force [N] and moment [N m] in the axes of the body.
-
     """
 
-    time: Array
-    ground: Array
-    body: Array
+    time: Array  # of the knots, shape (N,) [s]
+    ground: Array  # force in the axes of the map, shape (N, 3) [N]
+    body: Array  # force [N] and moment [N m] in the axes of the body, shape (N, 6)
 
     @classmethod
     def from_fit(cls, flight: FlightLinearizer, fit: FlightFit) -> 'LatentSeries':

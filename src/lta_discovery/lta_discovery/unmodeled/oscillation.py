@@ -41,25 +41,12 @@ TAKES: Final = 0.5  # of the power of its axes; a stronger oscillation explains 
 
 @final
 class LatentOscillation(NamedTuple):
-    """
-    An oscillation of the latent wrench.
-
-    Attributes
-    ----------
-    channel : str
-        Of CHANNELS.
-    hertz : float
-        Frequency. [Hz]
-    amplitude : float
-        Of the force [N] or moment [N m], mean of the flights.
-    share : float
-        Of the power of its axes: for a force in the map, of both horizontal axes, or the vertical.
-
-    """
+    """An oscillation of the latent wrench."""
 
     channel: str
-    hertz: float
-    amplitude: float
+    hertz: float  # frequency [Hz]
+    amplitude: float  # of the force [N] or moment [N m], mean of the flights
+    # Of the power of its axes: for a force in the map, of both horizontal axes, or the vertical
     share: float
 
     @property

@@ -44,56 +44,30 @@ LEAST: Final = 0.05  # noise floors; smallest deviation
 
 @final
 class GroupGain(NamedTuple):
-    """
-    Evidence of a group on one side.
+    """Evidence of a group on one side."""
 
-    Attributes
-    ----------
-    gain : float
-        Log evidence. [nats]
-    mean, covariance : ndarray, shape (J,) and (J, J)
-        Of its weights.
-    deviations : ndarray, shape (6,)
-        Of the remaining latent wrench. [N, N m]
-
-    """
-
-    gain: float
+    gain: float  # log evidence [nats]
+    # Of its weights, shape (J,)
     mean: Array
     covariance: Array
-    deviations: Array
+    deviations: Array  # of the remaining latent wrench, shape (6,) [N, N m]
 
 
 @final
 class GenericRival(NamedTuple):
-    """
-    A generic explanation.
+    """A generic explanation."""
 
-    Attributes
-    ----------
-    name : str
-        'heave by height'.
-    gain : float
-        Log evidence on the training flights. [nats]
-    confirmed, carried : float
-        On the confirming flights alone, and with the weights of the training flights. Gusts fit
-        some terms on each side, but not the same weights.
-    size : float
-        RMS on the main axis. [N, N m]
-    share : float
-        Explained share of the variance on the axis.
-
-    """
-
-    name: str
-    gain: float
+    name: str  # 'heave by height'
+    gain: float  # log evidence on the training flights [nats]
+    # On the confirming flights alone, and with the weights of the training flights. Gusts fit some
+    # terms on each side, but not the same weights.
     confirmed: float
     carried: float
     axis: str
     axes: tuple[str, ...]
-    size: float
+    size: float  # RMS on the main axis [N, N m]
     term: str
-    share: float
+    share: float  # explained share of the variance on the axis
 
     @property
     def total_evidence(self) -> float:

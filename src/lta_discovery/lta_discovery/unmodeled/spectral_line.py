@@ -40,26 +40,12 @@ LOOKED_AT: Final = CHANNELS[: len(UNITS)]  # range and pressure also show floor 
 
 @final
 class SpectralLine(NamedTuple):
-    """
-    A spectral line of the residuals.
+    """A spectral line of the residuals."""
 
-    Attributes
-    ----------
-    channel : str
-        Of LOOKED_AT.
-    hertz : float
-        Frequency. [Hz]
-    amplitude : float
-        Of the reading, in the unit of the channel.
-    medians : float
-        Power by that of its neighbours, in the flight where it is weakest.
-
-    """
-
-    channel: str
-    hertz: float
-    amplitude: float
-    medians: float
+    channel: str  # of LOOKED_AT
+    hertz: float  # frequency [Hz]
+    amplitude: float  # of the reading, in the unit of the channel
+    medians: float  # power by that of its neighbours, in the flight where it is weakest
 
     def equivalent_wrench(self, inverse: Array) -> tuple[int, float]:
         """
@@ -86,21 +72,12 @@ class SpectralLine(NamedTuple):
 
 @final
 class LeveledSpectrum(NamedTuple):
-    """
-    Power spectrum of one series, with its level.
+    """Power spectrum of one series, with its level."""
 
-    Attributes
-    ----------
-    hertz, power : ndarray, shape (B,)
-        Frequencies, and squared amplitude of a wave of each.
-    level : ndarray, shape (B,)
-        Running median of the power.
-
-    """
-
+    # Frequencies, and squared amplitude of a wave of each, shape (B,)
     hertz: Array
     power: Array
-    level: Array
+    level: Array  # running median of the power, shape (B,)
     pieces: int
 
     @property

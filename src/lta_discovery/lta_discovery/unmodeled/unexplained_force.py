@@ -29,29 +29,15 @@ WORTH: Final = 0.05  # of the variance; smallest contribution of a further term
 
 @final
 class Remainder(NamedTuple):
-    """
-    Unexplained force on one axis.
+    """Unexplained force on one axis."""
 
-    Attributes
-    ----------
-    axis : str
-        'surge' to 'yaw'.
-    size : float
-        Standard deviation of the latent force [N] or moment [N m]: geometric mean of the flights.
-    floors : float
-        The same by the noise floor.
-    follows : tuple of str
-        Generic terms of the measured state, the strongest first; empty if none transfers.
-    carried : float
-        Share of the other side's variance that they explain.
-
-    """
-
-    axis: str
+    axis: str  # 'surge' to 'yaw'
+    # Standard deviation of the latent force [N] or moment [N m]: geometric mean of the flights
     size: float
-    floors: float
+    floors: float  # the same by the noise floor
+    # Generic terms of the measured state, the strongest first; empty if none transfers
     follows: tuple[str, ...]
-    carried: float
+    carried: float  # share of the other side's variance that they explain
 
 
 def latent_at_knots(fit: FlightFit) -> Array:

@@ -44,29 +44,14 @@ FOLLOWED: Final = 300.0  # noise floors; above it the model does not follow the 
 
 @final
 class UnmodeledForces(NamedTuple):
-    """
-    Forces outside the library.
+    """Forces outside the library."""
 
-    Attributes
-    ----------
-    remains : tuple of Remainder
-        By axis, the largest first.
-    rivals : tuple of GenericRival
-        All of them, the best first.
-    lines : tuple of SpectralLine
-        The strongest first.
-    oscillations : tuple of LatentOscillation
-        The strongest first.
-    draught : DraughtEstimate, optional
-        Slow air motion. Its axes, and rivals that explain only one of them, are then not in the
-        rest.
-
-    """
-
-    remains: tuple[Remainder, ...]
-    rivals: tuple[GenericRival, ...]
-    lines: tuple[SpectralLine, ...]
-    oscillations: tuple[LatentOscillation, ...] = ()
+    remains: tuple[Remainder, ...]  # by axis, the largest first
+    rivals: tuple[GenericRival, ...]  # all of them, the best first
+    lines: tuple[SpectralLine, ...]  # the strongest first
+    oscillations: tuple[LatentOscillation, ...] = ()  # the strongest first
+    # Slow air motion. Its axes, and rivals that explain only one of them, are then not in the
+    # rest.
     draught: DraughtEstimate | None = None
 
     @property

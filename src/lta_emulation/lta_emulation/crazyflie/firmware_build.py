@@ -6,30 +6,18 @@ KCONFIG_IDLE = 7000  # CONFIG_MOTORS_DEFAULT_IDLE_THRUST where arming is require
 
 
 class FirmwareBuild(NamedTuple):
-    """
-    A build of firmware 2026.08.
+    """A build of firmware 2026.08."""
 
-    Attributes
-    ----------
-    app : bool
-        Whether it has the app of firmware/crazyflie, and with it the out-of-tree controller.
-    requires_arming : bool
-        Whether it must be armed (CONFIG_MOTORS_REQUIRE_ARMING); otherwise it arms itself.
-    idle_thrust : int
-        Default of `powerDist.idleThrust`, of 65535.
-    compensated : bool
-        Whether it corrects duties for the battery voltage
-        (CONFIG_ENABLE_THRUST_BAT_COMPENSATED). This is only reported here: the correction is an
-        effect of the body's vehicle, and `motor.m1` to `m4` log the duty before it.
-    airframe : int or None
-        Hash of the vehicle that it was built for; by default that of GT-MAB.
-
-    """
-
+    # Whether it has the app of firmware/crazyflie, and with it the out-of-tree controller
     app: bool
+    # Whether it must be armed (CONFIG_MOTORS_REQUIRE_ARMING); otherwise it arms itself
     requires_arming: bool
-    idle_thrust: int
+    idle_thrust: int  # default of `powerDist.idleThrust`, of 65535
+    # Whether it corrects duties for the battery voltage (CONFIG_ENABLE_THRUST_BAT_COMPENSATED).
+    # This is only reported here: the correction is an effect of the body's vehicle, and `motor.m1`
+    # to `m4` log the duty before it.
     compensated: bool
+    # Hash of the vehicle that it was built for; by default that of GT-MAB
     airframe: int | None = None
 
 

@@ -20,26 +20,12 @@ TICK_MS = 10  # unit of the period in a start command
 @final
 @dataclass(slots=True)
 class EmulatedLogBlock:
-    """
-    One block.
+    """One block."""
 
-    Attributes
-    ----------
-    fields : list of tuple
-        Number and type of each variable.
-    period_ms : int
-        Period of the packets; 0 while stopped. [ms]
-    due_ms : int
-        Due time of the next packet. [ms]
-    once : bool
-        Whether a single packet is due now, in addition.
-
-    """
-
-    fields: list[tuple[int, int]] = field(default_factory=list)
-    period_ms: int = 0
-    due_ms: int = 0
-    once: bool = False
+    fields: list[tuple[int, int]] = field(default_factory=list)  # number and type of each variable
+    period_ms: int = 0  # period of the packets; 0 while stopped [ms]
+    due_ms: int = 0  # due time of the next packet [ms]
+    once: bool = False  # whether a single packet is due now, in addition
 
     @property
     def size(self) -> int:

@@ -9,29 +9,17 @@ from typing import final
 @final
 @dataclass(slots=True)
 class LossyLink:
-    """
-    A lossy link in one direction.
+    """A lossy link in one direction."""
 
-    Parameters
-    ----------
-    drop, double, torn : float
-        Fractions of datagrams that are lost, duplicated and truncated.
-    delay, jitter : float
-        Delay, and largest additional random delay, which may reorder datagrams. [s]
-    silent : bool
-        Whether all datagrams are lost.
-    random : Random
-        Random number generator.
-
-    """
-
+    # Fractions of datagrams that are lost, duplicated and truncated
     drop: float = 0.0
     double: float = 0.0
     torn: float = 0.0
+    # Delay, and largest additional random delay, which may reorder datagrams [s]
     delay: float = 0.0
     jitter: float = 0.0
-    silent: bool = False
-    random: Random = field(default_factory=lambda: Random(1))
+    silent: bool = False  # whether all datagrams are lost
+    random: Random = field(default_factory=lambda: Random(1))  # random number generator
     _waiting: list[tuple[float, int, bytes]] = field(default_factory=list)
     _count: int = 0
 

@@ -6,21 +6,12 @@ MOST = 30  # bytes of payload
 
 
 class CrtpPacket(NamedTuple):
-    """
-    A CRTP packet.
+    """A CRTP packet."""
 
-    Attributes
-    ----------
-    port, channel : int
-        0 to 15, 0 to 3.
-    data : bytes
-        Payload, at most 30 bytes.
-
-    """
-
+    # 0 to 15, 0 to 3
     port: int
     channel: int
-    data: bytes = b''
+    data: bytes = b''  # payload, at most 30 bytes
 
     def pack_datagram(self) -> bytes:
         """Return the datagram; bits 2 and 3 of the header are zero, as the firmware sends them."""

@@ -37,16 +37,9 @@ FOREIGN = MavlinkMessage(12345, 'FOREIGN', 7, np.dtype([('word', '<u4')]))
 @final
 @dataclass(frozen=True, slots=True)
 class FrameFaults:
-    """
-    Transmission faults of every n-th light frame; 0 is never.
+    """Transmission faults of every n-th light frame; 0 is never."""
 
-    Attributes
-    ----------
-    drop, corrupt, cut, foreign : int
-        Lost; one bit flipped; truncated after a third; followed by an unknown message.
-
-    """
-
+    # Lost; one bit flipped; truncated after a third; followed by an unknown message
     drop: int = 0
     corrupt: int = 0
     cut: int = 0

@@ -50,34 +50,16 @@ UNHEARD = ('pose', 'pose_time', 'clock')  # channels that do not influence a fli
 @final
 @dataclass(frozen=True, slots=True)
 class BatchFlight:
-    """
-    One flight of a batch.
-
-    Attributes
-    ----------
-    model : VehicleModel
-        The vehicle.
-    numbers : list of float
-        Its `FlightConstants` as a flat list.
-    form : str
-        The nesting and types of the numbers; flights with equal forms share compiled code.
-    craft : FlightConstants
-        The constants.
-    strategy : NavigationStrategy
-        How it navigates; flights of one strategy share a text.
-    name : str
-        Name of the vehicle.
-    recorded : ndarray, shape (n, 6)
-        Recorded wind [m/s] and its rate [m/s2] in each control period; none without a record.
-
-    """
+    """One flight of a batch."""
 
     model: VehicleModel
-    numbers: list[float]
-    form: str
+    numbers: list[float]  # its `FlightConstants` as a flat list
+    form: str  # the nesting and types of the numbers; flights with equal forms share compiled code
     craft: FlightConstants
-    name: str
-    strategy: NavigationStrategy
+    name: str  # name of the vehicle
+    strategy: NavigationStrategy  # how it navigates; flights of one strategy share a text
+    # Recorded wind [m/s] and its rate [m/s2] in each control period; none without a record, shape
+    # (n, 6)
     recorded: Array = field(default_factory=lambda: np.empty((0, 6)), compare=False)
 
 

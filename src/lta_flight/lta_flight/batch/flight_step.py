@@ -53,73 +53,42 @@ Reading = tuple[float, ...]  # a number per diode
 
 
 class FlightKernel(NamedTuple):
-    """
-    The parts of a flight that depend on its effects and on its number of diodes.
+    """The parts of a flight that depend on its effects and on its number of diodes."""
 
-    Attributes
-    ----------
-    dark : tuple of float
-        Zero for each diode.
-    begin : OnboardMemory
-        Initial memory of the drone.
-    closed : bool
-        Whether the drone decides; otherwise it keeps the duties of its constants.
-    turbulence, superheat : bool
-        Whether the model has these effects.
-    rates, thrusts_of : callable
-        Derivative of the state, and thrust of each rotor, from state, model numbers, command and
-        surroundings.
-    ahead, mean, normalised : callable
-        State after a time at a rate, mean rate of a Runge-Kutta step, and state with a unit
-        quaternion.
-    add_effects : callable
-        State of the rigid body with the initial memory of the effects, from a seed.
-    read_diodes : callable
-        Amplitude, SNR and standard deviation of each diode at the frequency of a lamp.
-    daylight_of : callable
-        Daylight on each diode from the light array.
-
-    """
-
-    dark: Reading
-    begin: OnboardMemory
-    closed: bool
+    dark: Reading  # zero for each diode
+    begin: OnboardMemory  # initial memory of the drone
+    closed: bool  # whether the drone decides; otherwise it keeps the duties of its constants
+    # Whether the model has these effects
     turbulence: bool
     superheat: bool
+    # Derivative of the state, and thrust of each rotor, from state, model numbers, command and
+    # surroundings
     rates: Callable[[State, Array, State, State], State] = GeneratedFunction('rates')
     thrusts_of: Callable[[State, Array, State, State], PerRotor] = GeneratedFunction('thrusts_of')
+    # State after a time at a rate, mean rate of a Runge-Kutta step, and state with a unit
+    # quaternion
     ahead: Callable[[State, State, float], State] = GeneratedFunction('ahead')
     mean: Callable[[State, State, State, State], State] = GeneratedFunction('mean')
     normalised: Callable[[State], State] = GeneratedFunction('normalised')
+    # State of the rigid body with the initial memory of the effects, from a seed
     add_effects: Callable[[State, int], State] = GeneratedFunction('add_effects')
+    # Amplitude, SNR and standard deviation of each diode at the frequency of a lamp
     read_diodes: Callable[..., tuple[Reading, Reading, Reading]] = GeneratedFunction('read_diodes')
+    # Daylight on each diode from the light array
     daylight_of: Callable[[Array], Reading] = GeneratedFunction('daylight_of')
 
 
 class FlightInputs(NamedTuple):
-    """
-    What a flight gets from outside.
+    """What a flight gets from outside."""
 
-    Attributes
-    ----------
-    numbers : ndarray
-        Parameters of the vehicle's model, its body and its inverse inertia.
-    recorded : ndarray, shape (n, 6)
-        Recorded wind [m/s] and its rate [m/s2] in each control period; none without a record.
-    errors : SensorErrors
-        Constant sensor errors of this flight.
-    seed : int
-        Seed of the counter-based noise: each sample is a function of seed, sensor and step.
-    payload : float
-        Power of the payload. [W]
-
-    """
-
-    numbers: Array
+    numbers: Array  # parameters of the vehicle's model, its body and its inverse inertia
+    # Recorded wind [m/s] and its rate [m/s2] in each control period; none without a record, shape
+    # (n, 6)
     recorded: Array
-    errors: SensorErrors
+    errors: SensorErrors  # constant sensor errors of this flight
+    # Seed of the counter-based noise: each sample is a function of seed, sensor and step
     seed: int
-    payload: float
+    payload: float  # power of the payload [W]
 
 
 class WorkArrays(NamedTuple):
@@ -132,59 +101,25 @@ class WorkArrays(NamedTuple):
 
 
 class FlightMemory(NamedTuple):
-    """
-    Full state of vehicle and drone between two control periods.
+    """Full state of vehicle and drone between two control periods."""
 
-    Attributes
-    ----------
-    state : tuple of float
-        State of the model.
-    command : tuple of float
-        Command of the last period, in the form of the kernel.
-    onboard, mission : OnboardMemory, Mission
-        Memory of the drone.
-    setpoint : Setpoint
-        Newest setpoint of the mission.
-    fresh : bool
-        Whether the controller has not received this setpoint yet.
-    middle : tuple of float
-        True pose at the middle of the current light block.
-    reckoned : DeadReckonedMotion
-        The drone's motion estimate at that time.
-    gathered : tuple of float
-        Pose at which reflections were computed last.
-    daylight : tuple of float
-        Daylight on each diode in the newest light block.
-    seen : bool
-        Whether the newest light block shows the lamp.
-    bearing : float
-        Bearing of the lamp in that block. [rad]
-    distance : float
-        New range, NaN if there is none. [m]
-    supply : SupplyState
-        State of the power supply.
-    irradiance : float
-        Irradiance on the panel. [W/m2]
-    step, ticks : int
-        Control periods and integration steps since the start.
-
-    """
-
-    state: State
-    command: State
+    state: State  # state of the model
+    command: State  # command of the last period, in the form of the kernel
+    # Memory of the drone
     onboard: OnboardMemory
     mission: Mission
-    setpoint: Setpoint
-    fresh: bool
-    middle: Pose
-    reckoned: DeadReckonedMotion
-    gathered: Pose
-    daylight: Reading
-    seen: bool
-    bearing: float
-    distance: float
-    supply: SupplyState
-    irradiance: float
+    setpoint: Setpoint  # newest setpoint of the mission
+    fresh: bool  # whether the controller has not received this setpoint yet
+    middle: Pose  # true pose at the middle of the current light block
+    reckoned: DeadReckonedMotion  # the drone's motion estimate at that time
+    gathered: Pose  # pose at which reflections were computed last
+    daylight: Reading  # daylight on each diode in the newest light block
+    seen: bool  # whether the newest light block shows the lamp
+    bearing: float  # bearing of the lamp in that block [rad]
+    distance: float  # new range, NaN if there is none [m]
+    supply: SupplyState  # state of the power supply
+    irradiance: float  # irradiance on the panel [W/m2]
+    # Control periods and integration steps since the start
     step: int
     ticks: int
 

@@ -16,27 +16,16 @@ SCRATCH = max(allocation.SCRATCH, FIT_SCRATCH)  # shared, since both are used in
 @final
 @dataclass(frozen=True, slots=True)
 class BatchSchedule:
-    """
-    Schedule of a simulated flight.
+    """Schedule of a simulated flight."""
 
-    Attributes
-    ----------
-    control, range : int
-        Integration steps per control period, and per sample of the range finder.
-    pressure, light : int
-        Control periods per sample of the barometer, and per light block.
-    dt : float
-        Integration step. [s]
-    reuse_reflections : bool
-        Whether reflections are computed only after the drone has moved (`has_moved`).
-
-    """
-
+    # Integration steps per control period, and per sample of the range finder
     control: int
     range: int
+    # Control periods per sample of the barometer, and per light block
     pressure: int
     light: int
-    dt: float = STEP
+    dt: float = STEP  # integration step [s]
+    # Whether reflections are computed only after the drone has moved (`has_moved`)
     reuse_reflections: bool = False
 
     @property
@@ -58,24 +47,13 @@ class BatchSchedule:
 @final
 @dataclass(frozen=True, slots=True)
 class CompileTarget:
-    """
-    A target.
+    """A target."""
 
-    Attributes
-    ----------
-    imports : str
-        Import statements.
-    inline, merge : str
-        Decorators of a function, and of one that is merged into its caller.
-    entry : str
-        Template of the entry.
-
-    """
-
-    imports: str
+    imports: str  # import statements
+    # Decorators of a function, and of one that is merged into its caller
     inline: str
     merge: str
-    entry: str
+    entry: str  # template of the entry
 
 
 # The model of one vehicle, whose constants are a row

@@ -22,61 +22,31 @@ PLACE = ('platform', 'libraries', 'commit')  # provenance that may change the la
 @final
 @dataclass(frozen=True, slots=True)
 class ChannelDifference:
-    """
-    One field that differs.
+    """One field that differs."""
 
-    Attributes
-    ----------
-    path : str
-        The field.
-    count : int
-        Number of messages in which it differs.
-    first : int
-        Row of the first of them.
-    largest : float
-        Largest difference, in the field's unit; NaN for text.
-    recorded, again : object
-        Both values at the first difference.
-    close : bool
-        Whether it agrees within the tolerance for a bag from elsewhere.
-
-    """
-
-    path: str
-    count: int
-    first: int
-    largest: float
+    path: str  # the field
+    count: int  # number of messages in which it differs
+    first: int  # row of the first of them
+    largest: float  # largest difference, in the field's unit; NaN for text
+    # Both values at the first difference
     recorded: object
     again: object
-    close: bool
+    close: bool  # whether it agrees within the tolerance for a bag from elsewhere
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class TopicComparison:
-    """
-    The comparison of one topic.
+    """The comparison of one topic."""
 
-    Attributes
-    ----------
-    topic : str
-        Relative name.
-    recorded, again : TopicMessages
-        The paired messages, row by row.
-    differing : int
-        Number of messages that differ in any field.
-    unmatched : tuple of int
-        Messages of the recording, and of the replay, without a counterpart.
-    channels : tuple of ChannelDifference
-        The fields that differ, in the order of their first difference.
-
-    """
-
-    topic: str
+    topic: str  # relative name
+    # The paired messages, row by row
     recorded: TopicMessages
     again: TopicMessages
-    differing: int
+    differing: int  # number of messages that differ in any field
+    # Messages of the recording, and of the replay, without a counterpart
     unmatched: tuple[int, int]
+    # The fields that differ, in the order of their first difference
     channels: tuple[ChannelDifference, ...]
 
     @property

@@ -18,28 +18,15 @@ Column = NDArray[np.float64]
 @final
 @dataclass(frozen=True, slots=True)
 class DecisionComparison:
-    """
-    One kind of decision in both runs.
-
-    Attributes
-    ----------
-    name, unit : str
-        The decision.
-    keys : ndarray of int64, shape (n,)
-        Times. [ns]
-    recorded, again : ndarray, shape (n,)
-        Values in both runs; booleans are 0 and 1.
-    gaps : ndarray, shape (n,)
-        Absolute differences; of headings along the shorter arc.
-
-    """
+    """One kind of decision in both runs."""
 
     name: str
     unit: str
-    keys: NDArray[np.int64]
+    keys: NDArray[np.int64]  # times, shape (n,) [ns]
+    # Values in both runs; booleans are 0 and 1, shape (n,)
     recorded: Column
     again: Column
-    gaps: Column
+    gaps: Column  # absolute differences; of headings along the shorter arc, shape (n,)
 
     @property
     def change_count(self) -> int:

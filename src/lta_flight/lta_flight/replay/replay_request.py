@@ -40,33 +40,18 @@ VEHICLE, STRATEGY, LAMP_ROOM = 'gtmab', 'bag', 'lamp_room'  # for a bag without 
 @final
 @dataclass(frozen=True, slots=True)
 class ReplayRequest:
-    """
-    A requested replay.
+    """A requested replay."""
 
-    Attributes
-    ----------
-    bag : Path
-        The recording.
-    nodes : tuple of str
-        The nodes to run again.
-    settings : mapping of str to mapping
-        Changed parameters, by node and name.
-    vehicle, gains, strategy : str or None
-        Replacements of the recording's own.
-    rate : float or None
-        Bag seconds per wall second; None for lockstep.
-    start, end : float
-        The section of the recording. [s]
-
-    """
-
-    bag: Path
-    nodes: tuple[str, ...]
+    bag: Path  # the recording
+    nodes: tuple[str, ...]  # the nodes to run again
+    # Changed parameters, by node and name
     settings: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    # Replacements of the recording's own
     vehicle: str | None = None
     gains: str | None = None
     strategy: str | None = None
-    rate: float | None = None
+    rate: float | None = None  # bag seconds per wall second; None for lockstep
+    # The section of the recording [s]
     start: float = 0.0
     end: float = FOREVER
 

@@ -42,20 +42,10 @@ class ReplayObserver(Protocol):
 @final
 @dataclass(frozen=True, slots=True)
 class ReplayRun:
-    """
-    The result of a replay.
+    """The result of a replay."""
 
-    Attributes
-    ----------
-    bag : Path
-        Outputs of the nodes.
-    standing : dict of str to str or None
-        The player's final status; None if the graph broke.
-
-    """
-
-    bag: Path
-    standing: dict[str, str] | None
+    bag: Path  # outputs of the nodes
+    standing: dict[str, str] | None  # the player's final status; None if the graph broke
 
     @property
     def is_complete(self) -> bool:

@@ -14,19 +14,10 @@ from numpy.typing import NDArray
 
 @final
 class TopicMessages(NamedTuple):
-    """
-    The messages of one topic.
+    """The messages of one topic."""
 
-    Attributes
-    ----------
-    keys : ndarray of int64, shape (n,)
-        Identifies each message: its stamp, or its log time. [ns]
-    numbers, texts : mapping of str to ndarray, shape (n,)
-        Columns by field path.
-
-    """
-
-    keys: NDArray[np.int64]
+    keys: NDArray[np.int64]  # identifies each message: its stamp, or its log time, shape (n,) [ns]
+    # Columns by field path, shape (n,)
     numbers: Mapping[str, NDArray[Any]]
     texts: Mapping[str, NDArray[Any]]
 

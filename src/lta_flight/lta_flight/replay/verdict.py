@@ -24,26 +24,12 @@ Word = Literal['identical', 'same', 'different']
 @final
 @dataclass(frozen=True, slots=True)
 class ReplayVerdict:
-    """
-    The comparison of a replay with its recording.
+    """The comparison of a replay with its recording."""
 
-    Attributes
-    ----------
-    topics : tuple of TopicComparison
-        The outputs of the nodes, topic by topic.
-    decisions : tuple of DecisionComparison
-        The decisions.
-    elsewhere : tuple of str
-        Differences in provenance: platform, libraries, commit.
-    start_ns : int
-        Time 0. [ns]
-
-    """
-
-    topics: tuple[TopicComparison, ...]
+    topics: tuple[TopicComparison, ...]  # the outputs of the nodes, topic by topic
     decisions: tuple[DecisionComparison, ...]
-    elsewhere: tuple[str, ...]
-    start_ns: int
+    elsewhere: tuple[str, ...]  # differences in provenance: platform, libraries, commit
+    start_ns: int  # time 0 [ns]
 
     @property
     def word(self) -> Word:

@@ -26,20 +26,10 @@ def shortest_path_length(
 @final
 @dataclass(frozen=True)
 class FlightGoal:
-    """
-    The goal of one flight.
+    """The goal of one flight."""
 
-    Parameters
-    ----------
-    scenario : Scenario or None
-        The scene with its lamps, if known.
-    truth : MotionCurve or None
-        The true motion, if known.
-
-    """
-
-    scenario: Scenario | None
-    truth: MotionCurve | None
+    scenario: Scenario | None  # the scene with its lamps, if known
+    truth: MotionCurve | None  # the true motion, if known
 
     @cached_property
     def places(self) -> list[FloorPoint]:

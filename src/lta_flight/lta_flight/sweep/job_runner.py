@@ -24,32 +24,16 @@ FAILED = 'failed'
 @final
 @dataclass(frozen=True, slots=True)
 class SweepRow:
-    """
-    The stored result of a flight.
+    """The stored result of a flight."""
 
-    Attributes
-    ----------
-    index, seed : int
-        Position in the sweep, and seed.
-    values : dict
-        Varied parameters by path, in SI.
-    outcome : str
-        'reached', 'timeout', 'escaped', or 'failed' if it could not be flown.
-    sentence : str
-        The outcome in words, or the reason of a failure.
-    wall : float
-        Computing time. [s]
-    figures : dict
-        `FlightResults` by name; None if unknown.
-
-    """
-
+    # Position in the sweep, and seed
     index: int
     seed: int
-    values: dict[str, Any]
-    outcome: str
-    sentence: str
-    wall: float = 0.0
+    values: dict[str, Any]  # varied parameters by path, in SI
+    outcome: str  # 'reached', 'timeout', 'escaped', or 'failed' if it could not be flown
+    sentence: str  # the outcome in words, or the reason of a failure
+    wall: float = 0.0  # computing time [s]
+    # `FlightResults` by name; None if unknown
     figures: dict[str, Any] = field(default_factory=dict)
 
 

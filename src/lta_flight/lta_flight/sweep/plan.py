@@ -27,24 +27,14 @@ MOST = 10_000_000  # flights; the table of more does not fit into memory
 @final
 @dataclass(frozen=True, slots=True)
 class SweepJob:
-    """
-    One flight of a sweep.
+    """One flight of a sweep."""
 
-    Attributes
-    ----------
-    index, seed : int
-        Position in the sweep, and seed.
-    values : mapping
-        Varied parameters by path, and the name of the case if there are cases.
-    case : mapping
-        Parameters that the case sets, by path.
-
-    """
-
+    # Position in the sweep, and seed
     index: int
     seed: int
+    # Varied parameters by path, and the name of the case if there are cases
     values: Mapping[str, Any]
-    case: Mapping[str, Any] = field(default_factory=dict)
+    case: Mapping[str, Any] = field(default_factory=dict)  # parameters that the case sets, by path
 
     @property
     def changes(self) -> dict[str, Any]:

@@ -53,36 +53,19 @@ class SweepRequest:
 @final
 @dataclass(frozen=True, slots=True)
 class SweepRun:
-    """
-    The result of a sweep.
-
-    Attributes
-    ----------
-    order : SweepRequest
-        The request.
-    plan : SweepPlan
-        The planned flights.
-    rows : list of SweepRow
-        All flights, including those of earlier runs.
-    folder, table : Path
-        The results.
-    flown, lost : int
-        Flights and lost workers of this run.
-    wall : float
-        Duration of this run's flights. [s]
-    failure : KeyboardInterrupt or BadInput, optional
-        What stopped this run before its last flight.
-
-    """
+    """The result of a sweep."""
 
     order: SweepRequest
-    plan: SweepPlan
-    rows: list[SweepRow]
+    plan: SweepPlan  # the planned flights
+    rows: list[SweepRow]  # all flights, including those of earlier runs
+    # The results
     folder: Path
     table: Path
+    # Flights and lost workers of this run
     flown: int
     lost: int
-    wall: float
+    wall: float  # duration of this run's flights [s]
+    # What stopped this run before its last flight
     failure: KeyboardInterrupt | BadInput | None = None
 
 

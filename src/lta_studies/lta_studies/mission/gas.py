@@ -22,29 +22,14 @@ SWING: Final = 10.0  # K, a change of the air over a day
 @final
 @dataclass(frozen=True, slots=True)
 class GasOverDay:
-    """
-    Change of lift over a day, and what the drone can hold.
+    """Change of lift over a day, and what the drone can hold."""
 
-    Attributes
-    ----------
-    irradiance : float
-        Strongest light on level ground. [W/m2]
-    warmer : float
-        Temperature of the gas above that of the air there. [K]
-    slack_gain : float
-        Lift that a slack envelope gains there, as mass. [kg]
-    taut_loss : float
-        Lift that a taut envelope loses in air that is warmer by `SWING`, as mass. [kg]
-    held : float
-        Additional lift that weight and rotors can counter, as mass. [kg]
-
-    """
-
-    irradiance: float
-    warmer: float
-    slack_gain: float
+    irradiance: float  # strongest light on level ground [W/m2]
+    warmer: float  # temperature of the gas above that of the air there [K]
+    slack_gain: float  # lift that a slack envelope gains there, as mass [kg]
+    # Lift that a taut envelope loses in air that is warmer by `SWING`, as mass [kg]
     taut_loss: float
-    held: float
+    held: float  # additional lift that weight and rotors can counter, as mass [kg]
 
     @property
     def is_held(self) -> bool:

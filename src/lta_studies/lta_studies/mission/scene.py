@@ -36,15 +36,7 @@ CLEARANCE = 0.02  # m between hull parts and payload
 
 
 def build_flight_spec(mission: MissionFile) -> FlightSpec:
-    """
-    Return the flight spec of a mission.
-
-    Raises
-    ------
-    BadInput
-        If its files cannot be read.
-
-    """
+    """Return the flight spec of a mission; raise BadInput if its files cannot be read."""
     made_of = load_spec(mission.vehicle, mission.scene, 'homing', '')
     made_of = made_of.with_values({'mission.altitude': mission.altitude.si})
     if mission.feedback is not None:

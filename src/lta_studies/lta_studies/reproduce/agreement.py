@@ -14,25 +14,12 @@ SURE: Final = 0.95  # share of the draws that makes a verdict
 
 
 class DrawSummary(NamedTuple):
-    """
-    The values of a measure over the draws from the ranges of what is assumed.
+    """The values of a measure over the draws from the ranges of what is assumed."""
 
-    Attributes
-    ----------
-    drawn : int
-        Number of draws.
-    share : float
-        Share of them that satisfies the rule of the claim.
-    middle : float or str
-        Median, or the most frequent word. [SI]
-    low, high : float
-        5 % and 95 % quantiles of the draws; NaN for words. [SI]
-
-    """
-
-    drawn: int
-    share: float
-    middle: float | str
+    drawn: int  # number of draws
+    share: float  # share of them that satisfies the rule of the claim
+    middle: float | str  # median, or the most frequent word [SI]
+    # 5 % and 95 % quantiles of the draws; NaN for words [SI]
     low: float = math.nan
     high: float = math.nan
 

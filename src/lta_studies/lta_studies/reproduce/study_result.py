@@ -46,52 +46,25 @@ class StudyPicture:
 @final
 @dataclass(frozen=True, slots=True)
 class RowStudyResult:
-    """
-    Result of a study.
+    """Result of a study."""
 
-    Attributes
-    ----------
-    values : mapping of str to MeasuredValue
-        The measures of the files as they are.
-    pictures, tables : sequence
-        Pictures and tables.
-    draws : mapping of str to sequence
-        Measures in each draw from the ranges of what is assumed.
-
-    """
-
-    values: Mapping[str, MeasuredValue]
+    values: Mapping[str, MeasuredValue]  # the measures of the files as they are
     pictures: Sequence[StudyPicture]
     tables: Sequence[TextTable] = ()
+    # Measures in each draw from the ranges of what is assumed
     draws: Mapping[str, Sequence[float | str]] = field(default_factory=dict)
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class RowStudyRequest:
-    """
-    Options of a study.
+    """Options of a study."""
 
-    Attributes
-    ----------
-    seeds : int
-        Number of flights or draws of each kind.
-    quick : bool
-        Whether to leave out the long parts.
-    folder : Path
-        Folder for the bags of this row.
-    draws : int
-        Number of draws.
-    ranges : mapping of str to SceneRange
-        Ranges of the scene, by path.
-
-    """
-
-    seeds: int
-    quick: bool
-    folder: Path
-    draws: int = 0
-    ranges: Mapping[str, SceneRange] = field(default_factory=dict)
+    seeds: int  # number of flights or draws of each kind
+    quick: bool  # whether to leave out the long parts
+    folder: Path  # folder for the bags of this row
+    draws: int = 0  # number of draws
+    ranges: Mapping[str, SceneRange] = field(default_factory=dict)  # ranges of the scene, by path
 
     @property
     def draw_seeds(self) -> range:

@@ -32,23 +32,12 @@ class GroundWind:
 @final
 @dataclass(frozen=True, slots=True)
 class FlyableWind:
-    """
-    The largest wind that was flown.
+    """The largest wind that was flown."""
 
-    Attributes
-    ----------
-    wind : float
-        Uniform, or at the reference height; 0 if the drone fails even in still air. [m/s]
-    airspeed : float
-        Commanded airspeed. [m/s]
-    fine : float
-        Width of the final bracket: `wind + fine` was too much. [m/s]
-
-    """
-
+    # Uniform, or at the reference height; 0 if the drone fails even in still air [m/s]
     wind: float
-    airspeed: float
-    fine: float
+    airspeed: float  # commanded airspeed [m/s]
+    fine: float  # width of the final bracket: `wind + fine` was too much [m/s]
 
 
 def set_wind(spec: FlightSpec, wind: float, ground: GroundWind) -> FlightSpec:

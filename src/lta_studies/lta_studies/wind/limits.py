@@ -54,39 +54,21 @@ class GroundWindLimits:
 @final
 @dataclass(frozen=True, slots=True)
 class PlatformWindLimits:
-    """
-    Wind limits of one platform in m/s; infinite where its known drag sets none.
+    """Wind limits of one platform in m/s; infinite where its known drag sets none."""
 
-    Attributes
-    ----------
-    name : str
-        Vehicle.
-    height : float
-        Height of the hull centre in flight. [m]
-    thrust, tumble, rise, static : float
-        Airspeed that the rotors can hold, airspeeds at which the vehicle tumbles and rises, and
-        the lowest of the three.
-    flown : FlyableWind or None
-        Limit flown in uniform wind.
-    over : tuple of GroundWindLimits
-        Limits over each ground.
-    note : str
-        Why a limit is missing.
-    interval : tuple of float or None
-        5 % and 95 % of the lowest of the three with the numbers of the vehicle file drawn from
-        their ranges; None if it has no ranges.
-
-    """
-
-    name: str
-    height: float
+    name: str  # vehicle
+    height: float  # height of the hull centre in flight [m]
+    # Airspeed that the rotors can hold, airspeeds at which the vehicle tumbles and rises, and the
+    # lowest of the three
     thrust: float
     tumble: float
     rise: float
     static: float
-    flown: FlyableWind | None
-    over: tuple[GroundWindLimits, ...]
-    note: str = ''
+    flown: FlyableWind | None  # limit flown in uniform wind
+    over: tuple[GroundWindLimits, ...]  # limits over each ground
+    note: str = ''  # why a limit is missing
+    # 5 % and 95 % of the lowest of the three with the numbers of the vehicle file drawn from their
+    # ranges; None if it has no ranges
     interval: tuple[float, float] | None = None
 
 

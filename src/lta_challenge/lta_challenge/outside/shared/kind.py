@@ -10,23 +10,11 @@ from lta_model.effects.protocol import WrenchEffect
 @final
 @dataclass(frozen=True, slots=True)
 class OutsideKind:
-    """
-    A kind of force outside the library.
+    """A kind of force outside the library."""
 
-    Attributes
-    ----------
-    effect : WrenchEffect
-        The effect; its strength is proportional to its first parameter, `size`.
-    about : str
-        Description.
-    usual : mapping of str to pair of float
-        Ranges of the parameters; the size is then scaled to the intended strength.
-    late : bool
-        Whether it was written independently and not used before discovery was finished.
-
-    """
-
-    effect: WrenchEffect
-    about: str
+    effect: WrenchEffect  # the effect; its strength is proportional to its first parameter, `size`
+    about: str  # description
+    # Ranges of the parameters; the size is then scaled to the intended strength
     usual: Mapping[str, tuple[float, float]]
+    # Whether it was written independently and not used before discovery was finished
     late: bool = False

@@ -22,33 +22,16 @@ Columns = Mapping[str, Numbers]
 
 @final
 class ColumnGroup(NamedTuple):
-    """
-    Columns that belong together.
+    """Columns that belong together."""
 
-    Attributes
-    ----------
-    kind : str
-        'position', 'velocity', 'rates', 'acceleration', 'force', 'torque', 'quaternion', 'euler'.
-    role : str
-        'truth', 'estimate', 'setpoint', or '' if the names do not say.
-    columns : tuple of str
-        x, y, z; of a quaternion as the log has them; of Euler angles roll, pitch, yaw, or
-        yaw alone.
-    axes : tuple of str
-        The axis in the name of each.
-    unit : str
-        As in the names, '' if they do not say.
-    reason : str
-        Why it has this kind.
-
-    """
-
+    # 'position', 'velocity', 'rates', 'acceleration', 'force', 'torque', 'quaternion', 'euler'
     kind: str
-    role: str
+    role: str  # 'truth', 'estimate', 'setpoint', or '' if the names do not say
+    # x, y, z; of a quaternion as the log has them; of Euler angles roll, pitch, yaw, or yaw alone
     columns: tuple[str, ...]
-    axes: tuple[str, ...]
-    unit: str
-    reason: str
+    axes: tuple[str, ...]  # the axis in the name of each
+    unit: str  # as in the names, '' if they do not say
+    reason: str  # why it has this kind
 
     def stack(self, table: Columns) -> Numbers:
         """Return the numbers, shape (n, columns)."""

@@ -20,32 +20,14 @@ from plotly.graph_objects import Figure
 
 @final
 class FlightPanel(NamedTuple):
-    """
-    One figure of the page.
+    """One figure of the page."""
 
-    Attributes
-    ----------
-    name : str
-        Identifier in the page and in file names.
-    title : str
-        Heading.
-    caption : str
-        What the figure shows, in a sentence or two.
-    needs : tuple of str
-        Required topics.
-    picture : callable
-        Builds the figure from the flight.
-    timed : bool
-        Whether the x axis is the time of the flight.
-
-    """
-
-    name: str
-    title: str
-    caption: str
-    needs: tuple[str, ...]
-    picture: Callable[[FlightView], Figure]
-    timed: bool = True
+    name: str  # identifier in the page and in file names
+    title: str  # heading
+    caption: str  # what the figure shows, in a sentence or two
+    needs: tuple[str, ...]  # required topics
+    picture: Callable[[FlightView], Figure]  # builds the figure from the flight
+    timed: bool = True  # whether the x axis is the time of the flight
 
 
 PANELS: Final = (

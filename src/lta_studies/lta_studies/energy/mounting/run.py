@@ -29,26 +29,12 @@ PAPER_SWING = math.radians(2.5)  # the seed paper's pitch oscillation of the sid
 @final
 @dataclass(frozen=True, slots=True)
 class MountTrial:
-    """
-    A mount in a hull, with its flights.
-
-    Attributes
-    ----------
-    fitted : MountedVehicle
-        The vehicle.
-    swing : PendulumMode
-        Analytical swing, linearised at 5 degrees.
-    release : Release
-        Simulated release at 5 degrees.
-    flights : sequence of StraightFlightResult
-        One flight per seed.
-
-    """
+    """A mount in a hull, with its flights."""
 
     fitted: MountedVehicle
-    swing: PendulumMode
-    release: Release
-    flights: Sequence[StraightFlightResult]
+    swing: PendulumMode  # analytical swing, linearised at 5 degrees
+    release: Release  # simulated release at 5 degrees
+    flights: Sequence[StraightFlightResult]  # one flight per seed
 
     @property
     def misplacement(self) -> float:
@@ -72,38 +58,21 @@ class Overturning:
 @final
 @dataclass(frozen=True, slots=True)
 class MountingStudy:
-    """
-    Comparison of mounts.
+    """Comparison of mounts."""
 
-    Attributes
-    ----------
-    vehicle : str
-        Name of the vehicle.
-    ahead : float
-        Misplacement of the panels in `misplaced`. [m]
-    fuller : float
-        Volume of the hull that carries every mount, relative to the file. [1]
-    lacking : mapping
-        Lift that the file's hull lacks, by mount; negative if there is spare lift. [kg]
-    own, shared, misplaced : mapping
-        Trials by mount: in the file's hull (if that carries it), in the hull that carries all
-        mounts, and in that hull with misplaced panels.
-    overturning : sequence of Overturning
-        The centre of gravity below, at and above the centre of buoyancy.
-    light : mapping
-        Shares of light by mount and light.
-
-    """
-
-    vehicle: str
-    ahead: float
-    fuller: float
+    vehicle: str  # name of the vehicle
+    ahead: float  # misplacement of the panels in `misplaced` [m]
+    fuller: float  # volume of the hull that carries every mount, relative to the file [1]
+    # Lift that the file's hull lacks, by mount; negative if there is spare lift [kg]
     lacking: Mapping[str, float]
+    # Trials by mount: in the file's hull (if that carries it), in the hull that carries all
+    # mounts, and in that hull with misplaced panels
     own: Mapping[str, MountTrial]
     shared: Mapping[str, MountTrial]
     misplaced: Mapping[str, MountTrial]
+    # The centre of gravity below, at and above the centre of buoyancy
     overturning: Sequence[Overturning]
-    light: Mapping[str, Mapping[str, PanelLightShares]]
+    light: Mapping[str, Mapping[str, PanelLightShares]]  # shares of light by mount and light
 
 
 @final

@@ -25,33 +25,17 @@ from scipy.spatial.transform import Rotation
 @final
 @dataclass(frozen=True, slots=True)
 class BearingReading:
-    """
-    Results of both estimators for one light block; NaN where there is no estimate.
+    """Results of both estimators for one light block; NaN where there is no estimate."""
 
-    Parameters
-    ----------
-    snr : float
-        SNR of the best diode.
-    paper, ours : float
-        Errors of the bearing. [rad]
-    deviation : float
-        Standard deviation of the bearing, as estimated by the fit. [rad]
-    elevation : float
-        Error of the elevation. [rad]
-    elevation_deviation : float
-        Standard deviation of the elevation, as estimated by the fit. [rad]
-    bound : float
-        Smallest possible standard deviation of the bearing (`bearing_bound`). [rad]
-
-    """
-
-    snr: float
+    snr: float  # SNR of the best diode
+    # Errors of the bearing [rad]
     paper: float
     ours: float
-    deviation: float
-    elevation: float
+    deviation: float  # standard deviation of the bearing, as estimated by the fit [rad]
+    elevation: float  # error of the elevation [rad]
+    # Standard deviation of the elevation, as estimated by the fit [rad]
     elevation_deviation: float
-    bound: float
+    bound: float  # smallest possible standard deviation of the bearing (`bearing_bound`) [rad]
 
 
 @final

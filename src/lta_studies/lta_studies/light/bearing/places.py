@@ -16,20 +16,10 @@ FOR_SUN: Final = {
 
 
 class TrueDiodes(NamedTuple):
-    """
-    The simulated diodes where they differ from the vehicle file, which the drone assumes.
+    """The simulated diodes where they differ from the vehicle file, which the drone assumes."""
 
-    Attributes
-    ----------
-    response : float or None
-        Exponent of the cosine.
-    gain_spread : float or None
-        Relative standard deviation of the gains.
-
-    """
-
-    response: float | None = None
-    gain_spread: float | None = None
+    response: float | None = None  # exponent of the cosine
+    gain_spread: float | None = None  # relative standard deviation of the gains
 
 
 @final

@@ -14,41 +14,20 @@ import numpy as np
 @final
 @dataclass(frozen=True, slots=True)
 class BearingTrialRequest:
-    """
-    Options of a bearing study.
+    """Options of a bearing study."""
 
-    Parameters
-    ----------
-    vehicle : str
-        Vehicle with the diodes.
-    places : tuple of str
-        Names in `PLACES`.
-    counts : tuple of int
-        Numbers of diodes in the ring.
-    ranges : tuple of float or None
-        Horizontal distances to the lamp [m]; None is anywhere in the scene.
-    poses : int
-        Random poses per combination, each with its own diode gains.
-    seed : int
-        Random seed.
-    diodes : tuple of TrueDiodes
-        The simulated diodes; the drone assumes those of the vehicle file.
-    turn : int
-        Light blocks of a turn in place from which the drone learns its gains before each pose.
-    off_axis : float
-        Largest angle to the lamp's axis. [rad]
-
-    """
-
-    vehicle: str
-    places: tuple[str, ...]
-    counts: tuple[int, ...]
+    vehicle: str  # vehicle with the diodes
+    places: tuple[str, ...]  # names in `PLACES`
+    counts: tuple[int, ...]  # numbers of diodes in the ring
+    # Horizontal distances to the lamp [m]; None is anywhere in the scene
     ranges: tuple[float | None, ...]
-    poses: int
-    seed: int
+    poses: int  # random poses per combination, each with its own diode gains
+    seed: int  # random seed
+    # The simulated diodes; the drone assumes those of the vehicle file
     diodes: tuple[TrueDiodes, ...] = (TrueDiodes(),)
+    # Light blocks of a turn in place from which the drone learns its gains before each pose
     turn: int = 0
-    off_axis: float = BESIDE
+    off_axis: float = BESIDE  # largest angle to the lamp's axis [rad]
 
     @property
     def pose_count(self) -> int:

@@ -19,44 +19,25 @@ Array = NDArray[np.float64]
 @final
 @dataclass(frozen=True, slots=True)
 class BearingScore:
-    """
-    Score of readings; angles in rad, NaN without estimates.
+    """Score of readings; angles in rad, NaN without estimates."""
 
-    Parameters
-    ----------
-    readings : int
-        Number of readings.
-    snr : float
-        Median SNR of the best diode.
-    paper, paper_most, paper_lost : float
-        Median error of the paper's estimator, its 95 % quantile, and the share without a bearing.
-    ours, ours_most, ours_lost : float
-        The same for the fit.
-    deviation : float
-        Median of the standard deviation estimated by the fit.
-    holds : float
-        Share of the true bearings within its 95 % interval.
-    elevation, elevation_deviation, elevation_holds : float
-        Median error, median deviation and coverage of the elevation.
-    bound : float
-        Smallest median error that an unbiased estimator could reach (`bearing_bound`).
-
-    """
-
-    readings: int
-    snr: float
+    readings: int  # number of readings
+    snr: float  # median SNR of the best diode
+    # Median error of the paper's estimator, its 95 % quantile, and the share without a bearing
     paper: float
     paper_most: float
     paper_lost: float
+    # The same for the fit
     ours: float
     ours_most: float
     ours_lost: float
-    deviation: float
-    holds: float
+    deviation: float  # median of the standard deviation estimated by the fit
+    holds: float  # share of the true bearings within its 95 % interval
+    # Median error, median deviation and coverage of the elevation
     elevation: float
     elevation_deviation: float
     elevation_holds: float
-    bound: float
+    bound: float  # smallest median error that an unbiased estimator could reach (`bearing_bound`)
 
     def to_json(self) -> dict[str, float | None]:
         """Convert the score to JSON, with NaN as null."""

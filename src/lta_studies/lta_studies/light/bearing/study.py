@@ -57,27 +57,14 @@ CLAIMS: Final = (
 @final
 @dataclass(frozen=True, slots=True)
 class RingStudy:
-    """
-    Results of one ring in one place.
+    """Results of one ring in one place."""
 
-    Parameters
-    ----------
-    place : str
-        Name in `PLACES`.
-    count : int
-        Number of diodes.
-    paper, ours : tuple of float
-        Median error in each direction. [rad]
-    snr : float
-        Median SNR of the best diode.
-
-    """
-
-    place: str
-    count: int
+    place: str  # name in `PLACES`
+    count: int  # number of diodes
+    # Median error in each direction [rad]
     paper: tuple[float, ...]
     ours: tuple[float, ...]
-    snr: float
+    snr: float  # median SNR of the best diode
 
     def to_json(self) -> dict[str, Any]:
         """Convert the study to JSON; angles in rad."""

@@ -20,33 +20,17 @@ from lta_studies.light.evaluation.wind import wind_to_airspeed_ratio
 @final
 @dataclass(frozen=True, slots=True)
 class EvaluationCell:
-    """
-    All seeds of one strategy in one case.
+    """All seeds of one strategy in one case."""
 
-    Attributes
-    ----------
-    strategy, case : str
-        Strategy, and label of the case: its name, its values in SI units, or both.
-    family : str
-        Common name of cases that differ only along the axis; '' if there is only one family.
-    place : float
-        Value of the case on the axis of its set; NaN without an axis.
-    wind : float
-        Mean wind plus one deviation at the hull, relative to the top airspeed. [1]
-    rows : dict
-        Completed flights, by seed.
-    failed : int
-        Number of flights that could not be simulated.
-
-    """
-
+    # Strategy, and label of the case: its name, its values in SI units, or both
     strategy: str
     case: str
+    # Common name of cases that differ only along the axis; '' if there is only one family
     family: str
-    place: float
-    wind: float
-    rows: Mapping[int, SweepRow]
-    failed: int = 0
+    place: float  # value of the case on the axis of its set; NaN without an axis
+    wind: float  # mean wind plus one deviation at the hull, relative to the top airspeed [1]
+    rows: Mapping[int, SweepRow]  # completed flights, by seed
+    failed: int = 0  # number of flights that could not be simulated
 
     @property
     def reached_share(self) -> ShareInterval:

@@ -16,26 +16,12 @@ AS_FLOWN: Final = 'as_flown'  # the case in which nothing is changed
 
 
 class PathOrder(NamedTuple):
-    """
-    Order of the paths in one case.
+    """Order of the paths in one case."""
 
-    Attributes
-    ----------
-    case : str
-        Name of the case.
-    paths : dict
-        Mean path by strategy. [m]
-    holds : bool
-        Whether the means are in the paper's order.
-    share : float
-        Share of bootstrap draws in that order; NaN with too few arrivals.
-
-    """
-
-    case: str
-    paths: dict[str, BootstrapMean]
-    holds: bool
-    share: float
+    case: str  # name of the case
+    paths: dict[str, BootstrapMean]  # mean path by strategy [m]
+    holds: bool  # whether the means are in the paper's order
+    share: float  # share of bootstrap draws in that order; NaN with too few arrivals
 
     @property
     def is_significant(self) -> bool:

@@ -41,34 +41,18 @@ class EvaluationRequest:
 @final
 @dataclass(frozen=True, slots=True)
 class EvaluationStatus:
-    """
-    State of an evaluation.
+    """State of an evaluation."""
 
-    Attributes
-    ----------
-    order : EvaluationRequest
-        Options.
-    plans : mapping
-        Sweep plans by set.
-    cells : mapping
-        Results by set.
-    flown, total : int
-        Flights of this run, and all flights requested.
-    wall, work : float
-        Wall time of this run, and computing time of all flights. [s]
-    stopped : bool
-        Whether Ctrl-C ended it early.
-
-    """
-
-    order: EvaluationRequest
-    plans: Mapping[str, SweepPlan]
-    cells: Mapping[str, list[EvaluationCell]]
+    order: EvaluationRequest  # options
+    plans: Mapping[str, SweepPlan]  # sweep plans by set
+    cells: Mapping[str, list[EvaluationCell]]  # results by set
+    # Flights of this run, and all flights requested
     flown: int
     total: int
+    # Wall time of this run, and computing time of all flights [s]
     wall: float
     work: float
-    stopped: bool = False
+    stopped: bool = False  # whether Ctrl-C ended it early
 
 
 def run_evaluation(order: EvaluationRequest, console: Console) -> EvaluationStatus:

@@ -13,50 +13,26 @@ from lta_flight.flight_spec import FlightSpec
 @final
 @dataclass(frozen=True, slots=True)
 class EvaluationAxis:
-    """
-    The quantity that a set varies.
+    """The quantity that a set varies."""
 
-    Attributes
-    ----------
-    title, unit : str
-        Label of the axis.
-    place : callable
-        Returns the value of a flight spec in the unit.
-    decades : bool
-        Whether the values span decades.
-
-    """
-
+    # Label of the axis
     title: str
     unit: str
-    place: Callable[[FlightSpec], float]
-    decades: bool = False
+    place: Callable[[FlightSpec], float]  # returns the value of a flight spec in the unit
+    decades: bool = False  # whether the values span decades
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class FlightSet:
-    """
-    A sweep of the evaluation.
+    """A sweep of the evaluation."""
 
-    Attributes
-    ----------
-    file : str
-        Sweep file; it must vary `strategy`.
-    title, about : str
-        Title and description on the page.
-    axis : EvaluationAxis or None
-        Axis of the plot; None if the cases only have names.
-    piloted : bool
-        Whether the reference pilot also flies it.
-
-    """
-
-    file: str
+    file: str  # sweep file; it must vary `strategy`
+    # Title and description on the page
     title: str
     about: str
-    axis: EvaluationAxis | None = None
-    piloted: bool = True
+    axis: EvaluationAxis | None = None  # axis of the plot; None if the cases only have names
+    piloted: bool = True  # whether the reference pilot also flies it
 
 
 def read_si_values(spec: FlightSpec, path: str) -> tuple[float, ...]:

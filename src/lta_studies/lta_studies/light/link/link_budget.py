@@ -33,35 +33,15 @@ TURN = math.radians(22.5)  # largest heading offset: half the spacing of eight d
 @final
 @dataclass(frozen=True, slots=True)
 class LinkPoint:
-    """
-    The link at one distance.
+    """The link at one distance."""
 
-    Attributes
-    ----------
-    distance : float
-        Horizontal distance from the lamp to the hull centre. [m]
-    lux : float
-        Direct light on a plane that faces the lamp, while it is on. [lx]
-    read : float
-        Reading of the brightest diode, including its response and reflections. [lx]
-    echo : float
-        Reading of the darkest diode: reflections only. [lx]
-    steady : float
-        Largest ambient light and daylight on a diode. [lx]
-    snr : float
-        SNR of the best diode, median of the blocks.
-    clipped : bool
-        Whether any sample saturates the ADC.
-
-    """
-
-    distance: float
-    lux: float
-    read: float
-    echo: float
-    steady: float
-    snr: float
-    clipped: bool
+    distance: float  # horizontal distance from the lamp to the hull centre [m]
+    lux: float  # direct light on a plane that faces the lamp, while it is on [lx]
+    read: float  # reading of the brightest diode, including its response and reflections [lx]
+    echo: float  # reading of the darkest diode: reflections only [lx]
+    steady: float  # largest ambient light and daylight on a diode [lx]
+    snr: float  # SNR of the best diode, median of the blocks
+    clipped: bool  # whether any sample saturates the ADC
 
 
 @final

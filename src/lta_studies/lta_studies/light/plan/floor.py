@@ -28,33 +28,17 @@ MOST_CELLS = 200_000  # limits memory and run time
 @final
 @dataclass(frozen=True, slots=True)
 class FloorGrid:
-    """
-    A hall divided into cells.
+    """A hall divided into cells."""
 
-    Attributes
-    ----------
-    x, y : ndarray, shapes (nx,) and (ny,)
-        Centres of the cells. [m]
-    cell : float
-        Side of a cell. [m]
-    free : ndarray of bool, shape (ny, nx)
-        Cells where the hull fits.
-    wanted : ndarray of bool, shape (ny, nx)
-        Free cells that must receive a lamp (inside the areas `hear`, if any).
-    walls : ndarray, shape (w, 5)
-        Opaque vertical faces on the floor: x0 y0 x1 y1 and height. [m]
-    area : float
-        Area of the whole floor. [m2]
-
-    """
-
+    # Centres of the cells [m]
     x: Array
     y: Array
-    cell: float
-    free: Mask
+    cell: float  # side of a cell [m]
+    free: Mask  # cells where the hull fits, shape (ny, nx)
+    # Free cells that must receive a lamp (inside the areas `hear`, if any), shape (ny, nx)
     wanted: Mask
-    walls: Array
-    area: float
+    walls: Array  # opaque vertical faces on the floor: x0 y0 x1 y1 and height, shape (w, 5) [m]
+    area: float  # area of the whole floor [m2]
 
     @property
     def cell_centers(self) -> Array:

@@ -35,29 +35,13 @@ ROUNDING: Final = 1e-6  # bins, tolerance
 @final
 @dataclass(frozen=True, slots=True)
 class FrequencyBand:
-    """
-    Constraints on the frequencies.
+    """Constraints on the frequencies."""
 
-    Attributes
-    ----------
-    rate : float
-        Sampling rate. [Hz]
-    samples : int
-        Samples per block.
-    window : int
-        Bins searched on either side of a lamp's frequency.
-    mains : float
-        Frequency of the mains flicker; its multiples are excluded. [Hz]
-    duty : float
-        Duty cycle of the lamps; determines their harmonics.
-
-    """
-
-    rate: float
-    samples: int
-    window: int
-    mains: float
-    duty: float
+    rate: float  # sampling rate [Hz]
+    samples: int  # samples per block
+    window: int  # bins searched on either side of a lamp's frequency
+    mains: float  # frequency of the mains flicker; its multiples are excluded [Hz]
+    duty: float  # duty cycle of the lamps; determines their harmonics
 
     @property
     def bin_width(self) -> float:

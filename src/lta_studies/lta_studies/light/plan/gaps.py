@@ -14,26 +14,15 @@ FEW = 'too few lamps'
 
 @final
 class CoverageGap(NamedTuple):
-    """
-    A connected area of cells that receive too few lamps.
+    """A connected area of cells that receive too few lamps."""
 
-    Attributes
-    ----------
-    area : float
-        Area. [m2]
-    west, south, east, north : float
-        Bounding box. [m]
-    why : str
-        Most common cause.
-
-    """
-
-    area: float
+    area: float  # area [m2]
+    # Bounding box [m]
     west: float
     south: float
     east: float
     north: float
-    why: str
+    why: str  # most common cause
 
 
 def find_gaps(layout: LampLayout) -> list[CoverageGap]:

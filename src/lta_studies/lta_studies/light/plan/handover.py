@@ -22,25 +22,14 @@ Place = tuple[float, float]
 @final
 @dataclass(frozen=True, slots=True)
 class LampHandover:
-    """
-    Hand-overs between lamps.
+    """Hand-overs between lamps."""
 
-    Attributes
-    ----------
-    arrivals : tuple of (tuple of 2 floats or None)
-        End of a flight to each lamp; None if it is received nowhere. [m]
-    edges : tuple of (int, int)
-        Hand-overs, from lamp to lamp.
-    route : tuple of int
-        The longest of the shortest paths between two lamps.
-    start : tuple of 2 floats or None
-        Start of the route: the farthest place with a straight flight to the first lamp. [m]
-
-    """
-
+    # End of a flight to each lamp; None if it is received nowhere [m]
     arrivals: tuple[Place | None, ...]
-    edges: tuple[tuple[int, int], ...]
-    route: tuple[int, ...]
+    edges: tuple[tuple[int, int], ...]  # hand-overs, from lamp to lamp
+    route: tuple[int, ...]  # the longest of the shortest paths between two lamps
+    # Start of the route: the farthest place with a straight flight to the first lamp, tuple of 2
+    # floats or None [m]
     start: Place | None
 
 

@@ -14,67 +14,33 @@ import numpy as np
 @final
 @dataclass(frozen=True, slots=True)
 class LayoutLamp:
-    """
-    A lamp of the layout.
+    """A lamp of the layout."""
 
-    Attributes
-    ----------
-    name : str
-        `lamp_1` and so on, or the name of an existing lamp.
-    mount : LampMount
-        Position and direction.
-    frequency : float
-        Flicker frequency. [Hz]
-
-    """
-
-    name: str
-    mount: LampMount
-    frequency: float
+    name: str  # `lamp_1` and so on, or the name of an existing lamp
+    mount: LampMount  # position and direction
+    frequency: float  # flicker frequency [Hz]
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class LampLayout:
-    """
-    Result of a plan.
+    """Result of a plan."""
 
-    Attributes
-    ----------
-    plan, floor, ear
-        Inputs.
-    overlap : int
-        Number of lamps that each cell should receive.
-    lamps : tuple of LayoutLamp
-        Lamps from top left to bottom right.
-    light, snr : ndarray, shape (lamps, cells)
-        Light and SNR of each lamp over each wanted cell at the worst heading, all lamps on.
-        [lx, 1]
-    reachable : ndarray of int, shape (cells,)
-        Number of candidate positions that a cell could receive.
-    places : int
-        Number of candidate positions.
-    least : float
-        Light required to receive a single lamp. [lx]
-    order : int
-        Order up to which harmonics are outside the windows of other lamps.
-    bound : int
-        Lower bound on the number of lamps for full coverage.
-
-    """
-
+    # Inputs
     plan: FloorPlan
     floor: FloorGrid
     ear: LightReceiver
-    overlap: int
-    lamps: tuple[LayoutLamp, ...]
+    overlap: int  # number of lamps that each cell should receive
+    lamps: tuple[LayoutLamp, ...]  # lamps from top left to bottom right
+    # Light and SNR of each lamp over each wanted cell at the worst heading, all lamps on, shape
+    # (lamps, cells) [lx, 1]
     light: Array
     snr: Array
-    reachable: Array
-    places: int
-    least: float
-    order: int
-    bound: int
+    reachable: Array  # number of candidate positions that a cell could receive, shape (cells,)
+    places: int  # number of candidate positions
+    least: float  # light required to receive a single lamp [lx]
+    order: int  # order up to which harmonics are outside the windows of other lamps
+    bound: int  # lower bound on the number of lamps for full coverage
 
     @property
     def is_received(self) -> Mask:

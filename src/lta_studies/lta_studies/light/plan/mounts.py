@@ -22,26 +22,12 @@ Vector = tuple[float, float, float]
 
 @final
 class LampMount(NamedTuple):
-    """
-    A candidate position for a lamp.
+    """A candidate position for a lamp."""
 
-    Attributes
-    ----------
-    position : tuple of 3 floats
-        Position of the lamp. [m]
-    axis : tuple of 3 floats
-        Unit vector along the beam axis.
-    name : str
-        Name of an existing lamp; else empty.
-    frequency : float or None
-        Frequency of an existing lamp. [Hz]
-
-    """
-
-    position: Vector
-    axis: Vector
-    name: str = ''
-    frequency: float | None = None
+    position: Vector  # position of the lamp [m]
+    axis: Vector  # unit vector along the beam axis
+    name: str = ''  # name of an existing lamp; else empty
+    frequency: float | None = None  # frequency of an existing lamp [Hz]
 
 
 def list_mounts(plan: FloorPlan) -> list[LampMount]:

@@ -11,26 +11,13 @@ from lta_vlc.settings import DemodulationSettings
 @final
 @dataclass(frozen=True, slots=True)
 class LightReceiver:
-    """
-    Receiver of the lamps.
+    """Receiver of the lamps."""
 
-    Attributes
-    ----------
-    vehicle : Vehicle
-        Hull and photodiode ring.
-    demodulation : DemodulationSettings
-        Demodulator; its frequency is replaced by that of each lamp.
-    light : AdcBlockShape
-        Sampling rate and block length.
-    margin : float
-        Required SNR relative to the threshold.
-
-    """
-
-    vehicle: Vehicle
+    vehicle: Vehicle  # hull and photodiode ring
+    # Demodulator; its frequency is replaced by that of each lamp
     demodulation: DemodulationSettings
-    light: AdcBlockShape
-    margin: float
+    light: AdcBlockShape  # sampling rate and block length
+    margin: float  # required SNR relative to the threshold
 
     @property
     def required_snr(self) -> float:

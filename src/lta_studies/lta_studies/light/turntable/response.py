@@ -31,31 +31,17 @@ EXPONENTS = (0.1, 20.0)  # as the vehicle file allows
 
 @final
 class TurntableResponse(NamedTuple):
-    """
-    Fitted response with standard deviations.
+    """Fitted response with standard deviations."""
 
-    Attributes
-    ----------
-    exponent, exponent_deviation : float
-        Exponent p.
-    gains, gain_deviations : tuple of float
-        Gain of each diode; their mean is 1.
-    strength : float
-        S, reading of a nominal diode that faces the lamp. [counts]
-    pedestal : float
-        P relative to S.
-    misfit : float
-        Rms residual relative to S.
-
-    """
-
+    # Exponent p
     exponent: float
     exponent_deviation: float
+    # Gain of each diode; their mean is 1
     gains: tuple[float, ...]
     gain_deviations: tuple[float, ...]
-    strength: float
-    pedestal: float
-    misfit: float
+    strength: float  # S, reading of a nominal diode that faces the lamp [counts]
+    pedestal: float  # p relative to S
+    misfit: float  # rms residual relative to S
 
     @property
     def gain_uncertainty(self) -> float:
@@ -69,21 +55,13 @@ class TurntableResponse(NamedTuple):
 
 
 class TurnBasis(NamedTuple):
-    """
-    What the model is made of, as means over groups of blocks, for a level lamp.
+    """What the model is made of, as means over groups of blocks, for a level lamp."""
 
-    Attributes
-    ----------
-    cosine, distance : ndarray, shape (n, diodes)
-        Cosine between the axis of each diode and the lamp, 0 if it looks away; and d.
-    diffuse : ndarray, shape (DIFFUSE, n, diodes)
-        Harmonics of the diffuse light at each diode.
-
-    """
-
+    # Cosine between the axis of each diode and the lamp, 0 if it looks away; and d, shape (n,
+    # diodes)
     cosine: Array
     distance: Array
-    diffuse: Array
+    diffuse: Array  # harmonics of the diffuse light at each diode, shape (DIFFUSE, n, diodes)
 
     def select(self, some: NDArray[np.bool_]) -> 'TurnBasis':
         """Return some of the groups."""

@@ -44,55 +44,27 @@ FEWEST: Final = DIRECTIONS  # minimum number of blocks
 
 
 class TurntableMotion(NamedTuple):
-    """
-    Motion of the turntable, counter-clockwise from above.
+    """Motion of the turntable, counter-clockwise from above."""
 
-    Attributes
-    ----------
-    rate : float
-        Constant rate; 0 for steps or a tracker. [rad/s]
-    step : float
-        Size of a step; 0 if there are none. [rad]
-    hold : float
-        Time from one step to the next. [s]
-    start : float
-        Direction of the lamp from the nose in the first block. [rad]
-    heading : str
-        Topic with the heading, if there is neither rate nor step.
-
-    """
-
-    rate: float = 0.0
-    step: float = 0.0
-    hold: float = 0.0
-    start: float = 0.0
-    heading: str = TRUTH
+    rate: float = 0.0  # constant rate; 0 for steps or a tracker [rad/s]
+    step: float = 0.0  # size of a step; 0 if there are none [rad]
+    hold: float = 0.0  # time from one step to the next [s]
+    start: float = 0.0  # direction of the lamp from the nose in the first block [rad]
+    heading: str = TRUTH  # topic with the heading, if there is neither rate nor step
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class TurntableReadings:
-    """
-    Results of the light blocks of a turn.
+    """Results of the light blocks of a turn."""
 
-    Parameters
-    ----------
-    direction : ndarray, shape (n,)
-        True direction of the lamp, counter-clockwise from the nose. [rad]
-    paper, ours : ndarray, shape (n,)
-        Bearings by both estimators; NaN without an estimate. [rad]
-    snr : ndarray, shape (n,)
-        SNR of the best diode.
-    amplitude : ndarray, shape (n, diodes)
-        Amplitude of the beacon. [counts]
-
-    """
-
+    # True direction of the lamp, counter-clockwise from the nose, shape (n,) [rad]
     direction: Array
+    # Bearings by both estimators; NaN without an estimate, shape (n,) [rad]
     paper: Array
     ours: Array
-    snr: Array
-    amplitude: Array
+    snr: Array  # SNR of the best diode, shape (n,)
+    amplitude: Array  # amplitude of the beacon, shape (n, diodes) [counts]
 
 
 def read_turn(
