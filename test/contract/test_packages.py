@@ -72,11 +72,9 @@ ROSDEP = {
     'zstandard': 'python3-zstandard-pip',
 }
 ROS = re.compile(
-    r'(rclpy|launch|ament_index_python|builtin_interfaces|rcl_interfaces|rosidl_parser|\w+_msgs|std_srvs)$'
+    r'(rclpy|launch|ament_index_python|builtin_interfaces|rcl_interfaces|\w+_msgs|std_srvs)$'
 )
-FENCED = re.compile(
-    r'(rclpy|builtin_interfaces|rcl_interfaces|rosidl_parser|\w+_msgs|std_srvs)(\.|$)'
-)
+FENCED = re.compile(r'(rclpy|builtin_interfaces|rcl_interfaces|\w+_msgs|std_srvs)(\.|$)')
 BEYOND = re.compile(r'lta_graph\.ros(\.|$)|lta_\w+\.(nodes|messages)(\.|$)')
 CONDUCTORS = {  # start a graph and listen to it, record a flight as one, or ask what nodes take
     'src/lta_discovery/lta_discovery/demo/hidden_effect.py',

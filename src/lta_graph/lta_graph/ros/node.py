@@ -16,7 +16,6 @@ from lta_config.settings import setting, Settings
 from lta_config.topics import load_topic_table
 from lta_graph.health import Health, HealthLevel
 from lta_graph.inbox import Inbox, InboxStep
-from lta_graph.ros.message_decoder import build_decoder
 from lta_graph.ros.message_validation import find_message_type, MESSAGES, MessageValidator
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.publisher_conflict import PublisherConflict
@@ -138,8 +137,12 @@ class GraphNode(Node):
         # Create the trigger first: `spin_node` takes the oldest subscription last, after all
         # other inputs
         for name in sorted(topics, key=lambda topic: topic != trigger):
-            self._inputs[name] = self.subscribe_raw(
-                name, self._build_input_receiver(inbox, name, on_step)
+            topic = self.table[name]
+            self._inputs[name] = self.create_subscription(
+                find_message_type(topic),
+                name,
+                self._build_input_receiver(inbox, name, topic.stamped, on_step),
+                select_profile(topic, self.lockstep),
             )
         self._trigger = trigger
         if self.replayed:
@@ -154,17 +157,13 @@ class GraphNode(Node):
         )
 
     def _build_input_receiver(
-        self, inbox: Inbox, name: str, on_step: Callable[[InboxStep], None]
-    ) -> Callable[[bytes], None]:
-        topic = self.table[name]
-        decode = build_decoder(find_message_type(topic))
-
-        def receive_message(data: bytes) -> None:
+        self, inbox: Inbox, name: str, stamped: bool, on_step: Callable[[InboxStep], None]
+    ) -> Callable[[Any], None]:
+        def receive_message(message: Any) -> None:  # noqa: ANN401 - whatever the topic carries
             self._heard[name] = time.monotonic()
             self.begun = True
-            message = decode(data)
-            stamp_ns = from_stamp(message.header.stamp) if topic.stamped else 0
-            valid = self.soundness.validate(topic, name, message)
+            stamp_ns = from_stamp(message.header.stamp) if stamped else 0
+            valid = self.soundness.validate(self.table[name], name, message)
             inbox.put(name, stamp_ns, message, valid)
             self._run_complete_steps(inbox, on_step)
 
