@@ -22,7 +22,10 @@ import typer
 from typer.core import TyperGroup
 
 # The packages that declare what is in the table of commands
-PACKAGES: Final = ('lta_cli', 'lta_control', 'lta_energy', 'lta_flight', 'lta_model', 'lta_vlc')
+PACKAGES: Final = (
+    'lta_cli', 'lta_config', 'lta_control', 'lta_data', 'lta_energy', 'lta_flight', 'lta_model',
+    'lta_studies', 'lta_vlc',
+)  # fmt: skip
 SUFFIXES: Final = {'launch file': '.launch.yaml'}
 # Vehicle and scenario of a command line that names none
 DEFAULTS: Final = {'vehicle': 'gtmab', 'scenario': 'lamp_room'}

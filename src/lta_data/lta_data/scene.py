@@ -1,8 +1,9 @@
 """Read scenario and vehicle from the provenance of a bag."""
 
 from collections.abc import Mapping
+from contextlib import suppress
 from functools import lru_cache
-from typing import final, NamedTuple, TypeVar
+from typing import Any, final, NamedTuple, TypeVar
 
 from lta_config.errors import BadInput
 from lta_config.files import parse_yaml
@@ -47,9 +48,19 @@ def parse_provenance_file(
 
 @lru_cache(maxsize=32)  # a study reads the same few files often; the models are frozen
 def _parse_model(model: type[Model], text: str, key: str) -> Model:
+    content = parse_yaml(text, f"The bag's {key}")
+    _keep_first_resistor(content)
     try:
-        return model.model_validate(parse_yaml(text, f"The bag's {key}"))
+        return model.model_validate(content)
     except ValidationError as error:
         raise BadInput(
             f"The bag's {key} cannot be read by this version of LTA: {format_error(error)}"
         ) from error
+
+
+def _keep_first_resistor(content: Any) -> None:  # noqa: ANN401 - a file as plain data
+    """Replace the feedback resistors that version 1.0 listed for a scene to choose from."""
+    with suppress(KeyError, TypeError, AttributeError):
+        feedback = content['sensors']['diodes']['feedback']
+        if isinstance(feedback['value'], list):
+            feedback['value'] = feedback['value'][0]

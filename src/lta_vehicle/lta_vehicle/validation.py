@@ -30,7 +30,7 @@ BUSY: Final = 70.0  # largest hover duty [%]
 SOON: Final = 7.0  # least hover endurance at the highest leak rate [days]
 LIGHT: Final = 1.0  # least ballast that can still be removed [g]
 DISAGREE: Final = 0.03  # relative; displaced air (weighed, hull) and sizes (envelope, hull)
-COPIED: Final = 0.3  # share of numbers of another vehicle, with their sources
+COPIED: Final = 0.5  # share of numbers of another vehicle, with their sources
 IMPURE: Final = 0.8  # least purity of the gas [1]
 
 

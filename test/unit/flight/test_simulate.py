@@ -41,7 +41,11 @@ def test_the_figures_without_a_bag_are_those_of_the_bag(tmp_path):
     flight, figures = simulated(tmp_path / 'a', change)
     assert flight.outcome == 'reached'
     of_bag = compute_results(FlightView(open_flight(flight.bag))).to_dict()
-    assert figures.to_dict() == pytest.approx(of_bag, rel=1e-12, nan_ok=False)
+    own = figures.to_dict()
+    # No sun warms the gas in this room
+    for results in (own, of_bag):
+        assert (results.pop('gas_warmth'), results.pop('gas_lift')) == (None, None)
+    assert own == pytest.approx(of_bag, rel=1e-12, nan_ok=False)
     assert None not in of_bag.values()
     _, bare = simulated(tmp_path / 'b', change, record=False)
     assert bare == figures

@@ -16,7 +16,11 @@ from typing import Final, final
 from lta_discovery.calibration.calibrated_file import format_calibrated_vehicle, NAME
 from lta_discovery.calibration.calibration import calibrate_flights, prepare_calibration
 from lta_discovery.calibration.coarse_fit import find_calibration_start, QuickFit
-from lta_discovery.calibration.forecast_score import relative_error, relative_position_error
+from lta_discovery.calibration.forecast_score import (
+    is_contradicted,
+    relative_error,
+    relative_position_error,
+)
 from lta_discovery.calibration.result import CalibratedValue, Calibration
 from lta_discovery.flights.role_assignment import assign_roles, Role
 from lta_discovery.model.parameters import FreeParameter, NET_LIFT
@@ -96,7 +100,7 @@ def _find_clear_calibration(
         error = min(error, relative_position_error(scores))
     reasons = list(list_reasons(found))
     # Written so that an error that is not a number is none that is better
-    if not (reasons and error <= BETTER[found.method]):
+    if not (reasons and error <= BETTER[found.method]) or is_contradicted(found.scores):
         return None
     # The first line and the table name the reasons, also those within three tolerances
     values = [replace(one, is_far=one.is_far or one in reasons) for one in found.values]

@@ -1,6 +1,7 @@
 """Score a calibration by its forecasts, beside the vehicle file and coasting."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Final
 
 from lta_config.errors import BadInput
 from lta_discovery.calibration.coarse_fit import build_longest_fitter
@@ -14,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+WORSE: Final = 1.05  # relative error on confirming flights that contradicts a calibration
 
 
 def score_forecasts(
@@ -95,6 +97,11 @@ def relative_error(scores: Sequence[ForecastScore]) -> float:
         for after, before in zip(one.after, one.before, strict=True)
     ]
     return float(np.sqrt(np.mean(np.square(ratios))))
+
+
+def is_contradicted(scores: Mapping[str, Sequence[ForecastScore]]) -> bool:
+    """Return whether the vehicle file forecasts positions of the confirming flights better."""
+    return relative_position_error(scores.get('confirm', ())) > WORSE
 
 
 def relative_position_error(scores: Sequence[ForecastScore]) -> float:

@@ -65,11 +65,6 @@ class Calibration:
     bags: Mapping[str, tuple[str, ...]]
     warnings: tuple[str, ...] = ()
 
-    @property
-    def is_contradicted(self) -> bool:
-        """Whether the vehicle file forecasts the positions of the confirming flights better."""
-        return any(one.after[0] > one.before[0] for one in self.scores.get('confirm', ())[-1:])
-
     def find(self, name: str) -> CalibratedValue | None:
         """Return a value of the vehicle by name; None if it was not calibrated."""
         return next((one for one in self.values if one.name == name and not one.flight), None)

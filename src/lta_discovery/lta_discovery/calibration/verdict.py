@@ -4,6 +4,7 @@ from collections.abc import Iterator
 import math
 from typing import Final
 
+from lta_discovery.calibration.forecast_score import is_contradicted
 from lta_discovery.calibration.result import CalibratedValue, Calibration
 from lta_discovery.model.calibration_parameters import HEADING
 from lta_discovery.model.nominal import NominalVehicle
@@ -111,7 +112,7 @@ def format_headline(calibration: Calibration) -> str:
     clauses = list_differences(calibration)
     said = '; '.join(clauses) if clauses else 'The vehicle file is within its tolerances'
     sentence = f'{said[:1].upper()}{said[1:]}.'
-    if calibration.is_contradicted:
+    if is_contradicted(calibration.scores):
         return (
             'The confirming flights contradict the calibration, so keep the vehicle file. '
             f'Estimated from the training flights alone: {sentence}'

@@ -234,7 +234,7 @@ class ForecastFitter:
             # Ridge estimate of the flight's lift, with its prior deviation
             lift = ALIKE * float(column @ left) / (ALIKE * float(column @ column) + self.lift**-2)
             rest = np.where(good, (seen.left - lift * seen.columns[..., 0]) * self.weights, 0.0)
-            total += float(np.sum(rest[..., columns] ** 2))
+            total += float(np.sum(np.minimum(rest[..., columns] ** 2, diverged**2)))
             if lost[..., columns].any():
                 total += diverged**2 * int(lost[..., columns].sum())
             count += int((good | lost)[..., columns].sum())

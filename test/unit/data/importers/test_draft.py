@@ -10,6 +10,7 @@ from lta_data.importers.draft.choices import DraftQuestion
 from lta_data.importers.draft.column_groups import group_columns
 from lta_data.importers.draft.draft_mapping import draft_mapping
 from lta_data.importers.draft.name_hints import parse_column_name
+from lta_data.importers.readers.text_dialect import detect_text_format
 import numpy as np
 import pytest
 from rich.console import Console
@@ -35,6 +36,8 @@ from .lab_flights import DOWN, lab_flight, three, write_csv
         ('north_m', (), 'n', 'm'),
         ('X_m', (), 'x', 'm'),
         ('motor_m', ('motor', 'm'), '', ''),
+        ('x_s', ('s',), 'x', ''),
+        ('t_s', ('t',), '', 's'),
     ],
 )
 def test_names_are_taken_apart(column, stem, axis, unit):
@@ -58,6 +61,29 @@ def test_an_angle_without_a_unit_belongs_to_those_with_one():
     table = {name: np.ones(10) for name in ('X', 'Y', 'Z', 'roll_deg', 'pitch_deg', 'yaw')}
     _, euler = sorted(group_columns(table)[0], key=lambda group: group.kind == 'euler')
     assert (euler.columns, euler.unit) == (('roll_deg', 'pitch_deg', 'yaw'), 'deg')
+
+
+def test_an_angle_that_wraps_at_pi_is_in_radians_whatever_the_others_are():
+    turn = np.tile(np.linspace(-3.1, 3.1, 20), 3)
+    table = dict.fromkeys(('X', 'Y', 'Z', 'roll_deg', 'pitch_deg', 'yaw'), turn)
+    groups, _ = group_columns(table)
+    assert all('yaw' not in group.columns or group.unit != 'deg' for group in groups)
+
+
+def test_the_unit_of_several_turns_of_a_heading_is_asked(tmp_path):
+    f = lab_flight()
+    table = {'t': f['t'] + 5.0, **three('', f['p']), 'yaw': np.linspace(0.0, 12.0, len(f['t']))}
+    draft = draft_mapping(write_csv(tmp_path / 'a.csv', table), {})
+    (question,) = draft.choices.questions
+    assert [name.split(', ')[1] for name, _ in question.options] == ['rad', 'deg']
+
+
+@pytest.mark.parametrize('columns', [2, 3, 4])
+def test_decimal_commas_are_told_from_delimiters(tmp_path, columns):
+    rows = [';'.join(f'{k},{k}00' for _ in range(columns)) for k in range(5)]
+    (tmp_path / 'a.csv').write_text('\n'.join([';'.join('thyx'[:columns]), *rows]) + '\n')
+    text = detect_text_format(tmp_path / 'a.csv')
+    assert (text.delimiter, text.decimal) == (';', ',')
 
 
 @pytest.mark.parametrize(
@@ -228,19 +254,21 @@ def test_the_scale_of_motors_follows_from_their_size(tmp_path, values, unit, ext
 
 def test_commands_of_places_are_actuators_and_what_is_missing_is_said(call, tmp_path):
     f = lab_flight(10.0)
-    names = 'cmd_left', 'cmd_down', 'knob'
+    names = 'cmd_left', 'cmd_down', 'knob', 'control_side_error'
     source = write_csv(tmp_path / 'a.csv', {'time_s': f['t'], **dict.fromkeys(names, f['t'] / 10)})
     status, told = call('import', '--draft', source, '--out', tmp_path / 'out')
     assert status == 0
     assert 'no position and no attitude; lta calibrate' in told.out
-    assert 'Columns without a meaning: knob.' in told.out
+    assert 'Columns without a meaning: knob, control_side_error.' in told.out
     (motors,) = load_mapping(str(tmp_path / 'out' / 'mapping.yaml'))[0].topics
     assert [*motors.actuators] == ['cmd_left', 'cmd_down']
     (motors,) = yaml.safe_load(draft_mapping(source, {'knob.topic': 'motors'}).text)['topics']
     assert [*motors['actuators']] == ['knob']
 
 
-@pytest.mark.parametrize('head', [['t_s;X_m;Y_m;Z_m'], ['log 3', 't;X;Y;Z', 's;m;m;[m]']])
+@pytest.mark.parametrize(
+    'head', [['t_s;X_m;Y_m;Z_m'], ['log 3', 't;X;Y;Z', 's;m;m;[m]'], ['t;X;Y;Z', 'tick;m;m;m']]
+)
 def test_a_table_with_decimal_commas_or_a_row_of_units(bring, tmp_path, head):
     rows = [f'{100 + k},5;0,{k}25;-1,5;2,5' for k in range(3)]
     source = tmp_path / 'a.csv'
@@ -302,7 +330,7 @@ def test_the_option_decides_and_the_mapping_and_its_page_are_written(call, tmp_p
     assert 'What the columns are' in told.out
     mapping, _ = load_mapping(str(tmp_path / 'out' / 'mapping.yaml'))
     assert mapping.world == world
-    assert 'time [s]' in (tmp_path / 'out' / 'report.html').read_text()
+    assert 'panel-first-0' in (tmp_path / 'out' / 'report.html').read_text()
     assert json.loads((tmp_path / 'out' / 'draft.json').read_text())['unused'] == []
     assert call('import', source, '--mapping', tmp_path / 'out' / 'mapping.yaml',
                '--out', tmp_path / 'bag')[0] == 0  # fmt: skip

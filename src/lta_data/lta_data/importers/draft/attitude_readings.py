@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 
 KERNEL: Final = 0.25  # that smooths both sides of a comparison [s]
 LONGEST: Final = 20_000  # rows that are looked at
+UNCLEAR: Final = (7.0, 40.0)  # a larger angle is in degrees: of three, and of a heading alone
 CLEAR: Final = 0.05  # advantage of a reading that decides
 SAME: Final = 3.0  # readings that differ by less are the same in this flight [deg]
 AGREE: Final = 0.6  # explained share of a motion that counts as agreement
@@ -75,7 +76,9 @@ def _read_angles(group: ColumnGroup, numbers: Numbers) -> Iterator[AttitudeReadi
     orders = (('Z', (0,)),) if alone else (('ZYX', (2, 1, 0)), ('XYZ', (0, 1, 2)))
     angles = _fill_rows(numbers, [0.0] * len(group.columns))
     size = float(np.percentile(np.abs(angles), 99.0))
-    units = ('deg',) if size > 7.0 or group.unit.startswith(('deg', '°')) else ('rad', 'deg')
+    # A heading alone may turn several times in radians
+    most = UNCLEAR[1] if alone else UNCLEAR[0]
+    units = ('deg',) if size > most or group.unit.startswith(('deg', '°')) else ('rad', 'deg')
     if group.unit == 'rad':
         units = ('rad',)
     for unit in units:

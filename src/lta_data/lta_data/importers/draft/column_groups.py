@@ -45,7 +45,7 @@ def group_columns(table: Columns) -> tuple[list[ColumnGroup], list[ColumnName]]:
     for name in names:
         if name.axis:
             stems.setdefault((name.stem, name.unit), {}).setdefault(name.axis, name)
-    _complete_angles(stems)
+    _complete_angles(stems, table)
     groups = [*_group_letters(names)]
     grouped = {column for group in groups for column in group.columns}
     for (stem, unit), axes in stems.items():
@@ -63,7 +63,9 @@ def group_columns(table: Columns) -> tuple[list[ColumnGroup], list[ColumnName]]:
     return groups, rest
 
 
-def _complete_angles(stems: dict[tuple[tuple[str, ...], str], dict[str, ColumnName]]) -> None:
+def _complete_angles(
+    stems: dict[tuple[tuple[str, ...], str], dict[str, ColumnName]], table: Columns
+) -> None:
     """Move an angle without a unit to those of its stem with one: roll_deg, pitch_deg, yaw."""
     for (stem, unit), axes in stems.items():
         others = [
@@ -71,8 +73,17 @@ def _complete_angles(stems: dict[tuple[tuple[str, ...], str], dict[str, ColumnNa
             if of == stem and named and not unit and {*one} & {*ANGLES.values()}
         ]  # fmt: skip
         for angle in {*ANGLES.values()} & {*axes}:
-            if len(others) == 1 and angle not in others[0]:
+            wraps = _wraps_at_pi(table[axes[angle].column])
+            if len(others) == 1 and angle not in others[0] and not wraps:
                 others[0][angle] = axes.pop(angle)
+
+
+def _wraps_at_pi(values: Numbers) -> bool:
+    """Return whether an angle jumps from one end of +-pi to the other: it is in radians."""
+    known = np.asarray(values, dtype=np.float64)
+    known = known[np.isfinite(known)]
+    jumps = np.abs(np.diff(known)) > 1.5 * np.pi
+    return bool(np.abs(known).max(initial=0.0) < 1.01 * np.pi and jumps.any())
 
 
 def _group_heading(names: list[ColumnName], groups: list[ColumnGroup]) -> ColumnGroup | None:

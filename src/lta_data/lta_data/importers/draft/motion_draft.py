@@ -17,6 +17,7 @@ from lta_data.importers.draft.attitude_readings import (
     SAME,
     score_reading,
     typical_difference,
+    UNCLEAR,
 )
 from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.column_groups import ColumnGroup
@@ -107,6 +108,10 @@ def _choose_reading(
         if len(rivals) and scored[best][0] > 0.3 and _differ_in_sense(first, rivals):
             options = [(one.label, 'agrees equally well') for one in (first, *rivals[:3])]
             first = labels[choices.decide(key, options, f'Several readings fit: {why}.')]
+    elif _is_unclear_heading(group, numbers):
+        options = [(one.label, '') for one in readings if 'body to world' in one.label]
+        first = labels[choices.decide(key, options, 'Nothing tells the unit of the heading.')]
+        why = choices.explain(key)
     else:
         upright = [abs(float(np.mean(r.turn.as_matrix()[:, 2, 2]))) for r in readings]
         level = [i for i, up in enumerate(upright) if up > 0.7] or [0]
@@ -116,6 +121,12 @@ def _choose_reading(
             why = 'the first order that keeps the vehicle upright'
     choices.add_reason(f'{topic}: orientation', group.columns, first.label, why)
     return first
+
+
+def _is_unclear_heading(group: ColumnGroup, numbers: Numbers) -> bool:
+    """Return whether a heading alone can be several turns in radians, or a few degrees."""
+    size = float(np.nanpercentile(np.abs(numbers), 99.0))
+    return len(group.columns) == 1 and not group.unit and UNCLEAR[0] < size <= UNCLEAR[1]
 
 
 def _differ_in_sense(first: AttitudeReading, rivals: Sequence[AttitudeReading]) -> bool:

@@ -158,13 +158,16 @@ def parse_column_name(column: str) -> ColumnName:
 
 def _is_unit_letter(before: str, letter: str) -> bool:
     """Return whether a letter is the unit of an axis or a time: x_m, t_s."""
-    return letter in ('m', 's') and (before in AXES or before in COMPASS or before in TIMES)
+    return (letter == 'm' and (before in AXES or before in COMPASS)) or (
+        letter == 's' and before in TIMES
+    )
 
 
 def is_placed_command(column: str) -> bool:
-    """Return whether a name is that of a command and of a place on the vehicle."""
+    """Return whether a name consists of words for a command and for a place on the vehicle."""
     words = frozenset(word.lower() for word in WORDS.findall(column))
-    return bool(words & COMMANDS and words & PLACES)
+    rest = {word for word in words - COMMANDS - PLACES if not word.isdigit()}
+    return bool(words & COMMANDS and words & PLACES and not rest)
 
 
 def match_kind(words: Iterable[str]) -> str:

@@ -41,7 +41,8 @@ def detect_text_format(path: Path) -> TextFormat:
         for name, mark in DELIMITERS.items()
         if name != decimal
     }
-    (delimiter, decimal), (rows, cells, _) = max(found.items(), key=lambda one: one[1])
+    # By rows, then by how many more cells are numbers than not: a comma may be either mark
+    (delimiter, decimal), (rows, _, cells) = max(found.items(), key=lambda one: one[1])
     if rows < 2:
         raise BadInput(
             f"'{path}' has no two lines with equally many numbers between commas, semicolons, "
@@ -54,7 +55,7 @@ def detect_text_format(path: Path) -> TextFormat:
     comment = marks[0] if marks else None
     names = _find_names([lines[i] for i in before], delimiter, cells)
     plain = [i for i in before if lines[i].lstrip()[:1] not in COMMENTS]
-    if names is not None and {*map(_bare_unit, names)} <= {*UNIT_WORDS, ''}:
+    if names is not None and _are_units(names):
         above = _find_names([lines[i] for i in before[:-1]], delimiter, cells)
         # The mapping lists the names, as no single line has both
         if above is not None:
@@ -97,14 +98,15 @@ def _split_numbers(line: str, mark: str | None, decimal: str) -> list[str]:
 
 
 def _count_rows(lines: Sequence[str], mark: str | None, decimal: str) -> tuple[int, int, int]:
-    """Return the rows with the most frequent number of cells, that number, and their numbers."""
+    """Return the rows of the most frequent length, numbers less other cells, and that length."""
     split = [_split_numbers(line, mark, decimal) for line in lines]
     table = [cells for cells in split if cells and _are_numbers(cells)]
     if not table:
         return 0, 0, 0
     counts = Counter(map(len, table))
     count, rows = max(counts.items(), key=lambda one: (one[1], one[0]))
-    return rows, count, sum(map(_is_number, chain.from_iterable(table)))
+    numbers = list(map(_is_number, chain.from_iterable(table)))
+    return rows, 2 * sum(numbers) - len(numbers), count
 
 
 def _is_row(line: str, mark: str | None, decimal: str, count: int) -> bool:
@@ -142,6 +144,13 @@ def _find_names(before: Sequence[str], delimiter: str, cells: int) -> list[str] 
     return None
 
 
+def _are_units(names: Sequence[str]) -> bool:
+    """Return whether most cells of a line are known units, and two of them at least."""
+    filled = [unit for unit in map(_bare_unit, names) if unit]
+    known = sum(unit in UNIT_WORDS for unit in filled)
+    return known >= 2 and 2 * known > len(filled)
+
+
 def _bare_unit(cell: str) -> str:
     """Return a unit without brackets, or without the number that makes a name unique."""
     return re.sub(r' \(\d+\)$|^unnamed \d+$', '', cell).strip('[]() -').lower()
@@ -149,7 +158,7 @@ def _bare_unit(cell: str) -> str:
 
 def _add_unit(name: str, unit: str) -> str:
     bare = _bare_unit(unit)
-    return f'{name} [{bare}]' if bare else name
+    return f'{name} [{bare}]' if bare in UNIT_WORDS else name
 
 
 def _number_columns(cells: int) -> list[str]:
