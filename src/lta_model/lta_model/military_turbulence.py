@@ -56,10 +56,7 @@ def low_altitude_turbulence(height: float, wind: float) -> dict[str, float]:
     }
 
 
-def sheared_turbulence(
-    mean_wind: Callable[[float], float], strength: float = 1.0
-) -> dict[str, float]:
+def sheared_turbulence(mean_wind: Callable[[float], float]) -> dict[str, float]:
     """Return parameters that follow the height, from the mean wind [m/s] by height [m]."""
     found = low_altitude_turbulence(LOWEST, mean_wind(MEASURED))
-    found |= {axis: strength * found[axis] for axis in ('along', 'across', 'up')}
     return found | {'mean': mean_wind(LOWEST), 'height': LOWEST}

@@ -85,8 +85,8 @@ class Turbulence(StrictModel):
     Dryden turbulence: rms and length along the mean wind, across it and up, or one for all three.
 
     Or `by` a standard, which derives both from the mean wind at 6.1 m (20 ft) and the height. If
-    it is `sheared`, wind and height are those of the scene and of the hull; `strength` is then the
-    share of the standard's rms.
+    it is `sheared`, wind and height are those of the scene and of the hull. `strength` multiplies
+    the rms; at 0 there is no turbulence.
     """
 
     intensity: Annotated[Quantity, _axes_validator('m/s', 0.0, 30.0)] | None = None
@@ -102,13 +102,9 @@ class Turbulence(StrictModel):
     @model_validator(mode='after')
     def _check_exclusive_forms(self) -> Self:
         own, standard = (self.intensity, self.length), (self.by, self.wind, self.height)
-        if self.sheared and self.by and own + standard[1:] == (None,) * 4:
-            return self
         if self.sheared:
-            raise ValueError(
-                'follows the height ("sheared"), so it needs "by: MIL-F-8785C" and nothing else; '
-                'remove the other keys'
-            )
+            self._check_sheared()
+            return self
         if None not in own and standard == (None,) * 3:
             return self
         if None not in standard and own == (None,) * 2:
@@ -120,10 +116,29 @@ class Turbulence(StrictModel):
             'speed at 20 ft) and height (flight height)'
         )
 
+    def _check_sheared(self) -> None:
+        """Raise ValueError unless `by` is given, and nothing that it derives."""
+        own = ('intensity', 'length', 'wind', 'height')
+        given = [name for name in own if getattr(self, name) is not None]
+        remedies = [
+            *(['add "by: MIL-F-8785C"'] if self.by is None else []),
+            *([f'remove {", ".join(given)}'] if given else []),
+        ]
+        if remedies:
+            raise ValueError(
+                'follows the height ("sheared"), by "by: MIL-F-8785C" and the wind of the scene; '
+                + ' and '.join(remedies)
+            )
+
     def effect_parameters(self, mean_wind: Callable[[float], float] | None = None) -> Parameters:
         """Return the parameters of `turbulence`; sheared, from the mean wind by height."""
+        found = self._full_parameters(mean_wind)
+        return found | {axis: self.strength.si * found[axis] for axis in AXES}
+
+    def _full_parameters(self, mean_wind: Callable[[float], float] | None) -> Parameters:
+        """Return the parameters at a strength of 1."""
         if self.sheared and mean_wind is not None:
-            return military_turbulence.sheared_turbulence(mean_wind, self.strength.si)
+            return military_turbulence.sheared_turbulence(mean_wind)
         if self.wind is not None and self.height is not None:
             return military_turbulence.low_altitude_turbulence(self.height.si, self.wind.si)
         strong, long = (
@@ -191,6 +206,18 @@ class ScenarioAir(StrictModel):
     gradient: WindGradient | None = None
     recorded: Annotated[str, Field(pattern=r'\.csv$')] | None = None  # of `wind_record`
 
+    @model_validator(mode='after')
+    def _check_roughness(self) -> Self:
+        rough = 0.0 if self.profile is None else self.profile.roughness.si
+        lowest = military_turbulence.LOWEST
+        if self.turbulence and self.turbulence.sheared and rough >= lowest:
+            raise ValueError(
+                f'has sheared turbulence over a roughness length of {rough:g} m, but the mean '
+                f'wind that it follows starts above {lowest:.2f} m (10 ft); reduce '
+                'profile.roughness, or give turbulence.intensity and length instead'
+            )
+        return self
+
     @property
     def density(self) -> float:
         """Density of dry air. [kg/m3]."""
@@ -198,9 +225,12 @@ class ScenarioAir(StrictModel):
         return self.pressure.si / (GAS_CONSTANT_OF_AIR * (self.temperature.si + 273.15))
 
     def mean_wind(self, height: float) -> float:
-        """Return the mean wind, uniform and of the profile, at a height [m]. [m/s]"""
-        speed = math.hypot(*self.wind.vector[:2])
-        return speed if self.profile is None else speed + self.profile.mean_wind(height)
+        """Return the speed of uniform wind and profile together at a height [m]. [m/s]"""
+        x, y, _ = self.wind.vector
+        if self.profile is not None:
+            speed, towards = self.profile.mean_wind(height), self.profile.towards.si
+            x, y = x + speed * math.cos(towards), y + speed * math.sin(towards)
+        return math.hypot(x, y)
 
     def collect_effects(self, half_height: float) -> dict[str, Parameters]:
         """Return the air effects that are on, by name, in SI; `half_height` of the hull in m."""

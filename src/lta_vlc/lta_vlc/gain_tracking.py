@@ -52,7 +52,8 @@ class GainTracker:
     @property
     def diodes(self) -> DiodeArray:
         """The array with the gains learnt so far, and the spread that remains."""
-        spread = max(SMALLEST, math.sqrt(float(self._variance.mean())))
+        learnt = max(SMALLEST, math.sqrt(float(self._variance.mean())))
+        spread = min(self._diodes.spread, learnt)  # never more than the prior
         gains = tuple((self._prior * np.exp(self._log)).tolist())
         return replace(self._diodes, gains=gains, spread=spread)
 

@@ -96,6 +96,45 @@ def test_sheared_turbulence_follows_profile_and_height():
     assert (half['up'], half['mean']) == (0.5 * given['up'], given['mean'])
 
 
+def test_sheared_turbulence_follows_the_vector_sum_of_the_winds():
+    """4 m/s at 10 m over 0.3 m are 2.645 m/s at 10 ft: uniform wind against it leaves 0.645."""
+    share = math.log(3.048 / 0.3) / math.log(10.0 / 0.3)
+    air = {'air/profile': {**FIELD, 'wind': '4 m/s'}}
+    air['air/turbulence'] = {'by': 'MIL-F-8785C', 'sheared': True}
+    for wind, mean in (
+        ([2.0, 0.0, 0.0], 4.0 * share - 2.0),
+        ([-2.0, 0.0, 0.0], 4.0 * share + 2.0),
+        ([0.0, 2.0, 5.0], math.hypot(4.0 * share, 2.0)),
+    ):
+        given = effects(**air, **{'air/wind': {'value': wind, 'unit': 'm/s'}})
+        assert given['turbulence']['mean'] == pytest.approx(mean)
+
+
+@pytest.mark.parametrize('form', [ROUGH, {'by': 'MIL-F-8785C', 'wind': '8 m/s', 'height': '10 m'}])
+def test_strength_multiplies_the_rms_alone(form):
+    def given(strength):
+        value = {'value': strength, 'unit': '1'}
+        return effects(**{'air/turbulence': {**form, 'strength': value}})
+
+    full, half = given(1.0)['turbulence'], given(0.5)['turbulence']
+    for axis in ('along', 'across', 'up'):
+        assert half[axis] == 0.5 * full[axis] > 0.0
+        assert half[f'{axis}_length'] == full[f'{axis}_length']
+    assert given(0.0) == {}
+
+
+def test_sheared_turbulence_needs_wind_at_ten_feet():
+    sheared = {'by': 'MIL-F-8785C', 'sheared': True}
+    bushes = {'air/profile': {**FIELD, 'roughness': '3 m'}, 'air/turbulence': sheared}
+    assert effects(**bushes)['turbulence']['mean'] > 0.0
+    trees = {'air/profile': {**FIELD, 'roughness': '3.048 m'}}
+    assert 'turbulence' not in effects(**trees)
+    with pytest.raises(
+        ValueError, match=r'over a roughness length of 3\.048 m, but the mean wind'
+    ):
+        effects(**trees, **{'air/turbulence': sheared})
+
+
 def test_gust_and_gradient():
     given = effects(**{'air/gust': GUST, 'air/gradient': SHEAR})
     assert given['gusts'] == {
@@ -153,7 +192,18 @@ def test_how_far_vehicles_reach():
         (
             'air.turbulence',
             {'by': 'MIL-F-8785C', 'sheared': True, 'height': '5 m'},
-            'air.turbulence follows the height ("sheared"), so it needs "by: MIL-F-8785C" and',
+            'air.turbulence follows the height ("sheared"), by "by: MIL-F-8785C" and the wind of '
+            'the scene; remove height',
+        ),
+        (
+            'air.turbulence',
+            {'sheared': True},
+            'and the wind of the scene; add "by: MIL-F-8785C"',
+        ),
+        (
+            'air.turbulence',
+            {**ROUGH, 'sheared': True},
+            'and the wind of the scene; add "by: MIL-F-8785C" and remove intensity, length',
         ),
         (
             'air.turbulence',

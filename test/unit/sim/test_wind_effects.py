@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from lta_config.errors import BadInput
 from lta_model.effects.air import gusts, turbulence, wind_gradient, wind_profile
 from lta_model.effects.protocol import AirEffectInput
-from lta_model.military_turbulence import low_altitude_turbulence
+from lta_model.military_turbulence import low_altitude_turbulence, sheared_turbulence
 import numpy as np
 import pytest
 from scipy.integrate import quad
@@ -161,7 +161,9 @@ def test_military_turbulence_by_hand():
     assert found['along'] == found['across'] == pytest.approx(1.543 / 0.2593**0.4, rel=1e-12)
     assert found['along_length'] == pytest.approx(30.48 / 0.2593**1.2, rel=1e-12)
     assert found['up_length'] == 30.48
-    assert list(found) == [parameter.name for parameter in turbulence.PARAMETERS]
+    sheared = sheared_turbulence(lambda _: 15.43)
+    assert list(sheared) == [parameter.name for parameter in turbulence.PARAMETERS]
+    assert [*found, 'mean', 'height'] == list(sheared)
     # What the seed paper's wind would be at 6.1 m, and at half a metre if it reached there.
     speed = wind_profile.compute_air_motion((*OUTDOORS, 0.0), (), at(z=6.096))[0]
     assert round(0.1 * speed / (0.177 + 0.000823 * 0.5 / 0.3048) ** 0.4, 1) == 1.4

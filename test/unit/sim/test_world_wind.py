@@ -64,7 +64,7 @@ def test_a_flight_begins_in_turbulence_that_has_long_been():
     """Over many seeds the first wind has the intensity on each axis, and no mean."""
     effect = {'turbulence': {}}
     winds = []
-    p = (0.3, 0.2, 0.1, 2.0, 2.0, 2.0)
+    p = (0.3, 0.2, 0.1, 2.0, 2.0, 2.0, 0.0, 0.0)
     first = LAYOUT.remembers['turbulence'] - RIGID
     for seed in range(4000):
         memory = draw_initial_memory(effect, np.random.default_rng(seed))

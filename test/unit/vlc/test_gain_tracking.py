@@ -25,7 +25,7 @@ def block(angle, spoilt=()):
     snr = np.full(COUNT, 50.0)
     snr[list(spoilt)] = 0.0
     quiet = np.ones(COUNT)
-    peaks = Peaks(TRUE * (100.0 * facing + 5.0), quiet, snr, quiet)
+    peaks = Peaks(TRUE * (100.0 * facing + 5.0), snr, frequency=quiet, noise=quiet)
     found = Direction(math.cos(angle), math.sin(angle), 0.0, 0.0, 0.0, 0.0, 100.0, 0.0, 5.0)
     return peaks, found
 
@@ -60,3 +60,18 @@ def test_a_spoilt_or_dead_diode_teaches_nothing():
     assert np.isfinite(learnt).all()
     kept = np.array(learnt)
     assert kept[2] / kept[4] == pytest.approx(TRUE[2] / TRUE[4], abs=0.02)
+    # Neither was learnt from, so both moved with the mean alone
+    straight = GainTracker(array())
+    for _ in range(16):
+        straight.update_gains(*block(0.0, spoilt=(0,)))
+    learnt = straight.diodes.gains
+    assert learnt[0] / learnt[4] == pytest.approx(1.0, rel=1e-12)
+    assert learnt[1] / learnt[4] == pytest.approx(TRUE[1], abs=0.05)
+
+
+@pytest.mark.parametrize('spread', [0.0, 0.005, 0.01])
+def test_no_spread_is_more_than_that_of_the_prior(spread):
+    tracker = GainTracker(array(spread))
+    assert tracker.diodes.spread == spread
+    tracker.update_gains(*block(0.0))
+    assert tracker.diodes.spread == spread

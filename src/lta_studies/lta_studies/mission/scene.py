@@ -28,6 +28,7 @@ from lta_model.electrical.panel import array_spectral_factor
 from lta_model.hull import half_axes
 from lta_model.light.field import LightField
 from lta_model.light.lamp import BeaconLamp
+from lta_model.scenario import Scenario
 from lta_sim.light_link import build_light_link, LightLink
 
 OFF_AXIS = math.radians(75.0)  # emission angle from a lantern on the floor to the diodes
@@ -66,6 +67,16 @@ def add_payload(spec: FlightSpec, payload: InspectionPayload) -> FlightSpec:
     return replace(spec, contents={**spec.contents, 'vehicle': {**vehicle, 'layers': layers}})
 
 
+def keep_gas_cool(scenario: Scenario) -> Scenario:
+    """Return the scenario with gas at the temperature of the air, also in sunlight."""
+    if scenario.sun is None:
+        return scenario
+    cool = {'daylight': scenario.sun.model_copy(update={'warms_gas': False})}
+    if scenario.outside is None:
+        return scenario.model_copy(update=cool)
+    return scenario.model_copy(update={'outside': scenario.outside.model_copy(update=cool)})
+
+
 @final
 class MissionScene:
     """
@@ -79,9 +90,11 @@ class MissionScene:
     """
 
     def __init__(self, mission: MissionFile) -> None:
-        self.vehicle, self.scenario, self.policy = build_vehicle_scenario_stack(
+        self.vehicle, scenario, self.policy = build_vehicle_scenario_stack(
             build_flight_spec(mission)
         )
+        # The scene's sun stands still, and each leg would start with cold gas
+        self.scenario = keep_gas_cool(scenario)
         for name in (mission.perch, *mission.round):
             if name not in self.scenario.lamps:
                 raise unknown_name_error(

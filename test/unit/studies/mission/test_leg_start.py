@@ -6,6 +6,7 @@ from lta_config.errors import BadInput
 from lta_config.schema.mission_file import load_mission
 from lta_flight.batch.targets import BatchSchedule
 from lta_model.electrical.charger import resting_flow
+from lta_model.scenario import load_scenario
 from lta_model.state import RIGID
 from lta_sim.compiled_sensors import draw_turbulence_memory
 from lta_studies.mission import scene
@@ -23,6 +24,19 @@ def test_each_effect_has_its_own_initial_memory():
     assert any(turbulence)
     assert state[RIGID : RIGID + len(turbulence)] == turbulence
     assert not any(state[RIGID + len(turbulence) :])
+
+
+@pytest.mark.parametrize('name', ['sunny_field', 'hall_door'])
+def test_the_gas_of_a_mission_stays_at_the_temperature_of_the_air(name):
+    """In daylight too, where the effect superheat acts by default."""
+    warehouse = load_mission('warehouse')
+    (lamp,) = load_scenario(name).lamps
+    day = {'scene': name, 'perch': lamp, 'round': (lamp,), 'payload': None}
+    scenes = scene.MissionScene(warehouse.model_copy(update=day))
+    assert load_scenario(name).sun.warms_gas
+    assert not scenes.scenario.sun.warms_gas
+    assert scenes.scenario.light_field == load_scenario(name).light_field
+    assert 'superheat' not in scenes._model.given
 
 
 def test_a_leg_has_the_same_control_period_in_longer_steps():

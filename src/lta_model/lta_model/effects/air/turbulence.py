@@ -23,7 +23,7 @@ which sigma and L hold:
     sigma(z) = sigma min(V_mean(z) / mean, 1),    L(z) = L min(z / height, 1)
 
 V_mean is the mean wind at the hull, such as that of `wind_profile`, z its height. L ~ z as in
-MIL-F-8785C (L_w = h, the others within 3 % below 10 ft); among the elements of the roughness the
+MIL-F-8785C (L_w = h, the others within 6 % below 10 ft); among the elements of the roughness the
 intensity sigma / V_mean stays about the same (Finnigan 2000, Annu. Rev. Fluid Mech. 32, from
 memory). Without a reference, rms or length is the same everywhere.
 
@@ -68,9 +68,8 @@ SHORTEST = 0.05  # share of the length below which no height reduces it
 STILL_AIR = 1e-6  # square of the mean wind below which it has no direction [m2/s2]
 
 
-def shear_shares(p: Values, place: AirEffectInput) -> tuple[float, float]:
+def shear_shares(mean: float, height: float, place: AirEffectInput) -> tuple[float, float]:
     """Return rms and length at the hull, relative to those of the parameters. [1]"""
-    mean, height = p[6], p[7]
     wind = place.wind
     speed = math.sqrt(wind[0] * wind[0] + wind[1] * wind[1])
     strong = min(speed / mean, 1.0) if mean > 0.0 else 1.0
@@ -81,8 +80,9 @@ def shear_shares(p: Values, place: AirEffectInput) -> tuple[float, float]:
 
 def compute_air_motion(p: Values, memory: Values, place: AirEffectInput) -> Wrench:
     """Return the turbulence from the state of the filters."""
-    strong = shear_shares(p, place)[0]
-    along, across, up = strong * p[0], strong * p[1], strong * p[2]
+    along, across, up, along_length, across_length, up_length, mean, height = p  # noqa: RUF059
+    strong = shear_shares(mean, height, place)[0]
+    along, across, up = strong * along, strong * across, strong * up
     head = along * memory[0]
     # (1 + sqrt(3) T s) / (1 + T s)^2 as two poles in series, states 1 and 2
     side = across * (ROOT_3 * memory[1] + (1.0 - ROOT_3) * memory[2])
@@ -105,18 +105,17 @@ def inverse_time_constant(sigma: float, length: float, speed: float) -> float:
 
 def compute_memory_rate(p: Values, memory: Values, place: AirEffectInput) -> Values:
     """Return d/dt of the filters."""
-    strong, long = shear_shares(p, place)
-    along, across, up = strong * p[0], strong * p[1], strong * p[2]
-    along_length, across_length, up_length = long * p[3], long * p[4], long * p[5]
+    along, across, up, along_length, across_length, up_length, mean, height = p
+    strong, long = shear_shares(mean, height, place)
     # Speed of the hull relative to the mean wind sets how fast eddies pass
     u = place.velocity[0] - place.wind[0]
     v = place.velocity[1] - place.wind[1]
     w = place.velocity[2] - place.wind[2]
     speed = math.sqrt(u * u + v * v + w * w)
     a, b, c = (
-        inverse_time_constant(along, along_length, speed),
-        inverse_time_constant(across, across_length, speed),
-        inverse_time_constant(up, up_length, speed),
+        inverse_time_constant(strong * along, long * along_length, speed),
+        inverse_time_constant(strong * across, long * across_length, speed),
+        inverse_time_constant(strong * up, long * up_length, speed),
     )
     noise = place.surroundings
     return (

@@ -16,9 +16,9 @@ Heat balance of an aluminised 1 m balloon, for the priors: it absorbs 0.14 E (so
 aluminised film, aluminium outside: Fortescue, Swinerd and Stark 2011, table 11.3) on 0.785 m2 and
 loses h = 2.6 W/(m2 K) by free convection on 2.47 m2 (unverified, from memory; radiation is small,
 emittance 0.05), so warming = 0.017 K m2/W; gas 296 J/K and film 152 J/K (116.8 g at
-1.3 kJ/(kg K), unverified, from memory) over 6.4 W/K, so lag = 70 s. Under 80 klx (270 W/m2 at
-300 lm/W, assumed) that is 4.5 K and, slack, 6 g of lift. `IN_SUN` has these values, for scenes
-with a sun; a vehicle file that has the effect has its own.
+1.3 kJ/(kg K), unverified, from memory) over 6.4 W/K, so lag = 70 s. In `sunny_field` (daylight of
+105 lm/W) E is 1020 W/m2: 17 K and, slack, 24 g of lift when steady; 10 K and 14 g after a minute.
+`IN_SUN` has these values, for scenes with a sun; a vehicle file that has the effect has its own.
 
 Not modelled: forced convection by wind, stirring of the gas, one-sided sun, a change of T.
 """

@@ -22,14 +22,17 @@ def wind_to_airspeed_ratio(spec: FlightSpec) -> float:
     """Return mean wind plus one deviation at the hull, relative to the top airspeed. [1]"""
     vehicle, scenario, policy = build_vehicle_scenario_stack(spec)
     air = scenario.air
-    mean = math.hypot(*air.wind.vector)
+    x, y, z = air.wind.vector
+    if (profile := air.profile) is not None:
+        speed = profile.wind.si * wind_limits.wind_share_at_hull(
+            vehicle, policy.mission.altitude, profile.height.si, profile.roughness.si
+        )
+        x += speed * math.cos(profile.towards.si)
+        y += speed * math.sin(profile.towards.si)
+    mean = math.hypot(x, y, z)
     if scenario.outside is not None:
         # Out of a building: the stronger of the winds inside and outside
         mean = max(mean, math.hypot(*scenario.outside.wind.vector))
-    if (profile := air.profile) is not None:
-        mean += profile.wind.si * wind_limits.wind_share_at_hull(
-            vehicle, policy.mission.altitude, profile.height.si, profile.roughness.si
-        )
     eddies = air.collect_effects(0.0).get('turbulence', {})
     deviation = max((eddies[axis] for axis in AXES if eddies), default=0.0)
     if (reference := eddies.get('mean', 0.0)) > 0.0:
