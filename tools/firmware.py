@@ -170,6 +170,7 @@ def rehearse(firmware: Path, identity: Identity, vehicle: str) -> None:
         '-C', str(CRAZYFLIE / 'linux'), f'FIRMWARE={firmware}', 'BUILD=app', f'OUT={out}',
         to_flags(identity),
     )  # fmt: skip
+    require_free_ports((PORT, BENCH))  # the build took minutes
     with subprocess.Popen([out / 'crazyflie', str(PORT), str(BENCH)]) as process:
         try:
             emulated_hardware.main(['--vehicle', vehicle, '--bench-port', str(BENCH)])

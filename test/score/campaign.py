@@ -69,8 +69,10 @@ def read_stored(path: Path) -> StoredCampaign:
 
 def describe_lateness(rows: Iterable[Row]) -> str:
     """Return how late the machine woke a sleeper, and by how much time was slowed down."""
-    rows = list(rows)
-    late, slower = max(row['late'] for row in rows), {row['slower'] for row in rows}
+    whole = [row for row in rows if 'late' in row]  # those that hung have none
+    if not whole:
+        return ''
+    late, slower = max(row['late'] for row in whole), {row['slower'] for row in whole}
     how = f' Time passed {min(slower)} times more slowly' if slower != {1} else ''
     if how and len(slower) > 1:
         how = f' Time passed {min(slower)} to {max(slower)} times more slowly'

@@ -394,17 +394,18 @@ def compose_part(core: str, stored: StoredCampaign) -> str:
             emulation=statistics.mean(row['emulation'] for row in rows.values()),
         ),
         count=len(rows),
-        reached=sum(row['reached'] is not None for row in rows.values()),
+        reached=sum(row.get('reached') is not None for row in rows.values()),
         stopped=sum(row['took'] is not None for row in rows.values()),
         late=describe_lateness(rows.values()),
     )
 
-    def cell(value: float | None) -> str:
-        return '-' if value is None else f'{value:.1f}'
+    # A flight that hung has no row of its own
+    def cell(value: float | None, digits: int = 1) -> str:
+        return '-' if value is None else f'{value:.{digits}f}'
 
     lines = [
-        f'| {number} | {row["begun"]:.1f} | {cell(row["reached"])} | {row["closest"]:.2f} | '
-        f'{cell(row["took"])} | {row["missed"]} |\n'
+        f'| {number} | {cell(row.get("begun"))} | {cell(row.get("reached"))} | '
+        f'{cell(row.get("closest"), 2)} | {cell(row["took"])} | {row.get("missed", "-")} |\n'
         for number, row in rows.items()
     ]
     wrong = [f'- Seed {number}: {row["wrong"]}.\n' for number, row in rows.items() if row['wrong']]
@@ -413,7 +414,7 @@ def compose_part(core: str, stored: StoredCampaign) -> str:
 
 def main() -> int:
     """Build, fly all seeds and write the page; or fly one seed: `CORE NUMBER`."""
-    if sys.argv[1] in CORES:
+    if {*sys.argv[1:2]} & {*CORES}:
         core, number = sys.argv[1], int(sys.argv[2])
         row = tried_here(lambda folder, peer: fly(core, number, folder, peer), FlightRow)
         sys.stdout.write(json.dumps(asdict(row)) + '\n')
@@ -431,10 +432,12 @@ def main() -> int:
     os.environ[PROGRAMS] = str(programs)
     here = Path(__file__)
     path = asked.out / f'{version([here, *(ROOT / "firmware/light_board").rglob("*.[ch]")])}.jsonl'
+    facts = {'firmware': commit_of(asked.firmware)}
+    if asked.core == EMULATED:
+        facts['emulator'] = read_emulator_version()
     slow_down(asked.slower, asked.out)
     cases = [Case(asked.core, seed) for seed in range(1, asked.seeds + 1)]
     rows = campaign(cases, path, asked.side, lambda case: tried(case, here, HUNG))
-    facts = {'firmware': commit_of(asked.firmware), 'emulator': read_emulator_version()}
     keep(facts, rows)
     return int(any(row['wrong'] for row in rows.values()))
 
@@ -452,9 +455,9 @@ def build_programs(firmware: Path, core: str, programs: Path) -> None:
 def keep(facts: dict[str, str], rows: dict[Case, Row]) -> None:
     """Store rows in the place of those of their core, and write the page."""
     kinds = {case.kind for case in rows}
-    others = read_stored(RECORD).rows if RECORD.exists() else {}
-    others = {case: row for case, row in others.items() if case.kind not in kinds}
-    stored = store(RECORD, StoredCampaign(facts, others | rows))
+    old = read_stored(RECORD) if RECORD.exists() else StoredCampaign({}, {})
+    others = {case: row for case, row in old.rows.items() if case.kind not in kinds}
+    stored = store(RECORD, StoredCampaign(old.facts | facts, others | rows))
     PAGE.write_text(compose_page(stored), encoding='utf-8')
 
 

@@ -59,7 +59,10 @@ class BuoyancyMonitor:
             self._pushed_since = math.inf
             self.rises = self.is_held_down = False
             return
-        self._pushed_since = min(self._pushed_since, now) if pressing > IDLE else math.inf
+        if pressing > IDLE:
+            self._pushed_since = min(self._pushed_since, now)
+        else:
+            self._pushed_since, self.is_held_down = math.inf, False
         if math.isnan(height):
             return
         if self._heights and now - self._heights[-1][0] > GAP:
@@ -74,4 +77,6 @@ class BuoyancyMonitor:
         (began, first), (ended, last) = self._heights[0], self._heights[-1]
         middle = next(h for t, h in self._heights if t >= 0.5 * (began + ended))
         self.rises = last - middle >= max(RISE, KEPT * (middle - first))
-        self.is_held_down = self._pushed_since <= began and last - middle > -RISE
+        # A heavy drone may still coast upwards
+        still = max(abs(last - middle), abs(middle - first)) < RISE
+        self.is_held_down = self._pushed_since <= began and (self.rises or still)

@@ -21,9 +21,9 @@ def describe_safety(flight):
     return facts['safety']
 
 
-def watch(net_lift, pressing, thrust, seconds=8.0):
+def watch(net_lift, pressing, thrust, seconds=8.0, climb=0.0):
     """Return the monitor of a balloon [N] that a rotor pushes down [N] with a duty."""
-    monitor, z, climb = BuoyancyMonitor(), 1.0, 0.0
+    monitor, z = BuoyancyMonitor(), 1.0
     for turn in range(round(seconds / DT)):
         climb += DT * (net_lift - thrust - DRAG * climb * abs(climb)) / MASS
         z += DT * climb
@@ -63,6 +63,17 @@ def test_a_balloon_that_is_held_down_is_found():
     assert watch(0.05, pressing=0.3, thrust=0.05).is_held_down
     assert not watch(-0.02, pressing=0.3, thrust=0.05).is_held_down
     assert not watch(0.0, pressing=0.0, thrust=0.0).is_held_down
+
+
+@pytest.mark.parametrize('climb', [0.15, 0.25])
+def test_a_heavy_balloon_that_coasts_up_against_its_rotor_is_not_held_down(climb):
+    assert not watch(-0.01, pressing=0.04, thrust=0.005, seconds=4.0, climb=climb).is_held_down
+
+
+def test_a_rotor_that_no_longer_pushes_holds_nothing_down_also_without_a_height():
+    monitor = watch(0.05, pressing=0.3, thrust=0.05)
+    monitor.observe(8.0, math.nan, 0.0, 0.0)
+    assert not monitor.is_held_down
 
 
 def test_a_rotor_that_holds_down_is_reported_and_stops_with_the_others():
