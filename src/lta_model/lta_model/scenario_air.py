@@ -209,8 +209,8 @@ class ScenarioAir(StrictModel):
     @model_validator(mode='after')
     def _check_roughness(self) -> Self:
         rough = 0.0 if self.profile is None else self.profile.roughness.si
-        lowest = military_turbulence.LOWEST
-        if self.turbulence and self.turbulence.sheared and rough >= lowest:
+        lowest, eddies = military_turbulence.LOWEST, self.turbulence
+        if eddies and eddies.sheared and eddies.strength.si > 0.0 and rough >= lowest:
             raise ValueError(
                 f'has sheared turbulence over a roughness length of {rough:g} m, but the mean '
                 f'wind that it follows starts above {lowest:.2f} m (10 ft); reduce '

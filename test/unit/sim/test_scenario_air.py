@@ -128,7 +128,8 @@ def test_sheared_turbulence_needs_wind_at_ten_feet():
     bushes = {'air/profile': {**FIELD, 'roughness': '3 m'}, 'air/turbulence': sheared}
     assert effects(**bushes)['turbulence']['mean'] > 0.0
     trees = {'air/profile': {**FIELD, 'roughness': '3.048 m'}}
-    assert 'turbulence' not in effects(**trees)
+    off = sheared | {'strength': {'value': 0, 'unit': '1'}}
+    assert 'turbulence' not in effects(**trees, **{'air/turbulence': off})
     with pytest.raises(
         ValueError, match=r'over a roughness length of 3\.048 m, but the mean wind'
     ):
