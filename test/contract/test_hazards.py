@@ -55,7 +55,7 @@ BARRIERS = {
     ),
     'held down': Barrier(
         f'{BRIDGE}/crazyflie/buoyancy.py',
-        'self.is_held_down = self._pushed_since <= began and last - middle > -RISE',
+        'self.is_held_down = self._pushed_since <= began and (self.rises or still)',
         'self.is_held_down = False', f'{UNIT}/test_buoyancy.py',
     ),
     'downward thrust': Barrier(
