@@ -10,9 +10,15 @@ from lta_report.palette import build_color_scale, GLOW, GOOD, INK, LAMP, PAPER, 
 import numpy as np
 from plotly.graph_objects import Contour, Figure, Scatter
 
+MOST_TICKS = 12
 CELL = 0.1  # m, grid of the shading
 MOST_CELLS = 160  # per side; a hall gets larger cells
 FAINTEST, BRIGHTEST = 3.0, 12.0  # log2 of lx: the shading covers 8 to 4096 lx
+
+
+def choose_tick_distance(side: float) -> float:
+    """Return the distance of ticks along the longer side of a room. [m]"""
+    return next(step for step in (1.0, 2.0, 5.0, 10.0, 50.0, side) if side <= MOST_TICKS * step)
 
 
 def draw_label(

@@ -6,7 +6,14 @@ from lta_data.bag import open_flight
 from lta_flight.report.panels import light, path
 from lta_flight.report.panels.registry import PANELS
 from lta_flight.report.rays import assign_shades, select_per_period
-from lta_flight.report.room import BRIGHTEST, build_light_contour, CELL, draw_room, MOST_CELLS
+from lta_flight.report.room import (
+    BRIGHTEST,
+    build_light_contour,
+    CELL,
+    choose_tick_distance,
+    draw_room,
+    MOST_CELLS,
+)
 from lta_flight.report.sample_blocks import select_sample_blocks
 from lta_flight.report.time_figure import create_time_figure
 from lta_flight.report.view import FlightView, select_primary_beacon
@@ -192,3 +199,11 @@ def test_there_is_a_ray_a_second_where_something_was_seen_however_long_it_was_no
     time = np.array([0.5, 1.0, 1.2, 2.1, 4.9, 5.0, 1.77e9, 1.77e9 + 0.5, 1.77e9 + 2.0])
     assert select_per_period(time, 1.0, 1.77e9 + 1.0).tolist() == [1, 3, 4, 5, 6]
     assert select_per_period(time, 6.0, 7.0).tolist() == []
+
+
+@pytest.mark.parametrize(
+    ('side', 'step'), [(0.0, 1.0), (10.5, 1.0), (60.5, 10.0), (5000.0, 5000.0)]
+)
+def test_a_large_field_has_few_ticks(side, step):
+    """60 numbers at one metre covered each other in sunny_field."""
+    assert choose_tick_distance(side) == step

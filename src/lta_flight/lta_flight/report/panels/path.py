@@ -2,7 +2,7 @@
 
 from lta_flight.report.rays import draw_rays
 from lta_flight.report.results import find_phases
-from lta_flight.report.room import draw_label, draw_room
+from lta_flight.report.room import choose_tick_distance, draw_label, draw_room
 from lta_flight.report.view import FlightView
 from lta_report.curves import Array
 from lta_report.drawing import create_figure
@@ -41,7 +41,8 @@ def set_axis_ranges(figure: Figure, view: FlightView) -> None:
     else:
         sides = [(part.min() - 1.0, part.max() + 1.0) for part in (view.truth.x, view.truth.y)]
     (left, right), (low, high) = sides
-    shared = {'showgrid': False, 'dtick': 1, 'constrain': 'domain'}
+    step = choose_tick_distance(max(right - left, high - low))
+    shared = {'showgrid': False, 'dtick': step, 'constrain': 'domain'}
     figure.update_xaxes(range=[left - MARGIN, right + MARGIN], title_text='x [m]', **shared)
     figure.update_yaxes(
         range=[low - MARGIN, high + MARGIN],

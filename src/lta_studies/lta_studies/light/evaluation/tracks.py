@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import final
 
 from lta_flight.loop_view import LoopView
-from lta_flight.report.room import draw_room
+from lta_flight.report.room import choose_tick_distance, draw_room
 from lta_flight.sweep.plan import SweepPlan
 from lta_model.scenario import Scenario
 from lta_report.curves import Array
@@ -76,7 +76,8 @@ def plot_tracks(tracks: Sequence[EvaluationTrack], scenario: Scenario, height: f
             )
         )  # fmt: skip
     length, width, _ = scenario.room.size.vector
-    shared = {'showgrid': False, 'dtick': 1, 'constrain': 'domain'}
+    step = choose_tick_distance(max(length, width))
+    shared = {'showgrid': False, 'dtick': step, 'constrain': 'domain'}
     figure.update_xaxes(
         range=[-length / 2 - MARGIN, length / 2 + MARGIN], title_text='x [m]', **shared
     )
