@@ -453,7 +453,7 @@ def build_programs(firmware: Path, core: str, programs: Path) -> None:
 
 
 def keep(facts: dict[str, str], rows: dict[Case, Row]) -> None:
-    """Store rows in the place of those of their core, and write the page."""
+    """Replace the stored rows of the same light board, and write the page."""
     kinds = {case.kind for case in rows}
     old = read_stored(RECORD) if RECORD.exists() else StoredCampaign({}, {})
     others = {case: row for case, row in old.rows.items() if case.kind not in kinds}

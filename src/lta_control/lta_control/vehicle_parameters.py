@@ -12,6 +12,8 @@ from lta_control.per_rotor import pad_to_slots, PerRotor, SLOTS
 from lta_model.propulsion import RotorModel
 from lta_model.vehicle import Vehicle
 
+VERTICAL = 0.5  # least vertical component of the axis of a rotor that pushes up or down
+
 
 def build_rotors(vehicle: Vehicle, weights: Wrench = WEIGHTS) -> Rotors:
     """Return the rotors for the allocation, each with its thrust curve; `weights` by axis."""
@@ -41,7 +43,7 @@ def _lowest_heave(vehicle: Vehicle, low: Sequence[float], high: Sequence[float])
     """Return the strongest downward force of the rotors within 60 degrees of the vertical. [N]"""
     force = 0.0
     for column, least, most in zip(vehicle.allocation, low, high, strict=False):
-        if abs(column[2]) > 0.5:
+        if abs(column[2]) > VERTICAL:
             # One that points down pushes down by its forward thrust
             force += column[2] * (least if column[2] > 0.0 else most)
     return force

@@ -41,6 +41,7 @@ from lta_bridge.crazyflie.udp_probe import is_port_closed
 from lta_config.errors import BadInput
 from lta_config.schema.crazyflie_file import find_crazyflie
 from lta_config.vehicle_identity import hash_airframe
+from lta_control.vehicle_parameters import VERTICAL
 from lta_graph.health import HealthLevel
 from lta_graph.ros.command_mux import CommandMux
 from lta_graph.ros.device import DeviceNode
@@ -54,7 +55,7 @@ from rclpy.clock import Clock, ClockType
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from std_srvs.srv import SetBool, Trigger
 
-UPWARD = 0.1  # vertical component of the axis of a rotor that lifts
+UPWARD = 0.1  # vertical component of the axis of a rotor that may lift
 HEARING = 5.0  # s to wait for all readers before arming; a user's own node may never match
 CONFIRMING = 1.0  # s of LEAVE for the drone to confirm disarming
 ALOFT = (SafetyStage.READY, SafetyStage.FLYING, SafetyStage.LANDING)
@@ -90,7 +91,7 @@ class CrazyflieBridge(DeviceNode):
             watchdog=settings.watchdog in (command, 'always'),
             blind=settings.blind or settings.tethered,
             lifting=[name for name, up in axes.items() if up > UPWARD],
-            pressing=[name for name, up in axes.items() if up < -UPWARD],
+            pressing=[name for name, up in axes.items() if up < -VERTICAL],
         )
         self._keeper: ConnectionManager | None = None
         self._former: ConnectionManager | None = None  # its connection may still be closing

@@ -56,7 +56,7 @@ class ForecastNormalEquations:
 @final
 @dataclass(frozen=True, slots=True)
 class ForecastFit:
-    """Result of a fit to forecasts."""
+    """Parameters and lifts that forecast the flights best, and how well they are known."""
 
     values: Array  # shared parameters, relative to the vehicle file; 0 if not fitted, shape (G,)
     # Of the fitted parameters, about `values`, without the prior, shape (K, K)

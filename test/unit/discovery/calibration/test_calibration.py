@@ -114,7 +114,7 @@ def test_flights_in_closed_loop_are_calibrated_and_nothing_is_named(
 
 
 def test_the_gain_of_a_controller_that_dithers_nothing_is_found(tmp_path: Path) -> None:
-    """By the short fit alone, which tells a discovery whether to calibrate."""
+    """The short fit finds it, by which a discovery decides whether to calibrate."""
     vehicle = load_vehicle('gtmab')
     case = generate_calibration_case(
         vehicle, 6, 0, ('train', 'confirm'), (24.0, 26.0), effects={}, course='places'

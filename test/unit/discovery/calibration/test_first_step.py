@@ -168,6 +168,19 @@ def test_the_first_line_names_the_reason(
     assert calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None) is None
 
 
+def test_a_discovery_does_not_go_on_from_what_confirming_flights_contradict(
+    vehicle: Vehicle, wrong: list[Role], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found = make_calibration(NominalVehicle.from_vehicle(vehicle), GAIN)
+    monkeypatch.setattr(first_step, '_list_suspicions', lambda *_: ['wrench_gain.surge'])
+    monkeypatch.setattr(first_step, 'calibrate_flights', lambda *_, **__: found)
+    for after, called in ((0.52, True), (0.56, False)):  # 1.05 times the file's 0.5 m between
+        score = replace(found.scores['train'][0], after=(after, 0.1))
+        found = replace(found, scores=found.scores | {'confirm': (score,)})
+        result = calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None)
+        assert (result is not None) == called
+
+
 def test_wrong_gains_are_suspected_at_once(vehicle: Vehicle, wrong: list[Role]) -> None:
     assert 'marker_offset.pitch' in first_step._list_suspicions(vehicle, wrong)
 
