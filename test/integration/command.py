@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 import os
 from pathlib import Path
+import re
 import signal
 import subprocess
 import threading
@@ -68,6 +69,16 @@ class Started:
         words = f'__node:={name} ' + (f'-r __ns:=/{robot} ' if robot else '')
         (pid,) = [pid for pid, line in marked if words in line]
         return pid
+
+    def holds_interrupts(self) -> None:
+        """Wait until the command blocks or catches Ctrl-C, however late its shell begins."""
+
+        def held() -> bool:
+            status = Path(f'/proc/{self.popen.pid}/status').read_text()
+            masks = re.findall(r'^Sig(?:Blk|Cgt):\s+(\w+)', status, re.MULTILINE)
+            return any(int(mask, 16) >> (signal.SIGINT - 1) & 1 for mask in masks)
+
+        wait_until(held, 'the block of SIGINT', lambda: self.text)
 
     def interrupt(self) -> float:
         """Press Ctrl-C: the signal goes to the foreground process group. Return when."""

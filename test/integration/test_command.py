@@ -172,6 +172,7 @@ def test_two_flights_on_one_domain_are_refused_and_the_first_flies_on(lta, flyin
 @pytest.mark.parametrize('seconds', [pytest.param(0.5, marks=pytest.mark.long), 0.8, 1.1])
 def test_ctrl_c_while_a_node_loads_is_no_traceback(lta, seconds):
     command = lta.start('run', 'lta_vlc', 'demodulator')
+    command.holds_interrupts()
     time.sleep(seconds)  # the moments themselves are the test
     command.interrupt()
     assert command.end() in (0, 130)

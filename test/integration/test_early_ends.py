@@ -57,6 +57,7 @@ def test_bad_arguments_start_nothing(lta, busy_port, tmp_path, monkeypatch, word
 def test_an_early_ctrl_c_is_answered_in_a_few_lines(lta, tmp_path, monkeypatch, words, moment):
     monkeypatch.chdir(tmp_path)
     command = lta.start(*words)
+    command.holds_interrupts()
     time.sleep(moment)
     command.interrupt()
     assert command.end() == 130
