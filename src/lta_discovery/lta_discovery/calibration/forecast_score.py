@@ -34,8 +34,8 @@ def score_forecasts(
     values : ndarray, shape (K,)
         The calibration, relative to the vehicle file.
     lifts : sequence of float, optional
-        Net lift of each flight [N]; by default that of `values`, corrected by its own earlier
-        pieces.
+        Net lift of each flight [N]; by default that of `values`. Without it, both the file's
+        lift and the calibration's are corrected by the earlier pieces of the flight.
 
     """
     built = build_longest_fitter(nominal, flights)
@@ -43,9 +43,9 @@ def score_forecasts(
         return ()
     fitter, picked = built
     ahead = fitter.horizons
-    none = np.zeros(len(values))
+    none, online = np.zeros(len(values)), lifts is None
     parts = {'coast': [coast_errors(one, ahead) for one in fitter.flights]}
-    parts['before'] = [_file_errors(fitter, none, f) for f in range(len(picked))]
+    parts['before'] = [_file_errors(fitter, none, f, online) for f in range(len(picked))]
     parts['after'] = [
         _calibrated_errors(fitter, values, f, None if lifts is None else lifts[picked[f]])
         for f in range(len(picked))
@@ -60,8 +60,11 @@ def score_forecasts(
     return tuple(out)
 
 
-def _file_errors(fitter: ForecastFitter, none: Array, f: int) -> Array:
+def _file_errors(fitter: ForecastFitter, none: Array, f: int, online: bool) -> Array:
     """Return the errors of the vehicle file in one flight."""
+    if online:
+        # As the calibration, so that its gain is not that of a lift learned in flight
+        return _correct_lift(fitter, none, f)
     return fitter.compute_flight_errors(none, f).left
 
 
@@ -70,9 +73,14 @@ def _calibrated_errors(fitter: ForecastFitter, values: Array, f: int, lift: floa
     try:
         if lift is not None:
             return fitter.compute_flight_errors(values, f, (), lift).left
-        seen = fitter.compute_flight_errors(values, f)
+        return _correct_lift(fitter, values, f)
     except BadInput:
         return np.full((len(fitter.flights[f].replay.first), len(fitter.horizons), 6), np.inf)
+
+
+def _correct_lift(fitter: ForecastFitter, values: Array, f: int) -> Array:
+    """Return the errors of one flight whose lift is corrected by its earlier pieces."""
+    seen = fitter.compute_flight_errors(values, f)
     begins = piece_start_times(fitter.flights[f])
     return subtract_online_lift(seen, begins, fitter.lift, fitter.horizons)
 
