@@ -180,7 +180,8 @@ def hull_share(sweep: TunnelSweep, axis: Axis) -> float | None:
 def sum_processor_time(sweep: TunnelSweep) -> float:
     """Return the processor time of all flows, without meshes. [s]."""
     points = [point for axis in sweep.axes.values() for point in axis]
-    evidence = [each.evidence for each in (*points, *sweep.coarse.values())]
+    points += [*sweep.coarse.values(), *sweep.inclined.values()]
+    evidence = [each.evidence for each in points]
     evidence += [each.evidence for each in sweep.blows.values()]
     return sum(each.seconds for each in evidence)
 

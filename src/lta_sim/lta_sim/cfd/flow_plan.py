@@ -13,9 +13,9 @@ from lta_sim.cfd.tunnel import (
     build_transient_wind_case,
     choose_mesh_fineness,
     COARSE,
+    INCIDENCES,
     PREVIEW,
     SPEEDS,
-    TURNS,
 )
 from lta_sim.cfd.tunnel_model import TunnelModel
 import numpy as np
@@ -23,7 +23,6 @@ from numpy.typing import NDArray
 
 Kind = Literal['wind', 'coarse', 'transient', 'spin', 'blow']
 Air = tuple[float, float]  # density [kg/m3], kinematic viscosity [m2/s]
-WINDS: Final = tuple(TURNS)
 MIDDLE: Final = 1.0  # m/s
 SLOW: Final = 0.2  # m/s; here the steady model is accurate for a sphere
 LENGTHS: Final = 26.0  # hull lengths of flow in a transient; the first ones are not averaged
@@ -87,7 +86,7 @@ def plan_flows(
     air : (float, float)
         Density [kg/m3] and kinematic viscosity [m2/s].
     only : sequence of str
-        Axes and patterns to solve; by default all.
+        Axes, incidences and patterns to solve; by default all but the incidences.
 
     """
     flows = [
@@ -97,7 +96,10 @@ def plan_flows(
     ]
     if fidelity == 'preview':
         flows += _plan_coarse_winds(model, air[1])
-    return [flow for flow in flows if not only or flow.about in only]
+    flows = [flow for flow in flows if not only or flow.about in only]
+    return flows + [
+        _plan_incidence(model, name, fidelity, air[1]) for name in INCIDENCES if name in only
+    ]
 
 
 def _wind_directions(model: TunnelModel) -> Sequence[str]:
@@ -116,6 +118,16 @@ def _plan_winds(model: TunnelModel, fidelity: str, viscosity: float) -> Iterator
         yield TunnelFlow('transient', axis, eddies, (MIDDLE,))
         slow = build_steady_wind_case(model, axis, viscosity, PREVIEW, (SLOW,))
         yield TunnelFlow('wind', axis, replace(slow, name=f'{axis}, slow'), (SLOW,))
+
+
+def _plan_incidence(model: TunnelModel, name: str, fidelity: str, viscosity: float) -> TunnelFlow:
+    """Return forward flight with the nose up, at the middle speed."""
+    if fidelity == 'preview':
+        case = build_steady_wind_case(model, name, viscosity, PREVIEW, (MIDDLE,))
+        return TunnelFlow('wind', name, case, (MIDDLE,))
+    fine = choose_mesh_fineness(model, viscosity, MIDDLE)
+    case = build_transient_wind_case(model, name, viscosity, fine, MIDDLE, LENGTHS)
+    return TunnelFlow('transient', name, case, (MIDDLE,))
 
 
 def _plan_coarse_winds(model: TunnelModel, viscosity: float) -> Iterator[TunnelFlow]:

@@ -11,7 +11,7 @@ from lta_sim.cfd.openfoam.output_reader import read_forces, read_mesh, read_mome
 from lta_sim.cfd.still_air import AXES
 from lta_sim.cfd.surface import read_surface_pressure
 from lta_sim.cfd.sweep_table import Blow, FlowQuality, SweepPoint
-from lta_sim.cfd.tunnel import has_symmetry_planes, OUTER, SETTLING, TURNS
+from lta_sim.cfd.tunnel import has_symmetry_planes, OUTER, rotate_into_tunnel, SETTLING
 from lta_sim.cfd.tunnel_model import TunnelModel
 import numpy as np
 from numpy.typing import NDArray
@@ -194,7 +194,7 @@ def _mean_body_wrench(
     force, moment = _unfold_symmetry(force, moment, planes)
     # Transposed: from tunnel axes back to body axes.
     # A rotation matrix: its transpose is its inverse
-    turn = TURNS[axis].T
+    turn = rotate_into_tunnel(axis).T
     return scale * (turn @ force), scale * (turn @ moment)
 
 

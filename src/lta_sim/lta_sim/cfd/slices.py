@@ -6,7 +6,7 @@ from typing import Final, final
 
 from lta_sim.cfd.flow_plan import TunnelFlow
 from lta_sim.cfd.openfoam.output_reader import read_slice
-from lta_sim.cfd.tunnel import has_symmetry_planes, TURNS
+from lta_sim.cfd.tunnel import has_symmetry_planes, rotate_into_tunnel
 from lta_sim.cfd.tunnel_model import TunnelModel
 import numpy as np
 from numpy.typing import NDArray
@@ -47,7 +47,7 @@ def read_flow_slice(model: TunnelModel, flow: TunnelFlow, place: Path) -> FlowSl
         across = 0
         window = ((-0.9, 2.2), (-0.9, 0.9))
         names = ('along the wind [m]', 'across it [m]')
-        turn = TURNS.get(flow.about, np.eye(3))
+        turn = np.eye(3) if flow.kind == 'spin' else rotate_into_tunnel(flow.about)
         # The flow was solved at 1 m/s
         speed = speed * flow.speeds[-1]
     points = rows[:, [across, 2]]

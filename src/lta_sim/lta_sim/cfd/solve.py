@@ -19,7 +19,7 @@ from lta_sim.cfd.sweep_table import (
     SweepPoint,
     TunnelSweep,
 )
-from lta_sim.cfd.tunnel import SPEEDS
+from lta_sim.cfd.tunnel import INCIDENCES, SPEEDS
 from lta_sim.cfd.tunnel_model import TunnelModel
 
 BYTES_A_CELL: Final = 4_000  # peak of snappyHexMesh, which needs more than the solvers
@@ -55,7 +55,7 @@ def solve_sweep(
     air: Air,
     report: Callable[[str], None],
 ) -> tuple[dict[str, list[SweepPoint]], dict[str, Blow], dict[str, str], dict[str, SweepPoint]]:
-    """Solve flows; return points by axis, patterns, refused flows and coarse meshes."""
+    """Solve flows; return points by direction, patterns, refused flows and coarse meshes."""
     axes: dict[str, list[SweepPoint]] = {}
     blows: dict[str, Blow] = {}
     refused: dict[str, str] = {}
@@ -123,9 +123,10 @@ def build_sweep(
             name: RotorPlacement(place=list(each.place), axis=list(each.axis), thrust=each.thrust)
             for name, each in model.rotors.items()
         },
-        'axes': axes,
+        'axes': {name: points for name, points in axes.items() if name not in INCIDENCES},
         'by_hand': estimate_drag(model, air),
         'blows': blows,
         'coarse': coarse or {},
+        'inclined': {name: points[0] for name, points in axes.items() if name in INCIDENCES},
         'refused': refused,
     })  # fmt: skip

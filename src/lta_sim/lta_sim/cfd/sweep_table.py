@@ -109,6 +109,8 @@ class TunnelSweep(StrictModel):
     blows: Mapping[str, Blow]
     # One speed of an axis on a coarser mesh; missing in older sweeps.
     coarse: Mapping[Axis, SweepPoint] = Field(default_factory=dict)
+    # Forward flight with the nose up, by the name of the incidence; missing in older sweeps.
+    inclined: Mapping[str, SweepPoint] = Field(default_factory=dict)
     refused: Mapping[str, str]  # failed flows and flows that failed a check, with the reason
 
 

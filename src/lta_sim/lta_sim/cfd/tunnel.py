@@ -11,6 +11,7 @@ steady solver, because an unconstrained steady wake does not settle.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+import math
 from typing import Final, final
 
 from lta_sim.cfd.openfoam.case import FoamCase, ProgramStep
@@ -52,6 +53,22 @@ TURNS: Final = {
     'sway': np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]),
     'heave': np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]]),
 }
+INCIDENCES: Final = {f'incidence_{angle}': float(angle) for angle in (10, 20, 30, 40)}  # deg
+
+
+def rotate_into_tunnel(direction: str) -> Array:
+    """
+    Return the rotation from body axes to tunnel axes for an axis of `TURNS` or an incidence.
+
+    At an incidence the air comes from ahead and below: the nose is up by that angle.
+    """
+    if direction in TURNS:
+        return TURNS[direction]
+    angle = math.radians(INCIDENCES[direction])
+    c, s = math.cos(angle), math.sin(angle)
+    # The vehicle moves along (c, 0, -s), from which the air comes
+    rows: Array = np.array([[-c, 0.0, s], [0.0, -1.0, 0.0], [s, 0.0, c]])
+    return rows
 
 
 @final
@@ -94,6 +111,8 @@ def choose_mesh_fineness(model: TunnelModel, viscosity: float, speed: float) -> 
 
 def has_symmetry_planes(model: TunnelModel, axis: str) -> tuple[bool, bool]:
     """Return whether the tunnel's planes y = 0 and z = 0 are planes of symmetry."""
+    if axis in INCIDENCES:
+        return bool(model.is_mirror_symmetric(1)), False
     turn = TURNS[axis]
     planes = [bool(model.is_mirror_symmetric(int(np.argmax(np.abs(turn[k]))))) for k in (1, 2)]
     return planes[0], planes[1]
@@ -108,14 +127,14 @@ def build_tunnel_mesh(
     Parameters
     ----------
     axis : str
-        Direction of motion: 'surge', 'sway' or 'heave'.
+        Direction of motion: 'surge', 'sway', 'heave', or an incidence such as 'incidence_20'.
     planes : (bool, bool)
         Whether only y > 0 and only z > 0 are solved.
 
     """
     size = model.length
     turn = np.eye(4)
-    turn[:3, :3] = TURNS[axis]
+    turn[:3, :3] = rotate_into_tunnel(axis)
     surfaces = {name: mesh.copy() for name, mesh in model.bodies.items()}
     for mesh in surfaces.values():
         mesh.apply_transform(turn)

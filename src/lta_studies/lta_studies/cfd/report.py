@@ -20,7 +20,7 @@ from lta_sim.cfd.slices import FlowSlice
 from lta_sim.cfd.sweep_table import Axis, drop_pressure_maps, format_sweep, TunnelSweep
 from lta_sim.cfd.tunnel import MODELLED
 from lta_studies.cfd.pictures import draw_drag, draw_slice
-from lta_studies.cfd.tables import build_drag_table, build_rotor_table
+from lta_studies.cfd.tables import build_drag_table, build_incidence_table, build_rotor_table
 
 INTRODUCTION: Final = (
     'Drag of the vehicle along and about its three axes, and the net force of each rotor '
@@ -73,6 +73,7 @@ def build_report(sweep: TunnelSweep, slices: Sequence[FlowSlice]) -> Report:
                 for each in slices
             ),
             build_drag_table(sweep),
+            *([build_incidence_table(sweep)] if sweep.inclined else []),
             *([build_rotor_table(sweep)] if sweep.blows else []),
             TextSection('Meaning and method', (*warnings, *METHOD)),
         ),
@@ -84,7 +85,7 @@ def build_report(sweep: TunnelSweep, slices: Sequence[FlowSlice]) -> Report:
         json_name=f'{sweep.name}.sweep.json',
         outputs=outputs,
         # Without any solved flow, the files still contain the analytic part
-        status=1 if sweep.refused and not sweep.axes and not sweep.blows else 0,
+        status=1 if sweep.refused and not (sweep.axes or sweep.inclined or sweep.blows) else 0,
     )  # fmt: skip
 
 
@@ -97,7 +98,8 @@ def format_headline(sweep: TunnelSweep) -> str:
     """Return the headline."""
     fits = fit_drag_by_axis(sweep)
     failed = len(sweep.refused)
-    count = failed + len(sweep.blows) + len(sweep.coarse) + sum(map(len, sweep.axes.values()))
+    count = failed + len(sweep.blows) + len(sweep.coarse) + len(sweep.inclined)
+    count += sum(map(len, sweep.axes.values()))
     lost = f', {failed} of {count} results failed' if failed else ''
     return (
         f'{sweep.name} has a drag of {fits["surge"].drag_at(1.0):.3f} N in forward flight '

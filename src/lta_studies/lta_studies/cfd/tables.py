@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 import math
 
+from lta_config.schema.vehicle_file import load_vehicle_file
+from lta_model import hull
 from lta_report.report import TextTable
 from lta_sim.cfd.aero_fit import (
     fit_drag_by_axis,
@@ -15,6 +17,7 @@ from lta_sim.cfd.aero_fit import (
 )
 from lta_sim.cfd.sweep_table import TunnelSweep
 from lta_sim.cfd.thrust_allocation import linearity_ratio, sum_columns
+from lta_sim.cfd.tunnel import INCIDENCES
 from lta_sim.cfd.validation import SphereComparison
 
 
@@ -78,6 +81,40 @@ def build_rotor_table(sweep: TunnelSweep) -> TextTable:
         'between the force and the momentum of the air, relative to the force.'
     )
     return TextTable('Rotors on', heads, rows, note)
+
+
+def build_incidence_table(sweep: TunnelSweep) -> TextTable:
+    """Return the table of forward flight with the nose up, beside what the model flies."""
+    fits = fit_drag_by_axis(sweep)
+    added = hull.added_mass(load_vehicle_file(sweep.vehicle).hull, sweep.density)
+    rows = []
+    for name, point in sweep.inclined.items():
+        angle = math.radians(INCIDENCES[name])
+        forward, down = point.speed * math.cos(angle), point.speed * math.sin(angle)
+        # -(v x A v) about y, for v = (forward, 0, -down)
+        munk = (added[0] - added[2]) * forward * down
+        rows.append([
+            f'{INCIDENCES[name]:.0f}',
+            _format_thousandths(point.force[0], 1),
+            _format_thousandths(-fits['surge'].drag_at(forward), 1),
+            _format_thousandths(point.force[2], 1),
+            _format_thousandths(fits['heave'].drag_at(down), 1),
+            _format_thousandths(point.moment[1], 2),
+            _format_thousandths(munk, 2),
+            f'{1.0 - point.moment[1] / munk:.2f}',
+            f'{100 * point.evidence.spread:.1f}',
+        ])  # fmt: skip
+    heads = [
+        'incidence [deg]', 'Fx [mN]', 'by axis', 'Fz [mN]', 'by axis', 'My [mN m]', 'Munk',
+        'lost', 'spread [%]',
+    ]  # fmt: skip
+    note = (
+        'Force and moment in body axes about the hull centre at 1 m/s, with the nose up by the '
+        'incidence; a negative My raises it further. By axis: the drag of surge and heave, each '
+        'at its part of the speed. Munk: the moment of attached flow. Lost: the share of it '
+        'that is missing, the value of the effect munk_moment.'
+    )
+    return TextTable('Nose up', heads, rows, note)
 
 
 def build_sphere_table(results: Sequence[SphereComparison]) -> TextTable:

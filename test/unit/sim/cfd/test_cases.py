@@ -19,7 +19,7 @@ from lta_sim.cfd.openfoam.mesh import BASE, list_solved_bodies
 from lta_sim.cfd.openfoam.output_reader import parse_table, read_forces, read_mesh, read_patches
 from lta_sim.cfd.reduce import STARTING
 from lta_sim.cfd.solve import check_memory
-from lta_sim.cfd.tunnel import build_steady_wind_case, PREVIEW
+from lta_sim.cfd.tunnel import build_steady_wind_case, INCIDENCES, PREVIEW
 from lta_sim.cfd.tunnel_model import load_tunnel_model
 import pytest
 
@@ -105,6 +105,7 @@ def test_every_flow_of_a_vehicle_is_planned_once():
     found = plan_flows(load_tunnel_model('gtmab'), 'preview', AIR)
     names = [flow.about for flow in found]
     assert names[:6] == ['heave', 'surge', 'sway', 'roll', 'pitch', 'yaw']
+    assert not INCIDENCES.keys() & set(names)
     assert {'up_left', 'up_left_reversed', 'forward_left', 'forward_left_reversed'} < set(names)
     assert 'up_right' not in names  # by symmetry
     assert len({flow.case.key for flow in found}) == len(found)

@@ -4,6 +4,7 @@ from lta_sim.cfd.flow_plan import plan_flows
 from lta_sim.cfd.flow_solvers import ThreadedFlowSolver
 from lta_sim.cfd.solve import build_sweep, solve_sweep
 from lta_sim.cfd.tunnel_model import load_tunnel_model
+import numpy as np
 import pytest
 
 AIR = (1.2, 1.5e-5)
@@ -38,6 +39,15 @@ def test_a_sweep_becomes_forces_in_body_axes(fake):
     pressed = sweep.blows['up_left'].pressed['envelope']
     assert (pressed.least, pressed.most) == pytest.approx((-1.2, 2.4))
     assert pressed.most_at[2] == -pressed.least_at[2] == 1.0
+
+
+def test_with_the_nose_up_the_air_comes_from_ahead_and_below(fake):
+    sweep, said = swept(fake, 'incidence_30')
+    assert (said, dict(sweep.axes)) == ([], {})
+    # 0.05 N on each of three bodies in half of the air, away from where it comes
+    drag = 1.2 * 2 * 0.15
+    expected = [-drag * np.cos(np.pi / 6), 0.0, drag * 0.5]
+    assert sweep.inclined['incidence_30'].force == pytest.approx(expected, rel=1e-4)
 
 
 @pytest.mark.parametrize(

@@ -39,6 +39,13 @@ def test_a_run_leaves_a_page_a_sweep_and_an_aero_file(run, tmp_path):
     assert (list(sweep.axes), list(sweep.blows)) == (['heave'], ['up_left'])
 
 
+def test_a_run_with_the_nose_up_has_a_table_of_its_own(run, tmp_path):
+    status, said = run('--only', 'incidence_20', '--workers', 1)
+    assert status == 0
+    assert 'Nose up' in said.out
+    assert list(read_sweep(tmp_path / 'done/gtmab.sweep.json').inclined) == ['incidence_20']
+
+
 def test_what_dies_is_said_and_the_rest_is_kept(run, monkeypatch, tmp_path):
     monkeypatch.setenv('FAKE_FAULT', 'surge:diverges')
     status, said = run('--only', 'heave', '--only', 'surge')

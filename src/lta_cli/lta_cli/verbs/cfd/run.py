@@ -18,6 +18,7 @@ from lta_sim.cfd.openfoam.engine import FoamPrograms
 from lta_sim.cfd.slices import FlowSlice, read_flow_slice
 from lta_sim.cfd.solve import build_sweep, solve_sweep
 from lta_sim.cfd.sweep_table import TunnelSweep
+from lta_sim.cfd.tunnel import INCIDENCES
 from lta_sim.cfd.tunnel_model import load_tunnel_model, TunnelModel
 from lta_studies.cfd.progress import TunnelProgress
 from lta_studies.cfd.report import build_report
@@ -60,7 +61,8 @@ def run(
         list[str] | None,
         typer.Option(
             help='Solve only this axis or rotor pattern, such as heave or both_up; repeat the '
-            'option for several.'
+            'option for several. incidence_10 to incidence_40 fly forward with the nose up by '
+            'that many degrees, and are solved only if named.'
         ),
     ] = None,
     mount: Annotated[
@@ -123,7 +125,7 @@ def run(
 def select_flows(model: TunnelModel, fidelity: str, only: Sequence[str]) -> list[TunnelFlow]:
     """Return the flows of some axes and patterns, or all; raise `BadInput` if one is unknown."""
     # Names of axes and patterns depend on the vehicle, so Typer cannot check them
-    known = [flow.about for flow in plan_flows(model, fidelity, AIR)]
+    known = [*(flow.about for flow in plan_flows(model, fidelity, AIR)), *INCIDENCES]
     if strangers := [each for each in only if each not in known]:
         raise unknown_name_error('axis or pattern', strangers[0], known)
     return plan_flows(model, fidelity, AIR, only)
