@@ -34,6 +34,7 @@ from lta_emulation.crazyflie.firmware_build import APP, ARMING, FirmwareBuild
 from lta_emulation.crazyflie.packet import CrtpPacket, unpack_datagram
 from lta_emulation.crazyflie.server import CrazyflieServer
 from lta_emulation.crazyflie.variables import list_parameters
+from lta_model.vehicle import load_vehicle
 
 PORTS = (0, 2, 4, 5, 6, 7, 8, 9, 13, 14, 15)
 REQUESTS = ((9, 1), (13, 0))  # ports and channels on which 1 asks to arm
@@ -119,8 +120,7 @@ def _over(data: bytes, seen: bytes) -> bytes:
 def to_bridge(count, random, patience=60.0):
     """Return what the bridge sent and heard, whether cflib went deaf, and whether it hears on."""
     told = Told()
-    file = load_crazyflie('gtmab')
-    bridge = BridgeCore(told, file, list(file.motors.values()), blind=True)
+    bridge = BridgeCore(told, load_crazyflie('gtmab'), load_vehicle('gtmab'), blind=True)
     with CrazyflieServer(Firmware(BenchBody())) as server:
         link = CflibLink(server.uri, BLOCKS, time.time_ns)
         link.open(10.0)

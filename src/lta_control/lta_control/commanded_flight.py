@@ -18,7 +18,7 @@ from typing import final, NamedTuple
 from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
 from lta_control.cascade import CascadeMeasurement, Setpoint
-from lta_control.control import FOOT, has_landed
+from lta_control.control import FOOT, has_landed, LandingWatch, watch_landing
 from lta_control.guidance import GuidanceInputs, refuse_failures
 from lta_control.mission import MissionSettings, remove_light
 from lta_control.phases import Mission, Phase, SWITCHING
@@ -30,6 +30,9 @@ from lta_vlc.settings import NO_WISH
 HIGHEST = 100.0  # m, of a take-off
 FASTEST_BEACON = 100e3  # Hz
 FLOOR = Setpoint(0.0, 0.0, 0.0)
+# s without sinking after which a landing is reported: later than the controller ends it, as its
+# wrong end in the air would pass and a wrong report would not
+LANDED = 15.0
 
 
 @final
@@ -116,6 +119,7 @@ class FlightTask:
     # Time since its first block, and since light from the lamp or the first block [ns]
     flown_ns: int = 0
     unseen_ns: int = 0
+    driven: bool = False  # whether a motor has turned
 
     def advance(self, stamp_ns: int) -> None:
         """Count the time since the last block; none where the stamps jump back."""
@@ -157,6 +161,8 @@ class CommandedFlight:
         As in `Guidance`.
     progress : TaskProgress
         State after the newest light block.
+    motors_turn : bool
+        Whether a motor turns; True where that is unknown.
 
     """
 
@@ -165,7 +171,9 @@ class CommandedFlight:
         self.beacon = NO_WISH
         self.progress = TaskProgress()
         self.limits, self._ground_height = limits, ground_height
+        self.motors_turn = True
         self._height = 0.0
+        self._landing = LandingWatch()
         self._task: FlightTask | None = None
         self._situation: GuidanceInputs | None = None
         self._obstacle = ''  # why nothing can be commanded now
@@ -232,7 +240,7 @@ class CommandedFlight:
             self.fail('the estimate is unknown')
             return FLOOR._replace(heading=inputs.sight.heading)
         self._update_progress(inputs, measured)
-        self._rest_on_the_ground(measured)
+        self._rest_on_the_ground(measured, inputs.sight.interval)
         self._apply_reserve(inputs)
         return self._step_phase(inputs, measured)
 
@@ -295,10 +303,14 @@ class CommandedFlight:
             sight.bearing if sight.seen else math.nan,
         )
 
-    def _rest_on_the_ground(self, measured: CascadeMeasurement) -> None:
+    def _rest_on_the_ground(self, measured: CascadeMeasurement, interval: float) -> None:
         """Rest where the drone stands on the ground, whatever brought it there."""
-        climbing = self.mission.phase is Phase.CLIMB
-        if climbing or not has_landed(measured, FLOOR, self._ground_height):
+        phase = self.mission.phase
+        self._landing = watch_landing(
+            self._landing, measured.altitude, phase is Phase.LAND, interval
+        )
+        stands = has_landed(measured, FLOOR, self._ground_height) or self._landing.still > LANDED
+        if phase is Phase.CLIMB or not stands:
             return
         if self._task is not None:
             landing = self._task.kind is TaskKind.LAND
@@ -348,7 +360,17 @@ class CommandedFlight:
         self, settings: MissionSettings, measured: CascadeMeasurement, seconds: float
     ) -> None:
         """End a climb at its height or its time limit."""
+        task = self._task
+        if task is not None:
+            task.driven |= self.motors_turn
         if measured.altitude > self._height - settings.reached:
+            if task is not None and not task.driven:
+                # Motors that are armed later must not hold it in the hands that carry it
+                self._end_task(
+                    TaskOutcome.FAULT, 'lifted without its motors; landing (are they armed?)'
+                )
+                self.mission = self.mission._replace(phase=Phase.LAND)
+                return
             self._end_task(TaskOutcome.SUCCEEDED, 'the height is reached')
             self.mission = self.mission._replace(phase=Phase.HOLD)
         elif seconds > self.limits.take_off:

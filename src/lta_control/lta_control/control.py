@@ -21,6 +21,10 @@ from lta_control.per_rotor import NONE, PerRotor
 
 FOOT = 0.03  # m; tolerance above the standing height
 STILL = 0.05  # m/s
+STANDSTILL = 6.0  # s without sinking after which a landing has ended
+SINKING = 0.02  # m below the lowest height; less is no descent
+NO_HEIGHT = 1e6  # m; above all heights
+RISING = 0.1  # m above the lowest height; the drone flies again
 TILT_LIMIT = 1.0  # rad; beyond it the drone counts as overturned and the motors stop
 
 
@@ -30,6 +34,13 @@ class ControlMemory(NamedTuple):
     cascade: CascadeMemory = CascadeMemory()
     thrusts: PerRotor = NONE
     shortfall: WrenchDemand = WrenchDemand(0.0, 0.0, 0.0)
+
+
+class LandingWatch(NamedTuple):
+    """Progress of a landing, which does not depend on an exact height."""
+
+    lowest: float = NO_HEIGHT  # since the landing began, or the drone rose last [m]
+    still: float = 0.0  # time since the drone sank or rose last [s]
 
 
 def control_step(
@@ -105,6 +116,23 @@ def has_landed(measured: CascadeMeasurement, setpoint: Setpoint, standing_height
     """
     down = measured.altitude < standing_height + FOOT and abs(measured.climb) < STILL
     return down and setpoint.altitude <= standing_height
+
+
+def watch_landing(
+    watch: LandingWatch, altitude: float, is_landing: bool, dt: float
+) -> LandingWatch:
+    """
+    Return the progress of a landing `dt` seconds later.
+
+    An estimated height that is some centimetres too high never reaches the floor. The drone
+    then stands where it no longer sinks although it `is_landing`. An unknown height counts as no
+    descent. In the air a wrong end lasts until the drone sinks again, as its motors are off.
+    """
+    if not is_landing:
+        return LandingWatch(NO_HEIGHT, 0.0)
+    if altitude < watch.lowest - SINKING or altitude > watch.lowest + RISING:
+        return LandingWatch(altitude, 0.0)
+    return LandingWatch(watch.lowest, watch.still + dt)
 
 
 def has_overturned(attitude: Quaternion, uprightness: float) -> bool:

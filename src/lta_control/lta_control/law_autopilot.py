@@ -16,7 +16,14 @@ from lta_control.allocation import SCRATCH, Scratch
 from lta_control.attitude import Quaternion, Vector, yaw_from_quaternion
 from lta_control.autopilot import ESTIMATE
 from lta_control.cascade import CascadeMeasurement, Setpoint
-from lta_control.control import has_landed, has_overturned, TILT_LIMIT
+from lta_control.control import (
+    has_landed,
+    has_overturned,
+    LandingWatch,
+    STANDSTILL,
+    TILT_LIMIT,
+    watch_landing,
+)
 from lta_control.estimator import (
     estimator_step,
     EstimatorInputs,
@@ -157,6 +164,7 @@ class LawAutopilot:
         self._pack_inputs = struct.Struct(f'{INPUTS.size}d').pack_into
         self._pack_heard = struct.Struct(f'{HEARD.size}d').pack_into
         self._setpoint: Setpoint | None = None
+        self._landing = LandingWatch()
         self._truth: tuple[float, ...] = ()
         self._start: tuple[float, ...] = ()
         self.command, self.stopped = self._rest, False
@@ -195,13 +203,18 @@ class LawAutopilot:
         numbers = (*motion.position, *motion.attitude, *motion.velocity, *motion.rates, *setpoint)
         if not math.isfinite(sum(numbers)) or has_overturned(motion.attitude, self._upright):
             self.stopped = True
-        if self.stopped or has_landed(_motion_to_measurement(motion), setpoint, self._standing):
+        if self.stopped or self._is_landed(_motion_to_measurement(motion), setpoint):
             # Reset the integrals, so that nothing winds up on the ground.
             self._memory = self._fresh.copy()
             return self._rest
         self._pack_heard(self._heard.data, 0, *numbers, self._dt)
         self._law_step(self._known, self._memory, self._heard, self._scratch)
         return COMMAND.read(self._memory[self._commanded])
+
+    def _is_landed(self, measured: CascadeMeasurement, setpoint: Setpoint) -> bool:
+        down = setpoint.altitude <= self._standing
+        self._landing = watch_landing(self._landing, measured.altitude, down, self._dt)
+        return self._landing.still > STANDSTILL or has_landed(measured, setpoint, self._standing)
 
     @property
     def motion(self) -> ControlMotion | None:

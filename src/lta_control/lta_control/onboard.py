@@ -12,7 +12,15 @@ from typing import NamedTuple
 from lta_control.allocation import Rotors, Scratch
 from lta_control.attitude import Vector
 from lta_control.cascade import CascadeGains, CascadeMeasurement, Setpoint
-from lta_control.control import control_step, ControlMemory, has_landed, has_overturned
+from lta_control.control import (
+    control_step,
+    ControlMemory,
+    has_landed,
+    has_overturned,
+    LandingWatch,
+    STANDSTILL,
+    watch_landing,
+)
 from lta_control.estimator import (
     estimator_step,
     EstimatorInputs,
@@ -57,6 +65,7 @@ class OnboardMemory(NamedTuple):
     control: ControlMemory = ControlMemory()
     duties: PerRotor = NONE
     stopped: bool = False  # for good: overturned, or a value is not finite
+    landing: LandingWatch = LandingWatch()
 
 
 def onboard_step(
@@ -72,8 +81,11 @@ def onboard_step(
     stopped = memory.stopped or _must_stop(drone, memory, estimate, measured)
     # The controller restarts from its initial state whenever the motors are off.
     control, duties = drone.fresh, NONE
-    standing = has_landed(measured, memory.setpoint, drone.body.standing_height)
-    if estimate.ready and memory.guided and not stopped and not standing:
+    floor = drone.body.standing_height
+    down = memory.guided and memory.setpoint.altitude <= floor
+    landing = watch_landing(memory.landing, measured.altitude, down, drone.dt)
+    landed = landing.still > STANDSTILL or has_landed(measured, memory.setpoint, floor)
+    if estimate.ready and memory.guided and not stopped and not landed:
         duties, control = control_step(
             drone.gains,
             drone.rotors,
@@ -85,7 +97,7 @@ def onboard_step(
             scratch,
         )
     return OnboardMemory(
-        estimate, measured, memory.guided, memory.setpoint, control, duties, stopped
+        estimate, measured, memory.guided, memory.setpoint, control, duties, stopped, landing
     )
 
 

@@ -3,7 +3,14 @@
 from lta_config.files import list_shipped_names
 from lta_control.allocation import create_working_array
 from lta_control.cascade import CascadeMeasurement, Setpoint
-from lta_control.control import control_step, ControlMemory, has_landed
+from lta_control.control import (
+    control_step,
+    ControlMemory,
+    has_landed,
+    LandingWatch,
+    STANDSTILL,
+    watch_landing,
+)
 from lta_control.gains_file import load_gains
 from lta_control.per_rotor import NONE
 from lta_control.vehicle_parameters import build_rotors
@@ -26,16 +33,22 @@ def with_downward_rotor():
     return build_rotors(Vehicle(vehicle.file.model_copy(update={'rotors': rotors})))
 
 
-def fly(rotors, gains, setpoints, lift=LIFT):
-    """Return heights and duties of a balloon that flies at setpoints [m], each for 30 s."""
+def fly(rotors, gains, setpoints, lift=LIFT, error=0.0, turn=0.0):
+    """
+    Return heights and duties of a balloon that flies at setpoints [m], each for 30 s.
+
+    Its height reads `error` too high [m], and its nose is `turn` off and does not follow [rad].
+    """
     z, climb, memory, scratch = HEIGHT, 0.0, ControlMemory(), create_working_array()
+    landing = LandingWatch()
     flown = []
     for altitude in setpoints:
         for _ in range(round(30.0 / DT)):
-            measured = CascadeMeasurement(z, climb, 0.0, 0.0, 0.0, 0.0, 0.0)
+            measured = CascadeMeasurement(z + error, climb, turn, 0.0, 0.0, 0.0, 0.0)
             setpoint = Setpoint(altitude, 0.0, 0.0)
             duties, force = NONE, 0.0
-            if has_landed(measured, setpoint, STANDING):
+            landing = watch_landing(landing, z + error, altitude <= STANDING, DT)
+            if has_landed(measured, setpoint, STANDING) or landing.still > STANDSTILL:
                 memory = ControlMemory()
             else:
                 duties, memory = control_step(
@@ -67,6 +80,20 @@ def test_it_is_held_at_its_height_and_lands(rotors, gains):
     last = [z for z, _ in landing[-500:]]
     assert min(last) < STANDING + 0.03
     assert max(last) < STANDING + 0.15
+
+
+@pytest.mark.parametrize(
+    'rotors', [build_rotors(load_vehicle('gtmab')), with_downward_rotor()], ids=['up', 'down']
+)
+@pytest.mark.parametrize('error', [0.05, 0.5])
+def test_a_landing_ends_though_the_height_reads_too_high(rotors, error):
+    """2 g heavy, as ballasted; on the floor it would turn to its heading and push down."""
+    flown = fly(rotors, load_gains('gtmab'), (STANDING - 0.1,), -0.02, error, 0.5)
+    landed = next(turn for turn, (z, _) in enumerate(flown) if z == STANDING)
+    assert any(flown[landed][1])
+    after = flown[landed + round((STANDSTILL + 1.0) / DT) :]
+    assert len(after) > 5.0 / DT
+    assert not any(any(duties) for _, duties in after)
 
 
 def test_without_such_a_rotor_it_rises():

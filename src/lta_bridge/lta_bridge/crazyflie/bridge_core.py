@@ -4,13 +4,12 @@ Core of the Crazyflie bridge, without ROS and cflib: convert packets to readings
 Two threads use it, one for the link's packets and one for the ticks; a lock protects the state.
 """
 
-from collections.abc import Sequence
 import math
 import threading
 from typing import Final, final, NamedTuple
 
 from lta_bridge.crazyflie import duties_packet, readings, safety
-from lta_bridge.crazyflie.buoyancy import BuoyancyMonitor
+from lta_bridge.crazyflie.buoyancy import BuoyancyMonitor, IDLE
 from lta_bridge.crazyflie.device_clock import DeviceClock
 from lta_bridge.crazyflie.duties_packet import find_rotor_indices
 from lta_bridge.crazyflie.link import CrazyflieLink, LogPacket
@@ -18,8 +17,10 @@ from lta_bridge.crazyflie.round_trips import RoundTrips
 from lta_bridge.crazyflie.safety import SafetyStage
 from lta_bridge.crazyflie.supervisor_word import SupervisorBit
 from lta_config.schema.crazyflie_file import CrazyflieFile
+from lta_control.control import LandingWatch, watch_landing
 from lta_graph.health import stamp_age
 from lta_graph.rejections import RejectionCount
+from lta_model.vehicle import Vehicle
 
 RATE: Final = 50.0  # Hz, tick rate; the firmware needs setpoints at 10 Hz or more
 GUARD: Final = 7  # ticks between two messages to the emergency-stop watchdog: 7 Hz
@@ -77,8 +78,8 @@ class BridgeCore:
         Link to send commands over.
     file : CrazyflieFile
         Command mode, wiring and limits.
-    rotors : sequence of str
-        Rotor names of the vehicle, in the order of duties in a command.
+    vehicle : Vehicle
+        Its rotors are in the order of duties in a command.
     command : str
         'setpoint', 'motors' or 'override'; empty for the mode of the file.
     watchdog : bool
@@ -86,10 +87,6 @@ class BridgeCore:
         the motors and locks the drone 1 s after the last message; only a restart unlocks it.
     blind : bool
         Whether it may fly without a position estimate.
-    lifting : sequence of str or None
-        Names of the rotors that lift; by default all.
-    pressing : sequence of str
-        Names of the rotors that push down.
 
     Attributes
     ----------
@@ -99,6 +96,8 @@ class BridgeCore:
         The newest readings.
     buoyancy : BuoyancyMonitor
         Whether the drone is lighter than air.
+    wanted_height : float
+        Height of the newest setpoint, which says whether the drone is to land. [m]
     malformed, unasked : RejectionCount
         Unreadable packets and invalid commands.
 
@@ -108,18 +107,16 @@ class BridgeCore:
         self,
         link: CrazyflieLink,
         file: CrazyflieFile,
-        rotors: Sequence[str],
+        vehicle: Vehicle,
         command: str = '',
         watchdog: bool = False,
         blind: bool = False,
-        lifting: Sequence[str] | None = None,
-        pressing: Sequence[str] = (),
     ) -> None:
         # The lock guards state that both the tick and the thread of arriving packets use
         self._link, self._lock = link, threading.Lock()
         self.command = command or file.command
-        self._order = find_rotor_indices(file.motors, rotors)
-        self._rotors = len(rotors)
+        self._order = find_rotor_indices(file.motors, vehicle.rotor_names)
+        self._rotors = len(vehicle.rotor_names)
         limit = file.limits
         self.limits = safety.SafetyLimits(
             limit.voltage.si, limit.time.si, limit.height.si, limit.distance.si
@@ -136,10 +133,13 @@ class BridgeCore:
         self._asked: CrazyflieCommand | None = None
         self._estimated = self._tracked = PositionEstimate()
         self._blind = blind
-        names = list(file.motors.values())
-        self._lifts = [lifting is None or name in lifting for name in names]
-        self._presses = [name in pressing for name in names]
+        # Of the axes of M1 to M4; 1 is upwards
+        rotors = vehicle.file.rotors
+        self._vertical = [rotors[name].axis.vector[2] for name in file.motors.values()]
         self.buoyancy = BuoyancyMonitor()
+        self.wanted_height = math.inf
+        self._floor = vehicle.hull_height_on_floor
+        self._landing, self._watched = LandingWatch(), math.inf
         self._sequence = 0
         self.packets = 0
         self._watchdog, self._guarded, self._ticks = watchdog, False, 0
@@ -283,25 +283,37 @@ class BridgeCore:
         """
         with self._lock:
             inputs = self.collect_safety_inputs(now_ns, linked, active)
+            inputs = inputs._replace(grounded=self._watch_landing(now, inputs))
             self.state, order = safety.step_state(self.state, now, inputs, request, self.limits)
             self._send_outputs(order)
             self._watch_buoyancy(now, inputs)
             return order
+
+    def _watch_landing(self, now: float, inputs: safety.SafetyInputs) -> float:
+        """Return for how long motors have turned to land without the drone sinking. [s]"""
+        passed, self._watched = max(now - self._watched, 0.0), now
+        turning = max(self._flown_duties(inputs), default=0.0) > IDLE
+        lands = turning and self.wanted_height <= self._floor
+        height = inputs.height if inputs.place_age <= safety.LOST else math.nan
+        self._landing = watch_landing(self._landing, height, lands, passed)
+        return self._landing.still
+
+    def _flown_duties(self, inputs: safety.SafetyInputs) -> tuple[float, ...]:
+        """Return the newest duties of M1 to M4; empty if they are not known."""
+        known = self.motors is not None and inputs.silence <= safety.SILENT
+        return self.motors.duties if self.motors is not None and known else ()
 
     def _watch_buoyancy(self, now: float, inputs: safety.SafetyInputs) -> None:
         # A person may lift a drone that has not flown
         if not self._flown:
             self._flown = self.state.stage is SafetyStage.FLYING
             return
-        known = self.motors is not None and inputs.silence <= safety.SILENT
-        duties = self.motors.duties if self.motors is not None and known else ()
-        lifting, pressing = (
-            max(
-                (duty for duty, counts in zip(duties, group, strict=False) if counts),
-                default=0.0 if known else math.nan,
-            )
-            for group in (self._lifts, self._presses)
-        )
+        # A tilted rotor lifts by the vertical share of its thrust
+        shares = [
+            duty * up for duty, up in zip(self._flown_duties(inputs), self._vertical, strict=False)
+        ]
+        lifting = max(0.0, *shares) if shares else math.nan
+        pressing = max(0.0, *(-share for share in shares)) if shares else math.nan
         height = inputs.height if inputs.place_age <= safety.LOST else math.nan
         self.buoyancy.observe(now, height, lifting, pressing)
 

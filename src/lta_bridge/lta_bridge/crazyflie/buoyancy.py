@@ -16,7 +16,7 @@ WINDOW: Final = 4.0  # s without lifting thrust
 RISE: Final = 0.1  # m in the second half of the window; less is no motion
 # A drone that coasts upwards slows down by its drag; one that is lighter than air does not
 KEPT: Final = 0.95  # of the rise in the first half
-IDLE: Final = 0.02  # duty below which a rotor does not lift
+IDLE: Final = 0.02  # duty, times the vertical share of its axis, of a rotor that does nothing
 GAP: Final = 0.5  # s without a height, after which the window begins anew
 
 
@@ -50,7 +50,8 @@ class BuoyancyMonitor:
         height : float
             NaN if unknown. [m]
         lifting, pressing : float
-            Largest duty of a rotor that lifts, and of one that pushes down; NaN if unknown.
+            Largest duty of a rotor that lifts, and of one that pushes down, times the vertical
+            component of its axis; NaN if unknown.
 
         """
         if not lifting <= IDLE:

@@ -1,13 +1,10 @@
 """Lock a drone, so that only one process of this machine commands it."""
 
 from contextlib import suppress
-import fcntl
 import hashlib
-import os
-from pathlib import Path
 import socket
-import tempfile
-from typing import Final, final, IO
+import struct
+from typing import Final, final
 
 from lta_config.errors import BadInput
 
@@ -35,57 +32,42 @@ class DroneLock:
     """
     Exclusive lock on one drone, shared by all users of this machine; it ends with the process.
 
+    It is the name of a socket without a file (unix(7), abstract), so a process that is killed
+    leaves nothing behind.
+
     Raises
     ------
     BadInput
-        If another process holds the lock, or the lock file cannot be opened.
+        If another process holds the lock.
 
     """
 
-    _file: IO[str] | None
-
     def __init__(self, uri: str) -> None:
-        name = hashlib.sha256(normalize_uri(uri).encode()).hexdigest()[:16]
-        path = Path(tempfile.gettempdir()) / f'lta-crazyflie-{name}.lock'
-        self._path, self._file = path, _open_lock(path, uri)
-        self._file.truncate(0)
-        self._file.write(str(os.getpid()))
-        self._file.flush()
+        name = '\0lta-crazyflie-' + hashlib.sha256(normalize_uri(uri).encode()).hexdigest()[:16]
+        self._socket = socket.socket(socket.AF_UNIX)
+        try:
+            self._socket.bind(name)
+        except OSError:
+            self._socket.close()
+            raise BadInput(
+                f'Another program (process {_find_holder(name)}) already commands the Crazyflie '
+                f'{uri}; stop it first, because a drone obeys every sender.'
+            ) from None
+        # Nobody is accepted: who connects learns only which process holds the name
+        self._socket.listen()
 
     def close(self) -> None:
         """Release the drone; a second call does nothing."""
-        if self._file is not None:
-            with suppress(OSError):  # another user's file stays
-                self._path.unlink()
-            self._file.close()
-            self._file = None
+        self._socket.close()
 
 
-def _open_lock(path: Path, uri: str) -> IO[str]:
-    """Open and lock the file of a drone, not one that its last holder has deleted meanwhile."""
-    while True:
+def _find_holder(name: str) -> str:
+    """Return the number of the process that listens at a socket, or 'unknown'."""
+    with socket.socket(socket.AF_UNIX) as asking:
+        asking.settimeout(1.0)
         try:
-            # O_NOFOLLOW: another user could have placed a symbolic link here.
-            descriptor = os.open(
-                path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC, 0o666
-            )
-        except OSError as error:
-            raise BadInput(
-                f'The lock file {path} of {uri} cannot be opened ({error.strerror}). Ask the user '
-                'who owns the file to stop the bridge and to delete the file.'
-            ) from None
-        file = os.fdopen(descriptor, 'r+')
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            file.seek(0)
-            holder = file.read().strip() or 'unknown'
-            file.close()
-            raise BadInput(
-                f'Another program (process {holder}) already commands the Crazyflie {uri}; stop '
-                'it first, because a drone obeys every sender.'
-            ) from None
-        with suppress(FileNotFoundError):
-            if path.stat().st_ino == os.fstat(file.fileno()).st_ino:
-                return file
-        file.close()
+            asking.connect(name)
+            credentials = asking.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, 12)
+        except OSError:  # it has just ended, or its queue is full
+            return 'unknown'
+    return str(struct.unpack('3i', credentials)[0])

@@ -17,6 +17,7 @@ STALE: Final = 0.3  # s; an older command is not flown; the firmware levels out 
 SILENT: Final = 0.5  # s; if the newest log packet is older, the link counts as lost
 LOST: Final = 0.5  # s; an older position estimate counts as unknown
 LOW: Final = 0.3  # s that a low voltage must last: a single sample (10 Hz) may be wrong
+GROUNDED: Final = 10.0  # s to land without sinking while motors turn; the controller needs 6
 RAMP: Final = 0.5  # s from full command to none
 ASKING: Final = 1.0  # s for the supervisor to confirm that it is armed
 AGAIN: Final = 0.1  # s between two unconfirmed requests
@@ -62,6 +63,7 @@ class SafetyInputs(NamedTuple):
     # Whether the operator allows a flight without any position estimate. An estimate that has
     # begun must still continue.
     blind: bool = False
+    grounded: float = 0.0  # for how long motors have turned to land without the drone sinking [s]
 
 
 class SafetyRequest(NamedTuple):
@@ -147,6 +149,8 @@ def find_landing_reason(
         )
     if now - state.began > limits.time:
         return f'the flight has reached its time limit of {limits.time:.0f} s'
+    if inputs.grounded > GROUNDED:
+        return f'to land, it has not sunk for {GROUNDED:.0f} s: it stands on the ground'
     if inputs.height > limits.height:
         return f'the drone is higher than its limit of {limits.height:.1f} m'
     if inputs.distance > limits.distance:

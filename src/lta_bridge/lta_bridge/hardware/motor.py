@@ -54,7 +54,7 @@ class MotorBench:
     ) -> None:
         self._link, self._file, self._vehicle = link, file, vehicle
         rotors = vehicle.rotor_names
-        self._bridge = BridgeCore(link, file, rotors, 'motors', blind=True)  # tethered
+        self._bridge = BridgeCore(link, file, vehicle, 'motors', blind=True)  # tethered
         self._motor = MOTORS.index(motor)
         # Two indices: _motor counts M1 to M4, _place the vehicle file's rotors
         self._place = list(rotors).index(file.motors[motor])

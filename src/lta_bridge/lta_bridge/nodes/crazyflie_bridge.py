@@ -41,7 +41,6 @@ from lta_bridge.crazyflie.udp_probe import is_port_closed
 from lta_config.errors import BadInput
 from lta_config.schema.crazyflie_file import find_crazyflie
 from lta_config.vehicle_identity import hash_airframe
-from lta_control.vehicle_parameters import VERTICAL
 from lta_graph.health import HealthLevel
 from lta_graph.ros.command_mux import CommandMux
 from lta_graph.ros.device import DeviceNode
@@ -55,7 +54,6 @@ from rclpy.clock import Clock, ClockType
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from std_srvs.srv import SetBool, Trigger
 
-UPWARD = 0.1  # vertical component of the axis of a rotor that may lift
 HEARING = 5.0  # s to wait for all readers before arming; a user's own node may never match
 CONFIRMING = 1.0  # s of LEAVE for the drone to confirm disarming
 ALOFT = (SafetyStage.READY, SafetyStage.FLYING, SafetyStage.LANDING)
@@ -82,16 +80,13 @@ class CrazyflieBridge(DeviceNode):
         link = self._link = create_link(settings.uri, BLOCKS, self._graph_time_ns)
         file = self._file = find_crazyflie(settings.vehicle, vehicle.file.name, settings.crazyflie)
         command = settings.command or file.command
-        axes = {name: rotor.axis.vector[2] for name, rotor in vehicle.file.rotors.items()}
         self._bridge = BridgeCore(
             link,
             file,
-            self._names,
+            vehicle,
             command,
             watchdog=settings.watchdog in (command, 'always'),
             blind=settings.blind or settings.tethered,
-            lifting=[name for name, up in axes.items() if up > UPWARD],
-            pressing=[name for name, up in axes.items() if up < -VERTICAL],
         )
         self._keeper: ConnectionManager | None = None
         self._former: ConnectionManager | None = None  # its connection may still be closing
@@ -298,6 +293,8 @@ class CrazyflieBridge(DeviceNode):
 
     def _tick(self) -> None:
         up, now_ns = self._is_linked, self._graph_time_ns()
+        pose, _ = self._helm.select_setpoint(self._pose, self._velocity)
+        self._bridge.wanted_height = math.inf if pose is None else pose.pose.position.z
         # A new connection: nothing known from the last one is valid
         if up and not self._was_up:
             self._bridge.clear_connection_data()

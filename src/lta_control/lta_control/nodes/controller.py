@@ -12,7 +12,16 @@ from geometry_msgs.msg import PoseStamped, TwistStamped, TwistWithCovarianceStam
 from lta_config.settings import setting, Settings
 from lta_control.allocation import create_working_array
 from lta_control.cascade import CascadeGains, CascadeMeasurement, Setpoint
-from lta_control.control import control_step, ControlMemory, has_landed, step_duration, TILT_LIMIT
+from lta_control.control import (
+    control_step,
+    ControlMemory,
+    has_landed,
+    LandingWatch,
+    STANDSTILL,
+    step_duration,
+    TILT_LIMIT,
+    watch_landing,
+)
 from lta_control.gains_file import load_gains
 from lta_control.laws.onboard_law import CASCADE, OnboardLaw, vehicle_law_name
 from lta_control.messages import (
@@ -96,6 +105,7 @@ class Controller(GraphNode):
         name = self._settings.value.law or vehicle_law_name(vehicle)
         self._law = None if name == CASCADE else OnboardLaw(name, vehicle)
         self._memory = ControlMemory()
+        self._landing = LandingWatch()
         self._scratch = create_working_array()
         self._airspeed: TwistWithCovarianceStamped | None = None
         self._airspeed_lost = False
@@ -171,10 +181,11 @@ class Controller(GraphNode):
         pose, velocity = self._helm.select_setpoint(self._pose, self._velocity)
         if not self._armed or measured is None or pose is None or velocity is None:
             return self._reset_to_zero('' if self._stopped else 'off')
-        setpoint = self._current_setpoint(now_ns, measured, pose, velocity)
+        setpoint, descends = self._current_setpoint(now_ns, measured, pose, velocity)
         # Recordings of earlier versions have none
         self._report_airspeed(lost=airspeed is None and self._airspeed is not None)
         if self._airspeed_lost:
+            descends = True
             setpoint = Setpoint(measured.altitude - DESCENT, setpoint.heading, 0.0)
         if not all(map(math.isfinite, (*measured, *setpoint))):
             self._stop_motors(
@@ -182,9 +193,13 @@ class Controller(GraphNode):
                 'the motors are off; restart the controller to fly again'
             )
             return self._reset_to_zero()
+        dt = step_duration(self._last_ns, now_ns, self.table.control_ns)
+        descends = descends or setpoint.altitude <= self._standing
+        self._landing = watch_landing(self._landing, measured.altitude, descends, dt)
         if has_landed(measured, setpoint, self._standing):
             return self._reset_to_zero('on the ground')
-        dt = step_duration(self._last_ns, now_ns, self.table.control_ns)
+        if self._landing.still > STANDSTILL:
+            return self._reset_to_zero('on the ground, as it no longer sinks')
         if self._law is not None:
             return self._law.step(to_motion(odom, airspeed), setpoint, dt).duties
         duties, self._memory = control_step(
@@ -217,8 +232,8 @@ class Controller(GraphNode):
 
     def _current_setpoint(
         self, now_ns: int, measured: CascadeMeasurement, pose: PoseStamped, velocity: TwistStamped
-    ) -> Setpoint:
-        """Return the setpoint, or its replacement if it is too old: hold, then descend."""
+    ) -> tuple[Setpoint, bool]:
+        """Return the setpoint, and whether it was replaced by a descent as it is too old."""
         setpoint, settings = to_setpoint(pose, velocity), self._settings.value
         # The older of the two messages counts; a stamp far in the future is infinitely old
         stamps = from_stamp(pose.header.stamp), from_stamp(velocity.header.stamp)
@@ -226,7 +241,7 @@ class Controller(GraphNode):
         if oldest <= settings.hold_after:
             steers = 'a person' if self._helm.held else 'the setpoint'
             self.health.report('motors', HealthLevel.OK, f'flying by {steers}')
-            return setpoint
+            return setpoint, False
         landing = oldest > settings.land_after
         limit = settings.land_after if landing else settings.hold_after
         future = math.isinf(oldest)
@@ -240,7 +255,7 @@ class Controller(GraphNode):
         )
         # Below the current altitude, so the descent goes on until the floor
         altitude = measured.altitude - DESCENT if landing else setpoint.altitude
-        return Setpoint(altitude, setpoint.heading, 0.0)
+        return Setpoint(altitude, setpoint.heading, 0.0), landing
 
 
 def main(args: list[str] | None = None) -> None:

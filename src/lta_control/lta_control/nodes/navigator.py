@@ -51,6 +51,7 @@ from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
 from lta_graph.ros.stamps import from_stamp
+from lta_model.messages import read_duties
 from lta_model.scenario import load_course, load_route
 from lta_model.vehicle import load_vehicle
 from nav_msgs.msg import Odometry
@@ -232,6 +233,7 @@ class FlightCommands:
         self._stepped = time.monotonic()
         if not node.lockstep:
             node.subscribe_topic('teleop/held', self._on_takeover)
+            node.subscribe_topic('motors', self._on_motors)
         self._servers = [
             GoalServer(
                 node,
@@ -262,6 +264,9 @@ class FlightCommands:
 
     def _begin(self, kind: TaskKind, goal: Any) -> FlightTask:  # noqa: ANN401 - a message
         return self.flight.request(kind, to_task_value(kind, goal))
+
+    def _on_motors(self, motors: Any) -> None:  # noqa: ANN401 - one of two types
+        self.flight.motors_turn = any(read_duties(motors))
 
     def _on_takeover(self, held: Bool) -> None:
         self._held = held.data

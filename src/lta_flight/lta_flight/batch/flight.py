@@ -146,7 +146,7 @@ def with_setpoint(memory: OnboardMemory, setpoint: Setpoint) -> OnboardMemory:
     """Return the drone's memory with a new setpoint."""
     return OnboardMemory(
         memory.estimate, memory.measured, True, setpoint, memory.control, memory.duties,
-        memory.stopped,
+        memory.stopped, memory.landing,
     )  # fmt: skip
 
 

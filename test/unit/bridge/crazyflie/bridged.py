@@ -1,16 +1,29 @@
 """A bridge in flight at a clock of its own, and a link that keeps what was sent."""
 
+import math
+
 from lta_bridge.crazyflie.bridge_core import BridgeCore, CrazyflieCommand, PositionEstimate
 from lta_bridge.crazyflie.link import LogPacket
 from lta_bridge.crazyflie.safety import SafetyRequest as AskedBy
 from lta_bridge.crazyflie.safety import SafetyStage
 from lta_bridge.crazyflie.supervisor_word import SupervisorBit
 from lta_config.schema.crazyflie_file import load_crazyflie
+from lta_model.vehicle import load_vehicle, Vehicle
 
 FILE = load_crazyflie('gtmab')
 TICK = 20_000_000  # ns
 DUTIES = (0.1, 0.2, 0.3, 0.4)
 NOTHING = AskedBy()
+
+
+def tilt_rotors(axes):
+    """Return GT-MAB with other axes of some rotors."""
+    file = load_vehicle('gtmab').file
+    rotors = dict(file.rotors)
+    for name, axis in axes.items():
+        turned = rotors[name].axis.model_copy(update={'value': axis})
+        rotors[name] = rotors[name].model_copy(update={'axis': turned})
+    return Vehicle(file.model_copy(update={'rotors': rotors}))
 
 
 class Kept:
@@ -29,17 +42,10 @@ class Kept:
 class Bridged:
     """A bridge, and what its drone and its graph tell it at every tick."""
 
-    def __init__(self, command='override', watchdog=False, pressing=()):
+    def __init__(self, command='override', watchdog=False, axes=None, blind=False):
         self.kept, self.now, self.word = Kept(), 0, SupervisorBit.ARMED
-        names = list(FILE.motors.values())
         self.bridge = BridgeCore(
-            self.kept,
-            FILE,
-            names,
-            command,
-            watchdog,
-            lifting=[name for name in names if name not in pressing] if pressing else None,
-            pressing=pressing,
+            self.kept, FILE, tilt_rotors(axes or {}), command, watchdog, blind
         )
         self.turning = (0.0,) * 4  # what the drone says that its motors do
         self.linked = self.active = self.commands = self.logs = True
@@ -67,5 +73,6 @@ class Bridged:
                 self.bridge.receive_packet(LogPacket(name, self.now // 1_000_000, told, self.now))
         if self.commands:
             self.bridge.accept_command(self.asked._replace(stamp_ns=self.now))
-        self.bridge.update_position(PositionEstimate(self.height, 1.0, self.now))
+        if not math.isnan(self.height):
+            self.bridge.update_position(PositionEstimate(self.height, 1.0, self.now))
         self.bridge.tick(1e-9 * self.now, self.now, self.linked, self.active, asked)

@@ -1,9 +1,6 @@
 """One bridge to a drone, and what is said where there is no way to one."""
 
-import fcntl
-import hashlib
 import os
-from pathlib import Path
 import subprocess
 import sys
 
@@ -12,12 +9,7 @@ from lta_bridge.crazyflie.remedies import suggest_remedy
 from lta_config.errors import BadInput
 import pytest
 
-URI = 'udp://127.0.0.1:1'
-
-
-@pytest.fixture(autouse=True)
-def own_folder(tmp_path: Path, monkeypatch):
-    monkeypatch.setattr('tempfile.tempdir', str(tmp_path))
+URI = f'udp://127.0.0.1:{os.getpid() % 65536}'  # two runs of the tests do not meet
 
 
 def test_a_second_bridge_to_a_drone_is_refused_by_name_and_another_drone_is_not():
@@ -26,28 +18,10 @@ def test_a_second_bridge_to_a_drone_is_refused_by_name_and_another_drone_is_not(
         BadInput, match=rf'Another program \(process {os.getpid()}\) already commands'
     ):
         DroneLock(URI)
-    DroneLock('udp://127.0.0.1:2').close()
+    DroneLock('udp://127.0.0.2:1').close()
     first.close()
     first.close()
     DroneLock(URI).close()
-
-
-def test_no_file_is_left_and_a_claim_on_a_deleted_one_is_none(tmp_path, monkeypatch):
-    former, lock = DroneLock(URI), fcntl.flock
-    claims = []
-
-    def release_first(file, operation):
-        """Let the former holder end, and a third program come, between opening and locking."""
-        monkeypatch.setattr(fcntl, 'flock', lock)
-        former.close()
-        claims.append(DroneLock(URI))
-        lock(file, operation)
-
-    monkeypatch.setattr(fcntl, 'flock', release_first)
-    with pytest.raises(BadInput, match='already commands'):
-        DroneLock(URI)
-    claims[0].close()
-    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize(
@@ -68,30 +42,26 @@ def test_a_drone_has_one_claim_however_it_is_reached(one, other, same):
     assert (normalize_uri(one) == normalize_uri(other)) == same
 
 
-def test_a_file_that_may_not_be_opened_is_one_sentence_and_a_link_is_not_followed(tmp_path):
-    claim = DroneLock(URI)
-    (path,) = tmp_path.glob('*.lock')
-    claim.close()
-    precious = tmp_path / 'precious'
-    precious.write_text('all of it')
-    path.symlink_to(precious)
-    with pytest.raises(
-        BadInput, match=r'cannot be opened .*Ask the user who owns the file to stop'
-    ):
-        DroneLock(URI)
-    assert precious.read_text() == 'all of it'
-
-
-def test_a_claim_ends_with_its_process(tmp_path):
+def test_a_killed_process_leaves_nothing(tmp_path):
+    """Not by its own exit, in which it could clean up."""
     code = (
-        f'import tempfile; tempfile.tempdir = {str(tmp_path)!r}\n'
         'from lta_bridge.crazyflie.drone_lock import DroneLock\n'
-        f'import os; lock = DroneLock({URI!r}); os._exit(9)'
+        f'lock = DroneLock({URI!r}); print("locked", flush=True); input()'
     )
     paths = os.pathsep.join(sys.path)
-    died = subprocess.run([sys.executable, '-c', code], env={**os.environ, 'PYTHONPATH': paths})
-    assert died.returncode == 9
+    variables = {**os.environ, 'PYTHONPATH': paths, 'TMPDIR': str(tmp_path)}
+    with subprocess.Popen(
+        [sys.executable, '-c', code],
+        env=variables,
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+    ) as holder:
+        assert holder.stdout.readline() == b'locked\n'
+        with pytest.raises(BadInput, match=rf'\(process {holder.pid}\) already commands'):
+            DroneLock(URI)
+        holder.kill()
     DroneLock(URI).close()
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize(
@@ -122,13 +92,3 @@ def test_a_claim_ends_with_its_process(tmp_path):
 def test_what_a_library_says_becomes_one_sentence_with_the_remedy(said, told):
     assert told in suggest_remedy(said)
     assert '\n' not in suggest_remedy(said)
-
-
-def test_every_bridge_looks_for_the_same_file_and_writes_its_number_into_it(tmp_path):
-    """The path is part of the contract between bridges of different versions."""
-    name = hashlib.sha256(URI.encode()).hexdigest()[:16]
-    path = tmp_path / f'lta-crazyflie-{name}.lock'
-    path.write_text('123456789012')  # left by a process that died
-    claim = DroneLock(URI)
-    assert path.read_text() == str(os.getpid())
-    claim.close()

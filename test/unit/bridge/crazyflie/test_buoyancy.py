@@ -78,7 +78,7 @@ def test_a_rotor_that_no_longer_pushes_holds_nothing_down_also_without_a_height(
 
 def test_a_rotor_that_holds_down_is_reported_and_stops_with_the_others():
     """Nobody may be hurt by a motor that goes on because a balloon would rise."""
-    flight = Bridged('motors', pressing=('forward_left',))
+    flight = Bridged('motors', axes={'forward_left': (0.0, 0.0, -1.0)})
     flight.asked = flight.asked._replace(duties=(0.0, 0.0, 0.3, 0.0))
     flight.turning = (0.0, 0.0, 0.3, 0.0)
     flight.fly()
@@ -93,6 +93,87 @@ def test_a_rotor_that_holds_down_is_reported_and_stops_with_the_others():
     assert sent[0][2] == pytest.approx(0.3, abs=1e-3)
     assert sent[-1] == (0.0,) * 4
     assert flight.kept.of('hand_over')
+
+
+@pytest.mark.parametrize(
+    ('axis', 'held_down'),
+    [((0.6, 0.0, -0.8), True), ((0.94, 0.0, -0.34), True), ((1.0, 0.0, 0.0), False)],
+)
+def test_a_tilted_rotor_pushes_down_by_its_vertical_share(axis, held_down):
+    """0.8 and 0.34 of a duty of 0.1 are above 0.02, and a level rotor does nothing."""
+    flight = Bridged('motors', axes={'forward_left': axis})
+    flight.turning = (0.0, 0.0, 0.1, 0.0)
+    flight.fly()
+    for _ in range(300):
+        flight.tick()
+    assert ('is pushed down' in describe_safety(flight).message) is held_down
+
+
+@pytest.mark.parametrize(
+    ('up', 'rises'), [(0.34, False), (0.0, True)], ids=['20 degrees up', 'level']
+)
+def test_a_drone_that_rises_by_a_tilted_rotor_is_not_called_light(up, rises):
+    flight = Bridged('motors', axes={'forward_left': (math.sqrt(1.0 - up * up), 0.0, up)})
+    flight.turning = (0.0, 0.0, 0.1, 0.0)
+    flight.fly()
+    for _ in range(300):
+        flight.height += 0.1 * DT
+        flight.tick()
+    assert ('rises without thrust' in describe_safety(flight).message) is rises
+
+
+@pytest.mark.parametrize(('duty', 'says'), [(0.019, True), (0.021, False)])
+def test_a_duty_of_two_hundredths_is_a_rotor_that_lifts(duty, says):
+    """The motors of GT-MAB give about 0.1 mN at 0.02, half a percent of its net weight."""
+    assert rises(0.1, 0.0, duty=duty) is says
+    assert watch(0.05, pressing=duty, thrust=0.05).is_held_down is not says
+
+
+def land_on_the_floor(flight, seconds, height):
+    """Hold a height [m] while the setpoint is on the floor and motors turn."""
+    flight.bridge.wanted_height = 0.3
+    flight.turning = (0.0, 0.0, 0.3, 0.0)
+    flight.height = height
+    for _ in range(round(seconds / DT)):
+        flight.tick()
+    return flight
+
+
+@pytest.mark.parametrize('command', ['motors', 'setpoint'])
+@pytest.mark.parametrize('axis', [(0.0, 0.0, 1.0), (0.0, 0.0, -1.0)], ids=['up', 'down'])
+@pytest.mark.parametrize('height', [0.6, math.nan])
+def test_a_landing_on_a_floor_that_reads_too_high_ends_and_motors_stop(command, axis, height):
+    """Whoever commands the motors, and where the height is unknown."""
+    flight = Bridged(command, axes={'forward_left': axis}, blind=math.isnan(height))
+    flight.height = height
+    flight.fly()
+    land_on_the_floor(flight, 9.9, height)
+    assert flight.stage == 'flying'
+    land_on_the_floor(flight, 0.2, height)
+    assert (flight.stage, flight.bridge.state.why) == (
+        'landing', 'to land, it has not sunk for 10 s: it stands on the ground',
+    )  # fmt: skip
+    land_on_the_floor(flight, 1.0, height)  # the ramp, and commands that still come
+    if command == 'motors':
+        (last,) = flight.kept.of('send_duties')[-1]
+        assert unpack_duties(last).duties == (0.0,) * 4
+    assert flight.kept.of('hand_over')
+
+
+def test_a_descent_and_a_stand_with_still_motors_go_on():
+    flight = Bridged('motors').fly()
+    for turn in range(30):
+        land_on_the_floor(flight, 1.0, 3.0 - 0.05 * turn)  # 5 cm/s
+    assert flight.stage == 'flying'
+    flight.turning = (0.0,) * 4
+    for _ in range(1000):
+        flight.tick()
+    assert flight.stage == 'flying'
+    flight.bridge.wanted_height = 1.0  # up again, and at one height
+    flight.turning = (0.3,) * 4
+    for _ in range(1000):
+        flight.tick()
+    assert flight.stage == 'flying'
 
 
 def test_a_landing_of_a_light_balloon_is_reported_as_an_error():

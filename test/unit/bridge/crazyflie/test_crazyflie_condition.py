@@ -26,7 +26,7 @@ def fact(task, bridge, why='', attempts=1, **changed):
 
 def test_what_is_said_of_the_link():
     """Half a second without a packet is silence; without a link the message gives the reason."""
-    bridge = BridgeCore(None, load_crazyflie('gtmab'), load_vehicle('gtmab').rotor_names)
+    bridge = BridgeCore(None, load_crazyflie('gtmab'), load_vehicle('gtmab'))
     for silence, said in (
         (0.499, (HealthLevel.OK, 'connected')),
         (0.5, (HealthLevel.ERROR, 'no packets for 0.5 s')),
@@ -44,7 +44,7 @@ def test_what_is_said_of_the_link():
 
 
 def test_what_is_said_of_the_motors():
-    bridge = BridgeCore(None, load_crazyflie('gtmab'), load_vehicle('gtmab').rotor_names)
+    bridge = BridgeCore(None, load_crazyflie('gtmab'), load_vehicle('gtmab'))
     told = fact('safety', bridge)
     assert (told.level, told.message) == (HealthLevel.OK, 'disarmed: not armed yet')
     assert told.values == {'word': '2', 'command': 'motors', 'voltage': '4.00', 'motors': ''}

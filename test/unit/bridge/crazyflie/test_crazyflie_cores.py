@@ -91,7 +91,7 @@ def test_stamps_are_set_back_by_half_of_the_quickest_round_trip():
         trips.add(took)
     assert trips.one_way_ns == 2 * MS
     assert trips.latency == pytest.approx(0.028)  # 0.9 of the way from 10 to 30 ms
-    bridge = BridgeCore(None, load_crazyflie('gtmab'), load_vehicle('gtmab').rotor_names)
+    bridge = BridgeCore(None, load_crazyflie('gtmab'), load_vehicle('gtmab'))
     bridge.add_round_trip(0.004)
     errors = [
         bridge.receive_packet(LogPacket('none', 10 * k, {}, 10**18 + (10 * k + 2) * MS)).stamp_ns
@@ -156,7 +156,7 @@ def test_duties_on_the_wire():
 
 def test_what_ends_a_flight_stands_in_the_file_alone():
     file = load_crazyflie('gtmab')
-    bridge = BridgeCore(None, file, load_vehicle('gtmab').rotor_names)
+    bridge = BridgeCore(None, file, load_vehicle('gtmab'))
     told = file.limits
     assert bridge.limits == (told.voltage.si, told.time.si, told.height.si, told.distance.si)
     assert not SafetyLimits._field_defaults
@@ -167,14 +167,14 @@ def test_what_ends_a_flight_stands_in_the_file_alone():
 )
 def test_a_command_of_the_future_is_none(ahead_s, known):
     """Of a computer whose clock is wrong: as the newest one it would be flown for an hour."""
-    bridge = BridgeCore(None, load_crazyflie('gtmab'), load_vehicle('gtmab').rotor_names)
+    bridge = BridgeCore(None, load_crazyflie('gtmab'), load_vehicle('gtmab'))
     bridge.accept_command(CrazyflieCommand(10**18 + round(1e9 * ahead_s), duties=(0.1,) * 4))
     assert math.isfinite(bridge.collect_safety_inputs(10**18, True, True).command_age) == known
 
 
 def test_limits_of_height_and_way_age_with_the_estimate_that_they_are_of():
     """They would stand at its last word, whoever goes on commanding."""
-    bridge = BridgeCore(None, load_crazyflie('gtmab'), load_vehicle('gtmab').rotor_names)
+    bridge = BridgeCore(None, load_crazyflie('gtmab'), load_vehicle('gtmab'))
     assert math.isinf(bridge.collect_safety_inputs(10**18, True, True).place_age)
     odom = Odometry()
     odom.header.stamp = to_stamp(10**18)
@@ -185,7 +185,7 @@ def test_limits_of_height_and_way_age_with_the_estimate_that_they_are_of():
 
 
 def test_a_tracker_counts_as_an_estimate_and_the_farther_of_two_decides():
-    bridge = BridgeCore(None, load_crazyflie('gtmab'), load_vehicle('gtmab').rotor_names)
+    bridge = BridgeCore(None, load_crazyflie('gtmab'), load_vehicle('gtmab'))
     bridge.update_tracked_position(PositionEstimate(1.0, 3.0, 10**18))
     seen = bridge.collect_safety_inputs(10**18, True, True)
     assert (seen.height, seen.distance, seen.place_age) == (1.0, 3.0, 0.0)
@@ -199,7 +199,7 @@ def test_a_tracker_counts_as_an_estimate_and_the_farther_of_two_decides():
 
 
 def test_a_clock_that_is_set_back_makes_no_silence_fresh():
-    bridge = BridgeCore(None, load_crazyflie('gtmab'), load_vehicle('gtmab').rotor_names)
+    bridge = BridgeCore(None, load_crazyflie('gtmab'), load_vehicle('gtmab'))
     values = {f'motor.m{n}': 0.0 for n in range(1, 5)} | {'supervisor.info': 2.0}
     bridge.receive_packet(LogPacket('motors', 1000, values, 10**18))
     assert bridge.collect_safety_inputs(10**18 + 100 * MS, True, True).silence == pytest.approx(

@@ -48,9 +48,7 @@ class Flight:
 
     def __init__(self):
         self.kept, self.now = Kept(), BEGIN
-        self.bridge = BridgeCore(
-            self.kept, FILE, list(FILE.motors.values()), 'override', blind=True
-        )
+        self.bridge = BridgeCore(self.kept, FILE, VEHICLE, 'override', blind=True)
 
     def told(self, block, values, stamp_ms=None):
         ms = (self.now - BEGIN) // 1_000_000 if stamp_ms is None else stamp_ms
