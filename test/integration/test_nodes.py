@@ -155,6 +155,20 @@ def test_a_stale_setpoint_is_held_and_then_the_drone_comes_down(flown, hear):
     hear(lambda facts: max(estimate(flown, step + 601)) > 0.0)
 
 
+@pytest.mark.parametrize('stale', [False, True])
+def test_a_landing_ends_where_the_drone_no_longer_sinks(flown, hear, stale):
+    """By a setpoint on the floor, or by itself without one; the floor reads as 0.5 m."""
+    step = flying_controller(flown) + (320 if stale else 0)
+    for tenth in range(62):
+        if not stale:
+            setpoint(flown, 0.3, step + 10 * tenth)
+        estimate(flown, step + 10 * tenth)
+    ended = 'on the ground, as it no longer sinks'
+    hear(lambda facts: (fact := facts.get('controller: motors')) and fact.message == ended)
+    setpoint(flown, 1.0, step + 620)
+    hear(lambda facts: max(estimate(flown, step + 621)) > 0.0)
+
+
 def test_a_setpoint_of_the_future_is_as_old_as_none(flown, hear):
     """Held while its clock was ahead, it would keep a drone up for an hour after its sender."""
     step = flying_controller(flown)

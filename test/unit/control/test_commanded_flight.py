@@ -286,6 +286,43 @@ def test_the_lowest_take_off_ends_in_the_air(rests):
     assert rests.phase is Phase.HOLD
 
 
+def test_a_landing_ends_on_a_floor_that_reads_too_high(holds):
+    """Otherwise it would never end, and no take-off would be accepted again."""
+    holds.flight.limits = LIMITS.model_copy(update={'land': 60.0})
+    task = holds.flight.request(TaskKind.LAND)
+    for tenth in range(10):  # 5 cm/s from 0.5 m
+        holds.altitude = 0.5 - 0.005 * tenth
+        holds.step()
+    holds.altitude = STANDING + 0.05
+    holds.step(14.9)
+    assert task.result is None
+    assert holds.step(0.5) == Setpoint(0.0, 1.0, 0.0)
+    assert outcome(task) is TaskOutcome.SUCCEEDED
+    fly(holds)
+
+
+def test_a_drone_that_is_carried_up_without_its_motors_does_not_hold(rests):
+    """Motors that are armed later would turn in somebody's hands."""
+    rests.flight.motors_turn = False
+    task = rests.flight.request(TaskKind.TAKE_OFF)
+    rests.step()
+    rests.altitude = 0.5
+    assert rests.step() == Setpoint(0.3, 1.0, 0.0)
+    assert task.result == TaskResult(
+        TaskOutcome.FAULT, 'lifted without its motors; landing (are they armed?)'
+    )
+    assert rests.phase is Phase.LAND
+
+
+def test_motors_that_turned_at_any_time_of_the_climb_have_lifted_it(rests):
+    task = rests.flight.request(TaskKind.TAKE_OFF)
+    rests.step()
+    rests.flight.motors_turn = False  # it coasts into its height
+    rests.altitude = 0.5
+    rests.step()
+    assert outcome(task) is TaskOutcome.SUCCEEDED
+
+
 def test_a_landing_that_takes_too_long_goes_on(holds):
     task = holds.flight.request(TaskKind.LAND)
     holds.step(10.1)

@@ -49,6 +49,19 @@ def test_standing_they_are_off_and_forget():
     assert standing.control.cascade[:3] == (0.0, 0.0, 0.0)
 
 
+def test_they_stop_where_a_landing_no_longer_sinks():
+    """Its range finder reads 5 cm too high; its nose is off, so motors would turn on the floor."""
+    flying = run(guided(), 20)
+    landing = guided(flying, Setpoint(0.3, 1.0, 0.0))
+    high = STILL._replace(range=0.1)
+    turning = run(landing, 550, high)
+    assert any(turning.duties)
+    landed = run(turning, 200, high)
+    assert landed.measured.altitude > DRONE.body.standing_height + 0.03
+    assert landed.duties == NONE
+    assert any(run(guided(landed), 1, high).duties)
+
+
 def test_turned_over_they_stay_off():
     flying = run(guided(), 20)
     tilted = math.sin(0.51), 0.0, 0.0, math.cos(0.51)  # 1.02 rad

@@ -74,6 +74,15 @@ def test_a_tracker_or_a_setpoint_that_is_no_number_stops_the_motors_for_good(tra
     assert not any(step(0.0))
 
 
+def test_a_landing_ends_where_it_no_longer_sinks(tracked):
+    step, begin = tracked
+    pilot = begin()
+    pilot.set_setpoint(UP._replace(altitude=0.0))
+    duties = [any(step(0.0, 0.8)) for _ in range(620)]
+    assert all(duties[300:595]) is (pilot.law.name == 'quadrotor')  # whose tilt it controls
+    assert not any(duties[605:])
+
+
 def test_turned_over_by_its_own_estimate_it_stops_too():
     """BEAVIS has no tracker: its gyroscope tells of 2 rad/s, and half a second is 1 rad."""
     pilot = piloted('beavis')
