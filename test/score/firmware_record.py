@@ -24,11 +24,12 @@ from firmware_scenarios import (
 from linux_crazyflie import Process, RealPlayer, TooLate
 from lta_emulation.crazyflie.table_of_contents import BASIC, PARAMETER_TYPES
 
-PARAMETERS: Final = (  # that the bridge reads, writes or warns of
-    'lta.app', 'lta.compensated', 'motorPowerSet.enable', 'motorPowerSet.m1', 'motorPowerSet.m2',
-    'motorPowerSet.m3', 'motorPowerSet.m4', 'powerDist.idleThrust', 'stabilizer.controller',
-    'stabilizer.stop', 'supervisor.landedTimeout', 'supervisor.prefltTimeout',
-    'supervisor.tmblChckEn',
+PARAMETERS: Final = (  # that the bridge reads, writes or warns of, and examples of cflib
+    'commander.enHighLevel', 'lta.app', 'lta.compensated', 'motorPowerSet.enable',
+    'motorPowerSet.m1', 'motorPowerSet.m2', 'motorPowerSet.m3', 'motorPowerSet.m4',
+    'pid_attitude.pitch_kd', 'pid_attitude.yaw_kd', 'powerDist.idleThrust',
+    'stabilizer.controller', 'stabilizer.estimator', 'stabilizer.stop',
+    'supervisor.landedTimeout', 'supervisor.prefltTimeout', 'supervisor.tmblChckEn',
 )  # fmt: skip
 VOLTAGES: Final = (3.3, 3.7, 4.1)  # V
 DUTIES: Final = (0.0, 0.05, 0.1, 0.11, 0.2, 0.3, 0.5, 0.7, 1.0)

@@ -18,6 +18,7 @@ from lta_emulation.crazyflie.packet import CrtpPacket, MOST, ReceiveBuffer
 from lta_emulation.crazyflie.parameters import ParameterStore
 from lta_emulation.crazyflie.supervisor import Acceleration, Supervisor, SupervisorState
 from lta_emulation.crazyflie.table_of_contents import TableOfContents
+from lta_emulation.crazyflie.trajectory_memory import TrajectoryMemory
 from lta_emulation.crazyflie.variables import default_controller, list_parameters, LOG, OUT_OF_TREE
 
 NAME = b'Bitcraze Crazyflie'.ljust(MOST, b'\0')
@@ -75,7 +76,7 @@ class Firmware:
         contents = TableOfContents(list_parameters(build))
         self.parameters = ParameterStore(contents)
         self._contents = TableOfContents(LOG, bytes([BLOCKS, VARIABLES])), contents
-        self.log = LogBlocks(self._contents[0])
+        self.log, self.memory = LogBlocks(self._contents[0]), TrajectoryMemory()
         self.voltage: float | None = None
         self.acceleration: Acceleration | None = None
         self.halted = False
@@ -110,7 +111,7 @@ class Firmware:
             case 3 if channel == 0:
                 self.commander.receive_attitude(now)
             case 4:
-                return b'\x01\0' if data[:1] == b'\x01' else None
+                return self.memory.answer_packet(channel, data, size)
             # Log: 0 is the table, 1 settings, 2 (outgoing) data
             case 5:
                 if channel == 0:

@@ -56,6 +56,7 @@ class ParameterStore:
     def __init__(self, contents: TableOfContents[FirmwareParameter]) -> None:
         self._contents = contents
         self.values = {entry.name: entry.default for entry in contents.entries}
+        self._stored: dict[str, bytes] = {}  # as packed; a restart does not load them
 
     def answer_packet(self, channel: int, data: bytes, size: int) -> bytes | None:
         """
@@ -121,15 +122,16 @@ class ParameterStore:
             return data[:3] + bytes([errno.ENOENT])
         return data[:3] + self._answer_misc_request(ParameterRequest(data[0]), entry)
 
-    @staticmethod
-    def _answer_misc_request(question: ParameterRequest, entry: FirmwareParameter) -> bytes:
-        """Return an answer; storage is not emulated, so there is never a stored value."""
+    def _answer_misc_request(self, question: ParameterRequest, entry: FirmwareParameter) -> bytes:
         default = pack_value(PARAMETER_TYPES[entry.kind & BASIC], entry.default)
         answer = {
             ParameterRequest.EXTENDED_TYPE: bytes([PERSISTENT]),
             ParameterRequest.EXTENDED_TYPE_2: bytes([0, PERSISTENT]),
             ParameterRequest.STORE: b'\0',
-            ParameterRequest.STORED: b'\0' + default,
+            ParameterRequest.STORED: bytes([entry.name in self._stored])
+            + default
+            + self._stored.get(entry.name, b''),
+            ParameterRequest.CLEAR: b'\0',
             ParameterRequest.DEFAULT: default,
             ParameterRequest.DEFAULT_2: b'\0' + default,
         }
@@ -137,11 +139,17 @@ class ParameterStore:
             ParameterRequest.EXTENDED_TYPE: not entry.kind & EXTENDED,
             ParameterRequest.EXTENDED_TYPE_2: not entry.kind & EXTENDED,
             ParameterRequest.STORE: not entry.kind & EXTENDED,
-            ParameterRequest.CLEAR: True,
+            ParameterRequest.CLEAR: entry.name not in self._stored,
             ParameterRequest.DEFAULT: bool(entry.kind & READ_ONLY),
             ParameterRequest.DEFAULT_2: bool(entry.kind & READ_ONLY),
         }
-        return bytes([errno.ENOENT]) if lacking.get(question) else answer[question]
+        if lacking.get(question):
+            return bytes([errno.ENOENT])
+        if question is ParameterRequest.STORE:
+            self._stored[entry.name] = self._pack_entry(entry)
+        elif question is ParameterRequest.CLEAR:
+            del self._stored[entry.name]
+        return answer[question]
 
     def _set_by_name(self, data: bytes) -> bytes | None:
         # The request holds two strings that end with a zero byte: group and name

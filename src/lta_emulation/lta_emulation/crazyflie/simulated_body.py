@@ -155,6 +155,9 @@ class SimulatedBody:
         if readings.battery is not None:
             values['pm.vbat'] = readings.battery[0]
         values['stateEstimate.yaw'] = math.degrees(_heading_of(self._world.state[3:7].tolist()))
+        values['stabilizer.yaw'] = values['stateEstimate.yaw']
+        for axis, where in zip('xyz', self._world.state[:3].tolist(), strict=True):
+            values[f'stateEstimate.{axis}'] = values[f'kalman.state{axis.upper()}'] = where
         if readings.block is not None and self._light is not None:
             begun_ns, block = readings.block
             # Simulation time to time since boot

@@ -16,13 +16,18 @@ from lta_emulation.crazyflie.table_of_contents import (
 )
 
 FLOAT, U8, U16, I8, I16 = 7, 1, 2, 4, 5
-BYTE, WORD, LONG = 0x08, 0x09, 0x0A  # of parameters
-PID, OUT_OF_TREE = 1, 6  # controllers (controller.h)
+BYTE, WORD, LONG, REAL = 0x08, 0x09, 0x0A, 0x06  # of parameters
+ATTITUDE_GAINS = {'roll': (6.0, 3.0, 0.0), 'pitch': (6.0, 3.0, 0.0), 'yaw': (6.0, 1.0, 0.35)}
+ANGLES = ('roll', 'pitch', 'yaw')
+COMPLEMENTARY, PID, OUT_OF_TREE = 1, 1, 6  # estimator.h, controller.h
 
 LOG = (
     *(LogVariable(f'acc.{axis}', FLOAT) for axis in 'xyz'),
     *(LogVariable(f'gyro.{axis}', FLOAT) for axis in 'xyz'),
-    *(LogVariable(f'stateEstimate.{angle}', FLOAT) for angle in ('roll', 'pitch', 'yaw', 'z')),
+    *(LogVariable(f'stateEstimate.{part}', FLOAT) for part in (*ANGLES, 'x', 'y', 'z')),
+    *(LogVariable(f'stabilizer.{angle}', FLOAT) for angle in ANGLES),
+    *(LogVariable(f'kalman.state{axis}', FLOAT) for axis in 'XYZ'),
+    *(LogVariable(f'kalman.varP{axis}', FLOAT) for axis in 'XYZ'),
     LogVariable('range.zrange', U16),
     LogVariable('baro.pressure', FLOAT),
     LogVariable('pm.vbat', FLOAT),
@@ -65,6 +70,19 @@ def list_parameters(build: FirmwareBuild) -> tuple[FirmwareParameter, ...]:
         FirmwareParameter('motorPowerSet.enable', BYTE | CORE, 0),
         *(FirmwareParameter(f'motorPowerSet.m{number}', WORD | CORE, 0) for number in range(1, 5)),
         *(app if build.app else ()),
+        # Stored but not used: what programs of others set or look for
+        FirmwareParameter('stabilizer.estimator', BYTE | CORE, COMPLEMENTARY),
+        FirmwareParameter('kalman.resetEstimation', BYTE | CORE, 0),
+        FirmwareParameter('commander.enHighLevel', BYTE | CORE, 0),
+        FirmwareParameter('led.bitmask', BYTE, 0),
+        *(
+            FirmwareParameter(f'pid_attitude.{angle}_k{term}', REAL | EXTENDED, gain)
+            for angle, gains in ATTITUDE_GAINS.items()
+            for term, gain in zip('pid', gains, strict=True)
+        ),
+        # A Flow deck, as it measures range and position, and an LED ring
+        FirmwareParameter('deck.bcFlow2', BYTE | CORE | READ_ONLY, 1),
+        FirmwareParameter('ring.effect', BYTE | EXTENDED | CORE, 6),
         # In a real firmware, the first digits of the commit
         FirmwareParameter('firmware.revision0', LONG | READ_ONLY, 0x2026_0800),
     )

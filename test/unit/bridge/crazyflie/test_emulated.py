@@ -539,3 +539,38 @@ def test_a_datagram_is_a_header_and_at_most_30_bytes():
         5, 2, b'\x01'
     )  # the reserved bits say nothing
     assert CrtpPacket(5, 2, b'\x01').pack_datagram() == b'\x52\x01'
+
+
+def test_a_parameter_is_stored_and_cleared_as_in_param_logic(drone):
+    """Its state is the default, and the stored value behind it where there is one."""
+    which = number(drone, 'ring.effect')
+
+    def ask(request, channel=3, data=b''):
+        (answer,) = drone.receive(CrtpPacket(2, channel, request + which + data), 0.0)
+        return answer.data[len(request) + 2 :]
+
+    assert ask(b'', 2, b'\x0a') == b'\x0a'  # a write is echoed
+    assert ask(b'\x04') == b'\x00\x06'
+    assert ask(b'\x05') == bytes([errno.ENOENT])
+    assert ask(b'\x03') == b'\x00'
+    assert ask(b'\x04') == b'\x01\x06\x0a'
+    assert ask(b'\x05') == b'\x00'
+    assert ask(b'\x04') == b'\x00\x06'
+
+
+def test_a_trajectory_is_kept_in_a_memory(drone):
+    """As crtp_mem.c answers; nothing is written beyond its 4096 bytes."""
+
+    def ask(channel, data):
+        (answer,) = drone.receive(CrtpPacket(4, channel, data), 0.0)
+        return answer.data
+
+    assert ask(0, b'\x01') == b'\x01\x01'
+    assert ask(0, b'\x02\x00') == b'\x02\x00\x12' + struct.pack('<I', 4096) + bytes(8)
+    assert ask(0, b'\x02\x01') == b'\x02\x01'
+    at = struct.pack('<BI', 0, 4090)
+    assert ask(2, at + b'abcdef') == at + b'\x00'
+    assert ask(2, at + b'abcdefg') == at + bytes([errno.EIO])
+    assert ask(1, at + b'\x06') == at + b'\x00abcdef'
+    assert ask(1, at + b'\x07') == at + bytes([errno.EIO])
+    assert ask(1, b'\x01' + at[1:] + b'\x06') == b'\x01' + at[1:] + bytes([errno.EIO])
