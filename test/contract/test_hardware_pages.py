@@ -10,7 +10,8 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 sys.path += [str(ROOT / 'test/score'), str(ROOT / 'tools')]
 hardware_pages, real_firmware = import_module('hardware_pages'), import_module('real_firmware')
-faults, read_stored = import_module('faults'), import_module('campaign').read_stored
+faults, campaign = import_module('faults'), import_module('campaign')
+end_to_end, read_stored = import_module('end_to_end'), campaign.read_stored
 PAGES = hardware_pages.PAGES
 COMMIT = import_module('firmware').FIRMWARE.commit
 BY_HAND = {'hardware.md'}
@@ -50,3 +51,31 @@ def test_every_page_names_the_commit_of_the_firmware():
 def test_the_sentence_on_damaged_frames_is_that_of_the_stored_counts():
     page = ' '.join((ROOT / 'docs/hardware.md').read_text(encoding='utf-8').split())
     assert import_module('mutated_frames').compose_sentence() in page
+
+
+def test_a_flight_that_hung_counts_and_each_row_names_its_commit():
+    hung = {'wrong': campaign.HANGS, 'took': None, 'timing': False, 'again': 0}
+    code = {'code': '0123456789ab', 'slower': 1}
+    new = {**code, 'commit': '54f31e243a0b28b67efef5ba20dbb6d9890a5478-dirty'}
+    well = {'wrong': '', 'took': 1.25, 'timing': False, 'again': 0, 'late': 0.1}
+    case = campaign.Case
+    rows = {case('silent', 0): well | code, case('silent', 2): hung | new}
+    assert campaign.codes(rows) == (
+        '1 of code 0123456789ab, 1 of commit 54f31e243a0b with changes, 1 hung'
+    )
+    page = faults.compose_page(campaign.StoredCampaign({'firmware': COMMIT}, rows))
+    (row,) = [line for line in page.splitlines() if line.startswith('| no packets, both')]
+    assert row.endswith('| 0.3 s; 1.2 s | not flown | 1 of 2 |')
+    assert '- no packets, both directions, flight 2: it hung.\n' in page
+    only = faults.compose_page(
+        campaign.StoredCampaign({'firmware': COMMIT}, {case('silent', 2): hung | new})
+    )
+    assert '| 0.3 s; - | not flown | 0 of 1 |' in only
+    flights = end_to_end.compose_page(
+        campaign.StoredCampaign(
+            {'firmware': COMMIT, 'emulator': 'QEMU 7.2.22'},
+            {case(end_to_end.EMULATED, 13): hung | new},
+        )
+    )
+    assert '| 13 | - | - | - | - | - |\n' in flights
+    assert '**0 of 1 flights reached the lamp' in flights

@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import as_completed, ThreadPoolExecutor
 from contextlib import suppress
 import hashlib
+from importlib.util import find_spec
 import json
 import os
 from pathlib import Path
@@ -21,12 +22,20 @@ import sys
 from typing import Any, Final, NamedTuple
 import uuid
 
+from lta_bridge.provenance import read_commit
 from rich.progress import track
 from slow_clock import get_factor
 
 STALLED: Final = 0.25  # s: a sleeper woken so much later; commands are stale after 0.3 s
 TRIES: Final = 3
+HANGS: Final = 'it hung'
 MARK: Final = 'LTA_TRIAL'
+ROOT: Final = Path(__file__).resolve().parents[2]
+FLIES: Final = (
+    'lta_config', 'lta_graph', 'lta_model', 'lta_vlc', 'lta_energy', 'lta_sim', 'lta_control',
+    'lta_bridge', 'lta_emulation',
+)  # fmt: skip
+SETTINGS: Final = ('control', 'crazyflies', 'launch', 'scenarios', 'vehicles')
 Row = dict[str, Any]
 
 
@@ -86,6 +95,15 @@ def count_flights(rows: dict[Case, Row]) -> str:
     least, most = min(of_each.values()), max(of_each.values())
     each = f'{least} of each' if least == most else f'{least} to {most} of each'
     return f'{len(rows)} flights of {len(of_each)} kinds, {each}'
+
+
+def list_flown_files() -> list[Path]:
+    """Return the code and the settings of every package that flies: they decide the outcomes."""
+    return [
+        path
+        for package in FLIES
+        for path in Path(find_spec(package).submodule_search_locations[0]).rglob('*.py')
+    ] + [path for folder in SETTINGS for path in (ROOT / 'config' / folder).rglob('*.yaml')]
 
 
 def version(paths: Iterable[Path]) -> str:
@@ -149,7 +167,7 @@ def tried_once(case: Case, script: Path, patience: float) -> Row:
             env=variables,
         )
     except subprocess.TimeoutExpired:
-        return {'wrong': 'it hung', 'took': None, 'timing': False}
+        return {'wrong': HANGS, 'took': None, 'timing': False}
     finally:
         put_away(mark)
     try:
@@ -180,7 +198,7 @@ def campaign(
     cases: Sequence[Case], path: Path, side: int, trial: Callable[[Case], Row]
 ) -> dict[Case, Row]:
     """Try what has not been tried, so many side by side; return what there is, in order."""
-    done = kept(path)
+    done, commit = kept(path), read_commit()
     with path.open('a', encoding='utf-8') as file, ThreadPoolExecutor(side) as pool:
         flying = {pool.submit(trial, case): case for case in cases if case not in done}
         seen = sys.stderr.isatty()
@@ -188,7 +206,12 @@ def campaign(
         try:
             for future in watched:
                 case = flying[future]
-                done[case] = {**future.result(), 'slower': get_factor(), 'code': path.stem}
+                done[case] = {
+                    **future.result(),
+                    'slower': get_factor(),
+                    'code': path.stem,
+                    'commit': commit,
+                }
                 file.write(json.dumps({'case': case, **done[case]}) + '\n')
                 file.flush()
         except KeyboardInterrupt:  # the rest another time
@@ -197,9 +220,19 @@ def campaign(
 
 
 def codes(outcomes: dict[Case, Row]) -> str:
-    """Return which code each trial was of, as rows of another may be put beside by hand."""
-    counted = Counter(row['code'] for row in outcomes.values())
-    return ', '.join(f'{count} of code {code}' for code, count in counted.items())
+    """Return which code each trial was of, and how many hung; rows of another may be beside."""
+    counted = Counter(
+        f'commit {shorten_commit(row["commit"])}' if 'commit' in row else f'code {row["code"]}'
+        for row in outcomes.values()
+    )
+    parts = [f'{count} of {code}' for code, count in counted.items()]
+    hung = sum(row['wrong'] == HANGS for row in outcomes.values())
+    return ', '.join(parts + [f'{hung} hung'] * bool(hung))
+
+
+def shorten_commit(commit: str) -> str:
+    """Return the first digits of a commit, and whether code had changed since."""
+    return commit[:12] + ' with changes' * commit.endswith('-dirty')
 
 
 def told(lines: Sequence[str], path: Path, outcomes: dict[Case, Row]) -> int:

@@ -34,7 +34,9 @@ import add_paths  # noqa: F401
 from campaign import (
     campaign,
     Case,
+    codes,
     describe_lateness,
+    list_flown_files,
     read_stored,
     Row,
     store,
@@ -98,6 +100,7 @@ TABLE: Final = """
 
 **{reached} of {count} flights reached the lamp, and the motors of {stopped} stopped on request.**
 {late}
+Flown: {codes}.
 
 | seed | start [m from the lamp] | reached after [s] | closest [m] | motors stopped after [s] | \
 missed exchanges |
@@ -391,15 +394,18 @@ def compose_part(core: str, stored: StoredCampaign) -> str:
         title=TITLES[core],
         about=ABOUT[core].format(
             emulator=stored.facts['emulator'],
-            emulation=statistics.mean(row['emulation'] for row in rows.values()),
+            # A flight that hung measured nothing
+            emulation=statistics.mean(
+                [row['emulation'] for row in rows.values() if 'emulation' in row] or [0.0]
+            ),
         ),
         count=len(rows),
         reached=sum(row.get('reached') is not None for row in rows.values()),
         stopped=sum(row['took'] is not None for row in rows.values()),
         late=describe_lateness(rows.values()),
+        codes=codes({Case(core, number): row for number, row in rows.items()}),
     )
 
-    # A flight that hung has no row of its own
     def cell(value: float | None, digits: int = 1) -> str:
         return '-' if value is None else f'{value:.{digits}f}'
 
@@ -422,7 +428,8 @@ def main() -> int:
     parser = argparse.ArgumentParser(description='Fly through the real firmware.')
     parser.add_argument('firmware', type=Path, help='checkout of crazyflie-firmware')
     parser.add_argument('--core', choices=CORES, default=EMULATED, help='of the light board')
-    parser.add_argument('--seeds', type=int, default=20)
+    parser.add_argument('--first', type=int, default=1, help='first seed')
+    parser.add_argument('--seeds', type=int, default=20, help='last seed')
     parser.add_argument('--side', type=int, default=1, help='side by side')
     parser.add_argument('--slower', type=int, default=1, help='let time pass so much more slowly')
     parser.add_argument('--out', type=Path, default=Path('runs/end_to_end'))
@@ -431,12 +438,13 @@ def main() -> int:
     build_programs(asked.firmware, asked.core, programs)
     os.environ[PROGRAMS] = str(programs)
     here = Path(__file__)
-    path = asked.out / f'{version([here, *(ROOT / "firmware/light_board").rglob("*.[ch]")])}.jsonl'
+    code = version([here, *list_flown_files(), *(ROOT / 'firmware').rglob('*.[ch]')])
+    path = asked.out / f'{code}.jsonl'
     facts = {'firmware': commit_of(asked.firmware)}
     if asked.core == EMULATED:
         facts['emulator'] = read_emulator_version()
     slow_down(asked.slower, asked.out)
-    cases = [Case(asked.core, seed) for seed in range(1, asked.seeds + 1)]
+    cases = [Case(asked.core, seed) for seed in range(asked.first, asked.seeds + 1)]
     rows = campaign(cases, path, asked.side, lambda case: tried(case, here, HUNG))
     keep(facts, rows)
     return int(any(row['wrong'] for row in rows.values()))
@@ -453,11 +461,12 @@ def build_programs(firmware: Path, core: str, programs: Path) -> None:
 
 
 def keep(facts: dict[str, str], rows: dict[Case, Row]) -> None:
-    """Replace the stored rows of the same light board, and write the page."""
-    kinds = {case.kind for case in rows}
+    """Replace the stored rows of the same flights, and write the page."""
     old = read_stored(RECORD) if RECORD.exists() else StoredCampaign({}, {})
-    others = {case: row for case, row in old.rows.items() if case.kind not in kinds}
-    stored = store(RECORD, StoredCampaign(old.facts | facts, others | rows))
+    merged = dict(
+        sorted((old.rows | rows).items(), key=lambda item: (item[0].kind != PROCESS, item[0]))
+    )
+    stored = store(RECORD, StoredCampaign(old.facts | facts, merged))
     PAGE.write_text(compose_page(stored), encoding='utf-8')
 
 

@@ -20,6 +20,7 @@ from campaign import (
     codes,
     count_flights,
     describe_lateness,
+    list_flown_files,
     Row,
     STALLED,
     store,
@@ -33,7 +34,6 @@ from campaign import version as hashed
 from fault_kinds import Kind, KINDS, SLACK
 from firmware_scenarios import APP
 from light_kinds import AGAIN, LIGHT_KINDS, TOLD
-import lta_bridge
 from slow_clock import slow_down
 
 HERE: Final = Path(__file__).resolve().parent
@@ -62,7 +62,7 @@ A late stop or a different message does not count against the bridge if the mach
 {stalled:.2f} s or more: the flight is repeated, at most {tries} times, and the last one counts. No
 other failure is repeated.
 
-{flights} ({codes}, each a hash of bridge, emulator and trial). {again} repeated. In
+{flights} ({codes}). {again} repeated. In
 {stalls} of the counted flights the machine paused for {stalled:.2f} s or more. {late}
 The rows are in `test/golden/hardware_faults.json`.
 
@@ -80,18 +80,11 @@ and the bridge's counts of wrong and unknown frames must equal the number that w
 | fault | outcome of the light | longest time to the report | as stated |
 |---|---|---|---|"""
 ALL: Final = (*KINDS, *LIGHT_KINDS)
-NO_TIME: Final = {False: 'no motor turns', True: 'not flown'}
 
 
 def version() -> str:
-    """Return a hash of what decides the outcomes: bridge, emulator and kinds."""
-    return hashed(
-        [
-            *Path(lta_bridge.__file__).parent.rglob('*.py'),
-            *HERE.glob('fault_*.py'),
-            *HERE.glob('light_*.py'),
-        ]
-    )
+    """Return a hash of what decides the outcomes: all that flies, and kinds."""
+    return hashed([*list_flown_files(), *HERE.glob('fault_*.py'), *HERE.glob('light_*.py')])
 
 
 def flown(case: Case) -> Row:
@@ -106,20 +99,21 @@ def rows(outcomes: dict[Case, Row]) -> Iterator[str]:
         found = {case: row for case, row in outcomes.items() if case.kind == name}
         if not found:
             continue
-        times = [
-            [
-                row['took']
-                for case, row in found.items()
-                if case.number % 2 == way and row['took'] is not None
-            ]
-            for way in range(2)
-        ]
         told = [
-            f'{stated:.1f} s; {max(seen):.1f} s' if stated and seen else NO_TIME[bool(stated)]
-            for stated, seen in zip(kind.stated, times, strict=True)
+            describe_times(stated, [row for case, row in found.items() if case.number % 2 == way])
+            for way, stated in enumerate(kind.stated)
         ]
         well = sum(not row['wrong'] for row in found.values())
         yield f'| {kind.about} | {fate(kind)} | {told[0]} | {told[1]} | {well} of {len(found)} |'
+
+
+def describe_times(stated: float, found: list[Row]) -> str:
+    """Return the stated and the longest time; those that hung have none. [s]"""
+    times = [row['took'] for row in found if row['took'] is not None]
+    if not stated:
+        return 'no motor turns'
+    longest = f'{max(times):.1f} s' if times else '-'
+    return f'{stated:.1f} s; {longest}' if found else 'not flown'
 
 
 def light_rows(outcomes: dict[Case, Row]) -> Iterator[str]:

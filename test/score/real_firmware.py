@@ -26,6 +26,7 @@ from campaign import (
     codes,
     count_flights,
     describe_lateness,
+    list_flown_files,
     Row,
     store,
     StoredCampaign,
@@ -41,7 +42,6 @@ from firmware_record import DUTIES, record, VOLTAGES
 from firmware_scenarios import APP, app_files, ARMING, BUILDS, SCENARIOS, SOLD
 from firmware_trial import IMPOSSIBLE
 from linux_crazyflie import build, commit_of, Process
-import lta_bridge
 from slow_clock import slow_down
 
 HERE: Final = Path(__file__).resolve().parent
@@ -65,9 +65,9 @@ def cases(builds: list[str], each: int) -> list[Case]:
 
 
 def version(commit: str) -> str:
-    """Return a hash of what decides the outcomes: bridge, app, trial and firmware."""
+    """Return a hash of what decides the outcomes: all that flies, app, trial and firmware."""
     code = hashed([
-        *Path(lta_bridge.__file__).parent.rglob('*.py'),
+        *list_flown_files(),
         *HERE.glob('fault_*.py'),
         HERE / 'firmware_trial.py',
         HERE / 'linux_crazyflie.py',
@@ -204,7 +204,7 @@ def compose_page(kept: dict[str, Any], stored: StoredCampaign) -> str:
         'and by setpoints on the other builds. Each cell has the stated time until the motors '
         f'stop ({SLACK:.0f} s more counts as stated, as the machine has other work), the longest '
         'measured time, and how many flights were as stated.',
-        f'{count_flights(outcomes)} ({codes(outcomes)}, each a hash of bridge, app and trial). '
+        f'{count_flights(outcomes)} ({codes(outcomes)}). '
         f'{describe_lateness(outcomes.values())} The rows are in '
         '`test/golden/hardware_firmware.json`.',
         'The 0.3 s after a bridge is killed apply only to our app: other builds fly their last '
