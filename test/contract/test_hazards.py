@@ -63,6 +63,32 @@ BARRIERS = {
         'lowest_heave=_lowest_heave(vehicle, low, high)', 'lowest_heave=0.0',
         'test/unit/control/test_downward_thrust.py',
     ),
+    'a landing ends': Barrier(
+        'src/lta_control/lta_control/control.py',
+        'return LandingWatch(watch.lowest, watch.still + dt)', 'return watch',
+        'test/unit/control/test_downward_thrust.py',
+    ),
+    'a landing ends in one process': Barrier(
+        'src/lta_control/lta_control/onboard.py', 'landed = landing.still > STANDSTILL or ',
+        'landed = ', 'test/unit/control/test_onboard.py',
+    ),
+    'a landing ends by the controller node': Barrier(
+        'src/lta_control/lta_control/nodes/controller.py',
+        'if self._landing.still > STANDSTILL:', 'if False:', 'test/integration/test_nodes.py',
+    ),
+    'a landing ends by the bridge': Barrier(
+        f'{BRIDGE}/crazyflie/safety.py', 'if inputs.grounded > GROUNDED:', 'if False:',
+        f'{UNIT}/test_buoyancy.py',
+    ),
+    'a landing is reported': Barrier(
+        'src/lta_control/lta_control/commanded_flight.py',
+        ' or self._landing.still > LANDED', '', 'test/unit/control/test_commanded_flight.py',
+    ),
+    'carried up': Barrier(
+        'src/lta_control/lta_control/commanded_flight.py',
+        'if task is not None and not task.driven:', 'if False:',
+        'test/unit/control/test_commanded_flight.py',
+    ),
     'duties expire on board': Barrier(
         'firmware/crazyflie/src/lta_duties.c',
         'return now_ms - duties->since_ms < duties->hold_ms;',
