@@ -25,7 +25,8 @@ from linux_crazyflie import Process, RealPlayer, TooLate
 from lta_emulation.crazyflie.table_of_contents import BASIC, PARAMETER_TYPES
 
 PARAMETERS: Final = (  # that the bridge reads, writes or warns of, and examples of cflib
-    'commander.enHighLevel', 'lta.app', 'lta.compensated', 'motorPowerSet.enable',
+    'commander.enHighLevel', 'kalman.resetEstimation', 'lta.app', 'lta.compensated',
+    'motorPowerSet.enable',
     'motorPowerSet.m1', 'motorPowerSet.m2', 'motorPowerSet.m3', 'motorPowerSet.m4',
     'pid_attitude.pitch_kd', 'pid_attitude.yaw_kd', 'powerDist.idleThrust',
     'stabilizer.controller', 'stabilizer.estimator', 'stabilizer.stop',

@@ -53,6 +53,7 @@ PICTURE: Final = ROOT / 'docs/images/firmware_motors.svg'
 SUITE: Final = 'test/integration/test_any_crazyflie.py'
 STEPS: Final = ('record', 'suite', 'faults', 'page')
 EACH: Final = 20  # flights of each fault
+FLOWN: Final = '## Faults in flight'
 HUNG: Final = 240.0  # s after which a flight hangs
 PASSED: Final = re.compile(r'(\d+) (passed|failed|skipped|error)')
 WORDS: Final = {SOLD: 'as sold', ARMING: 'arming required', APP: 'with our app'}
@@ -138,13 +139,11 @@ def scenario_rows(kept: dict[str, Any]) -> Iterator[str]:
 
 def compose_page(kept: dict[str, Any], stored: StoredCampaign) -> str:
     """Return the page, from what was recorded of the firmware and its flights."""
-    suites, outcomes = stored.facts['suites'], stored.rows
-    wrong = [
-        f'- {case.kind}, flight {case.number}: {row["wrong"]}.'
-        for case, row in outcomes.items()
-        if row['wrong']
-    ]
-    left_out = ', '.join(KINDS[name].about for name in IMPOSSIBLE)
+    return compose_record(kept, stored.facts['suites']) + compose_flights(stored.rows)
+
+
+def compose_record(kept: dict[str, Any], suites: dict[str, dict[str, int]]) -> str:
+    """Return the page's part on the suite, the duties and the scripts."""
     suite_cells = ' | '.join(
         ', '.join(f'{count} {word}' for word, count in suites.get(name, {}).items()) or '-'
         for name in BUILDS
@@ -198,7 +197,21 @@ def compose_page(kept: dict[str, Any], stored: StoredCampaign) -> str:
         '',
         'A test compares the emulator with this table (`test_firmware_contract.py`).',
         '',
-        '## Faults in flight',
+    ]
+    return '\n'.join(lines) + '\n'
+
+
+def compose_flights(outcomes: dict[Case, Row]) -> str:
+    """Return the page's part on faults in flight."""
+    heads = ' | '.join(WORDS[name] for name in BUILDS)
+    wrong = [
+        f'- {case.kind}, flight {case.number}: {row["wrong"]}.'
+        for case, row in outcomes.items()
+        if row['wrong']
+    ]
+    left_out = ', '.join(KINDS[name].about for name in IMPOSSIBLE)
+    lines = [
+        FLOWN,
         '',
         'These are the faults [of the emulated drone](hardware_faults.md), by duties with our app '
         'and by setpoints on the other builds. Each cell has the stated time until the motors '
@@ -275,8 +288,12 @@ def main() -> int:
     status |= printed(list(fault_rows(outcomes)), path, outcomes)
     if 'page' in words.steps:
         PICTURE.write_text(draw(kept['builds']))
-        stored = store(FLIGHTS, StoredCampaign({'suites': suites}, outcomes))
-        PAGE.write_text(compose_page(kept, stored))
+        if outcomes:
+            stored = store(FLIGHTS, StoredCampaign({'suites': suites}, outcomes))
+            PAGE.write_text(compose_page(kept, stored))
+        else:  # those on the page are of an earlier campaign
+            page = PAGE.read_text()
+            PAGE.write_text(compose_record(kept, suites) + page[page.index(FLOWN) :])
     return status
 
 

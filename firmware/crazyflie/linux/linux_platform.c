@@ -33,6 +33,7 @@
 #include "crtp_supervisor.h"
 #include "crtpservice.h"
 #include "estimator.h"
+#include "estimator_kalman.h"
 #include "ledseq.h"
 #include "linux_platform.h"
 #include "log.h"
@@ -334,6 +335,7 @@ int main(int count, char **words) {
   locSrvInit();
   commanderInit();
   memInit();
+  estimatorKalmanTaskInit();
   stabilizerInit(StateEstimatorTypeComplementary);
   crtpMemInit();
   step_body();

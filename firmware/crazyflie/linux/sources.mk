@@ -9,7 +9,10 @@ modules := app_channel collision_avoidance commander console crtp crtp_commander
 	controller/controller_indi controller/controller_lee controller/controller_mellinger \
 	controller/controller_pid controller/position_controller_indi \
 	controller/position_controller_pid estimator/estimator estimator/estimator_complementary \
-	estimator/position_estimator_altitude $(if $(filter app,$(BUILD)),app_handler)
+	estimator/position_estimator_altitude axis3fSubSampler estimator/estimator_kalman kalman_supervisor \
+	$(addprefix kalman_core/,kalman_core mm_absolute_height mm_distance mm_distance_robust mm_flow \
+	mm_pose mm_position mm_sweep_angles mm_tdoa mm_tdoa_robust mm_tof mm_yaw_error) \
+	outlierfilter/outlierFilterLighthouse outlierfilter/outlierFilterTdoa $(if $(filter app,$(BUILD)),app_handler)
 FIRMWARE_SOURCES := $(patsubst %,src/modules/src/%.c,$(modules)) \
 	$(patsubst %,src/utils/src/%.c,crc32 debug eprintf filter num pid rateSupervisor statsCnt) \
 	src/drivers/src/motors.c src/hal/src/pm_stm32f4.c src/platform/src/platform.c
@@ -21,7 +24,8 @@ FIRMWARE_INCLUDES := src/config src/modules/interface src/modules/interface/cont
 	src/drivers/src src/platform/interface src/deck/interface src/deck/core/interface \
 	src/deck/drivers/interface src/deck/backends/interface \
 	src/lib/STM32F4xx_StdPeriph_Driver/inc src/lib/CMSIS/STM32F4xx/Include
-HARDWARE_CALLS := analogReadVoltage configblockGetRadioAddress ledseqRun ledseqRunBlocking \
+HARDWARE_CALLS := analogReadVoltage configblockGetRadioAddress \
+	deckGetRequiredKalmanEstimatorAttitudeReversionOff ledseqRun ledseqRunBlocking \
 	ledseqSetChargeLevel ledseqStop sensorsInit sensorsSetAccMode isSensorsSuspended \
 	soundSetEffect syslinkSendPacket systemRequestShutdownSTM \
 	GPIO_Init GPIO_PinAFConfig GPIO_ReadInputDataBit GPIO_StructInit GPIO_WriteBit \
