@@ -61,7 +61,8 @@ def test_a_flight_that_hung_counts_and_each_row_names_its_commit():
     case = campaign.Case
     rows = {case('silent', 0): well | code, case('silent', 2): hung | new}
     assert campaign.codes(rows) == (
-        '1 of code 0123456789ab, 1 of commit 54f31e243a0b with changes, 1 hung'
+        '1 of code 0123456789ab, 1 of code 0123456789ab at commit 54f31e243a0b with changes, '
+        '1 hung'
     )
     page = faults.compose_page(campaign.StoredCampaign({'firmware': COMMIT}, rows))
     (row,) = [line for line in page.splitlines() if line.startswith('| no packets, both')]

@@ -222,7 +222,9 @@ def campaign(
 def codes(outcomes: dict[Case, Row]) -> str:
     """Return which code each trial was of, and how many hung; rows of another may be beside."""
     counted = Counter(
-        f'commit {shorten_commit(row["commit"])}' if 'commit' in row else f'code {row["code"]}'
+        f'code {row["code"]}'
+        # A branch may be rebased: the hash of the code then still says what flew
+        + (f' at commit {shorten_commit(row["commit"])}' if 'commit' in row else '')
         for row in outcomes.values()
     )
     parts = [f'{count} of {code}' for code, count in counted.items()]
