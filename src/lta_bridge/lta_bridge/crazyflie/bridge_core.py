@@ -292,13 +292,13 @@ class BridgeCore:
     def _watch_landing(self, now: float, inputs: safety.SafetyInputs) -> float:
         """Return for how long motors have turned to land without the drone sinking. [s]"""
         passed, self._watched = max(now - self._watched, 0.0), now
-        turning = max(self._flown_duties(inputs), default=0.0) > IDLE
+        turning = max(self._read_motor_duties(inputs), default=0.0) > IDLE
         lands = turning and self.wanted_height <= self._floor
         height = inputs.height if inputs.place_age <= safety.LOST else math.nan
         self._landing = watch_landing(self._landing, height, lands, passed)
         return self._landing.still
 
-    def _flown_duties(self, inputs: safety.SafetyInputs) -> tuple[float, ...]:
+    def _read_motor_duties(self, inputs: safety.SafetyInputs) -> tuple[float, ...]:
         """Return the newest duties of M1 to M4; empty if they are not known."""
         known = self.motors is not None and inputs.silence <= safety.SILENT
         return self.motors.duties if self.motors is not None and known else ()
@@ -310,7 +310,8 @@ class BridgeCore:
             return
         # A tilted rotor lifts by the vertical share of its thrust
         shares = [
-            duty * up for duty, up in zip(self._flown_duties(inputs), self._vertical, strict=False)
+            duty * up
+            for duty, up in zip(self._read_motor_duties(inputs), self._vertical, strict=False)
         ]
         lifting = max(0.0, *shares) if shares else math.nan
         pressing = max(0.0, *(-share for share in shares)) if shares else math.nan
