@@ -222,7 +222,8 @@ def test_without_an_estimate_it_is_not_armed_and_a_tracker_is_one(peer, pair):
         tracked.publish(odom)
 
     peer.node.create_timer(0.02, track)
-    peer.arm()
+    # Its first poses may come after the first request
+    peer.until(lambda: peer.ask(SetBool, ARM, data=True).success)
     pair.after.close()
     pair.drone = None
 
