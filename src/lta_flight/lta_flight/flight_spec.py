@@ -20,7 +20,7 @@ from lta_config.parameter_override import (
     replace_parameter,
 )
 from lta_config.quantity import UNITS
-from lta_config.schema.vehicle_file import VehicleFile
+from lta_config.schema.vehicle_file import load_vehicle_content, VehicleFile
 from lta_config.settings import Settings
 from lta_config.topics import load_topic_table
 from lta_control.cascade import CascadeGains
@@ -156,9 +156,11 @@ def load_spec(vehicle: str, scenario: str, strategy_name: str, gains: str) -> Fl
 
     """
     find_navigation_strategy(strategy_name)
-    own = read_control(load_yaml(find_file('vehicle', vehicle)))
-    names = {'vehicle': vehicle, 'scenario': scenario, 'gains': gains or own.get('gains', GAINS)}
+    content = load_vehicle_content(find_file('vehicle', vehicle))
+    own = read_control(content).get('gains', GAINS)
+    names = {'vehicle': vehicle, 'scenario': scenario, 'gains': gains or own}
     contents = {root: load_yaml(find_file(root, name)) for root, name in names.items()}
+    contents['vehicle'] = content
     contents['scenario'] = resolve_wind_file(
         contents['scenario'], find_file('scenario', scenario).parent
     )
