@@ -194,9 +194,11 @@ def read_gains(content: Any, name: str) -> Any:  # noqa: ANN401 - what YAML hold
         ) from None
 
 
-def build_vehicle_scenario_stack(spec: FlightSpec) -> tuple[Vehicle, Scenario, FlightStack]:
+def build_vehicle_scenario_stack(
+    spec: FlightSpec, hovers: bool = True
+) -> tuple[Vehicle, Scenario, FlightStack]:
     """
-    Return vehicle, scenario and flight stack.
+    Return vehicle, scenario and flight stack; `hovers` if the rotors must lift the vehicle.
 
     Raises
     ------
@@ -225,9 +227,10 @@ def build_vehicle_scenario_stack(spec: FlightSpec) -> tuple[Vehicle, Scenario, F
     check_lamp_frequency(scenario, policy.demodulation)
     check_reserve(policy.reserve, policy.strategy)
     vehicle = Vehicle(vehicle_file, scenario.air.density)
-    # Evaluated for its check: raises BadInput if the rotors cannot lift the vehicle
-    _ = vehicle.hover_duty
-    scene_model.check_scene(vehicle, scenario)
+    if hovers:
+        # Evaluated for its check: raises BadInput if the rotors cannot lift the vehicle
+        _ = vehicle.hover_duty
+    scene_model.check_scene(vehicle, scenario, hovers)
     return vehicle, scenario, policy
 
 

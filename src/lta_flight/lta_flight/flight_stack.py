@@ -16,6 +16,7 @@ from lta_control.mission import MissionSettings
 from lta_control.reserve import ReserveResponseSettings
 from lta_control.strategies.protocol import NavigationStrategy
 from lta_energy.monitoring.monitor import MonitorSettings
+from lta_flight.recorded_commands import RecordedCommands
 from lta_model.vehicle import Vehicle
 from lta_vlc.lamp import LampPrior
 from lta_vlc.settings import DemodulationSettings
@@ -29,7 +30,7 @@ class FlightStack:
 
     `law` is the control law, with `gains` of its own class. `course` gives the setpoint as a
     function of time [s], None before the first one. It replaces the navigator, which then ignores
-    the light.
+    the light. `commands` are duties that act instead of those of the controller.
     """
 
     strategy: NavigationStrategy
@@ -43,6 +44,7 @@ class FlightStack:
     tilt_limit: float = TILT_LIMIT  # the motors stop beyond it [rad]
     law: ControlLaw = LAWS['cascade']
     course: Callable[[float], Setpoint | None] | None = None
+    commands: RecordedCommands | None = None
 
 
 def build_autopilot(policy: FlightStack, vehicle: Vehicle, dt: float) -> Autopilot | LawAutopilot:
