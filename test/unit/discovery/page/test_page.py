@@ -495,7 +495,7 @@ def test_an_effect_that_predicts_no_better_than_tolerances_is_said_to(
 ) -> None:
     gap = replace(found.finding.gaps[3], tuned=0.015, after=0.015)
     said = format_headline(replace(found.finding, gaps=(gap,)))
-    assert "to 1.5 cm with linear drag (surge), but fitting" in said
+    assert 'to 1.5 cm with linear drag (surge), but fitting' in said
     assert said.endswith('within their tolerances does as much.')
 
 
