@@ -31,7 +31,7 @@ command.main()
 
 
 def test_a_signal_in_a_callback_from_c_stops_the_command() -> None:
-    done = subprocess.run(  # noqa: S603 - this interpreter
+    done = subprocess.run(
         [sys.executable, '-c', PROGRAM], capture_output=True, text=True, timeout=120, check=False
     )
     assert done.returncode == 128 + signal.SIGTERM
