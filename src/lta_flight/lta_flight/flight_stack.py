@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import final
+from typing import final, TYPE_CHECKING
 
 from lta_config.settings import Settings
 from lta_control.autopilot import Autopilot, build_drone_constants
@@ -16,10 +16,12 @@ from lta_control.mission import MissionSettings
 from lta_control.reserve import ReserveResponseSettings
 from lta_control.strategies.protocol import NavigationStrategy
 from lta_energy.monitoring.monitor import MonitorSettings
-from lta_flight.recorded_commands import RecordedCommands
 from lta_model.vehicle import Vehicle
 from lta_vlc.lamp import LampPrior
 from lta_vlc.settings import DemodulationSettings
+
+if TYPE_CHECKING:  # it loads scipy, which other flights do without
+    from lta_flight.recorded_commands import RecordedCommands
 
 
 @final
@@ -44,7 +46,7 @@ class FlightStack:
     tilt_limit: float = TILT_LIMIT  # the motors stop beyond it [rad]
     law: ControlLaw = LAWS['cascade']
     course: Callable[[float], Setpoint | None] | None = None
-    commands: RecordedCommands | None = None
+    commands: 'RecordedCommands | None' = None
 
 
 def build_autopilot(policy: FlightStack, vehicle: Vehicle, dt: float) -> Autopilot | LawAutopilot:

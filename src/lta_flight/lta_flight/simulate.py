@@ -27,7 +27,6 @@ from lta_flight.flight_spec import (
     write_files,
 )
 from lta_flight.loop_view import LoopView
-from lta_flight.recorded_commands import read_commands, RecordedCommands
 from lta_flight.report.results import compute_results, FlightResults
 from lta_report.results_folder import resolve_folder
 from lta_sim.world import World
@@ -35,6 +34,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from lta_flight.messages import LoopRecorder
+    from lta_flight.recorded_commands import RecordedCommands
 
 LOOK = 0.1  # wall seconds between two updates of the progress bar
 
@@ -132,6 +132,9 @@ def simulate_closed_loop(
 
 def build_commanded_loop(spec: FlightSpec, seed: int, order: CommandRequest) -> ClosedLoop:
     """Return a flight of recorded commands, on the clock of the recording."""
+    # Imported late: it loads scipy, which other flights do without
+    from lta_flight.recorded_commands import read_commands
+
     vehicle, scenario, policy = build_vehicle_scenario_stack(spec, hovers=False)
     commands = read_commands(order.bag, vehicle, order.robot, order.begin, order.end)
     table = load_topic_table().with_start(commands.begin)
@@ -168,7 +171,7 @@ def build_provenance(
     order: SimulationRequest,
     spec: FlightSpec,
     folder: Path,
-    commands: RecordedCommands | None = None,
+    commands: 'RecordedCommands | None' = None,
 ) -> dict[str, str]:
     """Return the provenance for the bag; changed files are written next to it."""
     names = write_files(spec, folder)

@@ -4,12 +4,12 @@ import math
 from pathlib import Path
 
 from lta_config.errors import BadInput
+from lta_config.files import load_yaml
 from lta_flight.flight_spec import build_loop, load_spec
 from lta_model.vehicle import load_vehicle, Vehicle
 from lta_vehicle.sized_vehicle import parse_size, VehicleSize, write_sized_vehicle
 from lta_vehicle.validation import validate_vehicle_file
 import pytest
-import yaml
 
 CIGAR = ('--length', '1.2m', '--diameter', '0.5 m', '--mass', '120g', '--thrust', '0.1N',
          '--arm', '0.2m')  # fmt: skip
@@ -60,7 +60,7 @@ def test_drag_is_hoerner_s_with_a_plate_for_the_gondola(tmp_path: Path) -> None:
 
 def test_what_is_not_given_is_marked_as_assumed(tmp_path: Path) -> None:
     write_vehicle(tmp_path)
-    content = yaml.safe_load((tmp_path / 'mine.yaml').read_text(encoding='utf-8'))
+    content = load_yaml(tmp_path / 'mine.yaml')
     assert content['hull']['length']['source'] == 'given to lta vehicle new'
     for place in (content['layers']['hull']['envelope']['mass'], content['trim']['heaviness'],
                   content['aero']['quadratic_drag']['force']):  # fmt: skip
