@@ -14,7 +14,7 @@ export VEHICLE
 enter := root='$(CURDIR)' && . tools/workspace.sh
 sources := config src test examples tools conftest.py
 
-.PHONY: help demo build test test-fast test-long test-packages bench bench-compare flights hops trust wrong-imports calibration-trials same sensitivity classes plan rgblimp crazyflie odometry faults real-firmware firmware rehearsal end-to-end mutation chaos soak docs reference pictures lock check format clean
+.PHONY: help demo build contract test test-fast test-long test-packages bench bench-compare flights hops trust wrong-imports calibration-trials same sensitivity classes plan rgblimp crazyflie odometry faults real-firmware firmware rehearsal end-to-end mutation chaos soak docs reference pictures lock check format clean
 
 help:  ## show this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1|\2/p' Makefile | awk -F '|' '{ printf "%-18s %s\n", $$1, $$2 }'
@@ -30,6 +30,9 @@ demo: build  ## fly to the lamp; the last line gives the paths of bag and page
 build:  ## build the environment in .venv and the workspace in install/, if they changed
 	@tools/environment.sh run
 	@tools/build.sh
+
+contract: test-environment  ## run the contract tests: names, layers, declarations, pages (two minutes)
+	@$(enter) && .venv/bin/python -m pytest -q -n 2 -m 'not long' test/contract $(ARGS)
 
 test: checked  ## check style and types, run all tests except the long ones
 	@$(enter) && tools/suite.sh 'not long and not benchmark' $(ARGS)

@@ -2,17 +2,21 @@
 # Write the pages of docs/ that are made of declarations, in the built workspace (make reference).
 set -eu
 cd "$(dirname "$0")/.."
+new=$(mktemp)
+trap 'rm -f "$new"' EXIT
 write() {
     page=$1
     shift
-    "$@" >"docs/$page.new"
-    mv "docs/$page.new" "docs/$page"
+    echo "docs/$page"
+    "$@" >"$new"
+    cat "$new" >"docs/$page"
 }
 write topics.md python -m lta_config.topics_page
 write effects.md ./lta effects --markdown
 write verbs.md python -m lta_cli.reference verbs
 write parameters.md python -m lta_cli.reference parameters
 write vehicles.md python -m lta_cli.reference vehicles
+write vehicle_keys.md python -m lta_cli.reference vehicle_keys
 write discovery_thresholds.md python -m lta_cli.reference thresholds
 write images/graph.svg python -m lta_cli.reference graph
 python test/score/hardware_pages.py

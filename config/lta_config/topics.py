@@ -116,6 +116,13 @@ class TopicTable(StrictModel):
             raise unknown_name_error('topic', name, list(self.topics))
         return self.topics[name]
 
+    def with_start(self, seconds: float) -> 'TopicTable':
+        """Return the table of a flight whose first stamp is another one. [s]"""
+        # Constructed anew: a copy would keep the cached times
+        values = {name: getattr(self, name) for name in type(self).model_fields}
+        start = Quantity(value=seconds, unit='s')
+        return TopicTable.model_construct(**(values | {'start': start}))
+
     @cached_property
     def start_ns(self) -> int:
         """The first stamp of a simulated flight. [ns]"""

@@ -7,10 +7,11 @@ cores from it.
 
 from collections.abc import Mapping
 import math
+from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from lta_config.errors import BadInput
-from lta_config.files import find_file, load_file, StrictModel
+from lta_config.files import find_file, load_yaml, StrictModel, validate_content
 from lta_config.quantity import Quantity, si_quantity
 from lta_config.schema.aero_file import load_aero_file
 from lta_config.schema.vehicle_aero import AeroCoefficients
@@ -36,10 +37,11 @@ MOTION = ('speed', 'roll', 'pitch', 'roll_rate', 'pitch_rate', 'yaw_rate')
 
 
 class ControlBlock(StrictModel):
-    """The control law of the vehicle, and its gains file in `config/control`."""
+    """The control law of the vehicle, and its gains: a name in `config/control`, or a file."""
 
     law: Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
-    gains: Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')] | None = None
+    # A path is relative to the vehicle file
+    gains: Annotated[str, Field(pattern=r'^([a-z][a-z0-9_]*|.*/.*|.*\.ya?ml)$')] | None = None
     source: str
 
 
@@ -262,4 +264,18 @@ class VehicleFile(StrictModel):
 
 def load_vehicle_file(name: str) -> VehicleFile:
     """Return a vehicle file by shipped name or path; raise `BadInput` if it is invalid."""
-    return load_file(VehicleFile, find_file('vehicle', name))
+    path = find_file('vehicle', name)
+    return validate_content(VehicleFile, load_vehicle_content(path), str(path))
+
+
+def load_vehicle_content(path: Path) -> Any:  # noqa: ANN401 - whatever the file held
+    """Return the content of a vehicle file; a gains file beside it gets the path to it."""
+    content = load_yaml(path)
+    control = content.get('control') if isinstance(content, dict) else None
+    if not isinstance(control, dict):
+        return content
+    gains = control.get('gains')
+    # A copy in a results folder names gains that are not beside it, but where it was made
+    if isinstance(gains, str) and '.' in gains and (path.parent / gains).is_file():
+        return {**content, 'control': {**control, 'gains': str(path.parent / gains)}}
+    return content

@@ -77,7 +77,10 @@ def plot_strength(cases: Sequence[ScoredCase]) -> Figure:
                 hovertemplate='%{y:.0f} %<extra>' + name + '</extra>',
             )
         )
-    figure.update_xaxes(title_text='size of the hidden effect [standard deviations]', type='log')
+    figure.update_xaxes(
+        title_text='size of the hidden effect [standard deviations]', type='log',
+        tickvals=[1, 3, 10, 30, 100, 300],
+    )  # fmt: skip
     figure.update_yaxes(title_text='share [%]', range=[-3, 103])
     return figure.update_layout(showlegend=True, legend={'orientation': 'h', 'y': 1.08})
 

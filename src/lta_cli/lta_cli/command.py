@@ -9,7 +9,8 @@ shut a flight down cleanly.
 import os
 import signal
 import sys
-from typing import NoReturn
+import threading
+from typing import Final, NoReturn
 
 from lta_cli.streams import ignore_broken_pipes
 from lta_graph.ament import list_middlewares
@@ -18,6 +19,7 @@ from lta_graph.process_exit import exit_process
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 COMPLETION = '_LTA_COMPLETE'  # a shell asks how the line may go on
 MIDDLEWARE = 'RMW_IMPLEMENTATION'
+AGAIN: Final = 0.05  # s; until a signal that a C library dropped is sent again
 
 
 def main() -> NoReturn:
@@ -45,6 +47,16 @@ def main() -> NoReturn:
         caught.append(number)
         # All three signals end a flight in the same, clean way
         raise KeyboardInterrupt
+
+    def send_again(dropped: 'sys.UnraisableHookArgs') -> None:
+        if dropped.exc_type is not KeyboardInterrupt:
+            sys.__unraisablehook__(dropped)
+            return
+        # A callback from C, such as that of a compiler, cannot raise: wait until it has returned
+        last = caught[-1] if caught else signal.SIGINT
+        threading.Timer(AGAIN, os.kill, (os.getpid(), last)).start()
+
+    sys.unraisablehook = send_again
 
     def heed() -> None:
         # Install after the imports: a C extension that is loading may drop a KeyboardInterrupt.

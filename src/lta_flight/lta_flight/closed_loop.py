@@ -98,6 +98,8 @@ class ClosedLoop:
     ----------
     nominal_vehicle : Vehicle
         The vehicle as the drone knows it.
+    table : TopicTable
+        Periods and first stamp.
     readings, estimate, duties : SensorReadings, MotionEstimate, tuple of float
         Sensor readings, estimate and duties of the newest step.
     ground : GroundMotion
@@ -122,7 +124,7 @@ class ClosedLoop:
         self.world = world
         self._motion_only = motion_only
         self.policy = policy
-        self._table = table
+        self.table = table
         self._plan = world.scenario.course
         self._guidance = Guidance(self._plan, world.scenario.route_beacons)
         self._reversible = world.vehicle.reversible
@@ -185,7 +187,7 @@ class ClosedLoop:
             yield self.world.outcome
             over = self.world.outcome is not FlightOutcome.FLYING
             # The graph also completes the last light block before it stops
-            if over and self._table.is_settled(self.world.stamp_ns):
+            if over and self.table.is_settled(self.world.stamp_ns):
                 return
             self.simulate_control_period()
 
@@ -198,8 +200,10 @@ class ClosedLoop:
 
     def simulate_control_period(self) -> None:
         """Simulate one control period with the newest command."""
-        pilot = self.autopilot
+        pilot, commands = self.autopilot, self.policy.commands
         place = pilot.command.mass_place if isinstance(pilot, LawAutopilot) else None
+        if commands is not None:
+            place = commands.find_mass_place(self.world.elapsed)
         self.world.advance(self.duties, place)
 
     def decide(self) -> None:
@@ -243,6 +247,9 @@ class ClosedLoop:
             self.duties = self._plan.excite_duties(
                 self.world.elapsed, self.duties, self._reversible
             )
+        if self.policy.commands is not None:
+            self.duties = self.policy.commands.find_duties(self.world.elapsed)
+        if self._plan is not None or self.policy.commands is not None:
             # The estimator must know the duties that act, not those commanded
             self.autopilot.record_applied_duties(self.duties)
 
@@ -278,9 +285,9 @@ class ClosedLoop:
         amplitudes = tuple(peaks.amplitude.astype(np.float32).tolist())
         lamp = None if where is None else to_lamp_position(where)
         frequencies = tuple(peaks.frequency.astype(np.float32).tolist())
-        middle_ns = stamp_ns + self._table['photodiodes'].period_ns // 2
+        middle_ns = stamp_ns + self.table['photodiodes'].period_ns // 2
         # The estimator gets the block one control period after its end
-        age = (self.world.stamp_ns + self._table.control_ns - middle_ns) * 1e-9
+        age = (self.world.stamp_ns + self.table.control_ns - middle_ns) * 1e-9
         self._sighting = build_sighting(lamp, self._axes, amplitudes, frequencies, age)
         scale = self.world.vehicle.diodes.gain_scale
         sight = build_sight(lamp, self._axes, amplitudes, self._reckoned[0], self._block, scale)

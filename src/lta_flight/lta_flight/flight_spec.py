@@ -20,7 +20,7 @@ from lta_config.parameter_override import (
     replace_parameter,
 )
 from lta_config.quantity import UNITS
-from lta_config.schema.vehicle_file import VehicleFile
+from lta_config.schema.vehicle_file import load_vehicle_content, VehicleFile
 from lta_config.settings import Settings
 from lta_config.topics import load_topic_table
 from lta_control.cascade import CascadeGains
@@ -156,9 +156,11 @@ def load_spec(vehicle: str, scenario: str, strategy_name: str, gains: str) -> Fl
 
     """
     find_navigation_strategy(strategy_name)
-    own = read_control(load_yaml(find_file('vehicle', vehicle)))
-    names = {'vehicle': vehicle, 'scenario': scenario, 'gains': gains or own.get('gains', GAINS)}
+    content = load_vehicle_content(find_file('vehicle', vehicle))
+    own = read_control(content).get('gains', GAINS)
+    names = {'vehicle': vehicle, 'scenario': scenario, 'gains': gains or own}
     contents = {root: load_yaml(find_file(root, name)) for root, name in names.items()}
+    contents['vehicle'] = content
     contents['scenario'] = resolve_wind_file(
         contents['scenario'], find_file('scenario', scenario).parent
     )
@@ -192,9 +194,11 @@ def read_gains(content: Any, name: str) -> Any:  # noqa: ANN401 - what YAML hold
         ) from None
 
 
-def build_vehicle_scenario_stack(spec: FlightSpec) -> tuple[Vehicle, Scenario, FlightStack]:
+def build_vehicle_scenario_stack(
+    spec: FlightSpec, hovers: bool = True
+) -> tuple[Vehicle, Scenario, FlightStack]:
     """
-    Return vehicle, scenario and flight stack.
+    Return vehicle, scenario and flight stack; `hovers` if the rotors must lift the vehicle.
 
     Raises
     ------
@@ -223,9 +227,10 @@ def build_vehicle_scenario_stack(spec: FlightSpec) -> tuple[Vehicle, Scenario, F
     check_lamp_frequency(scenario, policy.demodulation)
     check_reserve(policy.reserve, policy.strategy)
     vehicle = Vehicle(vehicle_file, scenario.air.density)
-    # Evaluated for its check: raises BadInput if the rotors cannot lift the vehicle
-    _ = vehicle.hover_duty
-    scene_model.check_scene(vehicle, scenario)
+    if hovers:
+        # Evaluated for its check: raises BadInput if the rotors cannot lift the vehicle
+        _ = vehicle.hover_duty
+    scene_model.check_scene(vehicle, scenario, hovers)
     return vehicle, scenario, policy
 
 

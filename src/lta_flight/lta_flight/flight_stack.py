@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import final
+from typing import final, TYPE_CHECKING
 
 from lta_config.settings import Settings
 from lta_control.autopilot import Autopilot, build_drone_constants
@@ -20,6 +20,9 @@ from lta_model.vehicle import Vehicle
 from lta_vlc.lamp import LampPrior
 from lta_vlc.settings import DemodulationSettings
 
+if TYPE_CHECKING:  # it loads scipy, which other flights do without
+    from lta_flight.recorded_commands import RecordedCommands
+
 
 @final
 @dataclass(frozen=True, slots=True)
@@ -29,7 +32,7 @@ class FlightStack:
 
     `law` is the control law, with `gains` of its own class. `course` gives the setpoint as a
     function of time [s], None before the first one. It replaces the navigator, which then ignores
-    the light.
+    the light. `commands` are duties that act instead of those of the controller.
     """
 
     strategy: NavigationStrategy
@@ -43,6 +46,7 @@ class FlightStack:
     tilt_limit: float = TILT_LIMIT  # the motors stop beyond it [rad]
     law: ControlLaw = LAWS['cascade']
     course: Callable[[float], Setpoint | None] | None = None
+    commands: 'RecordedCommands | None' = None
 
 
 def build_autopilot(policy: FlightStack, vehicle: Vehicle, dt: float) -> Autopilot | LawAutopilot:

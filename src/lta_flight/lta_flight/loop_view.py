@@ -118,6 +118,11 @@ class LoopView:
         return subtract_wind(motion, wind[:, 0], wind[:, 1:])
 
     @property
+    def true_positions(self) -> Array:
+        """Times and true positions, shape (n, 4). [s, m]"""
+        return np.array(self._truth)[:, :4]
+
+    @property
     def warning(self) -> str:
         """A warning if the flight leaves the region of validity of its vehicle file, else ''."""
         state = np.array(self._truth)[:, 1:]

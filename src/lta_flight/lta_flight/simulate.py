@@ -4,8 +4,9 @@ Simulate one flight in one process, and record the same bytes as the graph would
 The recorder is separate from the loop: without a bag no message is built.
 """
 
+from collections.abc import Iterator
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 import time
 from typing import final, TYPE_CHECKING
@@ -18,15 +19,35 @@ from lta_config.parameter_override import parse_assignment
 from lta_config.topics import load_topic_table
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight import FlightObserver, FlightRun, ROBOT
-from lta_flight.flight_spec import build_loop, FlightSpec, load_spec, write_files
+from lta_flight.flight_spec import (
+    build_loop,
+    build_vehicle_scenario_stack,
+    FlightSpec,
+    load_spec,
+    write_files,
+)
 from lta_flight.loop_view import LoopView
 from lta_flight.report.results import compute_results, FlightResults
 from lta_report.results_folder import resolve_folder
+from lta_sim.world import World
+import numpy as np
 
 if TYPE_CHECKING:
     from lta_flight.messages import LoopRecorder
+    from lta_flight.recorded_commands import RecordedCommands
 
 LOOK = 0.1  # wall seconds between two updates of the progress bar
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class CommandRequest:
+    """The part of a recording whose commands are flown instead of those of a controller. [s]"""
+
+    bag: Path
+    robot: str | None = None
+    begin: float = 0.0
+    end: float | None = None
 
 
 @final
@@ -42,6 +63,7 @@ class SimulationRequest:
     changes: tuple[str, ...] = ()
     out: Path | None = None
     record: bool = True
+    commands: CommandRequest | None = None
 
 
 def simulate_once(
@@ -58,7 +80,9 @@ def simulate_once(
     """
     spec = load_spec(order.vehicle, order.scenario, order.strategy, order.gains)
     spec = spec.with_values(dict(map(parse_assignment, order.changes)))
-    loop = build_loop(spec, order.seed)
+    loop = build_loop(spec, order.seed) if order.commands is None else build_commanded_loop(
+        spec, order.seed, order.commands
+    )  # fmt: skip
     folder = resolve_folder(order.out, f'{loop.world.scenario.name}-{order.seed}')
     try:
         with ExitStack() as closing:
@@ -68,15 +92,14 @@ def simulate_once(
                 from lta_flight.messages import LoopRecorder
 
                 prepare_empty_folder(folder)
-                origin = build_provenance(order, spec, folder)
+                origin = build_provenance(order, spec, folder, loop.policy.commands)
                 writer = closing.enter_context(BagWriter(folder / 'bag', origin))
-                recorder = LoopRecorder(writer, loop, load_topic_table(), ROBOT)
+                recorder = LoopRecorder(writer, loop, loop.table, ROBOT)
             view, pace = simulate_closed_loop(loop, recorder, watcher)
     # For example a full disk
     except StorageFault as fault:
         raise BadInput(str(fault)) from None
-    world = loop.world
-    outcome, sentence = world.outcome.name.lower(), str(world.outcome)
+    outcome, sentence = describe_end(loop, view)
     flight = FlightRun(folder, folder / 'bag', outcome, sentence, pace, view.warning)
     return flight, compute_results(view)
 
@@ -86,9 +109,14 @@ def simulate_closed_loop(
 ) -> tuple[LoopView, float]:
     """Fly a loop to its end; return its data and its pace."""
     view = LoopView(loop)
-    world = loop.world
+    world, commands = loop.world, loop.policy.commands
+    steps: Iterator[object] = (
+        loop.iterate_steps()
+        if commands is None
+        else loop.iterate_until(lambda: world.elapsed > commands.duration)
+    )
     begun = looked = time.monotonic()
-    for _ in loop.iterate_steps():
+    for _ in steps:
         view.record_step()
         if recorder is not None:
             recorder.record_step()
@@ -102,11 +130,55 @@ def simulate_closed_loop(
     return view, world.elapsed / (time.monotonic() - begun)
 
 
-def build_provenance(order: SimulationRequest, spec: FlightSpec, folder: Path) -> dict[str, str]:
+def build_commanded_loop(spec: FlightSpec, seed: int, order: CommandRequest) -> ClosedLoop:
+    """Return a flight of recorded commands, on the clock of the recording."""
+    # Imported late: it loads scipy, which other flights do without
+    from lta_flight.recorded_commands import read_commands
+
+    vehicle, scenario, policy = build_vehicle_scenario_stack(spec, hovers=False)
+    commands = read_commands(order.bag, vehicle, order.robot, order.begin, order.end)
+    table = load_topic_table().with_start(commands.begin)
+    world = World(vehicle, scenario, table, seed, spec.strategy)
+    world.begin_at(commands.motion.tolist(), commands.find_duties(0.0))
+    return ClosedLoop(world, table, replace(policy, commands=commands))
+
+
+def describe_end(loop: ClosedLoop, view: LoopView) -> tuple[str, str]:
+    """Return the outcome of a flight, and as a sentence after 'The drone'."""
+    world, commands = loop.world, loop.policy.commands
+    if commands is None:
+        return world.outcome.name.lower(), str(world.outcome)
+    truth = view.true_positions
+    apart = commands.distances_from(truth[:, 0], truth[:, 1:])
+    raised = (
+        f' (the recorded track is raised by {commands.raised:.2f} m out of the floor)'
+        if commands.raised
+        else ''
+    )
+    return 'flown', (
+        f'flew {commands.duration:.1f} s of recorded commands: it is '
+        f'{_format_distance(float(np.sqrt(np.mean(apart**2))))} from the recording on average '
+        f'(RMS) and {_format_distance(float(apart[-1]))} at the end{raised}'
+    )
+
+
+def _format_distance(distance: float) -> str:
+    """Return a distance with two digits, in cm below a metre."""
+    return f'{distance:.2f} m' if distance >= 1.0 else f'{100.0 * distance:.2g} cm'
+
+
+def build_provenance(
+    order: SimulationRequest,
+    spec: FlightSpec,
+    folder: Path,
+    commands: 'RecordedCommands | None' = None,
+) -> dict[str, str]:
     """Return the provenance for the bag; changed files are written next to it."""
     names = write_files(spec, folder)
     changes = {'set': '; '.join(order.changes)} if order.changes else {}
-    return collect_provenance(
+    if order.commands is not None:
+        changes['commands'] = str(order.commands.bag)
+    origin = collect_provenance(
         names['vehicle'],
         names['scenario'],
         names['gains'],
@@ -116,3 +188,7 @@ def build_provenance(order: SimulationRequest, spec: FlightSpec, folder: Path) -
         process='one, without DDS',
         **changes,
     )
+    if commands is not None and not commands.has_scene:
+        # Its page would judge the flight by a lamp that was not there
+        del origin['scenario'], origin['scenario_file']
+    return origin

@@ -1,6 +1,7 @@
 """The base of progress bars: shown on a terminal while work lasts, else a line each minute."""
 
 import sys
+import threading
 import time
 from types import TracebackType
 from typing import Any, Final, Self
@@ -64,11 +65,15 @@ class ProgressBar:
             speed_estimate_period=period,
         )
         self._task = self._bar.add_task(begin, total=total, **fields)
-        self._begun = self._said = time.monotonic()
+        self._begun = time.monotonic()
+        self._over = threading.Event()
 
     def __enter__(self) -> Self:
         """Show the bar."""
         self._bar.start()
+        if not self._console.is_terminal:
+            # In a thread of its own, as a step may last for minutes without an update
+            threading.Thread(target=self._write_lines, daemon=True).start()
         return self
 
     def __exit__(
@@ -78,16 +83,22 @@ class ProgressBar:
         trace: TracebackType | None,
     ) -> None:
         """Remove the bar."""
+        self._over.set()
         self._bar.stop()
+
+    def _write_lines(self) -> None:
+        """Write a line to stderr each minute until the work is over."""
+        while not self._over.wait(EVERY):
+            self.write_line()
+
+    def write_line(self) -> None:
+        """Write the current work to stderr, with its share and the time left as far as known."""
+        sys.stderr.write(f'{self._describe(time.monotonic() - self._begun)} ...\n')
+        sys.stderr.flush()
 
     def update_bar(self, **change: Any) -> None:  # noqa: ANN401 - as rich takes them
         """Change description, total, completed, or fields; `advance` adds to completed."""
         self._bar.update(self._task, **change)
-        now = time.monotonic()
-        if not self._console.is_terminal and now - self._said >= EVERY:
-            self._said = now
-            sys.stderr.write(f'{self._describe(now - self._begun)} ...\n')
-            sys.stderr.flush()
 
     def _describe(self, elapsed: float) -> str:
         """Return the current work with its share and the time left, as far as known."""

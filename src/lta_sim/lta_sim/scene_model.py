@@ -113,12 +113,13 @@ def load_wind_record(scenario: Scenario) -> WindRecord | None:
     return None if path is None else WindRecord.read(path, scenario.goal.time_limit.si)
 
 
-def check_scene(vehicle: Vehicle, scenario: Scenario) -> None:
+def check_scene(vehicle: Vehicle, scenario: Scenario, hovers: bool = True) -> None:
     """
     Raise `BadInput` for a scene whose light, wind or walls do not suit this vehicle.
 
     Also for a vehicle that the time step cannot follow, or whose effects (a payload, a shifted
-    centre of gravity, other gas or air) make it too heavy for its rotors or unstable.
+    centre of gravity, other gas or air) make it too heavy for its rotors, if it `hovers`, or
+    unstable.
     """
     # Raises for effects that are given twice and for a start inside a wall
     model = build_scene_model(vehicle, scenario)
@@ -129,7 +130,8 @@ def check_scene(vehicle: Vehicle, scenario: Scenario) -> None:
     lift = max(0.0, model.given.get('net_lift', {}).get('force', 0.0))
     # Net weight that the rotors must carry: mass minus displaced air, less extra lift [N]
     weight = (body[MASS] - body[DISPLACED]) * STANDARD_GRAVITY - lift
-    hover_duty(file.name, vehicle.rotors, file.aero.coupling, float(weight), STANDARD_GRAVITY)
+    if hovers:
+        hover_duty(file.name, vehicle.rotors, file.aero.coupling, float(weight), STANDARD_GRAVITY)
     # Height of the centre of gravity above the hull centre
     above = body[MASS_MOMENT + 2] / body[MASS]
     if above >= 0.0 and file.hull.shape != 'none' and file.trim.unstable == 'refused':

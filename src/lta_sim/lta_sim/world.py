@@ -38,6 +38,7 @@ STILL = np.zeros(RIGID)  # state derivative of a held drone
 STREAMS = (
     'start', 'imu', 'range', 'pressure', 'photodiodes', 'battery', 'panel', 'turbulence', 'diodes',
 )  # fmt: skip
+SETTLED_NS = 1_000_000_000  # in which motors reach the thrust of their duty
 SENSED = ('pressure', 'photodiodes', 'battery', 'ground_truth/odom', 'illuminance')
 
 
@@ -169,6 +170,23 @@ class World:
         height = self.vehicle.hull_height_on_floor
         memory = draw_initial_memory(self._model.given, self._chance['turbulence'])
         return pack_state((x, y, height), heading, memory=memory)
+
+    def begin_at(self, motion: Sequence[float], duties: Sequence[float]) -> None:
+        """
+        Begin with another motion than that of a drone at rest; nothing then ends the flight.
+
+        `motion` holds the first `RIGID` numbers of a state (`lta_model.state`). The motors have
+        been running at `duties` for a while.
+        """
+        self.state[:RIGID] = motion
+        if any(duties):
+            self.command[: self._rotors] = duties
+            self._integrate_for_duration(SETTLED_NS)
+            self.state[:RIGID] = motion
+        pose = self.start_pose = self._pose()
+        self.fly_without_end()
+        self._held = 0.0
+        self._begin_period(pose)
 
     @property
     def charge(self) -> float:

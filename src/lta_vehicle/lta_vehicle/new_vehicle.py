@@ -24,6 +24,15 @@ HEAD = """\
 """
 
 
+def check_vehicle_name(name: str) -> None:
+    """Raise `BadInput` for an invalid name of a vehicle."""
+    if not NAME.fullmatch(name):
+        raise BadInput(
+            f"Invalid vehicle name '{name}'; use lower-case letters, digits and "
+            'underscores, and begin with a letter.'
+        )
+
+
 def format_new_vehicle(name: str, model: str) -> str:
     """
     Return the text of a new vehicle file.
@@ -41,11 +50,7 @@ def format_new_vehicle(name: str, model: str) -> str:
         If the name is invalid, or the model cannot be read.
 
     """
-    if not NAME.fullmatch(name):
-        raise BadInput(
-            f"Invalid vehicle name '{name}'; use lower-case letters, digits and "
-            'underscores, and begin with a letter.'
-        )
+    check_vehicle_name(name)
     copied = load_vehicle(model).file.name  # raises BadInput if the model itself is invalid
     text = find_file('vehicle', model).read_text(encoding='utf-8')
     # Edit the text and not the parsed YAML, which would lose the comments
@@ -57,7 +62,12 @@ def format_new_vehicle(name: str, model: str) -> str:
 
 def write_new_vehicle(name: str, model: str, out: Path) -> None:
     """Write a new vehicle file; raise `BadInput` if it exists or cannot be written."""
-    text = format_new_vehicle(name, model)
+    write_new_file(out, format_new_vehicle(name, model))
+    load_vehicle(str(out.absolute()))  # the copy must be valid under its new name
+
+
+def write_new_file(out: Path, text: str) -> None:
+    """Write a file; raise `BadInput` if it exists or cannot be written."""
     try:
         # Mode 'x' never overwrites an existing file
         with out.open('x', encoding='utf-8') as stream:
@@ -68,4 +78,3 @@ def write_new_vehicle(name: str, model: str, out: Path) -> None:
         raise BadInput(
             f'{out} cannot be written ({error.strerror}); choose another file.'
         ) from None
-    load_vehicle(str(out.absolute()))  # the copy must be valid under its new name

@@ -12,8 +12,8 @@ from typing import Final, final, NamedTuple
 
 from lta_config.constants import AIR_DENSITY
 from lta_config.errors import BadInput
-from lta_config.files import FOLDERS, list_shipped_names, load_yaml
-from lta_config.schema.vehicle_file import VehicleFile
+from lta_config.files import find_file, FOLDERS, list_shipped_names
+from lta_config.schema.vehicle_file import load_vehicle_content, VehicleFile
 from lta_config.validation_errors import format_errors
 from lta_model import effect_parameters, hull, propulsion
 from lta_model.stiffness import STEP_NS
@@ -45,7 +45,7 @@ class VehicleValidation(NamedTuple):
 
 def validate_vehicle_file(path: Path) -> VehicleValidation:
     """Check a vehicle file; raise BadInput if the file is not valid YAML."""
-    content = load_yaml(path)
+    content = load_vehicle_content(path)
     if not isinstance(content, dict):
         return VehicleValidation(
             ['It is not a YAML mapping (key: value); compare it with a shipped file.'], [], None
@@ -83,10 +83,11 @@ def _find_faults(file: VehicleFile) -> Iterator[str]:
         text for text in map(partial(_find_effect_fault, file, not own), file.effects) if text
     ]
     yield from plain
-    gains = file.control.gains if file.control else None
-    if gains and gains not in list_shipped_names(FOLDERS['gains']):
-        names = ', '.join(list_shipped_names(FOLDERS['gains']))
-        yield f"control.gains is '{gains}', which is not a shipped gains file; known: {names}."
+    try:
+        if file.control and file.control.gains:
+            find_file('gains', file.control.gains)
+    except BadInput as error:
+        yield f'control.gains: {error}'
     # Check numerical stability last: it needs a complete, valid model
     if not plain and not own:
         try:

@@ -94,7 +94,7 @@ def test_what_a_good_file_cannot_be_flown_for_is_said_at_once(call, tmp_path):
     assert 'The parts of gtmab are 56.6 g too heavy for its lift of 331.2 g' in said.err
     assert 'effects.motor_lag.up is in g' in said.err
     assert "Unknown effect 'flor_contact'" in said.err
-    assert "control.gains is 'gtmap', which is not a shipped gains file; known: beavis" in said.err
+    assert "control.gains: Unknown gains 'gtmap'; known: beavis" in said.err
 
 
 def test_warnings_leave_the_status_at_zero(call):

@@ -125,7 +125,7 @@ def _format_verdict(flight: FlightRun, figures: FlightResults | None) -> str:
     """Return the outcome in one sentence, from the page and the simulator's verdict."""
     # The bag has no goal to judge by, so the simulator's verdict counts
     on_course = flight.outcome == 'reached' and figures is not None and figures.success is None
-    if figures is None or flight.outcome == 'failed' or on_course:
+    if figures is None or flight.outcome in {'failed', 'flown'} or on_course:
         return f'The drone {flight.sentence}.'
     if flight.outcome == 'reached':
         return f'{describe_outcome(figures)}.'

@@ -127,5 +127,7 @@ def _print_import(one: 'ImportedLog', console: Console) -> None:
     console.print(
         f'Bag {relative_path(Path(one.bag))}', highlight=False, markup=False, soft_wrap=True
     )
-    command = format_lta_command('bag', 'info', relative_path(Path(one.bag)))
-    console.print(f'See {command}', style='dim', highlight=False, markup=False, soft_wrap=True)
+    place = relative_path(Path(one.bag))
+    for purpose, verb in (('See it', 'info'), ('Check units, axes and clocks', 'check')):
+        line = f'{purpose}: {format_lta_command("bag", verb, place)}'
+        console.print(line, style='dim', highlight=False, markup=False, soft_wrap=True)

@@ -1,23 +1,39 @@
 """lta simulate: fly once in one process, without DDS."""
 
+from collections.abc import Mapping
+from pathlib import Path
 from typing import Annotated
 
 from lta_cli.options.common_options import Json, Out, plain_console, print_json
 from lta_cli.verbs.fly import flight_to_dict, format_outcome, print_files
+from lta_config.command_line import format_lta_command, relative_path
+from lta_config.errors import BadInput
+from lta_config.files import find_file
 from lta_control.strategies import STRATEGIES
+from lta_data.bag.bag_folder import find_bag
+from lta_data.bag.recorded_flight import open_flight
+from lta_flight.flight import ROBOT
 from lta_flight.progress import FlightProgress
 from lta_flight.report.page import write_page
-from lta_flight.simulate import simulate_once, SimulationRequest
+from lta_flight.simulate import CommandRequest, simulate_once, SimulationRequest
 from lta_sim.simulated_vehicle import is_compiled
 import typer
 
+VEHICLE, SCENARIO = 'gtmab', 'lamp_room'
+HALL = 'hall'  # for recordings of no known scene: no wall is near
 KNOWN = ', '.join(STRATEGIES)
 COMPILING = 'compiling the vehicle model (only the first time, about half a minute)'
 
 
 def simulate(
-    vehicle: Annotated[str, typer.Option(help='Vehicle name or file.')] = 'gtmab',
-    scenario: Annotated[str, typer.Option(help='Scenario name or file.')] = 'lamp_room',
+    vehicle: Annotated[
+        str | None,
+        typer.Option(help=f'Vehicle name or file; {VEHICLE}, or the recorded one, by default.'),
+    ] = None,
+    scenario: Annotated[
+        str | None,
+        typer.Option(help=f'Scenario name or file; {SCENARIO}, or the recorded one, by default.'),
+    ] = None,
     strategy: Annotated[
         str, typer.Option(help=f'Navigation strategy: {KNOWN}, or a file such as ./mine.py.')
     ] = 'bag',
@@ -28,6 +44,23 @@ def simulate(
     changes: Annotated[
         list[str] | None,
         typer.Option('--set', metavar='PATH=VALUE', help='Override a parameter; repeatable.'),
+    ] = None,
+    commands: Annotated[
+        Path | None,
+        typer.Option(
+            help='Fly the commands of this recording (bag or results folder) from its motion on, '
+            'instead of a controller.'
+        ),
+    ] = None,
+    begin: Annotated[
+        float, typer.Option(help='With --commands: begin so many seconds into it.', min=0.0)
+    ] = 0.0,
+    end: Annotated[
+        float | None, typer.Option(help='With --commands: end so many seconds into it.', min=0.0)
+    ] = None,
+    robot: Annotated[
+        str | None,
+        typer.Option(help='With --commands: its robot; needed if the recording has several.'),
     ] = None,
     out: Out = None,
     bag: Annotated[bool, typer.Option(help='Record a bag and write an HTML report.')] = True,
@@ -46,15 +79,28 @@ def simulate(
     energy_monitor. Changed files are saved next to the bag. The drone's own model uses the
     overridden values, too.
 
-    Exit status 0: the drone reached its goal. 1: it did not. 2: bad input, nothing was flown.
+    --commands flies what the motors of a recorded flight were told, through a vehicle file: the
+    difference is what that file lacks. It grows with time, as nothing corrects it; --begin and
+    --end choose a part. The bag has the clock of the recording, for "lta compare --align none".
+
+    Exit status 0: the drone reached its goal, or flew all --commands. 1: it did not. 2: bad input,
+    nothing was flown.
 
     Example: lta simulate --seed 3 --set 'vehicle.trim.heaviness=4 g'
+
+    Example: lta simulate --commands runs/flight --vehicle my_blimp.yaml --begin 20 --end 30
     """
     console = plain_console(stderr=json)
 
+    if commands is None and (begin or end is not None or robot is not None):
+        raise BadInput('--begin, --end and --robot choose from a recording; add --commands BAG.')
+    recorded = {} if commands is None else open_flight(find_bag(commands), robot).provenance
     order = SimulationRequest(
-        vehicle, scenario, strategy, gains, seed, tuple(changes or ()), out, record=bag
-    )
+        vehicle or _find_recorded('vehicle', recorded, VEHICLE),
+        scenario or _find_recorded('scenario', recorded, HALL if recorded else SCENARIO),
+        strategy, gains, seed, tuple(changes or ()), out, record=bag,
+        commands=None if commands is None else CommandRequest(commands, robot, begin, end),
+    )  # fmt: skip
     with FlightProgress(console, 'loading the world') as progress:
         # Compilation takes half a minute without visible progress, so announce it
         if not is_compiled():
@@ -74,5 +120,20 @@ def simulate(
     console.print(f'Simulation speed: {flight.pace:.1f} x real time.', highlight=False)
     if bag:
         print_files(flight.bag, target, console)
-    if flight.outcome != 'reached':
+        if commands is not None:
+            line = format_lta_command(
+                'compare', commands, relative_path(flight.bag), '--align', 'none',
+                *(() if robot is None else ('--robot', f'{robot}:{ROBOT}')),
+            )  # fmt: skip
+            console.print(f'Compare them: {line}', highlight=False, soft_wrap=True)
+    if flight.outcome not in {'reached', 'flown'}:
         raise typer.Exit(1)
+
+
+def _find_recorded(kind: str, provenance: Mapping[str, str], default: str) -> str:
+    """Return the recorded vehicle or scenario if its file is there, else the default."""
+    name = provenance.get(kind, '')
+    try:
+        return name if name and find_file(kind, name) else default
+    except BadInput:
+        return default

@@ -75,7 +75,7 @@ class NavigationStrategy:
     """
     A navigation strategy: plain functions of scalars and tuples with memory in and out.
 
-    A new one needs one file with its functions and a `STRATEGY`; CONTRIBUTING.md lists the rest.
+    A new one needs one file with its functions and a `STRATEGY`; docs/add.md lists the rest.
     """
 
     name: str  # name in launch files

@@ -193,7 +193,10 @@ def _build_pictures(calibration: Calibration) -> list[Picture]:
         y = [100.0 * getattr(one, key)[0] for one in scores]
         figure.add_scatter(x=x, y=y, name=name, mode='lines+markers')
     figure.update_xaxes(title='time ahead [s]')
-    figure.update_yaxes(title='position error [cm]', type='log')
+    figure.update_yaxes(
+        title='position error [cm]', type='log',
+        tickvals=[0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500],
+    )  # fmt: skip
     caption = f'RMS over all forecasts of the {role} flights.'
     return [Picture('forecasts', 'Forecast errors', caption, figure)]
 

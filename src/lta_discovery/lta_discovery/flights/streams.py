@@ -2,11 +2,11 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Final
+from typing import Final
 
 from lta_config.errors import BadInput
-from lta_config.files import parse_yaml
 from lta_data.bag.channels import SignalChannel
+from lta_data.tracked_motion import COMMAND, find_tracker_prefix, has_newton_commands, MASS
 from lta_discovery.flights.measured_flight import FlightStreams, Stream
 from lta_discovery.model.nominal import NominalVehicle
 import numpy as np
@@ -15,12 +15,6 @@ from scipy.spatial.transform import Rotation
 
 Array = NDArray[np.float64]
 
-TRACKERS: Final = ('ground_truth/odom', 'ground_truth/pose', 'pose', 'mocap/pose', 'vrpn/pose')
-NO_TRACKER: Final = ('odom', 'setpoint', 'light', 'estimate')  # poses that are not measurements
-POSITION: Final = 'position.x'
-COMMAND: Final = 'motors/effort.'
-MASS: Final = tuple(f'motors/position.moving_mass_{axis}' for axis in 'xyz')
-NEWTONS: Final = frozenset({'N', 'mN'})  # units of imported thrust commands
 FAINT: Final = 0.1  # N; small rotors have less at full duty
 WRENCH: Final = tuple(
     f'wrench_command/wrench.{kind}.{axis}' for kind in ('force', 'torque') for axis in 'xyz'
@@ -69,31 +63,6 @@ def _read_moving_mass(channels: Mapping[str, SignalChannel]) -> Stream | None:
     return Stream(told.time[known], told.values[known]) if known.any() else None
 
 
-def _list_dicts(holder: object, name: str) -> list[dict[str, Any]]:
-    """Return the entries of a list, or the values of a dictionary, that are dictionaries."""
-    found = holder.get(name) if isinstance(holder, dict) else None
-    # A mapping by name, or a list
-    each = [*found.values()] if isinstance(found, dict) else found
-    return [entry for entry in each if isinstance(entry, dict)] if isinstance(each, list) else []
-
-
-def has_newton_commands(provenance: Mapping[str, str]) -> bool | None:
-    """Return whether the commands of an import are in newtons; None if it does not state that."""
-    text = provenance.get('mapping_file')
-    if not text:
-        return None
-    # Not validated against the current schema: a recording may be of an older version.
-    try:
-        mapping = parse_yaml(text, 'The mapping')
-    except BadInput:
-        return None
-    for topic in _list_dicts(mapping, 'topics'):
-        if topic.get('topic') == 'motors':
-            efforts = [actuator.get('effort') for actuator in _list_dicts(topic, 'actuators')]
-            return any(isinstance(each, dict) and each.get('unit') in NEWTONS for each in efforts)
-    return None
-
-
 def convert_to_duties(
     streams: FlightStreams, nominal: NominalVehicle, provenance: Mapping[str, str]
 ) -> FlightStreams:
@@ -127,35 +96,6 @@ def convert_to_duties(
     root = (np.sqrt(b * b + 4.0 * curved * size) - b) / (2.0 * curved)
     duty = np.sign(streams.commands.values) * np.where(a == 0.0, size / b, root)
     return replace(streams, commands=Stream(streams.commands.time, duty))
-
-
-def find_tracker_prefix(channels: Mapping[str, SignalChannel]) -> str:
-    """
-    Return the prefix of the tracked pose's channels: 'ground_truth/odom/pose.pose.'.
-
-    Raises
-    ------
-    BadInput
-        If no measured pose was recorded.
-
-    """
-    known = [
-        name.removesuffix(POSITION)
-        for name in channels
-        if name.endswith(POSITION) and f'{name.removesuffix(POSITION)}orientation.yaw' in channels
-    ]
-    # Estimates and setpoints also have poses, but are not measurements
-    free = [name for name in known if not name.startswith(NO_TRACKER)]
-    for topic in TRACKERS:
-        for name in free:
-            if name.startswith(f'{topic}/'):
-                return name
-    if free:
-        return free[0]
-    raise BadInput(
-        'The recording has no measured pose, so no model can be compared with it; record one of '
-        f'the topics {", ".join(TRACKERS)}.'
-    )
 
 
 def build_streams(

@@ -20,6 +20,7 @@ from lta_data.data_quality.checks import (
 )
 from lta_data.data_quality.finding import QualityFinding
 from lta_data.data_quality.registry import run_checks
+from lta_data.tracked_motion import find_tracker_prefix
 from lta_discovery.flights.bags import (
     check_same_vehicle,
     require_distinct_runs,
@@ -36,7 +37,7 @@ from lta_discovery.flights.measured_flight import (
 )
 from lta_discovery.flights.noisy_intervals import ExcludedInterval, remove_noisy_intervals
 from lta_discovery.flights.sentence_merger import merge_sentences
-from lta_discovery.flights.streams import build_streams, convert_to_duties, find_tracker_prefix
+from lta_discovery.flights.streams import build_streams, convert_to_duties
 from lta_discovery.flights.timestamp_repair import add_stamp_noise, repair_timestamps
 from lta_discovery.flights.transients import find_transients
 from lta_discovery.flights.windows import cut_into_pieces

@@ -6,7 +6,7 @@ the period and the damping of the pendulum, a spin-down from the damping in yaw.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import math
 from typing import Final, final, Literal, NamedTuple
 
@@ -178,6 +178,15 @@ def _design_step(vehicle: Vehicle, axis: str, push: _Push, room: float) -> LabTe
     )
     size = push.sign * share * push.most
     return LabTest('step', axis, REST + seconds, share=share, size=size, thrusts=thrusts)
+
+
+def shrink_step(vehicle: Vehicle, step: LabTest) -> LabTest:
+    """Return a step that is smaller by the factor `SMALLER`."""
+    thrusts = tuple(
+        hover + SMALLER * (thrust - hover)
+        for hover, thrust in zip(_rest_thrusts(vehicle), step.thrusts, strict=True)
+    )
+    return replace(step, share=SMALLER * step.share, size=SMALLER * step.size, thrusts=thrusts)
 
 
 def _follow_step(vehicle: Vehicle, k: int, force: float) -> tuple[float, float]:

@@ -24,10 +24,12 @@ from lta_discovery.flights.measured_flight import CHANNELS, MeasuredFlight, PERI
 from lta_discovery.flights.windows import Windows
 from lta_discovery.lab_tests.design import (
     LabTest,
+    LEAST_STEP,
     list_designed_tests,
     REST,
     rest_duties,
     ROOM,
+    shrink_step,
     step_duties,
 )
 from lta_discovery.model.calibration_parameters import list_calibration_parameters
@@ -107,6 +109,7 @@ def plan_lab_tests(
         replace(knob, per_flight=False)
         for knob in list_calibration_parameters(nominal, commanded, only_pose=True)
     ]
+    tests = _fit_steps(vehicle, nominal, tests, commands, room)
     flights = [rehearse_test(vehicle, nominal, test, commands) for test in tests]
     gains, remaining = _measure_tests(vehicle, nominal, flights, knobs)
     before = np.array([knob.tolerance**-2.0 for knob in knobs])
@@ -132,6 +135,25 @@ def plan_lab_tests(
     unknown = tuple(knobs[j].name for j in np.flatnonzero(remaining > KNOWN))
     weight = vehicle.heaviness * STANDARD_GRAVITY
     return LabPlan(name, commands, tuple(planned), unknown, weight)
+
+
+def _fit_steps(
+    vehicle: Vehicle,
+    nominal: NominalVehicle,
+    tests: Sequence[LabTest],
+    commands: Commands,
+    room: float,
+) -> list[LabTest]:
+    """Return the tests with steps whose rehearsed way, on all axes, fits the room. [m]"""
+    out = []
+    for test in tests:
+        while test.kind == 'step' and test.share > LEAST_STEP:
+            if max(_path_extent(rehearse_test(vehicle, nominal, test, commands))) <= room:
+                break
+            test = shrink_step(vehicle, test)
+        out.append(test)
+    steps = tuple(test for test in out if test.kind == 'step')
+    return [replace(test, parts=steps) if test.kind == 'free_flight' else test for test in out]
 
 
 def _measure_tests(

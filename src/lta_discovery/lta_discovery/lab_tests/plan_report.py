@@ -45,6 +45,8 @@ WRONG: Final[dict[Kind, str]] = {
     ),
 }
 EVERY: Final = (
+    'Track position and attitude: motion capture, or a fixed camera that sees markers on the '
+    'vehicle. Without a tracker, no flight calibrates the vehicle file; scales and ruler do.',
     'Log pose and commands with one clock, at 20 Hz or more, one file for each test, all with the '
     'same columns; also the commands of tests without any, as zeros.',
     'Keep the markers where they are: their frame is calibrated with everything else.',
@@ -76,8 +78,8 @@ def build_plan_report(plan: LabPlan, vehicle: Vehicle) -> Report:
         command='tests plan',
         subject=plan.vehicle,
         headline=(
-            f'{format_count(flights, "log")} with {seconds / 60.0:.0f} minutes of motion '
-            f'calibrate {plan.vehicle}.'
+            f'{format_count(flights, "log")} of a tracker with {seconds / 60.0:.0f} minutes of '
+            f'motion calibrate {plan.vehicle}.'
         ),
         introduction=(
             'The list follows from the vehicle file: each test was rehearsed with its model, and '

@@ -152,13 +152,18 @@ def _format_improvement(finding: StudyResult, conclusion: Conclusion) -> str:
     them = 'them' if _has_several_parameters(finding) else 'it'
     if conclusion.rivals:
         them = join_words([format_effect(one) for one in finding.effects])
-    text = (
-        f': with {them}, the {gap.channel} error after {gap.horizon_s:g} s falls from '
-        f'{format_quantity(gap.before, gap.unit, 2)} to {format_quantity(gap.after, gap.unit, 2)}'
+    before, tuned, after = (
+        format_quantity(part, gap.unit, 2) for part in (gap.before, gap.tuned, gap.after)
     )
+    text = f': the {gap.channel} error after {gap.horizon_s:g} s falls from {before}'
     # The effects add nothing to what the tolerances achieve
-    alone = 'fitting the parameters of the file within their tolerances does as much'
-    return f'{text}, but {alone}' if conclusion.by_tolerances else text
+    if conclusion.by_tolerances:
+        alone = 'fitting the parameters of the file within their tolerances does as much'
+        return f'{text} to {after} with {them}, but {alone}'
+    # Fitting alone may do most of it, and no effect may take the credit for that
+    if gap.tuned < gap.before:
+        text += f' to {tuned} by fitting the vehicle file within its tolerances, and'
+    return f'{text} to {after} with {them}'
 
 
 def format_advice(finding: StudyResult) -> str:

@@ -7,7 +7,7 @@ from lta_config.errors import BadInput, unknown_name_error
 from lta_config.files import find_file, load_yaml, validate_content
 from lta_config.parameter_override import parse_value, replace_parameter
 from lta_config.schema.comparison_file import Contestant, EntryChange
-from lta_config.schema.vehicle_file import VehicleFile
+from lta_config.schema.vehicle_file import load_vehicle_content, VehicleFile
 from lta_control.gains_file import load_law_gains
 from lta_control.laws import find_control_law
 from lta_model.vehicle import Vehicle
@@ -39,7 +39,7 @@ def build_entrant(
     """
     # An ablation builds on the changes of its contestant, in this order.
     steps: list[EntryChange] = [contestant] if change is None else [contestant, change]
-    content = load_yaml(find_file('vehicle', contestant.vehicle))
+    content = load_vehicle_content(find_file('vehicle', contestant.vehicle))
     for step in steps:
         content = _apply_changes(_borrow_blocks(content, step), step.changes, 'vehicle')
     where = f'{find_file("vehicle", contestant.vehicle)} with the changes of the comparison'

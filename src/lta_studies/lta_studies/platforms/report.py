@@ -313,5 +313,8 @@ def build_platform_table(comparison: ComparisonFile) -> TextTable:
             *(format_amount(force, 'mN', 1, 1e3) for force in (lift, weight, lift - weight)),
             format_amount((lift - weight) / STANDARD_GRAVITY, 'g', 1, 1e3),
         ])  # fmt: skip
-    heads = ('platform', 'law', 'feedback', 'full lift', 'weight to carry', 'margin', 'margin')
+    heads = (
+        'platform', 'law', 'feedback', 'full lift', 'weight to carry', 'lift to spare',
+        'mass to spare',
+    )  # fmt: skip
     return TextTable('Control laws and stability margins', heads, lines, MARGINS, printed=False)

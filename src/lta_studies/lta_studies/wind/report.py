@@ -73,7 +73,16 @@ def format_headline(results: Sequence[PlatformWindLimits]) -> str:
         return 'No wind limit was found.'
     best = max(most, key=lambda name: most[name])
     among = f', the highest limit of {len(most)} platforms' if len(most) > 1 else ''
-    return f'In uniform wind {best} {how} up to {most[best]:.2f} m/s{among}.'
+    (limit,) = [each for each in results if each.name == best]
+    # The static limit of one platform is the speed at which thrust, tumbling or rising ends it
+    why = '' if flown or among else f'; {_find_cause(limit)} limits it'
+    return f'In uniform wind {best} {how} up to {most[best]:.2f} m/s{among}{why}.'
+
+
+def _find_cause(limit: PlatformWindLimits) -> str:
+    """Return what sets the static limit."""
+    causes = {limit.thrust: 'thrust', limit.tumble: 'tumbling', limit.rise: 'rising'}
+    return causes[min(causes)]
 
 
 def format_introduction(request: WindStudyRequest) -> str:
@@ -93,9 +102,7 @@ def build_tiles(results: Sequence[PlatformWindLimits]) -> list[Tile]:
     made = []
     for each in results:
         numbers = format_speed(each.static)
-        # The smallest of the three speeds is the static limit; its name is the cause.
-        causes = {each.thrust: 'thrust', each.tumble: 'tumbling', each.rise: 'rising'}
-        cause = causes[min(causes)]
+        cause = _find_cause(each)
         why = f'{cause} allows {numbers}' if math.isfinite(each.static) else 'no known limit'
         if each.flown is None:
             known = math.isfinite(each.static)
@@ -144,7 +151,11 @@ def build_limit_table(
     results: Sequence[PlatformWindLimits], request: WindStudyRequest
 ) -> TextTable:
     """Return the table of limits, with two columns for each ground."""
-    grounds = ['uniform wind', *(f'ground roughness {z:g} m' for z in request.roughness)]
+    # Near the ground it is calm: 10 m/s of the weather service may be 1 m/s at the hull
+    grounds = [
+        'wind at the hull',
+        *(f'wind at {request.reference:g} m, roughness {z:g} m' for z in request.roughness),
+    ]
     heads = [
         'platform', 'hull height [m]', 'rotors hold [m/s]', 'tumbles above [m/s]',
         'rises above [m/s]', *['static [m/s]', 'flown [m/s]'] * len(grounds),

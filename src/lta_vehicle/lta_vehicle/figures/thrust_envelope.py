@@ -115,9 +115,9 @@ def _derive_hover_figures(vehicle: Vehicle) -> Iterator[DerivedFigure]:
         f'capacity at {NOMINAL} V (assumed), without solar power',
         cell,
         0,
-        ''
-        if thrust > 0.0
-        else 'floats without thrust; holding a height takes more (lta energy hover)',
+        f'{"" if thrust > 0.0 else "floats without thrust; "}without radio '
+        f'({1e3 * vehicle.loads.transmitting:.0f} mW) and without what control takes: lta energy '
+        'hover flies it',
     )
 
 

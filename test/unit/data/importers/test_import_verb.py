@@ -72,6 +72,8 @@ def test_what_is_printed_for_people_names_topics_bag_and_what_is_odd(lta, tmp_pa
     assert '/hawk/ground_truth/odom: 4 messages' in told
     assert 'The time goes back once, first in row 3; these rows are kept.' in told
     assert 'bag info' in told
+    # Degrees read as radians are found there
+    assert 'bag check' in told
 
 
 CASES = {

@@ -36,6 +36,14 @@ def by_name(plan: LabPlan, name: str) -> PlannedTest:
     return next(one for one in plan.tests if one.test.name == name)
 
 
+def test_steps_fit_the_room_in_all_directions(gtmab: Vehicle) -> None:
+    """A turn drifts, and a push also lifts: the rehearsed way counts, not that of the axis."""
+    small = plan_lab_tests(gtmab, 'gtmab', room=1.2)
+    steps = [one for one in small.tests if one.test.kind == 'step']
+    assert len(steps) == 3
+    assert all(max(one.room) <= 1.2 for one in steps)
+
+
 def test_each_test_teaches_what_textbooks_say(plan: LabPlan) -> None:
     """A float the lift, a swing its damping and inertia, a step its gain, a spin-down yaw."""
     for name, taught in {

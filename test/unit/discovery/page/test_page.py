@@ -459,7 +459,8 @@ def test_an_effect_with_an_equal_rival_is_told_as_either(found: DiscoveryStudy) 
     assert said.startswith(
         'Linear drag (surge) or quadratic drag (surge) is missing from the model: '
     )
-    assert 'with linear drag (surge), the position error' in said
+    assert 'the position error' in said
+    assert said.endswith('with linear drag (surge).')
     assert 'alternatives' in build_tiles(found.finding)[1].note
 
 
@@ -494,7 +495,7 @@ def test_an_effect_that_predicts_no_better_than_tolerances_is_said_to(
 ) -> None:
     gap = replace(found.finding.gaps[3], tuned=0.015, after=0.015)
     said = format_headline(replace(found.finding, gaps=(gap,)))
-    assert 'to 1.5 cm, but fitting' in said
+    assert 'to 1.5 cm with linear drag (surge), but fitting' in said
     assert said.endswith('within their tolerances does as much.')
 
 
@@ -502,9 +503,16 @@ def test_the_headline_says_what_is_missing_and_how_much_better(found: DiscoveryS
     alone = replace(found.finding.effects[0], confusable_with=())
     said = format_headline(replace(found.finding, effects=(alone,)))
     gap = found.finding.gaps[3]
-    start = 'Linear drag (surge) is missing from the model: with it, the position error after 5 s'
+    start = 'Linear drag (surge) is missing from the model: the position error after 5 s'
     assert said.startswith(start)
-    assert said.endswith(f'to {format_quantity(gap.after, "m", 2)}.')
+    assert said.endswith(f'to {format_quantity(gap.after, "m", 2)} with it.')
+    # What fitting alone gains is not the effect's
+    half = replace(gap, before=0.27, tuned=0.028, after=0.013)
+    said = format_headline(replace(found.finding, effects=(alone,), gaps=(half,)))
+    assert said.endswith(
+        'falls from 27 cm to 2.8 cm by fitting the vehicle file within its tolerances, and to '
+        '1.3 cm with it.'
+    )
     two = replace(
         found.finding.effects[0], name='net_lift', knobs=('net_lift.force',),
         parameters=(ParameterEstimate('force', 'N', 0.0, -0.008, (-0.009, -0.007)),),

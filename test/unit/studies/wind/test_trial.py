@@ -125,7 +125,7 @@ def test_limits_of_a_platform_flown_and_not(monkeypatch):
     flown = f'{one.flown.wind:.2f} (+{one.flown.fine:.2f})'
     assert f'<td>{one.static:.2f}</td><td>{flown}</td>' in made
     assert '<td>1.50</td>' in made  # where the larger hull flies
-    assert 'ground roughness 0.3 m' in made
+    assert 'wind at 10 m, roughness 0.3 m' in made
 
 
 def test_a_stopped_study_reports_the_finished_platforms(monkeypatch):

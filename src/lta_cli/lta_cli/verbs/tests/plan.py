@@ -26,12 +26,13 @@ def plan(
     ] = ROOM,
 ) -> Report:
     """
-    List the tests of an afternoon that calibrate a vehicle.
+    List the tests of an afternoon with a tracker that calibrate a vehicle.
 
-    Weigh it, let it float, let it swing, a step on each commanded axis, a spin-down, and two free
-    flights; for each why, how long, how large, and what can go wrong. All follows from the vehicle
-    file: each test is rehearsed with its model, and listed if its poses teach something that
-    shorter tests do not. The page can be printed.
+    It needs the logged position and attitude of the vehicle (motion capture, or a camera that sees
+    markers on it) and its commands, on one clock. Weigh it, let it float, let it swing, a step on
+    each commanded axis, a spin-down, and two free flights; for each why, how long, how large, and
+    what can go wrong. All follows from the vehicle file: each test is rehearsed with its model,
+    and listed if its poses teach something that shorter tests do not. The page can be printed.
 
     Exit status 0: done. 2: bad input.
 

@@ -1,32 +1,135 @@
-"""lta vehicle new: create a vehicle file from an existing one."""
+"""lta vehicle new: create a vehicle file from size, mass and motors, or from an existing one."""
 
 from pathlib import Path
 from typing import Annotated
 
 from lta_cli.options.common_options import plain_console
 from lta_config.command_line import format_lta_command, relative_path
+from lta_config.errors import BadInput
+from lta_model.vehicle import Vehicle
 from lta_vehicle.new_vehicle import write_new_vehicle
+from lta_vehicle.sized_vehicle import MOTORS, parse_size, VehicleSize, write_sized_vehicle
 import typer
+
+ALTITUDE = 0.5  # m, of a mission by default
+NEEDED = ('diameter', 'mass', 'thrust', 'arm')
+Text = str | None
 
 
 def new(
     name: Annotated[str, typer.Argument(help='Name of the new vehicle, for example my_blimp.')],
     model: Annotated[
-        str, typer.Option('--from', metavar='VEHICLE', help='Vehicle to copy, name or file.')
-    ] = 'gtmab',
+        str | None,
+        typer.Option(
+            '--from', metavar='VEHICLE', help='Copy this vehicle (name or file) instead.'
+        ),
+    ] = None,
+    diameter: Annotated[Text, typer.Option(help="Diameter of the envelope: '50 cm'.")] = None,
+    length: Annotated[
+        Text, typer.Option(help='Length of a cigar; without it and --height, a sphere.')
+    ] = None,
+    height: Annotated[Text, typer.Option(help='Height of a flattened balloon.')] = None,
+    mass: Annotated[
+        Text, typer.Option(help='Mass of everything without gas and ballast: what a scale shows.')
+    ] = None,
+    motors: Annotated[
+        int,
+        typer.Option(
+            help='; '.join(f'{count}: {where}' for count, where in MOTORS.items()) + '.',
+            min=min(MOTORS),
+            max=max(MOTORS),
+        ),
+    ] = 3,
+    thrust: Annotated[Text, typer.Option(help="Thrust of one motor at full: '0.1 N'.")] = None,
+    arm: Annotated[Text, typer.Option(help='Distance of the side motors from the middle.')] = None,
+    hang: Annotated[
+        Text,
+        typer.Option(
+            help='Depth of the gondola with the motors below the centre of the envelope; by '
+            'default 3 cm below the envelope.'
+        ),
+    ] = None,
+    envelope: Annotated[
+        Text, typer.Option(help='Mass of the empty envelope; by default from its area.')
+    ] = None,
+    heaviness: Annotated[
+        Text, typer.Option(help="Weight less lift after ballasting; '2 g' by default.")
+    ] = None,
+    battery: Annotated[
+        Text, typer.Option(help="Capacity of the battery, one cell; '250 mA h' by default.")
+    ] = None,
     out: Annotated[
         Path | None, typer.Option(help='Vehicle file to write; NAME.yaml by default.')
     ] = None,
 ) -> None:
     """
-    Create a vehicle file: a copy of an existing one, with its comments, under a new name.
+    Create a vehicle file from what you can weigh and measure, or copy an existing one.
 
-    Existing files are not overwritten. Enter your own numbers, each with its source, and inspect
-    the result with "lta vehicle show".
+    From size, mass and motors follow volume, lift, ballast, inertia and added mass, and an
+    estimate of the drag. All other numbers are assumed, with a range, and marked so in the file.
+    Gains that fit are written beside it, so that it flies at once. With --from, the file is a copy
+    with its comments, under a new name. Existing files are not overwritten.
 
-    Example: lta vehicle new my_blimp --from gtmab
+    Measure next what the file marks as assumed ("lta vehicle show --sources"); what a scale and a
+    ruler do not tell, the flights of "lta tests plan" do.
+
+    Example: lta vehicle new my_blimp --length 1.2m --diameter 0.5m --mass 120g --motors 3 --thrust
+    0.1N --arm 0.2m
     """
     path = out or Path(f'{name}.yaml')
+    texts = {
+        'diameter': diameter, 'length': length, 'height': height, 'mass': mass, 'thrust': thrust,
+        'arm': arm, 'hang': hang, 'envelope': envelope, 'heaviness': heaviness,
+        'battery': battery,
+    }  # fmt: skip
+    given = {key: text for key, text in texts.items() if text is not None}
+    console = plain_console()
+    if not given or model is not None:
+        if given:
+            raise BadInput(
+                '--from copies a vehicle as it is; leave out --from, or '
+                f'{", ".join(f"--{key}" for key in given)}.'
+            )
+        _copy_vehicle(name, model or 'gtmab', path)
+        return
+    if missing := [f'--{key}' for key in NEEDED if key not in given]:
+        raise BadInput(
+            f'Size, mass and motors are needed together: {", ".join(missing)} is missing; or copy '
+            'a vehicle with --from.'
+        )
+    sizes = {key: parse_size(key, text) for key, text in given.items()}
+    vehicle, gains = write_sized_vehicle(name, VehicleSize(motors=motors, **sizes), path)
+    for line in (f'File {path}', f'Gains {gains}', _describe_balance(vehicle)):
+        console.print(line, highlight=False, soft_wrap=True)
+    shown = _format_explicit_path(path)
+    stands = vehicle.hull_height_on_floor
+    climb = ['--set', f'mission.altitude={stands + 0.3:.1f}'] if stands > ALTITUDE - 0.1 else []
+    flies = ('Fly it', ('simulate', '--vehicle', shown, *climb))
+    if motors == min(MOTORS):
+        console.print('No motor pushes up, so no control law of LTA can hold its altitude.')
+        recorded = ('simulate', '--commands', 'BAG', '--vehicle', shown)
+        flies = ('Fly it by the commands of a flight', recorded)
+    for purpose, words in (
+        ('See its figures', ('vehicle', 'show', shown)),
+        flies,
+        ('Measure what is assumed', ('tests', 'plan', shown)),
+    ):
+        console.print(f'{purpose}: {format_lta_command(*words)}', highlight=False, soft_wrap=True)
+
+
+def _describe_balance(vehicle: Vehicle) -> str:
+    """Return lift and ballast as a sentence."""
+    lift = f'Its gas lifts {1e3 * vehicle.gross_lift:.0f} g'
+    if vehicle.file.trim.ballast == 'none':
+        heavy = 1e3 * vehicle.heaviness
+        return f'{lift}, which leaves {heavy:.3g} g to the motors.'
+    return (
+        f'{lift}; {1e3 * vehicle.ballast_mass:.0f} g of ballast leave it '
+        f'{1e3 * vehicle.heaviness:.2g} g heavier than air.'
+    )
+
+
+def _copy_vehicle(name: str, model: str, path: Path) -> None:
     write_new_vehicle(name, model, path)
     console = plain_console()
     console.print(f'File {path}', highlight=False, soft_wrap=True)

@@ -10,6 +10,7 @@ from lta_report.report import Picture, Report, TextSection, TextTable
 from lta_studies.energy import paper
 from lta_studies.energy.hover.discharge import DischargeTrace
 from lta_studies.energy.hover.run import HoverComparison, HoverResult
+from lta_vehicle.figures.thrust_envelope import NOMINAL
 from plotly.graph_objects import Figure
 
 CAPTION: Final = (
@@ -54,16 +55,26 @@ def format_headline(result: HoverComparison) -> str:
         else f'loses {second.trace.voltage_drop:.2f} V'
     )
     return (
-        f'{first.name} loses {first.trace.voltage_drop:.2f} V of cell voltage in '
-        f'{result.seconds:.0f} s of hovering; {second.name} {lost} on the same cell.'
+        f'{first.name} hovers for {format_duration(first.endurance)} on a full cell. It loses '
+        f'{first.trace.voltage_drop:.2f} V of cell voltage in {result.seconds:.0f} s of hovering; '
+        f'{second.name} {lost} on the same cell.'
     )
+
+
+def format_duration(seconds: float) -> str:
+    """Return a time in minutes, or in hours from two hours on."""
+    minutes = seconds / 60.0
+    return f'{minutes:.0f} min' if minutes < 120.0 else f'{minutes / 60.0:.1f} h'
 
 
 def build_tiles(result: HoverComparison) -> list[Tile]:
     """Return tiles with power and charge of both drones, and the power ratio."""
     made = []
     for each in (result.first, result.second):
-        left = f'{100 * float(each.trace.charge[-1]):.0f} % of the cell left'
+        left = (
+            f'{format_duration(each.endurance)} on a full cell; '
+            f'{100 * float(each.trace.charge[-1]):.0f} % left'
+        )
         # A drone that failed early has its charge at that time.
         when = '' if each.trace.failed is None else f' after {each.trace.failed:.0f} s'
         made.append(Tile(each.name, f'{each.power:.2f}', 'W', left + when))
@@ -101,8 +112,14 @@ def format_discharge_row(
 
 def describe_differences(result: HoverComparison) -> list[str]:
     """Return notes on the differences to the paper."""
-    second = result.second
+    first, second = result.first, result.second
+    control = first.power - first.still - first.radio
     notes = [
+        f'{first.name} hovers with {1e3 * first.power:.0f} mW: {1e3 * first.still:.0f} mW for its '
+        'electronics and the thrust that carries its weight, as in lta vehicle show, '
+        f'{1e3 * first.radio:.0f} mW for the radio, and {1e3 * control:.0f} mW for the motors '
+        'that hold height and heading. How long a full cell lasts is its capacity at '
+        f'{NOMINAL:g} V over this power.',
         '"Almost one third": the 1333 mW of the paper are '
         f'{100 * paper.HOVER / second.power:.0f} % of the power of {second.name} by the '
         f'bench data of Bitcraze, and our value is {100.0 * result.power_ratio:.0f} %. One '
@@ -162,7 +179,10 @@ def to_json(result: HoverComparison) -> dict[str, Any]:
 
 
 def _hover_to_json(each: HoverResult) -> dict[str, Any]:
-    return {'power': each.power, 'energy': each.energy, **_trace_to_json(each.trace)}
+    return {
+        'power': each.power, 'energy': each.energy, 'endurance': each.endurance,
+        **_trace_to_json(each.trace),
+    }  # fmt: skip
 
 
 def _trace_to_json(trace: DischargeTrace) -> dict[str, Any]:

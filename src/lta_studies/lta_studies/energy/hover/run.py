@@ -14,10 +14,11 @@ from lta_control.cascade import Setpoint
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec, load_spec
 from lta_model.electrical.battery import BatteryModel
-from lta_model.electrical.loads import LoadModel
+from lta_model.electrical.loads import LoadModel, power_demand
 from lta_studies.energy import paper
 from lta_studies.energy.course_flight import build_closed_loop, FlightTrack, fly_until
 from lta_studies.energy.hover.discharge import DischargeTrace, simulate_discharge
+from lta_vehicle.figures.thrust_envelope import hover_thrust, NOMINAL
 import numpy as np
 
 SCENE = 'hall'
@@ -36,6 +37,14 @@ class HoverResult:
     trace: DischargeTrace  # voltage and charge of the cell, up to a failure of the supply
     power: float  # mean power in hover [W]
     energy: float  # energy drawn from the cell [J]
+    still: float  # power of idling and of the thrust that carries the weight [W]
+    radio: float  # power of the radio, in `power` and not in `still` [W]
+    capacity: float  # energy of the full cell at its nominal voltage [J]
+
+    @property
+    def endurance(self) -> float:
+        """Time that a full cell lasts at the power of the hover. [s]"""
+        return self.capacity / self.power
 
 
 @final
@@ -132,12 +141,16 @@ def fly_hover(spec: FlightSpec, seconds: float, tick: Callable[[float], None]) -
     tick(seconds - reported)
     failed = None if loop.world.supply.flow.fed else float(flown.time[-1])
     loads = loop.world.vehicle.loads
+    each, count = hover_thrust(loop.world.vehicle)
     return HoverResult(
         name=loop.world.vehicle.file.name,
         # Without the first sample, which precedes the first load
         trace=DischargeTrace(flown.time[1:], flown.voltage[1:], flown.charge[1:], failed),
         power=mean_hover_power(loads, flown),
         energy=loop.world.supply.energy_totals.consumed,
+        still=power_demand(loads, [each] * count, transmitting=False),
+        radio=loads.transmitting,
+        capacity=loop.world.vehicle.file.energy.battery.capacity.si * NOMINAL,
     )
 
 

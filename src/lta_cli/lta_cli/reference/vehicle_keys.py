@@ -1,0 +1,140 @@
+"""Generate the page of all keys of a vehicle file from its schema."""
+
+from collections.abc import Iterator, Mapping, Sequence
+import inspect
+import re
+from typing import Any, Final, get_args, get_origin, Literal, Union
+
+from lta_cli.reference.parameters import format_bounds
+from lta_config.quantity import format_bounds as format_quantity_bounds
+from lta_config.quantity import Quantity, UNITS
+from lta_config.schema.vehicle_file import VehicleFile
+from lta_model.effects import EFFECTS
+from pydantic import BaseModel, WrapValidator
+
+HEAD: Final = """# Every key of a vehicle file
+
+Generated from the schema by `python -m lta_cli.reference vehicle_keys > docs/vehicle_keys.md`.
+
+A number is `{value: 7, unit: g, source: "kitchen scale"}`; `value` is a list where the table says
+so. Any unit that converts to the one of the table will do. An assumed number may also have a
+`range: [low, high]` and a `range_source`. `NAME` stands for a name of your own. Keys in **bold**
+must be there; the others have a default, or switch something on. `./lta vehicle new` writes a file
+from size, mass and motors, `./lta vehicle check` names what is wrong with one, and
+[the tutorial](tutorials/your_vehicle.md) shows how to change it.
+
+"""
+COLUMNS: Final = '| key | value | meaning |\n|---|---|---|\n'
+Entry = tuple[str, Any]
+
+
+def render_page() -> str:
+    """Return the page: a section for each block of the file."""
+    sections = list(_iterate_sections('', VehicleFile))
+    return HEAD + '\n'.join(sections) + _format_effects()
+
+
+def _iterate_sections(path: str, model: type[BaseModel]) -> Iterator[str]:
+    """Yield the section of a model, then those of the blocks in it."""
+    comments = _read_comments(model)
+    rows, below = [], []
+    for name, field in model.model_fields.items():
+        alias = field.validation_alias
+        key = 'schema' if alias is not None else name
+        kind, inner, steps = _describe_type(field.annotation, field.metadata)
+        bounds = format_bounds(field) if kind == 'number' else ''
+        shown = f'**`{key}`**' if field.is_required() else f'`{key}`'
+        text = comments.get(name, '')
+        if key == 'effects':
+            kind, text = (
+                '[block](#effects)',
+                'What is on beyond weight, buoyancy, drag and thrust.',
+            )
+        if inner is not None:
+            place = '.'.join(filter(None, (path, key, *steps)))
+            below.append((place, inner))
+            kind = f'[block](#{place.lower().replace(".", "")})'
+            text = text or _first_sentence(inner)
+        cell = ', '.join(filter(None, (kind, bounds)))
+        rows.append(f'| {shown} | {cell} | {text} |\n'.replace('  ', ' '))
+    about = inspect.cleandoc(model.__doc__ or '').split('\n\nAttributes\n')[0]
+    title = f'## {path}\n{about}\n\n' if path else ''
+    yield f'{title}{COLUMNS}{"".join(rows)}'
+    for place, inner in below:
+        yield from _iterate_sections(place, inner)
+
+
+def _describe_type(
+    annotation: Any,  # noqa: ANN401 - any annotation
+    metadata: Sequence[Any],
+) -> tuple[str, type[BaseModel] | None, list[str]]:
+    """Return a type in words, the model of a block, and the steps of the path to it."""
+    for item in metadata:
+        if isinstance(item, WrapValidator):
+            return _describe_quantity(item), None, []
+    origin, args = get_origin(annotation), get_args(annotation)
+    if hasattr(annotation, '__metadata__'):
+        return _describe_type(args[0], annotation.__metadata__)
+    if origin is Literal:
+        return ' or '.join(f'`{each}`' for each in args), None, []
+    if origin is Union or type(None) in args:
+        (one, *_) = [each for each in args if each is not type(None)]
+        return _describe_type(one, getattr(one, '__metadata__', ()))
+    if isinstance(origin, type) and issubclass(origin, Mapping):
+        kind, inner, steps = _describe_type(args[1], getattr(args[1], '__metadata__', ()))
+        return f'by name: {kind}', inner, ['NAME', *steps]
+    if origin is list:
+        return f'list of {_describe_type(args[0], ())[0]}s', None, []
+    if annotation is Quantity:
+        return 'number', None, []
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return 'block', annotation, []
+    words = {str: 'text', bool: 'true or false', int: 'number', float: 'number'}
+    return words.get(annotation, 'as declared'), None, []
+
+
+def _describe_quantity(validator: WrapValidator) -> str:
+    """Return the unit, count and bounds of a quantity, which its validator encloses."""
+    known = inspect.getclosurevars(validator.func).nonlocals
+    unit = known['dimension']
+    # Charges are written in mA h
+    shown = 'mA h' if unit == 'C' else unit
+    low = known['low'] if known['above'] is None else None
+    written = next(
+        word
+        for word, (kind, factor) in UNITS.items()
+        if (kind == unit and factor == 1.0) or word == shown
+    )
+    bounds = format_quantity_bounds(low, known['above'], known['high'], written)
+    bounds = bounds if bounds.strip() not in {'', written} else ''
+    count = f'{known["length"]} numbers' if known['length'] > 1 else 'number'
+    return ', '.join(filter(None, (f'{count} [{shown}]', bounds)))
+
+
+def _read_comments(model: type[BaseModel]) -> dict[str, str]:
+    """Return the comment of each field: at its line, or above it."""
+    found, above = {}, ''
+    for line in inspect.getsource(model).splitlines():
+        if whole := re.match(r'    # (.*)', line):
+            above = f'{above} {whole[1]}'.strip()
+            continue
+        if field := re.match(r'    (\w+): .*?(?:  # (.*))?$', line):
+            found[field[1]] = (field[2] or above).replace('|', '\\|')
+        above = ''
+    return found
+
+
+def _first_sentence(model: type[BaseModel]) -> str:
+    return inspect.cleandoc(model.__doc__ or '').splitlines()[0]
+
+
+def _format_effects() -> str:
+    """Return the section of `effects`, whose keys are those of the registry."""
+    rows = ''.join(
+        f'| `{effect.name}` | {", ".join(f"`{each.name}`" for each in effect.parameters)} |\n'
+        for effect in EFFECTS.values()
+    )
+    return (
+        '\n## effects\nEach effect has a block of its parameters; [effects](effects.md) explains '
+        f'them and gives their units.\n\n| effect | parameters |\n|---|---|\n{rows}'
+    )

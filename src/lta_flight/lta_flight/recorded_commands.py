@@ -1,0 +1,236 @@
+"""
+Read the commands of a recorded flight, to fly them through a vehicle file.
+
+The simulation begins with the recorded pose and velocity, and holds each command until the next,
+as the motors did. Where the recording has no velocities, they are fitted to its first poses.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+import math
+from pathlib import Path
+from typing import Final, final
+
+from lta_config.errors import BadInput
+from lta_data.bag.bag_folder import find_bag
+from lta_data.bag.channels import iterate_channels, SignalChannel
+from lta_data.bag.recorded_flight import open_flight, RecordedFlight
+from lta_data.tracked_motion import COMMAND, find_tracker_prefix, has_newton_commands, MASS
+from lta_model.state import POSITION, QUATERNION, RATES, RIGID, VELOCITY
+from lta_model.vehicle import Vehicle
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+Array = NDArray[np.float64]
+Vector = tuple[float, float, float]
+
+FITTED: Final = 0.5  # s; poses from which a missing velocity is fitted
+SHORTEST: Final = 1.0  # s
+SUNK: Final = 0.02  # m below the height at which the vehicle stands
+EARLY: Final = 1e-6  # s; a command counts from its stamp, whose float is rounded
+TWIST: Final = tuple(
+    f'twist.twist.{kind}.{axis}' for kind in ('linear', 'angular') for axis in 'xyz'
+)
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class RecordedCommands:
+    """
+    Commands of a flight from a begin on, and its motion.
+
+    Attributes
+    ----------
+    begin : float
+        Stamp of the begin, on the clock of the recording. [s]
+    duration : float
+        Time from the begin to the last pose or command. [s]
+    motion : array, shape (RIGID,)
+        Position, quaternion, velocity and rates at the begin.
+    times, duties : arrays, shapes (n,) and (n, rotors)
+        Commands since the begin, held until the next. [s, 1]
+    mass_places : array, shape (n, 3), or None
+        Commanded place of the moving mass. [m]
+    track_times, track : arrays, shapes (m,) and (m, 3)
+        Recorded positions since the begin. [s, m]
+    has_scene : bool
+        Whether the recording states its scenario; else there is no lamp to judge a flight by.
+    raised : float
+        By how much the track is raised, so that it does not lie in the floor. [m]
+
+    """
+
+    begin: float
+    duration: float
+    motion: Array
+    times: Array
+    duties: Array
+    mass_places: Array | None
+    track_times: Array
+    track: Array
+    has_scene: bool = False
+    raised: float = 0.0
+
+    def find_duties(self, elapsed: float) -> tuple[float, ...]:
+        """Return the duties at a time since the begin [s]; 0 before the first command."""
+        index = self._find_index(elapsed)
+        row = self.duties[index] if index >= 0 else np.zeros(self.duties.shape[1])
+        return tuple(row.tolist())
+
+    def find_mass_place(self, elapsed: float) -> Vector | None:
+        """Return the commanded place of the moving mass; None if there is none. [m]"""
+        index = self._find_index(elapsed)
+        if self.mass_places is None or index < 0:
+            return None
+        x, y, z = self.mass_places[index].tolist()
+        return x, y, z
+
+    def _find_index(self, elapsed: float) -> int:
+        return int(np.searchsorted(self.times, elapsed + EARLY, side='right')) - 1
+
+    def distances_from(self, times: Array, positions: Array) -> Array:
+        """Return the distances of positions, shape (k, 3), from the track at those times. [m]"""
+        recorded = np.column_stack(
+            [np.interp(times, self.track_times, each) for each in self.track.T]
+        )
+        return np.asarray(np.linalg.norm(positions - recorded, axis=1))
+
+
+def read_commands(
+    bag: Path, vehicle: Vehicle, robot: str | None, begin: float, end: float | None
+) -> RecordedCommands:
+    """
+    Read the commands of a recording for a vehicle.
+
+    Parameters
+    ----------
+    begin, end : float
+        Part of the recording, since its first message; None for its end. [s]
+
+    Raises
+    ------
+    BadInput
+        If the recording has no tracked pose, no command for a rotor of the vehicle, or less than a
+        second of both.
+
+    """
+    flight = open_flight(find_bag(bag), robot)
+    pose_channels, prefix = _read_pose(flight, bag)
+    times, duties, places = _read_duties(flight, vehicle)
+    poses = np.column_stack(
+        [pose_channels[f'{prefix}position.{axis}'].values for axis in 'xyz']
+        + [
+            pose_channels[f'{prefix}orientation.{angle}'].values
+            for angle in ('yaw', 'pitch', 'roll')
+        ]
+    )
+    at = pose_channels[f'{prefix}position.x'].time
+    known = np.isfinite(poses).all(axis=1) & (at >= max(begin, times[0] - EARLY))
+    if end is not None:
+        known &= at <= end
+    at, poses = at[known], poses[known]
+    last = min(at[-1], end if end is not None else times[-1]) if len(at) else 0.0
+    if not len(at) or last - at[0] < SHORTEST:
+        raise BadInput(
+            f"'{bag}' has less than {SHORTEST:g} s with both a tracked pose and commands in this "
+            'part; choose another part with --begin and --end, or another recording.'
+        )
+    raised = _find_raise(vehicle, poses[at <= last])
+    track = poses[:, :3] + (0.0, 0.0, raised)
+    motion = np.zeros(RIGID)
+    motion[POSITION] = track[0]
+    turns = Rotation.from_euler('ZYX', poses[:, 3:])
+    motion[QUATERNION] = turns[0].as_quat()
+    motion[VELOCITY], motion[RATES] = find_velocity(
+        _read_twist(pose_channels, prefix, at[0]), at, track, turns
+    )
+    first = at[0]
+    return RecordedCommands(
+        flight.start * 1e-9 + float(first), float(last - first), motion, times - first, duties,
+        places, at - first, track, 'scenario_file' in flight.provenance, raised,
+    )  # fmt: skip
+
+
+def _read_pose(flight: RecordedFlight, bag: Path) -> tuple[dict[str, SignalChannel], str]:
+    """Return the channels of the tracker's topic and the prefix of its pose."""
+    channels: dict[str, SignalChannel] = {}
+    for topic in flight.topics:
+        if 'pose' in topic or 'odom' in topic:
+            channels |= {each.name: each for each in iterate_channels(flight, topic)}
+    try:
+        prefix = find_tracker_prefix(channels)
+    except BadInput as error:
+        raise BadInput(f"'{bag}': {error}") from None
+    return channels, prefix
+
+
+def _read_duties(flight: RecordedFlight, vehicle: Vehicle) -> tuple[Array, Array, Array | None]:
+    """Return times [s], duties by rotor and places of the moving mass [m]."""
+    channels = (
+        {each.name: each for each in iterate_channels(flight, 'motors')}
+        if 'motors' in flight.topics
+        else {}
+    )
+    names = [f'{COMMAND}{name}' for name in vehicle.rotor_names]
+    if missing := [name.removeprefix(COMMAND) for name in names if name not in channels]:
+        there = [
+            name.removeprefix(COMMAND)
+            for name in channels
+            if name.startswith(COMMAND) and 'moving_mass' not in name
+        ]
+        raise BadInput(
+            f'The recording has no commands for {", ".join(missing)} of {vehicle.file.name} in '
+            f"'motors', but for {', '.join(sorted(there)) or 'no rotor'}; give the recorded "
+            'vehicle with --vehicle, or name its rotors as the recording does.'
+        )
+    times, first = np.unique(channels[names[0]].time, return_index=True)
+    # A command that a message lacks is the one before
+    duties = np.nan_to_num(np.column_stack([channels[name].values for name in names])[first])
+    if has_newton_commands(flight.provenance):
+        duties = np.column_stack([
+            [math.copysign(rotor.duty_for_thrust(abs(thrust)), thrust) for thrust in column]
+            for rotor, column in zip(vehicle.rotors, duties.T, strict=True)
+        ])  # fmt: skip
+    if np.abs(duties).max(initial=0.0) > 1.0 + EARLY:
+        raise BadInput(
+            f"The commands in 'motors' reach {np.abs(duties).max():.3g}, but duties are from -1 "
+            'to 1; import the log again with the right unit of its motors.'
+        )
+    places = None
+    if vehicle.file.moving_mass and all(name in channels for name in MASS):
+        places = np.column_stack([channels[name].values for name in MASS])[first]
+    return times, duties, places
+
+
+def _read_twist(channels: Mapping[str, SignalChannel], prefix: str, time: float) -> Array:
+    """Return recorded velocity and rates at a time, shape (6,); NaN where unknown."""
+    topic = prefix.rpartition('/')[0]
+    found = [channels.get(f'{topic}/{field}') for field in TWIST]
+    return np.array([
+        math.nan if each is None else float(np.interp(time, each.time, each.values))
+        for each in found
+    ])  # fmt: skip
+
+
+def find_velocity(
+    twist: Array, times: Array, track: Array, turns: Rotation
+) -> tuple[Array, Array]:
+    """Return velocity and rates at the first pose, body frame: recorded, or fitted to poses."""
+    near = times <= times[0] + FITTED
+    since = times[near] - times[0]
+    degree = min(2, len(since) - 1)
+    velocity, rates = twist[:3], twist[3:]
+    if not np.isfinite(velocity).all():
+        slope = np.polynomial.polynomial.polyfit(since, track[near], degree)[1]
+        velocity = turns[0].inv().apply(slope)
+    if not np.isfinite(rates).all():
+        turned = (turns[0].inv() * turns[near]).as_rotvec()
+        rates = np.polynomial.polynomial.polyfit(since, turned, degree)[1]
+    return velocity, rates
+
+
+def _find_raise(vehicle: Vehicle, poses: Array) -> float:
+    """Return by how much a track lies below where the vehicle stands on the floor. [m]"""
+    sunk = vehicle.hull_height_on_floor - float(poses[:, 2].min())
+    return sunk if sunk > SUNK else 0.0

@@ -1,0 +1,140 @@
+"""`lta vehicle new` from size, mass and motors."""
+
+import math
+from pathlib import Path
+
+from lta_config.errors import BadInput
+from lta_config.files import load_yaml
+from lta_flight.flight_spec import build_loop, load_spec
+from lta_model.vehicle import load_vehicle, Vehicle
+from lta_vehicle.sized_vehicle import parse_size, VehicleSize, write_sized_vehicle
+from lta_vehicle.validation import validate_vehicle_file
+import pytest
+
+CIGAR = ('--length', '1.2m', '--diameter', '0.5 m', '--mass', '120g', '--thrust', '0.1N',
+         '--arm', '0.2m')  # fmt: skip
+
+
+def write_vehicle(folder: Path, **size: float) -> Vehicle:
+    known = {'diameter': 0.5, 'length': 1.2, 'mass': 0.12, 'motors': 3, 'thrust': 0.1, 'arm': 0.2}
+    path = folder / 'mine.yaml'
+    write_sized_vehicle('mine', VehicleSize(**(known | size)), path)
+    return load_vehicle(str(path))
+
+
+def test_lift_ballast_and_added_mass_follow_from_the_size(tmp_path: Path) -> None:
+    vehicle = write_vehicle(tmp_path)
+    volume = 4.0 / 3.0 * math.pi * 0.6 * 0.25**2
+    lift = volume * 0.93 * (1.2041 - 0.1664)
+    assert vehicle.volume == pytest.approx(volume)
+    assert vehicle.gross_lift == pytest.approx(lift)
+    assert vehicle.ballast_mass == pytest.approx(lift + 0.002 - 0.12, abs=2e-5)
+    # Lamb 1932, section 115: k1, k2 of 0.209, 0.702 at 2.0 and 0.156, 0.763 at 2.51
+    along, across = (vehicle.added_mass[axis] / (1.2041 * volume) for axis in (0, 1))
+    assert along == pytest.approx(0.209 + (0.156 - 0.209) * 0.4 / 0.51, abs=0.004)
+    assert across == pytest.approx(0.702 + (0.763 - 0.702) * 0.4 / 0.51, abs=0.004)
+
+
+def test_inertia_is_that_of_its_four_masses(tmp_path: Path) -> None:
+    # A thin film, a bar of 0.4 m with motors and ballast at the same depth, and the gas
+    vehicle = write_vehicle(tmp_path, envelope=0.07, hang=0.3)
+    gas, ballast = vehicle.gas_mass, vehicle.ballast_mass
+    below = 0.05 + ballast
+    depth = below * 0.3 / vehicle.mass
+    film, filling = 0.07 * 2.0 * 0.25**2 / 3.0, gas * 2.0 * 0.25**2 / 5.0
+    bar = 0.05 * (0.4**2 + 0.03**2) / 12.0
+    roll = film + filling + bar + (0.07 + gas) * depth**2 + below * (0.3 - depth) ** 2
+    assert vehicle.inertia[0, 0] == pytest.approx(roll, rel=1e-3)
+    assert -vehicle.cg[2] == pytest.approx(depth, rel=1e-3)
+
+
+def test_drag_is_hoerner_s_with_a_plate_for_the_gondola(tmp_path: Path) -> None:
+    drag = write_vehicle(tmp_path).file.aero
+    friction = 1.328 / math.sqrt(1.0 * 1.2 / 1.5e-5)
+    hull = 0.44 / 2.4 + 4.0 * friction * 2.4 + 4.0 * friction / math.sqrt(2.4)
+    by_hand = 0.6 * (hull * math.pi * 0.25**2 + 1.17 * 0.4 * 0.03)
+    at_one = drag.linear_drag.force.vector[0] + drag.quadratic_drag.force.vector[0]
+    # Two terms cannot follow the root of friction exactly: 10 %
+    assert at_one == pytest.approx(by_hand, rel=0.1)
+
+
+def test_what_is_not_given_is_marked_as_assumed(tmp_path: Path) -> None:
+    write_vehicle(tmp_path)
+    content = load_yaml(tmp_path / 'mine.yaml')
+    assert content['hull']['length']['source'] == 'given to lta vehicle new'
+    for place in (content['layers']['hull']['envelope']['mass'], content['trim']['heaviness'],
+                  content['aero']['quadratic_drag']['force']):  # fmt: skip
+        assert place['source'].startswith('assumed')
+    assert content['aero']['quadratic_drag']['force']['range'][1][0] > 0.0
+
+
+@pytest.mark.parametrize('motors', [2, 3, 4])
+def test_it_flies_with_the_gains_beside_it(tmp_path: Path, motors: int) -> None:
+    write_vehicle(tmp_path, motors=motors)
+    assert validate_vehicle_file(tmp_path / 'mine.yaml').faults == []
+    loop = build_loop(load_spec(str(tmp_path / 'mine.yaml'), 'lamp_room', 'bag', ''), 1)
+    for _ in range(400):
+        loop.step()
+    # The climb has begun where a motor pushes up
+    assert (max(loop.duties) > 0.05) == (motors > 2)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    'size',
+    [{}, {'length': 1.0, 'diameter': 0.41, 'mass': 0.09, 'arm': 0.1, 'thrust': 0.15},
+     {'length': None, 'height': 0.6, 'diameter': 1.0, 'mass': 0.2, 'motors': 4, 'thrust': 0.15}],
+)  # fmt: skip
+def test_it_reaches_the_lamp(tmp_path: Path, size: dict[str, float]) -> None:
+    write_vehicle(tmp_path, **size)
+    loop = build_loop(load_spec(str(tmp_path / 'mine.yaml'), 'lamp_room', 'bag', ''), 1)
+    *_, last = loop.iterate_steps()
+    assert last.name == 'REACHED'
+
+
+def test_a_heavy_vehicle_is_carried_by_its_motors(tmp_path: Path) -> None:
+    vehicle = write_vehicle(tmp_path, mass=0.155)
+    assert vehicle.heaviness == pytest.approx(0.155 - vehicle.gross_lift, abs=1e-4)
+    assert vehicle.ballast_mass == 0.0
+
+
+@pytest.mark.parametrize(
+    ('size', 'words'),
+    [
+        ({'mass': 1.2}, 'lighter'),
+        ({'mass': 0.155, 'heaviness': 0.002}, 'cannot be trimmed to 2 g'),
+        ({'height': 0.3}, 'either --length'),
+        ({'envelope': 0.2}, 'the envelope included'),
+        ({'mass': 0.155, 'motors': 2}, 'no rotor that pushes upwards'),
+    ],
+)  # fmt: skip
+def test_an_impossible_vehicle_is_refused_and_nothing_written(
+    tmp_path: Path, size: dict[str, float], words: str
+) -> None:
+    with pytest.raises(BadInput, match=words):
+        write_vehicle(tmp_path, **size)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize('text', ['1.2', '1.2 kg', '-1 m', '1000 m', 'long'])
+def test_a_wrong_size_is_named(text: str) -> None:
+    with pytest.raises(BadInput, match='--length'):
+        parse_size('length', text)
+
+
+def test_capacities_are_written_as_usual() -> None:
+    assert parse_size('battery', '300mAh') == pytest.approx(1080.0)
+
+
+def test_the_command_says_what_it_wrote_and_what_next(call, tmp_path: Path) -> None:
+    path = tmp_path / 'mine.yaml'
+    status, said = call('vehicle', 'new', 'mine', *CIGAR, '--out', str(path))
+    assert status == 0
+    assert '34 g of ballast leave it 2 g heavier' in said.out
+    assert 'tests plan' in said.out
+    assert call('vehicle', 'new', 'mine', *CIGAR, '--out', str(path))[0] == 2
+    status, said = call('vehicle', 'new', 'other', '--mass', '3 g')
+    assert status == 2
+    assert '--diameter, --thrust, --arm is missing' in said.err
+    status, said = call('vehicle', 'new', 'other', '--mass', '3 g', '--from', 'gtmab')
+    assert status == 2
