@@ -177,7 +177,7 @@ def supervise_flight(
                 watcher.show_message(f'{end.sentence}{why}; the flight continues.')
         show_status(facts, watcher)
         # A viewer never delays or ends a flight
-        running = [name for name in launcher.running if name not in optional]
+        running = [name for name in launcher.running_nodes if name not in optional]
         lookout.report_stalled_nodes(
             facts, listener.find_silent_nodes(running), listener.find_pending_nodes(running)
         )
