@@ -16,7 +16,7 @@ import tempfile
 
 from lta_bridge.bag.qos import build_offered_qos
 from lta_bridge.bag.writer import BagWriter
-from lta_bridge.cdr import encode_cdr
+from lta_graph.cdr_encoder import encode_cdr
 from lta_bridge.provenance import collect_provenance
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.topics import load_topic_table, MESSAGES, uses_typed_messages

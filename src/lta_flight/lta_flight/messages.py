@@ -5,7 +5,7 @@ from typing import Any
 
 from lta_bridge.bag.qos import build_offered_qos
 from lta_bridge.bag.writer import BagWriter
-from lta_bridge.cdr import encode_cdr
+from lta_graph.cdr_encoder import encode_cdr
 from lta_bridge.description.messages import iterate_descriptions
 from lta_bridge.log_time_assigner import LogTimeAssigner
 from lta_config.topics import robot_topic, TopicTable

@@ -34,7 +34,7 @@ from pydantic import ValidationError
 
 NAMESPACE = 'ros_namespace'  # launch variable that ROS also uses for the pushed namespace
 ONE = 'one'  # value of `processes` with which nodes share a process
-ONE_PROCESS = ('lta_bridge', 'one_process')  # package and executable that runs them
+ONE_PROCESS = ('lta_graph', 'one_process')  # package and executable that runs them
 
 
 @final

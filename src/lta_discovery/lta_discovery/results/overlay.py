@@ -12,7 +12,7 @@ from typing import Any, Final
 
 from lta_bridge.bag.qos import build_offered_qos
 from lta_bridge.bag.writer import BagWriter
-from lta_bridge.cdr import encode_cdr
+from lta_graph.cdr_encoder import encode_cdr
 from lta_discovery.flights.measured_flight import PERIOD
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.replay.linearized_flight import LinearizationPoint

@@ -17,6 +17,7 @@ from functools import cache, partial
 import struct
 from typing import Any, final
 
+from lta_graph.cdr_encoder import encode_cdr
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, qos_check_compatible, QoSCompatibility
@@ -55,11 +56,6 @@ class HandOver:
     """
     The messages under way between the nodes of one process.
 
-    Parameters
-    ----------
-    encode : callable
-        Returns a message as CDR, the same bytes for the same content.
-
     Attributes
     ----------
     queue : deque of (LocalReader, object)
@@ -69,8 +65,7 @@ class HandOver:
 
     """
 
-    def __init__(self, encode: Callable[[Any], bytes]) -> None:
-        self.encode = encode
+    def __init__(self) -> None:
         self.queue: deque[tuple[LocalReader, Any]] = deque()
         self.changes = 0
         self._readers: dict[str, list[LocalReader]] = defaultdict(list)
@@ -127,7 +122,7 @@ class LocalPublisher(Publisher):
         if self._round is not None:
             self._round(message)
         if data is None and (outside or any(reader.raw for reader in self._readers)):
-            data = self._hand_over.encode(message)
+            data = encode_cdr(message)
         put = self._hand_over.queue.append
         for reader in self._readers:
             put((reader, data if reader.raw else message))

@@ -61,7 +61,7 @@ class SuperviseAction(Action):
         if perform_substitutions(context, self._processes) == ONE:
             raise BadInput(
                 'ros2 launch starts every node in a process of its own; for processes:=one use '
-                '"ros2 run lta_cli lta launch" or "ros2 run lta_bridge one_process".'
+                '"ros2 run lta_cli lta launch" or "ros2 run lta_graph one_process".'
             )
         names = perform_substitutions(context, self._planned).split()
         known = context.get_locals_as_dict().get(PLANNED)

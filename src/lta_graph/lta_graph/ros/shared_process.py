@@ -13,6 +13,7 @@ stopped, as the launch file says.
 from collections.abc import Callable, Generator, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
+from functools import partial
 import gc
 from importlib import import_module
 from importlib.metadata import distribution, PackageNotFoundError
@@ -23,12 +24,15 @@ import traceback
 from typing import Any, final
 
 from lta_config.errors import BadInput
+from lta_config.files import find_file
 from lta_graph.health import HealthLevel
 from lta_graph.interrupts import STOPS
+from lta_graph.launch_file import load_plan, ONE, parse_arguments
 from lta_graph.launch_node import LaunchProcess
 from lta_graph.ros.command_line import initialize_ros, reject_unknown_parameters
 from lta_graph.ros.hand_over import HandOver, place_node
 from lta_graph.ros.node import GraphNode
+from lta_graph.ros.process import run_process
 from lta_graph.ros.spin import count_entities, list_actions, OFTEN, Pause, RARELY, Spin, WAIT_NS
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
@@ -36,7 +40,7 @@ from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.node import Node
 from rclpy.utilities import get_default_context
 
-ROUND = 0.005  # wall seconds of handing over after which the loop looks at the middleware
+ROUND = 0.02  # wall seconds of handing over after which the loop looks at the middleware
 BATCH = 20  # messages handed over between two looks at the clock
 LOOK = 0.05  # wall seconds between two looks for services, the longest sleep of the loop
 LAST = 2.0  # wall seconds for the messages under way when the run ends
@@ -62,6 +66,39 @@ class RunningNode:
             return True
         self.since = now
         return self.phase.running()
+
+
+def main() -> None:
+    """Run the nodes of a launch file that share a process: `one_process FILE NAME:=VALUE ...`."""
+    run_process(partial(run_launch_file, sys.argv))
+
+
+def run_launch_file(words: Sequence[str], teardown: ExitStack) -> int:
+    """
+    Run the nodes of a launch file as `run_nodes` does.
+
+    Parameters
+    ----------
+    words : sequence of str
+        Program, launch file and its arguments.
+    teardown : ExitStack
+        As for `run_nodes`.
+
+    Raises
+    ------
+    BadInput
+        If there is no such file, or it starts no node that can share a process.
+
+    """
+    program, *given = words
+    if not given:
+        raise BadInput('Give a launch file, such as fly, and its arguments as NAME:=VALUE.')
+    path = find_file('launch file', given[0], '.launch.yaml')
+    plan = load_plan(path, {**parse_arguments(given[1:]), 'processes': ONE})
+    shared = [process for process in plan.processes if process.shared]
+    if not shared:
+        raise BadInput(f'{path} starts no node that can share a process; use lta launch.')
+    return run_nodes(shared, program, teardown)
 
 
 def load_node_class(process: LaunchProcess) -> type[GraphNode]:
@@ -95,7 +132,6 @@ def load_node_class(process: LaunchProcess) -> type[GraphNode]:
 
 def run_nodes(
     processes: Sequence[LaunchProcess],
-    encode: Callable[[Any], bytes],
     program: str,
     teardown: ExitStack,
 ) -> int:
@@ -106,8 +142,6 @@ def run_nodes(
     ----------
     processes : sequence of LaunchProcess
         The nodes, as processes that would run them.
-    encode : callable
-        Returns a message as CDR, the same bytes for the same content.
     program : str
         Name of the program, for ROS.
     teardown : ExitStack
@@ -129,7 +163,7 @@ def run_nodes(
     held: list[int] = []
     signal.signal(signal.SIGINT, lambda number, _: held.append(number))
     initialize_ros([program])
-    group = NodeGroup(HandOver(encode), get_default_context())
+    group = NodeGroup(HandOver(), get_default_context())
     try:
         for process in processes:
             group.create_node(process, teardown)

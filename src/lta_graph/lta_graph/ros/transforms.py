@@ -22,7 +22,8 @@ except ImportError:
         __module__ = 'tf2_msgs.msg'
 
         def __init__(self, transforms: Sequence[TransformStamped]) -> None:
-            self.transforms = transforms
+            # The second as the slot of a generated class
+            self.transforms = self._transforms = transforms
 
         @staticmethod
         def get_fields_and_field_types() -> dict[str, str]:
