@@ -4,6 +4,7 @@ from lta_config.topics import load_topic_table, robot_topic
 from lta_data.bag.reader import read_bag
 from lta_data.bag.recorded_flight import open_flight
 from std_srvs.srv import SetBool
+
 from .command import processes
 from .contents import contents
 from .peer import Peer
@@ -65,7 +66,9 @@ def test_a_shared_process_is_a_graph_for_others_and_ends_by_ctrl_c(
     assert len(running) == 1
     with Peer(domain_id) as peer:
         stamps = []
-        peer.hear('odom', lambda odom: stamps.append((odom.header.stamp.sec, odom.header.stamp.nanosec)))
+        peer.hear(
+            'odom', lambda odom: stamps.append((odom.header.stamp.sec, odom.header.stamp.nanosec))
+        )
         peer.until(lambda: len(stamps) > 20)
         # Once each, although they are handed over and sent
         assert stamps == sorted(set(stamps))

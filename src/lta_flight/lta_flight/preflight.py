@@ -69,12 +69,12 @@ def check_landing_time(plan: LaunchPlan) -> None:
 def check_snapshots(plan: LaunchPlan) -> None:
     """Reject snapshots in a shared process, where writing one would stop all nodes meanwhile."""
     for process in plan.processes:
-        if process.shared and process.executable == RECORDER:
-            if parse_parameters(process.arguments).get('snapshot'):
-                raise BadInput(
-                    'Writing a snapshot would stop the nodes that share a process; remove '
-                    'snapshot or processes:=one.'
-                )
+        values = parse_parameters(process.arguments)
+        if process.shared and process.executable == RECORDER and values.get('snapshot'):
+            raise BadInput(
+                'Writing a snapshot would stop the nodes that share a process; remove snapshot or '
+                'processes:=one.'
+            )
 
 
 def check_parameters(values: Mapping[str, object], controls: bool) -> None:

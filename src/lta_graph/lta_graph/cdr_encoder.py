@@ -40,7 +40,7 @@ class MessagePart(Protocol):
     """Some consecutive fields of a message type."""
 
     def encode(self, message: Any, phase: int, parts: list[bytes]) -> int:  # noqa: ANN401
-        """Append the bytes, which begin at an offset modulo `ALIGNMENT`; return that of the end."""
+        """Append the bytes that begin at an offset modulo `ALIGNMENT`; return that of the end."""
         ...
 
 
@@ -48,7 +48,8 @@ def encode_cdr(message: Any) -> bytes:  # noqa: ANN401 - a generated class
     """Return a message of rclpy as CDR with its encapsulation header."""
     parts = [HEADER]
     phase = 0
-    for part in _list_parts(type(message)):
+    kind: Any = type(message)
+    for part in _list_parts(kind):
         phase = part.encode(message, phase, parts)
     parts.append(bytes(-phase % 4))
     return b''.join(parts)
@@ -143,7 +144,7 @@ class FlatFields:
 class MessageSequence:
     """One field that holds messages: a sequence or an array of fixed size."""
 
-    def __init__(self, path: str, kind: type, counted: bool) -> None:
+    def __init__(self, path: str, kind: Any, counted: bool) -> None:  # noqa: ANN401 - generated
         self._get = attrgetter(path)
         self._item = _list_parts(kind)
         self._counted = counted

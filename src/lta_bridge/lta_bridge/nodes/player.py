@@ -32,8 +32,8 @@ from lta_graph.ros.peer_listener import OVER
 from lta_graph.ros.process import run_node
 from lta_graph.ros.qos import select_profile
 from lta_graph.ros.replay_due import from_due
-from lta_graph.ros.stamps import to_stamp
 from lta_graph.ros.spin import Pause, Spin
+from lta_graph.ros.stamps import to_stamp
 from lta_graph.ros.startup import wait_until_complete
 from rclpy.clock import Clock, ClockType
 from rclpy.subscription import Subscription

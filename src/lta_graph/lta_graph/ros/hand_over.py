@@ -62,12 +62,15 @@ class HandOver:
         Messages, or bytes for raw readers, in the order of publication.
     changes : int
         How often the readers have changed.
+    rounds : int
+        How often the process has looked at the middleware. Publishers look for readers outside
+        once a round, since asking takes as long as handing over.
 
     """
 
     def __init__(self) -> None:
         self.queue: deque[tuple[LocalReader, Any]] = deque()
-        self.changes = 0
+        self.changes = self.rounds = 0
         self._readers: dict[str, list[LocalReader]] = defaultdict(list)
 
     def list_readers(self, topic: str) -> list[LocalReader]:
@@ -106,8 +109,9 @@ class LocalPublisher(Publisher):
         self._hand_over = hand_over
         self._readers = hand_over.list_readers(self.topic_name)
         self._round = build_rounding(self.msg_type)
-        self._seen = -1
+        self._seen = (-1, -1)
         self._matched = 0
+        self._outside = False
         self.latched = self.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
 
     def publish(self, msg: Any) -> None:  # noqa: ANN401 - whatever the topic carries
@@ -135,14 +139,18 @@ class LocalPublisher(Publisher):
 
     def _has_outside_readers(self) -> bool:
         """Return whether more readers have matched than there are in this process."""
-        if self._seen != self._hand_over.changes:
-            self._seen = self._hand_over.changes
+        now = self._hand_over.changes, self._hand_over.rounds
+        if now == self._seen:
+            return self._outside
+        if now[0] != self._seen[0]:
             self._matched = sum(
                 qos_check_compatible(self.qos_profile, reader.subscription.qos_profile)[0]
                 != QoSCompatibility.ERROR
                 for reader in self._readers
             )
-        return self.get_subscription_count() > self._matched
+        self._seen = now
+        self._outside = self.get_subscription_count() > self._matched
+        return self._outside
 
 
 @cache

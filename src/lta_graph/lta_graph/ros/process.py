@@ -40,6 +40,7 @@ def run_process(run: Callable[[ExitStack], int]) -> NoReturn:
 
     The exit status is 0 after a shutdown, 2 with one sentence after bad input, 130 after Ctrl-C
     before the node exists, and 1 with a traceback after a crash.
+
     """
     teardown = ExitStack()
     teardown.callback(rclpy.try_shutdown)

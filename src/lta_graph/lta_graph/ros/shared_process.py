@@ -25,7 +25,7 @@ from typing import Any, final
 
 from lta_config.errors import BadInput
 from lta_config.files import find_file
-from lta_graph.health import HealthLevel
+from lta_graph.health import ENDS_RUN, HealthLevel
 from lta_graph.interrupts import STOPS
 from lta_graph.launch_file import load_plan, ONE, parse_arguments
 from lta_graph.launch_node import LaunchProcess
@@ -240,7 +240,6 @@ class NodeGroup:
             each.node.keep_for_late_readers({node.role for node in beside})
             self._executor.add_node(each.node)
         # What start-up has left is not searched for garbage again and again
-        gc.collect()
         gc.freeze()
         with self._context.handle:
             while self._running:
@@ -281,20 +280,21 @@ class NodeGroup:
     def _fail(self, each: RunningNode, error: Exception) -> None:
         """Report and close a node that has raised an exception."""
         ends_run = each.process.on_exit_shutdown
-        going_on = '' if ends_run else '; the others continue'
         if isinstance(error, BadInput):
             why = str(error)
-            if ends_run and self.refusal is None:
-                self.refusal = error
         else:
             traceback.print_exception(error)
             # As `lta_graph.ros.process` says it of a node with its own process
             why = f'broke: {type(error).__name__}: {error}'.removesuffix(': ')
-        sys.stderr.write(f'{each.process.name} {why}{going_on}\n')
-        each.node.health.report('state', HealthLevel.ERROR, why)
+        each.node.health.report('state', HealthLevel.ERROR, why, **{ENDS_RUN: ends_run})
         each.node.publish_health()
-        if ends_run:
+        if ends_run and isinstance(error, BadInput):
+            self.refusal = self.refusal or error
+        elif ends_run:
             self.status = 1
+            sys.stderr.write(f'{each.process.name} {why}\n')
+        else:
+            sys.stderr.write(f'{each.process.name} ended ({why}); the others continue.\n')
         self._close(each)
         if ends_run and not self._stopping:
             self.stop()
@@ -367,6 +367,7 @@ class NodeGroup:
             return
         if self._stale:
             self._collect_entities()
+        self._hand_over.rounds += 1
         now = time.monotonic()
         busy = bool(self._hand_over.queue)
         pauses = [
