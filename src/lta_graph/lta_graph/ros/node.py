@@ -253,11 +253,12 @@ class GraphNode(SharingNode):
         if (unsound := self.soundness.unsound).count:
             self.health.set_fact(unsound.build_fact(MESSAGES))
         self._warn_missing_inputs(now)
-        self.health.report(
-            LINKS, HealthLevel.OK, 'number of subscribers of each topic', **self.count_readers()
-        )
-        self._conflict.report(self.health)
         if self.health.changed or now - self._reported >= REPORT_PERIOD:
+            # Asking the middleware takes longer than all the rest
+            self.health.report(
+                LINKS, HealthLevel.OK, 'number of subscribers of each topic', **self.count_readers()
+            )
+            self._conflict.report(self.health)
             self.publish_health()
 
     def _warn_missing_inputs(self, now: float) -> None:
