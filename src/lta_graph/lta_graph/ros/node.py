@@ -256,7 +256,10 @@ class GraphNode(SharingNode):
         if self.health.changed or now - self._reported >= REPORT_PERIOD:
             # Asking the middleware takes longer than all the rest
             self.health.report(
-                LINKS, HealthLevel.OK, 'number of subscribers of each topic', **self.count_readers()
+                LINKS,
+                HealthLevel.OK,
+                'number of subscribers of each topic',
+                **self.count_readers(),
             )
             self._conflict.report(self.health)
             self.publish_health()
