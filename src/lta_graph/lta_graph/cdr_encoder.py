@@ -36,7 +36,7 @@ NUMBERS = {
 FIELD = re.compile(r'(?P<open>sequence<)?(?P<item>[\w/]+)(?:, \d+)?>?(?:\[(?P<size>\d+)\])?')
 
 
-class MessagePart(Protocol):
+class CdrPart(Protocol):
     """Some consecutive fields of a message type."""
 
     def encode(self, message: Any, phase: int, parts: list[bytes]) -> int:  # noqa: ANN401
@@ -163,9 +163,9 @@ class MessageSequence:
 
 
 @cache
-def _list_parts(kind: Any) -> list[MessagePart]:  # noqa: ANN401 - a generated class
+def _list_parts(kind: Any) -> list[CdrPart]:  # noqa: ANN401 - a generated class
     """Return the parts of a message type; cached, since types are inspected for long."""
-    parts: list[MessagePart] = []
+    parts: list[CdrPart] = []
     flat: list[tuple[str, str]] = []
 
     def collect(kind: Any, prefix: str) -> None:  # noqa: ANN401 - a generated class

@@ -6,9 +6,7 @@ from lta_graph.ros.message_validation import find_message_type
 from nav_msgs.msg import Odometry
 import pytest
 
-TYPES = sorted(
-    {find_message_type(topic) for topic in load_topic_table().topics.values()}, key=str
-)
+TYPES = sorted({find_message_type(topic) for topic in load_topic_table().topics.values()}, key=str)
 
 
 @pytest.mark.parametrize('kind', TYPES, ids=lambda kind: kind.__name__)
