@@ -6,7 +6,8 @@ twice if a value is given. Copying a blank message takes a quarter of the time.
 """
 
 from collections.abc import Callable
-from functools import cache
+from functools import cache, partial
+from operator import getitem
 from typing import Any, TypeVar
 
 Message = TypeVar('Message')
@@ -35,8 +36,8 @@ def _build_copier(blank: Any) -> Callable[[], Any]:  # noqa: ANN401 - a generate
         elif isinstance(value, list):
             own.append((name, value.copy))
         elif hasattr(value, 'tobytes'):
-            # numpy or array.array: the slice of the latter is a copy
-            own.append((name, value.copy if hasattr(value, 'copy') else lambda v=value: v[:]))
+            # numpy or array.array, of which a slice is a copy; a slice of numpy is none
+            own.append((name, getattr(value, 'copy', partial(getitem, value, slice(None)))))
         else:
             constant.append((name, value))
     new = object.__new__

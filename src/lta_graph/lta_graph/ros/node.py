@@ -16,13 +16,13 @@ from lta_config.settings import setting, Settings
 from lta_config.topics import load_topic_table
 from lta_graph.health import Health, HealthLevel
 from lta_graph.inbox import Inbox, InboxStep
-from lta_graph.ros.hand_over import LocalPublisher, SharingNode
 from lta_graph.ros.message_validation import find_message_type, MESSAGES, MessageValidator
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.publisher_conflict import PublisherConflict
 from lta_graph.ros.qos import select_profile
 from lta_graph.ros.reader_links import LINKS
 from lta_graph.ros.replay_due import DUE, subscribe_inbox_schedule
+from lta_graph.ros.shared.hand_over import LocalPublisher, SharingNode
 from lta_graph.ros.spin import Pause, Spin
 from lta_graph.ros.stamps import from_stamp
 from rclpy.clock import Clock, ClockType

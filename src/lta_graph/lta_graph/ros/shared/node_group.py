@@ -30,9 +30,9 @@ from lta_graph.interrupts import STOPS
 from lta_graph.launch_file import load_plan, ONE, parse_arguments
 from lta_graph.launch_node import LaunchProcess
 from lta_graph.ros.command_line import initialize_ros, reject_unknown_parameters
-from lta_graph.ros.hand_over import HandOver, place_node
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.process import run_process
+from lta_graph.ros.shared.hand_over import HandOver, place_node
 from lta_graph.ros.spin import count_entities, list_actions, OFTEN, Pause, RARELY, Spin, WAIT_NS
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
