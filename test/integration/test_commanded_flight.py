@@ -62,10 +62,18 @@ def commander(domain_id) -> Iterator[Commander]:
         yield Commander(peer)
 
 
-@pytest.mark.parametrize('mode', ['lockstep', pytest.param('realtime', marks=pytest.mark.long)])
-def test_a_client_takes_off_goes_to_the_lamp_and_lands(lta, scenario, commander, mode):
+@pytest.mark.parametrize(
+    ('mode', 'processes'),
+    [
+        ('lockstep', 'many'),
+        pytest.param('lockstep', 'one', marks=pytest.mark.long),
+        pytest.param('realtime', 'many', marks=pytest.mark.long),
+    ],
+)
+def test_a_client_takes_off_goes_to_the_lamp_and_lands(lta, scenario, commander, mode, processes):
     room = scenario(walls='solid', time_limit='1 s')  # which does not end a commanded flight
-    launch = lta.start(*COMMANDED, f'time:={mode}', f'scenario:={room}')
+    words = (f'time:={mode}', f'processes:={processes}', f'scenario:={room}')
+    launch = lta.start(*COMMANDED, *words)
     status, result = commander.take_off(0.6)
     assert (status, result.outcome) == (GoalStatus.STATUS_SUCCEEDED, TakeOff.Result.SUCCEEDED)
     assert result.message == 'the height is reached'

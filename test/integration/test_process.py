@@ -20,6 +20,7 @@ class Node(GraphNode):
     def run(self):
         print('worked', end='')
         {act}
+        yield from ()
 
 run_node(Node, ['node'])
 """

@@ -154,8 +154,13 @@ NEEDS = {  # without which it refuses
     'player': ('-p', f'bag:={ROOT / "test/replay/lamp.mcap"}'),
     'teensy_bridge': ('-p', 'autostart:=false'),
 }
-# The command, and the drone at the other end of a link, are no nodes.
-OTHERS = {('lta_cli', 'lta'), ('lta_analysis', 'lta'), ('lta_emulation', 'emulated_hardware')}
+# The command, the drone at the other end of a link, and what runs several nodes, are no nodes.
+OTHERS = {
+    ('lta_cli', 'lta'),
+    ('lta_analysis', 'lta'),
+    ('lta_emulation', 'emulated_hardware'),
+    ('lta_graph', 'one_process'),
+}
 QUICK = ('controller', 'player')  # the others start alike
 NODES = [
     pytest.param(*pair, marks=() if pair[1] in QUICK else pytest.mark.long)

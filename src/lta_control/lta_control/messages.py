@@ -26,6 +26,7 @@ from lta_control.odometry.lamp_sighting import build_sighting, LampSighting
 from lta_control.per_rotor import pad_to_slots, PerRotor
 from lta_control.reserve import ReserveReport
 from lta_control.sighting import LampPosition
+from lta_graph.blank_message import create_message
 from lta_graph.health import HealthLevel
 from lta_graph.inbox import InboxStep
 from lta_graph.ros.message_validation import find_message_type
@@ -110,7 +111,7 @@ def is_valid_command(motors: 'ActuatorDuty | JointState', names: list[str]) -> b
 
 def from_estimate(stamp: Time, estimate: MotionEstimate, ground: GroundMotion) -> Odometry:
     """Return the motion over ground; variances are huge while the biases are calibrated."""
-    message = Odometry()
+    message = create_message(Odometry)
     message.header.stamp = stamp
     message.header.frame_id = 'odom'
     message.child_frame_id = 'base_link'
@@ -143,7 +144,7 @@ def from_airspeed(
     stamp: Time, estimate: MotionEstimate, ground: GroundMotion
 ) -> TwistWithCovarianceStamped:
     """Return the velocity through the air and the rates; the covariance accounts for wind."""
-    message = TwistWithCovarianceStamped()
+    message = create_message(TwistWithCovarianceStamped)
     message.header.stamp = stamp
     message.header.frame_id = 'base_link'
     twist = message.twist.twist

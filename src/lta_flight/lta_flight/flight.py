@@ -24,7 +24,7 @@ from lta_flight.unflown_bag import remove_unflown_bags
 from lta_flight.viewers import find_viewers, report_live_views, require_free_live_ports
 from lta_graph.child_process import ProcessExit
 from lta_graph.health import HealthFact, HealthLevel
-from lta_graph.launch_file import load_plan
+from lta_graph.launch_file import load_plan, ONE_PROCESS
 from lta_graph.launcher import Launcher
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from lta_graph.ros.listener import DiagnosticsListener
 
 ROBOT = 'lta1'
+SIMULATORS = ('simulator', ONE_PROCESS[1])  # processes that print the outcome
 PATIENCE = 10.0  # wall seconds of a stall after which the graph is stopped
 LOOK = 0.05  # wall seconds between polls of the processes and the diagnostics
 
@@ -73,6 +74,7 @@ class FlightRequest:
     time: Literal['lockstep', 'realtime']
     out: Path | None = None
     live_port: int | None = None  # for Foxglove
+    processes: Literal['many', 'one'] = 'many'  # of the nodes
 
 
 @final
@@ -151,6 +153,7 @@ def build_launch_arguments(order: FlightRequest, bag: Path) -> dict[str, str]:
         'scenario': order.scenario,
         'strategy': order.strategy,
         'time': order.time,
+        'processes': order.processes,
         'seed': str(order.seed),
         'bag': str(bag),
         **({} if order.live_port is None else {'live': 'true', 'live_port': f'{order.live_port}'}),
@@ -177,7 +180,7 @@ def supervise_flight(
                 watcher.show_message(f'{end.sentence}{why}; the flight continues.')
         show_status(facts, watcher)
         # A viewer never delays or ends a flight
-        running = [name for name in launcher.running if name not in optional]
+        running = [name for name in launcher.running_nodes if name not in optional]
         lookout.report_stalled_nodes(
             facts, listener.find_silent_nodes(running), listener.find_pending_nodes(running)
         )
@@ -215,11 +218,12 @@ def is_refusal(end: ProcessExit) -> bool:
 def parse_final_status(ended: Iterable[ProcessExit]) -> dict[str, str] | None:
     """Return the simulator's final status; None if it died without one."""
     for item in ended:
-        if item.name == 'simulator' and item.stdout:
-            # The last line may be cut, or not the status at all
+        # In one process, others may print after it
+        for line in reversed(item.stdout) if item.name in SIMULATORS else ():
+            # It may be cut, or not the status at all
             with suppress(ValueError):
-                said = json.loads(item.stdout[-1])
-                return said if isinstance(said, dict) else None
+                if isinstance(said := json.loads(line), dict):
+                    return said
     return None
 
 

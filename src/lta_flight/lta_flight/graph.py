@@ -69,7 +69,7 @@ def supervise_graph(plan: LaunchPlan, on_line: OnLine, say: Callable[[str], None
         while (outcome := launcher.outcome) is None:
             facts = listener.poll(LOOK)
             # Other packages' nodes do not report on /diagnostics, which is not a fault
-            running = [name for name in launcher.running if name not in spare]
+            running = [name for name in launcher.running_nodes if name not in spare]
             unheard = listener.find_pending_nodes(running)
             heard = [name for name in running if name not in unheard]
             # While nodes load, a busy machine may delay the reports of others

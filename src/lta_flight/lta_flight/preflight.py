@@ -20,6 +20,7 @@ from lta_vlc.settings import DemodulationSettings
 
 OURS = 'lta_'
 CONTROLLER, DEMODULATOR, NAVIGATOR = 'controller', 'demodulator', 'navigator'
+RECORDER = 'recorder'
 BRIDGE = ('lta_bridge', 'crazyflie_bridge')
 LANDING = LEAVE + 5.0  # s to land and then to close the link
 FILE_OPTION = '--params-file'
@@ -49,6 +50,7 @@ def check_plan(plan: LaunchPlan) -> None:
                 check_node(process.executable, process.namespace.strip('/'), values)
     check_launched_demodulators(plan)
     check_landing_time(plan)
+    check_snapshots(plan)
 
 
 def check_landing_time(plan: LaunchPlan) -> None:
@@ -61,6 +63,17 @@ def check_landing_time(plan: LaunchPlan) -> None:
                 f'The node {plan.label(process)} has {found}, but lands its drone for up to '
                 f'{LANDING:g} s after Ctrl-C; give it at least "sigterm_timeout: {LANDING:.1f}" '
                 'in the launch file.'
+            )
+
+
+def check_snapshots(plan: LaunchPlan) -> None:
+    """Reject snapshots in a shared process, where writing one would stop all nodes meanwhile."""
+    for process in plan.processes:
+        values = parse_parameters(process.arguments)
+        if process.shared and process.executable == RECORDER and values.get('snapshot'):
+            raise BadInput(
+                'Writing a snapshot would stop the nodes that share a process; remove snapshot or '
+                'processes:=one.'
             )
 
 

@@ -7,7 +7,7 @@ import re
 import time
 from typing import final
 
-from lta_graph.health import HealthFact, HealthLevel
+from lta_graph.health import ENDS_RUN, HealthFact, HealthLevel
 from lta_graph.stall_attribution import find_role, find_stalling_roles, INPUTS
 
 FLIGHT = 'simulator: flight'  # task with the state of a simulated flight
@@ -143,6 +143,9 @@ class StallMonitor:
         blamed = self._blame.identify_stalling_nodes(suspects, silent, not unheard)
         # After a flight its simulator has stopped, and its nodes wait for it in vain
         blamed = [name for name in blamed if is_flying(facts, name)]
+        # Nodes that share a process end one after the other
+        if any(fact.values.get(ENDS_RUN) == str(True) for fact in facts.values()):
+            blamed = []
         if blamed and blamed != self._named:
             sentence = f'No messages arrive from {", ".join(blamed)}.'
             self._say(sentence)

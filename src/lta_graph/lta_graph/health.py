@@ -6,6 +6,7 @@ from enum import IntEnum
 import math
 from typing import Final, final
 
+ENDS_RUN: Final = 'ends_run'  # value in `state`: whether the node's fault ends the others, too
 AHEAD: Final = 0.3  # s; a stamp further ahead of our clock means that a clock was changed
 
 

@@ -79,6 +79,7 @@ class Inbox:
         self.turns: MessageSchedule | None = None if replayed else GridSchedule(table)
         self._table = table
         self._trigger = trigger
+        self._latency_ns = table[trigger].latency_ns
         self._lockstep = lockstep
         # How many steps each input lags behind the trigger by design, from the table
         self._others = {
@@ -126,30 +127,31 @@ class Inbox:
             return self._taken[name] + len(self._queues[name])
         return 0 if self.turns is None else self.turns.count_due(name, now, lag)
 
-    def _list_missing(self) -> list[str]:
-        now = self._trigger_stamps[0] + self._table[self._trigger].latency_ns
-        return [
-            name
-            for name, lag in self._others.items()
-            if self._taken[name] + len(self._queues[name]) < self._count_due(name, lag, now)
-        ]
+    def _list_due_counts(self) -> dict[str, int]:
+        """Return how many messages of each other input are due at the next step in lockstep."""
+        now = self._trigger_stamps[0] + self._latency_ns
+        return {name: self._count_due(name, lag, now) for name, lag in self._others.items()}
+
+    def _list_missing(self, due: Mapping[str, int]) -> list[str]:
+        taken, queues = self._taken, self._queues
+        return [name for name, count in due.items() if taken[name] + len(queues[name]) < count]
 
     def pop(self) -> InboxStep | None:
         """Return the next step, or None while an input is missing."""
         if not self._trigger_stamps:
             return None
-        if self._lockstep and (self.turns is None or self._list_missing()):
+        if self._lockstep and self.turns is None:
+            return None
+        due = self._list_due_counts() if self._lockstep else {}
+        if self._list_missing(due):
             return None
         stamp = self._trigger_stamps.popleft()
-        now = stamp + self._table[self._trigger].latency_ns
         taken = {self._trigger: [self._queues[self._trigger].popleft()]}
         self._taken[self._trigger] += 1
-        for name, lag in self._others.items():
+        for name in self._others:
             queue = self._queues[name]
-            count = len(queue)
-            if self._lockstep:
-                # In a recording whose time runs backwards, fewer are due than were taken already.
-                count = max(0, self._count_due(name, lag, now) - self._taken[name])
+            # In a recording whose time runs backwards, fewer are due than were taken already
+            count = max(0, due[name] - self._taken[name]) if self._lockstep else len(queue)
             taken[name] = [queue.popleft() for _ in range(count)]
             self._taken[name] += count
         messages = {name: [each for each, _ in queue] for name, queue in taken.items()}
@@ -158,4 +160,6 @@ class Inbox:
 
     def list_missing_topics(self) -> list[str]:
         """Return the topics for which a triggered step is waiting."""
-        return self._list_missing() if self._lockstep and self._trigger_stamps else []
+        if not self._lockstep or not self._trigger_stamps:
+            return []
+        return self._list_missing(self._list_due_counts())

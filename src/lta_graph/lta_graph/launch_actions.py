@@ -94,10 +94,13 @@ class Supervise(StrictModel):
     Check the arguments before anything starts, and fail the run if a node dies.
 
     `planned` are the names of the nodes, separated by spaces, whose end with status 0 is the
-    planned end of the run. `lta_graph.ros.launch_extension` is the same action for `ros2 launch`.
+    planned end of the run. With `processes` one, all nodes share a process, except those that are
+    named `apart`. `lta_graph.ros.launch_extension` is the same action for `ros2 launch`.
     """
 
     planned: Text
+    processes: Text = ''
+    apart: Text = ''
 
 
 class Param(StrictModel):

@@ -8,7 +8,7 @@ the same meaning: names, types, scopes and substitutions are those of ROS 2 Jazz
 them.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, final
@@ -33,14 +33,18 @@ from lta_graph.launch_substitutions import expand_substitutions, LaunchContext
 from pydantic import ValidationError
 
 NAMESPACE = 'ros_namespace'  # launch variable that ROS also uses for the pushed namespace
+ONE = 'one'  # value of `processes` with which nodes share a process
+ONE_PROCESS = ('lta_graph', 'one_process')  # package and executable that runs them
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class LaunchPlan:
-    """The processes that a launch file starts."""
+    """The processes that a launch file starts; those that are `shared` are nodes of one."""
 
     processes: tuple[LaunchProcess, ...]
+    # The launch file and its arguments, as words of a command line
+    words: tuple[str, ...] = ()
 
     @property
     def namespaces(self) -> list[str]:
@@ -51,6 +55,45 @@ class LaunchPlan:
         """Return the label of a process: `estimator`, or `lta2/estimator` with several robots."""
         several = len(self.namespaces) > 1
         return f'{process.namespace}/{process.name}'.strip('/') if several else process.name
+
+    @property
+    def started(self) -> list[LaunchProcess]:
+        """The processes to start: one for all nodes that share it, and one for each other."""
+        shared = [process for process in self.processes if process.shared]
+        if not shared:
+            return list(self.processes)
+        common = LaunchProcess(
+            *ONE_PROCESS,
+            name=ONE_PROCESS[1],
+            namespace='/',
+            arguments=self.words,
+            on_exit_shutdown=any(process.on_exit_shutdown for process in shared),
+            # Which of its nodes may end is its own business
+            planned=True,
+            sigterm_timeout=max(
+                (each.sigterm_timeout for each in shared if each.sigterm_timeout), default=None
+            ),
+        )
+        return [common, *(process for process in self.processes if not process.shared)]
+
+    def list_nodes(self, process: LaunchProcess) -> list[str]:
+        """Return the labels of the nodes that run in one of the started processes."""
+        if (process.package, process.executable) != ONE_PROCESS:
+            return [self.label(process)]
+        return [self.label(node) for node in self.processes if node.shared]
+
+
+def parse_arguments(texts: Iterable[str]) -> dict[str, str]:
+    """Parse launch arguments of the form NAME:=VALUE."""
+    pairs = {}
+    for item in texts:
+        # The value may contain ':=' itself
+        name, mark, value = item.partition(':=')
+        if not mark or not name:
+            raise BadInput(f"'{item}' is not a launch argument; write NAME:=VALUE.")
+        # The last value of a repeated argument counts, as in ros2 launch
+        pairs[name] = value
+    return pairs
 
 
 def list_arguments(path: Path) -> list[Arg]:
@@ -70,12 +113,17 @@ def load_plan(path: Path, arguments: Mapping[str, str]) -> LaunchPlan:
     """
     walk = _PlanBuilder()
     walk.include_file(Path(path), arguments)
-    planned = walk.planned
+    planned, apart = walk.planned, walk.apart
     return LaunchPlan(
         tuple(
-            replace(item, planned=planned is None or item.name in planned)
+            replace(
+                item,
+                planned=planned is None or item.name in planned,
+                shared=walk.shares_process and item.name not in apart,
+            )
             for item in walk.processes
-        )
+        ),
+        (str(path), *(f'{name}:={value}' for name, value in arguments.items())),
     )
 
 
@@ -146,6 +194,8 @@ class _PlanBuilder:
     def __init__(self) -> None:
         self.processes: list[LaunchProcess] = []
         self.planned: set[str] | None = None
+        self.shares_process = False
+        self.apart: set[str] = set()
         self._variables: dict[str, str] = {}
         self._open: list[Path] = []
 
@@ -206,6 +256,8 @@ class _PlanBuilder:
             case Supervise():
                 names = self._substitute(action.planned).split()
                 self.planned = (self.planned or set()) | set(names)
+                self.shares_process |= self._substitute(action.processes) == ONE
+                self.apart |= set(self._substitute(action.apart).split())
             case NodeAction():
                 pushed = self._variables.get(NAMESPACE, '')
                 self.processes.append(build_node_process(action, self._build_context(), pushed))

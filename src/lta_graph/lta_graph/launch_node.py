@@ -34,6 +34,7 @@ class LaunchProcess:
     planned: bool = True  # whether its exit with status 0 is a planned end of the run
     # Time to exit after SIGINT; None for the launcher's own [s]
     sigterm_timeout: float | None = None
+    shared: bool = False  # whether the node runs in one process with the others
 
 
 def build_node_process(node: NodeAction, context: LaunchContext, namespace: str) -> LaunchProcess:

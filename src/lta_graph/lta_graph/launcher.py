@@ -100,6 +100,12 @@ class Launcher:
         return [child.name for child in self._children if not child.has_exited()]
 
     @property
+    def running_nodes(self) -> list[str]:
+        """Labels of the nodes of these processes."""
+        alive = [child.process for child in self._children if not child.has_exited()]
+        return [label for process in alive for label in self._plan.list_nodes(process)]
+
+    @property
     def outcome(self) -> ProcessExit | None:
         """
         The exit that ended the run; None while it continues.
@@ -126,14 +132,15 @@ class Launcher:
 
         """
         # Before the first start, so that a missing executable starts nothing
-        commands = [build_command_line(process) for process in self._plan.processes]
+        started = self._plan.started
+        commands = [build_command_line(process) for process in started]
         variables = {**build_node_environment(), **self._variables}
         try:
             with hold_interrupts() as presses:
                 # The guard waits as long as an orderly stop may take
-                longest = max(map(self._stop_grace, self._plan.processes), default=self._grace)
+                longest = max(map(self._stop_grace, started), default=self._grace)
                 self._guard = ProcessGuard(longest + TERM_GRACE)
-                for process, words in zip(self._plan.processes, commands, strict=True):
+                for process, words in zip(started, commands, strict=True):
                     # Ctrl-C during the start: start no more, `stop` ends the others
                     if presses:
                         break

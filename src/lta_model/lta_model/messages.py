@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Vector3Stamped
 from lta_config.topics import load_topic_table
+from lta_graph.blank_message import create_message
 from lta_graph.ros.message_validation import find_message_type
 from lta_model.sensors.range import RangeSettings
 from lta_model.state import POSITION, QUATERNION, RATES, VELOCITY
@@ -42,7 +43,7 @@ def build_imu_message(
     `noise` holds the standard deviations of a sample without biases: three of force, three of
     rate.
     """
-    message = Imu()
+    message = create_message(Imu)
     message.header = _build_header(stamp, 'imu')
     # REP-145: -1 marks an orientation that is not provided
     message.orientation_covariance[0] = -1.0
@@ -127,7 +128,7 @@ def build_battery_state(
 
 def build_odometry(stamp: Time, motion: Sequence[float]) -> Odometry:
     """Return pose in `map` and twist in the body frame; 13 numbers as `lta_model.state`. [SI]"""
-    message = Odometry()
+    message = create_message(Odometry)
     message.header = _build_header(stamp, 'ground_truth/odom')
     message.child_frame_id = 'base_link'
     pose, twist = message.pose.pose, message.twist.twist
@@ -148,4 +149,6 @@ def build_wind_message(stamp: Time, velocity: tuple[float, ...]) -> Vector3Stamp
 
 def _build_header(stamp: Time, topic: str) -> Header:
     """Return a header in the frame that the topic table names."""
-    return Header(stamp=stamp, frame_id=load_topic_table().topics[topic].frame)
+    header = create_message(Header)
+    header.stamp, header.frame_id = stamp, load_topic_table().topics[topic].frame
+    return header

@@ -3,8 +3,9 @@
 import math
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from lta_bridge.cdr import encode_cdr, reencode_cdr
+from lta_bridge.cdr import reencode_cdr
 from lta_config.topics import load_topic_table
+from lta_graph.cdr_encoder import encode_cdr
 from lta_graph.ros.raw_subscriptions import load_message_class
 from nav_msgs.msg import Odometry
 import numpy as np

@@ -83,6 +83,24 @@ def test_supervise_says_whose_end_is_planned_also_in_an_include(write):
     }
 
 
+def test_one_process_runs_all_nodes_but_those_apart_and_gets_the_arguments(write):
+    nodes = ', '.join(
+        f'node: {{pkg: p, exec: e, name: {name}, on_exit: shutdown, sigterm_timeout: {wait}}}'
+        for name, wait in (('sim', 1.0), ('bridge', 9.0), ('log', 3.0))
+    )
+    path = write(
+        'launch: [arg: {name: n, default: many}, '
+        f'supervise: {{planned: sim, processes: $(var n), apart: bridge}}, {nodes}]'
+    )
+    many, one = (load_plan(path, {'n': name}) for name in ('many', 'one'))
+    assert [many.list_nodes(each) for each in many.started] == [['sim'], ['bridge'], ['log']]
+    assert [one.list_nodes(each) for each in one.started] == [['sim', 'log'], ['bridge']]
+    common = one.started[0]
+    assert (common.package, common.executable) == ('lta_graph', 'one_process')
+    assert common.arguments == (str(path), 'n:=one')
+    assert (common.on_exit_shutdown, common.sigterm_timeout) == (True, 3.0)
+
+
 @pytest.mark.parametrize(
     ('value', 'expected'),
     [

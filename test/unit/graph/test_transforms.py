@@ -5,8 +5,8 @@ import math
 import sys
 
 from builtin_interfaces.msg import Time
-from lta_bridge.cdr import encode_cdr
 from lta_config.topics import load_topic_table
+from lta_graph.cdr_encoder import encode_cdr
 from lta_graph.ros.message_validation import has_message_type
 from lta_graph.ros.transforms import build_transform, from_odometry, from_start, TFMessage
 from nav_msgs.msg import Odometry

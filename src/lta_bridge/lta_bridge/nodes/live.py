@@ -7,7 +7,7 @@ It reads only the newest message of each topic, at the rate of a screen. Message
 too slow for are dropped and counted in /diagnostics.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Generator
 import time
 from typing import Any, Final
 
@@ -28,7 +28,7 @@ from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
-from lta_graph.ros.spin import spin_node
+from lta_graph.ros.spin import Pause, Spin
 from lta_model.messages import read_duties
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
@@ -185,10 +185,10 @@ class LiveViewNode(GraphNode):
         )
         super().publish_health()
 
-    def run(self) -> None:
+    def run(self) -> Generator[Spin | Pause]:
         """Run until stopped."""
         self.health.report('state', HealthLevel.OK, 'running')
-        spin_node(self, lambda: self.running, awaited=list, wait_ns=NAP_NS)
+        yield Spin(lambda: self.running, wait_ns=NAP_NS)
 
     def close(self) -> None:
         """Disconnect all viewers."""

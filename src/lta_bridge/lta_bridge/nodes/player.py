@@ -7,7 +7,7 @@ fast as the nodes answer, and never further ahead than their queues hold, so tha
 lost and a replay is reproducible. The nodes' answers do not influence what is played.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Generator, Iterable
 import json
 import math
 from pathlib import Path
@@ -32,6 +32,7 @@ from lta_graph.ros.peer_listener import OVER
 from lta_graph.ros.process import run_node
 from lta_graph.ros.qos import select_profile
 from lta_graph.ros.replay_due import from_due
+from lta_graph.ros.spin import Pause, Spin
 from lta_graph.ros.stamps import to_stamp
 from lta_graph.ros.startup import wait_until_complete
 from rclpy.clock import Clock, ClockType
@@ -115,15 +116,15 @@ class Player(GraphNode):
             Path(self._settings.answers), self._recording, self._cast, self.table, robot, build_qos
         )
 
-    def run(self) -> None:
+    def run(self) -> Generator[Spin | Pause]:
         """Wait for the graph, then play; exit with status 1 if the nodes do not answer."""
-        wait_until_complete(self, self._list_missing_nodes, self._settings.patience)
+        yield from wait_until_complete(self, self._list_missing_nodes, self._settings.patience)
         self._began = self._news = time.monotonic()
         self.begun = True
         self._report_missing_topics()
         self._pace.start(self._began)
         self._publish_due()
-        super().run()
+        yield from super().run()
         if self._ended == 'unanswered':
             late = ', '.join(
                 f'{n} from {self.find_publishing_role(n)}' for n in self._owed.list_oldest_topics()

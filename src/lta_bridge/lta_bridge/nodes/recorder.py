@@ -10,7 +10,7 @@ slow disk does not fill the middleware's queues. When the disk is nearly full, t
 while its index still fits, and the process ends with an error message and status 2.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Generator
 from contextlib import ExitStack, suppress
 from functools import partial
 from pathlib import Path
@@ -48,7 +48,7 @@ from lta_graph.ros.process import run_node
 from lta_graph.ros.qos import select_profile
 from lta_graph.ros.raw_subscriptions import GENEROUS, load_message_class, RawSubscriptions
 from lta_graph.ros.replay_due import subscribe_due_times
-from lta_graph.ros.spin import spin_node
+from lta_graph.ros.spin import Pause, Spin
 from pydantic import create_model
 from rclpy.clock import Clock, ClockType
 from rclpy.qos import QoSProfile
@@ -302,21 +302,21 @@ class Recorder(GraphNode):
         response.message = saving.status_text
         return response
 
-    def run(self) -> None:
+    def run(self) -> Generator[Spin | Pause]:
         """Record until stopped, then until no more messages arrive."""
         self.health.report('state', HealthLevel.OK, 'running')
         while self.running:
             self._taps.apply_changes()
             going = lambda: self.running and not self._taps.has_pending_changes  # noqa: E731
-            spin_node(self, going, awaited=list, wait_ns=NAP_NS)
+            yield Spin(going, wait_ns=NAP_NS)
         landed = time.monotonic() + LEAVE
         coming_down = lambda: self._has_flight_bridge() and time.monotonic() < landed  # noqa: E731
-        spin_node(self, coming_down, awaited=list, wait_ns=NAP_NS)
+        yield Spin(coming_down, wait_ns=NAP_NS)
         if not self._fault:
-            self._take_late_messages()
+            yield self._take_late_messages()
 
-    def _take_late_messages(self) -> None:
-        """Take what the other nodes still send, until none arrives."""
+    def _take_late_messages(self) -> Spin:
+        """Return the phase that takes what the other nodes still send, until none arrives."""
         deadline = time.monotonic() + LINGER
         latest, silent_polls = self._intake.latest, 0
 
@@ -327,7 +327,7 @@ class Recorder(GraphNode):
             latest = self._intake.latest
             return silent_polls <= QUIET and time.monotonic() < deadline
 
-        spin_node(self, is_receiving, awaited=list, wait_ns=NAP_NS)
+        return Spin(is_receiving, wait_ns=NAP_NS)
 
     def _has_flight_bridge(self) -> bool:
         """Return whether the bridge of a real drone still runs; it lands before it exits."""

@@ -53,7 +53,10 @@ def check_processor_cores() -> HardwareCheck:
     """Check the processor cores that this process may use."""
     count = count_cores()
     found = f'{count} cores, load {os.getloadavg()[0]:.1f}'
-    remedy = 'A flight runs seven nodes and is slow on one core; use two cores or more.'
+    remedy = (
+        'A flight runs seven nodes and is slow on one core; use two cores or more, or one process '
+        'for all nodes (--processes one, processes:=one).'
+    )
     return grade_value('cores', count, 2, 1, found, remedy)
 
 

@@ -39,6 +39,13 @@ def fly(
             show_default='lockstep; realtime with --live',
         ),
     ] = None,
+    processes: Annotated[
+        Literal['many', 'one'],
+        typer.Option(
+            help='Whether every node has a process of its own, or all share one, which needs less '
+            'processor time.'
+        ),
+    ] = 'many',
     out: Out = None,
     live: Annotated[
         bool, typer.Option('--live', help='Stream the flight live to Foxglove.')
@@ -50,7 +57,7 @@ def fly(
     json: Json = False,
 ) -> None:
     """
-    Fly with the full ROS graph, one process per node; record to MCAP and write a report page.
+    Fly with the full ROS graph, record to MCAP and write a report page.
 
     In lockstep the same seed gives the same flight, byte for byte.
 
@@ -65,7 +72,7 @@ def fly(
     # A live view in lockstep would run too fast to watch
     pace = time or ('realtime' if live else 'lockstep')
     order = FlightRequest(
-        vehicle, scenario, strategy, seed, pace, out, live_port if live else None
+        vehicle, scenario, strategy, seed, pace, out, live_port if live else None, processes
     )
     with FlightProgress(console) as progress:
         flight = fly_once(order, progress)

@@ -16,7 +16,7 @@ from lta_flight.flight import is_refusal
 from lta_flight.graph import list_bags, run_graph
 from lta_flight.preflight import check_plan
 from lta_flight.report.page import write_page
-from lta_graph.launch_file import LaunchPlan, list_arguments, load_plan
+from lta_graph.launch_file import LaunchPlan, list_arguments, load_plan, parse_arguments
 from lta_report.results_folder import format_page_line
 from rich.table import Table
 import typer
@@ -59,7 +59,9 @@ def launch(
     plan = load_plan(path, pairs)
     check_plan(plan)
     # Another environment may have a ros2 command that does not belong to the wheels
-    if os.environ.get('LTA_UNDERLAY') != WHEELS and shutil.which('ros2'):
+    # `ros2 launch` gives every node a process of its own
+    alone = not any(process.shared for process in plan.processes)
+    if alone and os.environ.get('LTA_UNDERLAY') != WHEELS and shutil.which('ros2'):
         # Replaces this process, so signals and the exit status are those of ros2 launch
         os.execvp('ros2', ['ros2', 'launch', str(path), *(given or [])])
     outcome = run_graph(plan, print_node_line, print_event)
@@ -98,19 +100,6 @@ def print_event(sentence: str) -> None:
 def print_node_line(node: str, line: str) -> None:
     """Print one output line of a node, prefixed with its name."""
     sys.stdout.write(f'[{node}] {line}\n')
-
-
-def parse_arguments(texts: list[str]) -> dict[str, str]:
-    """Parse launch arguments of the form NAME:=VALUE."""
-    pairs = {}
-    for item in texts:
-        # The value may contain ':=' itself
-        name, mark, value = item.partition(':=')
-        if not mark or not name:
-            raise BadInput(f"'{item}' is not a launch argument; write NAME:=VALUE.")
-        # The last value of a repeated argument counts, as in ros2 launch
-        pairs[name] = value
-    return pairs
 
 
 def print_arguments(path: Path) -> None:

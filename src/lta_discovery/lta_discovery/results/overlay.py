@@ -12,7 +12,6 @@ from typing import Any, Final
 
 from lta_bridge.bag.qos import build_offered_qos
 from lta_bridge.bag.writer import BagWriter
-from lta_bridge.cdr import encode_cdr
 from lta_discovery.flights.measured_flight import PERIOD
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.replay.linearized_flight import LinearizationPoint
@@ -20,6 +19,7 @@ from lta_discovery.replay.replay import STEPS
 from lta_discovery.replay.sensing import predict_readings
 from lta_discovery.results.messages import build_offset_message, build_pose_message, SECOND
 from lta_discovery.study import ThreeModelComparison
+from lta_graph.cdr_encoder import encode_cdr
 import numpy as np
 from numpy.typing import NDArray
 

@@ -101,7 +101,7 @@ def supervise_replay(
         fact = facts.get(PLAYBACK)
         if fact is not None and (numbers := fact.parse_numbers('time_s', 'pace')):
             watcher.show_progress(*numbers)
-        running = launcher.running
+        running = launcher.running_nodes
         lookout.report_stalled_nodes(
             facts, listener.find_silent_nodes(running), listener.find_pending_nodes(running)
         )

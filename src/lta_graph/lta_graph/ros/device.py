@@ -1,7 +1,10 @@
 """A lifecycle node that owns a device and releases it on every exit except SIGKILL."""
 
+from collections.abc import Generator
+
 from lta_config.errors import BadInput
 from lta_graph.ros.node import GraphNode
+from lta_graph.ros.spin import Pause, Spin
 from rclpy.lifecycle import LifecycleNodeMixin, LifecycleState, TransitionCallbackReturn
 
 
@@ -42,13 +45,13 @@ class DeviceNode(LifecycleNodeMixin, GraphNode):
             raise BadInput(f'A real {device} works only in real time; remove time:=lockstep.')
         self.active, self.autostart, self.refusal = False, False, ''
 
-    def run(self) -> None:
+    def run(self) -> Generator[Spin | Pause]:
         """Configure and activate if `autostart` is set, then spin."""
         if self.autostart:
             if self.trigger_configure() != TransitionCallbackReturn.SUCCESS:
                 raise BadInput(self.refusal)
             self.trigger_activate()
-        super().run()
+        yield from super().run()
 
     def release_device(self) -> None:
         """Release the device in a safe state; safe to call again."""

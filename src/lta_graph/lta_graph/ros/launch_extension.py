@@ -19,7 +19,7 @@ from launch.frontend import Entity, expose_action, Parser
 from launch.utilities import perform_substitutions
 from lta_config.errors import BadInput
 from lta_graph.child_process import signal_name
-from lta_graph.launch_file import list_arguments, load_plan
+from lta_graph.launch_file import list_arguments, load_plan, ONE
 
 from launch import LaunchContext
 
@@ -36,22 +36,33 @@ class SuperviseAction(Action):
     ----------
     planned : list of launch.Substitution
         Names of the nodes, separated by spaces, whose end with status 0 is planned.
+    processes : list of launch.Substitution
+        `one` is refused: `ros2 launch` cannot run nodes of Python in one process.
 
     """
 
-    def __init__(self, *, planned: list[Any], **more: Any) -> None:  # noqa: ANN401 - of launch
+    def __init__(self, *, planned: list[Any], processes: list[Any], **more: Any) -> None:  # noqa: ANN401 - of launch
         super().__init__(**more)
-        self._planned = planned
+        self._planned, self._processes = planned, processes
 
     @classmethod
     def parse(cls, entity: Entity, parser: Parser) -> tuple[type['SuperviseAction'], dict]:
         """Return the class and its arguments, read from a launch file."""
         _, keywords = super().parse(entity, parser)
         keywords['planned'] = parser.parse_substitution(entity.get_attr('planned'))
+        given = entity.get_attr('processes', optional=True) or ''
+        keywords['processes'] = parser.parse_substitution(given)
+        # Only our launcher has use for it
+        entity.get_attr('apart', optional=True)
         return cls, keywords
 
     def execute(self, context: LaunchContext) -> list[Action] | None:
         """Check the launch and watch its processes; an included file only adds its names."""
+        if perform_substitutions(context, self._processes) == ONE:
+            raise BadInput(
+                'ros2 launch starts every node in a process of its own; for processes:=one use '
+                '"ros2 run lta_cli lta launch" or "ros2 run lta_graph one_process".'
+            )
         names = perform_substitutions(context, self._planned).split()
         known = context.get_locals_as_dict().get(PLANNED)
         if known is not None:

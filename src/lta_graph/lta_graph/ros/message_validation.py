@@ -12,6 +12,7 @@ from importlib import import_module
 from importlib.util import find_spec
 import math
 from operator import attrgetter
+import re
 from typing import Any, Final, final
 
 from builtin_interfaces.msg import Time
@@ -72,7 +73,9 @@ def _iterate_number_paths(value: object, path: str) -> Iterator[str]:
 def _build_reader(empty: object, path: str) -> Numbers:
     """Return a function that reads all numbers of a part of a message."""
     # Built once per type from an empty message, because every message of a flight is read
-    get = attrgetter(*_iterate_number_paths(attrgetter(path)(empty), path))
+    paths = list(_iterate_number_paths(attrgetter(path)(empty), path))
+    # The slots behind the properties, whose getters are functions of Python
+    get = attrgetter(*(re.sub(r'\b(?=\w)', '_', path) for path in paths))
     part = get(empty)
     if isinstance(part, tuple):
         return get

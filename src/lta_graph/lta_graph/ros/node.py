@@ -6,7 +6,7 @@ topics. `on_step` gets all inputs of one step (see `lta_graph.inbox`). Health is
 /diagnostics at every change of a level and every `REPORT_PERIOD`.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Generator, Iterable
 from functools import partial
 import time
 from typing import Any, Literal
@@ -22,11 +22,11 @@ from lta_graph.ros.publisher_conflict import PublisherConflict
 from lta_graph.ros.qos import select_profile
 from lta_graph.ros.reader_links import LINKS
 from lta_graph.ros.replay_due import DUE, subscribe_inbox_schedule
-from lta_graph.ros.spin import spin_node
+from lta_graph.ros.shared.hand_over import LocalPublisher, SharingNode
+from lta_graph.ros.spin import Pause, Spin
 from lta_graph.ros.stamps import from_stamp
 from rclpy.clock import Clock, ClockType
 from rclpy.duration import Duration
-from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.subscription import Subscription
 
@@ -55,7 +55,7 @@ class GraphSettings(Settings):
     )
 
 
-class GraphNode(Node):
+class GraphNode(SharingNode):
     """
     A node with a role in the topic table.
 
@@ -253,11 +253,15 @@ class GraphNode(Node):
         if (unsound := self.soundness.unsound).count:
             self.health.set_fact(unsound.build_fact(MESSAGES))
         self._warn_missing_inputs(now)
-        self.health.report(
-            LINKS, HealthLevel.OK, 'number of subscribers of each topic', **self.count_readers()
-        )
-        self._conflict.report(self.health)
         if self.health.changed or now - self._reported >= REPORT_PERIOD:
+            # Asking the middleware takes longer than all the rest
+            self.health.report(
+                LINKS,
+                HealthLevel.OK,
+                'number of subscribers of each topic',
+                **self.count_readers(),
+            )
+            self._conflict.report(self.health)
             self.publish_health()
 
     def _warn_missing_inputs(self, now: float) -> None:
@@ -292,10 +296,22 @@ class GraphNode(Node):
         ]
         self._diagnostics.publish(array)
 
-    def run(self) -> None:
+    def keep_for_late_readers(self, roles: Collection[str]) -> None:
+        """
+        Let the middleware keep only what readers in other processes may come late for.
+
+        `roles` are those of this robot in this process, whose readers need the middleware no more.
+        """
+        for name, publisher in self._writers.items():
+            topic = self.table[name]
+            once = not topic.period_ns
+            if isinstance(publisher, LocalPublisher):
+                publisher.latched &= once or not set(roles) >= topic.subscribers.keys()
+
+    def run(self) -> Generator[Spin | Pause]:
         """Process inputs until `running` is False; a subclass may override this."""
         self.health.report('state', HealthLevel.OK, 'running')
-        spin_node(self, lambda: self.running, self.list_wakeup_subscriptions)
+        yield Spin(lambda: self.running, self.list_wakeup_subscriptions)
 
     def close(self) -> None:
         """Wait for the acknowledgement of the last messages; called on every exit but SIGKILL."""

@@ -1,5 +1,6 @@
 """Run one node as a process: the `main` of every executable."""
 
+from collections.abc import Callable
 from contextlib import ExitStack
 import faulthandler
 import os
@@ -15,26 +16,38 @@ from lta_graph.interrupts import STOPS
 from lta_graph.process_exit import exit_process
 from lta_graph.ros.command_line import initialize_ros, reject_unknown_parameters
 from lta_graph.ros.node import GraphNode
+from lta_graph.ros.spin import spin_phases
 import rclpy
 
 TEARDOWN: Final = 5.0  # s for DDS to shut down; less than the launcher's grace
 
 
 def run_node(node_class: type[GraphNode], args: list[str] | None = None) -> NoReturn:
+    """Run one node and exit the process as `run_process` does."""
+    words = sys.argv if args is None else args
+    run_process(lambda teardown: run_until_stopped(node_class, words, teardown))
+
+
+def run_process(run: Callable[[ExitStack], int]) -> NoReturn:
     """
-    Run one node and exit the process.
+    Run one node or several and exit the process.
+
+    Parameters
+    ----------
+    run : callable
+        Runs until a stop signal and returns the exit status; what it adds to the stack is undone
+        after its result has been reported.
 
     The exit status is 0 after a shutdown, 2 with one sentence after bad input, 130 after Ctrl-C
     before the node exists, and 1 with a traceback after a crash.
+
     """
-    words = sys.argv if args is None else args
-    status = 0
     teardown = ExitStack()
     teardown.callback(rclpy.try_shutdown)
     try:
         # The launcher and `lta run` block SIGINT while Python starts; one is delivered here
         signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
-        run_until_stopped(node_class, words, teardown)
+        status = run(teardown)
     except KeyboardInterrupt:  # before the node was made
         # The convention of shells for a process ended by a signal
         status = 128 + signal.SIGINT
@@ -51,11 +64,11 @@ def run_node(node_class: type[GraphNode], args: list[str] | None = None) -> NoRe
     exit_process(status)
 
 
-def run_until_stopped(node_class: type[GraphNode], words: list[str], teardown: ExitStack) -> None:
+def run_until_stopped(node_class: type[GraphNode], words: list[str], teardown: ExitStack) -> int:
     """
     Initialise ROS, create a node, run it until a stop signal, and close it in any case.
 
-    `teardown` destroys the node after the caller has reported the result.
+    `teardown` destroys the node after the caller has reported the result. The status is 0.
     """
     held: list[int] = []
     # A C extension may swallow a KeyboardInterrupt, and the node would run on. So Ctrl-C is only
@@ -77,7 +90,7 @@ def run_until_stopped(node_class: type[GraphNode], words: list[str], teardown: E
         # Ctrl-C arrived while the node was created
         if held:
             raise KeyboardInterrupt
-        node.run()
+        spin_phases(node, node.run())
     # Reported by the caller in one sentence; it is not a crash
     except BadInput:
         raise
@@ -92,6 +105,7 @@ def run_until_stopped(node_class: type[GraphNode], words: list[str], teardown: E
             node.close()
         finally:
             teardown.callback(node.destroy_node)
+    return 0
 
 
 def _limit_teardown(status: int) -> threading.Timer:

@@ -12,7 +12,9 @@ served only in a node with action servers, every 0.05 s.
 """
 
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 import time
+from typing import final
 
 from rclpy.event_handler import EventHandler
 from rclpy.executors import SingleThreadedExecutor
@@ -24,6 +26,33 @@ from rclpy.waitable import Waitable
 RARELY = 1.0  # s between runs of rclpy's executor, for events that only it serves
 OFTEN = 0.05  # the same for the coroutines of action servers
 WAIT_NS = 100_000_000  # upper bound of the time to notice that the node should stop
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Spin:
+    """A phase of a node in which its callbacks run; the parameters are those of `spin_node`."""
+
+    running: Callable[[], bool]
+    awaited: Callable[[], Iterable[Subscription]] = list
+    wait_ns: int = WAIT_NS
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Pause:
+    """A phase of a node in which its callbacks do not run. [s]"""
+
+    duration: float
+
+
+def spin_phases(node: Node, phases: Iterable[Spin | Pause]) -> None:
+    """Run the phases of a node that has the process for itself."""
+    for phase in phases:
+        if isinstance(phase, Pause):
+            time.sleep(phase.duration)
+        else:
+            spin_node(node, phase.running, phase.awaited, phase.wait_ns)
 
 
 def list_actions(node: Node) -> list[Waitable]:

@@ -1,12 +1,13 @@
 """Wait until all nodes of a graph are ready, before a flight or a replay begins."""
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 import time
 
 from lta_config.errors import BadInput
 from lta_graph.health import HealthLevel
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.reader_links import ReaderLinks
+from lta_graph.ros.spin import Pause
 
 LOOK = 0.02  # wall seconds between two polls
 SETTLED = 1.0  # wall seconds without a new endpoint after which a real-time flight begins
@@ -14,9 +15,9 @@ SETTLED = 1.0  # wall seconds without a new endpoint after which a real-time fli
 
 def wait_until_complete(
     node: GraphNode, list_missing: Callable[[], Sequence[str]], patience: float
-) -> None:
+) -> Iterator[Pause]:
     """
-    Wait until no subscriber is missing.
+    Wait, in pauses of the node, until no subscriber is missing.
 
     Parameters
     ----------
@@ -40,10 +41,12 @@ def wait_until_complete(
                 f'The node {node.get_name()} has waited {patience:g} s for these nodes: '
                 f'{", ".join(missing)}; start them, or check discovery with "lta doctor".'
             )
-        time.sleep(LOOK)
+        yield Pause(LOOK)
 
 
-def wait_until_settled(node: GraphNode, awaited: Collection[str], patience: float) -> None:
+def wait_until_settled(
+    node: GraphNode, awaited: Collection[str], patience: float
+) -> Iterator[Pause]:
     """
     Wait until the graph has not changed for `SETTLED`, and the known endpoints have matched.
 
@@ -66,7 +69,7 @@ def wait_until_settled(node: GraphNode, awaited: Collection[str], patience: floa
     # The node does not spin yet, so the temporary subscription is safe
     with ReaderLinks(node, node.table) as links:
         while node.running and time.monotonic() - since < SETTLED:
-            time.sleep(LOOK)
+            yield Pause(LOOK)
             loose = links.find_unready_topics(node.count_readers(), awaited)
             now = count_endpoints(node)
             if time.monotonic() > deadline:

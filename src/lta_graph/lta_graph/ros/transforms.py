@@ -10,6 +10,7 @@ from typing import Final
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import TransformStamped
+from lta_graph.blank_message import create_message
 from nav_msgs.msg import Odometry
 
 try:
@@ -22,7 +23,8 @@ except ImportError:
         __module__ = 'tf2_msgs.msg'
 
         def __init__(self, transforms: Sequence[TransformStamped]) -> None:
-            self.transforms = transforms
+            # The second as the slot of a generated class
+            self.transforms = self._transforms = transforms
 
         @staticmethod
         def get_fields_and_field_types() -> dict[str, str]:
@@ -66,7 +68,8 @@ def build_transform(
 
     """
     parent, child = frames
-    message = TransformStamped(child_frame_id=add_prefix(prefix, child))
+    message = create_message(TransformStamped)
+    message.child_frame_id = add_prefix(prefix, child)
     message.header.stamp, message.header.frame_id = stamp, add_prefix(prefix, parent)
     moved, turned = message.transform.translation, message.transform.rotation
     moved.x, moved.y, moved.z = place

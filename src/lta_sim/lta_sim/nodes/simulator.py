@@ -9,7 +9,7 @@ The simulators of one launch stay synchronised (see `lta_graph.peers`), and one 
 /clock for all. A finished vehicle stops and waits until the others have finished.
 """
 
-from collections.abc import Iterable
+from collections.abc import Generator, Iterable
 import json
 import operator
 import sys
@@ -25,6 +25,7 @@ from lta_graph.ros.node import GraphNode, WHOLE
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.peer_listener import OVER, PeerListener, PULSE
 from lta_graph.ros.process import run_node
+from lta_graph.ros.spin import Pause, Spin
 from lta_graph.ros.stamps import from_stamp, to_stamp
 from lta_graph.ros.startup import wait_until_complete, wait_until_settled
 from lta_graph.ros.transforms import from_start
@@ -85,19 +86,19 @@ class Simulator(GraphNode):
             # Started in `run`, when all subscribers are there
             self._pacer.cancel()
 
-    def run(self) -> None:
+    def run(self) -> Generator[Spin | Pause]:
         """Wait for the graph, then fly."""
-        wait_until_complete(
+        yield from wait_until_complete(
             self, self._find_missing_subscribers, PATIENCE * (1 + len(self._peers.names))
         )
         if not self.lockstep:
-            wait_until_settled(self, self._awaited, PATIENCE)
+            yield from wait_until_settled(self, self._awaited, PATIENCE)
         self._began = self._anchor = time.monotonic()
         self.begun = True
         self._publish_step()
         if not self.lockstep:
             self._pacer.reset()
-        super().run()
+        yield from super().run()
 
     def _publish_start(self) -> None:
         """Publish where the drone starts in the map; only viewers and recorder read it."""

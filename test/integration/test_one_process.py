@@ -1,0 +1,93 @@
+"""All nodes in one process: the same bytes, one node each for ROS, and every way to its end."""
+
+from lta_config.topics import load_topic_table, robot_topic
+from lta_data.bag.reader import read_bag
+from lta_data.bag.recorded_flight import open_flight
+from std_srvs.srv import SetBool
+
+from .command import processes
+from .contents import contents
+from .peer import Peer
+
+TABLE = load_topic_table()
+REPEATABLE = [
+    robot_topic('lta1', name) for name, topic in TABLE.topics.items() if topic.repeatable
+]
+NODES = {
+    'simulator',
+    'estimator',
+    'controller',
+    'demodulator',
+    'navigator',
+    'energy_monitor',
+    'recorder',
+    'description',
+}
+# A strategy that fails on its way: at the first light after a while
+BROKEN = """
+from lta_control.strategies.protocol import NavigationStrategy, SteeringCommand
+
+def start(heading):
+    return (0.0,)
+
+def steer(settings, memory, sight):
+    assert memory[0] < 20.0, 'enough of it'
+    return SteeringCommand(0.0, 0.0, False), (memory[0] + 1.0,)
+
+STRATEGY = NavigationStrategy('broken', start, steer)
+"""
+
+
+def test_a_flight_in_one_process_is_that_of_the_loop(lta, call, scenario, tmp_path):
+    """Byte for byte, which the graph of many processes is as well (test_flight.py)."""
+    room = scenario(time_limit='3 s')
+    words = ('--seed', '7', '--scenario', room, '--out')
+    done = lta.run('fly', '--no-page', '--processes', 'one', *words, tmp_path / 'fly')
+    assert done.returncode == 1, done.stderr  # out of time
+    assert 'Traceback' not in done.stderr
+    status, said = call('simulate', *words, tmp_path / 'simulate')
+    assert status == 1, said.err
+    graph, loop = (contents(tmp_path / name / 'bag') for name in ('fly', 'simulate'))
+    for each in (graph, loop):  # by the description and by the simulator, in either order
+        each['/tf_static'].sort()
+    for topic in REPEATABLE:
+        assert graph[topic] == loop[topic] != [], topic
+
+
+def test_a_shared_process_is_a_graph_for_others_and_ends_by_ctrl_c(
+    lta, domain_id, flying, scenario, tmp_path
+):
+    """Nodes, topics, parameters and services from outside; then the bag is closed."""
+    room = scenario(radius='0.01 m', time_limit='600 s')
+    words = (f'scenario:={room}', f'bag:={tmp_path / "bag"}', 'processes:=one')
+    launch = lta.start('launch', 'fly', *words)
+    flying(0.5)
+    running = [line for line in processes(lta.mark).values() if 'one_process' in line]
+    assert len(running) == 1
+    with Peer(domain_id) as peer:
+        stamps = []
+        peer.hear(
+            'odom', lambda odom: stamps.append((odom.header.stamp.sec, odom.header.stamp.nanosec))
+        )
+        peer.until(lambda: len(stamps) > 20)
+        # Once each, although they are handed over and sent
+        assert stamps == sorted(set(stamps))
+        assert set(peer.node.get_node_names()) >= NODES
+        assert peer.set('controller', 'hold_after', 0.7).successful
+        assert peer.ask(SetBool, 'arm', data=False).message == 'disarmed'
+        assert not peer.set('estimator', 'vehicle', 'skye').successful
+    launch.interrupt()
+    assert launch.end() == 130
+    assert 'Traceback' not in launch.text
+    assert read_bag(tmp_path / 'bag').is_complete
+
+
+def test_a_node_that_breaks_ends_the_shared_process_and_is_named(lta, tmp_path):
+    strategy = tmp_path / 'broken.py'
+    strategy.write_text(BROKEN)
+    words = (f'strategy:={strategy}', 'time:=lockstep', f'bag:={tmp_path / "bag"}')
+    done = lta.run('launch', 'fly', *words, 'processes:=one')
+    assert done.returncode != 0
+    assert 'enough of it' in done.stdout + done.stderr
+    health = open_flight(tmp_path / 'bag').read_series('/diagnostics').texts
+    assert any('enough of it' in text for column in health.values() for text in column)
