@@ -63,6 +63,18 @@ def set_yaml_value(text: str, way: Way, value: Any) -> str:  # noqa: ANN401 - as
     return yaml.safe_dump(wanted, sort_keys=False, width=WIDE, allow_unicode=True)
 
 
+def set_yaml_block(text: str, key: str, value: Any) -> str:  # noqa: ANN401 - as YAML has it
+    """Return a file's text with a block at the end in place of the one of a top-level key."""
+    node = yaml.compose(text, Loader=yaml.CSafeLoader)
+    for name, below in node.value:
+        if name.value == key:
+            end = text.find('\n', _find_value_end(below))
+            text = text[: name.start_mark.index] + ('' if end < 0 else text[end + 1 :])
+    # Leaves on one line each
+    block = yaml.safe_dump({key: value}, default_flow_style=None, sort_keys=False, width=WIDE)
+    return f'{text.rstrip()}\n{block}'
+
+
 def _set_in_content(content: Any, way: list[str], value: Any) -> Any:  # noqa: ANN401 - as YAML has it
     """Return the content with a value set at a path."""
     if not way:

@@ -9,6 +9,7 @@ from lta_config.quantity import describe_misfit, Quantity, UNSOURCED
 from lta_config.schema.vehicle_body import MovingMassBlock, PartBlock
 from lta_config.schema.vehicle_file import VehicleFile
 from lta_model import effects, propulsion
+from lta_model.effects.law import list_law_parameters
 from lta_model.effects.protocol import AXES
 from lta_model.stiffness import RK4_LIMIT
 from lta_model.strip_geometry import build_strips, DragBox
@@ -116,6 +117,8 @@ def _derive_effects(
         )
     if file.moving_mass:
         derived['moving_mass'] = _moving_mass_parameters(file.moving_mass)
+    if file.law:
+        derived['law'] = list_law_parameters(file.law)
     return derived
 
 

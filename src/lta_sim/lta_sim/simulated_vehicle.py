@@ -5,7 +5,7 @@ from types import ModuleType
 from typing import final
 
 from lta_config.compilation.kernel_cache import is_cached, load_kernel
-from lta_model.effects import EFFECTS
+from lta_model.effects import MODEL_EFFECTS
 from lta_model.model import VehicleModel
 from lta_sim.kernels.compose import build_layout, render_kernel_source
 from lta_sim.kernels.row import row_slices
@@ -14,14 +14,14 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-LAYOUT = build_layout(EFFECTS)
+LAYOUT = build_layout(MODEL_EFFECTS)
 PLACES = row_slices(LAYOUT)
 
 
 @cache
 def _build_source() -> str:
     """Return the source of the kernel with all effects."""
-    return render_kernel_source(EFFECTS)
+    return render_kernel_source(MODEL_EFFECTS)
 
 
 @cache

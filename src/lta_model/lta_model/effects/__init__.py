@@ -10,6 +10,7 @@ from importlib.metadata import entry_points
 
 from lta_config.errors import BadInput, unknown_name_error
 from lta_config.quantity import UNITS
+from lta_model.effects.law import EFFECT as LAW
 from lta_model.effects.protocol import ActuatorEffect, Effect, KernelEffect
 from lta_model.state import ACTUATORS
 
@@ -124,6 +125,11 @@ EFFECTS: dict[str, Effect] = merge_installed_effects(
 )
 
 
+# What the kernel sums: also the law of a vehicle file, which is data instead of an equation with
+# parameters of its own. So nothing that lists, draws, hides or fits effects sees it.
+MODEL_EFFECTS: dict[str, Effect] = {**EFFECTS, LAW.name: LAW}
+
+
 def select_built_in_effects() -> dict[str, Effect]:
     """Return the built-in effects, without those installed by others."""
     return {name: EFFECTS[name] for name in BUILT_IN}
@@ -131,16 +137,16 @@ def select_built_in_effects() -> dict[str, Effect]:
 
 def get_effect(name: str) -> Effect:
     """Return an effect by name; raise `BadInput` with the known names if there is none."""
-    if name not in EFFECTS:
+    if name not in MODEL_EFFECTS:
         raise unknown_name_error('effect', name, list(EFFECTS))
-    return EFFECTS[name]
+    return MODEL_EFFECTS[name]
 
 
 def initial_memory() -> tuple[float, ...]:
     """Return the initial memory of all effects, in the layout of the state."""
     return tuple(
         value
-        for effect in EFFECTS.values()
+        for effect in MODEL_EFFECTS.values()
         if isinstance(effect, KernelEffect)
         # An actuator effect has a memory for each rotor
         for _ in range(ACTUATORS if isinstance(effect, ActuatorEffect) else 1)

@@ -117,10 +117,13 @@ class WrenchEffect:
     linear_in: tuple[str, ...] = ()
     memory: Names = ()  # names and initial values of its states
     # `rate(p, memory, motion) -> tuple`: d/dt of the memory [1/s]
-    rate: Callable[[Values, Values, VehicleMotion], Values] = no_rate
+    rate: Callable[..., Values] = no_rate
     placed: bool = False  # whether it depends on the world pose, as walls do
     # Returns an objection to a combination of values, or ''
     check: Callable[[Mapping[str, float]], str] = no_check
+    # Whether its parameters are the numbers of a law, which a vehicle file holds as data: its
+    # functions get `p` as an array, to loop over terms, and `rate` the thrust as well
+    is_law: bool = False
 
 
 @final

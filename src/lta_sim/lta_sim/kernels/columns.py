@@ -82,6 +82,11 @@ class ColumnAccess:
             return self._format_variable('u') if self.state else 'u'
         return _format_column('fixed', _row_offset(name, layout), FIXED[name], self.width)
 
+    def format_parameters(self, first: int, count: int, layout: EffectLayout) -> str:
+        """Return the source of consecutive parameters of vehicle i as a view of the block."""
+        begin = _row_offset('parameters', layout) + first
+        return f'fixed[{begin} * {self.width} + i : {begin + count} * {self.width} : {self.width}]'
+
     def build_template_parts(
         self, parts: list[ModelStage], layout: EffectLayout
     ) -> dict[str, str]:

@@ -13,7 +13,7 @@ from types import ModuleType
 from lta_config.compilation.compiler import OWN
 from lta_config.compilation.kernel_cache import load_kernel
 from lta_config.machine import count_cores
-from lta_model.effects import EFFECTS
+from lta_model.effects import MODEL_EFFECTS
 from lta_sim.kernels.columns import ColumnAccess
 from lta_sim.kernels.compose import KernelTarget, render_kernel_source
 from lta_sim.kernels.vehicle_batch import pack_columns, VehicleBatch
@@ -84,7 +84,7 @@ FORM = KernelTarget(
 @cache
 def _load_kernel() -> ModuleType:
     """Load the kernel with all effects."""
-    return load_kernel(render_kernel_source(EFFECTS, FORM))
+    return load_kernel(render_kernel_source(MODEL_EFFECTS, FORM))
 
 
 def _pack_blocks(rows: NDArray[np.float64], width: int) -> NDArray[np.float64]:

@@ -83,8 +83,15 @@ class _StageWriter:
     def _format_inputs(self, name: str, effect: AirEffect | WrenchEffect) -> list[str]:
         """Return the lines that load an effect's parameters and memory."""
         layout = self._layout
+        first, count = layout.first[name], len(effect.parameters)
+        law = isinstance(effect, WrenchEffect) and effect.is_law
+        p = (
+            self._access.format_parameters(first, count, layout)
+            if law
+            else self.format_numbers('parameters', first, count)
+        )
         return [
-            f'p = {self.format_numbers("parameters", layout.first[name], len(effect.parameters))}',
+            f'p = {p}',
             f'm = {self.format_numbers("state", layout.remembers[name], len(effect.memory))}',
         ]
 
@@ -129,9 +136,8 @@ class _StageWriter:
             f'total = rigid_body_add_wrenches(total, W_{name})',
         ]
         if effect.rate is not no_rate:
-            lines.append(
-                f'R_{name} = {self._extract.add_function(effect.rate, name)}(p, m, motion)'
-            )
+            inputs = 'p, m, motion, u' if effect.is_law else 'p, m, motion'
+            lines.append(f'R_{name} = {self._extract.add_function(effect.rate, name)}({inputs})')
         return ModelStage(
             tuple(lines),
             ('r', 'airspeed', 'u', 'total'),

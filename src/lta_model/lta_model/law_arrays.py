@@ -1,0 +1,113 @@
+"""
+Evaluate a law over arrays: its factors, its fade and its hidden state, as the effect `law` does.
+
+`columns` holds the quantities of a law by name, each of shape (T,) in SI.
+"""
+
+from collections.abc import Iterable, Mapping
+
+from lta_config.schema.vehicle_law import HIDDEN, HiddenState, Law, LawFactor, PERIOD
+from lta_model.effects.law import LARGEST
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import cont2discrete, lfilter
+
+Array = NDArray[np.float64]
+Columns = Mapping[str, Array]
+
+
+def evaluate_factor(factor: LawFactor, x: Array) -> Array:
+    """Return the form of a factor at values of its quantity, shape (T,)."""
+    threshold, exponent = factor.threshold or 0.0, factor.exponent or 1.0
+    scale = factor.scale or PERIOD
+    angle = 2.0 * np.pi * x / scale - (factor.phase or 0.0)
+    forms = {
+        'linear': lambda: x,
+        'modulus': lambda: np.abs(x) ** exponent,
+        'power': lambda: np.sign(x) * np.abs(x) ** exponent,
+        'positive': lambda: np.maximum(x - threshold, 0.0),
+        'negative': lambda: np.maximum(threshold - x, 0.0),
+        'above': lambda: 0.5 * (1.0 + np.tanh((x - threshold) / scale)),
+        'sign': lambda: np.tanh(x / scale),
+        'decay': lambda: np.exp(np.minimum(-x / scale, LARGEST)),
+        'sin': lambda: np.sin(angle),
+        'cos': lambda: np.cos(angle),
+    }
+    return np.asarray(forms[factor.form](), dtype=np.float64)
+
+
+def evaluate_product(factors: Iterable[LawFactor], columns: Columns) -> Array:
+    """Return the product of factors, shape (T,); 1 without any."""
+    product = np.ones(len(next(iter(columns.values()))) if columns else 1)
+    for factor in factors:
+        product = product * evaluate_factor(factor, columns[factor.quantity])
+    return product
+
+
+def evaluate_distance(law: Law, columns: Columns) -> dict[str, Array]:
+    """
+    Return how far each quantity is outside of its range, shape (T,).
+
+    It is in half widths of the range: 0 within, and 1 where the law has faded to zero.
+    """
+    distances = {}
+    for name, (low, high) in law.region.items():
+        off = columns[name] - 0.5 * (low + high)
+        if name == 'yaw':
+            off = off - 2.0 * np.pi * np.floor(off / (2.0 * np.pi) + 0.5)
+        distances[name] = np.maximum(np.abs(off) / (0.5 * (high - low)) - 1.0, 0.0)
+    return distances
+
+
+def evaluate_fade(law: Law, columns: Columns) -> Array:
+    """Return 1 within the region of a law, less outside, and 0 far outside, shape (T,)."""
+    fade = np.ones(len(next(iter(columns.values()))) if columns else 1)
+    for distance in evaluate_distance(law, columns).values():
+        s = np.minimum(distance, 1.0)
+        fade = fade * (1.0 - s * s * (3.0 - 2.0 * s))
+    return fade
+
+
+def integrate_hidden(hidden: HiddenState, drive: Array, period: float) -> Array:
+    """
+    Return the hidden state at each sample, shape (T,), 0 at the first.
+
+    Exact for a drive, shape (T,), that is linear between its samples, `period` apart [s].
+    """
+    if hidden.time_constant is not None:
+        up, down = [1.0], [hidden.time_constant, 1.0]
+    else:
+        w, damping = hidden.frequency or 0.0, hidden.damping or 0.0
+        up, down = [w * w], [1.0, 2.0 * damping * w, w * w]
+    # A step at the start, and what rises from there: each exact by its own discretization
+    first = np.full(len(drive), drive[0])
+    return _filter(up, down, first, period, 'zoh') + _filter(
+        up, down, drive - first, period, 'foh'
+    )
+
+
+def _filter(up: list[float], down: list[float], drive: Array, period: float, method: str) -> Array:
+    """Return the response of a transfer function, from rest."""
+    numerator, denominator, _ = cont2discrete((up, down), period, method=method)
+    return np.asarray(lfilter(np.ravel(numerator), np.ravel(denominator), drive), dtype=np.float64)
+
+
+def evaluate_law(law: Law, columns: Columns, period: float) -> dict[str, Array]:
+    """
+    Return the force or moment of a law on each of its axes, shape (T,). [N, N m]
+
+    The hidden state is integrated from the first sample on, unless `columns` has it; `period` is
+    the time between samples. [s]
+    """
+    seen = dict(columns)
+    if law.hidden and HIDDEN not in seen:
+        ranges = {name: ends for name, ends in law.region.items() if name != HIDDEN}
+        known = law.model_copy(update={'region': ranges})
+        drive = evaluate_fade(known, seen) * evaluate_product(law.hidden.drive, seen)
+        seen[HIDDEN] = integrate_hidden(law.hidden, drive, period)
+    fade = evaluate_fade(law, seen)
+    out: dict[str, Array] = {}
+    for term in law.terms:
+        value = fade * term.coefficient * evaluate_product(term.factors, seen)
+        out[term.axis] = out.get(term.axis, 0.0) + value
+    return out
