@@ -66,7 +66,7 @@ def set_yaml_value(text: str, way: Way, value: Any) -> str:  # noqa: ANN401 - as
 def set_yaml_block(text: str, key: str, value: Any) -> str:  # noqa: ANN401 - as YAML has it
     """Return a file's text with a block at the end in place of the one of a top-level key."""
     node = yaml.compose(text, Loader=yaml.CSafeLoader)
-    for name, below in node.value:
+    for name, below in node.value if isinstance(node, yaml.MappingNode) else ():
         if name.value == key:
             end = text.find('\n', _find_value_end(below))
             text = text[: name.start_mark.index] + ('' if end < 0 else text[end + 1 :])

@@ -5,6 +5,7 @@ Evaluate a law over arrays: its factors, its fade and its hidden state, as the e
 """
 
 from collections.abc import Iterable, Mapping
+from typing import Literal
 
 from lta_config.schema.vehicle_law import HIDDEN, HiddenState, Law, LawFactor, PERIOD
 from lta_model.effects.law import LARGEST
@@ -18,22 +19,24 @@ Columns = Mapping[str, Array]
 
 def evaluate_factor(factor: LawFactor, x: Array) -> Array:
     """Return the form of a factor at values of its quantity, shape (T,)."""
-    threshold, exponent = factor.threshold or 0.0, factor.exponent or 1.0
-    scale = factor.scale or PERIOD
-    angle = 2.0 * np.pi * x / scale - (factor.phase or 0.0)
-    forms = {
-        'linear': lambda: x,
-        'modulus': lambda: np.abs(x) ** exponent,
-        'power': lambda: np.sign(x) * np.abs(x) ** exponent,
-        'positive': lambda: np.maximum(x - threshold, 0.0),
-        'negative': lambda: np.maximum(threshold - x, 0.0),
-        'above': lambda: 0.5 * (1.0 + np.tanh((x - threshold) / scale)),
-        'sign': lambda: np.tanh(x / scale),
-        'decay': lambda: np.exp(np.minimum(-x / scale, LARGEST)),
-        'sin': lambda: np.sin(angle),
-        'cos': lambda: np.cos(angle),
-    }
-    return np.asarray(forms[factor.form](), dtype=np.float64)
+    match factor.form:
+        case 'modulus' | 'power':
+            size: Array = np.abs(x) ** (factor.exponent or 1.0)
+            return size if factor.form == 'modulus' else np.copysign(size, x)
+        case 'positive':
+            return np.maximum(x - (factor.threshold or 0.0), 0.0)
+        case 'negative':
+            return np.maximum((factor.threshold or 0.0) - x, 0.0)
+        case 'above':
+            return 0.5 * (1.0 + np.tanh((x - (factor.threshold or 0.0)) / (factor.scale or 1.0)))
+        case 'sign':
+            return np.tanh(x / (factor.scale or 1.0))
+        case 'decay':
+            return np.exp(np.minimum(-x / (factor.scale or 1.0), LARGEST))
+        case 'sin' | 'cos':
+            angle = 2.0 * np.pi * x / (factor.scale or PERIOD) - (factor.phase or 0.0)
+            return np.sin(angle) if factor.form == 'sin' else np.cos(angle)
+    return x
 
 
 def evaluate_product(factors: Iterable[LawFactor], columns: Columns) -> Array:
@@ -86,10 +89,14 @@ def integrate_hidden(hidden: HiddenState, drive: Array, period: float) -> Array:
     )
 
 
-def _filter(up: list[float], down: list[float], drive: Array, period: float, method: str) -> Array:
+def _filter(
+    up: list[float], down: list[float], drive: Array, period: float, method: Literal['zoh', 'foh']
+) -> Array:
     """Return the response of a transfer function, from rest."""
-    numerator, denominator, _ = cont2discrete((up, down), period, method=method)
-    return np.asarray(lfilter(np.ravel(numerator), np.ravel(denominator), drive), dtype=np.float64)
+    # The stubs do not know a numerator and a denominator
+    system = cont2discrete((up, down), period, method=method)  # type: ignore[call-overload]
+    out: Array = lfilter(np.ravel(system[0]), np.ravel(system[1]), drive)
+    return out
 
 
 def evaluate_law(law: Law, columns: Columns, period: float) -> dict[str, Array]:

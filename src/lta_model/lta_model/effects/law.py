@@ -93,9 +93,9 @@ def apply_form(form: int, x: float, first: float, second: float) -> float:
     if form == LINEAR:
         return x
     if form == MODULUS:
-        return abs(x) ** first
+        return math.pow(abs(x), first)
     if form == POWER:
-        return math.copysign(abs(x) ** first, x)
+        return math.copysign(math.pow(abs(x), first), x)
     if form == POSITIVE:
         return max(x - first, 0.0)
     if form == NEGATIVE:
