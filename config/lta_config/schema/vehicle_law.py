@@ -270,24 +270,43 @@ def _add_unit(total: Counter[str], unit: str, power: float) -> None:
             total[name] += sign  # type: ignore[assignment] # exponents may be fractions
 
 
+def _add_factors(
+    total: Counter[str], factors: Iterable[LawFactor], hidden: HiddenState | None, power: float
+) -> None:
+    """Add the units of factors to exponents."""
+    for factor in factors:
+        if factor.quantity == HIDDEN:
+            _add_factors(total, hidden.drive if hidden else (), None, power * factor.degree)
+        else:
+            _add_unit(total, QUANTITIES[factor.quantity], power * factor.degree)
+
+
+def _format_unit(total: Counter[str]) -> str:
+    """Return exponents as a unit, as files have it: `N s2/m`; '1' if all are 0."""
+    powers = {name: round(total[name], 6) for name in ('N', 'V', 'm', 's')}
+    up, down = (
+        ' '.join(
+            f'{name}{"" if sign * power == 1.0 else f"{sign * power:g}"}'
+            for name, power in powers.items()
+            if sign * power > 0.0
+        )
+        for sign in (1, -1)
+    )
+    return (up or '1') + (f'/{down}' if down else '')
+
+
+def product_unit(factors: Iterable[LawFactor], hidden: HiddenState | None = None) -> str:
+    """Return the SI unit of a product of factors; '1' if it has none."""
+    total: Counter[str] = Counter()
+    _add_factors(total, factors, hidden, 1.0)
+    return _format_unit(total)
+
+
 def coefficient_unit(
     axis: str, factors: Iterable[LawFactor], hidden: HiddenState | None = None
 ) -> str:
     """Return the SI unit of a term's coefficient, such as `N s2` of a moment per (m/s)(rad/s)."""
     total: Counter[str] = Counter()
     _add_unit(total, AXES[axis], 1.0)
-    for factor in factors:
-        if factor.quantity != HIDDEN:
-            _add_unit(total, QUANTITIES[factor.quantity], -factor.degree)
-            continue
-        for one in hidden.drive if hidden else ():
-            _add_unit(total, QUANTITIES[one.quantity], -factor.degree * one.degree)
-    powers = {name: round(total[name], 6) for name in ('N', 'V', 'm', 's')}
-    up = [_format_power(name, power) for name, power in powers.items() if power > 0.0]
-    down = [_format_power(name, -power) for name, power in powers.items() if power < 0.0]
-    return ' '.join(up) + (f'/{" ".join(down)}' if down else '')
-
-
-def _format_power(name: str, power: float) -> str:
-    """Return a unit to a power as in files: `s2`."""
-    return name if power == 1.0 else f'{name}{power:g}'
+    _add_factors(total, factors, hidden, -1.0)
+    return _format_unit(total)

@@ -28,7 +28,7 @@ APART: Final = frozenset(
         'weight_and_buoyancy', 'rotor_thrust', 'rotor_misalignment', 'floor_contact', 'walls',
         'wind_profile', 'turbulence', 'gusts', 'superheat', 'moving_mass', 'hull_lift',
         'thrust_polynomial', 'rotor_envelope_interaction', 'ceiling_effect',
-        'battery_compensation',
+        'battery_compensation', 'law',
     }
 )  # fmt: skip
 HEAD: Final = '''"""The truth of a challenge, composed; edits here are lost."""

@@ -11,7 +11,7 @@ from lta_challenge.truth_source import APART, library_effects, TruthModel
 from lta_config.compilation.kernel_cache import load_kernel
 from lta_config.errors import BadInput
 from lta_discovery.model.nominal import NominalVehicle
-from lta_model.effects import EFFECTS
+from lta_model.effects import EFFECTS, MODEL_EFFECTS
 from lta_model.effects.protocol import (
     AXES,
     BodyEffect,
@@ -181,7 +181,7 @@ def _check_effects(nominal: NominalVehicle) -> None:
     # Implemented by the truth itself, or (floor contact) without effect in flight
     own = {'weight_and_buoyancy', 'rotor_thrust', 'rotor_misalignment', 'floor_contact'}
     for name in APART - own:
-        effect = EFFECTS[name]
+        effect = MODEL_EFFECTS[name]
         if isinstance(effect, KernelEffect) and any(
             nominal.parameter_value(name, known.name) != known.null for known in effect.parameters
         ):

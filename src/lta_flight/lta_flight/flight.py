@@ -88,7 +88,7 @@ class FlightRun:
     outcome: str  # 'reached', 'timeout', 'escaped', or 'failed' if the graph broke
     sentence: str  # the outcome in words, to be put after 'The drone'
     pace: float  # flight seconds per wall second
-    # Whether the flight left the region of validity of the vehicle file; '' if not
+    # Whether the flight left the region of validity or of the law of the vehicle file; '' if not
     warning: str = ''
 
 
@@ -260,4 +260,11 @@ def collect_result(
             'did not finish, because a node of the ROS graph failed or stalled',
             0.0,
         )
-    return FlightRun(folder, bag, flight['outcome'], flight['sentence'], float(flight['pace']))
+    return FlightRun(
+        folder,
+        bag,
+        flight['outcome'],
+        flight['sentence'],
+        float(flight['pace']),
+        flight.get('warning', ''),
+    )

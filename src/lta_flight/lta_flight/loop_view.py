@@ -128,7 +128,8 @@ class LoopView:
         state = np.array(self._truth)[:, 1:]
         flown = list_motion(state[:, QUATERNION], state[:, VELOCITY], state[:, RATES])
         vehicle = self.scene.vehicle
-        return '' if vehicle is None else describe_exceeded_region(vehicle, flown)
+        fitted = '' if vehicle is None else describe_exceeded_region(vehicle, flown)
+        return ' '.join(filter(None, (fitted, self._loop.world.law_warning)))
 
     @cached_property
     def estimate(self) -> MotionCurve:

@@ -94,7 +94,7 @@ def _filter(
 ) -> Array:
     """Return the response of a transfer function, from rest."""
     # The stubs do not know a numerator and a denominator
-    system = cont2discrete((up, down), period, method=method)  # type: ignore[call-overload]
+    system = cont2discrete((up, down), period, method=method)  # type: ignore[arg-type]
     out: Array = lfilter(np.ravel(system[0]), np.ravel(system[1]), drive)
     return out
 

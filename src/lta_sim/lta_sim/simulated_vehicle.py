@@ -50,7 +50,7 @@ class SimulatedVehicle:
         for name in ('parameters', 'body', 'inverse'):
             self._row[PLACES[name]] = getattr(model, name)
         self.state, self.command = self._view_part('state'), self._view_part('command')
-        self.surroundings = self._view_part('surroundings')
+        self.surroundings, self.body = self._view_part('surroundings'), self._view_part('body')
         self.rate, self.thrusts, self.wind = map(self._view_part, ('rate', 'thrusts', 'wind'))
         self.wrenches = self._view_part('wrenches').reshape(-1, 6)
 

@@ -88,7 +88,9 @@ class VehicleDifference:
         """Names of the changed effects; the derived figures may not show their influence."""
         places = [change.place.split('.') for change in self.changes]
         # `dict.fromkeys` removes duplicates and keeps the order
-        return list(dict.fromkeys(place[1] for place in places if place[0] == 'effects'))
+        effects = [place[1] for place in places if place[0] == 'effects']
+        law = [place[0] for place in places if place[0] == 'law']
+        return list(dict.fromkeys([*effects, *law]))
 
     @property
     def stale_aero_notes(self) -> list[str]:

@@ -1,10 +1,11 @@
 """Replay one measured flight through the model, for a set of parameters."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Final, final
 
 from lta_discovery.flights.measured_flight import MeasuredFlight, PERIOD, Stream
-from lta_discovery.flights.windows import Windows
+from lta_discovery.flights.windows import fit_state_at, Windows
 from lta_discovery.flights.zero_order_hold import average_held_values
 from lta_discovery.model.nominal import NominalVehicle, ReplayRows
 from lta_discovery.model.parameter_sets import ParameterSteps
@@ -31,6 +32,7 @@ CLOCKS: Final = ('clock', 'pose_time')  # channels that shift the time of a pose
 REMEMBERING: Final = [
     flag for flag, name in enumerate(BODY_LAYOUT.effects) if BODY_LAYOUT.memory_size(name)
 ]
+LAW: Final = BODY_LAYOUT.flag_index('law')
 
 
 @final
@@ -105,6 +107,22 @@ class FlightReplay:
             values = self.flight.position[good, k]
             states[:, k] = np.interp(self._steps, self.flight.time[good], values)
         return states
+
+    @cached_property
+    def _fitted_motion(self) -> Array:
+        """The measured motion by step with attitude, velocity and rates, for a law."""
+        count = len(self.flight.time)
+        fits = [fit_state_at(self.flight, index) for index in range(count)]
+        known = [index for index in range(count) if fits[index] is not None]
+        if not known:
+            return self._known
+        table = np.array([fits[index] for index in known])
+        # One sign of each quaternion, so that it can be interpolated
+        turned = np.sum(table[1:, 3:7] * table[:-1, 3:7], axis=1) < 0.0
+        table[1:, 3:7] *= np.cumprod(np.where(turned, -1.0, 1.0))[:, None]
+        return np.column_stack(
+            [np.interp(self._steps, self.flight.time[known], column) for column in table.T]
+        )
 
     def _rest_commands(self) -> Array:
         """Return the command of each step without rotors: the place of the moving mass."""
@@ -201,10 +219,11 @@ class FlightReplay:
         """Return the memory of the effects in each step."""
         memory = np.tile(rows.body[RIGID : BODY_LAYOUT.size], (len(self._steps), 1))
         if rows.body_on[REMEMBERING].any():
+            # Only the hidden state of a law follows more than the position
+            motion = self._fitted_motion if rows.body_on[LAW] else self._known
             load_body_kernel().remember(
-                rows.body.copy(), rows.body_on, self._known, commands, self._around, self.dt,
-                memory,
-            )  # fmt: skip
+                rows.body.copy(), rows.body_on, motion, commands, self._around, self.dt, memory
+            )
         return memory
 
     def update_wrench(self, rows: ReplayRows, before: BodyInputs) -> BodyInputs:
