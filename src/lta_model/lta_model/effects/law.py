@@ -176,14 +176,16 @@ def compute_memory_rate(
 ) -> Values:
     """Return d/dt of the hidden state, of its rate, and of the time since the start."""
     order, lag, damping = p[ORDER], p[ORDER + 1], p[ORDER + 2]
+    # Without a term there is no law: vehicles without one may share its code
+    clock = 1.0 if p[0] > 0.0 else 0.0
     if order == 0.0:
-        return (0.0, 0.0, 1.0)
+        return (0.0, 0.0, clock)
     seen = list_quantities(memory, motion, thrust)
     drive = compute_fade(p, seen) * multiply_factors(p, DRIVE, seen)
     if order == 1.0:
-        return ((drive - memory[0]) / lag, 0.0, 1.0)
+        return ((drive - memory[0]) / lag, 0.0, clock)
     # `lag` is the natural frequency
-    return (memory[1], lag * lag * (drive - memory[0]) - 2.0 * damping * lag * memory[1], 1.0)
+    return (memory[1], lag * lag * (drive - memory[0]) - 2.0 * damping * lag * memory[1], clock)
 
 
 EFFECT = WrenchEffect(
