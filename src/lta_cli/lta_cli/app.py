@@ -182,6 +182,7 @@ VERBS: Final[dict[str, Verb | VerbGroup]] = {
     'effects': Verb('effects', 'effects'),
     # Not a group: `lta effects NAME` shows an effect
     'effects try': Verb('effects_try', 'try_'),
+    'effects new': Verb('effects_new', 'new'),
     'doctor': Verb('doctor', 'doctor'),
 }
 

@@ -1,0 +1,44 @@
+"""lta effects new: write the skeleton of an effect of one's own."""
+
+from pathlib import Path
+from typing import Annotated
+
+from lta_cli.options.common_options import plain_console
+from lta_config.command_line import relative_path
+from lta_vehicle.effect_skeleton import load_law, write_skeleton
+import typer
+
+
+def new(
+    name: Annotated[str, typer.Argument(help='Name of the new effect, for example guide_rope.')],
+    source: Annotated[
+        str | None,
+        typer.Option(
+            '--from',
+            metavar='RUN|VEHICLE',
+            help='Folder of a run, or vehicle, whose law the effect computes; none: an example.',
+        ),
+    ] = None,
+    out: Annotated[Path | None, typer.Option(help='Folder to write; NAME by default.')] = None,
+) -> None:
+    """
+    Write the skeleton of an effect: a Python file, and the package that installs it.
+
+    With --from, the effect computes what the law of a vehicle file does, with a parameter for
+    each coefficient. Replace its formula by the equations of the cause. After "pip install", the
+    effect is listed by "lta effects", and vehicle files can use it.
+
+    Example: lta effects new guide_rope
+    """
+    law = None if source is None else load_law(source)
+    folder = out or Path(name)
+    files = write_skeleton(name, law, folder)
+    console = plain_console()
+    for path in files:
+        console.print(f'File {path}', highlight=False, soft_wrap=True)
+    console.print(
+        f'Enter equations, bounds and sources, then run: .venv/bin/pip install '
+        f'{relative_path(folder)}, and lta effects {name}',
+        highlight=False,
+        soft_wrap=True,
+    )
