@@ -1,6 +1,6 @@
 """Watch whether a flight leaves the region of the law of its vehicle."""
 
-from typing import final
+from typing import Final, final
 
 from lta_config.quantity import format_with_unit
 from lta_config.schema.vehicle_law import HIDDEN, Law, product_unit, QUANTITIES
@@ -9,6 +9,9 @@ from lta_model.law_arrays import evaluate_distance
 from lta_model.rigid_body import airspeed, build_motion, rotation_matrix
 from lta_sim.simulated_vehicle import LAYOUT, SimulatedVehicle
 import numpy as np
+
+# Distance to the range, in half of its width: at less, 97 % of the law and more are left
+NOTICED: Final = 0.1
 
 
 @final
@@ -19,7 +22,7 @@ class LawRegion:
     Attributes
     ----------
     warning : str
-        The first quantity that left its range, as a sentence; '' until then.
+        The first quantity that was clearly out of its range, as a sentence; '' until then.
 
     """
 
@@ -34,7 +37,6 @@ class LawRegion:
         law = self._law
         if law is None or self.warning:
             return
-        # Bodies are not read for their mass: only the rotors' places and axes
         x, y, z, *rest = vehicle.state[:13].tolist()
         r = rotation_matrix(tuple(rest[:4]))
         velocity, rates = tuple(rest[4:7]), tuple(rest[7:])
@@ -54,7 +56,7 @@ class LawRegion:
         seen = dict(zip(QUANTITIES, values, strict=True))
         distances = evaluate_distance(law, {name: np.array([seen[name]]) for name in law.region})
         for name, distance in distances.items():
-            if distance[0] > 0.0:
+            if distance[0] > NOTICED:
                 self.warning = self._describe_departure(law, name, seen[name])
                 return
 

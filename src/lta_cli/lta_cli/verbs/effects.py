@@ -6,6 +6,7 @@ from typing import Annotated
 from lta_cli.options.common_options import plain_console
 from lta_cli.reference.effects_page import KINDS, render_page
 from lta_model.effects import EFFECTS, get_effect
+from lta_model.effects.protocol import WrenchEffect
 from lta_model.effects.summary import describe_effect
 from rich.table import Table
 import typer
@@ -55,6 +56,9 @@ def print_effect(name: str) -> None:
     """Print one effect with all its parameters."""
     console, effect = plain_console(), get_effect(name)
     console.print(f'{name}: {describe_effect(effect)}.\n', markup=False)
+    if isinstance(effect, WrenchEffect) and effect.is_law:
+        console.print('Its numbers are in the block "law" of a vehicle file (docs/effects.md).')
+        return
     table = Table(box=None)
     for column in ('parameter', 'unit', 'null', 'from', 'to', 'spread', 'source'):
         table.add_column(column, overflow='fold')
