@@ -35,7 +35,9 @@ AXES: Final[Mapping[str, str]] = {
     **dict.fromkeys(('roll', 'pitch', 'yaw'), 'N m'),
     **dict.fromkeys(('map_x', 'map_y', 'map_z'), 'N'),
 }
+# The hidden state and, of one of second order, its rate; their units are those of the drive
 HIDDEN: Final = 'hidden'
+HIDDEN_RATE: Final = 'hidden_rate'
 # Quantities, with their units. The order is that of the codes in the compiled effect.
 QUANTITIES: Final[Mapping[str, str]] = {
     # Velocity relative to the air, body frame, and its modulus; body rates, and their modulus
@@ -46,7 +48,8 @@ QUANTITIES: Final[Mapping[str, str]] = {
     **dict.fromkeys(('roll', 'pitch', 'yaw'), 'rad'),
     'voltage': 'V',
     'time': 's',  # since the start of the flight
-    HIDDEN: '',  # that of its drive
+    HIDDEN: '',
+    HIDDEN_RATE: '/s',
     # Thrust of each rotor, in the order of the file; their sum along the axes of the rotors, and
     # its moment about the hull centre
     **{f'thrust_{k}': 'N' for k in range(1, 9)},
@@ -190,7 +193,7 @@ class HiddenState(StrictModel):
                 'needs either time_constant, for a lag of first order, or frequency and damping, '
                 'for one of second order'
             )
-        if any(factor.quantity == HIDDEN for factor in self.drive):
+        if any(factor.quantity in (HIDDEN, HIDDEN_RATE) for factor in self.drive):
             raise ValueError('is driven by itself; use other quantities in drive')
         return self
 
@@ -221,9 +224,14 @@ class Law(StrictModel):
 
     @model_validator(mode='after')
     def _check_hidden(self) -> Self:
-        used = HIDDEN in self.quantities
+        used = [name for name in (HIDDEN, HIDDEN_RATE) if name in self.quantities]
         if used and not self.hidden:
-            raise ValueError('uses the quantity hidden, but has no block "hidden"; add one')
+            raise ValueError(f'uses the quantity {used[0]}, but has no block "hidden"; add one')
+        if HIDDEN_RATE in used and self.hidden and self.hidden.time_constant is not None:
+            raise ValueError(
+                'uses hidden_rate, but its hidden state is of first order; give it frequency and '
+                'damping, or use hidden'
+            )
         if self.hidden and not used:
             raise ValueError('has a block "hidden" that no term uses; remove it')
         return self
@@ -275,10 +283,9 @@ def _add_factors(
 ) -> None:
     """Add the units of factors to exponents."""
     for factor in factors:
-        if factor.quantity == HIDDEN:
+        if factor.quantity in (HIDDEN, HIDDEN_RATE):
             _add_factors(total, hidden.drive if hidden else (), None, power * factor.degree)
-        else:
-            _add_unit(total, QUANTITIES[factor.quantity], power * factor.degree)
+        _add_unit(total, QUANTITIES[factor.quantity], power * factor.degree)
 
 
 def _format_unit(total: Counter[str]) -> str:
@@ -295,10 +302,12 @@ def _format_unit(total: Counter[str]) -> str:
     return (up or '1') + (f'/{down}' if down else '')
 
 
-def product_unit(factors: Iterable[LawFactor], hidden: HiddenState | None = None) -> str:
-    """Return the SI unit of a product of factors; '1' if it has none."""
+def quantity_unit(name: str, hidden: HiddenState | None = None) -> str:
+    """Return the SI unit of a quantity of a law with a hidden state."""
+    if name not in (HIDDEN, HIDDEN_RATE):
+        return QUANTITIES[name]
     total: Counter[str] = Counter()
-    _add_factors(total, factors, hidden, 1.0)
+    _add_factors(total, [LawFactor(quantity=name)], hidden, 1.0)
     return _format_unit(total)
 
 

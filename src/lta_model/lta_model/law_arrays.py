@@ -5,9 +5,9 @@ Evaluate a law over arrays: its factors, its fade and its hidden state, as the e
 """
 
 from collections.abc import Iterable, Mapping
-from typing import Literal
+from typing import Final, Literal
 
-from lta_config.schema.vehicle_law import HIDDEN, HiddenState, Law, LawFactor, PERIOD
+from lta_config.schema.vehicle_law import HIDDEN, HIDDEN_RATE, HiddenState, Law, LawFactor, PERIOD
 from lta_model.effects.law import LARGEST
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from scipy.signal import cont2discrete, lfilter
 
 Array = NDArray[np.float64]
 Columns = Mapping[str, Array]
+OWN: Final = (HIDDEN, HIDDEN_RATE)
 
 
 def evaluate_factor(factor: LawFactor, x: Array) -> Array:
@@ -71,22 +72,26 @@ def evaluate_fade(law: Law, columns: Columns) -> Array:
     return fade
 
 
-def integrate_hidden(hidden: HiddenState, drive: Array, period: float) -> Array:
+def integrate_hidden(hidden: HiddenState, drive: Array, period: float) -> tuple[Array, Array]:
     """
-    Return the hidden state at each sample, shape (T,), 0 at the first.
+    Return the hidden state and its rate at each sample, shape (T,); 0 at the first.
 
     Exact for a drive, shape (T,), that is linear between its samples, `period` apart [s].
     """
     if hidden.time_constant is not None:
-        up, down = [1.0], [hidden.time_constant, 1.0]
-    else:
-        w, damping = hidden.frequency or 0.0, hidden.damping or 0.0
-        up, down = [w * w], [1.0, 2.0 * damping * w, w * w]
+        value = _respond([1.0], [hidden.time_constant, 1.0], drive, period)
+        return value, (drive - value) / hidden.time_constant
+    w, damping = hidden.frequency or 0.0, hidden.damping or 0.0
+    down = [1.0, 2.0 * damping * w, w * w]
+    return _respond([w * w], down, drive, period), _respond([w * w, 0.0], down, drive, period)
+
+
+def _respond(up: list[float], down: list[float], drive: Array, period: float) -> Array:
+    """Return the response of a transfer function to a drive that begins with a step."""
     # A step at the start, and what rises from there: each exact by its own discretization
     first = np.full(len(drive), drive[0])
-    return _filter(up, down, first, period, 'zoh') + _filter(
-        up, down, drive - first, period, 'foh'
-    )
+    rest = _filter(up, down, drive - first, period, 'foh')
+    return _filter(up, down, first, period, 'zoh') + rest
 
 
 def _filter(
@@ -108,10 +113,10 @@ def evaluate_law(law: Law, columns: Columns, period: float) -> dict[str, Array]:
     """
     seen = dict(columns)
     if law.hidden and HIDDEN not in seen:
-        ranges = {name: ends for name, ends in law.region.items() if name != HIDDEN}
+        ranges = {name: ends for name, ends in law.region.items() if name not in OWN}
         known = law.model_copy(update={'region': ranges})
         drive = evaluate_fade(known, seen) * evaluate_product(law.hidden.drive, seen)
-        seen[HIDDEN] = integrate_hidden(law.hidden, drive, period)
+        seen[HIDDEN], seen[HIDDEN_RATE] = integrate_hidden(law.hidden, drive, period)
     fade = evaluate_fade(law, seen)
     out: dict[str, Array] = {}
     for term in law.terms:

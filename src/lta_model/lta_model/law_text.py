@@ -7,11 +7,13 @@ from lta_config.quantity import format_with_unit
 from lta_config.schema.vehicle_law import (
     AXES,
     HIDDEN,
+    HIDDEN_RATE,
+    HiddenState,
     Law,
     LawFactor,
     LawTerm,
-    product_unit,
     QUANTITIES,
+    quantity_unit,
 )
 
 WORDS: Final[Mapping[str, str]] = {
@@ -29,6 +31,7 @@ WORDS: Final[Mapping[str, str]] = {
     'voltage': 'battery voltage',
     'time': 'time since the start',
     HIDDEN: 'hidden state',
+    HIDDEN_RATE: 'rate of the hidden state',
 }
 
 
@@ -37,9 +40,9 @@ def describe_axis(axis: str) -> str:
     return f'{axis} {"moment" if AXES[axis] == "N m" else "force"}'
 
 
-def format_factor(factor: LawFactor, unit: str | None = None) -> str:
-    """Return a factor as a formula: `max(u - 0.1 m/s, 0)`; `unit` is that of a hidden state."""
-    x, own = factor.quantity, QUANTITIES[factor.quantity] if unit is None else unit
+def format_factor(factor: LawFactor, hidden: HiddenState | None = None) -> str:
+    """Return a factor of a law as a formula: `max(u - 0.1 m/s, 0)`."""
+    x, own = factor.quantity, quantity_unit(factor.quantity, hidden)
     threshold = factor.threshold or 0.0
     off = x if not threshold else f'{x} {"-" if threshold > 0 else "+"} {_at(abs(threshold), own)}'
     power = '' if (factor.exponent or 1.0) == 1.0 else f'^{factor.exponent:g}'
@@ -67,10 +70,7 @@ def _at(value: float, unit: str) -> str:
 
 def format_product(law: Law, factors: Iterable[LawFactor]) -> str:
     """Return a product of factors as a formula: `speed |r|`; '' without any."""
-    hidden = product_unit(law.hidden.drive) if law.hidden else '1'
-    return ' '.join(
-        format_factor(one, hidden if one.quantity == HIDDEN else None) for one in factors
-    )
+    return ' '.join(format_factor(one, law.hidden) for one in factors)
 
 
 def format_axes(law: Law) -> dict[str, str]:
@@ -100,11 +100,8 @@ def format_hidden(law: Law) -> str:
 
 def format_region(law: Law) -> str:
     """Return the region of a law: 'speed 0 to 0.6 m/s, r -1 to 1 rad/s'."""
-    hidden = product_unit(law.hidden.drive) if law.hidden else '1'
     return ', '.join(
-        format_with_unit(
-            f'{name} {low:.4g} to {high:.4g}', hidden if name == HIDDEN else QUANTITIES[name]
-        )
+        format_with_unit(f'{name} {low:.4g} to {high:.4g}', quantity_unit(name, law.hidden))
         for name, (low, high) in law.region.items()
     )
 
@@ -138,7 +135,7 @@ def describe_term(term: LawTerm) -> str:
     units = ''.join(
         f'({QUANTITIES[one.quantity]})' + ('' if one.degree == 1.0 else f'^{one.degree:g}')
         for one in term.factors
-        if one.degree and one.quantity != HIDDEN and QUANTITIES[one.quantity] != '1'
+        if one.degree and one.quantity not in (HIDDEN, HIDDEN_RATE)
     )
     words = ' times '.join(
         WORDS.get(one.quantity, one.quantity.replace('_', ' '))

@@ -3,7 +3,7 @@
 from typing import Final, final
 
 from lta_config.quantity import format_with_unit
-from lta_config.schema.vehicle_law import HIDDEN, Law, product_unit, QUANTITIES
+from lta_config.schema.vehicle_law import Law, QUANTITIES, quantity_unit
 from lta_model.effects.law import list_quantities
 from lta_model.law_arrays import evaluate_distance
 from lta_model.rigid_body import airspeed, build_motion, rotation_matrix
@@ -62,9 +62,7 @@ class LawRegion:
 
     def _describe_departure(self, law: Law, name: str, value: float) -> str:
         """Return the sentence about a quantity out of its range."""
-        unit = QUANTITIES[name]
-        if name == HIDDEN and law.hidden:
-            unit = product_unit(law.hidden.drive)
+        unit = quantity_unit(name, law.hidden)
         low, high = law.region[name]
         found = format_with_unit(f'{low:.3g} to {high:.3g}', unit)
         return (

@@ -14,7 +14,15 @@ from typing import Final
 from lta_config.errors import BadInput
 from lta_config.quantity import UNITS
 from lta_config.schema.vehicle_file import load_vehicle_file, VehicleFile
-from lta_config.schema.vehicle_law import AXES, HIDDEN, Law, LawFactor, LawTerm, PERIOD
+from lta_config.schema.vehicle_law import (
+    AXES,
+    HIDDEN,
+    HIDDEN_RATE,
+    Law,
+    LawFactor,
+    LawTerm,
+    PERIOD,
+)
 from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.recorded_flight import open_flight
 from lta_data.scene import read_scene
@@ -37,6 +45,7 @@ EXPRESSIONS: Final = {
     'voltage': 'motion.surroundings[VOLTAGE]',
     'time': 'memory[2]',
     HIDDEN: 'memory[0]',
+    HIDDEN_RATE: 'memory[1]',
     **{f'thrust_{k + 1}': f'thrust[{k}]' for k in range(8)},
     **{
         f'thrust_{axis}': f'sum_rotor_forces(motion.body[ROTOR_PLACE:], thrust)[{k}]'

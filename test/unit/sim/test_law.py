@@ -74,11 +74,11 @@ def model(one, **given):
     )
 
 
-def state(hidden=0.0, time=0.0):
+def state(hidden=0.0, time=0.0, rate=0.0):
     """Return a state with a law's memory."""
     out = pack_state((0.4, -0.7, 1.3), 0.0, VELOCITY, RATES, initial_memory())
     out[3:7] = TURN.as_quat()
-    out[MEMORY] = hidden, 0.0, time
+    out[MEMORY] = hidden, rate, time
     return out
 
 
@@ -89,24 +89,25 @@ def wrench(one, start=None):
 
 
 def quantities():
-    """Return all quantities of `state(0.3, 7.0)`, by numpy alone."""
+    """Return all quantities of `state(0.3, 7.0, 0.2)`, by numpy alone."""
     air = np.array(VELOCITY) - TURN.inv().apply(WIND)
     yaw, pitch, roll = TURN.as_euler('ZYX')
     force = THRUSTS[:, None] * DIRECTIONS
     total = [*force.sum(axis=0), *np.cross(PLACES, force).sum(axis=0)]
     numbers = (
         *air, np.linalg.norm(air), *RATES, np.linalg.norm(RATES), 0.4, -0.7, 1.3,
-        roll, pitch, yaw, VOLTAGE, 7.0, 0.3, *THRUSTS, *[0.0] * 6, *total,
+        roll, pitch, yaw, VOLTAGE, 7.0, 0.3, 0.2, *THRUSTS, *[0.0] * 6, *total,
     )  # fmt: skip
     return dict(zip(QUANTITIES, numbers, strict=True))
 
 
 @pytest.mark.parametrize('name', QUANTITIES)
 def test_a_term_is_linear_in_each_quantity(name):
-    hidden = {'drive': [{'quantity': 'u'}], 'time_constant': 1.0} if name == 'hidden' else None
+    lag = {'drive': [{'quantity': 'u'}], 'frequency': 1.0, 'damping': 0.1}
+    hidden = lag if name.startswith('hidden') else None
     one = law(('sway', 0.7, [{'quantity': name}]), hidden=hidden)
     expected = 0.7 * quantities()[name]
-    assert wrench(one, state(0.3, 7.0)) == pytest.approx([0, expected, 0, 0, 0, 0], rel=1e-12)
+    assert wrench(one, state(0.3, 7.0, 0.2)) == pytest.approx([0, expected, 0, 0, 0, 0], rel=1e-12)
 
 
 BY_HAND = {
@@ -208,12 +209,13 @@ def test_the_hidden_state_answers_a_step(order):
         assert later[MEMORY.stop - 1] == pytest.approx(2e-3 * steps)
     t = 0.05 * np.arange(60)
     drive = np.full(60, VOLTAGE)
-    assert integrate_hidden(one.hidden, drive, 0.05) == pytest.approx(
-        VOLTAGE * response(t), rel=1e-9, abs=1e-9
-    )
+    value, rate = integrate_hidden(one.hidden, drive, 0.05)
+    assert value == pytest.approx(VOLTAGE * response(t), rel=1e-9, abs=1e-9)
+    slope = (response(t + 1e-5) - response(t - 1e-5)) / 2e-5
+    assert rate[1:] == pytest.approx(VOLTAGE * slope[1:], rel=1e-6, abs=1e-6)
     # A ramp: exact between samples, so half of the samples give the same
-    fine = integrate_hidden(one.hidden, 1.0 + 0.025 * np.arange(119), 0.025)
-    coarse = integrate_hidden(one.hidden, 1.0 + 0.05 * np.arange(60), 0.05)
+    fine = integrate_hidden(one.hidden, 1.0 + 0.025 * np.arange(119), 0.025)[0]
+    coarse = integrate_hidden(one.hidden, 1.0 + 0.05 * np.arange(60), 0.05)[0]
     assert fine[::2] == pytest.approx(coarse, rel=1e-9, abs=1e-9)
 
 
@@ -297,6 +299,13 @@ def refuse(change, complaint):
         ({'hidden': {'drive': [U], 'time_constant': 1.0}}, r'block "hidden" that no term uses'),
         ({'hidden': {'drive': [U], 'damping': 1.0}}, r'needs either time_constant, .* or freq'),
         ({'terms': [term(factors=[{'quantity': 'hidden'}])]}, r'but has no block "hidden"; add'),
+        (
+            {
+                'terms': [term(factors=[{'quantity': 'hidden_rate'}])],
+                'hidden': {'drive': [U], 'time_constant': 1.0},
+            },
+            r'its hidden state is of first order; give it frequency and damping, or use hidden',
+        ),
     ],
 )
 def test_a_wrong_law_is_refused(change, complaint):

@@ -1,7 +1,7 @@
 """A model is refused in one sentence, or it is a body that can exist."""
 
 from lta_config.errors import BadInput
-from lta_model.effects import get_effect, MODEL_EFFECTS
+from lta_model.effects import EFFECTS, get_effect, MODEL_EFFECTS
 from lta_model.effects.protocol import KernelEffect
 from lta_model.model import VehicleModel
 from lta_sim.kernels.kernel import LAYOUT

@@ -84,6 +84,7 @@ def list_quantities(memory: Values, motion: VehicleMotion, thrust: Values) -> Va
         motion.surroundings[VOLTAGE],
         memory[2],
         memory[0],
+        memory[1],
     )
     return state + thrust + sum_rotor_forces(motion.body[ROTOR_PLACE:], thrust)
 
