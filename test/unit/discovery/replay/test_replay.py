@@ -2,14 +2,18 @@
 
 from dataclasses import replace
 
+from lta_config.schema.vehicle_law import HiddenState, Law, LawFactor, LawTerm
 from lta_discovery.flights.measured_flight import resample_flight, Stream
 from lta_discovery.flights.windows import cut_into_pieces
 from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.replay_kernel import BODY_LAYOUT
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.replay.replay import FlightReplay, STEPS
 from lta_model.effects import initial_memory
+from lta_model.effects.law import list_law_parameters
 from lta_model.vehicle import load_vehicle
 from lta_sim.kernels import kernel
+from lta_sim.kernels.kernel import LAYOUT
 import numpy as np
 import pytest
 
@@ -64,6 +68,67 @@ def test_pieces_fly_as_the_kernel_flies(gtmab: tuple[NominalVehicle, object]) ->
     assert np.abs(error[:, :3]).max() < 1e-4  # m
     assert np.abs(error[:, 3:7]).max() < 1e-4
     assert np.abs(error[:, 7:]).max() < 1e-3  # m/s, rad/s
+
+
+def test_a_law_with_a_hidden_state_is_replayed(gtmab: tuple[NominalVehicle, object]) -> None:
+    # The hidden state follows attitude, airspeed and rates of the measured motion
+    law = Law(
+        source='a test',
+        terms=[
+            LawTerm(
+                axis='yaw', coefficient=0.01, unit='N s2', factors=[LawFactor(quantity='hidden')]
+            ),
+            LawTerm(axis='surge', coefficient=0.002, unit='N', factors=[]),
+        ],
+        hidden=HiddenState(
+            drive=[
+                LawFactor(quantity='r'),
+                LawFactor(quantity='u', form='modulus'),
+                LawFactor(quantity='pitch', form='cos'),
+            ],
+            time_constant=1.5,
+        ),
+        region={name: [-9.0, 9.0] for name in ('u', 'r', 'pitch', 'hidden')},
+    )
+    vehicle = replace(gtmab[0], given={**gtmab[0].given, 'law': list_law_parameters(law)})
+    streams = flown({}, 4, 12.0)
+    model, orders = vehicle.build_model(), streams.commands.values
+    state = np.concatenate([np.zeros(RIGID), initial_memory()])
+    state[6], state[2] = 1.0, 1.5
+    states = [state]
+    for order in orders:
+        states.append(kernel.advance(states[-1], model, order, (0.0,), 0.0025, 4))
+    truth = np.array(states)
+    blank = resample_flight(streams)
+    at = np.minimum(np.rint(blank.time / 0.01).astype(int), len(truth) - 1)
+    flight = replace(
+        blank,
+        position=truth[at, :3],
+        quaternion=truth[at, 3:7],
+        voltage=np.full(len(at), np.nan),
+    )
+    replay = FlightReplay(
+        flight, cut_into_pieces(flight, 4.0), load_vehicle('gtmab').pack_command(())
+    )
+    rows = vehicle.build_replay_rows()
+    ready = replay.compute_body_inputs(rows)
+    place = BODY_LAYOUT.remembers['law'] - RIGID
+    index = np.rint((blank.time[0] + replay.dt * np.arange(STEPS * len(at))) / 0.01).astype(int)
+    # A fit at the edge of a flight has poses on one side only
+    within = slice(25, len(index) - 25)
+    hidden = truth[np.minimum(index, len(truth) - 1), LAYOUT.remembers['law']][within]
+    assert np.abs(hidden).max() > 0.02
+    assert ready.memory[: len(index), place][within] == pytest.approx(hidden, abs=2e-3)
+    first = at[replay.cut.first]
+    start, still = truth[first, :RIGID], np.zeros((len(first), replay.span, 6))
+    lawless = gtmab[0].build_replay_rows()
+    errors = []
+    for known in (rows, lawless):
+        pieces = replay.integrate_pieces(known, replay.compute_body_inputs(known), start, still)
+        error = pieces[0, ::STEPS] - truth[first[0] : first[0] + 401 : 4, :RIGID]
+        errors.append(np.abs(error[:, :7]).max())
+    assert errors[0] < 1e-3
+    assert errors[1] > 0.01
 
 
 def test_a_commanded_wrench_moves_the_body_as_the_same_latent_one(
