@@ -24,7 +24,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from . import crowded
+from . import crowded, lamp_room
 from . import flat_balloon as balloon
 
 WIDE = [-1e3, 1e3]
@@ -334,3 +334,21 @@ def test_units_and_formulas():
     )
     power = law(('surge', 1.0, [{'quantity': 'w', 'form': 'power', 'exponent': 1.7}]))
     assert power.terms[0].unit == 'N s1.7/m1.7'
+
+
+def test_a_flight_says_once_what_left_the_region():
+    floor = lamp_room.build().state[2]
+    sentences = []
+    for top in (floor - 0.1, floor + 5.0):
+        one = law(('roll', 1e-6, [{'quantity': 'height'}]), height=[0.0, float(top)])
+        world = lamp_room.build(vehicle={'law': one.model_dump(exclude_defaults=True)})
+        lamp_room.fly(world, 2)
+        sentences.append(world.law_warning)
+        lamp_room.fly(world, 3, lamp_room.HOVER)
+        assert world.law_warning == sentences[-1]
+    assert sentences[0] == (
+        f'The law of vehicle gtmab was found with height 0 to {floor - 0.1:.3g} m, and fades to '
+        f'zero outside: here, height reached {floor:.3g} m.'
+    )
+    assert sentences[1] == ''
+    assert lamp_room.build().law_warning == ''
