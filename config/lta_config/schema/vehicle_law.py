@@ -180,9 +180,10 @@ class HiddenState(StrictModel):
     """One state that follows a product of factors, its drive, with a lag. [s, rad/s, 1]."""
 
     drive: Annotated[list[LawFactor], Field(min_length=1, max_length=FACTORS)]
-    time_constant: Positive | None = None
-    frequency: Positive | None = None
-    damping: Annotated[float, Field(ge=0.0, le=10.0)] | None = None
+    # Bounds for the time steps of simulation and replay
+    time_constant: Annotated[float, Field(ge=0.02, le=1e6)] | None = None
+    frequency: Annotated[float, Field(gt=0.0, le=50.0)] | None = None
+    damping: Annotated[float, Field(ge=0.0, le=5.0)] | None = None
 
     @model_validator(mode='after')
     def _check_order(self) -> Self:

@@ -220,10 +220,11 @@ class FlightReplay:
         memory = np.tile(rows.body[RIGID : BODY_LAYOUT.size], (len(self._steps), 1))
         if rows.body_on[REMEMBERING].any():
             # Only the hidden state of a law follows more than the position
-            motion = self._fitted_motion if rows.body_on[LAW] else self._known
+            lawful = bool(rows.body_on[LAW])
             load_body_kernel().remember(
-                rows.body.copy(), rows.body_on, motion, commands, self._around, self.dt, memory
-            )
+                rows.body.copy(), rows.body_on, self._fitted_motion if lawful else self._known,
+                commands, self._around, self.dt, lawful, memory,
+            )  # fmt: skip
         return memory
 
     def update_wrench(self, rows: ReplayRows, before: BodyInputs) -> BodyInputs:
