@@ -77,10 +77,10 @@ Finite = Annotated[float, Field(allow_inf_nan=False)]
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 
 
-def _check_name(name: str, what: str, known: Iterable[str]) -> str:
+def _check_name(name: str, what: str, valid: Iterable[str]) -> str:
     """Return a name, or raise `ValueError` with the list of the valid ones."""
-    if name not in known:
-        raise ValueError(f'is {name!r}, which is no {what}; known: {", ".join(known)}')
+    if name not in valid:
+        raise ValueError(f'is {name!r}, which is no {what}; known: {", ".join(valid)}')
     return name
 
 

@@ -109,7 +109,7 @@ class FlightReplay:
         return states
 
     @cached_property
-    def _fitted_motion(self) -> Array:
+    def _motion_from_fits(self) -> Array:
         """The measured motion by step with attitude, velocity and rates, for a law."""
         count = len(self.flight.time)
         fits = [fit_state_at(self.flight, index) for index in range(count)]
@@ -222,7 +222,7 @@ class FlightReplay:
             # Only the hidden state of a law follows more than the position
             lawful = bool(rows.body_on[LAW])
             load_body_kernel().remember(
-                rows.body.copy(), rows.body_on, self._fitted_motion if lawful else self._known,
+                rows.body.copy(), rows.body_on, self._motion_from_fits if lawful else self._known,
                 commands, self._around, self.dt, lawful, memory,
             )  # fmt: skip
         return memory

@@ -111,7 +111,7 @@ def apply_form(form: int, x: float, first: float, second: float) -> float:
     return math.sin(angle) if form == SINE else math.cos(angle)
 
 
-def multiply_factors(p: Values, first: int, seen: Values) -> float:
+def multiply_factors(p: Values, first: int, values: Values) -> float:
     """Return the product of the factors whose numbers begin at a place; 1 without any."""
     product = 1.0
     for k in range(FACTORS):
@@ -119,12 +119,12 @@ def multiply_factors(p: Values, first: int, seen: Values) -> float:
         quantity = int(p[place])
         if quantity > 0:
             product *= apply_form(
-                int(p[place + 1]), seen[quantity - 1], p[place + 2], p[place + 3]
+                int(p[place + 1]), values[quantity - 1], p[place + 2], p[place + 3]
             )
     return product
 
 
-def compute_fade(p: Values, seen: Values) -> float:
+def compute_fade(p: Values, values: Values) -> float:
     """Return 1 within the region of the law, less outside, and 0 far outside."""
     fade = 1.0
     for k in range(REGION):
@@ -132,7 +132,7 @@ def compute_fade(p: Values, seen: Values) -> float:
         quantity = int(p[place])
         if quantity > 0:
             half = 0.5 * (p[place + 2] - p[place + 1])
-            off = seen[quantity - 1] - 0.5 * (p[place + 2] + p[place + 1])
+            off = values[quantity - 1] - 0.5 * (p[place + 2] + p[place + 1])
             if quantity - 1 == YAW:
                 off -= 2.0 * math.pi * math.floor(off / (2.0 * math.pi) + 0.5)
             s = min(max(abs(off) / half - 1.0, 0.0), 1.0)
@@ -142,8 +142,8 @@ def compute_fade(p: Values, seen: Values) -> float:
 
 def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return the sum of the terms, in the body frame. [N, N m]"""
-    seen = list_quantities(memory, motion, thrust)
-    fade = compute_fade(p, seen)
+    values = list_quantities(memory, motion, thrust)
+    fade = compute_fade(p, values)
     # Six body axes, then three of the map
     a, b, c, d, e, f, x, y, z = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for term in range(TERMS):
@@ -151,7 +151,7 @@ def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Val
         axis = int(p[first])
         if axis == 0:
             continue
-        value = fade * p[first + 1] * multiply_factors(p, first + 2, seen)
+        value = fade * p[first + 1] * multiply_factors(p, first + 2, values)
         a += value if axis == 1 else 0.0
         b += value if axis == 2 else 0.0
         c += value if axis == 3 else 0.0
@@ -181,8 +181,8 @@ def compute_memory_rate(
     clock = 1.0 if p[0] > 0.0 else 0.0
     if order == 0.0:
         return (0.0, 0.0, clock)
-    seen = list_quantities(memory, motion, thrust)
-    drive = compute_fade(p, seen) * multiply_factors(p, DRIVE, seen)
+    values = list_quantities(memory, motion, thrust)
+    drive = compute_fade(p, values) * multiply_factors(p, DRIVE, values)
     if order == 1.0:
         return ((drive - memory[0]) / lag, 0.0, clock)
     # `lag` is the natural frequency
