@@ -177,12 +177,14 @@ class LawTerm(StrictModel):
 
 
 class HiddenState(StrictModel):
-    """One state that follows a product of factors, its drive, with a lag. [s, rad/s, 1]."""
+    """One state that follows a product of factors, its drive, with a lag."""
 
     drive: Annotated[list[LawFactor], Field(min_length=1, max_length=FACTORS)]
-    # Bounds for the time steps of simulation and replay
+    # Of a lag of first order [s]; the bounds allow for the steps of simulation and replay
     time_constant: Annotated[float, Field(ge=0.02, le=1e6)] | None = None
+    # Natural frequency of a lag of second order [rad/s]
     frequency: Annotated[float, Field(gt=0.0, le=50.0)] | None = None
+    # Damping ratio of a lag of second order
     damping: Annotated[float, Field(ge=0.0, le=5.0)] | None = None
 
     @model_validator(mode='after')
@@ -201,7 +203,7 @@ class HiddenState(StrictModel):
 
 class Law(StrictModel):
     """
-    A force or moment without a name; see the module.
+    A force or moment without a name, as a sum of products (docs/effects.md).
 
     Attributes
     ----------
