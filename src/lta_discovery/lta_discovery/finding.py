@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final, final, Literal, NamedTuple
 
+from lta_config.schema.vehicle_law import Law
 from lta_discovery.calibration.result import Calibration
 from lta_discovery.selection.detection_limit import DetectionLimit
 from lta_discovery.unmodeled.draught import DraughtEstimate
@@ -174,6 +175,20 @@ class TransferEvidence:
 
 @final
 @dataclass(frozen=True, slots=True)
+class LawFinding:
+    """A law for the unexplained force, or why there is none."""
+
+    law: Law | None
+    reason: str = ''  # why no law is proposed
+    # On the held-out flights, position and attitude: `before` with the vehicle file, `tuned` with
+    # the model without the law, `after` with the law
+    errors: tuple[ChannelErrors, ...] = ()
+    near: tuple[str, ...] = ()  # the nearest library effects, and why they are rejected
+    tried: Law | None = None  # also if it is not proposed
+
+
+@final
+@dataclass(frozen=True, slots=True)
 class StudyResult:
     """The result of a study."""
 
@@ -211,3 +226,5 @@ class StudyResult:
     # Of the vehicle before the search, if the flights called for one. What the other attributes
     # call the vehicle file is then the calibrated one.
     calibration: Calibration | None = None
+    # Sought only if something outside the library is at work
+    law: LawFinding | None = None

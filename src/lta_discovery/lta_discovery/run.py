@@ -10,6 +10,7 @@ from lta_bridge.bag.storage import StorageFault
 from lta_bridge.provenance import describe_environment, read_commit
 from lta_config.errors import BadInput
 from lta_config.files import find_file
+from lta_config.vehicle_edit import set_yaml_block
 from lta_discovery.calibration.calibrated_file import format_calibration_source
 from lta_discovery.calibration.calibrated_file import NAME as CALIBRATED
 from lta_discovery.calibration.first_step import (
@@ -22,6 +23,7 @@ from lta_discovery.discrepancies.discrepancy_search import BaselineFlight, find_
 from lta_discovery.flights.bags import read_bags, Role
 from lta_discovery.flights.usable_flights import select_usable_flights, UsableFlights
 from lta_discovery.forecast.forecast_warnings import list_forecast_warnings
+from lta_discovery.laws.proposal import add_law
 from lta_discovery.page import animation
 from lta_discovery.page.flight_views import build_flight_views
 from lta_discovery.page.page import NAME as PAGE
@@ -163,7 +165,9 @@ def _study_usable_flights(
         warnings=(*sound.warnings, *said, *found.finding.warnings, *told),
         versions={**describe_environment(), **found.finding.versions},
     )
-    return replace(found, finding=finding, calibrated_file=start.text if start else '')
+    found = replace(found, finding=finding, calibrated_file=start.text if start else '')
+    # Last, so that it changes nothing that was found before
+    return add_law(found, tell)
 
 
 def _calibrate_first(
@@ -211,8 +215,12 @@ def write_results(
         (part / CALIBRATED).write_text(text, encoding='utf-8')
     else:
         text = find_file('vehicle', request.vehicle).read_text(encoding='utf-8')
-    if finding.effects:
+    law = finding.law.law if finding.law else None
+    if finding.effects or law:
         learned = format_learned_vehicle(text, vehicle, study.nominal, study.learned, finding)
+        if law:
+            block = law.model_dump(exclude_defaults=True)
+            learned = set_yaml_block(learned, 'law', block)
         (part / VEHICLE).write_text(learned, encoding='utf-8')
     if study.refitted is not None:
         # A refit may need a negative drag, which a vehicle file cannot hold: write none then.

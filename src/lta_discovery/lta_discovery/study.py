@@ -15,7 +15,7 @@ from lta_discovery.conclusion import FAR
 from lta_discovery.finding import ChannelErrors, SearchCandidate, StudyResult, Verdict
 from lta_discovery.fit.bounds import find_exceeded_tolerances, format_bounds_warning
 from lta_discovery.fit.evidence import per_flight_variance, wrench_floor
-from lta_discovery.fit.joint_fit import FlightFit, JointFitter, RAN_AWAY
+from lta_discovery.fit.joint_fit import FlightFit, JointFit, JointFitter, RAN_AWAY
 from lta_discovery.flights.measured_flight import MeasuredFlight
 from lta_discovery.flights.outliers import remove_outliers
 from lta_discovery.flights.role_assignment import assign_roles, Role, ROLES
@@ -94,6 +94,9 @@ class DiscoveryStudy:
     refitted: NominalVehicle | None = None
     # Text of the calibrated vehicle file, if the vehicle was calibrated first
     calibrated_file: str = ''
+    # Joint fit with the named effects, and the fit whose values forecast
+    joint: JointFit | None = None
+    forecasts: JointFit | None = None
 
 
 def study_flights(
@@ -198,7 +201,9 @@ def study_flights(
     tell('done', 1.0)
     after = apply_named_effects(nominal, proven, known, finding.effects)
     fits = proven.bare.members, proven.full.members
-    return DiscoveryStudy(finding, nominal, after, flown, seen, *fits)
+    return DiscoveryStudy(
+        finding, nominal, after, flown, seen, *fits, joint=proven.full, forecasts=compared.full
+    )
 
 
 def _prepare_flights(

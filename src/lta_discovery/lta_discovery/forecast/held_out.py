@@ -6,7 +6,7 @@ flight (`per_flight_variance`) are estimated from its first pieces, which are no
 else of the flight is known to any model.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 import math
 from typing import Final, NamedTuple
 
@@ -34,6 +34,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+
+# States of a forecast at each step, shape (S, span + 1, 13)
+Simulate = Callable[[FlightLinearizer, LinearizationPoint], Array]
 
 LEARNED: Final = 0.25  # share of a flight's pieces, to estimate its own errors
 LEARNED_MOST: Final = 4  # pieces; the most for that estimate
@@ -82,22 +85,23 @@ def build_model_points(
         if count:
             if columns is None:
                 columns = flight.compute_whitened_columns(point, slice(0, count))[0]
-            own = _estimate_own_errors(flight, point, columns, deviations, count)
+            own = estimate_own_errors(flight, point, columns, deviations, count)
             vehicle, values = apply_parameters(nominal, knobs, values + own)
             point = LinearizationPoint(vehicle, values, point.random)
         models.append(point)
     return FlightUnderModels(*models)
 
 
-def _estimate_own_errors(
+def estimate_own_errors(
     flight: FlightLinearizer,
     point: LinearizationPoint,
     columns: Array,
     deviations: Array,
     count: int,
+    simulate: Simulate = FlightLinearizer.simulate_forecast,
 ) -> Array:
     """Estimate a flight's own errors from its first pieces (maximum a posteriori)."""
-    grid = flight.simulate_forecast(point)[:, ::STEPS]
+    grid = simulate(flight, point)[:, ::STEPS]
     left = flight.compute_residual(grid, point, flight.replay.build_replay_rows(point.nominal))[
         :count
     ]
@@ -121,8 +125,11 @@ def _estimate_own_errors(
     return out
 
 
-def _compute_residuals(
-    flight: FlightLinearizer, point: LinearizationPoint, coast: bool = False
+def compute_forecast_residuals(
+    flight: FlightLinearizer,
+    point: LinearizationPoint,
+    coast: bool = False,
+    simulate: Simulate = FlightLinearizer.simulate_forecast,
 ) -> Array:
     """Return measured minus predicted at each horizon, shape (S, H, 14); NaN where unknown."""
     rows, replay = flight.replay.build_replay_rows(point.nominal), flight.replay
@@ -144,9 +151,7 @@ def _compute_residuals(
         left[..., ~np.isfinite(replay.flight.noise)] = np.nan
     else:
         with np.errstate(over='ignore', invalid='ignore'):
-            left = flight.compute_residual(
-                flight.simulate_forecast(point)[:, ::STEPS], point, rows
-            )
+            left = flight.compute_residual(simulate(flight, point)[:, ::STEPS], point, rows)
     at = [round(horizon / PERIOD) for horizon in HORIZONS]
     return left[count_learning_pieces(flight) :, [min(k, left.shape[1] - 1) for k in at]]
 
@@ -187,12 +192,33 @@ def compute_model_errors(
     offs: dict[str, Array] = {
         kind: np.concatenate(
             [
-                _compute_residuals(flight, getattr(each, kind, each.before), kind == 'coast')
+                compute_forecast_residuals(
+                    flight, getattr(each, kind, each.before), kind == 'coast'
+                )
                 for flight, each in zip(flights, models, strict=True)
             ]
         )
         for kind in kinds
     }
+    return summarize_residuals(flights, offs, seed, channels)
+
+
+@np.errstate(over='ignore')
+def summarize_residuals(
+    flights: Sequence[FlightLinearizer],
+    offs: Mapping[str, Array],
+    seed: int,
+    channels: Sequence[str] = (*WHOLE, *CHANNELS),
+) -> list[ChannelErrors]:
+    """
+    Return the errors of `before`, `tuned`, `after` and `coast` from their residuals.
+
+    Parameters
+    ----------
+    offs : mapping of str to ndarray, shape (S, H, 14)
+        Of all flights, as `compute_forecast_residuals` returns them.
+
+    """
     noise = np.sqrt(np.mean([each.replay.flight.reading_deviation**2 for each in flights], axis=0))
     rng, out = np.random.default_rng(seed), []
     which = {**WHOLE, **{c: (UNITS[c], slice(k, k + 1)) for k, c in enumerate(CHANNELS)}}

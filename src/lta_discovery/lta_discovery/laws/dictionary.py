@@ -1,0 +1,206 @@
+"""
+Declare the terms that a law may have: products of functions of measurable quantities.
+
+A term is a product of factors on an axis. Simple terms come first: those of a later tier are more,
+and therefore have to be worth more evidence.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations_with_replacement, product
+import math
+from typing import Final, final
+
+from lta_config.schema.vehicle_law import HiddenState, LawFactor, QUANTITIES
+from lta_model.law_arrays import evaluate_factor
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+MOTIONS: Final = ('u', 'v', 'w', 'p', 'q', 'r')
+THRUSTS: Final = ('thrust_surge', 'thrust_heave', 'thrust_yaw')
+SOFT: Final = 0.15  # of the usual size of a quantity; width of a smooth step
+# Trial values of numbers that are fitted afterwards
+THRESHOLDS: Final = (-0.8, 0.0, 0.8)  # usual sizes from the mean
+DECAYS: Final = (0.15, 0.4, 1.0)  # m of height
+FADES: Final = (10.0, 30.0, 90.0)  # s since the start
+WAVES: Final = (0.7, 1.2, 2.0, 3.2)  # m of height
+PHASES: Final = (0.0, 0.25 * math.pi, 0.5 * math.pi, 0.75 * math.pi)
+LAGS: Final = (0.4, 1.2, 4.0, 12.0)  # s; first order
+SWINGS: Final = (0.25, 0.4, 0.6, 0.9, 1.3)  # Hz; second order
+DAMPED: Final = 0.1  # damping ratio
+HARMONICS: Final = 3  # of a field over position, in each direction
+# Smallest and largest of a number by its name, where refinement may lead
+LIMITS: Final = {'exponent': (0.5, 3.0), 'damping': (0.02, 2.0)}
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Column:
+    """A column of the dictionary: the factors of a term on any axis."""
+
+    factors: tuple[LawFactor, ...]
+    tier: int  # 0: one factor, 1: a product, 2: a hidden state, 3: a field over position
+    hidden: HiddenState | None = None
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Spread:
+    """Usual size and mean of a quantity in some flights."""
+
+    size: float  # standard deviation
+    mean: float
+
+
+def multiply_factors(factors: Sequence[LawFactor], quantities: Mapping[str, Array]) -> Array:
+    """Return the product of factors over arrays of any shape; 1 without any."""
+    out = np.ones(np.shape(quantities['u']))
+    for factor in factors:
+        out = out * evaluate_factor(factor, quantities[factor.quantity])
+    return out
+
+
+def _list_steps(name: str, spread: Spread) -> Iterator[LawFactor]:
+    """Yield the forms of a quantity that change at a threshold, and its steps."""
+    scale = SOFT * spread.size
+    yield LawFactor(quantity=name, form='sign', scale=scale)
+    for at in THRESHOLDS:
+        threshold = float(at * spread.size + (0.0 if name in MOTIONS else spread.mean))
+        yield LawFactor(quantity=name, form='above', threshold=threshold, scale=scale)
+
+
+def _list_single_factors(spreads: Mapping[str, Spread]) -> Iterator[LawFactor]:
+    """Yield the single factors."""
+    for name in MOTIONS:
+        for form in ('linear', 'modulus', 'positive'):
+            yield LawFactor(quantity=name, form=form)
+        yield from _list_steps(name, spreads[name])
+    yield LawFactor(quantity='speed')
+    yield LawFactor(quantity='height')
+    for scale in DECAYS:
+        yield LawFactor(quantity='height', form='decay', scale=scale)
+    for scale, phase in product(WAVES, PHASES):
+        yield LawFactor(quantity='height', form='sin', scale=scale, phase=phase)
+    yield from _list_steps('height', spreads['height'])
+    for name in ('roll', 'pitch'):
+        for form in ('linear', 'positive'):
+            yield LawFactor(quantity=name, form=form)
+        yield from _list_steps(name, spreads[name])
+    for scale, phase in product((2.0 * math.pi, math.pi), PHASES):
+        yield LawFactor(quantity='yaw', form='sin', scale=scale, phase=phase)
+    for name in THRUSTS:
+        for form in ('linear', 'modulus'):
+            yield LawFactor(quantity=name, form=form)
+    if spreads['voltage'].size > 0.0:
+        yield LawFactor(quantity='voltage')
+    yield LawFactor(quantity='time')
+    for scale in FADES:
+        yield LawFactor(quantity='time', form='decay', scale=scale)
+
+
+def _is_product(one: LawFactor, other: LawFactor) -> bool:
+    """Return whether two factors make a column of their own."""
+    kinds, forms = {one.quantity, other.quantity}, {one.form, other.form}
+    if len(kinds) == 1:
+        return forms <= {'linear', 'modulus', 'positive'} and not kinds & {'time', 'voltage'}
+    if forms <= {'sign', 'above'} or 'time' in kinds:
+        return False
+    return bool(kinds & {*MOTIONS, 'speed', *THRUSTS})
+
+
+def _list_hidden_columns() -> Iterator[Column]:
+    """Yield the columns with a hidden state."""
+    outputs = [name for name in ('hidden', 'hidden_rate') if name in QUANTITIES]
+    for name in (*MOTIONS, *THRUSTS, 'roll', 'pitch', 'speed'):
+        for form in ('linear',) if name == 'speed' else ('linear', 'modulus'):
+            drive = [LawFactor(quantity=name, form=form)]
+            states = [HiddenState(drive=drive, time_constant=lag) for lag in LAGS]
+            if form == 'linear':
+                states += [
+                    HiddenState(drive=drive, frequency=2.0 * math.pi * hertz, damping=DAMPED)
+                    for hertz in SWINGS
+                ]
+            for state in states:
+                for output in outputs if state.frequency else outputs[:1]:
+                    yield Column((LawFactor(quantity=output),), 2, state)
+
+
+def _list_field_columns(spreads: Mapping[str, Spread]) -> Iterator[Column]:
+    """Yield harmonics over the area of the flights: fields over position."""
+    waves: list[list[tuple[LawFactor, ...]]] = []
+    for name in ('x', 'y'):
+        length = 2.0 * max(3.5 * spreads[name].size, 0.5)
+        waves.append([()])
+        for k in range(1, HARMONICS + 1):
+            for phase in (0.0, 0.5 * math.pi):
+                wave = LawFactor(quantity=name, form='sin', scale=length / k, phase=phase)
+                waves[-1].append((wave,))
+    fading = LawFactor(quantity='height', form='decay', scale=0.7)
+    for a, b in product(*waves):
+        if a or b:
+            yield Column((*a, *b), 3)
+            yield Column((*a, *b, fading), 3)
+
+
+def build_dictionary(spreads: Mapping[str, Spread]) -> list[Column]:
+    """Return all columns, for the usual sizes of the quantities in some flights."""
+    single = list(_list_single_factors(spreads))
+    pairs = [
+        (one, other)
+        for one, other in combinations_with_replacement(single, 2)
+        if _is_product(one, other)
+    ]
+    return [
+        *(Column((one,), 0) for one in single),
+        *(Column(pair, 1) for pair in pairs),
+        *_list_hidden_columns(),
+        *_list_field_columns(spreads),
+    ]
+
+
+def vary_numbers(column: Column, spreads: Mapping[str, Spread], step: float) -> list[Column]:
+    """Return the column with each of its numbers moved by a step, up and down."""
+    out = []
+    for k, factor in enumerate(column.factors):
+        names = [*factor.numbers]
+        if factor.form == 'modulus' and not names:
+            names = ['exponent']
+        if factor.form == 'positive':
+            names = ['threshold']
+        if factor.form in ('above', 'sign') or factor.quantity == 'yaw':
+            names = [name for name in names if name != 'scale']
+        for name, way in product(names, (1.0, -1.0)):
+            now = getattr(factor, name)
+            before = (1.0 if name == 'exponent' else 0.0) if now is None else now
+            value = _move_number(name, before, way * step, spreads, factor.quantity)
+            factors = list(column.factors)
+            factors[k] = factor.model_copy(update={name: value})
+            out.append(replace(column, factors=tuple(factors)))
+    if column.hidden is not None:
+        for name in ('time_constant', 'frequency', 'damping'):
+            before = getattr(column.hidden, name)
+            if before is not None:
+                out += [
+                    replace(
+                        column,
+                        hidden=column.hidden.model_copy(
+                            update={name: _move_number(name, before, way * step, spreads)}
+                        ),
+                    )
+                    for way in (1.0, -1.0)
+                ]
+    return out
+
+
+def _move_number(
+    name: str, value: float, step: float, spreads: Mapping[str, Spread], quantity: str = ''
+) -> float:
+    """Return a number that is moved: thresholds and phases add, others multiply."""
+    if name == 'threshold':
+        return value + step * spreads[quantity].size
+    if name == 'phase':
+        return value + step
+    low, high = LIMITS.get(name, (1e-3, 1e4))
+    return min(max(value * math.exp(step), low), high)

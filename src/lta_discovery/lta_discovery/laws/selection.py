@@ -1,0 +1,346 @@
+"""
+Select the terms of a law by evidence, one at a time, and refine their numbers.
+
+A column is worth its Bayes factor on all flights less its cost: the logarithm of the number of
+columns of its tier and the tiers before, and something for its forms. Training and confirming
+flights have to support it alone, with one weight. With every term the deviations of the remaining
+wrench are fitted again, as a missing term inflates them.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+import math
+from typing import Final, final, NamedTuple
+
+from lta_config.schema.vehicle_law import HiddenState
+from lta_discovery.fit.joint_fit import JointFit
+from lta_discovery.laws.dictionary import Column, multiply_factors, Spread, vary_numbers
+from lta_discovery.laws.quantities import (
+    at_pieces,
+    follow_drive,
+    input_quantities,
+    measured_states,
+    middle_states,
+    Quantities,
+    state_quantities,
+)
+from lta_discovery.laws.regression import LAW_AXES, TermProducts, WrenchRegression
+from lta_discovery.model.quaternions import rotation_matrix
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
+from lta_discovery.replay.linearized_flight import AXES, hat_functions
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Term = tuple[Array, int]  # values at the knots, shape (S, K), and axis
+
+SIZES: Final = (2.0, 8.0, 30.0)  # noise floors; prior RMS of a term
+MOST: Final = 6  # terms
+WORTH: Final = 4.0  # nats beyond the cost; required of a further term
+SUPPORT: Final = 1.0  # nats; required of a term on each side
+SHRUNK: Final = (0.5, 0.25)  # trial factors on the deviations
+FITTED: Final = (0.7, 0.5, 0.35, 0.25, 0.17)  # the same, for the fit after each term
+TRIED: Final = 8  # best columns of a round, whose numbers are refined
+LOUD: Final = 0.5  # noise floors; deviations below it are not shrunk further
+LEAST: Final = 0.1  # noise floors; smallest deviation
+# Nats; further cost of a factor that is not linear, and of a number that is fitted in addition
+FORMS: Final = {'linear': 0.0, 'modulus': 1.0, 'positive': 2.0}
+OTHER: Final = 3.0
+NUMBER: Final = 3.0
+STEPS: Final = (0.35, 0.15, 0.06)  # of numbers, in the logarithm
+# Axes of the wrench whose deviations shrink together, and the axes of terms tried with them
+GROUPS: Final = (*(((k,), (k,)) for k in range(AXES)), ((0, 1, 2), (6, 7, 8)))
+
+
+@final
+class LawData:
+    """Jointly fitted flights as data for laws: quantities in pieces and over whole flights."""
+
+    def __init__(
+        self, flights: Sequence[FlightLinearizer], joint: JointFit, floor: Array, count: int
+    ) -> None:
+        self.joint, self.floor, knots = joint, floor, joint.group.linears[0].knots
+        self._whole, pieces, self._starts, rotations = [], [], [], []
+        for flight, linear in zip(flights, joint.group.linears, strict=True):
+            states = flight.simulate_trajectory(linear.point)
+            inputs = input_quantities(flight, linear.point.nominal)
+            pieces.append(state_quantities(middle_states(states)) | at_pieces(flight, inputs))
+            motion = state_quantities(measured_states(flight, len(inputs['time'])))
+            self._whole.append(motion | inputs)
+            self._starts.append(flight.replay.cut.first)
+            index = np.rint(np.linspace(0, states.shape[1] - 1, knots)).astype(int)
+            rotations.append(rotation_matrix(states[:, index, 3:7]))
+        self.values = {name: np.concatenate([each[name] for each in pieces]) for name in pieces[0]}
+        self._nearest = np.asarray(np.linalg.pinv(hat_functions(self.values['u'].shape[1], knots)))
+        offsets = np.cumsum([0, *(len(each['u']) for each in pieces)]).tolist()
+        flown = ((0, count), (count, len(pieces)), (0, len(pieces)))
+        # Training flights, confirming flights, all
+        self.rows = [slice(offsets[a], offsets[b]) for a, b in flown]
+        self._flights = [slice(a, b) for a, b in flown]
+        self._rotations = rotations
+        self.spreads = {
+            name: Spread(float(np.std(each)), float(np.mean(each)))
+            for name, each in self.values.items()
+        }
+
+    def regress(self, side: int, deviations: Array) -> WrenchRegression:
+        """Return the regression on a side: 0 training, 1 confirming flights, 2 all."""
+        some = self._flights[side]
+        pieces, turns = self.joint.group.pieces[some], self._rotations[some]
+        return WrenchRegression(self.joint, pieces, turns, deviations, self.floor)
+
+    def follow(self, state: HiddenState) -> Quantities:
+        """Return a hidden state and its rate in the pieces."""
+        steps = np.arange(self.values['u'].shape[1])
+        parts = []
+        for whole, starts in zip(self._whole, self._starts, strict=True):
+            both = follow_drive(state, whole)
+            at = np.minimum(starts[:, None] + steps, len(both[0]) - 1)
+            parts.append([each[at] for each in both])
+        value, rate = (np.concatenate([part[k] for part in parts]) for k in range(2))
+        return {'hidden': value, 'hidden_rate': rate}
+
+    def quantities(self, hidden: HiddenState | None) -> Quantities:
+        """Return all quantities in the pieces."""
+        return self.values if hidden is None else self.values | self.follow(hidden)
+
+    def basis(self, columns: Sequence[Column]) -> Array:
+        """Return columns at the knots, shape (S, K, J)."""
+        out, state, quantities = [], None, self.values
+        for column in columns:
+            # Columns of one hidden state follow each other
+            if column.hidden is not state:
+                state, quantities = column.hidden, self.quantities(column.hidden)
+            out.append(multiply_factors(column.factors, quantities))
+        return np.asarray(np.matmul(self._nearest, np.stack(out, axis=-1)))
+
+    def knots(self, column: Column) -> Array:
+        """Return a column at the knots, shape (S, K)."""
+        return self.basis([column])[..., 0]
+
+    def axis_floor(self, axis: int) -> float:
+        """Return the noise floor of an axis of a law."""
+        return float(self.floor[axis] if axis < AXES else self.floor[0])
+
+    def shrink(self, deviations: Array, axes: Sequence[int], share: float) -> Array:
+        """Return deviations that are smaller on some axes."""
+        out, own = deviations.copy(), list(axes)
+        least = np.minimum(LEAST * self.floor[own], deviations[own])
+        out[own] = np.maximum(share * deviations[own], least)
+        return out
+
+
+@final
+class LawFit:
+    """Weights of terms on a side, for some deviations; a constant on each axis comes first."""
+
+    def __init__(self, data: LawData, side: int, deviations: Array, terms: Sequence[Term]) -> None:
+        self.data, self.side, self.deviations = data, side, deviations
+        self.regression = data.regress(side, deviations)
+        rows = data.rows[side]
+        ones = np.ones((rows.stop - rows.start, self.regression.knots))
+        self._terms: list[Term] = [(ones, axis) for axis in range(AXES)]
+        self._terms += [(values[rows], axis) for values, axis in terms]
+        self.products: TermProducts = self.regression.products(self._terms)
+        self._variance = np.array([self._prior_variance(j) for j in range(len(self._terms))])
+        precision = self.products.inner + np.diag(1.0 / self._variance)
+        self._covariance = np.linalg.inv(precision)
+        self._weights = self._covariance @ self.products.right
+        logs = np.linalg.slogdet(precision)[1] + float(np.log(self._variance).sum())
+        gain = 0.5 * float(self.products.right @ self._weights) - 0.5 * float(logs)
+        self.evidence = self.regression.base + gain
+        self._asides = [self.regression.scan(v[..., None], a)[2][:, 0] for v, a in self._terms]
+
+    @property
+    def weights(self) -> Array:
+        """Weights of the terms, without the constants."""
+        return self._weights[AXES:]
+
+    @property
+    def deviation(self) -> Array:
+        """Standard deviations of the weights."""
+        out: Array = np.sqrt(np.diag(self._covariance))[AXES:]
+        return out
+
+    @property
+    def shared(self) -> Array:
+        """Most probable shared parameters with these terms."""
+        return self.regression.shared_parameters(self.products, self._weights)
+
+    def _prior_variance(self, j: int) -> float:
+        """Return the variance of the prior of a weight: the best of SIZES."""
+        inner, right = self.products.inner[j, j], self.products.right[j]
+        values, axis = self._terms[j]
+        usual = self.data.axis_floor(axis) / max(float(np.sqrt(np.mean(values**2))), 1e-12)
+        gains = _gain(right, inner, usual * np.array(SIZES))
+        return float((usual * SIZES[int(np.argmax(gains))]) ** 2)
+
+    def residual_products(self, basis: Array, axis: int) -> tuple[Array, Array]:
+        """Return pull and information of further columns (S, K, J) of all flights, given these."""
+        here = basis[self.data.rows[self.side]]
+        right, diagonal, aside = self.regression.scan(here, axis)
+        cross = np.stack(
+            [
+                self.regression.cross(here, axis, aside, values, at, beside)
+                for (values, at), beside in zip(self._terms, self._asides, strict=True)
+            ]
+        )
+        pull = right - cross.T @ self._weights
+        inner = diagonal - np.einsum('kj,kl,lj->j', cross, self._covariance, cross)
+        # A repetition of what is there already
+        inner[inner < 0.02 * diagonal] = 0.0
+        return pull, inner
+
+
+def _gain(pull: Array, inner: Array, size: Array) -> Array:
+    """Return the log evidence of a term for a prior size of its weight."""
+    out: Array = 0.5 * pull**2 / (inner + size**-2.0) - 0.5 * np.log1p(size**2 * inner)
+    return out
+
+
+@final
+class Candidate(NamedTuple):
+    """A column on an axis as a further term."""
+
+    worth: float  # log evidence less its cost [nats]
+    column: Column
+    axis: int
+    given: 'GivenTerms'
+    cost: float  # [nats]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class GivenTerms:
+    """The terms so far, on both sides."""
+
+    sides: tuple[LawFit, LawFit]
+
+    @classmethod
+    def fit(cls, data: LawData, deviations: Array, terms: Sequence[Term]) -> 'GivenTerms':
+        """Fit terms on both sides."""
+        return cls((LawFit(data, 0, deviations, terms), LawFit(data, 1, deviations, terms)))
+
+    @property
+    def evidence(self) -> float:
+        """Log evidence of both sides. [nats]"""
+        return self.sides[0].evidence + self.sides[1].evidence
+
+    def gains(self, basis: Array, axis: int) -> Array:
+        """Return the log evidence of columns that both sides support; minus infinity of others."""
+        data = self.sides[0].data
+        size = np.maximum(np.sqrt(np.mean(basis**2, axis=(0, 1))), 1e-9)
+        usual = data.axis_floor(axis) / size
+        parts = [side.residual_products(basis, axis) for side in self.sides]
+        (a, inner_a), (b, inner_b) = parts
+        known = (inner_a > 0.0) & (inner_b > 0.0)
+        # Each side must be better with the weight from the other
+        weights = [np.where(known, own / np.where(known, inner, 1.0), 0.0) for own, inner in parts]
+        alone = [
+            2.0 * weight * own - weight**2 * inner
+            for weight, (own, inner) in zip(weights[::-1], parts, strict=True)
+        ]
+        supported = known & (np.minimum(*alone) > 2.0 * SUPPORT)
+        out = np.full(len(size), -np.inf)
+        for s in SIZES:
+            both = _gain(a + b, inner_a + inner_b, s * usual)
+            out = np.maximum(out, np.where(supported, both, -np.inf))
+        return out
+
+
+def column_costs(columns: Sequence[Column]) -> Array:
+    """Return the cost of each column: the logarithm of the number in its tier and below. [nats]"""
+    tiers = np.array([column.tier for column in columns])
+    count = np.array([np.sum(tiers <= tier) for tier in tiers])
+    drives = [tuple(column.hidden.drive) if column.hidden else () for column in columns]
+    forms = [
+        sum(FORMS.get(factor.form, OTHER) for factor in (*column.factors, *drive))
+        for column, drive in zip(columns, drives, strict=True)
+    ]
+    return np.asarray(np.log(len(LAW_AXES) * count) + np.array(forms))
+
+
+def _count_numbers(column: Column) -> int:
+    """Return how many numbers the factors of a column have."""
+    return sum(len(factor.numbers) for factor in column.factors)
+
+
+def _scan(
+    data: LawData, given: GivenTerms, terms: Sequence[Term], columns: Sequence[Column],
+    basis: Array, costs: Array,
+) -> list[Candidate]:  # fmt: skip
+    """Return the best further columns, also for smaller deviations of each axis."""
+    out, deviations = [], given.sides[0].deviations
+    for own, axes in GROUPS:
+        loud = float(np.max(deviations[list(own)] / data.floor[list(own)])) > LOUD
+        for share in (1.0, *(SHRUNK if loud else ())):
+            there = given
+            if share < 1.0:
+                there = GivenTerms.fit(data, data.shrink(deviations, own, share), terms)
+            dear = costs + given.evidence - there.evidence
+            for axis in axes:
+                worth = there.gains(basis, axis) - dear
+                out += [
+                    Candidate(float(worth[j]), columns[j], axis, there, float(dear[j]))
+                    for j in np.argsort(-worth)[:TRIED]
+                    if np.isfinite(worth[j])
+                ]
+    return sorted(out, key=lambda one: -one.worth)
+
+
+def _refine(data: LawData, one: Candidate) -> Candidate:
+    """Return a candidate with better numbers."""
+    best = one
+    for step in STEPS:
+        for other in vary_numbers(best.column, data.spreads, step):
+            worth = float(one.given.gains(data.basis([other]), one.axis)[0]) - one.cost
+            worth -= NUMBER * (_count_numbers(other) - _count_numbers(one.column))
+            if worth > best.worth:
+                best = best._replace(column=other, worth=worth)
+    return best
+
+
+def adapt_deviations(
+    data: LawData, given: GivenTerms, terms: Sequence[Term], axis: int
+) -> GivenTerms:
+    """Return the fit with the deviations on the axes of a new term fitted by trial factors."""
+    best = given
+    groups = [(axis,)] if axis < AXES else [(0, 1, 2), (0,), (1,), (2,)]
+    for own in groups:
+        begun = best.sides[0].deviations
+        for share in FITTED:
+            found = GivenTerms.fit(data, data.shrink(begun, own, share), terms)
+            if found.evidence <= best.evidence:
+                break
+            best = found
+    return best
+
+
+def select_terms(
+    data: LawData, columns: Sequence[Column], deviations: Array, most: int = MOST
+) -> tuple[list[tuple[Column, int]], GivenTerms]:
+    """Return the selected columns with their axes, and their fit."""
+    costs, basis = column_costs(columns), data.basis(columns)
+    chosen: list[tuple[Column, int]] = []
+    terms: list[Term] = []
+    given = GivenTerms.fit(data, deviations, terms)
+    while len(chosen) < most:
+        state = next((column.hidden for column, _ in chosen if column.hidden is not None), None)
+        best = None
+        for one in _scan(data, given, terms, columns, basis, costs)[:TRIED]:
+            if one.column.hidden is not None and state is not None:
+                # One hidden state: a second output must be of the same
+                one = one._replace(column=replace(one.column, hidden=state))
+                worth = float(one.given.gains(data.basis([one.column]), one.axis)[0]) - one.cost
+                one = one._replace(worth=worth)
+            else:
+                one = _refine(data, one)
+            if best is None or one.worth > best.worth:
+                best = one
+        if best is None or not best.worth > WORTH or math.isnan(best.worth):
+            break
+        chosen.append((best.column, best.axis))
+        terms.append((data.knots(best.column), best.axis))
+        here = GivenTerms.fit(data, best.given.sides[0].deviations, terms)
+        given = adapt_deviations(data, here, terms, best.axis)
+    return chosen, given
