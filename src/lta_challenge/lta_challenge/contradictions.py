@@ -92,7 +92,7 @@ def find_contradictions(finding: StudyResult) -> list[str]:
     """Return a sentence for each contradiction; empty if there are none."""
     said = render_study(finding)
     laws = (_check_gains(said), _check_names(finding, said), _check_nothing(finding, said),
-            _check_values(finding, said), _check_json(finding, said))  # fmt: skip
+            _check_values(finding, said), _check_json(finding, said), _check_law(said))  # fmt: skip
     return [each for law in laws for each in law]
 
 
@@ -177,3 +177,18 @@ def _check_json(finding: StudyResult, rendered: RenderedStudy) -> Iterator[str]:
         yield 'headline and JSON disagree on whether an effect is missing'
     if drawn['do'] not in rendered.terminal.replace('\n', ' ') or drawn['do'] not in rendered.rest:
         yield 'the page, the terminal and the JSON give different advice'
+
+
+def _check_law(rendered: RenderedStudy) -> Iterator[str]:
+    """Check that all outputs agree on whether a law is proposed."""
+    told = rendered.json['law']
+    proposed = bool(told and told['proposed'])
+    folded = ' '.join(rendered.terminal.split())
+    if (' A law of ' in rendered.headline) != proposed:
+        yield 'headline and JSON disagree on whether a law is proposed'
+    if ('A law describes it' in folded) != proposed or ('No law is proposed' in folded) == (
+        proposed or told is None
+    ):
+        yield 'terminal and JSON disagree on whether a law is proposed'
+    if told and proposed == bool(told['reason']):
+        yield 'a law is proposed and rejected at once'

@@ -19,7 +19,7 @@ from lta_discovery.forecast.forecast_warnings import (
 from lta_discovery.model.candidates import vector_components
 from lta_discovery.selection.candidate_acceptance import GAIN
 
-Advice = Literal['keep', 'measure', 'again', 'use']
+Advice = Literal['keep', 'measure', 'again', 'use', 'law']
 
 FAR: Final = 3.0  # s; the horizon at which a model has to be better than coasting
 LOOSE: Final = 0.7  # of the error before; below it, tuning the tolerances alone is worth reporting
@@ -30,6 +30,8 @@ ADVICE: Final[Mapping[Advice, str]] = {
     'measure': 'Measure the parameters in the vehicle file again, and correct them.',
     'again': 'Record another flight before you change the vehicle file.',
     'use': 'Use the corrected vehicle file: vehicle.yaml in the results folder.',
+    'law': 'Use the vehicle file with the law, vehicle.yaml in the results folder, within the '
+    'region of the law.',
 }
 
 
@@ -66,8 +68,11 @@ def draw_conclusion(finding: StudyResult) -> Conclusion:
     """Return the conclusion that a finding supports."""
     gap = select_main_error(finding.gaps)
     advice, loose = _choose_advice(finding), _tolerances_suffice(finding)
+    if advice == 'keep' and has_law(finding):
+        advice = 'law'
     rivals = dict.fromkeys(rival for one in finding.effects for rival in one.confusable_with)
-    useless = find_useless_forecast(finding.gaps)
+    # A law is proposed only if it beats coasting
+    useless = None if has_law(finding) else find_useless_forecast(finding.gaps)
     # A gain is only reported together with the advice to use it
     better = advice == 'use' and gap is not None and gap.shrink > 0.0
     worthy = better or (loose and advice == 'measure')
@@ -84,6 +89,11 @@ def draw_conclusion(finding: StudyResult) -> Conclusion:
         and not (finding.strained or find_worse_forecasts(finding.gaps)),
         useless=useless,
     )
+
+
+def has_law(finding: StudyResult) -> bool:
+    """Return whether a law is proposed."""
+    return finding.law is not None and finding.law.law is not None
 
 
 def find_useless_forecast(gaps: Sequence[ChannelErrors]) -> ChannelErrors | None:

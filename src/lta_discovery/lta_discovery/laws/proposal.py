@@ -185,6 +185,9 @@ def judge_forecasts(errors: Sequence[ChannelErrors]) -> str:
         return (
             f'with the law found, the {" and ".join(worse)} of held-out flights is predicted worse'
         )
+    place = next((one for one in far if one.channel == 'position'), None)
+    if place is not None and not place.after < place.coast:
+        return 'with the law found, coasting still predicts held-out flights as well or better'
     if not ratios or min(ratios.values()) > BETTER:
         return 'the law found does not predict held-out flights better'
     return ''

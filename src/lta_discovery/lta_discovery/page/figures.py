@@ -255,15 +255,25 @@ def plot_parity(
     x: Sequence[Array], y: Sequence[Array], names: Sequence[str], titles: tuple[str, str]
 ) -> Figure:
     """Plot points of some flights, one colour each, with the line of equality."""
-    figure = create_figure()
     ends = np.array(padded_range(*x, pad=0.0))
-    figure.add_trace(
-        Scatter(
-            x=ends, y=ends, mode='lines', hoverinfo='skip',
-            line={'color': WALL, 'width': 1.2, 'dash': '4px,3px'},
-        )
+    line = Scatter(
+        x=ends, y=ends, mode='lines', hoverinfo='skip',
+        line={'color': WALL, 'width': 1.2, 'dash': '4px,3px'},
     )  # fmt: skip
-    for a, b, name, colour in zip(x, y, names, (TRUTH, ESTIMATE, SOFT), strict=False):
+    return plot_points(x, y, names, titles, [line])
+
+
+def plot_points(
+    x: Sequence[Array],
+    y: Sequence[Array],
+    names: Sequence[str],
+    titles: tuple[str, str],
+    lines: Sequence[Scatter] = (),
+) -> Figure:
+    """Plot groups of points, one colour each, above some lines."""
+    figure = create_figure()
+    figure.add_traces(list(lines))
+    for a, b, name, colour in zip(x, y, names, (TRUTH, ESTIMATE, SOFT, WALL), strict=False):
         figure.add_trace(
             Scatter(
                 x=a.astype(np.float32), y=b.astype(np.float32), mode='markers', name=name,

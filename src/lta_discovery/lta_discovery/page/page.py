@@ -20,6 +20,7 @@ from lta_discovery.page.flight_views import (
 )
 from lta_discovery.page.formatting import format_remainder, join_words, remainder_unit
 from lta_discovery.page.latent_wrench import collect_latent_wrenches, fit_terms, join_pieces
+from lta_discovery.page.law_section import render_law
 from lta_discovery.page.scene import READOUT, render_study_scene
 from lta_discovery.page.transfer_table import render_transfer
 from lta_discovery.page.verdict_text import (
@@ -139,7 +140,7 @@ def render_page(
         ladder=render_transfer(found) + tables.render_search_rounds(found),
         overlays=render_overlays(names, drawn),
         white=render_whiteness(flights),
-        remains=render_remainders(study),
+        remains=render_remainders(study) + render_law(study),
         following=tables.render_next_steps(found),
         seen=tables.render_flight_information(found) + tables.render_detection_limits(found),
         warnings=tables.render_warnings(found),

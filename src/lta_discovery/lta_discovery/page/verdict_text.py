@@ -5,7 +5,14 @@ from typing import Final
 
 from lta_config.command_line import format_lta_command, relative_path
 from lta_discovery.calibration.verdict import list_differences
-from lta_discovery.conclusion import ADVICE, Conclusion, draw_conclusion, select_main_error
+from lta_discovery.conclusion import (
+    ADVICE,
+    Conclusion,
+    draw_conclusion,
+    FAR,
+    has_law,
+    select_main_error,
+)
 from lta_discovery.finding import NamedEffect, StudyResult
 from lta_discovery.page.formatting import (
     explain_decision,
@@ -69,13 +76,19 @@ def _format_verdict(finding: StudyResult, conclusion: Conclusion) -> str:
     if finding.verdict == 'not_identifiable':
         return _format_unidentifiable(finding, conclusion)
     if finding.verdict == 'unexplained':
-        return f'The model lacks something that no effect of the library describes{rest}.'
+        return (
+            f'The model lacks something that no effect of the library describes{rest}.'
+            f'{_format_law(finding)}'
+        )
     names = join_words([_format_alternatives(one) for one in finding.effects])
     verb = 'are' if _has_several_parameters(finding) else 'is'
     gain = _format_improvement(finding, conclusion)
     text = f'{names[:1].upper()}{names[1:]} {verb} missing from the model{gain}'
     if finding.verdict == 'named+unexplained':
-        return f'{text}. Something else is missing that no effect of the library describes{rest}.'
+        return (
+            f'{text}. Something else is missing that no effect of the library describes{rest}.'
+            f'{_format_law(finding)}'
+        )
     return f'{text}.'
 
 
@@ -113,6 +126,21 @@ def _format_remainder(finding: StudyResult) -> str:
     if finding.remains:
         return f': {format_remainder(finding.remains[0])}'
     return f': {finding.unexplained[0]}' if finding.unexplained else ''
+
+
+def _format_law(finding: StudyResult) -> str:
+    """Return a sentence about the law, to be appended; '' if none is proposed."""
+    if finding.law is None or finding.law.law is None:
+        return ''
+    count = format_count(len(finding.law.law.terms), 'term')
+    far = [one for one in finding.law.errors if one.horizon_s == FAR]
+    # The channel that it improves most
+    best = min(far, key=lambda one: one.after / one.tuned)
+    after, before = (format_quantity(part, best.unit, 2) for part in (best.after, best.tuned))
+    return (
+        f' A law of {count} describes it: with the law, the {best.channel} error of held-out '
+        f'flights after {FAR:g} s is {after}, without {before}.'
+    )
 
 
 def _format_draught(finding: StudyResult) -> str:
@@ -181,11 +209,12 @@ def format_advice(finding: StudyResult) -> str:
 
 def list_learned_file_commands(finding: StudyResult, folder: Path) -> dict[str, str]:
     """Return the commands to view the learned file and, if that is the advice, to fly it."""
-    if not finding.effects and finding.calibration is None:
+    written = finding.effects or has_law(finding)
+    if not written and finding.calibration is None:
         return {}
-    learned = relative_path(folder / ('vehicle.yaml' if finding.effects else 'calibrated.yaml'))
+    learned = relative_path(folder / ('vehicle.yaml' if written else 'calibrated.yaml'))
     out = {'show the changes': format_lta_command('vehicle', 'diff', finding.vehicle, learned)}
-    if draw_conclusion(finding).advice == 'use' or not finding.effects:
+    if draw_conclusion(finding).advice in ('use', 'law') or not written:
         out['fly it'] = format_lta_command('fly', '--vehicle', learned)
     return out
 

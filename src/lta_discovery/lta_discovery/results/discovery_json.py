@@ -7,6 +7,7 @@ from lta_discovery.calibration.report import encode_calibration
 from lta_discovery.conclusion import draw_conclusion
 from lta_discovery.finding import ChannelErrors, NamedEffect, SCHEMA, StudyResult
 from lta_discovery.flights.noisy_intervals import ExcludedInterval
+from lta_discovery.page.law_section import list_law_sentences
 from lta_discovery.page.verdict_text import format_advice, format_headline
 from lta_report.json_value import to_json_value
 
@@ -31,6 +32,7 @@ def to_dict(finding: StudyResult, cuts: Sequence[ExcludedInterval] = ()) -> dict
         'training': [_encode_channel_errors(each) for each in finding.training],
         'remains': [remainder._asdict() for remainder in finding.remains],
         'unexplained': list(finding.unexplained),
+        'law': _encode_law(finding),
         'draught': _encode_draught(finding),
         'detectable': [each._asdict() for each in finding.detectable],
         'information': [
@@ -94,6 +96,22 @@ def _encode_draught(finding: StudyResult) -> dict[str, float] | None:
     """Return the draught; None if none was detected."""
     told = finding.draught
     return None if told is None else {'force': told.force, 'speed': told.speed}
+
+
+def _encode_law(finding: StudyResult) -> dict[str, Any] | None:
+    """Return the law, or why there is none; None if none was sought."""
+    found = finding.law
+    if found is None:
+        return None
+    law = found.law.model_dump(exclude_defaults=True) if found.law else None
+    return {
+        'proposed': found.law is not None,
+        'words': list_law_sentences(finding),
+        'reason': found.reason,
+        'law': law,
+        'errors': [_encode_channel_errors(one) for one in found.errors],
+        'near': list(found.near),
+    }
 
 
 def _encode_forecast_evidence(finding: StudyResult) -> dict[str, Any] | None:

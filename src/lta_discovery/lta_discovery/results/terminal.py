@@ -18,6 +18,7 @@ from lta_discovery.page.formatting import (
     format_with_interval,
     join_words,
 )
+from lta_discovery.page.law_section import list_law_sentences
 from lta_discovery.page.verdict_text import format_advice, format_headline
 from lta_discovery.results.discovery_json import common_horizon
 from lta_model.effects.protocol import AXES
@@ -54,6 +55,8 @@ def print_finding(finding: StudyResult, console: Console) -> None:
         print_table(build_discrepancy_table(finding), console)
     for said in finding.unexplained:
         console.print(Text(f'Unexplained: {said}.'), soft_wrap=True)
+    for said in list_law_sentences(finding):
+        console.print(Text(said), soft_wrap=True)
     if finding.draught is not None:
         said = finding.draught.sentence
         console.print(Text(f'{said[:1].upper()}{said[1:]}.'), soft_wrap=True)

@@ -1,0 +1,150 @@
+"""Word and draw the law of a study: terms, region, errors, and its agreement with the flights."""
+
+from html import escape
+from typing import Final
+
+from lta_config.schema.vehicle_law import AXES as LAW_AXES
+from lta_config.schema.vehicle_law import QUANTITIES
+from lta_discovery.conclusion import FAR
+from lta_discovery.finding import ChannelErrors, LawFinding, StudyResult
+from lta_discovery.laws.forecast import FlightLaw
+from lta_discovery.laws.quantities import at_pieces, input_quantities, state_quantities
+from lta_discovery.page import figures
+from lta_discovery.page.flight_views import list_fit_flights
+from lta_discovery.page.formatting import (
+    append_unit,
+    format_number,
+    format_quantity,
+    format_with_interval,
+    join_words,
+)
+from lta_discovery.page.latent_wrench import collect_latent_wrenches, join_pieces
+from lta_discovery.page.tables import render_table
+from lta_discovery.replay.linearized_flight import AXES
+from lta_discovery.replay.replay import STEPS
+from lta_discovery.study import DiscoveryStudy
+from lta_model.effects.protocol import AXES as BODY
+from lta_model.law_text import describe_term, format_hidden, format_product, format_region
+from lta_report.html_elements import render_section
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+HEADS: Final = ('axis', 'times', 'coefficient', '95 % interval', 'evidence')
+
+
+def list_law_sentences(finding: StudyResult) -> list[str]:
+    """Return the law in words, its errors and the nearest effects; empty if none was sought."""
+    found = finding.law
+    if found is None:
+        return []
+    near = (
+        f' The nearest effects of the library were rejected: {"; ".join(found.near)}.'
+        if found.near
+        else ''
+    )
+    if found.law is None:
+        return [f'No law is proposed for it: {found.reason}.{near}']
+    terms = join_words([describe_term(term) for term in found.law.terms])
+    hidden = f', where {format_hidden(found.law)}' if found.law.hidden else ''
+    return [
+        f'A law describes it: {terms}{hidden}.',
+        f'On held-out flights, after {FAR:g} s, {_format_errors(found)}.{near}',
+        f'It is valid for {format_region(found.law)}; outside, it fades to zero.',
+    ]
+
+
+def _format_errors(found: LawFinding) -> str:
+    """Return the errors of position and attitude with the law and without."""
+    return join_words([_format_error(one) for one in found.errors if one.horizon_s == FAR])
+
+
+def _format_error(one: ChannelErrors) -> str:
+    """Return the error of a channel with the law and without."""
+    after, before = (format_quantity(part, one.unit, 2) for part in (one.after, one.tuned))
+    return f'the {one.channel} error is {after} with it and {before} without'
+
+
+def render_law(study: DiscoveryStudy) -> str:
+    """Return the section of the law; '' if none was sought."""
+    found = study.finding.law
+    if found is None:
+        return ''
+    said = ''.join(f'<li>{escape(one)}</li>' for one in list_law_sentences(study.finding))
+    text = f'<ul class="words">{said}</ul>'
+    if found.law is None:
+        return text
+    rows = []
+    for term in found.law.terms:
+        ends = (term.interval or [np.nan, np.nan])[:2]
+        value, low, high = format_with_interval(term.coefficient, (ends[0], ends[1]))
+        rows.append(
+            (
+                escape(term.axis.replace('_', ' ')),
+                escape(format_product(found.law, term.factors) or '1'),
+                escape(append_unit(value, term.unit)),
+                f'{low} to {high}',
+                f'{format_number(term.evidence or 0.0)} nats',
+            )
+        )
+    table = render_table(HEADS, rows, 'plain law', 'Terms of the law')
+    return text + table + _render_figures(study, found)
+
+
+def _render_figures(study: DiscoveryStudy, found: LawFinding) -> str:
+    """Return the law beside the unexplained force: over time, and over its main quantity."""
+    law, flights = found.law, collect_latent_wrenches(study)
+    if law is None or not flights:
+        return ''
+    main = max(law.terms, key=lambda term: term.evidence or 0.0)
+    # A force along an axis of the map is shown on the axis of the body nearest to it
+    name = {'map_x': 'surge', 'map_y': 'sway', 'map_z': 'heave'}.get(main.axis, main.axis)
+    axis, unit = BODY.index(name), LAW_AXES[main.axis]
+    quantity = next((one.quantity for one in main.factors if one.quantity in QUANTITIES), 'time')
+    quantity = 'time' if quantity.startswith('hidden') else quantity
+    chosen = {flown.role: (flown, fit) for flown, fit in reversed(list_fit_flights(study))}
+    curves, over, points = [], [], []
+    for each, (flown, fit) in zip(
+        flights, (chosen[role] for role in ('train', 'confirm') if role in chosen), strict=False
+    ):
+        point, flight = fit.linear.point, flown.flight
+        states = flight.simulate_trajectory(point)
+        force = FlightLaw(law, flight, point.nominal).compute_wrench(states)[..., axis]
+        seen = state_quantities(states[:, :-1:STEPS]) | at_pieces(
+            flight, input_quantities(flight, point.nominal)
+        )
+        knots = each.time.shape[1]
+        at = np.rint(np.linspace(0, force.shape[1] - 1, knots)).astype(int)
+        drawn = np.zeros((*each.time.shape, AXES))
+        drawn[..., axis] = force[:, at]
+        curves.append(
+            [
+                ('estimated from the flight', figures.AFTER, *join_pieces(each, axis)),
+                ('law', figures.BEFORE, *join_pieces(each._replace(wrench=drawn), axis)),
+            ]
+        )
+        over.append(np.where(each.known, seen[quantity][:, at // STEPS], np.nan).ravel())
+        points.append((each.wrench[..., axis].ravel(), drawn[..., axis].ravel()))
+    names = [each.name for each in flights]
+    titles = [f'{name}, {each} [{unit}]' for each in names]
+    return (
+        '<div class="grid drawn">'
+        + render_section(
+            'lawtime', 'The law over time',
+            'Blue: the unexplained force or moment, estimated from the measured motion without '
+            'the law; orange: the law.',
+            figures.plot_stacked_curves(curves, titles, 'time', 's'),
+        )
+        + render_section(
+            'lawover', f'The law over {quantity.replace("_", " ")}',
+            'Each point is a moment of a flight: the unexplained force or moment, and the law.',
+            figures.plot_points(
+                [x for x in over for _ in range(2)],
+                [part for pair in points for part in pair],
+                [word for each in names for word in (each, f'{each}, law')],
+                (f'{quantity.replace("_", " ")} [{QUANTITIES[quantity]}]', f'{name} [{unit}]'),
+            ),
+        )
+        + '</div>'
+    )  # fmt: skip
