@@ -70,6 +70,12 @@ class ScoredCase:
     # Errors 'tuned' and 'after' on the flights of the fit, by those of the vehicle file: the
     # larger ratio of position and attitude
     training: Mapping[str, float] = field(default_factory=dict)
+    # Whether a law is proposed; None where none was sought
+    law: bool | None = None
+    # Errors at the horizon by those of an oracle that knows the equation outside the library: the
+    # larger ratio of position and attitude. 'before' of the vehicle file, 'tuned' without a law,
+    # 'law' with the law if one is proposed
+    oracle_ratios: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def flagged(self) -> bool:
@@ -149,7 +155,30 @@ def score_case(number: int, answer: Mapping[str, Any], result: Mapping[str, Any]
         max((float(one['floors']) for one in result.get('remains', ())), default=0.0),
         result.get('traceback', ''),
         _compare_training_errors(result.get('training', [])),
+        None if result.get('law') is None else bool(result['law']['proposed']),
+        _compare_with_law_oracle(result),
     )
+
+
+def _compare_with_law_oracle(result: Mapping[str, Any]) -> dict[str, float]:
+    """Return the errors of each model by those of the oracle that knows the equation."""
+    oracle = result.get('oracle', {}).get('law', [])
+    best = {one['channel']: one['after'] for one in oracle if one['horizon_s'] == FAR}
+    if not best:
+        return {}
+    law = result.get('law') or {}
+    own = law['errors'] if law.get('proposed') else oracle
+    with_law = 'after' if law.get('proposed') else 'tuned'
+
+    def largest_ratio(errors: list[Mapping[str, Any]], model: str) -> float:
+        far = [one for one in errors if one['horizon_s'] == FAR]
+        return max(float(one[model]) / float(best[one['channel']]) for one in far)
+
+    return {
+        'before': largest_ratio(oracle, 'before'),
+        'tuned': largest_ratio(oracle, 'tuned'),
+        'law': largest_ratio(own, with_law),
+    }
 
 
 def _compare_training_errors(errors: list[Mapping[str, Any]]) -> dict[str, float]:

@@ -92,7 +92,8 @@ def find_contradictions(finding: StudyResult) -> list[str]:
     """Return a sentence for each contradiction; empty if there are none."""
     said = render_study(finding)
     laws = (_check_gains(said), _check_names(finding, said), _check_nothing(finding, said),
-            _check_values(finding, said), _check_json(finding, said), _check_law(said))  # fmt: skip
+            _check_values(finding, said), _check_json(finding, said),
+            _check_law(said))  # fmt: skip
     return [each for law in laws for each in law]
 
 

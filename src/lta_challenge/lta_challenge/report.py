@@ -241,10 +241,22 @@ def build_outside_table(cases: Sequence[ScoredCase]) -> TextTable:
     for name, (about, late) in kinds.items():
         own = [one for one in cases if one.outside == name and one.kind == 'outside']
         counts = (len(own), sum(one.flagged for one in own), sum(bool(one.wrong) for one in own))
+        laws = str(sum(one.law is True for one in own))
+        ratios = [
+            _format_ratio(finite_median(one.oracle_ratios.get(model, math.nan) for one in own))
+            for model in ('before', 'tuned', 'law')
+        ]
         if own:
-            lines.append([name, about, 'late' if late else 'early', *map(str, counts)])
-    heads = ('kind', 'description', 'written', 'cases', 'unexplained force', 'an effect named')
+            written = 'late' if late else 'early'
+            lines.append([name, about, written, *map(str, counts), laws, *ratios])
+    heads = ('kind', 'description', 'written', 'cases', 'unexplained force', 'an effect named',
+             'law', 'error / oracle: file', 'without law', 'with law')  # fmt: skip
     return TextTable('Effects that are not in the library', heads, lines, printed=False)
+
+
+def _format_ratio(ratio: float) -> str:
+    """Return an error by that of the oracle that knows the equation; a dash if unknown."""
+    return f'{ratio:.2f}' if math.isfinite(ratio) else MISSING
 
 
 def build_wrong_table(cases: Sequence[ScoredCase]) -> TextTable:

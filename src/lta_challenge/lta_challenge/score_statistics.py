@@ -16,6 +16,7 @@ WEAK: Final = 3.0  # sigma
 SIZED: Final = 0.3  # of the true size; largest error of an unexplained force
 ORACLE: Final = 1.05  # held-out error relative to the oracle's
 NO_WORSE: Final = 1.05  # error of a fit on its own flights, by that of the vehicle file
+NEAR: Final = 1.3  # held-out error by that of the oracle that knows the equation outside
 FAULTY: Final = 'study ended in a traceback'
 FITTED: Final = {'tuned': 'tuned model', 'after': 'final model'}
 # Kinds outside the library: known during the development of discovery, or written independently
@@ -155,11 +156,24 @@ def _naming_figures(cases: Sequence[ScoredCase]) -> list[ScoreFigure]:
     ]
 
 
+def _clean_law_figure(cases: Sequence[ScoredCase]) -> list[ScoreFigure]:
+    """Return the figure of laws where nothing is hidden."""
+    clean = _select_kind(cases, 'clean')
+    return [
+        ScoreFigure(
+            'no hidden effect: a law proposed',
+            _estimate_passing_share(clean, lambda one: one.law is True),
+            most=0.01,
+        )
+    ]
+
+
 def _outside_figures(cases: Sequence[ScoredCase]) -> list[ScoreFigure]:
     """Return the figures of cases with an effect outside the library."""
     early = [one for one in cases if one.outside and not one.late]
     late = [one for one in cases if one.late]
     return [
+        *_clean_law_figure(cases),
         *_unexplained_figures(cases),
         *_unexplained_figures(early, EARLY),
         *_unexplained_figures(late, LATE),
@@ -194,6 +208,29 @@ def _unexplained_figures(cases: Sequence[ScoredCase], when: str = '') -> list[Sc
         ),
         ScoreFigure(
             f'one effect in and one outside the library{when}: both reported', both, least=0.75
+        ),
+        *_law_figures(outside, when),
+    ]
+
+
+def _law_figures(outside: Sequence[ScoredCase], when: str) -> list[ScoreFigure]:
+    """Return the figures of laws; none where no oracle knows the equations."""
+    known = [one for one in outside if one.oracle_ratios]
+    if not known:
+        return []
+    return [
+        ScoreFigure(
+            f'effect outside the library{when}: a law proposed',
+            _estimate_passing_share(known, lambda one: one.law is True),
+        ),
+        ScoreFigure(
+            f'effect outside the library{when}: forecasts within {NEAR:g} of the oracle',
+            _estimate_passing_share(known, lambda one: one.oracle_ratios['law'] <= NEAR),
+            least=0.55,
+        ),
+        ScoreFigure(
+            f'effect outside the library{when}: the same without laws',
+            _estimate_passing_share(known, lambda one: one.oracle_ratios['tuned'] <= NEAR),
         ),
     ]
 

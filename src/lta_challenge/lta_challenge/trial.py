@@ -9,10 +9,12 @@ from typing import Any, Final
 
 from lta_challenge.case import ROLES
 from lta_challenge.contradictions import find_contradictions
+from lta_challenge.law_oracle import fit_law_oracle
+from lta_challenge.outside import STRANGE
 from lta_challenge.rows import find_challenge_row
 from lta_config.errors import BadInput
 from lta_discovery.conclusion import draw_conclusion
-from lta_discovery.finding import ChannelErrors
+from lta_discovery.finding import ChannelErrors, LawFinding
 from lta_discovery.fit.bounds import apply_parameters
 from lta_discovery.fit.evidence import build_shared_prior, per_flight_variance, wrench_floor
 from lta_discovery.fit.joint_fit import JointFit, JointFitter
@@ -23,6 +25,7 @@ from lta_discovery.planning.next_flight import add_confusable
 from lta_discovery.replay.linearized_flight import LinearizationPoint, zero_unknowns
 from lta_discovery.run import DiscoveryRequest, study_usable_flights
 from lta_discovery.study import DiscoveryStudy
+from lta_model.law_text import describe_term
 from lta_model.vehicle import load_vehicle
 import numpy as np
 
@@ -56,6 +59,7 @@ def run_trial(folder: Path, read_answer: Callable[[], Mapping[str, Any]]) -> dic
             return found  # nothing is hidden, and the file is wrong
         try:
             found |= {'oracle': fit_oracle(made, answer)}
+            found['oracle'] |= {'law': _test_law_oracle(made, answer)}
         except FAULTS as fault:
             found |= {'oracle': {}, 'oracle_fault': str(fault)}
     return found
@@ -108,10 +112,21 @@ def _finding_to_dict(study: DiscoveryStudy) -> dict[str, Any]:
         'gaps': _select_pose_errors(finding.gaps),
         'training': _select_pose_errors(finding.training),
         'remains': [one._asdict() for one in finding.remains],
+        'law': None if finding.law is None else _law_to_dict(finding.law),
         'warnings': list(finding.warnings),
         'advice': draw_conclusion(finding).advice,
         'detectable': {one.knob: one.size for one in finding.detectable},
         'contradictions': find_contradictions(finding),
+    }
+
+
+def _law_to_dict(found: LawFinding) -> dict[str, Any]:
+    """Return the law that was proposed or tried, as JSON data."""
+    return {
+        'proposed': found.law is not None,
+        'reason': found.reason,
+        'terms': [] if found.tried is None else [describe_term(one) for one in found.tried.terms],
+        'errors': _select_pose_errors(found.errors),
     }
 
 
@@ -141,6 +156,14 @@ def fit_oracle(study: DiscoveryStudy, answer: Mapping[str, Any]) -> dict[str, An
         'sigma': _compute_effect_strengths(study, hidden, fits),
         'gaps': _select_pose_errors(compute_model_errors(flights, models, 0)),
     }
+
+
+def _test_law_oracle(study: DiscoveryStudy, answer: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Return the errors of the oracle that knows the equation outside the library."""
+    name = answer['outside']
+    if name not in STRANGE or 'unexplained' not in study.finding.verdict:
+        return []
+    return _select_pose_errors(fit_law_oracle(study, name, answer['strange'][name]))
 
 
 def _fit_true_structure(study: DiscoveryStudy, hidden: Mapping[str, float]) -> JointFit:

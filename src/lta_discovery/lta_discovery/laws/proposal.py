@@ -65,13 +65,22 @@ def _find_obstacle(study: DiscoveryStudy) -> str:
     return ''
 
 
-def _search_law(study: DiscoveryStudy, joint: JointFit, forecasts: JointFit) -> LawFinding:
-    """Search, refit and test a law."""
-    taught = [
+def list_taught_flights(study: DiscoveryStudy) -> list[FlightLinearizer]:
+    """Return the training flights, then the confirming ones."""
+    return [
         one.flight for role in ('train', 'confirm') for one in study.flights if one.role == role
     ]
+
+
+def collect_law_data(study: DiscoveryStudy, joint: JointFit) -> LawData:
+    """Return the jointly fitted flights of a study as data for laws."""
     count = sum(one.role == 'train' for one in study.flights)
-    data = LawData(taught, joint, wrench_floor(study.nominal), count)
+    return LawData(list_taught_flights(study), joint, wrench_floor(study.nominal), count)
+
+
+def _search_law(study: DiscoveryStudy, joint: JointFit, forecasts: JointFit) -> LawFinding:
+    """Search, refit and test a law."""
+    taught, data = list_taught_flights(study), collect_law_data(study, joint)
     chosen, given = select_terms(data, build_dictionary(data.spreads), joint.deviations)
     near = _list_near_effects(study.finding)
     if not chosen:
@@ -79,7 +88,7 @@ def _search_law(study: DiscoveryStudy, joint: JointFit, forecasts: JointFit) -> 
                           near=near)  # fmt: skip
     fit = LawFit(data, 2, given.sides[0].deviations, _list_terms(data, chosen))
     law = build_law(data, chosen, fit, _format_source(study.finding))
-    at = _choose_parameters(study, taught, forecasts, fit.shared, partial(FlightLaw, law))
+    at = choose_parameters(study, taught, forecasts, fit.shared, partial(FlightLaw, law))
     errors = compare_forecasts(study, forecasts, partial(FlightLaw, law), at)
     reason = judge_forecasts(errors)
     return LawFinding(None if reason else law, reason, errors, near, law)
@@ -125,7 +134,7 @@ def _find_region(
     return {name: [low, max(high, low + 1e-9)] for name, (low, high) in sorted(ends.items())}
 
 
-def _choose_parameters(
+def choose_parameters(
     study: DiscoveryStudy,
     taught: Sequence[FlightLinearizer],
     forecasts: JointFit,

@@ -112,7 +112,11 @@ class LawData:
             if column.hidden is not state:
                 state, quantities = column.hidden, self.quantities(column.hidden)
             out.append(multiply_factors(column.factors, quantities))
-        return np.asarray(np.matmul(self._nearest, np.stack(out, axis=-1)))
+        return self.project(np.stack(out, axis=-1))
+
+    def project(self, values: Array) -> Array:
+        """Return the knots nearest to values in each grid period, (S, n, J) to (S, K, J)."""
+        return np.asarray(np.matmul(self._nearest, values))
 
     def knots(self, column: Column) -> Array:
         """Return a column at the knots, shape (S, K)."""

@@ -1,0 +1,129 @@
+"""
+Fit and test an oracle that knows the equation of an effect outside the library.
+
+It knows all its parameters but the size, which is regressed as the weight of a law's only term;
+its forecasts are made as those of a law. So it shows what any law could reach.
+"""
+
+from collections.abc import Mapping
+from functools import partial
+from typing import final
+
+from lta_challenge.outside import STRANGE
+from lta_discovery.finding import ChannelErrors
+from lta_discovery.laws.proposal import (
+    choose_parameters,
+    collect_law_data,
+    compare_forecasts,
+    list_taught_flights,
+)
+from lta_discovery.laws.quantities import measured_states
+from lta_discovery.laws.selection import LawData, SHRUNK
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.quaternions import rotation_matrix
+from lta_discovery.replay.flight_linearizer import FlightLinearizer
+from lta_discovery.replay.replay import STEPS
+from lta_discovery.study import DiscoveryStudy
+from lta_model.effects.protocol import Values, VehicleMotion
+from lta_model.state import ACTUATORS
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@final
+class TrueWrench:
+    """The wrench of an effect outside the library along one flight, times a scale."""
+
+    def __init__(
+        self,
+        name: str,
+        parameters: Mapping[str, float],
+        scale: float,
+        flight: FlightLinearizer,
+        nominal: NominalVehicle,
+    ) -> None:
+        self._effect, self._scale = STRANGE[name].effect, scale
+        self._values = tuple(parameters[one.name] for one in self._effect.parameters)
+        self._body = tuple(nominal.build_model().body.tolist())
+        replay = flight.replay
+        ready = replay.compute_body_inputs(replay.build_replay_rows(nominal))
+        self._thrust = ready.commands[:, :ACTUATORS]
+        self._first, self._dt = replay.first, replay.dt
+        self._memories: list[Values] = []
+        if self._effect.memory:
+            count = len(self._thrust) // STEPS
+            begin = tuple(value for _, value in self._effect.memory)
+            motion = np.repeat(measured_states(flight, count), STEPS, axis=0)
+            self._memories = self._follow(motion, 0, begin)[1]
+
+    def _follow(self, states: Array, first: int, memory: Values) -> tuple[Array, list[Values]]:
+        """Return the wrench along states in successive steps, and the memory before each."""
+        rotations = rotation_matrix(states[:, 3:7]).reshape(len(states), 9)
+        out, memories = np.zeros((len(states), 6)), []
+        for k, (state, turn) in enumerate(zip(states.tolist(), rotations.tolist(), strict=True)):
+            x, y, z, _, _, _, _, *moving = state
+            a, b, c, d, e, f, g, h, i = turn
+            u, v, w, p, q, r = moving
+            motion = VehicleMotion(
+                (x, y, z), (a, b, c, d, e, f, g, h, i), (u, v, w), (p, q, r), (u, v, w),
+                self._body, (), (),
+            )  # fmt: skip
+            thrust = tuple(self._thrust[min(first + k, len(self._thrust) - 1)].tolist())
+            memories.append(memory)
+            out[k] = self._effect.wrench(self._values, memory, motion, thrust)
+            if memory:
+                rates = self._effect.rate(self._values, memory, motion)
+                memory = tuple(a + self._dt * b for a, b in zip(memory, rates, strict=True))
+        return self._scale * out, memories
+
+    def compute_wrench(self, states: Array) -> Array:
+        """Return the wrench in each step of the pieces, shape (S, span, 6), body frame."""
+        middle = 0.5 * (states[:, :-1] + states[:, 1:])
+        out = np.zeros((*middle.shape[:2], 6))
+        for k, (piece, first) in enumerate(zip(middle, self._first, strict=True)):
+            last = min(int(first), len(self._memories) - 1)
+            memory = self._memories[last] if self._memories else ()
+            out[k] = self._follow(piece, int(first), memory)[0]
+        return out
+
+
+def fit_law_oracle(
+    study: DiscoveryStudy, name: str, parameters: Mapping[str, float]
+) -> tuple[ChannelErrors, ...]:
+    """Return the errors of the oracle on held-out flights, as `after`; empty if untestable."""
+    joint, forecasts = study.joint, study.forecasts
+    if joint is None or forecasts is None or not study.finding.held_out:
+        return ()
+    taught, data = list_taught_flights(study), collect_law_data(study, joint)
+    parts = []
+    for flight, linear in zip(taught, joint.group.linears, strict=True):
+        true = TrueWrench(name, parameters, 1.0, flight, linear.point.nominal)
+        wrench = true.compute_wrench(flight.simulate_trajectory(linear.point))
+        parts.append(wrench[:, ::STEPS])
+    scale, shared = _regress_size(data, np.concatenate(parts))
+    prepare = partial(TrueWrench, name, parameters, scale)
+    at = choose_parameters(study, taught, forecasts, shared, prepare)
+    return compare_forecasts(study, forecasts, prepare, at)
+
+
+def _regress_size(data: LawData, wrench: Array) -> tuple[float, Array]:
+    """Return the size of a known wrench (S, n, 6), and the shared parameters that go with it."""
+    knots = data.project(wrench)
+    best, found = -np.inf, (1.0, data.joint.fitted.mean)
+    terms = [(knots[..., axis], axis) for axis in range(6) if np.any(knots[..., axis])]
+    for share in (1.0, *SHRUNK, SHRUNK[-1] ** 2):
+        deviations = data.shrink(data.joint.deviations, range(6), share)
+        regression = data.regress(2, deviations)
+        products = regression.products(terms)
+        inner, right = float(products.inner.sum()) + 1.0, float(products.right.sum()) + 1.0
+        # A prior of 1 around the true size
+        evidence = regression.base + 0.5 * right**2 / inner - 0.5 * np.log(inner)
+        if evidence > best:
+            weights = np.full(len(terms), right / inner)
+            best, found = (
+                evidence,
+                (right / inner, regression.shared_parameters(products, weights)),
+            )
+    return found
