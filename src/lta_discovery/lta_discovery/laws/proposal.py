@@ -23,8 +23,9 @@ from lta_discovery.forecast.held_out import (
 )
 from lta_discovery.laws.dictionary import build_dictionary, Column
 from lta_discovery.laws.forecast import FlightLaw, LawForecaster, Prepare
-from lta_discovery.laws.selection import LawData, LawFit, select_terms
+from lta_discovery.laws.selection import FlightQuantities, LawData, LawFit, select_terms
 from lta_discovery.page.formatting import explain_decision, format_parameter
+from lta_discovery.parallel import map_parallel
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.selection.interval import NORMAL
 from lta_discovery.study import DiscoveryStudy
@@ -74,8 +75,10 @@ def list_taught_flights(study: DiscoveryStudy) -> list[FlightLinearizer]:
 
 def collect_law_data(study: DiscoveryStudy, joint: JointFit) -> LawData:
     """Return the jointly fitted flights of a study as data for laws."""
+    both = zip(list_taught_flights(study), joint.group.linears, strict=True)
+    flights = map_parallel(lambda each: FlightQuantities.from_fit(*each), list(both))
     count = sum(one.role == 'train' for one in study.flights)
-    return LawData(list_taught_flights(study), joint, wrench_floor(study.nominal), count)
+    return LawData(joint, flights, wrench_floor(study.nominal), count)
 
 
 def _search_law(study: DiscoveryStudy, joint: JointFit, forecasts: JointFit) -> LawFinding:
@@ -107,7 +110,12 @@ def build_law(
     terms, every = [], _list_terms(data, chosen)
     for k, (column, axis) in enumerate(chosen):
         name, factors = list(LAW_AXES)[axis], list(column.factors)
-        rest = LawFit(data, 2, fit.deviations, [*every[:k], *every[k + 1 :]])
+        others = [*every[:k], *every[k + 1 :]]
+        # Without the term, the wrench that it explains may count as random
+        rest = max(
+            LawFit(data, 2, deviations, others).evidence
+            for deviations in (fit.deviations, data.joint.deviations)
+        )
         value, half = float(fit.weights[k]), NORMAL * float(fit.deviation[k])
         terms.append(
             LawTerm(
@@ -116,7 +124,7 @@ def build_law(
                 unit=coefficient_unit(name, factors, hidden),
                 factors=factors,
                 interval=[value - half, value + half],
-                evidence=float(fit.evidence - rest.evidence),
+                evidence=float(fit.evidence - rest),
             )
         )
     return Law(source=source, terms=terms, hidden=hidden, region=_find_region(data, terms, hidden))

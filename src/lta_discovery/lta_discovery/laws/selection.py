@@ -9,7 +9,6 @@ wrench are fitted again, as a missing term inflates them.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-import math
 from typing import Final, final, NamedTuple
 
 from lta_config.schema.vehicle_law import HiddenState
@@ -27,7 +26,7 @@ from lta_discovery.laws.quantities import (
 from lta_discovery.laws.regression import LAW_AXES, TermProducts, WrenchRegression
 from lta_discovery.model.quaternions import rotation_matrix
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
-from lta_discovery.replay.linearized_flight import AXES, hat_functions
+from lta_discovery.replay.linearized_flight import AXES, hat_functions, LinearizedFlight
 import numpy as np
 from numpy.typing import NDArray
 
@@ -47,37 +46,62 @@ LEAST: Final = 0.1  # noise floors; smallest deviation
 FORMS: Final = {'linear': 0.0, 'modulus': 1.0, 'positive': 2.0}
 OTHER: Final = 3.0
 NUMBER: Final = 3.0
-STEPS: Final = (0.35, 0.15, 0.06)  # of numbers, in the logarithm
+STEPS: Final = (0.35, 0.15, 0.06, 0.02)  # of numbers, in the logarithm
 # Axes of the wrench whose deviations shrink together, and the axes of terms tried with them
 GROUPS: Final = (*(((k,), (k,)) for k in range(AXES)), ((0, 1, 2), (6, 7, 8)))
 
 
 @final
+class FlightQuantities(NamedTuple):
+    """Quantities of one flight, on which a law may depend."""
+
+    pieces: Quantities  # in each grid period of the fitted pieces, shape (S, n)
+    whole: Quantities  # of the measured motion over the whole flight, shape (T,)
+    first: NDArray[np.int64]  # grid period in which each piece begins, shape (S,)
+    rotations: Array  # body to map, at the knots of the pieces, shape (S, K, 3, 3)
+
+    @classmethod
+    def from_fit(cls, flight: FlightLinearizer, linear: LinearizedFlight) -> 'FlightQuantities':
+        """Return the quantities of a fitted flight."""
+        states = flight.simulate_trajectory(linear.point)
+        inputs = input_quantities(flight, linear.point.nominal)
+        motion = state_quantities(measured_states(flight, len(inputs['time'])))
+        index = np.rint(np.linspace(0, states.shape[1] - 1, linear.knots)).astype(int)
+        return cls(
+            state_quantities(middle_states(states)) | at_pieces(flight, inputs),
+            motion | inputs,
+            flight.replay.cut.first,
+            rotation_matrix(states[:, index, 3:7]),
+        )
+
+
+@final
 class LawData:
-    """Jointly fitted flights as data for laws: quantities in pieces and over whole flights."""
+    """
+    Jointly fitted flights as data for laws.
+
+    Parameters
+    ----------
+    flights : sequence of FlightQuantities
+        In the order of the fit: `count` training flights first, then the confirming ones.
+    floor : ndarray, shape (6,)
+        Noise floor of the wrench. [N, N m]
+
+    """
 
     def __init__(
-        self, flights: Sequence[FlightLinearizer], joint: JointFit, floor: Array, count: int
+        self, joint: JointFit, flights: Sequence[FlightQuantities], floor: Array, count: int
     ) -> None:
-        self.joint, self.floor, knots = joint, floor, joint.group.linears[0].knots
-        self._whole, pieces, self._starts, rotations = [], [], [], []
-        for flight, linear in zip(flights, joint.group.linears, strict=True):
-            states = flight.simulate_trajectory(linear.point)
-            inputs = input_quantities(flight, linear.point.nominal)
-            pieces.append(state_quantities(middle_states(states)) | at_pieces(flight, inputs))
-            motion = state_quantities(measured_states(flight, len(inputs['time'])))
-            self._whole.append(motion | inputs)
-            self._starts.append(flight.replay.cut.first)
-            index = np.rint(np.linspace(0, states.shape[1] - 1, knots)).astype(int)
-            rotations.append(rotation_matrix(states[:, index, 3:7]))
+        self.joint, self.floor, self._measured = joint, floor, flights
+        pieces = [each.pieces for each in flights]
         self.values = {name: np.concatenate([each[name] for each in pieces]) for name in pieces[0]}
+        knots = joint.group.linears[0].knots
         self._nearest = np.asarray(np.linalg.pinv(hat_functions(self.values['u'].shape[1], knots)))
         offsets = np.cumsum([0, *(len(each['u']) for each in pieces)]).tolist()
         flown = ((0, count), (count, len(pieces)), (0, len(pieces)))
         # Training flights, confirming flights, all
         self.rows = [slice(offsets[a], offsets[b]) for a, b in flown]
         self._flights = [slice(a, b) for a, b in flown]
-        self._rotations = rotations
         self.spreads = {
             name: Spread(float(np.std(each)), float(np.mean(each)))
             for name, each in self.values.items()
@@ -86,17 +110,18 @@ class LawData:
     def regress(self, side: int, deviations: Array) -> WrenchRegression:
         """Return the regression on a side: 0 training, 1 confirming flights, 2 all."""
         some = self._flights[side]
-        pieces, turns = self.joint.group.pieces[some], self._rotations[some]
+        pieces = self.joint.group.pieces[some]
+        turns = [each.rotations for each in self._measured[some]]
         return WrenchRegression(self.joint, pieces, turns, deviations, self.floor)
 
     def follow(self, state: HiddenState) -> Quantities:
         """Return a hidden state and its rate in the pieces."""
         steps = np.arange(self.values['u'].shape[1])
         parts = []
-        for whole, starts in zip(self._whole, self._starts, strict=True):
-            both = follow_drive(state, whole)
-            at = np.minimum(starts[:, None] + steps, len(both[0]) - 1)
-            parts.append([each[at] for each in both])
+        for each in self._measured:
+            both = follow_drive(state, each.whole)
+            at = np.minimum(each.first[:, None] + steps, len(both[0]) - 1)
+            parts.append([values[at] for values in both])
         value, rate = (np.concatenate([part[k] for part in parts]) for k in range(2))
         return {'hidden': value, 'hidden_rate': rate}
 
@@ -211,6 +236,16 @@ class Candidate(NamedTuple):
     axis: int
     given: 'GivenTerms'
     cost: float  # [nats]
+    origin: Column  # in the dictionary, before its numbers were refined
+
+
+@final
+class Choice(NamedTuple):
+    """A term of the law."""
+
+    column: Column
+    axis: int
+    cost: float  # [nats]
 
 
 @final
@@ -281,11 +316,12 @@ def _scan(
             there = given
             if share < 1.0:
                 there = GivenTerms.fit(data, data.shrink(deviations, own, share), terms)
-            dear = costs + given.evidence - there.evidence
+            # What smaller deviations win alone is no merit of a column
+            dear = costs + max(given.evidence - there.evidence, 0.0)
             for axis in axes:
                 worth = there.gains(basis, axis) - dear
                 out += [
-                    Candidate(float(worth[j]), columns[j], axis, there, float(dear[j]))
+                    Candidate(float(worth[j]), columns[j], axis, there, float(dear[j]), columns[j])
                     for j in np.argsort(-worth)[:TRIED]
                     if np.isfinite(worth[j])
                 ]
@@ -325,26 +361,64 @@ def select_terms(
 ) -> tuple[list[tuple[Column, int]], GivenTerms]:
     """Return the selected columns with their axes, and their fit."""
     costs, basis = column_costs(columns), data.basis(columns)
-    chosen: list[tuple[Column, int]] = []
-    terms: list[Term] = []
-    given = GivenTerms.fit(data, deviations, terms)
+    chosen: list[Choice] = []
+    given = GivenTerms.fit(data, deviations, [])
     while len(chosen) < most:
-        state = next((column.hidden for column, _ in chosen if column.hidden is not None), None)
-        best = None
-        for one in _scan(data, given, terms, columns, basis, costs)[:TRIED]:
-            if one.column.hidden is not None and state is not None:
-                # One hidden state: a second output must be of the same
-                one = one._replace(column=replace(one.column, hidden=state))
-                worth = float(one.given.gains(data.basis([one.column]), one.axis)[0]) - one.cost
-                one = one._replace(worth=worth)
-            else:
-                one = _refine(data, one)
-            if best is None or one.worth > best.worth:
-                best = one
-        if best is None or not best.worth > WORTH or math.isnan(best.worth):
+        best = _choose_column(data, given, chosen, columns, basis, costs)
+        if best is None:
             break
-        chosen.append((best.column, best.axis))
-        terms.append((data.knots(best.column), best.axis))
+        cost = float(costs[columns.index(best.origin)])
+        chosen.append(Choice(best.column, best.axis, cost))
+        terms = _list_terms(data, chosen)
         here = GivenTerms.fit(data, best.given.sides[0].deviations, terms)
         given = adapt_deviations(data, here, terms, best.axis)
-    return chosen, given
+        before = len(chosen)
+        chosen, given = _revise(data, chosen, given)
+        # What is dropped again would be chosen again
+        if len(chosen) < before:
+            break
+    return [(one.column, one.axis) for one in chosen], given
+
+
+def _list_terms(data: LawData, chosen: Sequence[Choice]) -> list[Term]:
+    """Return the values of the chosen columns."""
+    return [(data.knots(one.column), one.axis) for one in chosen]
+
+
+def _choose_column(
+    data: LawData, given: GivenTerms, chosen: Sequence[Choice], columns: Sequence[Column],
+    basis: Array, costs: Array,
+) -> Candidate | None:  # fmt: skip
+    """Return the best further column with refined numbers; None if none is worth it."""
+    state = next((one.column.hidden for one in chosen if one.column.hidden is not None), None)
+    best = None
+    for each in _scan(data, given, _list_terms(data, chosen), columns, basis, costs)[:TRIED]:
+        one = each
+        if one.column.hidden is not None and state is not None:
+            # One hidden state: a second output must be of the same
+            column = replace(one.column, hidden=state)
+            worth = float(one.given.gains(data.basis([column]), one.axis)[0]) - one.cost
+            one = one._replace(column=column, worth=worth)
+        else:
+            one = _refine(data, one)
+        if one.worth > WORTH and (best is None or one.worth > best.worth):
+            best = one
+    return best
+
+
+def _revise(
+    data: LawData, chosen: Sequence[Choice], given: GivenTerms
+) -> tuple[list[Choice], GivenTerms]:
+    """Refine each term beside the others, and drop those that are not worth their cost."""
+    out = list(chosen)
+    deviations = given.sides[0].deviations
+    shared = sum(one.column.hidden is not None for one in out) > 1
+    for one in chosen if len(chosen) > 1 else ():
+        k = out.index(one)
+        others = GivenTerms.fit(data, deviations, _list_terms(data, [*out[:k], *out[k + 1 :]]))
+        worth = float(others.gains(data.basis([one.column]), one.axis)[0]) - one.cost
+        term = Candidate(worth, one.column, one.axis, others, one.cost, one.column)
+        if not (shared and one.column.hidden is not None):
+            term = _refine(data, term)
+        out[k : k + 1] = [one._replace(column=term.column)] if term.worth > 0.0 else []
+    return out, GivenTerms.fit(data, deviations, _list_terms(data, out))

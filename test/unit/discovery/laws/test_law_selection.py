@@ -1,0 +1,156 @@
+"""Hidden laws with known coefficients: which terms are selected, and with which numbers."""
+
+import math
+
+from lta_config.schema.vehicle_law import HiddenState, LawFactor
+from lta_discovery.finding import ChannelErrors
+from lta_discovery.fit.evidence import FLOOR
+from lta_discovery.laws.dictionary import build_dictionary, Column, vary_numbers
+from lta_discovery.laws.proposal import build_law, judge_forecasts
+from lta_discovery.laws.quantities import filter_hidden, Quantities
+from lta_discovery.laws.selection import LawData, LawFit, select_terms
+import numpy as np
+from numpy.typing import NDArray
+import pytest
+from scipy.integrate import solve_ivp
+
+from ..synthetic_law import make_law_data  # noqa: TID252 - `test` is Python's own
+
+Array = NDArray[np.float64]
+PITCH, YAW, UP = 4, 5, 8
+
+
+def search(data: LawData) -> tuple[list[tuple[Column, int]], LawFit]:
+    """Return the selected terms, and their fit to all flights."""
+    chosen, given = select_terms(data, build_dictionary(data.spreads), data.joint.deviations)
+    terms = [(data.knots(column), axis) for column, axis in chosen]
+    return chosen, LawFit(data, 2, given.sides[0].deviations, terms)
+
+
+def test_product_of_speed_and_rate() -> None:
+    """A pitch moment of -0.01 N m per (m/s)(rad/s), 20 times the noise, is found as that."""
+
+    def wrench(seen: Quantities) -> dict[int, Array]:
+        return {PITCH: -0.01 * seen['u'] * seen['r']}
+
+    data = make_law_data(wrench)
+    chosen, fit = search(data)
+    assert [axis for _, axis in chosen] == [PITCH]
+    assert sorted(factor.quantity for factor in chosen[0][0].factors) == ['r', 'u']
+    assert fit.weights[0] == pytest.approx(-0.01, abs=3.0 * fit.deviation[0])
+    # 156 readings of 0.3 floors each: a few per cent of the coefficient
+    assert fit.deviation[0] < 5e-4
+    law = build_law(data, chosen, fit, 'a test')
+    term = law.terms[0]
+    assert (term.axis, term.unit) == ('pitch', 'N s2')
+    assert term.interval is not None
+    assert term.interval[0] < -0.01 < term.interval[1]
+    assert (term.evidence or 0.0) > 100.0
+    assert law.region['u'] == [np.min(data.values['u']), np.max(data.values['u'])]
+
+
+def test_phase_and_one_side_are_fitted() -> None:
+    """Two forms at once: the direction of a magnet, and a flap that damps one way only."""
+
+    def wrench(seen: Quantities) -> dict[int, Array]:
+        slip = np.maximum(seen['v'], 0.0)
+        return {YAW: 0.0008 * np.sin(seen['yaw'] - 1.0), 1: -0.05 * slip**2}
+
+    chosen, fit = search(make_law_data(wrench, 2))
+    assert {axis for _, axis in chosen} == {1, YAW}
+    turn = next(column.factors[0] for column, axis in chosen if axis == YAW)
+    assert (turn.quantity, turn.form) == ('yaw', 'sin')
+    found = [axis for _, axis in chosen].index(YAW)
+    # A shift of the phase by pi changes the sign
+    phasor = fit.weights[found] * np.exp(1j * (turn.phase or 0.0))
+    assert abs(phasor - 0.0008 * np.exp(1j)) < 1e-4
+    slip = next(column for column, axis in chosen if axis == 1)
+    assert {factor.quantity for factor in slip.factors} == {'v'}
+    assert 'positive' in {factor.form for factor in slip.factors}
+
+
+def test_hidden_state_with_a_lag() -> None:
+    """A force that follows the yaw rate with a lag of 1.5 s has a hidden state of that lag."""
+    state = HiddenState(drive=[LawFactor(quantity='r')], time_constant=1.5)
+
+    def wrench(seen: Quantities) -> dict[int, Array]:
+        return {0: 0.02 * filter_hidden(seen['r'][None], 0.04, state, None)[0][0]}
+
+    chosen, fit = search(make_law_data(wrench, 3))
+    column, axis = chosen[0]
+    assert axis == 0
+    assert column.hidden is not None
+    assert [factor.quantity for factor in column.hidden.drive] == ['r']
+    assert column.hidden.time_constant == pytest.approx(1.5, rel=0.25)
+    assert fit.weights[0] == pytest.approx(0.02, rel=0.15)
+
+
+@pytest.mark.parametrize('seed', range(4))
+def test_noise_has_no_law(seed: int) -> None:
+    """A wrench that follows nothing, as of gusts, is not described by a law."""
+    rng = np.random.default_rng(100 + seed)
+
+    def wrench(seen: Quantities) -> dict[int, Array]:
+        # A random force with a memory of 1.5 s, three noise floors
+        kept, out = math.exp(-0.04 / 1.5), np.zeros(len(seen['time']))
+        for k in range(1, len(out)):
+            out[k] = kept * out[k - 1] + math.sqrt(1.0 - kept**2) * rng.standard_normal()
+        return {0: 3.0 * FLOOR[0] * out}
+
+    assert search(make_law_data(wrench, seed))[0] == []
+
+
+@pytest.mark.parametrize(
+    ('state', 'rates'),
+    [
+        ({'time_constant': 0.8}, lambda x, d: [(d - x[0]) / 0.8, 0.0]),
+        (
+            {'frequency': 4.0, 'damping': 0.2},
+            lambda x, d: [x[1], 16.0 * (d - x[0]) - 1.6 * x[1]],
+        ),
+    ],
+)
+def test_hidden_state_is_integrated_exactly(state: dict[str, float], rates: object) -> None:
+    """From a state that is not at rest, as scipy integrates it under steps of the drive."""
+    hidden = HiddenState(drive=[LawFactor(quantity='u')], **state)
+    drive, dt = np.array([0.3, -1.0, 0.5, 2.0, 0.0]), 0.1
+    begin = np.array([[0.4, 0.0 if hidden.time_constant else -1.2]])
+    value, rate = filter_hidden(drive[None], dt, hidden, begin)
+    x, expected = begin[0], []
+    for d in drive:
+        x = solve_ivp(lambda _t, x, d=d: rates(x, d), (0.0, dt), x, rtol=1e-10, atol=1e-12).y[
+            :, -1
+        ]
+        expected.append(x)
+    assert value[0] == pytest.approx(np.array(expected)[:, 0], abs=1e-8)
+    if not hidden.time_constant:
+        assert rate[0] == pytest.approx(np.array(expected)[:, 1], abs=1e-7)
+
+
+def test_numbers_vary_within_their_form() -> None:
+    """A step changes the numbers that a form has, and offers an exponent to a modulus."""
+    data = make_law_data(lambda seen: {})
+    column = Column((LawFactor(quantity='height', form='decay', scale=0.4),), 0)
+    scales = [other.factors[0].scale for other in vary_numbers(column, data.spreads, 0.35)]
+    assert scales == pytest.approx([0.4 * math.exp(0.35), 0.4 * math.exp(-0.35)])
+    modulus = Column((LawFactor(quantity='u', form='modulus'),), 0)
+    powers = [other.factors[0].exponent for other in vary_numbers(modulus, data.spreads, 0.1)]
+    assert powers == pytest.approx([math.exp(0.1), math.exp(-0.1)])
+
+
+def test_a_law_must_improve_forecasts() -> None:
+    """Position and attitude may not get worse, and one has to get clearly better."""
+
+    def errors(position: float, attitude: float, coast: float = 1.0) -> list[ChannelErrors]:
+        rest = {'noise_floor': 0.0, 'shrink': 0.0, 'shrink_ci95': (0.0, 0.0), 'pieces': 9}
+        return [
+            ChannelErrors(name, unit, 3.0, 0.2, 0.1, after, coast, **rest)
+            for name, unit, after in (('position', 'm', position), ('attitude', 'rad', attitude))
+        ]
+
+    assert judge_forecasts(errors(0.1, 0.05)) == ''
+    assert 'the attitude of held-out flights is predicted worse' in judge_forecasts(
+        errors(0.05, 0.11)
+    )
+    assert 'does not predict' in judge_forecasts(errors(0.099, 0.1))
+    assert 'coasting' in judge_forecasts(errors(0.09, 0.05, coast=0.08))
