@@ -64,10 +64,11 @@ def multiply_factors(factors: Sequence[LawFactor], quantities: Mapping[str, Arra
 
 def _list_steps(name: str, spread: Spread) -> Iterator[LawFactor]:
     """Yield the forms of a quantity that change at a threshold, and its steps."""
-    scale = SOFT * spread.size
+    scale = round_number(SOFT * spread.size)
     yield LawFactor(quantity=name, form='sign', scale=scale)
     for at in THRESHOLDS:
-        threshold = float(at * spread.size + (0.0 if name in MOTIONS else spread.mean))
+        mean = 0.0 if name in MOTIONS else spread.mean
+        threshold = round_number(at * spread.size + mean)
         yield LawFactor(quantity=name, form='above', threshold=threshold, scale=scale)
 
 
@@ -88,8 +89,8 @@ def _list_single_factors(spreads: Mapping[str, Spread]) -> Iterator[LawFactor]:
         for form in ('linear', 'positive'):
             yield LawFactor(quantity=name, form=form)
         yield from _list_steps(name, spreads[name])
-    for scale, phase in product((2.0 * math.pi, math.pi), PHASES):
-        yield LawFactor(quantity='yaw', form='sin', scale=scale, phase=phase)
+    for period, phase in product((None, math.pi), PHASES):
+        yield LawFactor(quantity='yaw', form='sin', scale=period, phase=phase)
     for name in THRUSTS:
         for form in ('linear', 'modulus'):
             yield LawFactor(quantity=name, form=form)
@@ -135,7 +136,9 @@ def _list_field_columns(spreads: Mapping[str, Spread]) -> Iterator[Column]:
         waves.append([()])
         for k in range(1, HARMONICS + 1):
             for phase in (0.0, 0.5 * math.pi):
-                wave = LawFactor(quantity=name, form='sin', scale=length / k, phase=phase)
+                wave = LawFactor(
+                    quantity=name, form='sin', scale=round_number(length / k), phase=phase
+                )
                 waves[-1].append((wave,))
     fading = LawFactor(quantity='height', form='decay', scale=0.7)
     for a, b in product(*waves):
@@ -198,9 +201,15 @@ def _move_number(
     name: str, value: float, step: float, spreads: Mapping[str, Spread], quantity: str = ''
 ) -> float:
     """Return a number that is moved: thresholds and phases add, others multiply."""
+    low, high = LIMITS.get(name, (-1e4, 1e4))
     if name == 'threshold':
-        return value + step * spreads[quantity].size
-    if name == 'phase':
-        return value + step
-    low, high = LIMITS.get(name, (1e-3, 1e4))
-    return min(max(value * math.exp(step), low), high)
+        moved = value + step * spreads[quantity].size
+    else:
+        moved = value + step if name == 'phase' else value * math.exp(step)
+    # Few digits, as in a file
+    return round_number(min(max(moved, low), high))
+
+
+def round_number(value: float) -> float:
+    """Return a number in four digits."""
+    return float(f'{value:.4g}')

@@ -21,7 +21,7 @@ from lta_discovery.forecast.held_out import (
     summarize_residuals,
     WHOLE,
 )
-from lta_discovery.laws.dictionary import build_dictionary, Column
+from lta_discovery.laws.dictionary import build_dictionary, Column, round_number
 from lta_discovery.laws.forecast import FlightLaw, LawForecaster, Prepare
 from lta_discovery.laws.selection import FlightQuantities, LawData, LawFit, select_terms
 from lta_discovery.page.formatting import explain_decision, format_parameter
@@ -37,7 +37,7 @@ Array = NDArray[np.float64]
 SHARES: Final = (1.0, 0.5, 0.0)  # of the tolerances fitted with the law
 KEPT: Final = 0.98  # of the score; other tolerances have to be better than this
 BETTER: Final = 0.95  # of the error without the law: position or attitude has to fall below it
-WORSE: Final = 1.02  # of the error without the law; neither may rise above it
+WORSE: Final = 1.05  # of the error without the law; neither may rise above it
 NEAR: Final = 3  # library effects that are listed as the nearest
 
 
@@ -120,11 +120,11 @@ def build_law(
         terms.append(
             LawTerm(
                 axis=name,
-                coefficient=value,
+                coefficient=round_number(value),
                 unit=coefficient_unit(name, factors, hidden),
                 factors=factors,
-                interval=[value - half, value + half],
-                evidence=float(fit.evidence - rest),
+                interval=[round_number(value - half), round_number(value + half)],
+                evidence=round_number(fit.evidence - rest),
             )
         )
     return Law(source=source, terms=terms, hidden=hidden, region=_find_region(data, terms, hidden))
