@@ -157,7 +157,7 @@ def test_kinds_that_were_kept_from_discovery_have_lines_of_their_own() -> None:
         assert found[f'{alone}{when}: unexplained force reported'] == flagged
         assert found[f'{alone}{when}: an effect named'] == named
         assert found[f'{beside}{when}: both reported'] == both
-    lines = {line[0]: line[2:] for line in build_outside_table(cases).rows}
+    lines = {line[0]: line[2:6] for line in build_outside_table(cases).rows}
     assert lines == {
         'tether': ['early', '3', '3', '0'],
         'leash': ['late', '1', '1', '0'],
@@ -215,3 +215,31 @@ def test_pictures_are_of_one_challenge(call: Callable[..., tuple[int, Any]]) -> 
     status, said = call('challenge', 'score', 'one', 'other', '--pictures', 'figures')
     assert status == 2
     assert '--pictures needs one challenge folder' in said.err
+
+
+def test_errors_are_compared_with_the_oracle_that_knows_the_equation() -> None:
+    """The larger ratio of position and attitude; without a law, that of the model without."""
+    oracle = [
+        {'channel': channel, 'horizon_s': 3.0, 'before': 8.0 * best, 'tuned': tuned, 'after': best}
+        for channel, best, tuned in (('position', 0.01, 0.03), ('attitude', 0.02, 0.05))
+    ]
+    with_law = [{**one, 'after': 1.2 * one['after']} for one in oracle]
+    law = {'proposed': True, 'errors': with_law}
+    answer = {
+        'kind': 'outside', 'row': 'base', 'outside': 'magnet', 'floors': 9.0, 'hidden': [],
+        'nominal': {'given': {}},
+    }  # fmt: skip
+    found = {
+        'effects': [], 'verdict': 'unexplained', 'refused': '', 'cpu_s': 1.0, 'law': law,
+        'oracle': {'law': oracle},
+    }  # fmt: skip
+    one = score_case(0, answer, found)
+    assert one.law is True
+    assert one.oracle_ratios == pytest.approx({'before': 8.0, 'tuned': 3.0, 'law': 1.2})
+    none = score_case(1, answer, {**found, 'law': {'proposed': False, 'errors': with_law}})
+    assert none.oracle_ratios['law'] == pytest.approx(3.0)
+    shares = {each.name: each.share for each in compute_score_figures([one, none])}
+    near = shares['effect outside the library: forecasts within 1.3 of the oracle']
+    assert (near.hits, near.of) == (1, 2)
+    row = build_outside_table([one, none]).rows[0]
+    assert row[-4:] == ['1', '8.00', '3.00', '2.10']
