@@ -1,0 +1,75 @@
+"""Headline, terminal, JSON, advice and vehicle file say the same about a law."""
+
+from dataclasses import replace
+
+from lta_challenge.contradictions import find_contradictions
+from lta_config.schema.vehicle_law import Law, LawFactor, LawTerm
+from lta_discovery.conclusion import draw_conclusion
+from lta_discovery.finding import ChannelErrors, LawFinding, StudyResult
+from lta_discovery.page.law_section import list_law_sentences
+from lta_discovery.page.verdict_text import format_headline
+from lta_discovery.results.discovery_json import to_dict
+from lta_discovery.unmodeled.unexplained_force import Remainder
+
+LAW = Law(
+    source='two flights',
+    terms=[
+        LawTerm(
+            axis='pitch',
+            coefficient=-0.00031,
+            unit='N s2',
+            factors=[LawFactor(quantity='speed'), LawFactor(quantity='r')],
+            interval=[-0.00034, -0.00028],
+            evidence=41.0,
+        )
+    ],
+    region={'speed': [0.0, 0.6], 'r': [-1.0, 1.0]},
+)
+
+
+def errors(*after: float) -> tuple[ChannelErrors, ...]:
+    """Return errors of 0.2 with the file, 0.1 without the law, and those with it."""
+    both = zip(('position', 'attitude'), ('m', 'rad'), after, strict=True)
+    return tuple(
+        ChannelErrors(name, unit, 3.0, 0.2, 0.1, value, 1.0, 0.001, 0.5, (0.4, 0.6), 9)
+        for name, unit, value in both
+    )
+
+
+UNEXPLAINED = StudyResult(
+    'unexplained', (), (), (), errors(0.1, 0.1), True,
+    (Remainder('pitch', 4e-4, 10.0, ('yaw rate',), 0.6),), (), 7,
+    {'train': ('A',), 'confirm': ('B',), 'holdout': ('C',)}, 'gtmab',
+    law=LawFinding(LAW, '', errors(0.06, 0.02), ('linear drag (3 nats: too little evidence)',)),
+)  # fmt: skip
+
+
+def test_a_proposed_law_is_said_everywhere() -> None:
+    """In words with its unit, with the error that it makes smaller, and what to do with it."""
+    said = list_law_sentences(UNEXPLAINED)
+    assert said[0].startswith(
+        'A law describes it: a pitch moment of -0.00031 N m per (m/s)(rad/s) of airspeed times '
+        'yaw rate'
+    )
+    assert 'the position error is 6 cm with it and 10 cm without' in said[1]
+    assert 'linear drag (3 nats: too little evidence)' in said[1]
+    headline = format_headline(UNEXPLAINED)
+    assert 'A law of 1 term describes it: with the law, the attitude error' in headline
+    assert draw_conclusion(UNEXPLAINED).advice == 'law'
+    told = to_dict(UNEXPLAINED)
+    assert told['law']['proposed'] is True
+    assert told['law']['law']['terms'][0]['coefficient'] == -0.00031
+    assert 'vehicle.yaml' in told['conclusion']['do']
+    assert find_contradictions(UNEXPLAINED) == []
+
+
+def test_without_a_law_the_reason_is_said() -> None:
+    """The advice stays, and no output speaks of a law that describes it."""
+    found = replace(UNEXPLAINED, law=LawFinding(None, 'no term has enough evidence'))
+    assert list_law_sentences(found) == ['No law is proposed for it: no term has enough evidence.']
+    assert draw_conclusion(found).advice == 'keep'
+    assert 'law' not in format_headline(found)
+    assert to_dict(found)['law']['law'] is None
+    assert find_contradictions(found) == []
+    assert to_dict(replace(found, law=None))['law'] is None
+    assert find_contradictions(replace(found, law=None)) == []
