@@ -17,6 +17,7 @@ PARTS: Final = {
     'fit': 'Fitting',
     'selection': 'Selection of effects',
     'unmodeled': 'Unexplained forces',
+    'laws': 'Laws for unexplained forces',
     'forecast': 'Forecasts',
     'transfer': 'Selection of effects by forecasts, on real flights',
     'conclusion': 'The conclusion',

@@ -16,6 +16,7 @@ from lta_discovery.model.quaternions import (
     rotation_matrix,
 )
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
+from lta_discovery.replay.linearized_flight import AXES
 from lta_discovery.replay.replay import STEPS
 from lta_model.state import ROTOR, ROTOR_AXIS, ROTOR_PLACE
 import numpy as np
@@ -26,7 +27,6 @@ Array = NDArray[np.float64]
 Quantities = dict[str, Array]
 
 SMOOTH: Final = 13  # grid points; of the cubic that measured motion is differentiated with
-AXES: Final = 6
 
 
 def state_quantities(states: Array) -> Quantities:

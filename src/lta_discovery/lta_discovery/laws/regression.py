@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 
 # The six of the body, then forces along the axes of the map
 LAW_AXES: Final = tuple(AXIS_UNITS)
-MAP: Final = 3  # of them, the last
+MAP: Final = 3  # axes of the map among them, the last
 
 
 @final

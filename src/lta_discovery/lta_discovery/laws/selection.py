@@ -42,10 +42,11 @@ FITTED: Final = (0.7, 0.5, 0.35, 0.25, 0.17)  # the same, for the fit after each
 TRIED: Final = 8  # best columns of a round, whose numbers are refined
 LOUD: Final = 0.5  # noise floors; deviations below it are not shrunk further
 LEAST: Final = 0.1  # noise floors; smallest deviation
-# Nats; further cost of a factor that is not linear, and of a number that is fitted in addition
+# Nats; further cost of a factor by its form
 FORMS: Final = {'linear': 0.0, 'modulus': 1.0, 'positive': 2.0}
-OTHER: Final = 3.0
-NUMBER: Final = 3.0
+OTHER: Final = 3.0  # nats; the same of any other form
+NUMBER: Final = 3.0  # nats; cost of a number that is fitted in addition
+REPEATED: Final = 0.02  # of its information; a column with less beside the others repeats them
 STEPS: Final = (0.35, 0.15, 0.06, 0.02)  # of numbers, in the logarithm
 # Axes of the wrench whose deviations shrink together, and the axes of terms tried with them
 GROUPS: Final = (*(((k,), (k,)) for k in range(AXES)), ((0, 1, 2), (6, 7, 8)))
@@ -217,7 +218,7 @@ class LawFit:
         pull = right - cross.T @ self._weights
         inner = diagonal - np.einsum('kj,kl,lj->j', cross, self._covariance, cross)
         # A repetition of what is there already
-        inner[inner < 0.02 * diagonal] = 0.0
+        inner[inner < REPEATED * diagonal] = 0.0
         return pull, inner
 
 
