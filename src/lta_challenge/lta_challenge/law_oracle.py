@@ -11,6 +11,7 @@ from typing import final
 
 from lta_challenge.outside import STRANGE
 from lta_discovery.finding import ChannelErrors
+from lta_discovery.laws.law_data import LawData
 from lta_discovery.laws.proposal import (
     choose_parameters,
     collect_law_data,
@@ -18,7 +19,7 @@ from lta_discovery.laws.proposal import (
     list_taught_flights,
 )
 from lta_discovery.laws.quantities import measured_states
-from lta_discovery.laws.selection import LawData, SHRUNK
+from lta_discovery.laws.selection import SHRUNK
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.quaternions import rotation_matrix
 from lta_discovery.replay.flight_linearizer import FlightLinearizer

@@ -120,13 +120,15 @@ def _finding_to_dict(study: DiscoveryStudy) -> dict[str, Any]:
     }
 
 
-def _law_to_dict(found: LawFinding) -> dict[str, Any]:
+def _law_to_dict(outcome: LawFinding) -> dict[str, Any]:
     """Return the law that was proposed or tried, as JSON data."""
     return {
-        'proposed': found.law is not None,
-        'reason': found.reason,
-        'terms': [] if found.tried is None else [describe_term(one) for one in found.tried.terms],
-        'errors': _select_pose_errors(found.errors),
+        'proposed': outcome.law is not None,
+        'reason': outcome.reason,
+        'terms': []
+        if outcome.tried is None
+        else [describe_term(one) for one in outcome.tried.terms],
+        'errors': _select_pose_errors(outcome.errors),
     }
 
 

@@ -8,8 +8,8 @@ from lta_discovery.fit.evidence import FLOOR, per_flight_variance, PieceReducer,
 from lta_discovery.fit.flight_group import LinearizedGroup
 from lta_discovery.fit.joint_fit import JointFit
 from lta_discovery.flights.measured_flight import PERIOD
+from lta_discovery.laws.law_data import FlightQuantities, LawData
 from lta_discovery.laws.quantities import Quantities
-from lta_discovery.laws.selection import FlightQuantities, LawData
 from lta_discovery.replay.linearized_flight import (
     AXES,
     count_unknowns,

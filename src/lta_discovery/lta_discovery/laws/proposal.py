@@ -23,7 +23,8 @@ from lta_discovery.forecast.held_out import (
 )
 from lta_discovery.laws.dictionary import build_dictionary, Column, round_number
 from lta_discovery.laws.forecast import FlightLaw, LawForecaster, Prepare
-from lta_discovery.laws.selection import FlightQuantities, LawData, LawFit, select_terms
+from lta_discovery.laws.law_data import FlightQuantities, LawData
+from lta_discovery.laws.selection import LawFit, select_terms
 from lta_discovery.page.formatting import explain_decision, format_parameter
 from lta_discovery.parallel import map_parallel
 from lta_discovery.replay.flight_linearizer import FlightLinearizer

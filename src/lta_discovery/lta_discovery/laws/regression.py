@@ -158,11 +158,11 @@ class WrenchRegression:
         return np.vstack([*own, shared @ basis.reshape(-1, count)])
 
     def cross(
-        self, basis: Array, axis: int, aside: Array, other: Array, at: int, beside: Array
+        self, basis: Array, axis: int, aside: Array, other: Array, at: int, other_aside: Array
     ) -> Array:
         """Return the products (J,) of terms on an axis with another term (S, K) on axis `at`."""
         pushed = self._inner[:, self._axis(axis), self._axis(at)] @ other[..., None]
-        out: Array = np.einsum('sk,skj->j', pushed[..., 0], basis) - aside.T @ beside
+        out: Array = np.einsum('sk,skj->j', pushed[..., 0], basis) - aside.T @ other_aside
         return out
 
     def products(self, terms: Sequence[tuple[Array, int]]) -> TermProducts:

@@ -11,22 +11,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final, final, NamedTuple
 
-from lta_config.schema.vehicle_law import HiddenState
-from lta_discovery.fit.joint_fit import JointFit
-from lta_discovery.laws.dictionary import Column, multiply_factors, Spread, vary_numbers
-from lta_discovery.laws.quantities import (
-    at_pieces,
-    follow_drive,
-    input_quantities,
-    measured_states,
-    middle_states,
-    Quantities,
-    state_quantities,
-)
-from lta_discovery.laws.regression import LAW_AXES, TermProducts, WrenchRegression
-from lta_discovery.model.quaternions import rotation_matrix
-from lta_discovery.replay.flight_linearizer import FlightLinearizer
-from lta_discovery.replay.linearized_flight import AXES, hat_functions, LinearizedFlight
+from lta_discovery.laws.dictionary import Column, vary_numbers
+from lta_discovery.laws.law_data import LawData
+from lta_discovery.laws.regression import LAW_AXES, TermProducts
+from lta_discovery.replay.linearized_flight import AXES
 import numpy as np
 from numpy.typing import NDArray
 
@@ -41,7 +29,6 @@ SHRUNK: Final = (0.5, 0.25)  # trial factors on the deviations
 FITTED: Final = (0.7, 0.5, 0.35, 0.25, 0.17)  # the same, for the fit after each term
 TRIED: Final = 8  # best columns of a round, whose numbers are refined
 LOUD: Final = 0.5  # noise floors; deviations below it are not shrunk further
-LEAST: Final = 0.1  # noise floors; smallest deviation
 # Nats; further cost of a factor by its form
 FORMS: Final = {'linear': 0.0, 'modulus': 1.0, 'positive': 2.0}
 OTHER: Final = 3.0  # nats; the same of any other form
@@ -50,114 +37,6 @@ REPEATED: Final = 0.02  # of its information; a column with less beside the othe
 STEPS: Final = (0.35, 0.15, 0.06, 0.02)  # of numbers, in the logarithm
 # Axes of the wrench whose deviations shrink together, and the axes of terms tried with them
 GROUPS: Final = (*(((k,), (k,)) for k in range(AXES)), ((0, 1, 2), (6, 7, 8)))
-
-
-@final
-class FlightQuantities(NamedTuple):
-    """Quantities of one flight, on which a law may depend."""
-
-    pieces: Quantities  # in each grid period of the fitted pieces, shape (S, n)
-    whole: Quantities  # of the measured motion over the whole flight, shape (T,)
-    first: NDArray[np.int64]  # grid period in which each piece begins, shape (S,)
-    rotations: Array  # body to map, at the knots of the pieces, shape (S, K, 3, 3)
-
-    @classmethod
-    def from_fit(cls, flight: FlightLinearizer, linear: LinearizedFlight) -> 'FlightQuantities':
-        """Return the quantities of a fitted flight."""
-        states = flight.simulate_trajectory(linear.point)
-        inputs = input_quantities(flight, linear.point.nominal)
-        motion = state_quantities(measured_states(flight, len(inputs['time'])))
-        index = np.rint(np.linspace(0, states.shape[1] - 1, linear.knots)).astype(int)
-        return cls(
-            state_quantities(middle_states(states)) | at_pieces(flight, inputs),
-            motion | inputs,
-            flight.replay.cut.first,
-            rotation_matrix(states[:, index, 3:7]),
-        )
-
-
-@final
-class LawData:
-    """
-    Jointly fitted flights as data for laws.
-
-    Parameters
-    ----------
-    flights : sequence of FlightQuantities
-        In the order of the fit: `count` training flights first, then the confirming ones.
-    floor : ndarray, shape (6,)
-        Noise floor of the wrench. [N, N m]
-
-    """
-
-    def __init__(
-        self, joint: JointFit, flights: Sequence[FlightQuantities], floor: Array, count: int
-    ) -> None:
-        self.joint, self.floor, self._measured = joint, floor, flights
-        pieces = [each.pieces for each in flights]
-        self.values = {name: np.concatenate([each[name] for each in pieces]) for name in pieces[0]}
-        knots = joint.group.linears[0].knots
-        self._nearest = np.asarray(np.linalg.pinv(hat_functions(self.values['u'].shape[1], knots)))
-        offsets = np.cumsum([0, *(len(each['u']) for each in pieces)]).tolist()
-        flown = ((0, count), (count, len(pieces)), (0, len(pieces)))
-        # Training flights, confirming flights, all
-        self.rows = [slice(offsets[a], offsets[b]) for a, b in flown]
-        self._flights = [slice(a, b) for a, b in flown]
-        self.spreads = {
-            name: Spread(float(np.std(each)), float(np.mean(each)))
-            for name, each in self.values.items()
-        }
-
-    def regress(self, side: int, deviations: Array) -> WrenchRegression:
-        """Return the regression on a side: 0 training, 1 confirming flights, 2 all."""
-        some = self._flights[side]
-        pieces = self.joint.group.pieces[some]
-        turns = [each.rotations for each in self._measured[some]]
-        return WrenchRegression(self.joint, pieces, turns, deviations, self.floor)
-
-    def follow(self, state: HiddenState) -> Quantities:
-        """Return a hidden state and its rate in the pieces."""
-        steps = np.arange(self.values['u'].shape[1])
-        parts = []
-        for each in self._measured:
-            both = follow_drive(state, each.whole)
-            at = np.minimum(each.first[:, None] + steps, len(both[0]) - 1)
-            parts.append([values[at] for values in both])
-        value, rate = (np.concatenate([part[k] for part in parts]) for k in range(2))
-        return {'hidden': value, 'hidden_rate': rate}
-
-    def quantities(self, hidden: HiddenState | None) -> Quantities:
-        """Return all quantities in the pieces."""
-        return self.values if hidden is None else self.values | self.follow(hidden)
-
-    def basis(self, columns: Sequence[Column]) -> Array:
-        """Return columns at the knots, shape (S, K, J)."""
-        out, state, quantities = [], None, self.values
-        for column in columns:
-            # Columns of one hidden state follow each other
-            if column.hidden is not state:
-                state, quantities = column.hidden, self.quantities(column.hidden)
-            out.append(multiply_factors(column.factors, quantities))
-        return self.project(np.stack(out, axis=-1))
-
-    def project(self, values: Array) -> Array:
-        """Return the knots nearest to values in each grid period, (S, n, J) to (S, K, J)."""
-        return np.asarray(np.matmul(self._nearest, values))
-
-    def knots(self, column: Column) -> Array:
-        """Return a column at the knots, shape (S, K)."""
-        return self.basis([column])[..., 0]
-
-    def axis_floor(self, axis: int) -> float:
-        """Return the noise floor of an axis of a law."""
-        return float(self.floor[axis] if axis < AXES else self.floor[0])
-
-    def shrink(self, deviations: Array, axes: Sequence[int], share: float) -> Array:
-        """Return deviations that are smaller on some axes."""
-        out, own = deviations.copy(), list(axes)
-        least = np.minimum(LEAST * self.floor[own], deviations[own])
-        out[own] = np.maximum(share * deviations[own], least)
-        return out
 
 
 @final
@@ -306,19 +185,19 @@ def _count_numbers(column: Column) -> int:
 
 
 def _scan(
-    data: LawData, given: GivenTerms, terms: Sequence[Term], columns: Sequence[Column],
+    data: LawData, current: GivenTerms, terms: Sequence[Term], columns: Sequence[Column],
     basis: Array, costs: Array,
 ) -> list[Candidate]:  # fmt: skip
     """Return the best further columns, also for smaller deviations of each axis."""
-    out, deviations = [], given.sides[0].deviations
+    out, deviations = [], current.sides[0].deviations
     for own, axes in GROUPS:
         loud = float(np.max(deviations[list(own)] / data.floor[list(own)])) > LOUD
         for share in (1.0, *(SHRUNK if loud else ())):
-            there = given
+            there = current
             if share < 1.0:
                 there = GivenTerms.fit(data, data.shrink(deviations, own, share), terms)
             # What smaller deviations win alone is no merit of a column
-            dear = costs + max(given.evidence - there.evidence, 0.0)
+            dear = costs + max(current.evidence - there.evidence, 0.0)
             for axis in axes:
                 worth = there.gains(basis, axis) - dear
                 out += [
@@ -342,10 +221,10 @@ def _refine(data: LawData, one: Candidate) -> Candidate:
 
 
 def adapt_deviations(
-    data: LawData, given: GivenTerms, terms: Sequence[Term], axis: int
+    data: LawData, current: GivenTerms, terms: Sequence[Term], axis: int
 ) -> GivenTerms:
     """Return the fit with the deviations on the axes of a new term fitted by trial factors."""
-    best = given
+    best = current
     groups = [(axis,)] if axis < AXES else [(0, 1, 2), (0,), (1,), (2,)]
     for own in groups:
         begun = best.sides[0].deviations
@@ -363,22 +242,22 @@ def select_terms(
     """Return the selected columns with their axes, and their fit."""
     costs, basis = column_costs(columns), data.basis(columns)
     chosen: list[Choice] = []
-    given = GivenTerms.fit(data, deviations, [])
+    current = GivenTerms.fit(data, deviations, [])
     while len(chosen) < most:
-        best = _choose_column(data, given, chosen, columns, basis, costs)
+        best = _choose_column(data, current, chosen, columns, basis, costs)
         if best is None:
             break
         cost = float(costs[columns.index(best.origin)])
         chosen.append(Choice(best.column, best.axis, cost))
         terms = _list_terms(data, chosen)
         here = GivenTerms.fit(data, best.given.sides[0].deviations, terms)
-        given = adapt_deviations(data, here, terms, best.axis)
+        current = adapt_deviations(data, here, terms, best.axis)
         before = len(chosen)
-        chosen, given = _revise(data, chosen, given)
+        chosen, current = _revise(data, chosen, current)
         # What is dropped again would be chosen again
         if len(chosen) < before:
             break
-    return [(one.column, one.axis) for one in chosen], given
+    return [(one.column, one.axis) for one in chosen], current
 
 
 def _list_terms(data: LawData, chosen: Sequence[Choice]) -> list[Term]:
@@ -387,13 +266,13 @@ def _list_terms(data: LawData, chosen: Sequence[Choice]) -> list[Term]:
 
 
 def _choose_column(
-    data: LawData, given: GivenTerms, chosen: Sequence[Choice], columns: Sequence[Column],
+    data: LawData, current: GivenTerms, chosen: Sequence[Choice], columns: Sequence[Column],
     basis: Array, costs: Array,
 ) -> Candidate | None:  # fmt: skip
     """Return the best further column with refined numbers; None if none is worth it."""
     state = next((one.column.hidden for one in chosen if one.column.hidden is not None), None)
     best = None
-    for each in _scan(data, given, _list_terms(data, chosen), columns, basis, costs)[:TRIED]:
+    for each in _scan(data, current, _list_terms(data, chosen), columns, basis, costs)[:TRIED]:
         one = each
         if one.column.hidden is not None and state is not None:
             # One hidden state: a second output must be of the same
@@ -408,11 +287,11 @@ def _choose_column(
 
 
 def _revise(
-    data: LawData, chosen: Sequence[Choice], given: GivenTerms
+    data: LawData, chosen: Sequence[Choice], current: GivenTerms
 ) -> tuple[list[Choice], GivenTerms]:
     """Refine each term beside the others, and drop those that are not worth their cost."""
     out = list(chosen)
-    deviations = given.sides[0].deviations
+    deviations = current.sides[0].deviations
     shared = sum(one.column.hidden is not None for one in out) > 1
     for one in chosen if len(chosen) > 1 else ():
         k = out.index(one)

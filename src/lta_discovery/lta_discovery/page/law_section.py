@@ -55,9 +55,9 @@ def list_law_sentences(finding: StudyResult) -> list[str]:
     ]
 
 
-def _format_errors(found: LawFinding) -> str:
+def _format_errors(outcome: LawFinding) -> str:
     """Return the errors of position and attitude with the law and without."""
-    return join_words([_format_error(one) for one in found.errors if one.horizon_s == FAR])
+    return join_words([_format_error(one) for one in outcome.errors if one.horizon_s == FAR])
 
 
 def _format_error(one: ChannelErrors) -> str:
@@ -92,9 +92,9 @@ def render_law(study: DiscoveryStudy) -> str:
     return text + table + _render_figures(study, found)
 
 
-def _render_figures(study: DiscoveryStudy, found: LawFinding) -> str:
+def _render_figures(study: DiscoveryStudy, outcome: LawFinding) -> str:
     """Return the law beside the unexplained force: over time, and over its main quantity."""
-    law, flights = found.law, collect_latent_wrenches(study)
+    law, flights = outcome.law, collect_latent_wrenches(study)
     if law is None or not flights:
         return ''
     main = max(law.terms, key=lambda term: term.evidence or 0.0)

@@ -6,9 +6,10 @@ from lta_config.schema.vehicle_law import HiddenState, LawFactor
 from lta_discovery.finding import ChannelErrors
 from lta_discovery.fit.evidence import FLOOR
 from lta_discovery.laws.dictionary import build_dictionary, Column, vary_numbers
+from lta_discovery.laws.law_data import LawData
 from lta_discovery.laws.proposal import build_law, judge_forecasts
 from lta_discovery.laws.quantities import filter_hidden, Quantities
-from lta_discovery.laws.selection import LawData, LawFit, select_terms
+from lta_discovery.laws.selection import LawFit, select_terms
 import numpy as np
 from numpy.typing import NDArray
 import pytest
