@@ -17,9 +17,9 @@ from typing import Any
 
 from lta_challenge import case as generator
 from lta_challenge.case import CaseGenerator, ROLES
-from lta_challenge.law_oracle import fit_law_oracle
 from lta_challenge.make import load_challenge_vehicle, read_vehicle_text
 from lta_challenge.outside import OUTSIDE, STRUCTURED
+from lta_challenge.outside.law_oracle import fit_law_oracle
 from lta_challenge.recording import write_bag
 from lta_discovery.conclusion import FAR
 from lta_discovery.finding import ChannelErrors, StudyResult

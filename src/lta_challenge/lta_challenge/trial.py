@@ -9,8 +9,8 @@ from typing import Any, Final
 
 from lta_challenge.case import ROLES
 from lta_challenge.contradictions import find_contradictions
-from lta_challenge.law_oracle import fit_law_oracle
 from lta_challenge.outside import STRANGE
+from lta_challenge.outside.law_oracle import fit_law_oracle
 from lta_challenge.rows import find_challenge_row
 from lta_config.errors import BadInput
 from lta_discovery.conclusion import draw_conclusion

@@ -7,8 +7,8 @@ from typing import Any, cast
 from lta_challenge import case as generator
 from lta_challenge.case import CaseGenerator
 from lta_challenge.case_score import score_case
-from lta_challenge.law_oracle import TrueWrench
 from lta_challenge.make import load_challenge_vehicle, read_vehicle_text
+from lta_challenge.outside.law_oracle import TrueWrench
 from lta_challenge.recording import write_bag
 from lta_challenge.trial import run_trial
 from lta_model.vehicle import load_vehicle
