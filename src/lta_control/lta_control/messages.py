@@ -44,8 +44,6 @@ DiodeReadings = tuple[tuple[tuple[float, float], ...], tuple[float, ...]]
 
 MOST_VARIANCE = 0.5 * UNKNOWN_VARIANCE  # of an estimate that is there
 BAROMETER = 30e3, 125e3  # Pa, the range of the BMP388
-FASTEST_TURN = math.radians(3000.0)  # rad/s; the BMI088 measures 2000 deg/s
-HARDEST_PULL = 400.0  # m/s2; it measures 24 g
 FARTHEST = (
     100.0  # m; upper bound for the range finder of a small drone, whatever the message declares
 )
@@ -82,13 +80,6 @@ def to_distance(message: Range) -> float:
 def to_pressure(message: FluidPressure) -> float:
     """Return a pressure, or NaN outside the barometer's range. [Pa]"""
     return message_rounding.mask_out_of_range(message.fluid_pressure, *BAROMETER)
-
-
-def is_plausible_imu_sample(inputs: EstimatorInputs) -> bool:
-    """Return whether an IMU sample is physically possible."""
-    # One implausible sample would corrupt the attitude for the rest of the flight.
-    turning = all(abs(rate) <= FASTEST_TURN for rate in inputs.rates)
-    return turning and all(abs(force) <= HARDEST_PULL for force in inputs.force)
 
 
 def to_duties(

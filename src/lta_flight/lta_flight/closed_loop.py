@@ -17,7 +17,7 @@ from lta_config.compilation.compiler import compile_functions
 from lta_config.topics import TopicTable
 from lta_control import message_rounding
 from lta_control.cascade import CascadeMeasurement, Setpoint
-from lta_control.estimator import MotionEstimate
+from lta_control.estimator import is_plausible_imu_sample, MotionEstimate
 from lta_control.guidance import Guidance, GuidanceInputs
 from lta_control.law_autopilot import LawAutopilot
 from lta_control.odometry.ground_motion import ground_step
@@ -255,7 +255,7 @@ class ClosedLoop:
 
     def _estimate_ground_motion(self, readings: SensorReadings) -> None:
         """Run the filter of the motion over ground, which the flight does not depend on."""
-        if all(map(math.isfinite, (*readings.rates, *readings.force))):
+        if is_plausible_imu_sample(readings.rates, readings.force):
             self.ground = ground_step(
                 self.policy.estimator.ground,
                 self._hull,

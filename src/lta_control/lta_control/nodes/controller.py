@@ -16,6 +16,7 @@ from lta_control.control import (
     control_step,
     ControlMemory,
     has_landed,
+    is_control_input_finite,
     LandingWatch,
     STANDSTILL,
     step_duration,
@@ -187,7 +188,7 @@ class Controller(GraphNode):
         if self._airspeed_lost:
             descends = True
             setpoint = Setpoint(measured.altitude - DESCENT, setpoint.heading, 0.0)
-        if not all(map(math.isfinite, (*measured, *setpoint))):
+        if not is_control_input_finite(measured, setpoint):
             self._stop_motors(
                 f'the estimate {measured} or the setpoint {setpoint} contains NaN or infinity: '
                 'the motors are off; restart the controller to fly again'

@@ -16,6 +16,17 @@ from lta_control.sighting import DeadReckonedMotion
 NOWHERE = DeadReckonedMotion(0.0, 0.0, 0.0, 0.0, 0.0)
 
 
+def advance_position(
+    position: tuple[float, float], forward: float, left: float, yaw: float, dt: float
+) -> tuple[float, float]:
+    """Return the position after a time [s] at a speed along the body's axes. [m/s]"""
+    cos, sin = math.cos(yaw), math.sin(yaw)
+    return (
+        position[0] + dt * (cos * forward - sin * left),
+        position[1] + dt * (sin * forward + cos * left),
+    )
+
+
 @final
 class AirReckoning:
     """
@@ -39,10 +50,7 @@ class AirReckoning:
         last_ns, last = self.history[-1] if self.history else (None, NOWHERE)
         dt = step_duration(last_ns, stamp_ns, self._period_ns)
         yaw = yaw_from_quaternion(attitude)
-        cos, sin = math.cos(yaw), math.sin(yaw)
-        # The arithmetic of the estimator's position, so that one process and graph agree
-        x = last.x + dt * (cos * velocity[0] - sin * velocity[1])
-        y = last.y + dt * (sin * velocity[0] + cos * velocity[1])
+        x, y = advance_position((last.x, last.y), velocity[0], velocity[1], yaw, dt)
         self.history.append((stamp_ns, DeadReckonedMotion(yaw, x, y, velocity[0], velocity[1])))
 
     def find_nearest(self, stamp_ns: int) -> DeadReckonedMotion:
