@@ -49,7 +49,7 @@ RULES = {
         'lta_sim/lta_sim/termination.py', 'limit half_length half_width door along'
     ),
     'reaching a lamp': rule('lta_sim/lta_sim/termination.py', 'radius vertical_tolerance'),
-    'faults of the supply': rule('lta_model/lta_model/scenario_faults.py', 'panel_short brown_out'),
+    'faults': rule('lta_model/lta_model/scenario_faults.py', 'panel_short brown_out'),
     'anti-windup': rule(f'{CONTROL}/control.py', 'shortfall', 1),
     'overturned drone': rule(f'{CONTROL}/onboard.py', 'uprightness', 1),
 }  # fmt: skip

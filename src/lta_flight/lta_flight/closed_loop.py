@@ -217,12 +217,8 @@ class ClosedLoop:
                 self.autopilot.set_setpoint(asked)
         # A new setpoint takes effect one step later, as its message would
         elif self.asked is not self.setpoint and self.asked is not None:
-            self.setpoint = asked = self.asked
-            # The heading travels as a quaternion, whose rounding is reproduced here
-            level = message_rounding.level_quaternion(asked.heading)
-            self.autopilot.set_setpoint(
-                message_rounding.build_setpoint(asked.altitude, level, asked.speed)
-            )
+            self.setpoint = self.asked
+            self.autopilot.set_setpoint(message_rounding.round_heading(self.asked))
         self._estimate_and_control(readings)
         if self._motion_only:
             return
