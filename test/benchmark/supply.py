@@ -21,7 +21,7 @@ THRUSTS = (0.05, 0.05, 0.02, 0.02)
 def step(lit: bool) -> float:
     """Return the time of a step. [us]"""
     chance = {name: np.random.default_rng(0) for name in ('battery', 'panel')}
-    supply = Supply(load_vehicle('gtmab'), 0.8, chance, SupplyFaults())
+    supply = Supply(load_vehicle('gtmab'), 0.8, chance, SupplyFaults().times)
     supply.feed_loads(THRUSTS, 0.01)  # loads what is compiled
     begin = time.process_time()
     for k in range(STEPS):

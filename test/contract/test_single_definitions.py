@@ -49,6 +49,7 @@ RULES = {
         'lta_sim/lta_sim/termination.py', 'limit half_length half_width door along'
     ),
     'reaching a lamp': rule('lta_sim/lta_sim/termination.py', 'radius vertical_tolerance'),
+    'faults': rule('lta_model/lta_model/scenario_faults.py', 'panel_short brown_out'),
     'anti-windup': rule(f'{CONTROL}/control.py', 'shortfall', 1),
     'overturned drone': rule(f'{CONTROL}/onboard.py', 'uprightness', 1),
 }  # fmt: skip
@@ -61,6 +62,14 @@ CALLERS = {
     'apply_reserve': {f'{CONTROL}/mission.py', f'{CONTROL}/commanded_flight.py'},
     'permission_at_reserve': {f'{CONTROL}/reserve.py', f'{FLIGHT}/batch/flight_step.py'},
     'allocate': {f'{CONTROL}/allocation.py'},
+    'is_plausible_imu_sample': {
+        f'{CONTROL}/nodes/estimator.py', f'{CONTROL}/onboard.py', f'{CONTROL}/law_autopilot.py',
+        f'{FLIGHT}/closed_loop.py',
+    },
+    'advance_position': {f'{CONTROL}/estimator.py', f'{CONTROL}/odometry/air_reckoning.py'},
+    'is_control_input_finite': {f'{CONTROL}/nodes/controller.py', f'{CONTROL}/onboard.py'},
+    'is_shorted': {'lta_sim/lta_sim/supply.py', f'{FLIGHT}/batch/flight.py'},
+    'is_cut_off': {'lta_sim/lta_sim/supply.py', f'{FLIGHT}/batch/flight.py'},
     'deliver_demand': {f'{CONTROL}/control.py', f'{STUDIES}/tune/loop_cut.py'},
     'cascade_step': {f'{CONTROL}/control.py'},
     'onboard_step': {f'{FLIGHT}/batch/flight_step.py'},

@@ -22,8 +22,7 @@ from lta_config.topics import load_topic_table, MESSAGES, uses_typed_messages
 from lta_control.gains_file import load_gains
 from lta_control.messages import (
     from_setpoint,
-    to_air_velocity,
-    to_attitude,
+    to_air_motions,
     to_cascade_measurement,
 )
 from lta_control.mission import mission_step, MissionSettings
@@ -122,9 +121,9 @@ def answered(folder, demodulation=None, mission=None):
     odometry, reserves = recorded('odom'), recorded('energy/reserve')
     # The stored bag is of version 1.0: odom has the airspeed
     reckoning = AirReckoning(TABLE.control_ns, len(odometry))
-    for _, m in odometry:
-        at, velocity = from_stamp(m.header.stamp), to_air_velocity(m, None)
-        reckoning.add_motion(at, to_attitude(m), velocity)
+    reckoning.add_motions(
+        to_air_motions((from_stamp(m.header.stamp), m, None) for _, m in odometry)
+    )
     motions = dict(reckoning.history)
     land = ReserveResponseSettings().rule
     state, plan, finder = Mission(), find_navigation_strategy('bag'), DirectionFinder(DIODES)

@@ -22,7 +22,7 @@ from lta_control.control import FOOT, has_landed, LandingWatch, watch_landing
 from lta_control.guidance import GuidanceInputs, refuse_failures
 from lta_control.mission import MissionSettings, remove_light
 from lta_control.phases import Mission, Phase, SWITCHING
-from lta_control.reserve import FlightPermission, is_stale
+from lta_control.reserve import decide_permission, FlightPermission, is_stale
 from lta_control.reserve_policy import apply_reserve, heading_to_start
 from lta_control.strategies.protocol import NavigationStrategy
 from lta_vlc.settings import NO_WISH
@@ -233,7 +233,7 @@ class CommandedFlight:
     def choose_setpoint(self, inputs: GuidanceInputs) -> Setpoint:
         """Return the setpoint after a light block."""
         self._situation, self._obstacle = inputs, ''
-        self.permission = inputs.decide_permission()
+        self.permission = decide_permission(inputs.reserve, inputs.report, inputs.stamp_ns)
         measured = inputs.measured
         if measured is None:
             self.progress = TaskProgress()

@@ -5,6 +5,7 @@ The cascade demands a wrench and the allocation delivers what the rotors can. Th
 back to the cascade, so that no integral winds up while a rotor is at its limit.
 """
 
+import math
 from typing import NamedTuple
 
 from lta_control.allocation import deliver_wrench, Rotors, Scratch
@@ -142,6 +143,14 @@ def has_overturned(attitude: Quaternion, uprightness: float) -> bool:
     `uprightness` is the cosine of the largest tilt.
     """
     return up_in_body(attitude)[2] < uprightness
+
+
+def is_control_input_finite(measured: CascadeMeasurement, setpoint: Setpoint) -> bool:
+    """Return whether all numbers that steer are finite; if not, the motors stop."""
+    # A sum is finite only if every term is
+    moving = measured.yaw_rate + measured.speed + measured.sway + measured.pitch_rate
+    placed = measured.altitude + measured.climb + measured.heading
+    return math.isfinite(moving + placed + setpoint.altitude + setpoint.heading + setpoint.speed)
 
 
 def step_duration(last_ns: int | None, now_ns: int, period_ns: int) -> float:

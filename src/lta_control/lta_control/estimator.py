@@ -31,10 +31,13 @@ from lta_control.bias_calibration import (
     RestSums,
     SensorBiases,
 )
+from lta_control.odometry.air_reckoning import advance_position
 from lta_control.odometry.airspeed import airspeed_step, AirspeedEstimate, HullDragModel
 from lta_control.odometry.ground_state import GroundSettings
 from lta_control.per_rotor import NONE, PerRotor
 
+FASTEST_TURN = math.radians(3000.0)  # rad/s; the BMI088 measures 2000 deg/s
+HARDEST_PULL = 400.0  # m/s2; it measures 24 g
 PATIENCE = 5.0  # rest times without motion, after which a tilt is accepted and a turn refused
 
 
@@ -129,6 +132,16 @@ class EstimatorInputs(NamedTuple):
     duties: PerRotor  # the newest command
 
 
+def is_plausible_imu_sample(rates: Vector, force: Vector) -> bool:
+    """Return whether a sample is physically possible [rad/s, m/s2]; False with a NaN."""
+    p, q, r = rates
+    x, y, z = force
+    # One impossible sample would corrupt the attitude for the rest of the flight
+    turning = abs(p) <= FASTEST_TURN and abs(q) <= FASTEST_TURN and abs(r) <= FASTEST_TURN
+    pulling = abs(x) <= HARDEST_PULL and abs(y) <= HARDEST_PULL and abs(z) <= HARDEST_PULL
+    return turning and pulling
+
+
 def estimator_step(
     settings: EstimatorSettings,
     body: EstimatorModel,
@@ -170,7 +183,9 @@ def estimator_step(
         rates,
         _update_altitude(settings, body, state, inputs, up, moving, dt),
         airspeed,
-        _advance_position(state.position, airspeed, yaw_from_quaternion(attitude), dt),
+        advance_position(
+            state.position, airspeed.surge, airspeed.sway, yaw_from_quaternion(attitude), dt
+        ),
         duties,
         state.flown + dt,
     )
@@ -312,13 +327,3 @@ def _rotor_force(body: EstimatorModel, duties: PerRotor) -> tuple[float, float]:
         fx += body.allocation[j][0] * thrust
         fy += body.allocation[j][1] * thrust
     return fx, fy
-
-
-def _advance_position(
-    position: tuple[float, float], speed: AirspeedEstimate, yaw: float, dt: float
-) -> tuple[float, float]:
-    cos, sin = math.cos(yaw), math.sin(yaw)
-    return (
-        position[0] + dt * (cos * speed.surge - sin * speed.sway),
-        position[1] + dt * (sin * speed.surge + cos * speed.sway),
-    )

@@ -38,10 +38,6 @@ class GuidanceInputs(NamedTuple):
     measured: CascadeMeasurement | None  # the drone's motion; None while the estimator calibrates
     report: ReserveReport | None  # the latest report of the energy monitor
 
-    def decide_permission(self) -> FlightPermission:
-        """Return what the energy allows."""
-        return decide_permission(self.reserve, self.report, self.stamp_ns)
-
     def explain_restriction(self) -> str:
         """Return why the energy restricts the flight, in words."""
         return explain_restriction(self.reserve, self.report, self.stamp_ns)
@@ -108,7 +104,7 @@ class Guidance:
         sight, measured = inputs.sight, inputs.measured
         # Without a known energy the drone does not take off
         altitude = math.nan if measured is None or inputs.report is None else measured.altitude
-        order = self.permission = inputs.decide_permission()
+        order = self.permission = decide_permission(inputs.reserve, inputs.report, inputs.stamp_ns)
         if self._course is not None:
             self._begun_ns = inputs.stamp_ns if self._begun_ns is None else self._begun_ns
             time = (inputs.stamp_ns - self._begun_ns) * 1e-9

@@ -29,6 +29,7 @@ from lta_control.estimator import (
     EstimatorInputs,
     EstimatorModel,
     EstimatorSettings,
+    is_plausible_imu_sample,
     MotionEstimate,
 )
 from lta_control.laws.frames import rotate_level_to_world
@@ -62,11 +63,8 @@ def step_estimator(
     inputs: EstimatorInputs,
     scratch: Scratch,
 ) -> MotionEstimate:
-    """Return the estimate one step later, or the old one if an input is not finite."""
-    p, q, r = inputs.rates
-    x, y, z = inputs.force
-    # A sum is finite only if every term is
-    if math.isfinite(p + q + r) and math.isfinite(x + y + z):
+    """Return the estimate one step later, or the old one if the IMU sample is impossible."""
+    if is_plausible_imu_sample(inputs.rates, inputs.force):
         return estimator_step(constants.estimator, constants.body, memory, inputs, constants.dt)
     return memory
 

@@ -41,6 +41,11 @@ def newest_range(ranges: Sequence[tuple[int, float]], reach: tuple[float, float]
     return mask_out_of_range(round_to_float32(ranges[-1][1]), nearest, farthest)
 
 
+def round_heading(setpoint: Setpoint) -> Setpoint:
+    """Return a setpoint whose heading has been a quaternion."""
+    return setpoint._replace(heading=yaw_from_quaternion(level_quaternion(setpoint.heading)))
+
+
 def level_quaternion(yaw: float) -> Quaternion:
     """Return the attitude of a level vehicle with a heading. [rad]"""
     return 0.0, 0.0, math.sin(0.5 * yaw), math.cos(0.5 * yaw)
@@ -102,8 +107,3 @@ def build_measurement(
         sway=speed[1],
         pitch_rate=rates[1],
     )
-
-
-def build_setpoint(altitude: float, attitude: Quaternion, speed: float) -> Setpoint:
-    """Return the setpoint from altitude [m], level attitude and forward speed [m/s]."""
-    return Setpoint(altitude=altitude, heading=yaw_from_quaternion(attitude), speed=speed)

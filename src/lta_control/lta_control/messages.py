@@ -1,6 +1,8 @@
 """Convert estimates, setpoints and duties to and from ROS messages."""
 
 import array
+from collections.abc import Iterable
+from itertools import chain
 import math
 from typing import Any, TYPE_CHECKING
 
@@ -18,7 +20,6 @@ from lta_control import message_rounding
 from lta_control.attitude import Quaternion, up_in_body, Vector, yaw_from_quaternion
 from lta_control.cascade import CascadeMeasurement, Setpoint
 from lta_control.commanded_flight import CommandedFlight, FlightTask, TaskKind, TaskOutcome
-from lta_control.control import has_overturned
 from lta_control.estimator import EstimatorInputs, MotionEstimate
 from lta_control.laws.protocol import ControlMotion
 from lta_control.odometry.ground_state import GroundMotion, rotate_covariance
@@ -44,8 +45,6 @@ DiodeReadings = tuple[tuple[tuple[float, float], ...], tuple[float, ...]]
 
 MOST_VARIANCE = 0.5 * UNKNOWN_VARIANCE  # of an estimate that is there
 BAROMETER = 30e3, 125e3  # Pa, the range of the BMP388
-FASTEST_TURN = math.radians(3000.0)  # rad/s; the BMI088 measures 2000 deg/s
-HARDEST_PULL = 400.0  # m/s2; it measures 24 g
 FARTHEST = (
     100.0  # m; upper bound for the range finder of a small drone, whatever the message declares
 )
@@ -82,13 +81,6 @@ def to_distance(message: Range) -> float:
 def to_pressure(message: FluidPressure) -> float:
     """Return a pressure, or NaN outside the barometer's range. [Pa]"""
     return message_rounding.mask_out_of_range(message.fluid_pressure, *BAROMETER)
-
-
-def is_plausible_imu_sample(inputs: EstimatorInputs) -> bool:
-    """Return whether an IMU sample is physically possible."""
-    # One implausible sample would corrupt the attitude for the rest of the flight.
-    turning = all(abs(rate) <= FASTEST_TURN for rate in inputs.rates)
-    return turning and all(abs(force) <= HARDEST_PULL for force in inputs.force)
 
 
 def to_duties(
@@ -206,6 +198,17 @@ def to_air_velocity(odom: Odometry, airspeed: TwistWithCovarianceStamped | None)
     return v.x, v.y, v.z
 
 
+def to_air_motions(
+    stamped: Iterable[tuple[int, Odometry, TwistWithCovarianceStamped | None]],
+) -> list[tuple[int, float, float, float]]:
+    """Return each stamp with heading [rad] and velocity through the air, body x y [m/s]."""
+    motions = []
+    for stamp_ns, odom, airspeed in stamped:
+        q, v = odom.pose.pose.orientation, (airspeed or odom).twist.twist.linear
+        motions.append((stamp_ns, yaw_from_quaternion((q.x, q.y, q.z, q.w)), v.x, v.y))
+    return motions
+
+
 def to_attitude(message: Odometry) -> Quaternion:
     """Return the orientation as x, y, z, w."""
     q = message.pose.pose.orientation
@@ -218,12 +221,10 @@ def to_cascade_measurement(
     """Return the input of the cascade, or None while the estimate is unknown."""
     if not has_estimate(odom.pose.covariance[0]):
         return None
-    angular = odom.twist.twist.angular
+    p, q, w = odom.pose.pose.position, odom.pose.pose.orientation, odom.twist.twist.angular
+    v = (airspeed or odom).twist.twist.linear
     return message_rounding.build_measurement(
-        to_attitude(odom),
-        odom.pose.pose.position.z,
-        to_air_velocity(odom, airspeed),
-        (angular.x, angular.y, angular.z),
+        (q.x, q.y, q.z, q.w), p.z, (v.x, v.y, v.z), (w.x, w.y, w.z)
     )
 
 
@@ -234,17 +235,11 @@ def to_motion(odom: Odometry, airspeed: TwistWithCovarianceStamped | None) -> Co
     return ControlMotion((p.x, p.y, p.z), to_attitude(odom), velocity, (w.x, w.y, w.z))
 
 
-def is_overturned(message: Odometry, limit: float) -> bool:
-    """Return whether the vehicle tilts more than a limit [rad]; False if its attitude is NaN."""
-    return has_overturned(to_attitude(message), math.cos(limit))
-
-
 def to_setpoint(pose: PoseStamped, velocity: TwistStamped) -> Setpoint:
     """Return the navigator's setpoint."""
     q = pose.pose.orientation
-    return message_rounding.build_setpoint(
-        pose.pose.position.z, (q.x, q.y, q.z, q.w), velocity.twist.linear.x
-    )
+    heading = yaw_from_quaternion((q.x, q.y, q.z, q.w))
+    return Setpoint(pose.pose.position.z, heading, velocity.twist.linear.x)
 
 
 def from_setpoint(stamp: Time, setpoint: Setpoint) -> tuple[PoseStamped, TwistStamped]:
@@ -263,10 +258,17 @@ def from_setpoint(stamp: Time, setpoint: Setpoint) -> tuple[PoseStamped, TwistSt
 
 
 def from_duties(
-    stamp: Time, names: list[str], duties: tuple[float, ...]
+    stamp: Time,
+    names: list[str],
+    duties: tuple[float, ...],
+    kind: Any = None,  # noqa: ANN401 - a class that may not be installed
 ) -> 'ActuatorDuty | JointState':
-    """Return the duties by actuator name, -1 to 1; unused slots are left out."""
-    message = find_message_type(load_topic_table()['motors'])()
+    """
+    Return the duties by actuator name, -1 to 1; unused slots are left out.
+
+    `kind` is the class of the message; by default that of the topic table.
+    """
+    message = (kind or find_message_type(load_topic_table()['motors']))()
     message.header.stamp = stamp
     message.header.frame_id = 'base_link'
     message.name = names
@@ -326,8 +328,8 @@ def to_diodes(message: 'LampPeaks | PointCloud2 | None') -> DiodeReadings:
         return _read_first_row(message)
     if not message.beacon or len(message.beacon[0].amplitude) != len(message.axis):
         return (), ()
-    axes = tuple((axis.x, axis.y) for axis in message.axis)
-    if not all(math.isfinite(part) for axis in axes for part in axis):
+    axes = tuple([(axis.x, axis.y) for axis in message.axis])
+    if not all(map(math.isfinite, chain.from_iterable(axes))):
         return (), ()
     return axes, tuple(message.beacon[0].amplitude)
 

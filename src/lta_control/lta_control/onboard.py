@@ -17,6 +17,7 @@ from lta_control.control import (
     ControlMemory,
     has_landed,
     has_overturned,
+    is_control_input_finite,
     LandingWatch,
     STANDSTILL,
     watch_landing,
@@ -26,6 +27,7 @@ from lta_control.estimator import (
     EstimatorInputs,
     EstimatorModel,
     EstimatorSettings,
+    is_plausible_imu_sample,
     MotionEstimate,
 )
 from lta_control.message_rounding import air_relative_velocity, build_measurement
@@ -106,7 +108,7 @@ def estimate_motion(
 ) -> tuple[MotionEstimate, CascadeMeasurement]:
     """Return the estimate after one more set of readings, and the input of the cascade."""
     estimate = memory.estimate
-    if _is_finite(readings.rates) and _is_finite(readings.force):
+    if is_plausible_imu_sample(readings.rates, readings.force):
         inputs = EstimatorInputs(
             readings.rates, readings.force, readings.range, readings.pressure, memory.duties
         )
@@ -135,17 +137,6 @@ def _must_stop(
     """Return whether the drone has overturned or its state or setpoint is not finite."""
     if not estimate.ready:
         return False
-    known = _is_finite((measured.altitude, measured.climb, measured.heading)) and _is_finite(
-        (measured.yaw_rate, measured.speed, measured.sway)
-    )
-    if known:
-        overturned = has_overturned(estimate.attitude, drone.uprightness)
-        return overturned or (memory.guided and not _is_finite(memory.setpoint))
     # Unknown values stop the motors only once the drone flies by setpoints
-    return memory.guided
-
-
-def _is_finite(numbers: Vector) -> bool:
-    """Return whether three numbers are all finite."""
-    a, b, c = numbers
-    return math.isfinite(a) and math.isfinite(b) and math.isfinite(c)
+    unknown = memory.guided and not is_control_input_finite(measured, memory.setpoint)
+    return unknown or has_overturned(estimate.attitude, drone.uprightness)

@@ -17,7 +17,7 @@ from lta_config.compilation.compiler import compile_functions
 from lta_config.topics import TopicTable
 from lta_control import message_rounding
 from lta_control.cascade import CascadeMeasurement, Setpoint
-from lta_control.estimator import MotionEstimate
+from lta_control.estimator import is_plausible_imu_sample, MotionEstimate
 from lta_control.guidance import Guidance, GuidanceInputs
 from lta_control.law_autopilot import LawAutopilot
 from lta_control.odometry.ground_motion import ground_step
@@ -217,12 +217,8 @@ class ClosedLoop:
                 self.autopilot.set_setpoint(asked)
         # A new setpoint takes effect one step later, as its message would
         elif self.asked is not self.setpoint and self.asked is not None:
-            self.setpoint = asked = self.asked
-            # The heading travels as a quaternion, whose rounding is reproduced here
-            level = message_rounding.level_quaternion(asked.heading)
-            self.autopilot.set_setpoint(
-                message_rounding.build_setpoint(asked.altitude, level, asked.speed)
-            )
+            self.setpoint = self.asked
+            self.autopilot.set_setpoint(message_rounding.round_heading(self.asked))
         self._estimate_and_control(readings)
         if self._motion_only:
             return
@@ -255,7 +251,7 @@ class ClosedLoop:
 
     def _estimate_ground_motion(self, readings: SensorReadings) -> None:
         """Run the filter of the motion over ground, which the flight does not depend on."""
-        if all(map(math.isfinite, (*readings.rates, *readings.force))):
+        if is_plausible_imu_sample(readings.rates, readings.force):
             self.ground = ground_step(
                 self.policy.estimator.ground,
                 self._hull,

@@ -49,15 +49,15 @@ class Health:
 
     def report(self, task: str, level: HealthLevel, message: str, **values: object) -> None:
         """Set the status of one task."""
+        before = self._facts.get(task)
+        # A changed message alone waits for the next periodic report
+        self.changed |= before is None or before.level != level
         text = dict(zip(values, map(str, values.values()), strict=True))
-        self.set_fact(HealthFact(task, level, message, text))
+        self._facts[task] = HealthFact(task, level, message, text)
 
     def set_fact(self, fact: HealthFact) -> None:
         """Set the status of the fact's task."""
-        before = self._facts.get(fact.task)
-        # A changed message alone waits for the next periodic report
-        self.changed |= before is None or before.level != fact.level
-        self._facts[fact.task] = fact
+        self.report(fact.task, fact.level, fact.message, **fact.values)
 
     def __contains__(self, task: str) -> bool:
         """Return whether a task has been reported."""

@@ -8,7 +8,7 @@ from lta_energy.monitoring.energy_balance import EnergyBalance
 from lta_model.electrical import loads
 from lta_model.electrical.charger import resting_flow, total_stored_energy
 from lta_model.electrical.panel import current_at_voltage
-from lta_model.scenario_faults import SupplyFaults
+from lta_model.scenario_faults import FaultTimes, is_cut_off, is_shorted
 from lta_model.vehicle import Vehicle
 from lta_sim.sensors import power
 from lta_sim.supply_step import advance_supply, SupplyComponents, SupplyInputs, SupplyState
@@ -36,7 +36,7 @@ class Supply:
         vehicle: Vehicle,
         charge: float,
         chance: Mapping[str, Generator],
-        faults: SupplyFaults,
+        faults: FaultTimes,
         looking: float = 0.0,
     ) -> None:
         self._parts = SupplyComponents(vehicle.battery, vehicle.charger, vehicle.panel)
@@ -46,7 +46,7 @@ class Supply:
         self.meters = {
             name: power.draw_errors(self._meter, chance[name]) for name in ('battery', 'panel')
         }
-        self._irradiance = self._elapsed = 0.0
+        self._irradiance, self._periods, self._elapsed = 0.0, 0, 0.0
         self._account = SupplyState(resting_flow(charge), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         self.flow = self._account.flow
         self._begun = total_stored_energy(self._parts.cell, self.flow)
@@ -80,11 +80,13 @@ class Supply:
         self._irradiance = irradiance
 
     def feed_loads(self, thrusts: Sequence[float], seconds: float) -> None:
-        """Supply rotors with these thrusts [N] and the other loads from cell and array."""
+        """Supply rotors with these thrusts [N] and the other loads for a control period. [s]"""
         demand = loads.power_demand(self._loads, thrusts, transmitting=True) + self._looking
-        before, self._elapsed = self._elapsed, self._elapsed + seconds
-        shorted = self._faults.is_shorted(before)
-        cut = self._faults.is_cut_off(before, self._elapsed)
+        self._periods += 1
+        # A product and no sum, whose rounding would move a fault by a period
+        before, self._elapsed = self._elapsed, self._periods * seconds
+        shorted = is_shorted(self._faults, before)
+        cut = is_cut_off(self._faults, before, self._elapsed)
         meantime = np.array([self._irradiance, demand, seconds, shorted, cut])
         self._step(self._constants, self._memory, meantime, NOTHING)
         self._account = self._layout.read(self._memory)
@@ -110,7 +112,7 @@ class Supply:
     def _array_voltage_and_current(self) -> Electrics:
         """Return voltage and current of the array near its maximum power point."""
         now = self._account
-        if self._faults.is_shorted(self._elapsed):
+        if is_shorted(self._faults, self._elapsed):
             # A shorted array has no voltage and its short-circuit current
             return 0.0, current_at_voltage(self._parts.array, self._irradiance, 0.0)
         if now.voltage <= 0.0:

@@ -14,6 +14,7 @@ from lta_sim.readings import FlightOutcome
 OUTCOMES = tuple(FlightOutcome)
 FLYING, REACHED, TIMEOUT, ESCAPED = range(4)  # places in OUTCOMES
 Place = tuple[float, float, float]
+LIFT_OFF = 0.01  # m above the start that count as lift-off, with which the flight begins
 
 
 class DoorBounds(NamedTuple):

@@ -103,7 +103,7 @@ class World:
         self.command = self._craft.command
         self.command[:] = self._link.idle
         self.supply = Supply(
-            vehicle, scenario.start.charge.si, self._chance, scenario.faults,
+            vehicle, scenario.start.charge.si, self._chance, scenario.faults.times,
             navigation_power(vehicle.file.energy, strategy),
         )  # fmt: skip
         self._enter_step(0)

@@ -8,7 +8,7 @@ import sys
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from lta_bridge.bag import BagWriter, build_offered_qos, storage, StorageFault
-from lta_bridge.bag.split import SplitLimits
+from lta_bridge.bag.storage import SplitLimits
 from lta_data.bag.reader import read_bag
 from mcap.reader import make_reader
 import numpy as np
@@ -137,7 +137,7 @@ KILLED = """
 import os, signal, sys
 from pathlib import Path
 from lta_bridge.bag import BagWriter, metadata, storage
-from lta_bridge.bag.split import SplitLimits
+from lta_bridge.bag.storage import SplitLimits
 
 def record(folder, fatal):
     calls = 0

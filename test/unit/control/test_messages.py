@@ -6,14 +6,16 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from lta_config.covariances import UNKNOWN_VARIANCE
 from lta_config.topics import load_topic_table
 from lta_control.altitude import AltitudeEstimate
+from lta_control.attitude import yaw_from_quaternion
 from lta_control.cascade import Setpoint
+from lta_control.control import has_overturned
 from lta_control.estimator import MotionEstimate
 from lta_control.message_rounding import (
     air_relative_velocity,
-    build_setpoint,
     level_quaternion,
     mask_out_of_range,
     newest_range,
+    round_heading,
     round_to_float32,
 )
 from lta_control.messages import (
@@ -21,8 +23,9 @@ from lta_control.messages import (
     from_duties,
     from_estimate,
     from_setpoint,
-    is_overturned,
+    to_air_motions,
     to_air_velocity,
+    to_attitude,
     to_cascade_measurement,
     to_diodes,
     to_distance,
@@ -117,6 +120,10 @@ def test_an_old_recording_has_the_airspeed_in_odom():
     v = message.twist.twist.linear
     assert to_air_velocity(message, air(FLYING)) == air_relative_velocity(FLYING)
     assert to_air_velocity(message, None) == (v.x, v.y, v.z)
+    surge, sway, _ = air_relative_velocity(FLYING)
+    yaw = yaw_from_quaternion(to_attitude(message))
+    stamped = [(5, message, air(FLYING)), (7, message, None)]
+    assert to_air_motions(stamped) == [(5, yaw, surge, sway), (7, yaw, v.x, v.y)]
 
 
 def test_the_climb_comes_back():
@@ -203,7 +210,8 @@ def test_distances_at_the_limits_of_a_sensor_are_valid():
 def test_a_range_travels_in_32_bits_and_a_heading_as_a_level_attitude():
     assert round_to_float32(0.1) == 13421773 / 2**27  # the float32 nearest to 0.1
     assert level_quaternion(0.6) == (0.0, 0.0, math.sin(0.3), math.cos(0.3))
-    assert build_setpoint(0.7, level_quaternion(-2.5), 0.3) == pytest.approx((0.7, -2.5, 0.3))
+    asked = Setpoint(0.7, -2.5, 0.3)
+    assert round_heading(asked) == pytest.approx(asked)
 
 
 @pytest.mark.parametrize(('upright', 'levelled'), [(0.11, True), (0.09, False)])
@@ -314,11 +322,11 @@ def test_an_axis_that_is_not_a_number_leaves_no_diodes(message_types):
 
 def test_it_is_overturned_beyond_the_limit_and_not_without_an_attitude():
     tilted = odometry(FLYING)
-    assert is_overturned(tilted, PITCH - 1e-6)
-    assert not is_overturned(tilted, PITCH + 1e-6)
+    assert has_overturned(to_attitude(tilted), math.cos(PITCH - 1e-6))
+    assert not has_overturned(to_attitude(tilted), math.cos(PITCH + 1e-6))
     # A missing attitude has its own reason to stop the motors
     tilted.pose.pose.orientation.w = math.nan
-    assert not is_overturned(tilted, PITCH - 1e-6)
+    assert not has_overturned(to_attitude(tilted), math.cos(PITCH - 1e-6))
 
 
 def test_the_newest_range_is_that_of_its_message():

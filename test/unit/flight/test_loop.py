@@ -202,10 +202,7 @@ def test_it_decides_as_plain_python_does():
             math.nan if readings.pressure is None else readings.pressure,
         )
         if loop.setpoint is not None:
-            height, yaw, speed = loop.setpoint
-            asked = message_rounding.build_setpoint(
-                height, message_rounding.level_quaternion(yaw), speed
-            )
+            asked = message_rounding.round_heading(loop.setpoint)
             memory = memory._replace(setpoint=asked, guided=True)
         memory = onboard_step(drone, memory, heard, scratch)
         np.testing.assert_array_equal(MEMORY.write(loop.autopilot.memory), MEMORY.write(memory))

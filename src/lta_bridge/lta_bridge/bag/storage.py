@@ -1,6 +1,7 @@
 """Append records to a file that never ends in a partial record, even if the disk fails."""
 
 from contextlib import suppress
+from dataclasses import dataclass
 import errno
 import os
 from pathlib import Path
@@ -8,6 +9,22 @@ import shutil
 from typing import final
 
 MARGIN = 4_000_000  # bytes left free on the disk beyond what closing needs
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class SplitLimits:
+    """Limits of one file of a bag; 0 means no limit."""
+
+    size: int = 0  # size on the disk; a file exceeds it by one chunk at most [bytes]
+    duration_ns: int = 0  # log time since the first message of the file [ns]
+
+    def is_exceeded(self, size: int, age_ns: int) -> bool:
+        """Return whether a file of a size [bytes] and an age [ns] is full."""
+        return 0 < self.size <= size or 0 < self.duration_ns <= age_ns
+
+
+WHOLE = SplitLimits()
 
 
 class StorageFault(OSError):

@@ -24,8 +24,7 @@ from lta_bridge.bag.metadata import (
 from lta_bridge.bag.qos import format_offered_qos, OfferedQos
 from lta_bridge.bag.records import PROVENANCE
 from lta_bridge.bag.schemas import generate_definition, MessageDefinition
-from lta_bridge.bag.split import SplitLimits, WHOLE
-from lta_bridge.bag.storage import check_room, fsync_file, StorageFault
+from lta_bridge.bag.storage import check_room, fsync_file, SplitLimits, StorageFault, WHOLE
 from lta_config.errors import BadInput
 
 LIBRARY = 'lta'

@@ -23,8 +23,7 @@ from lta_bridge.bag.background_writer import BackgroundWriter
 from lta_bridge.bag.qos import has_mixed_durability, OfferedQos
 from lta_bridge.bag.schemas import is_jazzy_type
 from lta_bridge.bag.snapshot_buffer import SnapshotBuffer
-from lta_bridge.bag.split import SplitLimits
-from lta_bridge.bag.storage import StorageFault
+from lta_bridge.bag.storage import SplitLimits, StorageFault
 from lta_bridge.bag.writer import BagWriter
 from lta_bridge.cdr import reencode_cdr
 from lta_bridge.crazyflie.safety import LEAVE

@@ -7,6 +7,7 @@ has overturned, the duties stay zero.
 """
 
 import math
+from typing import NamedTuple
 
 from geometry_msgs.msg import PoseStamped, TwistStamped, TwistWithCovarianceStamped
 from lta_config.settings import setting, Settings
@@ -16,6 +17,8 @@ from lta_control.control import (
     control_step,
     ControlMemory,
     has_landed,
+    has_overturned,
+    is_control_input_finite,
     LandingWatch,
     STANDSTILL,
     step_duration,
@@ -26,7 +29,7 @@ from lta_control.gains_file import load_gains
 from lta_control.laws.onboard_law import CASCADE, OnboardLaw, vehicle_law_name
 from lta_control.messages import (
     from_duties,
-    is_overturned,
+    to_attitude,
     to_cascade_measurement,
     to_motion,
     to_setpoint,
@@ -35,6 +38,7 @@ from lta_control.vehicle_parameters import build_rotors, surge_drag_coefficients
 from lta_graph.health import HealthLevel, stamp_age
 from lta_graph.inbox import InboxStep
 from lta_graph.ros.command_mux import CommandMux
+from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
@@ -88,12 +92,23 @@ class ControllerSettings(Settings):
     )
 
 
+class TimedSetpoint(NamedTuple):
+    """The messages of a setpoint, the setpoint, and the stamps of the messages. [ns]"""
+
+    pose: PoseStamped
+    velocity: TwistStamped
+    setpoint: Setpoint
+    pose_ns: int
+    velocity_ns: int
+
+
 class Controller(GraphNode):
     """Publish duties for each estimate."""
 
     def __init__(self) -> None:
         super().__init__('controller')
         self._motors = self.create_output('motors')
+        self._kind = find_message_type(self.table['motors'])
         self._settings = NodeParameters(self, ControllerSettings)
         vehicle = load_vehicle(self._settings.value.vehicle)
         self._drag = surge_drag_coefficients(vehicle)
@@ -111,6 +126,7 @@ class Controller(GraphNode):
         self._airspeed_lost = False
         self._pose: PoseStamped | None = None
         self._velocity: TwistStamped | None = None
+        self._asked: TimedSetpoint | None = None
         self._last_ns: int | None = None
         self._armed = self._settings.value.armed
         self._stopped = ''
@@ -144,13 +160,17 @@ class Controller(GraphNode):
         self.health.report('motors', HealthLevel.ERROR, reason)
 
     def _on_step(self, step: InboxStep) -> None:
-        odom = step.last_message('odom')
+        odom = step.messages['odom'][-1]
         self._pose = step.last_message('setpoint/pose') or self._pose
         self._velocity = step.last_message('setpoint/velocity') or self._velocity
-        airspeed = self._read_airspeed(step, odom)
+        latest = self._airspeed = step.last_message('airspeed') or self._airspeed
+        # Not used if it belongs to another time
+        near = latest and abs(from_stamp(latest.header.stamp) - step.stamp_ns) <= AIRSPEED_AGE_NS
+        airspeed = latest if near else None
         measured = to_cascade_measurement(odom, airspeed)
-        overturned = measured is not None and is_overturned(odom, self._settings.value.tilt_limit)
-        if self._armed and overturned:
+        upright = math.cos(self._settings.value.tilt_limit)
+        known = self._armed and measured is not None
+        if known and has_overturned(to_attitude(odom), upright):
             self._stop_motors(
                 'the drone turned over: the motors are off; restart the controller to fly again'
             )
@@ -161,15 +181,7 @@ class Controller(GraphNode):
             # The test signals of the scenario
             duties = self._course.excite_duties(time, duties, self._reversible)
         self._last_ns = step.stamp_ns
-        self._motors.publish(from_duties(odom.header.stamp, self._names, duties))
-
-    def _read_airspeed(self, step: InboxStep, odom: Odometry) -> TwistWithCovarianceStamped | None:
-        """Return the airspeed at the time of the odometry, or None without one."""
-        self._airspeed = step.last_message('airspeed') or self._airspeed
-        if self._airspeed is None:
-            return None
-        apart = from_stamp(self._airspeed.header.stamp) - from_stamp(odom.header.stamp)
-        return self._airspeed if abs(apart) <= AIRSPEED_AGE_NS else None
+        self._motors.publish(from_duties(odom.header.stamp, self._names, duties, self._kind))
 
     def _compute_duties(
         self,
@@ -183,11 +195,15 @@ class Controller(GraphNode):
             return self._reset_to_zero('' if self._stopped else 'off')
         setpoint, descends = self._current_setpoint(now_ns, measured, pose, velocity)
         # Recordings of earlier versions have none
-        self._report_airspeed(lost=airspeed is None and self._airspeed is not None)
-        if self._airspeed_lost:
+        lost = airspeed is None and self._airspeed is not None
+        if lost is not self._airspeed_lost:
+            self._airspeed_lost = lost
+            level = HealthLevel.ERROR if lost else HealthLevel.OK
+            self.health.report('airspeed', level, 'missing: landing' if lost else 'received again')
+        if lost:
             descends = True
             setpoint = Setpoint(measured.altitude - DESCENT, setpoint.heading, 0.0)
-        if not all(map(math.isfinite, (*measured, *setpoint))):
+        if not is_control_input_finite(measured, setpoint):
             self._stop_motors(
                 f'the estimate {measured} or the setpoint {setpoint} contains NaN or infinity: '
                 'the motors are off; restart the controller to fly again'
@@ -214,13 +230,6 @@ class Controller(GraphNode):
         )
         return duties
 
-    def _report_airspeed(self, *, lost: bool) -> None:
-        """Report when the airspeed is lost, and when it comes again."""
-        if lost is not self._airspeed_lost:
-            self._airspeed_lost = lost
-            level = HealthLevel.ERROR if lost else HealthLevel.OK
-            self.health.report('airspeed', level, 'missing: landing' if lost else 'received again')
-
     def _reset_to_zero(self, text: str = '') -> tuple[float, ...]:
         """Return zero duties, and reset the integrals."""
         self._memory = ControlMemory()
@@ -234,10 +243,15 @@ class Controller(GraphNode):
         self, now_ns: int, measured: CascadeMeasurement, pose: PoseStamped, velocity: TwistStamped
     ) -> tuple[Setpoint, bool]:
         """Return the setpoint, and whether it was replaced by a descent as it is too old."""
-        setpoint, settings = to_setpoint(pose, velocity), self._settings.value
+        asked, settings = self._asked, self._settings.value
+        # Most setpoints hold for several steps
+        if asked is None or asked.pose is not pose or asked.velocity is not velocity:
+            stamps = from_stamp(pose.header.stamp), from_stamp(velocity.header.stamp)
+            asked = TimedSetpoint(pose, velocity, to_setpoint(pose, velocity), *stamps)
+            self._asked = asked
+        setpoint = asked.setpoint
         # The older of the two messages counts; a stamp far in the future is infinitely old
-        stamps = from_stamp(pose.header.stamp), from_stamp(velocity.header.stamp)
-        oldest = max(stamp_age(stamps[0], now_ns), stamp_age(stamps[1], now_ns))
+        oldest = max(stamp_age(asked.pose_ns, now_ns), stamp_age(asked.velocity_ns, now_ns))
         if oldest <= settings.hold_after:
             steers = 'a person' if self._helm.held else 'the setpoint'
             self.health.report('motors', HealthLevel.OK, f'flying by {steers}')

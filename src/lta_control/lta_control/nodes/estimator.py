@@ -10,11 +10,16 @@ from typing import Any
 from lta_config.settings import setting
 from lta_control.bias_calibration import is_tilted, is_turning, largest_deviation, MOST_RATE
 from lta_control.control import step_duration
-from lta_control.estimator import estimator_step, EstimatorModel, EstimatorSettings, MotionEstimate
+from lta_control.estimator import (
+    estimator_step,
+    EstimatorModel,
+    EstimatorSettings,
+    is_plausible_imu_sample,
+    MotionEstimate,
+)
 from lta_control.messages import (
     from_airspeed,
     from_estimate,
-    is_plausible_imu_sample,
     is_valid_command,
     to_duties,
     to_inputs,
@@ -80,7 +85,7 @@ class Estimator(GraphNode):
                 'motors: rotor names or duties do not match the vehicle file'
             )
         inputs = to_inputs(step, self._commanded)
-        if is_plausible_imu_sample(inputs):
+        if is_plausible_imu_sample(inputs.rates, inputs.force):
             dt = step_duration(self._last_ns, step.stamp_ns, self.table.control_ns)
             self._last_ns = step.stamp_ns
             settings = self._settings.value

@@ -1,6 +1,7 @@
 """Navigator node: convert the light estimate to heading, altitude and speed."""
 
 from functools import partial
+import math
 import time
 from typing import Any
 
@@ -14,15 +15,14 @@ from lta_control.commanded_flight import (
     TaskKind,
     TaskLimits,
 )
-from lta_control.control import TILT_LIMIT
+from lta_control.control import has_overturned, TILT_LIMIT
 from lta_control.guidance import Guidance, GuidanceInputs
 from lta_control.messages import (
     from_setpoint,
     from_task_progress,
     from_task_result,
-    is_overturned,
     load_actions,
-    to_air_velocity,
+    to_air_motions,
     to_attitude,
     to_cascade_measurement,
     to_diodes,
@@ -50,7 +50,6 @@ from lta_graph.ros.message_pairing import MessagePairing
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
-from lta_graph.ros.stamps import from_stamp
 from lta_model.messages import read_duties
 from lta_model.scenario import load_course, load_route
 from lta_model.vehicle import load_vehicle
@@ -122,12 +121,11 @@ class Navigator(GraphNode):
         )
 
     def _on_step(self, step: InboxStep) -> None:
-        for odom, airspeed in self._airspeeds.pair_messages(
-            step.valid['odom'], step.valid['airspeed']
-        ):
-            self._measured, self._odom = to_cascade_measurement(odom, airspeed), odom
-            velocity, stamp_ns = to_air_velocity(odom, airspeed), from_stamp(odom.header.stamp)
-            self._reckoning.add_motion(stamp_ns, to_attitude(odom), velocity)
+        stamped = self._airspeeds.pair_messages(step.valid['odom'], step.valid['airspeed'])
+        self._reckoning.add_motions(to_air_motions(stamped))
+        if stamped:
+            _, self._odom, airspeed = stamped[-1]
+            self._measured = to_cascade_measurement(self._odom, airspeed)
         self._word = update_reserve_report(self._word, step)
         if not self._reckoning.history and not self.lockstep:
             return  # light may arrive before an estimate; in lockstep every node answers
@@ -138,7 +136,9 @@ class Navigator(GraphNode):
         self._velocity.publish(velocity)
         self._beacon.publish(Float64(data=self._guidance.beacon))
         if self._commands is not None:
-            overturned = self._odom is not None and is_overturned(self._odom, TILT_LIMIT)
+            overturned = self._odom is not None and has_overturned(
+                to_attitude(self._odom), math.cos(TILT_LIMIT)
+            )
             self._commands.update('the drone turned over' if overturned else '')
 
     def _compute_setpoint(self, step: InboxStep, measured: CascadeMeasurement | None) -> Setpoint:
@@ -158,11 +158,11 @@ class Navigator(GraphNode):
         order = self._guidance.permission
         if self._commands is not None:
             self._commands.flight.limits = settings.limits
-            self._report_mission(str(self._guidance.mission.phase), order, step.stamp_ns)
-        elif self._course is not None:
-            self._report_mission('course', order, step.stamp_ns)
+        doing = str(self._guidance.mission.phase) if self._course is None else 'course'
+        if self._route and order is FlightPermission.FLY and self._commands is None:
+            self._report_lamp(doing)
         else:
-            self._report_lamp(order, step.stamp_ns)
+            self._report_mission(doing, order, step.stamp_ns)
         return setpoint
 
     def _report_mission(self, doing: str, order: FlightPermission, now_ns: int) -> None:
@@ -176,14 +176,11 @@ class Navigator(GraphNode):
         level = HealthLevel.ERROR if order is FlightPermission.DOWN else HealthLevel.WARN
         self.health.report('mission', level, text)
 
-    def _report_lamp(self, order: FlightPermission, now_ns: int) -> None:
-        """Report what the drone is doing, and at which lamp."""
+    def _report_lamp(self, doing: str) -> None:
+        """Report what the drone is doing, and at which lamp of its route."""
         mission = self._guidance.mission
-        if not self._route or order is not FlightPermission.FLY:
-            self._report_mission(str(mission.phase), order, now_ns)
-            return
         (here, _), (wanted, frequency) = self._route[mission.leg], self._route[mission.asked]
-        level, text = HealthLevel.OK, f'{mission.phase}: {here}'
+        level, text = HealthLevel.OK, f'{doing}: {here}'
         if mission.refused:
             following, beat = self._route[mission.leg + 1]
             level = HealthLevel.WARN

@@ -6,14 +6,25 @@ between the way through the air and what they see of the lamp.
 """
 
 from collections import deque
+from collections.abc import Iterable
 import math
 from typing import final
 
-from lta_control.attitude import Quaternion, Vector, yaw_from_quaternion
 from lta_control.control import step_duration
 from lta_control.sighting import DeadReckonedMotion
 
 NOWHERE = DeadReckonedMotion(0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+def advance_position(
+    position: tuple[float, float], forward: float, left: float, yaw: float, dt: float
+) -> tuple[float, float]:
+    """Return the position after a time [s] at a speed along the body's axes. [m/s]"""
+    cos, sin = math.cos(yaw), math.sin(yaw)
+    return (
+        position[0] + dt * (cos * forward - sin * left),
+        position[1] + dt * (sin * forward + cos * left),
+    )
 
 
 @final
@@ -34,19 +45,18 @@ class AirReckoning:
         self.history: deque[tuple[int, DeadReckonedMotion]] = deque(maxlen=count)
         self._period_ns = period_ns
 
-    def add_motion(self, stamp_ns: int, attitude: Quaternion, velocity: Vector) -> None:
-        """Add attitude and velocity through the air [m/s, body] at a time."""
-        last_ns, last = self.history[-1] if self.history else (None, NOWHERE)
-        dt = step_duration(last_ns, stamp_ns, self._period_ns)
-        yaw = yaw_from_quaternion(attitude)
-        cos, sin = math.cos(yaw), math.sin(yaw)
-        # The arithmetic of the estimator's position, so that one process and graph agree
-        x = last.x + dt * (cos * velocity[0] - sin * velocity[1])
-        y = last.y + dt * (sin * velocity[0] + cos * velocity[1])
-        self.history.append((stamp_ns, DeadReckonedMotion(yaw, x, y, velocity[0], velocity[1])))
+    def add_motions(self, motions: Iterable[tuple[int, float, float, float]]) -> None:
+        """Add stamps [ns], each with heading [rad] and airspeed along body x and y [m/s]."""
+        for stamp_ns, yaw, forward, left in motions:
+            last_ns, last = self.history[-1] if self.history else (None, NOWHERE)
+            dt = step_duration(last_ns, stamp_ns, self._period_ns)
+            x, y = advance_position((last.x, last.y), forward, left, yaw, dt)
+            self.history.append((stamp_ns, DeadReckonedMotion(yaw, x, y, forward, left)))
 
     def find_nearest(self, stamp_ns: int) -> DeadReckonedMotion:
         """Return the motion nearest to a time; at rest in the origin if there is none."""
-        if not self.history:
-            return NOWHERE
-        return min(self.history, key=lambda item: abs(item[0] - stamp_ns))[1]
+        nearest, least = NOWHERE, math.inf
+        for at_ns, motion in self.history:
+            if abs(at_ns - stamp_ns) < least:
+                nearest, least = motion, abs(at_ns - stamp_ns)
+        return nearest

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from typing import Final, final
 
 from lta_config.errors import BadInput
-from lta_data.bag.airspeed import find_airspeed_topic
+from lta_data.bag.channels import find_airspeed_topic
 from lta_data.bag.recorded_flight import RecordedFlight
 from lta_data.compare.channel_comparison import (
     build_pair_signals,

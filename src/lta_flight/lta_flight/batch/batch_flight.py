@@ -290,6 +290,7 @@ def build_power(vehicle: Vehicle, scenario: Scenario, policy: FlightStack) -> Ba
         find_spectral_weights(field, vehicle),
         policy.energy.reserve,
         scenario.start.charge.si,
+        scenario.faults.times,
     )
 
 

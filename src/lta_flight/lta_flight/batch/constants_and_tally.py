@@ -9,6 +9,7 @@ from lta_control.reserve import ReserveRule
 from lta_model.electrical.loads import LoadModel
 from lta_model.light.panel_light import PanelPlane
 from lta_model.light.view import LightWeights
+from lta_model.scenario_faults import FaultTimes
 from lta_sim.compiled_sensors import SensorDatasheets
 from lta_sim.environment import SteadyWind
 from lta_sim.light_link import LightLink
@@ -32,6 +33,7 @@ class BatchPower(NamedTuple):
     panel_weights: LightWeights  # what the cells make of these lights
     reserve: float
     charge: float
+    faults: FaultTimes
 
 
 class FlightConstants(NamedTuple):

@@ -25,6 +25,7 @@ from lta_model.electrical.loads import power_demand
 from lta_model.light.lambertian import direct_light
 from lta_model.light.panel_light import daylight_on_panel, lamp_light_on_panel
 from lta_model.light.scene_geometry import daylight_illuminance, is_in_room
+from lta_model.scenario_faults import is_cut_off, is_shorted
 from lta_model.sensors.imu import specific_force_at
 from lta_model.state import RIGID
 from lta_model.stiffness import has_diverged
@@ -41,6 +42,7 @@ from lta_sim.termination import (
     evaluate_outcome,
     FLYING,
     GoalProgress,
+    LIFT_OFF,
 )
 from lta_vlc.direction import PART
 from lta_vlc.direction_fit import DirectionFit
@@ -50,7 +52,6 @@ Pose = tuple[float, float, float, float, float, float, float]  # position [m], q
 MOVED = 1.0  # m of motion after which reflections are computed again
 TURNED = math.cos(0.5 * 0.35) ** 2  # the same for a rotation by 0.35 rad
 HELD_RATE = (0.0,) * RIGID  # derivative of the state of a held drone
-LIFTED = 0.01  # m above the start that count as lift-off, as in the results
 
 RAN_AWAY = 4  # the integration diverged; not one of the outcomes
 
@@ -177,12 +178,15 @@ def step_supply(
     irradiance: float,
     thrusts: PerRotor,
     payload: float,
+    step: int,
     dt: float,
 ) -> SupplyState:
-    """Advance the supply by a control period; light in W/m2, thrusts in N, payload in W."""
-    demand = power_demand(constants.power.loads, thrusts, True) + constants.power.looking + payload
-    meantime = SupplyInputs(irradiance, demand, dt, False, False)
-    return advance_supply(constants.power.parts, supply, meantime, 0.0)
+    """Advance the supply by control period `step`: light in W/m2, thrusts in N, payload in W."""
+    power, now = constants.power, step * dt
+    demand = power_demand(power.loads, thrusts, True) + power.looking + payload
+    cut = is_cut_off(power.faults, now, (step + 1) * dt)
+    meantime = SupplyInputs(irradiance, demand, dt, is_shorted(power.faults, now), cut)
+    return advance_supply(power.parts, supply, meantime, 0.0)
 
 
 def hull_irradiance(constants: FlightConstants, state: State) -> float:
@@ -259,7 +263,7 @@ def update_tally(
     if math.isfinite(lift_off):
         # A discharging current is negative
         energy -= supply.flow.voltage * supply.flow.current * dt
-    elif z > constants.place[2] + LIFTED:
+    elif z > constants.place[2] + LIFT_OFF:
         lift_off = elapsed
     return FlightTally(
         RAN_AWAY if has_diverged(state) else outcome,

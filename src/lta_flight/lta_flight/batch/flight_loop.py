@@ -7,6 +7,7 @@ from lta_flight.batch.flight import (
     build_command,
     draw_initial_state,
     initial_tally,
+    RAN_AWAY,
     update_light_tally,
     update_tally,
 )
@@ -31,6 +32,7 @@ FIGURES = (
     'outcome', 'end', 'lift_off', 'search_start', 'path_length', 'closest', 'energy', 'blocks',
     'bearings', 'squares', 'charge', 'x', 'y', 'z', 'stopped',
 )  # fmt: skip
+FlightEnd = tuple[float, float, float, float, float, float]
 
 
 def fly(
@@ -55,40 +57,41 @@ def fly(
         resting_flow(constants.power.charge),
         simulate_range_reading(constants.sensors, inputs.errors, seed, 0, state),
     )
-    tally = initial_tally(constants)
-    while tally.outcome == FLYING:
-        before = memory
+    tally, end = initial_tally(constants), read_end(schedule, memory)
+    # As in the loop, the light block in which the flight ends is completed
+    while tally.outcome == FLYING or is_block_open(kernel, schedule, tally, memory.step):
+        before, flying = memory, tally.outcome == FLYING
         memory = flight_step(kernel, schedule, strategy, constants, before, inputs, work)
-        tally = update_tallies(kernel, schedule, constants, tally, before, memory)
-    x, y, z = memory.state[0], memory.state[1], memory.state[2]
+        began = (before.step - schedule.light) * schedule.period
+        # It counts if its middle is in the flight
+        counts = flying or began + 0.5 * schedule.block_time <= end[0]
+        if kernel.closed and is_block_end(schedule, before.step) and counts:
+            tally = update_light_tally(
+                constants, tally, memory.middle, memory.seen, memory.bearing,
+                memory.setpoint.speed, began,
+            )  # fmt: skip
+        if flying:
+            tally = update_tally(
+                constants, tally, (before.state[0], before.state[1]), memory.state, memory.supply,
+                memory.step * schedule.period, schedule.period,
+            )  # fmt: skip
+            end = read_end(schedule, memory)
     return (
-        1.0 * tally.outcome, memory.step * schedule.period, tally.lift_off, tally.search_start,
-        tally.path_length, tally.closest, tally.energy, tally.blocks, tally.bearings,
-        tally.squares, memory.supply.flow.charge, x, y, z, 1.0 * memory.onboard.stopped,
+        1.0 * tally.outcome, end[0], tally.lift_off, tally.search_start, tally.path_length,
+        tally.closest, tally.energy, tally.blocks, tally.bearings, tally.squares, end[1], end[2],
+        end[3], end[4], end[5],
     )  # fmt: skip
 
 
-def update_tallies(
-    kernel: FlightKernel,
-    schedule: BatchSchedule,
-    constants: FlightConstants,
-    tally: FlightTally,
-    before: FlightMemory,
-    memory: FlightMemory,
-) -> FlightTally:
-    """Return the tally after a step."""
-    if kernel.closed and is_block_end(schedule, before.step):
-        began = (before.step - schedule.light) * schedule.period
-        tally = update_light_tally(
-            constants, tally, memory.middle, memory.seen, memory.bearing, memory.setpoint.speed,
-            began,
-        )  # fmt: skip
-    return update_tally(
-        constants,
-        tally,
-        (before.state[0], before.state[1]),
-        memory.state,
-        memory.supply,
-        memory.step * schedule.period,
-        schedule.period,
-    )
+def read_end(schedule: BatchSchedule, memory: FlightMemory) -> FlightEnd:
+    """Return time [s], charge, position [m] and whether the motors stopped, as numbers."""
+    x, y, z = memory.state[0], memory.state[1], memory.state[2]
+    stopped = 1.0 * memory.onboard.stopped
+    return memory.step * schedule.period, memory.supply.flow.charge, x, y, z, stopped
+
+
+def is_block_open(
+    kernel: FlightKernel, schedule: BatchSchedule, tally: FlightTally, step: int
+) -> bool:
+    """Return whether the light block of a flight that has ended is still in progress."""
+    return kernel.closed and tally.outcome != RAN_AWAY and (step - 1) % schedule.light > 0

@@ -335,7 +335,13 @@ def advance_vehicle(
         irradiance = panel_irradiance(constants, state)
     thrusts = kernel.thrusts_of(state, inputs.numbers, command, surroundings)
     supply = step_supply(
-        constants, memory.supply, irradiance, thrusts, inputs.payload, schedule.period
+        constants,
+        memory.supply,
+        irradiance,
+        thrusts,
+        inputs.payload,
+        memory.step,
+        schedule.period,
     )
     return memory._replace(
         state=state,

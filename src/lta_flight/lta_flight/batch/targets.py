@@ -6,10 +6,11 @@ from typing import final
 
 from lta_config.compilation.compiler import ENTRY, INLINE
 from lta_control import allocation
+from lta_model.stiffness import STEP_NS
 from lta_sim.kernels.gpu import STATES
 from lta_vlc.reading_model import FIT_SCRATCH
 
-STEP = 2.5e-3  # s, integration step, as in `lta_sim.world`
+STEP = STEP_NS * 1e-9  # integration step [s]
 SCRATCH = max(allocation.SCRATCH, FIT_SCRATCH)  # shared, since both are used in turn
 
 

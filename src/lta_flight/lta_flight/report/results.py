@@ -19,12 +19,12 @@ from lta_model.state import DISPLACED
 from lta_model.vehicle import Vehicle
 from lta_report.curves import Array, DirectionCurve, hold_last, interpolate, MotionCurve
 from lta_sim.scene_model import build_scene_model
+from lta_sim.termination import LIFT_OFF
 import numpy as np
 from numpy.typing import NDArray
 
 Flags = NDArray[np.bool_]
 
-LIFTED = 0.01  # m above the start that count as lift-off
 CRUISING = 0.9  # share of the set speed at which the cruise begins
 WARMING_STEP = 0.5  # s, far below the lag of the gas
 ENDS = 5  # blocks whose median is the SNR at the start or the end
@@ -158,7 +158,7 @@ def find_phases(view: FlightDataSource) -> FlightPhases:
     end = view.span[1]
     if view.has_topics('ground_truth/odom'):
         truth = view.truth
-        lift_off = find_first_time(truth.time, truth.z > truth.z[0] + LIFTED)
+        lift_off = find_first_time(truth.time, truth.z > truth.z[0] + LIFT_OFF)
         end = view.goal.arrivals[-1] if view.goal.is_reached else end
     if view.has_topics('setpoint/velocity'):
         setpoint = view.speed_setpoint

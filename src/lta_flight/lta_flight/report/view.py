@@ -11,7 +11,7 @@ from typing import Any, Final, final
 
 from lta_config.covariances import select_estimates
 from lta_config.topics import load_topic_table
-from lta_data.bag.airspeed import find_airspeed_topic
+from lta_data.bag.channels import find_airspeed_topic
 from lta_data.bag.recorded_flight import PointSeries, RecordedFlight
 from lta_data.bag.series import TopicSeries
 from lta_data.scene import read_scene

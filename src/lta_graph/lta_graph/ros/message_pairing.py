@@ -1,6 +1,6 @@
 """Pair the messages of two topics that carry the same stamps."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any, final
 
 from lta_graph.ros.stamps import from_stamp
@@ -18,25 +18,34 @@ class MessagePairing:
     """
 
     def __init__(self) -> None:
-        self._waiting: dict[int, Any] = {}
+        self._waiting: dict[tuple[int, int], Any] = {}  # by seconds and nanoseconds
         self._last: Any = None
 
     def pair_messages(
         self, messages: Sequence[Any], partners: Sequence[Any]
-    ) -> Iterator[tuple[Any, Any]]:
-        """Yield each message with its partner; None before the first partner, or if it is old."""
-        self._waiting.update({from_stamp(each.header.stamp): each for each in partners})
-        for message in messages:
-            stamp = from_stamp(message.header.stamp)
-            self._last = self._waiting.pop(stamp, self._last)
-            yield message, None if self._is_old(stamp) else self._last
-        if messages:
-            newest = from_stamp(messages[-1].header.stamp)
-            self._waiting = {at: each for at, each in self._waiting.items() if at > newest}
+    ) -> list[tuple[int, Any, Any]]:
+        """
+        Return the stamp [ns] of each message, the message, and its partner.
 
-    def _is_old(self, stamp_ns: int) -> bool:
-        """Return whether the last partner is too old to stand in."""
-        return (
-            self._last is not None
-            and abs(from_stamp(self._last.header.stamp) - stamp_ns) > OLDEST_NS
-        )
+        The partner is None before the first one, and if it is old.
+        """
+        for partner in partners:
+            at = partner.header.stamp
+            self._waiting[at.sec, at.nanosec] = partner
+        pairs = []
+        for message in messages:
+            at = message.header.stamp
+            stamp_ns, found = from_stamp(at), self._waiting.pop((at.sec, at.nanosec), None)
+            self._last = found or self._last
+            pairs.append((stamp_ns, message, found or self._find_stand_in(stamp_ns)))
+        if self._waiting and messages:
+            newest = at.sec, at.nanosec
+            self._waiting = {each: late for each, late in self._waiting.items() if each > newest}
+        return pairs
+
+    def _find_stand_in(self, stamp_ns: int) -> Any:  # noqa: ANN401 - a message
+        """Return the last partner, or None if it is too old."""
+        if self._last is None:
+            return None
+        apart = abs(from_stamp(self._last.header.stamp) - stamp_ns)
+        return self._last if apart <= OLDEST_NS else None

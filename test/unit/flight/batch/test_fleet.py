@@ -106,6 +106,27 @@ def test_an_open_loop_is_the_worlds_to_rounding(batches):
     np.testing.assert_allclose(found, ending(world, path), rtol=1e-9, atol=1e-9)
 
 
+def test_faults_of_the_supply_are_the_worlds_to_rounding(batches):
+    """A batch once ignored the faults of its scene."""
+    seconds = 20 if batches == 'compiled' else 0.3
+    lit = ingredients(
+        'scenario.start.heading_spread=0 deg',
+        f'scenario.goal.time_limit={seconds} s',
+        'scenario.ambient.steady=20000 lx',
+    )
+    specs = [
+        replace(lit, contents=lit.contents | {'scenario': lit.contents['scenario'] | each})
+        for each in ({}, *({'faults': {name: '0.2 s'}} for name in ('panel_short', 'brown_out')))
+    ]
+    flights = [build_flight(*build_vehicle_scenario_stack(spec), TABLE, DUTIES) for spec in specs]
+    rows = fly_many(flights, [1, 1, 1], closed=False)
+    found = rows[:, [FIGURES.index(name) for name in NAMES]]
+    expected = np.array([ending(*fly_open_loop(spec, 1)) for spec in specs])
+    np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9)
+    # A shorted panel charges nothing, and a supply that has failed drains nothing
+    assert len(set(expected[:, NAMES.index('charge')].tolist())) == 3
+
+
 def with_record(spec, path, turn):
     """Return a flight in a recorded wind that turns at some rate. [rad/s]"""
     time = np.arange(0.0, 70.0, 0.7)

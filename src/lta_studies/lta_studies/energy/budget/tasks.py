@@ -17,6 +17,7 @@ from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec, load_spec
 from lta_model.electrical.loads import LoadModel, navigation_power
 from lta_sim.readings import FlightOutcome
+from lta_sim.termination import LIFT_OFF
 from lta_studies.energy.course_flight import (
     build_closed_loop,
     Course,
@@ -31,7 +32,6 @@ RISE = 0.5  # m, seed paper
 SPEED = 0.5  # m/s, seed paper
 GO, SETTLED, AWAY, CRUISING, END = 5.0, 30.0, 60.0, 70.0, 100.0  # s, start of each phase
 NEAR = 0.05  # m below the setpoint, where take-off ends
-MOVED = 0.01  # m above the standing height that counts as lift-off
 
 
 @final
@@ -124,7 +124,7 @@ def measure_navigation(
         electronics = loads.idle + loads.transmitting + navigation_power(energy, strategy)
         whole = fly_until(loop, is_flight_over)
         # Leave out the rest on the floor, in which the rotors stand still.
-        up = whole.time[whole.height > whole.height[0] + MOVED]
+        up = whole.time[whole.height > whole.height[0] + LIFT_OFF]
         flown.append(whole.crop(float(up[0]) if len(up) else 0.0, math.inf))
         tick()
     return average_task_power(f'navigating, {strategy.upper()}', electronics, flown)
