@@ -218,6 +218,7 @@ def find_velocity(
 ) -> tuple[Array, Array]:
     """Return velocity and rates at the first pose, body frame: recorded, or fitted to poses."""
     near = times <= times[0] + FITTED
+    near[:2] = True  # a velocity needs two poses, however sparse they are
     since = times[near] - times[0]
     degree = min(2, len(since) - 1)
     velocity, rates = twist[:3], twist[3:]

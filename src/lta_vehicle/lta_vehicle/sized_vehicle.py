@@ -14,7 +14,7 @@ from typing import Any, Final, final
 
 from lta_config.constants import AIR_DENSITY, STANDARD_GRAVITY
 from lta_config.errors import BadInput
-from lta_config.files import find_file, load_yaml, validate_content
+from lta_config.files import find_file, list_shipped_names, load_yaml, validate_content
 from lta_config.quantity import describe_misfit, Quantity, UNITS
 from lta_config.schema.vehicle_body import HullBlock
 from lta_config.schema.vehicle_file import VehicleFile
@@ -46,8 +46,8 @@ LIMITS: Final[Mapping[str, tuple[str, float, float]]] = {
     'diameter': ('m', 0.1, 20.0),
     'mass': ('kg', 0.01, 100.0),
     'thrust': ('N', 1e-3, 100.0),
-    'arm': ('m', 0.01, 10.0),
-    'hang': ('m', 0.01, 20.0),
+    'arm': ('m', 0.01, 4.9),
+    'hang': ('m', 0.01, 4.9),
     'envelope': ('kg', 1e-3, 100.0),
     'heaviness': ('kg', -0.1, 1.0),
     'battery': ('C', 1.0, 1e6),
@@ -121,15 +121,21 @@ def write_sized_vehicle(name: str, size: VehicleSize, out: Path) -> tuple[Vehicl
 
     """
     check_vehicle_name(name)
+    if name in list_shipped_names('vehicles'):
+        raise BadInput(f'{name} is the name of a shipped vehicle; choose another one.')
     gains = out.with_name(f'{name}.gains.yaml')
     blocks = build_blocks(name, size, gains.name)
     vehicle = Vehicle(validate_content(VehicleFile, blocks, f'The vehicle {name}'))
     _ = vehicle.hover_duty  # raises BadInput if the motors cannot lift it
-    if gains.exists():
+    if gains.exists() or gains == out:
         raise BadInput(f'{gains} already exists; choose another file with --out.')
     texts = format_vehicle_file(blocks, vehicle, size), format_gains(vehicle)
     write_new_file(out, texts[0])
-    write_new_file(gains, texts[1])
+    try:
+        write_new_file(gains, texts[1])
+    except BadInput:
+        out.unlink()
+        raise
     return vehicle, gains
 
 
@@ -283,6 +289,11 @@ def _build_trim(size: VehicleSize, lift: float, hang: float) -> dict[str, Any]:
             f'It weighs {1e3 * size.mass:.4g} g and its gas lifts {1e3 * lift:.4g} g, so it is '
             f'{1e3 * (size.mass - lift):.3g} g heavier than air and cannot be trimmed to '
             f'{1e3 * size.heaviness:g} g; leave out --heaviness, or check mass and size.'
+        )
+    if size.motors == 2:
+        raise BadInput(
+            f'It weighs {1e3 * size.mass:.4g} g, its gas lifts {1e3 * lift:.4g} g, and no motor '
+            'pushes up; make it lighter or larger, or give --motors 3.'
         )
     return {'ballast': 'none'}
 

@@ -64,6 +64,23 @@ def test_velocities_are_fitted_where_none_are_recorded() -> None:
     assert rates == pytest.approx((0.0, 0.0, 0.2), abs=1e-9)
 
 
+def test_a_velocity_is_fitted_to_two_poses_that_are_far_apart() -> None:
+    times, still = np.array([0.0, 0.6, 1.2]), Rotation.from_rotvec(np.zeros((3, 3)))
+    track = np.outer(0.5 * times, (0.0, 1.0, 0.0))
+    velocity, rates = find_velocity(np.full(6, np.nan), times, track, still)
+    assert velocity == pytest.approx((0.0, 0.5, 0.0), abs=1e-9)
+    assert rates == pytest.approx((0.0, 0.0, 0.0), abs=1e-9)
+
+
+def test_a_recorded_file_that_is_gone_is_not_replaced_by_another(tmp_path: Path, call) -> None:
+    fly(tmp_path / 'flight', 'scenario.goal.time_limit=1 s')
+    moved = (tmp_path / 'flight').rename(tmp_path / 'moved')
+    status, said = call('simulate', '--commands', str(moved), '--out', str(tmp_path / 'again'))
+    assert status == 2
+    assert 'is no longer there; choose one with --scenario' in said.err
+    assert not (tmp_path / 'again').exists()
+
+
 def test_a_recording_of_other_rotors_is_refused(flight: Path) -> None:
     with pytest.raises(BadInput, match='no commands for front, yaw, vertical of blimp2b'):
         read_commands(flight, load_vehicle('blimp2b'), None, 0.0, None)

@@ -97,7 +97,7 @@ def simulate(
     recorded = {} if commands is None else open_flight(find_bag(commands), robot).provenance
     order = SimulationRequest(
         vehicle or _find_recorded('vehicle', recorded, VEHICLE),
-        scenario or _find_recorded('scenario', recorded, HALL if recorded else SCENARIO),
+        scenario or _find_recorded('scenario', recorded, SCENARIO if commands is None else HALL),
         strategy, gains, seed, tuple(changes or ()), out, record=bag,
         commands=None if commands is None else CommandRequest(commands, robot, begin, end),
     )  # fmt: skip
@@ -131,9 +131,14 @@ def simulate(
 
 
 def _find_recorded(kind: str, provenance: Mapping[str, str], default: str) -> str:
-    """Return the recorded vehicle or scenario if its file is there, else the default."""
+    """Return the recorded vehicle or scenario, or the default if none is recorded."""
     name = provenance.get(kind, '')
     try:
-        return name if name and find_file(kind, name) else default
+        if name:
+            find_file(kind, name)
     except BadInput:
-        return default
+        raise BadInput(
+            f'The recording was made with the {kind} {name}, which is no longer there; choose '
+            f'one with --{kind}.'
+        ) from None
+    return name or default

@@ -123,10 +123,10 @@ def _describe_balance(vehicle: Vehicle) -> str:
     if vehicle.file.trim.ballast == 'none':
         heavy = 1e3 * vehicle.heaviness
         return f'{lift}, which leaves {heavy:.3g} g to the motors.'
-    return (
-        f'{lift}; {1e3 * vehicle.ballast_mass:.0f} g of ballast leave it '
-        f'{1e3 * vehicle.heaviness:.2g} g heavier than air.'
-    )
+    ballast = f'{lift}; {1e3 * vehicle.ballast_mass:.0f} g of ballast leave it'
+    if vehicle.heaviness < 0.0:
+        return f'{ballast} {-1e3 * vehicle.heaviness:.2g} g lighter than air: tether it.'
+    return f'{ballast} {1e3 * vehicle.heaviness:.2g} g heavier than air.'
 
 
 def _copy_vehicle(name: str, model: str, path: Path) -> None:

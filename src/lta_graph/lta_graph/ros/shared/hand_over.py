@@ -22,6 +22,7 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, qos_check_compatible, QoSCompatibility
 from rclpy.serialization import deserialize_message
+from rclpy.service import Service
 from rclpy.subscription import Subscription
 
 ECHOES = 5000  # messages of one reader that may be under way in the middleware
@@ -217,6 +218,15 @@ def place_node(hand_over: HandOver, arguments: Sequence[str]) -> Iterator[None]:
         _PLACE.reset(token)
 
 
+@final
+class ServiceFault(Exception):
+    """The fault of a node in a service, which the executor of all nodes would raise."""
+
+    def __init__(self, node: Node, error: Exception) -> None:
+        super().__init__(str(error))
+        self.node, self.error = node, error
+
+
 class SharingNode(Node):
     """A node that hands messages over within its process, if it was created for that."""
 
@@ -236,6 +246,25 @@ class SharingNode(Node):
         if self.hand_over is not None:
             more['publisher_class'] = partial(LocalPublisher, self.hand_over)
         return super().create_publisher(*arguments, **more)
+
+    def create_service(
+        self,
+        srv_type: Any,  # noqa: ANN401 - a generated class
+        srv_name: str,
+        callback: Callable[[Any, Any], Any],
+        **more: Any,  # noqa: ANN401 - as rclpy
+    ) -> Service:
+        """Return a service as `rclpy.node.Node` does."""
+        if self.hand_over is None:
+            return super().create_service(srv_type, srv_name, callback, **more)
+
+        def serve(request: Any, response: Any) -> Any:  # noqa: ANN401 - of the type
+            try:
+                return callback(request, response)
+            except Exception as error:
+                raise ServiceFault(self, error) from error
+
+        return super().create_service(srv_type, srv_name, serve, **more)
 
     def create_subscription(
         self,

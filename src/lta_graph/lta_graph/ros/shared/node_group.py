@@ -32,7 +32,7 @@ from lta_graph.launch_node import LaunchProcess
 from lta_graph.ros.command_line import initialize_ros, reject_unknown_parameters
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.process import run_process
-from lta_graph.ros.shared.hand_over import HandOver, place_node
+from lta_graph.ros.shared.hand_over import HandOver, place_node, ServiceFault
 from lta_graph.ros.spin import count_entities, list_actions, OFTEN, Pause, RARELY, Spin, WAIT_NS
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
@@ -396,6 +396,8 @@ class NodeGroup:
         self._serve()
 
     def _call(self, node: GraphNode, callback: Callable[[], object]) -> None:
+        if not any(each.node is node for each in self._running.values()):
+            return  # closed by an earlier callback of this round
         try:
             callback()
         except Exception as error:
@@ -415,7 +417,10 @@ class NodeGroup:
         late = now - self._served > (OFTEN if self._actions else RARELY)
         if late or self._is_requested():
             self._served = now
-            self._executor.spin_once(timeout_sec=0.0)  # serves one request
+            try:
+                self._executor.spin_once(timeout_sec=0.0)  # serves one request
+            except ServiceFault as fault:
+                self._fail_node(fault.node, fault.error)
             # At once for the next, while there are some
             self._looked = 0.0 if self._is_requested() else now
 
