@@ -6,7 +6,7 @@ it can be changed step by step into the equations of the cause. A coefficient wh
 not know is in N or N m, for factors of 1 in SI units.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from string import Template
 from typing import Final
@@ -293,15 +293,17 @@ class _SkeletonWriter:
                 f"'{value:.6g} in a law; give the source of bounds and spread', beside={value!r}),"
             )
 
-    def _list_quantities(self) -> Iterator[str]:
-        """Yield the lines that compute the quantities, and the fade."""
-        used = self._law.quantities
-        for name in used:
+    def _list_quantities(self, without: Sequence[str] = ()) -> Iterator[str]:
+        """Yield the lines that compute all quantities but some, and the fade by them."""
+        for name in self._law.quantities:
+            if name in without:
+                continue
             yield f'    {_local_name(name)} = {EXPRESSIONS[name]}'
         if self._fades:
             shares = [
                 f'fade({_unwrap(name, low, high)}, {low!r}, {high!r})'
                 for name, (low, high) in self._law.region.items()
+                if name not in without
             ]
             yield f'    within = {" * ".join(shares) or "1.0"}'
 
@@ -336,7 +338,8 @@ class _SkeletonWriter:
         return RATE.substitute(
             unpack=self._unpack,
             absent=off,
-            quantities='\n'.join(self._list_quantities()) if hidden else '',
+            # The drive fades without the hidden state, as in the law
+            quantities='\n'.join(self._list_quantities((HIDDEN, HIDDEN_RATE))) if hidden else '',
             drive=f'    drive = {drive}\n    return {rates}',
         )
 
