@@ -349,6 +349,17 @@ def test_units_and_formulas():
     assert describe_term(one.terms[0]) == (
         'a yaw moment of -0.00031 N m per (m/s)(rad/s) of airspeed times yaw rate'
     )
+    turning = law(
+        ('map_x', 0.01, [{'quantity': 'yaw', 'form': 'sin', 'phase': -0.5}]),
+        ('map_y', 0.02, [{'quantity': 'x', 'form': 'cos', 'scale': 2.0, 'phase': 0.5}]),
+        ('heave', 0.03, [{'quantity': 'u', 'form': 'positive', 'threshold': -0.1}]),
+    )
+    assert list(describe_law(turning))[:3] == [
+        'force along map x [N] = 0.01 sin(yaw + 0.5)',
+        'force along map y [N] = 0.02 cos(2 pi x / (2 m) - 0.5)',
+        'heave force [N] = 0.03 max(u + 0.1 m/s, 0)',
+    ]
+    assert describe_term(law(('map_x', 0.01, [])).terms[0]) == 'a force along map x of 0.01 N'
     power = law(('surge', 1.0, [{'quantity': 'w', 'form': 'power', 'exponent': 1.7}]))
     assert power.terms[0].unit == 'N s1.7/m1.7'
 
