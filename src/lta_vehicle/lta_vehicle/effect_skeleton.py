@@ -7,6 +7,8 @@ not know is in N or N m, for factors of 1 in SI units.
 """
 
 from collections.abc import Iterator, Sequence
+from importlib.util import find_spec
+import keyword
 from pathlib import Path
 from string import Template
 from typing import Final
@@ -192,12 +194,19 @@ def write_skeleton(name: str, law: Law | None, folder: Path) -> list[Path]:
         If the name is not free or valid, the folder exists, or the law cannot be an effect.
 
     """
-    if not name.isidentifier() or name != name.lower():
+    if not name.isidentifier() or name != name.lower() or name != name.strip('_'):
         raise BadInput(
-            f"'{name}' cannot name an effect; use small letters, digits and underscores."
+            f"'{name}' cannot name an effect; use small letters and digits, with underscores "
+            'between.'
         )
     if name in MODEL_EFFECTS:
         raise BadInput(f'There is an effect {name} already; choose another name.')
+    # The file is installed as a module of this name
+    if keyword.iskeyword(name) or find_spec(name):
+        raise BadInput(
+            f"'{name}' cannot name an effect, as Python has a keyword or module of this name; "
+            'choose another name.'
+        )
     text = render_skeleton(name, law)
     if folder.exists():
         raise BadInput(f'{folder} exists already; give another folder with --out.')
