@@ -13,7 +13,8 @@ are in SI. At most one hidden state h follows a product of factors with a lag, f
     order 2:  d2h/dt2 = frequency^2 (drive - h) - 2 damping frequency dh/dt
 
 Within the `region` of the flights that it was found in, the law applies in full. Outside it fades
-to zero over half of the width of the range, on each side; so does the drive of the hidden state.
+to zero over half of the width of the range, on each side; so does the drive of the hidden state,
+by the ranges of all other quantities.
 """
 
 from collections import Counter

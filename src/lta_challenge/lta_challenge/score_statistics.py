@@ -214,22 +214,24 @@ def _unexplained_figures(cases: Sequence[ScoredCase], when: str = '') -> list[Sc
 
 
 def _law_figures(outside: Sequence[ScoredCase], when: str) -> list[ScoreFigure]:
-    """Return the figures of laws; none where no oracle knows the equations."""
-    known = [one for one in outside if one.oracle_ratios]
-    if not known:
+    """Return the figures of laws; none where none was sought."""
+    if all(one.law is None for one in outside):
         return []
+    # The oracle that knows the equation flies only where an unexplained force was reported
+    known = [one for one in outside if one.oracle_ratios]
+    flagged = f'effect outside the library{when}, flagged'
     return [
         ScoreFigure(
             f'effect outside the library{when}: a law proposed',
-            _estimate_passing_share(known, lambda one: one.law is True),
+            _estimate_passing_share(outside, lambda one: one.law is True),
         ),
         ScoreFigure(
-            f'effect outside the library{when}: forecasts within {NEAR:g} of the oracle',
+            f'{flagged}: forecasts within {NEAR:g} of the oracle',
             _estimate_passing_share(known, lambda one: one.oracle_ratios['law'] <= NEAR),
             least=0.55,
         ),
         ScoreFigure(
-            f'effect outside the library{when}: the same without laws',
+            f'{flagged}: the same without laws',
             _estimate_passing_share(known, lambda one: one.oracle_ratios['tuned'] <= NEAR),
         ),
     ]

@@ -59,9 +59,12 @@ def run_trial(folder: Path, read_answer: Callable[[], Mapping[str, Any]]) -> dic
             return found  # nothing is hidden, and the file is wrong
         try:
             found |= {'oracle': fit_oracle(made, answer)}
-            found['oracle'] |= {'law': _test_law_oracle(made, answer)}
         except FAULTS as fault:
             found |= {'oracle': {}, 'oracle_fault': str(fault)}
+        try:
+            found['oracle'] |= {'law': _test_law_oracle(made, answer)}
+        except FAULTS as fault:
+            found |= {'law_oracle_fault': str(fault)}
     return found
 
 

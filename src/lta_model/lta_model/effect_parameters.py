@@ -9,6 +9,7 @@ from lta_config.quantity import describe_misfit, Quantity, UNSOURCED
 from lta_config.schema.vehicle_body import MovingMassBlock, PartBlock
 from lta_config.schema.vehicle_file import VehicleFile
 from lta_model import effects, propulsion
+from lta_model.effects.law import EFFECT as LAW
 from lta_model.effects.law import list_law_parameters
 from lta_model.effects.protocol import AXES
 from lta_model.stiffness import RK4_LIMIT
@@ -50,6 +51,11 @@ def collect_effects(
     """
     derived = _derive_effects(file, rotors, added_mass, air_density)
     for name, given in file.effects.items():
+        if name == LAW.name:
+            raise BadInput(
+                f'{file.name} has {LAW.name} in its block effects, but a law is no effect with '
+                'parameters; write it as the block law of the vehicle file.'
+            )
         # A second value for a derived parameter would contradict the blocks that it follows from
         if name in derived and set(given) - set(SHARES.get(name, ())):
             raise BadInput(

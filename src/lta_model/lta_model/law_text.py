@@ -36,7 +36,9 @@ WORDS: Final[Mapping[str, str]] = {
 
 
 def describe_axis(axis: str) -> str:
-    """Return an axis in words: 'yaw moment'."""
+    """Return an axis in words: 'yaw moment', 'force along map x'."""
+    if axis.startswith('map_'):
+        return f'force along {axis.replace("_", " ")}'
     return f'{axis} {"moment" if AXES[axis] == "N m" else "force"}'
 
 
@@ -44,11 +46,11 @@ def format_factor(factor: LawFactor, hidden: HiddenState | None = None) -> str:
     """Return a factor of a law as a formula: `max(u - 0.1 m/s, 0)`."""
     x, own = factor.quantity, quantity_unit(factor.quantity, hidden)
     threshold = factor.threshold or 0.0
-    off = x if not threshold else f'{x} {"-" if threshold > 0 else "+"} {_at(abs(threshold), own)}'
+    off = _subtract(x, threshold, _at(abs(threshold), own))
     power = '' if (factor.exponent or 1.0) == 1.0 else f'^{factor.exponent:g}'
     scale = '' if factor.scale is None else _at(factor.scale, own)
-    phase = f' - {factor.phase:g}' if factor.phase else ''
-    angle = f'2 pi {x} / ({scale}){phase}' if scale else f'{x}{phase}'
+    phase = factor.phase or 0.0
+    angle = _subtract(f'2 pi {x} / ({scale})' if scale else x, phase, f'{abs(phase):g}')
     return {
         'linear': x,
         'modulus': f'|{x}|{power}',
@@ -61,6 +63,11 @@ def format_factor(factor: LawFactor, hidden: HiddenState | None = None) -> str:
         'sin': f'sin({angle})',
         'cos': f'cos({angle})',
     }[factor.form]
+
+
+def _subtract(text: str, value: float, size: str) -> str:
+    """Return text minus a value of a size, with one sign; the text alone for 0."""
+    return f'{text} {"-" if value > 0.0 else "+"} {size}' if value else text
 
 
 def _at(value: float, unit: str) -> str:

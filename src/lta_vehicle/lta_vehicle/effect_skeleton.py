@@ -6,7 +6,9 @@ it can be changed step by step into the equations of the cause. A coefficient wh
 not know is in N or N m, for factors of 1 in SI units.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from importlib.util import find_spec
+import keyword
 from pathlib import Path
 from string import Template
 from typing import Final
@@ -192,12 +194,19 @@ def write_skeleton(name: str, law: Law | None, folder: Path) -> list[Path]:
         If the name is not free or valid, the folder exists, or the law cannot be an effect.
 
     """
-    if not name.isidentifier() or name != name.lower():
+    if not name.isidentifier() or name != name.lower() or name != name.strip('_'):
         raise BadInput(
-            f"'{name}' cannot name an effect; use small letters, digits and underscores."
+            f"'{name}' cannot name an effect; use small letters and digits, with underscores "
+            'between.'
         )
     if name in MODEL_EFFECTS:
         raise BadInput(f'There is an effect {name} already; choose another name.')
+    # The file is installed as a module of this name
+    if keyword.iskeyword(name) or find_spec(name):
+        raise BadInput(
+            f"'{name}' cannot name an effect, as Python has a keyword or module of this name; "
+            'choose another name.'
+        )
     text = render_skeleton(name, law)
     if folder.exists():
         raise BadInput(f'{folder} exists already; give another folder with --out.')
@@ -293,15 +302,17 @@ class _SkeletonWriter:
                 f"'{value:.6g} in a law; give the source of bounds and spread', beside={value!r}),"
             )
 
-    def _list_quantities(self) -> Iterator[str]:
-        """Yield the lines that compute the quantities, and the fade."""
-        used = self._law.quantities
-        for name in used:
+    def _list_quantities(self, without: Sequence[str] = ()) -> Iterator[str]:
+        """Yield the lines that compute all quantities but some, and the fade by them."""
+        for name in self._law.quantities:
+            if name in without:
+                continue
             yield f'    {_local_name(name)} = {EXPRESSIONS[name]}'
         if self._fades:
             shares = [
                 f'fade({_unwrap(name, low, high)}, {low!r}, {high!r})'
                 for name, (low, high) in self._law.region.items()
+                if name not in without
             ]
             yield f'    within = {" * ".join(shares) or "1.0"}'
 
@@ -336,7 +347,8 @@ class _SkeletonWriter:
         return RATE.substitute(
             unpack=self._unpack,
             absent=off,
-            quantities='\n'.join(self._list_quantities()) if hidden else '',
+            # The drive fades without the hidden state, as in the law
+            quantities='\n'.join(self._list_quantities((HIDDEN, HIDDEN_RATE))) if hidden else '',
             drive=f'    drive = {drive}\n    return {rates}',
         )
 

@@ -238,8 +238,12 @@ def test_errors_are_compared_with_the_oracle_that_knows_the_equation() -> None:
     assert one.oracle_ratios == pytest.approx({'before': 8.0, 'tuned': 3.0, 'law': 1.2})
     none = score_case(1, answer, {**found, 'law': {'proposed': False, 'errors': with_law}})
     assert none.oracle_ratios['law'] == pytest.approx(3.0)
-    shares = {each.name: each.share for each in compute_score_figures([one, none])}
-    near = shares['effect outside the library: forecasts within 1.3 of the oracle']
+    # Without a report there is neither a law nor an oracle
+    silent = score_case(2, answer, {**found, 'verdict': 'none', 'law': None, 'oracle': {}})
+    shares = {each.name: each.share for each in compute_score_figures([one, none, silent])}
+    near = shares['effect outside the library, flagged: forecasts within 1.3 of the oracle']
     assert (near.hits, near.of) == (1, 2)
+    proposed = shares['effect outside the library: a law proposed']
+    assert (proposed.hits, proposed.of) == (1, 3)
     row = build_outside_table([one, none]).rows[0]
     assert row[-4:] == ['1', '8.00', '3.00', '2.10']

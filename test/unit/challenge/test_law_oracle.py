@@ -5,6 +5,7 @@ from types import SimpleNamespace
 from typing import Any, cast
 
 from lta_challenge import case as generator
+from lta_challenge import trial
 from lta_challenge.case import CaseGenerator
 from lta_challenge.case_score import score_case
 from lta_challenge.make import load_challenge_vehicle, read_vehicle_text
@@ -36,6 +37,23 @@ def test_the_true_wrench_is_that_of_the_kind() -> None:
     # Quaternions are averaged between steps, which shortens them a little
     assert wrench[0, :, 5] == pytest.approx(-0.002 * np.sin(middle - 0.5), abs=1e-4)
     assert not wrench[0, :, :5].any()
+
+
+def test_a_fault_of_one_oracle_keeps_the_other(monkeypatch: pytest.MonkeyPatch) -> None:
+    made = SimpleNamespace(finding=SimpleNamespace(verdict='unexplained'))
+    answer = {'row': 'base', 'outside': 'desync', 'strange': {'desync': {}}}
+
+    def fail(*_: object) -> None:
+        raise IndexError('a test')
+
+    monkeypatch.setattr(trial, 'study_case', lambda _: ({}, made))
+    monkeypatch.setattr(trial, 'fit_oracle', lambda *_: {'sigma': {}, 'gaps': []})
+    monkeypatch.setattr(trial, 'fit_law_oracle', fail)
+    found = run_trial(Path(), lambda: answer)
+    assert found == {'oracle': {'sigma': {}, 'gaps': []}, 'law_oracle_fault': 'a test'}
+    monkeypatch.setattr(trial, 'fit_oracle', fail)
+    monkeypatch.setattr(trial, 'fit_law_oracle', lambda *_: ())
+    assert run_trial(Path(), lambda: answer) == {'oracle': {'law': []}, 'oracle_fault': 'a test'}
 
 
 @pytest.mark.long

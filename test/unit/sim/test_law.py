@@ -219,6 +219,23 @@ def test_the_hidden_state_answers_a_step(order):
     assert fine[::2] == pytest.approx(coarse, rel=1e-9, abs=1e-9)
 
 
+def test_a_hidden_state_reaches_its_range_from_outside():
+    """From 0, far below its range, its own range does not stop it; the law fades there."""
+    hidden = {'drive': [{'quantity': 'voltage'}], 'time_constant': 0.8}
+    one = law(('surge', 1.0, [{'quantity': 'hidden'}]), hidden=hidden, voltage=[3.0, 3.7])
+    one = one.model_copy(update={'region': {**one.region, 'hidden': [3.0, 3.7]}})
+    share = 1.0 - 3.0 * (0.1 / 0.35) ** 2 + 2.0 * (0.1 / 0.35) ** 3
+    assert wrench(one, state(1.0))[0] == 0.0
+    t = 2e-3 * np.arange(2001)
+    expected = share * VOLTAGE * (1.0 - np.exp(-t / 0.8))
+    later = kernel.advance(state(), model(one), THRUSTS, AROUND, 2e-3, 2000)
+    assert later[MEMORY.start] == pytest.approx(expected[-1], rel=1e-9)
+    assert 3.0 < expected[-1] < 3.7
+    assert wrench(one, later)[0] == pytest.approx(share * expected[-1], rel=1e-9)
+    flown = evaluate_law(one, {'voltage': np.full(len(t), VOLTAGE)}, 2e-3)['surge']
+    assert flown[-1] == pytest.approx(share * expected[-1], rel=1e-9)
+
+
 def test_a_law_that_is_a_named_effect_flies_as_it_does():
     damping = law(('yaw', -5e-4, [{'quantity': 'r'}]), ('surge', -0.02, [{'quantity': 'u'}]))
     named = {'rotational_drag': {'yaw': 5e-4}, 'linear_drag': {'surge': 0.02}}
@@ -332,6 +349,17 @@ def test_units_and_formulas():
     assert describe_term(one.terms[0]) == (
         'a yaw moment of -0.00031 N m per (m/s)(rad/s) of airspeed times yaw rate'
     )
+    turning = law(
+        ('map_x', 0.01, [{'quantity': 'yaw', 'form': 'sin', 'phase': -0.5}]),
+        ('map_y', 0.02, [{'quantity': 'x', 'form': 'cos', 'scale': 2.0, 'phase': 0.5}]),
+        ('heave', 0.03, [{'quantity': 'u', 'form': 'positive', 'threshold': -0.1}]),
+    )
+    assert list(describe_law(turning))[:3] == [
+        'force along map x [N] = 0.01 sin(yaw + 0.5)',
+        'force along map y [N] = 0.02 cos(2 pi x / (2 m) - 0.5)',
+        'heave force [N] = 0.03 max(u + 0.1 m/s, 0)',
+    ]
+    assert describe_term(law(('map_x', 0.01, [])).terms[0]) == 'a force along map x of 0.01 N'
     power = law(('surge', 1.0, [{'quantity': 'w', 'form': 'power', 'exponent': 1.7}]))
     assert power.terms[0].unit == 'N s1.7/m1.7'
 

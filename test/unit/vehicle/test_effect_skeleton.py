@@ -176,7 +176,13 @@ def test_what_cannot_be_an_effect_is_refused_and_leaves_nothing(tmp_path):
     for name, law, complaint in (
         ('found', pushed, r'depends on thrust_1, which the rate of an effect does not get'),
         ('linear_drag', None, r'There is an effect linear_drag already; choose another name'),
-        ('Own-effect', None, r"'Own-effect' cannot name an effect; use small letters"),
+        ('Own-effect', None, r"'Own-effect' cannot name an effect; use small letters and digits"),
+        ('_own', None, r"'_own' cannot name an effect; use small letters"),
+        ('own_', None, r"'own_' cannot name an effect; use small letters"),
+        *(
+            (name, None, rf"'{name}' cannot name an effect, as Python has a keyword or module")
+            for name in ('class', 'math', 'sys', 'numpy')
+        ),
     ):
         with pytest.raises(BadInput, match=complaint):
             write_skeleton(name, law, tmp_path / 'new')

@@ -79,6 +79,19 @@ def test_check_accepts_a_law_and_names_a_wrong_unit(call, lawful, tmp_path):
     )
 
 
+def test_a_law_among_the_effects_is_refused(call, tmp_path):
+    """Its numbers would be flown past all checks of the block law."""
+    path = tmp_path / 'wrong.yaml'
+    text = find_file('vehicle', 'gtmab').read_text(encoding='utf-8')
+    given = {'axis_1': {'value': 1.0, 'unit': '1', 'source': 'a test'}}
+    path.write_text(set_yaml_block(text, 'effects', {'law': given}), encoding='utf-8')
+    complaint = 'has law in its block effects, but a law is no effect with parameters; write it'
+    for verb in (('vehicle', 'check'), ('vehicle', 'show')):
+        status, output = call(*verb, str(path))
+        assert status == 2
+        assert complaint in ' '.join((output.out + output.err).split())
+
+
 def test_a_skeleton_is_written_from_the_law(call, lawful, tmp_path):
     folder = tmp_path / 'new'
     status, output = call('effects', 'new', 'my_damping', '--from', lawful, '--out', str(folder))

@@ -39,8 +39,8 @@ measured quantities, which a vehicle file holds as data in its block `law`. It f
 effect, as a force or moment about the hull centre: in the compiled kernel, in batches, on a GPU
 and in the graph. `lta vehicle show` prints it as a formula, and `lta effects new NAME --from
 RUN` writes a skeleton of an effect that computes the same, to be turned into the equations of the
-cause (unless its hidden state depends on the thrust). Discovery does not look for a law, but
-replays a file that has one.
+cause (unless its hidden state depends on the thrust). `lta discover` proposes a law
+([Laws](discovery.md#laws)), and replays a file that has one.
 
 ```yaml
 law:

@@ -100,9 +100,9 @@ def discover(
     confirm it, and if an effect outside the library does not explain them as well. The result may
     also be that nothing is missing, or that the flights do not decide.
 
-    Writes report.html, vehicle.yaml (the vehicle file with the identified effect), overlay.mcap
-    (measured, before and after, for Foxglove), animation.svg (the same at a glance) and
-    discovery.json.
+    Writes report.html, vehicle.yaml (the vehicle file with the identified effect or law),
+    overlay.mcap (measured, before and after, for Foxglove), animation.svg (the same at a glance)
+    and discovery.json.
 
     If several effects fit, --plan also writes next_flight.yaml, a scenario for "lta fly" that
     separates them. It reports pairs that no flight can distinguish.

@@ -8,7 +8,8 @@ The parameters are the numbers of the file's block `law`, as `list_law_parameter
 code of 0 is an axis, quantity or state that is absent. Forces act at the hull centre.
 
 `fade` is 1 within the region of the law. Outside of the range [a, b] of a quantity it falls as
-1 - 3 s^2 + 2 s^3 to zero, s the distance to the range over (b - a) / 2.
+1 - 3 s^2 + 2 s^3 to zero, s the distance to the range over (b - a) / 2. The drive of the hidden
+state fades by the other quantities only: else a state out of its range would never come back.
 """
 
 import math
@@ -58,6 +59,7 @@ RANGES = DRIVE + FACTOR * FACTORS
 # Codes of forms and of the heading, which alone is periodic
 LINEAR, MODULUS, POWER, POSITIVE, NEGATIVE, ABOVE, SIGN, DECAY, SINE, COSINE = range(len(FORMS))
 YAW = list(QUANTITIES).index('yaw')
+OWN, OWN_RATE = list(QUANTITIES).index('hidden'), list(QUANTITIES).index('hidden_rate')
 LARGEST = 50.0  # exponent of a decay, which must not overflow far outside of its region
 # Forms by what the second number is; the first is an exponent, a threshold or a phase
 _DEFAULTS: Final = {'modulus': 1.0}
@@ -124,13 +126,14 @@ def multiply_factors(p: Values, first: int, values: Values) -> float:
     return product
 
 
-def compute_fade(p: Values, values: Values) -> float:
-    """Return 1 within the region of the law, less outside, and 0 far outside."""
+def compute_fade(p: Values, values: Values, of_drive: bool) -> float:
+    """Return 1 within the region of the law, less outside; `of_drive` without the hidden state."""
     fade = 1.0
     for k in range(REGION):
         place = RANGES + 3 * k
         quantity = int(p[place])
-        if quantity > 0:
+        is_own = quantity - 1 == OWN or quantity - 1 == OWN_RATE
+        if quantity > 0 and not (of_drive and is_own):
             half = 0.5 * (p[place + 2] - p[place + 1])
             off = values[quantity - 1] - 0.5 * (p[place + 2] + p[place + 1])
             if quantity - 1 == YAW:
@@ -143,7 +146,7 @@ def compute_fade(p: Values, values: Values) -> float:
 def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return the sum of the terms, in the body frame. [N, N m]"""
     values = list_quantities(memory, motion, thrust)
-    fade = compute_fade(p, values)
+    fade = compute_fade(p, values, False)
     # Six body axes, then three of the map
     a, b, c, d, e, f, x, y, z = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for term in range(TERMS):
@@ -182,7 +185,7 @@ def compute_memory_rate(
     if order == 0.0:
         return (0.0, 0.0, clock)
     values = list_quantities(memory, motion, thrust)
-    drive = compute_fade(p, values) * multiply_factors(p, DRIVE, values)
+    drive = compute_fade(p, values, True) * multiply_factors(p, DRIVE, values)
     if order == 1.0:
         return ((drive - memory[0]) / lag, 0.0, clock)
     # `lag` is the natural frequency
