@@ -63,6 +63,8 @@ def _find_obstacle(study: DiscoveryStudy) -> str:
         return 'the effects were identified by forecasts alone'
     if not finding.held_out:
         return 'a law has to be tested on a held-out flight (--holdout)'
+    if 'law' in study.nominal.given:
+        return 'the vehicle file has a law already; remove it, or replace it with an effect'
     if study.joint is None:
         return 'the flights were not fitted together'
     return ''

@@ -6,10 +6,15 @@ from lta_challenge.contradictions import find_contradictions
 from lta_config.schema.vehicle_law import Law, LawFactor, LawTerm
 from lta_discovery.conclusion import draw_conclusion
 from lta_discovery.finding import ChannelErrors, LawFinding, StudyResult
+from lta_discovery.laws.proposal import add_law
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.page.law_section import list_law_sentences
 from lta_discovery.page.verdict_text import format_headline
 from lta_discovery.results.discovery_json import to_dict
+from lta_discovery.study import DiscoveryStudy
 from lta_discovery.unmodeled.unexplained_force import Remainder
+from lta_model.effects.law import list_law_parameters
 
 LAW = Law(
     source='two flights',
@@ -61,6 +66,19 @@ def test_a_proposed_law_is_said_everywhere() -> None:
     assert told['law']['law']['terms'][0]['coefficient'] == -0.00031
     assert 'vehicle.yaml' in told['conclusion']['do']
     assert find_contradictions(UNEXPLAINED) == []
+
+
+def test_a_law_in_the_vehicle_file_stays(
+    gtmab: tuple[NominalVehicle, list[FreeParameter]],
+) -> None:
+    """No other is sought, as a file has one law."""
+    given = {**gtmab[0].given, 'law': list_law_parameters(LAW)}
+    nominal = replace(gtmab[0], given=given)
+    study = DiscoveryStudy(replace(UNEXPLAINED, law=None), nominal, nominal, (), ())
+    found = add_law(study, lambda _what, _part: None).finding.law
+    assert found is not None
+    assert found.law is None
+    assert 'has a law already' in found.reason
 
 
 def test_without_a_law_the_reason_is_said() -> None:
