@@ -5,11 +5,11 @@ import math
 from lta_config.schema.vehicle_law import HiddenState, LawFactor
 from lta_discovery.finding import ChannelErrors
 from lta_discovery.fit.evidence import FLOOR
-from lta_discovery.laws.dictionary import build_dictionary, Column, vary_numbers
+from lta_discovery.laws.dictionary import build_dictionary, Column, Spread, vary_numbers
 from lta_discovery.laws.law_data import LawData
 from lta_discovery.laws.proposal import build_law, judge_forecasts
 from lta_discovery.laws.quantities import filter_hidden, Quantities
-from lta_discovery.laws.selection import LawFit, select_terms
+from lta_discovery.laws.selection import can_follow, count_quantities, LawFit, select_terms
 import numpy as np
 from numpy.typing import NDArray
 import pytest
@@ -137,6 +137,32 @@ def test_numbers_vary_within_their_form() -> None:
     modulus = Column((LawFactor(quantity='u', form='modulus'),), 0)
     powers = [other.factors[0].exponent for other in vary_numbers(modulus, data.spreads, 0.1)]
     assert powers == pytest.approx([math.exp(0.1), math.exp(-0.1)], rel=1e-3)
+
+
+def test_a_constant_quantity_has_no_steps() -> None:
+    """A vehicle that never slips has a dictionary without steps of the slip."""
+    spreads = make_law_data(lambda seen: {}).spreads | {'v': Spread(0.0, 0.0)}
+    forms = {
+        one.form
+        for column in build_dictionary(spreads)
+        for one in column.factors
+        if one.quantity == 'v'
+    }
+    assert 'linear' in forms
+    assert not forms & {'above', 'sign'}
+
+
+def test_terms_beyond_the_size_of_a_law_are_not_chosen() -> None:
+    """A lag has no rate as an output, and a law has at most eight quantities."""
+    rate = Column((LawFactor(quantity='hidden_rate'),), 2)
+    drive = [LawFactor(quantity='u')]
+    assert not can_follow(rate, HiddenState(drive=drive, time_constant=1.0))
+    assert can_follow(rate, HiddenState(drive=drive, frequency=1.0, damping=0.1))
+    pairs = (('u', 'v'), ('w', 'p'), ('q', 'r'), ('u', 'r'))
+    columns = [Column(tuple(LawFactor(quantity=name) for name in pair), 1) for pair in pairs]
+    state = HiddenState(drive=[LawFactor(quantity='speed')], time_constant=1.0)
+    last = Column((LawFactor(quantity='hidden'),), 2, state)
+    assert count_quantities([*columns, last]) == 8
 
 
 def test_a_law_must_improve_forecasts() -> None:
