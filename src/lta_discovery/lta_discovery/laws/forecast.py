@@ -134,15 +134,17 @@ class LawForecaster:
         self._count = count_learning_pieces(flight)
         self._columns: Array | None = None
 
-    def compute_residuals(self, prepare: Prepare, at: Array) -> Array:
-        """Return measured minus predicted at each horizon, shape (S, H, 14)."""
+    def compute_residuals(self, prepare: Prepare | None, at: Array) -> Array:
+        """Return measured minus predicted at each horizon, shape (S, H, 14); None is no law."""
         flight, knobs = self._flight, self._flight.knobs
         vehicle, values = apply_parameters(self._nominal, knobs, at)
         point = LinearizationPoint(vehicle, values, zero_unknowns(flight.replay.cut))
-        law = prepare(flight, vehicle)
+        law = prepare(flight, vehicle) if prepare else None
 
         def simulate(flight: FlightLinearizer, point: LinearizationPoint) -> Array:
-            return simulate_under_law(flight, point, law)
+            return (
+                simulate_under_law(flight, point, law) if law else flight.simulate_forecast(point)
+            )
 
         if self._count:
             # The columns serve all laws and parameters: they differ little

@@ -97,7 +97,8 @@ def _search_law(study: DiscoveryStudy, joint: JointFit, forecasts: JointFit) -> 
     law = build_law(data, chosen, fit, _format_source(study.finding))
     at = choose_parameters(study, taught, forecasts, fit.shared, partial(FlightLaw, law))
     errors = compare_forecasts(study, forecasts, partial(FlightLaw, law), at)
-    reason = judge_forecasts(errors)
+    written = compare_written_files(study, forecasts, partial(FlightLaw, law))
+    reason = judge_forecasts(errors) or judge_written_file(written)
     return LawFinding(None if reason else law, reason, errors, near, law)
 
 
@@ -195,6 +196,41 @@ def compare_forecasts(
     }
     together = {kind: np.concatenate(parts) for kind, parts in offs.items()}
     return tuple(summarize_residuals(flights, together, study.finding.seed, tuple(WHOLE)))
+
+
+def compare_written_files(
+    study: DiscoveryStudy, forecasts: JointFit, prepare: Prepare
+) -> tuple[ChannelErrors, ...]:
+    """
+    Return the errors of vehicle.yaml on held-out flights: `after` with the law, `tuned` without.
+
+    It holds the named effects, but no tolerances. `before` are those of the vehicle file.
+    """
+    flights, at = [e.flown.flight for e in study.shown], np.zeros_like(forecasts.fitted.mean)
+    makers = [LawForecaster(each, study.learned, forecasts.deviations) for each in flights]
+    offs = {
+        'before': [compute_forecast_residuals(e.flown.flight, e.before) for e in study.shown],
+        'tuned': [one.compute_residuals(None, at) for one in makers],
+        'after': [one.compute_residuals(prepare, at) for one in makers],
+    }
+    together = {kind: np.concatenate(parts) for kind, parts in offs.items()}
+    together['coast'] = together['before']
+    return tuple(summarize_residuals(flights, together, study.finding.seed, tuple(WHOLE)))
+
+
+def judge_written_file(errors: Sequence[ChannelErrors]) -> str:
+    """Return why a law is not proposed: vehicle.yaml forecasts worse with it; '' if not."""
+    worse = [
+        one.channel
+        for one in errors
+        if one.horizon_s == FAR and not one.after <= min(one.before, one.tuned)
+    ]
+    return (
+        f'with the law found in the vehicle file, whose tolerances are not fitted, the '
+        f'{" and ".join(worse)} of held-out flights is predicted worse'
+        if worse
+        else ''
+    )
 
 
 def judge_forecasts(errors: Sequence[ChannelErrors]) -> str:

@@ -7,7 +7,7 @@ from lta_discovery.finding import ChannelErrors
 from lta_discovery.fit.evidence import FLOOR
 from lta_discovery.laws.dictionary import build_dictionary, Column, Spread, vary_numbers
 from lta_discovery.laws.law_data import LawData
-from lta_discovery.laws.proposal import build_law, judge_forecasts
+from lta_discovery.laws.proposal import build_law, judge_forecasts, judge_written_file
 from lta_discovery.laws.quantities import filter_hidden, Quantities
 from lta_discovery.laws.selection import can_follow, count_quantities, LawFit, select_terms
 import numpy as np
@@ -181,3 +181,17 @@ def test_a_law_must_improve_forecasts() -> None:
     )
     assert 'does not predict' in judge_forecasts(errors(0.099, 0.1))
     assert 'coasting' in judge_forecasts(errors(0.09, 0.05, coast=0.08))
+
+
+def test_the_written_file_may_not_forecast_worse() -> None:
+    """Neither than the file before, nor than the named effects alone."""
+
+    def errors(before: float, tuned: float, after: float) -> list[ChannelErrors]:
+        rest = (1.0, 0.0, 0.0, (0.0, 0.0), 9)
+        near = ChannelErrors('position', 'm', 1.0, 0.1, 0.1, 0.2, *rest)
+        return [near, ChannelErrors('position', 'm', 3.0, before, tuned, after, *rest)]
+
+    assert judge_written_file(errors(0.2, 0.1, 0.1)) == ''
+    assert 'the position of held-out flights' in judge_written_file(errors(0.2, 0.1, 0.11))
+    assert 'the position of held-out flights' in judge_written_file(errors(0.1, 0.2, 0.11))
+    assert judge_written_file(errors(0.1, 0.2, math.nan))
