@@ -12,7 +12,7 @@ from typing import Final
 
 from lta_config.schema.vehicle_law import AXES as LAW_AXES
 from lta_config.schema.vehicle_law import coefficient_unit, HiddenState, Law, LawTerm
-from lta_discovery.conclusion import FAR
+from lta_discovery.conclusion import FAR, find_law_obstacle
 from lta_discovery.finding import ChannelErrors, LawFinding, StudyResult
 from lta_discovery.fit.evidence import wrench_floor
 from lta_discovery.fit.joint_fit import JointFit
@@ -67,7 +67,7 @@ def _find_obstacle(study: DiscoveryStudy) -> str:
         return 'the vehicle file has a law already; remove it, or replace it with an effect'
     if study.joint is None:
         return 'the flights were not fitted together'
-    return ''
+    return find_law_obstacle(finding)
 
 
 def list_taught_flights(study: DiscoveryStudy) -> list[FlightLinearizer]:
