@@ -39,7 +39,7 @@ SHARES: Final = (1.0, 0.5, 0.0)  # of the tolerances fitted with the law
 KEPT: Final = 0.98  # of the score; other tolerances have to be better than this
 # Of the error without the law: position or attitude has to fall below it
 BETTER: Final = 0.95
-WORSE: Final = 1.05  # of the error without the law; neither position nor attitude may exceed it
+WORSE: Final = 1.0  # of the error without the law; neither position nor attitude may exceed it
 NEAR: Final = 3  # library effects that are listed as the nearest
 
 

@@ -179,6 +179,9 @@ def test_a_law_must_improve_forecasts() -> None:
     assert 'the attitude of held-out flights is predicted worse' in judge_forecasts(
         errors(0.05, 0.11)
     )
+    assert 'the attitude of held-out flights is predicted worse' in judge_forecasts(
+        errors(0.05, 0.101)
+    )
     assert 'does not predict' in judge_forecasts(errors(0.099, 0.1))
     assert 'coasting' in judge_forecasts(errors(0.09, 0.05, coast=0.08))
 
