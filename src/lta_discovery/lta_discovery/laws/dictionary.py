@@ -34,7 +34,7 @@ HARMONICS: Final = 3  # of a field over position, in each direction
 # Smallest and largest of a number by its name, where refinement may lead
 LIMITS: Final = {
     'exponent': (0.5, 3.0),
-    'damping': (0.02, 2.0),
+    'damping': (0.02, 0.99),  # `filter_hidden` is for oscillators
     'time_constant': (0.02, 1e4),  # s
     'frequency': (0.01, 50.0),  # rad/s
 }

@@ -30,6 +30,7 @@ from lta_discovery.parallel import map_parallel
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.selection.interval import NORMAL
 from lta_discovery.study import DiscoveryStudy
+from lta_model.law_arrays import OWN
 import numpy as np
 from numpy.typing import NDArray
 
@@ -144,6 +145,8 @@ def _find_region(
     if hidden is not None:
         used |= {factor.quantity for factor in hidden.drive}
     ends = {name: (float(np.min(state[name])), float(np.max(state[name]))) for name in used}
+    # A hidden state begins at 0
+    ends |= {name: (min(ends[name][0], 0.0), max(ends[name][1], 0.0)) for name in used & {*OWN}}
     return {name: [low, max(high, low + 1e-9)] for name, (low, high) in sorted(ends.items())}
 
 

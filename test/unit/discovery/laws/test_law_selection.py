@@ -86,6 +86,18 @@ def test_hidden_state_with_a_lag() -> None:
     assert fit.weights[0] == pytest.approx(0.02, rel=0.15)
 
 
+def test_a_hidden_state_begins_within_the_region() -> None:
+    """It begins at 0, also where the flights have it above 0 only."""
+    data = make_law_data(lambda seen: {})
+    state = HiddenState(
+        drive=[LawFactor(quantity='height', form='decay', scale=1.0)], time_constant=0.4
+    )
+    column = Column((LawFactor(quantity='hidden'),), 2, state)
+    fit = LawFit(data, 2, data.joint.deviations, [(data.knots(column), 0)])
+    assert data.follow(state)['hidden'].min() > 0.0
+    assert build_law(data, [(column, 0)], fit, 'a test').region['hidden'][0] == 0.0
+
+
 @pytest.mark.parametrize('seed', range(4))
 def test_noise_has_no_law(seed: int) -> None:
     """A wrench that follows nothing, as of gusts, is not described by a law."""
