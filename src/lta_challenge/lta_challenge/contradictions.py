@@ -191,5 +191,7 @@ def _check_law(rendered: RenderedStudy) -> Iterator[str]:
         proposed or told is None
     ):
         yield 'terminal and JSON disagree on whether a law is proposed'
+    if proposed and rendered.json['conclusion']['advice'] not in ('law', 'use'):
+        yield 'a law is proposed, but the advice is not to use the file that holds it'
     if told and proposed == bool(told['reason']):
         yield 'a law is proposed and rejected at once'

@@ -33,6 +33,11 @@ ADVICE: Final[Mapping[Advice, str]] = {
     'law': 'Use the vehicle file with the law, vehicle.yaml in the results folder, within the '
     'region of the law.',
 }
+# Advice with which no law is sought, and the reason
+LAWLESS: Final[Mapping[Advice, str]] = {
+    'measure': 'the vehicle file has to be corrected first',
+    'again': 'another flight has to be recorded first',
+}
 
 
 @final
@@ -68,11 +73,11 @@ def draw_conclusion(finding: StudyResult) -> Conclusion:
     """Return the conclusion that a finding supports."""
     gap = select_main_error(finding.gaps)
     advice, loose = _choose_advice(finding), _tolerances_suffice(finding)
-    if advice == 'keep' and has_law(finding):
+    if advice == 'keep' and has_law(finding) and not find_law_obstacle(finding):
         advice = 'law'
     rivals = dict.fromkeys(rival for one in finding.effects for rival in one.confusable_with)
     # A law is proposed only if it beats coasting
-    useless = None if has_law(finding) else find_useless_forecast(finding.gaps)
+    useless = None if advice == 'law' else find_useless_forecast(finding.gaps)
     # A gain is only reported together with the advice to use it
     better = advice == 'use' and gap is not None and gap.shrink > 0.0
     worthy = better or (loose and advice == 'measure')
@@ -94,6 +99,13 @@ def draw_conclusion(finding: StudyResult) -> Conclusion:
 def has_law(finding: StudyResult) -> bool:
     """Return whether a law is proposed."""
     return finding.law is not None and finding.law.law is not None
+
+
+def find_law_obstacle(finding: StudyResult) -> str:
+    """Return why the advice, without a law, rules out a file with one; '' if it does not."""
+    if should_keep_file(finding.gaps):
+        return 'the fit to these flights predicts worse than the vehicle file'
+    return LAWLESS.get(_choose_advice(finding), '')
 
 
 def find_useless_forecast(gaps: Sequence[ChannelErrors]) -> ChannelErrors | None:

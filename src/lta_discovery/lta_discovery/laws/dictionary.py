@@ -32,7 +32,12 @@ SWINGS: Final = (0.25, 0.4, 0.6, 0.9, 1.3)  # Hz; second order
 DAMPED: Final = 0.1  # damping ratio
 HARMONICS: Final = 3  # of a field over position, in each direction
 # Smallest and largest of a number by its name, where refinement may lead
-LIMITS: Final = {'exponent': (0.5, 3.0), 'damping': (0.02, 2.0)}
+LIMITS: Final = {
+    'exponent': (0.5, 3.0),
+    'damping': (0.02, 0.99),  # `filter_hidden` is for oscillators
+    'time_constant': (0.02, 1e4),  # s
+    'frequency': (0.01, 50.0),  # rad/s
+}
 
 
 @final
@@ -65,6 +70,9 @@ def multiply_factors(factors: Sequence[LawFactor], quantities: Mapping[str, Arra
 def _list_steps(name: str, spread: Spread) -> Iterator[LawFactor]:
     """Yield the forms of a quantity that change at a threshold, and its steps."""
     scale = round_number(SOFT * spread.size)
+    # A constant quantity has no step
+    if scale == 0.0:
+        return
     yield LawFactor(quantity=name, form='sign', scale=scale)
     for at in THRESHOLDS:
         mean = 0.0 if name in MOTIONS else spread.mean

@@ -33,7 +33,7 @@ from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.replay.linearized_flight import AXES, LinearizationPoint, zero_unknowns
 from lta_discovery.replay.replay import STEPS
 from lta_discovery.replay.sensing import transform_to_map
-from lta_model.law_arrays import evaluate_distance
+from lta_model.law_arrays import evaluate_distance, OWN
 import numpy as np
 from numpy.typing import NDArray
 
@@ -68,7 +68,7 @@ class FlightLaw:
         if law.hidden is not None:
             whole = state_quantities(measured_states(flight, len(inputs['time']))) | inputs
             first = np.maximum(flight.replay.cut.first - 1, 0)
-            both = follow_drive(law.hidden, whole)
+            both = follow_drive(law.hidden, whole, _fade_drive(law, whole))
             self._begin = np.column_stack([each[first] for each in both])
 
     def compute_wrench(self, states: Array) -> Array:
@@ -77,18 +77,30 @@ class FlightLaw:
         quantities = state_quantities(middle) | self._known
         hidden = self._law.hidden
         if hidden is not None:
-            drive = multiply_factors(hidden.drive, quantities)
+            drive = _fade_drive(self._law, quantities) * multiply_factors(hidden.drive, quantities)
             value, rate = filter_hidden(drive, PERIOD / STEPS, hidden, self._begin)
             quantities |= {'hidden': value, 'hidden_rate': rate}
         return sum_terms(self._law, quantities, rotation_matrix(middle[..., 3:7]))
 
 
-def sum_terms(law: Law, quantities: Quantities, rotation: Array) -> Array:
-    """Return the wrench of a law in body axes, shape (..., 6), faded outside of its region."""
-    out, fade = np.zeros((*quantities['u'].shape, AXES)), np.ones(quantities['u'].shape)
+def _fade(law: Law, quantities: Quantities) -> Array:
+    """Return 1 within the region of a law, less outside, and 0 far outside, shape (...)."""
+    fade = np.ones(quantities['u'].shape)
     for distance in evaluate_distance(law, quantities).values():
         s = np.minimum(distance, 1.0)
         fade = fade * (1.0 - s * s * (3.0 - 2.0 * s))
+    return fade
+
+
+def _fade_drive(law: Law, quantities: Quantities) -> Array:
+    """Return the same for the drive of the hidden state, whose own range does not count."""
+    known = {name: ends for name, ends in law.region.items() if name not in OWN}
+    return _fade(law.model_copy(update={'region': known}), quantities)
+
+
+def sum_terms(law: Law, quantities: Quantities, rotation: Array) -> Array:
+    """Return the wrench of a law in body axes, shape (..., 6), faded outside of its region."""
+    out, fade = np.zeros((*quantities['u'].shape, AXES)), _fade(law, quantities)
     for term in law.terms:
         axis = list(LAW_AXES).index(term.axis)
         force: Array = fade * term.coefficient * multiply_factors(term.factors, quantities)
@@ -134,15 +146,17 @@ class LawForecaster:
         self._count = count_learning_pieces(flight)
         self._columns: Array | None = None
 
-    def compute_residuals(self, prepare: Prepare, at: Array) -> Array:
-        """Return measured minus predicted at each horizon, shape (S, H, 14)."""
+    def compute_residuals(self, prepare: Prepare | None, at: Array) -> Array:
+        """Return measured minus predicted at each horizon, shape (S, H, 14); None is no law."""
         flight, knobs = self._flight, self._flight.knobs
         vehicle, values = apply_parameters(self._nominal, knobs, at)
         point = LinearizationPoint(vehicle, values, zero_unknowns(flight.replay.cut))
-        law = prepare(flight, vehicle)
+        law = prepare(flight, vehicle) if prepare else None
 
         def simulate(flight: FlightLinearizer, point: LinearizationPoint) -> Array:
-            return simulate_under_law(flight, point, law)
+            return (
+                simulate_under_law(flight, point, law) if law else flight.simulate_forecast(point)
+            )
 
         if self._count:
             # The columns serve all laws and parameters: they differ little

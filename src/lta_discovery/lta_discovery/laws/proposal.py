@@ -12,7 +12,7 @@ from typing import Final
 
 from lta_config.schema.vehicle_law import AXES as LAW_AXES
 from lta_config.schema.vehicle_law import coefficient_unit, HiddenState, Law, LawTerm
-from lta_discovery.conclusion import FAR
+from lta_discovery.conclusion import FAR, find_law_obstacle
 from lta_discovery.finding import ChannelErrors, LawFinding, StudyResult
 from lta_discovery.fit.evidence import wrench_floor
 from lta_discovery.fit.joint_fit import JointFit
@@ -30,6 +30,7 @@ from lta_discovery.parallel import map_parallel
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.selection.interval import NORMAL
 from lta_discovery.study import DiscoveryStudy
+from lta_model.law_arrays import OWN
 import numpy as np
 from numpy.typing import NDArray
 
@@ -39,7 +40,7 @@ SHARES: Final = (1.0, 0.5, 0.0)  # of the tolerances fitted with the law
 KEPT: Final = 0.98  # of the score; other tolerances have to be better than this
 # Of the error without the law: position or attitude has to fall below it
 BETTER: Final = 0.95
-WORSE: Final = 1.05  # of the error without the law; neither position nor attitude may exceed it
+WORSE: Final = 1.0  # of the error without the law; neither position nor attitude may exceed it
 NEAR: Final = 3  # library effects that are listed as the nearest
 
 
@@ -63,9 +64,11 @@ def _find_obstacle(study: DiscoveryStudy) -> str:
         return 'the effects were identified by forecasts alone'
     if not finding.held_out:
         return 'a law has to be tested on a held-out flight (--holdout)'
+    if 'law' in study.nominal.given:
+        return 'the vehicle file has a law already; remove it, or replace it with an effect'
     if study.joint is None:
         return 'the flights were not fitted together'
-    return ''
+    return find_law_obstacle(finding)
 
 
 def list_taught_flights(study: DiscoveryStudy) -> list[FlightLinearizer]:
@@ -95,7 +98,8 @@ def _search_law(study: DiscoveryStudy, joint: JointFit, forecasts: JointFit) -> 
     law = build_law(data, chosen, fit, _format_source(study.finding))
     at = choose_parameters(study, taught, forecasts, fit.shared, partial(FlightLaw, law))
     errors = compare_forecasts(study, forecasts, partial(FlightLaw, law), at)
-    reason = judge_forecasts(errors)
+    written = compare_written_files(study, forecasts, partial(FlightLaw, law))
+    reason = judge_forecasts(errors) or judge_written_file(written)
     return LawFinding(None if reason else law, reason, errors, near, law)
 
 
@@ -141,6 +145,8 @@ def _find_region(
     if hidden is not None:
         used |= {factor.quantity for factor in hidden.drive}
     ends = {name: (float(np.min(state[name])), float(np.max(state[name]))) for name in used}
+    # A hidden state begins at 0
+    ends |= {name: (min(ends[name][0], 0.0), max(ends[name][1], 0.0)) for name in used & {*OWN}}
     return {name: [low, max(high, low + 1e-9)] for name, (low, high) in sorted(ends.items())}
 
 
@@ -193,6 +199,41 @@ def compare_forecasts(
     }
     together = {kind: np.concatenate(parts) for kind, parts in offs.items()}
     return tuple(summarize_residuals(flights, together, study.finding.seed, tuple(WHOLE)))
+
+
+def compare_written_files(
+    study: DiscoveryStudy, forecasts: JointFit, prepare: Prepare
+) -> tuple[ChannelErrors, ...]:
+    """
+    Return the errors of vehicle.yaml on held-out flights: `after` with the law, `tuned` without.
+
+    It holds the named effects, but no tolerances. `before` are those of the vehicle file.
+    """
+    flights, at = [e.flown.flight for e in study.shown], np.zeros_like(forecasts.fitted.mean)
+    makers = [LawForecaster(each, study.learned, forecasts.deviations) for each in flights]
+    offs = {
+        'before': [compute_forecast_residuals(e.flown.flight, e.before) for e in study.shown],
+        'tuned': [one.compute_residuals(None, at) for one in makers],
+        'after': [one.compute_residuals(prepare, at) for one in makers],
+    }
+    together = {kind: np.concatenate(parts) for kind, parts in offs.items()}
+    together['coast'] = together['before']
+    return tuple(summarize_residuals(flights, together, study.finding.seed, tuple(WHOLE)))
+
+
+def judge_written_file(errors: Sequence[ChannelErrors]) -> str:
+    """Return why a law is not proposed: vehicle.yaml forecasts worse with it; '' if not."""
+    worse = [
+        one.channel
+        for one in errors
+        if one.horizon_s == FAR and not one.after <= min(one.before, one.tuned)
+    ]
+    return (
+        f'with the law found in the vehicle file, whose tolerances are not fitted, the '
+        f'{" and ".join(worse)} of held-out flights is predicted worse'
+        if worse
+        else ''
+    )
 
 
 def judge_forecasts(errors: Sequence[ChannelErrors]) -> str:

@@ -139,10 +139,12 @@ def filter_hidden(
     return out[0], out[1]
 
 
-def follow_drive(state: HiddenState, whole: Quantities) -> tuple[Array, Array]:
-    """Return a hidden state and its rate over a whole flight, shape (n,)."""
-    drive = multiply_factors(tuple(state.drive), whole)[None]
-    value, rate = filter_hidden(drive, PERIOD, state, None)
+def follow_drive(
+    state: HiddenState, whole: Quantities, fade: Array | float = 1.0
+) -> tuple[Array, Array]:
+    """Return a hidden state and its rate over a whole flight, shape (n,), for a faded drive."""
+    drive = fade * multiply_factors(tuple(state.drive), whole)
+    value, rate = filter_hidden(drive[None], PERIOD, state, None)
     return value[0], rate[0]
 
 

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final, final, NamedTuple
 
+from lta_config.schema.vehicle_law import HIDDEN_RATE, HiddenState, REGION
 from lta_discovery.laws.dictionary import Column, vary_numbers
 from lta_discovery.laws.law_data import LawData
 from lta_discovery.laws.regression import LAW_AXES, TermProducts
@@ -277,13 +278,31 @@ def _choose_column(
         if one.column.hidden is not None and state is not None:
             # One hidden state: a second output must be of the same
             column = replace(one.column, hidden=state)
+            if not can_follow(column, state):
+                continue
             worth = float(one.given.gains(data.basis([column]), one.axis)[0]) - one.cost
             one = one._replace(column=column, worth=worth)
         else:
             one = _refine(data, one)
+        if count_quantities([*(each.column for each in chosen), one.column]) > REGION:
+            continue
         if one.worth > WORTH and (best is None or one.worth > best.worth):
             best = one
     return best
+
+
+def can_follow(column: Column, state: HiddenState) -> bool:
+    """Return whether the outputs in a column are those of a state: one with a lag has no rate."""
+    names = {factor.quantity for factor in column.factors}
+    return HIDDEN_RATE not in names or state.frequency is not None
+
+
+def count_quantities(columns: Sequence[Column]) -> int:
+    """Return on how many quantities a law with these columns depends."""
+    used = [factor for column in columns for factor in column.factors]
+    for column in columns:
+        used += column.hidden.drive if column.hidden is not None else []
+    return len({factor.quantity for factor in used})
 
 
 def _revise(

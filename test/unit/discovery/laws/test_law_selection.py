@@ -5,11 +5,11 @@ import math
 from lta_config.schema.vehicle_law import HiddenState, LawFactor
 from lta_discovery.finding import ChannelErrors
 from lta_discovery.fit.evidence import FLOOR
-from lta_discovery.laws.dictionary import build_dictionary, Column, vary_numbers
+from lta_discovery.laws.dictionary import build_dictionary, Column, Spread, vary_numbers
 from lta_discovery.laws.law_data import LawData
-from lta_discovery.laws.proposal import build_law, judge_forecasts
+from lta_discovery.laws.proposal import build_law, judge_forecasts, judge_written_file
 from lta_discovery.laws.quantities import filter_hidden, Quantities
-from lta_discovery.laws.selection import LawFit, select_terms
+from lta_discovery.laws.selection import can_follow, count_quantities, LawFit, select_terms
 import numpy as np
 from numpy.typing import NDArray
 import pytest
@@ -86,6 +86,18 @@ def test_hidden_state_with_a_lag() -> None:
     assert fit.weights[0] == pytest.approx(0.02, rel=0.15)
 
 
+def test_a_hidden_state_begins_within_the_region() -> None:
+    """It begins at 0, also where the flights have it above 0 only."""
+    data = make_law_data(lambda seen: {})
+    state = HiddenState(
+        drive=[LawFactor(quantity='height', form='decay', scale=1.0)], time_constant=0.4
+    )
+    column = Column((LawFactor(quantity='hidden'),), 2, state)
+    fit = LawFit(data, 2, data.joint.deviations, [(data.knots(column), 0)])
+    assert data.follow(state)['hidden'].min() > 0.0
+    assert build_law(data, [(column, 0)], fit, 'a test').region['hidden'][0] == 0.0
+
+
 @pytest.mark.parametrize('seed', range(4))
 def test_noise_has_no_law(seed: int) -> None:
     """A wrench that follows nothing, as of gusts, is not described by a law."""
@@ -139,6 +151,32 @@ def test_numbers_vary_within_their_form() -> None:
     assert powers == pytest.approx([math.exp(0.1), math.exp(-0.1)], rel=1e-3)
 
 
+def test_a_constant_quantity_has_no_steps() -> None:
+    """A vehicle that never slips has a dictionary without steps of the slip."""
+    spreads = make_law_data(lambda seen: {}).spreads | {'v': Spread(0.0, 0.0)}
+    forms = {
+        one.form
+        for column in build_dictionary(spreads)
+        for one in column.factors
+        if one.quantity == 'v'
+    }
+    assert 'linear' in forms
+    assert not forms & {'above', 'sign'}
+
+
+def test_terms_beyond_the_size_of_a_law_are_not_chosen() -> None:
+    """A lag has no rate as an output, and a law has at most eight quantities."""
+    rate = Column((LawFactor(quantity='hidden_rate'),), 2)
+    drive = [LawFactor(quantity='u')]
+    assert not can_follow(rate, HiddenState(drive=drive, time_constant=1.0))
+    assert can_follow(rate, HiddenState(drive=drive, frequency=1.0, damping=0.1))
+    pairs = (('u', 'v'), ('w', 'p'), ('q', 'r'), ('u', 'r'))
+    columns = [Column(tuple(LawFactor(quantity=name) for name in pair), 1) for pair in pairs]
+    state = HiddenState(drive=[LawFactor(quantity='speed')], time_constant=1.0)
+    last = Column((LawFactor(quantity='hidden'),), 2, state)
+    assert count_quantities([*columns, last]) == 8
+
+
 def test_a_law_must_improve_forecasts() -> None:
     """Position and attitude may not get worse, and one has to get clearly better."""
 
@@ -153,5 +191,22 @@ def test_a_law_must_improve_forecasts() -> None:
     assert 'the attitude of held-out flights is predicted worse' in judge_forecasts(
         errors(0.05, 0.11)
     )
+    assert 'the attitude of held-out flights is predicted worse' in judge_forecasts(
+        errors(0.05, 0.101)
+    )
     assert 'does not predict' in judge_forecasts(errors(0.099, 0.1))
     assert 'coasting' in judge_forecasts(errors(0.09, 0.05, coast=0.08))
+
+
+def test_the_written_file_may_not_forecast_worse() -> None:
+    """Neither than the file before, nor than the named effects alone."""
+
+    def errors(before: float, tuned: float, after: float) -> list[ChannelErrors]:
+        rest = (1.0, 0.0, 0.0, (0.0, 0.0), 9)
+        near = ChannelErrors('position', 'm', 1.0, 0.1, 0.1, 0.2, *rest)
+        return [near, ChannelErrors('position', 'm', 3.0, before, tuned, after, *rest)]
+
+    assert judge_written_file(errors(0.2, 0.1, 0.1)) == ''
+    assert 'the position of held-out flights' in judge_written_file(errors(0.2, 0.1, 0.11))
+    assert 'the position of held-out flights' in judge_written_file(errors(0.1, 0.2, 0.11))
+    assert judge_written_file(errors(0.1, 0.2, math.nan))

@@ -8,8 +8,11 @@ import math
 from pathlib import Path
 import re
 
+from lta_config.schema.vehicle_law import Law, LawFactor, LawTerm
+from lta_discovery.conclusion import FAR
 from lta_discovery.finding import (
     IdentifiedGroup,
+    LawFinding,
     LeftOutRegime,
     ParameterEstimate,
     SearchCandidate,
@@ -17,7 +20,9 @@ from lta_discovery.finding import (
     TransferEvidence,
 )
 from lta_discovery.fit.evidence import build_prior, FLOOR, PieceReducer, ReducedFlight
+from lta_discovery.flights.usable_flights import UsableFlights
 from lta_discovery.forecast.flight_prediction import best_start_residual, error_to_noise
+from lta_discovery.laws.proposal import add_law
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.page import flight_views
@@ -38,6 +43,7 @@ from lta_discovery.page.verdict_text import build_tiles, format_headline
 from lta_discovery.page.whiteness import autocorrelation, residual_spectrum
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.replay.linearized_flight import LinearizationPoint, unchanged_vehicle_point
+from lta_discovery.run import DiscoveryRequest, write_results
 from lta_discovery.selection.candidate_acceptance import CandidateTrial, LARGER
 from lta_discovery.selection.candidate_scan import CandidateScore, scan_candidates
 from lta_discovery.selection.detection_limit import compute_detection_limits, DetectionLimit
@@ -46,6 +52,7 @@ from lta_discovery.unmodeled.draught import DraughtEstimate
 from lta_discovery.unmodeled.unexplained_force import Remainder
 from lta_model.effects import EFFECTS
 from lta_model.effects.summary import describe_effect
+from lta_model.vehicle import load_vehicle
 from lta_report.script_libraries import embed_plotly, embed_three
 import numpy as np
 import pytest
@@ -520,3 +527,28 @@ def test_the_headline_says_what_is_missing_and_how_much_better(found: DiscoveryS
     two = replace(two, confusable_with=())
     both = replace(found.finding, effects=(alone, two), gaps=())
     assert format_headline(both) == 'Linear drag (surge) and net lift are missing from the model.'
+
+
+def test_the_vehicle_file_holds_effects_and_law(found: DiscoveryStudy, tmp_path: Path) -> None:
+    """It loads with both, and no further law is sought for it."""
+    factors = [LawFactor(quantity='speed'), LawFactor(quantity='r')]
+    term = LawTerm(
+        axis='pitch', coefficient=-0.00031, unit='N s2', factors=factors,
+        interval=[-0.00034, -0.00028], evidence=41.0,
+    )  # fmt: skip
+    law = Law(source='two flights', terms=[term], region={'speed': [0.0, 0.6], 'r': [-1.0, 1.0]})
+    errors = tuple(one for one in found.finding.gaps if one.horizon_s == FAR)
+    given = _with(found, verdict='named+unexplained', law=LawFinding(law, '', errors))
+    # The file holds no tolerances
+    given = replace(given, learned=found.nominal.with_value('linear_drag', 'surge', 0.02))
+    request = DiscoveryRequest('gtmab', {role: [Path(role)] for role in ('train', 'confirm')})
+    vehicle = load_vehicle('gtmab')
+    write_results(request, vehicle, given, UsableFlights((), (), ()), tmp_path, tmp_path)
+    written = load_vehicle(str(tmp_path / 'vehicle.yaml'))
+    assert written.file.law == law
+    nominal = NominalVehicle.from_vehicle(written)
+    assert nominal.parameter_value('linear_drag', 'surge') == pytest.approx(0.02)
+    again = replace(_with(given, law=None), nominal=nominal)
+    refused = add_law(again, lambda _what, _part: None).finding.law
+    assert refused is not None
+    assert 'has a law already' in refused.reason

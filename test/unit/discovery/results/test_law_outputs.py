@@ -4,12 +4,24 @@ from dataclasses import replace
 
 from lta_challenge.contradictions import find_contradictions
 from lta_config.schema.vehicle_law import Law, LawFactor, LawTerm
-from lta_discovery.conclusion import draw_conclusion
-from lta_discovery.finding import ChannelErrors, LawFinding, StudyResult
+from lta_discovery.conclusion import draw_conclusion, find_law_obstacle
+from lta_discovery.finding import (
+    ChannelErrors,
+    LawFinding,
+    NamedEffect,
+    ParameterEstimate,
+    StudyResult,
+)
+from lta_discovery.laws.proposal import add_law
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.page.law_section import list_law_sentences
 from lta_discovery.page.verdict_text import format_headline
 from lta_discovery.results.discovery_json import to_dict
+from lta_discovery.study import DiscoveryStudy
 from lta_discovery.unmodeled.unexplained_force import Remainder
+from lta_model.effects.law import list_law_parameters
+import pytest
 
 LAW = Law(
     source='two flights',
@@ -61,6 +73,68 @@ def test_a_proposed_law_is_said_everywhere() -> None:
     assert told['law']['law']['terms'][0]['coefficient'] == -0.00031
     assert 'vehicle.yaml' in told['conclusion']['do']
     assert find_contradictions(UNEXPLAINED) == []
+
+
+def test_a_law_in_the_vehicle_file_stays(
+    gtmab: tuple[NominalVehicle, list[FreeParameter]],
+) -> None:
+    """No other is sought, as a file has one law."""
+    given = {**gtmab[0].given, 'law': list_law_parameters(LAW)}
+    nominal = replace(gtmab[0], given=given)
+    study = DiscoveryStudy(replace(UNEXPLAINED, law=None), nominal, nominal, (), ())
+    found = add_law(study, lambda _what, _part: None).finding.law
+    assert found is not None
+    assert found.law is None
+    assert 'has a law already' in found.reason
+
+
+DRAG = NamedEffect(
+    'linear_drag', ('linear_drag.surge',),
+    (ParameterEstimate('surge', 'N s/m', 0.01, 0.02, (0.015, 0.025)),), 50.0,
+)  # fmt: skip
+
+
+def rest_of(**changes: float) -> tuple[ChannelErrors, ...]:
+    """Return position errors of 0.2 with the file and 0.15 with its tolerances, and others."""
+    error = ChannelErrors('position', 'm', 3.0, 0.2, 0.15, 0.1, 1.0, 0.001, 0.5, (0.4, 0.6), 9)
+    return (replace(error, **changes),)
+
+
+@pytest.mark.parametrize(
+    ('finding', 'reason'),
+    [
+        (replace(UNEXPLAINED, strained=('mass',)), 'the vehicle file has to be corrected first'),
+        (
+            replace(UNEXPLAINED, effects=(DRAG,), gaps=rest_of(coast=0.09)),
+            'another flight has to be recorded first',
+        ),
+        (
+            replace(
+                UNEXPLAINED, effects=(DRAG,), gaps=rest_of(after=0.3, shrink_ci95=(-0.6, -0.4))
+            ),
+            'the fit to these flights predicts worse than the vehicle file',
+        ),
+        (replace(UNEXPLAINED, effects=(DRAG,), gaps=rest_of()), ''),
+        (UNEXPLAINED, ''),
+    ],
+)
+def test_a_law_needs_the_advice_to_keep_or_use(finding: StudyResult, reason: str) -> None:
+    """A law beside the advice to do something else first would be a contradiction."""
+    finding = replace(finding, verdict='named+unexplained' if finding.effects else 'unexplained')
+    assert find_law_obstacle(finding) == reason
+    assert draw_conclusion(finding).advice in ('law', 'use') or reason
+    said = 'a law is proposed, but the advice is not to use the file that holds it'
+    assert (said in find_contradictions(finding)) == bool(reason)
+
+
+def test_a_file_that_does_not_beat_coasting_is_useless_with_another_advice() -> None:
+    """Only the advice to use the law silences it."""
+    finding = replace(
+        UNEXPLAINED, verdict='named+unexplained', effects=(DRAG,), gaps=rest_of(coast=0.09)
+    )
+    assert draw_conclusion(finding).useless is not None
+    lost = replace(UNEXPLAINED, gaps=rest_of(coast=0.09))
+    assert draw_conclusion(lost).useless is None
 
 
 def test_without_a_law_the_reason_is_said() -> None:
