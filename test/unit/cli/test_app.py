@@ -25,9 +25,7 @@ def test_help_flows_at_any_width(call):
     _, said = call('fly', '--help', columns=80)
     text = said.out.partition('In lockstep')[0].splitlines()
     whole = [line.strip() for line in text if line.strip().startswith('Fly with')]
-    assert whole == [
-        'Fly with the full ROS graph, one process per node; record to MCAP and write a'
-    ]
+    assert whole == ['Fly with the full ROS graph, record to MCAP and write a report page.']
 
 
 def test_an_empty_folder_is_refused(call):

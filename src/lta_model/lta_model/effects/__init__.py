@@ -137,9 +137,10 @@ def select_built_in_effects() -> dict[str, Effect]:
 
 def get_effect(name: str) -> Effect:
     """Return an effect by name; raise `BadInput` with the known names if there is none."""
-    if name not in MODEL_EFFECTS:
+    effect = EFFECTS.get(name) or MODEL_EFFECTS.get(name)
+    if effect is None:
         raise unknown_name_error('effect', name, list(EFFECTS))
-    return MODEL_EFFECTS[name]
+    return effect
 
 
 def initial_memory() -> tuple[float, ...]:
