@@ -9,6 +9,7 @@ from lta_challenge import trial
 from lta_challenge.case import CaseGenerator
 from lta_challenge.case_score import score_case
 from lta_challenge.make import load_challenge_vehicle, read_vehicle_text
+from lta_challenge.outside import law_oracle
 from lta_challenge.outside.law_oracle import TrueWrench
 from lta_challenge.recording import write_bag
 from lta_challenge.trial import run_trial
@@ -25,6 +26,9 @@ def test_the_true_wrench_is_that_of_the_kind() -> None:
     replay = SimpleNamespace(
         build_replay_rows=lambda _: None, compute_body_inputs=lambda _: ready,
         first=np.array([0]), dt=0.02,
+        flight=SimpleNamespace(
+            time=np.zeros(1), commands=SimpleNamespace(time=np.zeros(1), values=np.zeros((1, 3)))
+        ),
     )  # fmt: skip
     parameters = {'size': 0.001, 'north': 0.5}
     flight = cast('Any', SimpleNamespace(replay=replay))
@@ -54,6 +58,36 @@ def test_a_fault_of_one_oracle_keeps_the_other(monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setattr(trial, 'fit_oracle', fail)
     monkeypatch.setattr(trial, 'fit_law_oracle', lambda *_: ())
     assert run_trial(Path(), lambda: answer) == {'oracle': {'law': []}, 'oracle_fault': 'a test'}
+
+
+def test_the_true_wrench_follows_the_commands() -> None:
+    """A motor that loses synchronisation at a jump of its duty: F = -size T lost."""
+    nominal = SimpleNamespace(build_model=lambda: SimpleNamespace(body=np.zeros(80)))
+    steps = 100
+    commands = np.zeros((steps, 12))
+    commands[:, 2] = 0.05
+    told = np.zeros((2, 3))
+    told[1, 2] = 0.5
+    replay = SimpleNamespace(
+        build_replay_rows=lambda _: None,
+        compute_body_inputs=lambda _: SimpleNamespace(commands=commands),
+        first=np.array([0]), dt=0.01,
+        flight=SimpleNamespace(
+            time=np.arange(51) * 0.02 + 7.0,
+            commands=SimpleNamespace(time=np.array([7.0, 7.5]), values=told),
+        ),
+    )  # fmt: skip
+    parameters = {'size': 0.6, 'jump': 0.1, 'back': 0.5}
+    flight = cast('Any', SimpleNamespace(replay=replay))
+    states = np.zeros((1, steps + 1, 13))
+    states[..., 6] = 1.0
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(law_oracle, 'measured_states', lambda _, count: states[0, :count])
+        true = TrueWrench('desync', parameters, 1.0, flight, cast('Any', nominal))
+    surge = true.compute_wrench(states)[0, :, 0]
+    assert not surge[:51].any()
+    # Lost within 25 ms, and kept while the duty is above its filtered value by the jump
+    assert surge[60] == pytest.approx(-0.6 * 0.05, rel=0.1)
 
 
 @pytest.mark.long

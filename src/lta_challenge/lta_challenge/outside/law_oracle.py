@@ -52,6 +52,11 @@ class TrueWrench:
         ready = replay.compute_body_inputs(replay.build_replay_rows(nominal))
         self._thrust = ready.commands[:, :ACTUATORS]
         self._first, self._dt = replay.first, replay.dt
+        # The newest command at each step, with a margin for rounding
+        orders, steps = replay.flight.commands, self._dt * np.arange(len(self._thrust))
+        time = replay.flight.time[0] + steps + 1e-9
+        newest = np.searchsorted(orders.time, time, side='right') - 1
+        self._orders = orders.values[np.maximum(newest, 0)]
         self._memories: list[Values] = []
         if self._effect.memory:
             count = len(self._thrust) // STEPS
@@ -67,11 +72,12 @@ class TrueWrench:
             x, y, z, _, _, _, _, *moving = state
             a, b, c, d, e, f, g, h, i = turn
             u, v, w, p, q, r = moving
+            step = min(first + k, len(self._thrust) - 1)
+            thrust = tuple(self._thrust[step].tolist())
             motion = VehicleMotion(
                 (x, y, z), (a, b, c, d, e, f, g, h, i), (u, v, w), (p, q, r), (u, v, w),
-                self._body, (), (),
+                self._body, tuple(self._orders[step].tolist()), (),
             )  # fmt: skip
-            thrust = tuple(self._thrust[min(first + k, len(self._thrust) - 1)].tolist())
             memories.append(memory)
             out[k] = self._effect.wrench(self._values, memory, motion, thrust)
             if memory:
