@@ -98,8 +98,8 @@ def _search_law(study: DiscoveryStudy, joint: JointFit, forecasts: JointFit) -> 
     law = build_law(data, chosen, fit, _format_source(study.finding))
     at = choose_parameters(study, taught, forecasts, fit.shared, partial(FlightLaw, law))
     errors = compare_forecasts(study, forecasts, partial(FlightLaw, law), at)
-    written = compare_written_files(study, forecasts, partial(FlightLaw, law))
-    reason = judge_forecasts(errors) or judge_written_file(written)
+    written = compare_vehicle_files(study, forecasts, partial(FlightLaw, law))
+    reason = judge_forecasts(errors) or judge_vehicle_file(written)
     return LawFinding(None if reason else law, reason, errors, near, law)
 
 
@@ -201,7 +201,7 @@ def compare_forecasts(
     return tuple(summarize_residuals(flights, together, study.finding.seed, tuple(WHOLE)))
 
 
-def compare_written_files(
+def compare_vehicle_files(
     study: DiscoveryStudy, forecasts: JointFit, prepare: Prepare
 ) -> tuple[ChannelErrors, ...]:
     """
@@ -221,7 +221,7 @@ def compare_written_files(
     return tuple(summarize_residuals(flights, together, study.finding.seed, tuple(WHOLE)))
 
 
-def judge_written_file(errors: Sequence[ChannelErrors]) -> str:
+def judge_vehicle_file(errors: Sequence[ChannelErrors]) -> str:
     """Return why a law is not proposed: vehicle.yaml forecasts worse with it; '' if not."""
     worse = [
         one.channel

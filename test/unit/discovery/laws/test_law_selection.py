@@ -7,7 +7,7 @@ from lta_discovery.finding import ChannelErrors
 from lta_discovery.fit.evidence import FLOOR
 from lta_discovery.laws.dictionary import build_dictionary, Column, Spread, vary_numbers
 from lta_discovery.laws.law_data import LawData
-from lta_discovery.laws.proposal import build_law, judge_forecasts, judge_written_file
+from lta_discovery.laws.proposal import build_law, judge_forecasts, judge_vehicle_file
 from lta_discovery.laws.quantities import filter_hidden, Quantities
 from lta_discovery.laws.selection import can_follow, count_quantities, LawFit, select_terms
 import numpy as np
@@ -206,7 +206,7 @@ def test_the_written_file_may_not_forecast_worse() -> None:
         near = ChannelErrors('position', 'm', 1.0, 0.1, 0.1, 0.2, *rest)
         return [near, ChannelErrors('position', 'm', 3.0, before, tuned, after, *rest)]
 
-    assert judge_written_file(errors(0.2, 0.1, 0.1)) == ''
-    assert 'the position of held-out flights' in judge_written_file(errors(0.2, 0.1, 0.11))
-    assert 'the position of held-out flights' in judge_written_file(errors(0.1, 0.2, 0.11))
-    assert judge_written_file(errors(0.1, 0.2, math.nan))
+    assert judge_vehicle_file(errors(0.2, 0.1, 0.1)) == ''
+    assert 'the position of held-out flights' in judge_vehicle_file(errors(0.2, 0.1, 0.11))
+    assert 'the position of held-out flights' in judge_vehicle_file(errors(0.1, 0.2, 0.11))
+    assert judge_vehicle_file(errors(0.1, 0.2, math.nan))
