@@ -92,14 +92,15 @@ def estimate(peer, step, **position):
     return list(read_duties(peer.motors[-1]))
 
 
-def setpoint(peer, altitude, step):
-    """Ask for an altitude, straight on and at rest, as seen at a control step."""
+def setpoint(peer, altitude, step, heading=0.0):
+    """Ask for an altitude and a heading, at rest, as seen at a control step."""
     for name in ('setpoint/velocity', 'setpoint/pose'):
         message = find_message_type(TABLE[name])()
         message.header.stamp = to_stamp(TABLE.start_ns + step * STEP)
         if name == 'setpoint/pose':
             message.pose.position.z = altitude
-            message.pose.orientation.w = 1.0
+            half = 0.5 * heading
+            message.pose.orientation.z, message.pose.orientation.w = math.sin(half), math.cos(half)
         peer.publisher(name).publish(message)
 
 
@@ -232,6 +233,26 @@ def test_disarmed_motors_stand_still_and_armed_ones_turn(flown):
     assert estimate(flown, step + 1) == [0.0] * 4
     assert flown.ask(SetBool, 'arm', data=True).success
     assert any(estimate(flown, step + 2))
+
+
+def test_armed_in_the_hands_the_motors_wait_for_a_setpoint_above_the_floor(flown, hear):
+    later = itertools.count(flying_controller(flown) + 1000)  # its setpoint is stale
+    for data in (False, True):
+        assert flown.ask(SetBool, 'arm', data=data).success
+    duties = []
+
+    def rest(facts):
+        at = next(later)
+        setpoint(flown, 0.0, at, heading=1.0)
+        duties.append(estimate(flown, at))
+        fact = facts.get('controller: motors')
+        return fact and fact.message == 'armed; waits for a setpoint above the floor'
+
+    hear(rest)
+    assert all(each == [0.0] * 4 for each in duties)
+    at = next(later)
+    setpoint(flown, 1.0, at)
+    hear(lambda facts: max(estimate(flown, at + 1)) > 0.0)
 
 
 @pytest.mark.long

@@ -129,6 +129,7 @@ class Controller(GraphNode):
         self._asked: TimedSetpoint | None = None
         self._last_ns: int | None = None
         self._armed = self._settings.value.armed
+        self._flies = False  # whether a setpoint above the floor was followed since arming
         self._stopped = ''
         self.create_service(SetBool, 'arm', self._on_arm)
         self.create_service(Trigger, 'emergency_stop', self._on_emergency_stop)
@@ -141,7 +142,7 @@ class Controller(GraphNode):
         refused = request.data and bool(self._stopped)
         self._armed = request.data and not refused
         # Arming starts with empty integrals
-        self._memory = ControlMemory()
+        self._memory, self._flies = ControlMemory(), False
         response.success = not refused
         response.message = self._stopped if refused else 'armed' if self._armed else 'disarmed'
         return response
@@ -211,6 +212,10 @@ class Controller(GraphNode):
             return self._reset_to_zero()
         dt = step_duration(self._last_ns, now_ns, self.table.control_ns)
         descends = descends or setpoint.altitude <= self._standing
+        # Arming must not start the motors in the hands of a person, at rest or without a setpoint
+        self._flies = self._flies or not descends
+        if not self._flies:
+            return self._reset_to_zero('armed; waits for a setpoint above the floor')
         self._landing = watch_landing(self._landing, measured.altitude, descends, dt)
         if has_landed(measured, setpoint, self._standing):
             return self._reset_to_zero('on the ground')
