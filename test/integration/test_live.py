@@ -1,6 +1,7 @@
 """A running graph as a viewer without ROS sees it, and a flight that loses its viewer."""
 
 from contextlib import closing
+from functools import partial
 from hashlib import sha256
 import json
 import math
@@ -228,8 +229,8 @@ def test_nonsense_ends_no_view(domain_id, lta, port, hear):
         viewer.subscribe()
         hear(lambda facts: 'live: view' in facts)
 
-        def publish() -> None:
-            for message in (*nonsense, good):
+        def publish(*messages: object) -> None:
+            for message in messages:
                 odom.publish(message)
                 ticks.publish(backwards)
                 viewer.pause(0.02)
@@ -237,7 +238,10 @@ def test_nonsense_ends_no_view(domain_id, lta, port, hear):
         def seen() -> int:
             return len(viewer.messages.get('/lta1/odom', []))
 
-        wait_until(lambda: seen() >= 40, '40 messages of odom', seen, publish)
+        # The view believes the first stamp that it gets, so this is a good one
+        wait_until(seen, 'a message of odom', seen, lambda: publish(good))
+        every = partial(publish, *nonsense, good)
+        wait_until(lambda: seen() >= 40, '40 messages of odom', seen, every)
         hear(lambda facts: int(facts['live: view'].values['unreadable']) > 0)
     node.destroy_node()
     context.try_shutdown()
