@@ -7,8 +7,9 @@ from lta_config.errors import BadInput
 from lta_config.files import load_yaml
 from lta_flight.flight_spec import build_loop, load_spec
 from lta_model.vehicle import load_vehicle, Vehicle
-from lta_vehicle.sized_vehicle import parse_size, VehicleSize, write_sized_vehicle
+from lta_vehicle.sized_vehicle import write_sized_vehicle
 from lta_vehicle.validation import validate_vehicle_file
+from lta_vehicle.vehicle_size import parse_size, VehicleSize
 import pytest
 
 CIGAR = ('--length', '1.2m', '--diameter', '0.5 m', '--mass', '120g', '--thrust', '0.1N',

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 Kind = Literal['wind', 'coarse', 'transient', 'spin', 'blow']
 Air = tuple[float, float]  # density [kg/m3], kinematic viscosity [m2/s]
+AIR: Final[Air] = (1.2, 1.5e-5)  # at 20 degC
 MIDDLE: Final = 1.0  # m/s
 SLOW: Final = 0.2  # m/s; here the steady model is accurate for a sphere
 LENGTHS: Final = 26.0  # hull lengths of flow in a transient; the first ones are not averaged

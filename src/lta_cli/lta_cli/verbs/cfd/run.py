@@ -12,7 +12,7 @@ from lta_config.schema.mount_file import load_mount
 from lta_config.schema.tunnel_file import load_tunnel_file
 from lta_report.report import Report
 from lta_report.results_folder import resolve_folder
-from lta_sim.cfd.flow_plan import Air, plan_flows, TunnelFlow
+from lta_sim.cfd.flow_plan import AIR, plan_flows, TunnelFlow
 from lta_sim.cfd.openfoam.case_runner import CaseRunner
 from lta_sim.cfd.openfoam.engine import FoamPrograms
 from lta_sim.cfd.slices import FlowSlice, read_flow_slice
@@ -30,7 +30,6 @@ from lta_studies.cfd.solvers import (
 )
 import typer
 
-AIR: Air = (1.2, 1.5e-5)  # kg/m3, m2/s: 20 degC
 SHOWN = ('heave', 'surge', 'up_left', 'both_up', 'all', 'up_left_reversed', 'forward_left')
 
 

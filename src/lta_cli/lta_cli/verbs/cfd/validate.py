@@ -4,9 +4,10 @@ from typing import Annotated
 
 from lta_cli.options.common_options import Scheduler, WorkerCount
 from lta_cli.options.study_command import study_command, StudyRun
-from lta_cli.verbs.cfd.run import AIR, Fidelity
+from lta_cli.verbs.cfd.run import Fidelity
 from lta_config.errors import BadInput
 from lta_report.report import Report
+from lta_sim.cfd.flow_plan import AIR
 from lta_sim.cfd.validation import (
     build_sphere_model,
     compare_with_measurements,

@@ -6,9 +6,9 @@ from typing import Annotated
 from lta_cli.options.common_options import plain_console
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
-from lta_model.vehicle import Vehicle
 from lta_vehicle.new_vehicle import write_new_vehicle
-from lta_vehicle.sized_vehicle import MOTORS, parse_size, VehicleSize, write_sized_vehicle
+from lta_vehicle.sized_vehicle import describe_balance, write_sized_vehicle
+from lta_vehicle.vehicle_size import MOTORS, parse_size, VehicleSize
 import typer
 
 ALTITUDE = 0.5  # m, of a mission by default
@@ -99,7 +99,8 @@ def new(
         )
     sizes = {key: parse_size(key, text) for key, text in given.items()}
     vehicle, gains = write_sized_vehicle(name, VehicleSize(motors=motors, **sizes), path)
-    for line in (f'File {path}', f'Gains {gains}', _describe_balance(vehicle)):
+    balance = f'Its gas lifts {1e3 * vehicle.gross_lift:.0f} g; {describe_balance(vehicle)}.'
+    for line in (f'File {path}', f'Gains {gains}', balance):
         console.print(line, highlight=False, soft_wrap=True)
     shown = _format_explicit_path(path)
     stands = vehicle.hull_height_on_floor
@@ -115,18 +116,6 @@ def new(
         ('Measure what is assumed', ('tests', 'plan', shown)),
     ):
         console.print(f'{purpose}: {format_lta_command(*words)}', highlight=False, soft_wrap=True)
-
-
-def _describe_balance(vehicle: Vehicle) -> str:
-    """Return lift and ballast as a sentence."""
-    lift = f'Its gas lifts {1e3 * vehicle.gross_lift:.0f} g'
-    if vehicle.file.trim.ballast == 'none':
-        heavy = 1e3 * vehicle.heaviness
-        return f'{lift}, which leaves {heavy:.3g} g to the motors.'
-    ballast = f'{lift}; {1e3 * vehicle.ballast_mass:.0f} g of ballast leave it'
-    if vehicle.heaviness < 0.0:
-        return f'{ballast} {-1e3 * vehicle.heaviness:.2g} g lighter than air: tether it.'
-    return f'{ballast} {1e3 * vehicle.heaviness:.2g} g heavier than air.'
 
 
 def _copy_vehicle(name: str, model: str, path: Path) -> None:

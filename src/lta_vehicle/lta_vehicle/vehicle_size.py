@@ -1,0 +1,84 @@
+"""What a pilot can weigh and measure of a vehicle, for its first vehicle file."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final, final
+
+from lta_config.errors import BadInput
+from lta_config.quantity import describe_misfit, Quantity, UNITS
+from pydantic import ValidationError
+
+MOTORS: Final = {
+    2: 'one on each side pushing forward, none up',
+    3: 'one on each side pushing forward, one in the middle pushing up',
+    4: 'one on each side pushing forward, and two pushing up',
+}
+# Quantities that are asked for: unit, limits
+LIMITS: Final[Mapping[str, tuple[str, float, float]]] = {
+    'length': ('m', 0.1, 50.0),
+    'height': ('m', 0.1, 50.0),
+    'diameter': ('m', 0.1, 20.0),
+    'mass': ('kg', 0.01, 100.0),
+    'thrust': ('N', 1e-3, 100.0),
+    'arm': ('m', 0.01, 4.9),
+    'hang': ('m', 0.01, 4.9),
+    'envelope': ('kg', 1e-3, 100.0),
+    'heaviness': ('kg', -0.1, 1.0),
+    'battery': ('C', 1.0, 1e6),
+}
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class VehicleSize:
+    """
+    What is known of a new vehicle, in SI; None where a value is assumed.
+
+    Attributes
+    ----------
+    length, height, diameter : float
+        Envelope: a cigar along x has a length, a flattened balloon a height, a sphere neither. [m]
+    mass : float
+        Everything without gas and ballast. [kg]
+    motors, thrust : int, float
+        Number of motors, and thrust of each at full duty. [N]
+    arm, hang : float
+        Distance of the side motors from the middle, and of gondola and motors below the centre of
+        the envelope. [m]
+    envelope : float
+        Mass of the empty envelope. [kg]
+    heaviness : float
+        Weight less lift, with ballast. [kg]
+    battery : float
+        Charge of the battery. [C]
+
+    """
+
+    diameter: float
+    mass: float
+    motors: int
+    thrust: float
+    arm: float
+    length: float | None = None
+    height: float | None = None
+    hang: float | None = None
+    envelope: float | None = None
+    heaviness: float | None = None
+    battery: float | None = None
+
+
+def parse_size(name: str, text: str) -> float:
+    """Return a quantity such as '1.2m' in SI; raise `BadInput` if it is not one for `name`."""
+    unit, low, high = LIMITS[name]
+    known = [word for word, (kind, _) in UNITS.items() if kind == unit]
+    try:
+        # Capacities are written without the space of the unit
+        quantity = Quantity.model_validate(text.replace('Ah', 'A h'))
+    except ValidationError:
+        raise BadInput(
+            f"--{name} is '{text}'; write a number and a unit ({', '.join(known)}), such as "
+            f"'{0.5 * (low + min(high, 10.0)):.2g} {known[0]}'."
+        ) from None
+    if complaint := describe_misfit(quantity, unit, low, high):
+        raise BadInput(f'--{name} {complaint}.')
+    return quantity.si
