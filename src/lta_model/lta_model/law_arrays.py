@@ -1,7 +1,8 @@
 """
 Evaluate a law over arrays: its factors, its fade and its hidden state, as the effect `law` does.
 
-`columns` holds the quantities of a law by name, each of shape (T,) in SI.
+`columns` holds the quantities of a law by name in SI. They all have one shape: (T,) where a hidden
+state is integrated, any elsewhere.
 """
 
 from collections.abc import Iterable, Mapping
@@ -19,7 +20,7 @@ OWN: Final = (HIDDEN, HIDDEN_RATE)
 
 
 def evaluate_factor(factor: LawFactor, x: Array) -> Array:
-    """Return the form of a factor at values of its quantity, shape (T,)."""
+    """Return the form of a factor at values of its quantity, in their shape."""
     match factor.form:
         case 'modulus' | 'power':
             size: Array = np.abs(x) ** (factor.exponent or 1.0)
@@ -41,8 +42,8 @@ def evaluate_factor(factor: LawFactor, x: Array) -> Array:
 
 
 def evaluate_product(factors: Iterable[LawFactor], columns: Columns) -> Array:
-    """Return the product of factors, shape (T,); 1 without any."""
-    product = np.ones(len(next(iter(columns.values()))) if columns else 1)
+    """Return the product of factors, in the shape of the columns; 1 without any."""
+    product = _create_ones(columns)
     for factor in factors:
         product = product * evaluate_factor(factor, columns[factor.quantity])
     return product
@@ -50,7 +51,7 @@ def evaluate_product(factors: Iterable[LawFactor], columns: Columns) -> Array:
 
 def evaluate_distance(law: Law, columns: Columns) -> dict[str, Array]:
     """
-    Return how far each quantity is outside of its range, shape (T,).
+    Return how far each quantity is outside of its range, in the shape of the columns.
 
     It is in half widths of the range: 0 within, and 1 where the law has faded to zero.
     """
@@ -64,12 +65,23 @@ def evaluate_distance(law: Law, columns: Columns) -> dict[str, Array]:
 
 
 def evaluate_fade(law: Law, columns: Columns) -> Array:
-    """Return 1 within the region of a law, less outside, and 0 far outside, shape (T,)."""
-    fade = np.ones(len(next(iter(columns.values()))) if columns else 1)
+    """Return 1 within the region of a law, less outside, and 0 far outside."""
+    fade = _create_ones(columns)
     for distance in evaluate_distance(law, columns).values():
         s = np.minimum(distance, 1.0)
         fade = fade * (1.0 - s * s * (3.0 - 2.0 * s))
     return fade
+
+
+def _create_ones(columns: Columns) -> Array:
+    """Return ones in the shape of the columns; a single one without columns."""
+    return np.ones(np.shape(next(iter(columns.values()))) if columns else 1)
+
+
+def evaluate_drive_fade(law: Law, columns: Columns) -> Array:
+    """Return the fade of the hidden state's drive: its own range does not count."""
+    ranges = {name: ends for name, ends in law.region.items() if name not in OWN}
+    return evaluate_fade(law.model_copy(update={'region': ranges}), columns)
 
 
 def integrate_hidden(hidden: HiddenState, drive: Array, period: float) -> tuple[Array, Array]:
@@ -113,9 +125,7 @@ def evaluate_law(law: Law, columns: Columns, period: float) -> dict[str, Array]:
     """
     seen = dict(columns)
     if law.hidden and HIDDEN not in seen:
-        ranges = {name: ends for name, ends in law.region.items() if name not in OWN}
-        known = law.model_copy(update={'region': ranges})
-        drive = evaluate_fade(known, seen) * evaluate_product(law.hidden.drive, seen)
+        drive = evaluate_drive_fade(law, seen) * evaluate_product(law.hidden.drive, seen)
         seen[HIDDEN], seen[HIDDEN_RATE] = integrate_hidden(law.hidden, drive, period)
     fade = evaluate_fade(law, seen)
     out: dict[str, Array] = {}

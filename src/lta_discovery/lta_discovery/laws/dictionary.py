@@ -5,18 +5,14 @@ A term is a product of factors on an axis. Simple terms come first: those of a l
 and therefore have to be worth more evidence.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import combinations_with_replacement, product
 import math
 from typing import Final, final
 
-from lta_config.schema.vehicle_law import HiddenState, LawFactor, QUANTITIES
-from lta_model.law_arrays import evaluate_factor
-import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
+from lta_config.schema.vehicle_law import HiddenState, LawFactor
+from lta_model.law_arrays import OWN
 
 MOTIONS: Final = ('u', 'v', 'w', 'p', 'q', 'r')
 THRUSTS: Final = ('thrust_surge', 'thrust_heave', 'thrust_yaw')
@@ -57,14 +53,6 @@ class Spread:
 
     size: float  # standard deviation
     mean: float
-
-
-def multiply_factors(factors: Sequence[LawFactor], quantities: Mapping[str, Array]) -> Array:
-    """Return the product of factors over arrays of any shape; 1 without any."""
-    out = np.ones(np.shape(quantities['u']))
-    for factor in factors:
-        out = out * evaluate_factor(factor, quantities[factor.quantity])
-    return out
 
 
 def _list_steps(name: str, spread: Spread) -> Iterator[LawFactor]:
@@ -121,7 +109,6 @@ def _is_product(one: LawFactor, other: LawFactor) -> bool:
 
 def _list_hidden_columns() -> Iterator[Column]:
     """Yield the columns with a hidden state."""
-    outputs = [name for name in ('hidden', 'hidden_rate') if name in QUANTITIES]
     for name in (*MOTIONS, *THRUSTS, 'roll', 'pitch', 'speed'):
         for form in ('linear',) if name == 'speed' else ('linear', 'modulus'):
             drive = [LawFactor(quantity=name, form=form)]
@@ -132,7 +119,7 @@ def _list_hidden_columns() -> Iterator[Column]:
                     for hertz in SWINGS
                 ]
             for state in states:
-                for output in outputs if state.frequency else outputs[:1]:
+                for output in OWN if state.frequency else OWN[:1]:
                     yield Column((LawFactor(quantity=output),), 2, state)
 
 

@@ -17,7 +17,6 @@ from lta_discovery.forecast.held_out import (
     count_learning_pieces,
     estimate_own_errors,
 )
-from lta_discovery.laws.dictionary import multiply_factors
 from lta_discovery.laws.quantities import (
     at_pieces,
     filter_hidden,
@@ -33,7 +32,7 @@ from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.replay.linearized_flight import AXES, LinearizationPoint, zero_unknowns
 from lta_discovery.replay.replay import STEPS
 from lta_discovery.replay.sensing import transform_to_map
-from lta_model.law_arrays import evaluate_distance, OWN
+from lta_model.law_arrays import evaluate_drive_fade, evaluate_fade, evaluate_product
 import numpy as np
 from numpy.typing import NDArray
 
@@ -68,7 +67,7 @@ class FlightLaw:
         if law.hidden is not None:
             whole = state_quantities(measured_states(flight, len(inputs['time']))) | inputs
             first = np.maximum(flight.replay.cut.first - 1, 0)
-            both = follow_drive(law.hidden, whole, _fade_drive(law, whole))
+            both = follow_drive(law.hidden, whole, evaluate_drive_fade(law, whole))
             self._begin = np.column_stack([each[first] for each in both])
 
     def compute_wrench(self, states: Array) -> Array:
@@ -77,33 +76,19 @@ class FlightLaw:
         quantities = state_quantities(middle) | self._known
         hidden = self._law.hidden
         if hidden is not None:
-            drive = _fade_drive(self._law, quantities) * multiply_factors(hidden.drive, quantities)
+            fade = evaluate_drive_fade(self._law, quantities)
+            drive = fade * evaluate_product(hidden.drive, quantities)
             value, rate = filter_hidden(drive, PERIOD / STEPS, hidden, self._begin)
             quantities |= {'hidden': value, 'hidden_rate': rate}
         return sum_terms(self._law, quantities, rotation_matrix(middle[..., 3:7]))
 
 
-def _fade(law: Law, quantities: Quantities) -> Array:
-    """Return 1 within the region of a law, less outside, and 0 far outside, shape (...)."""
-    fade = np.ones(quantities['u'].shape)
-    for distance in evaluate_distance(law, quantities).values():
-        s = np.minimum(distance, 1.0)
-        fade = fade * (1.0 - s * s * (3.0 - 2.0 * s))
-    return fade
-
-
-def _fade_drive(law: Law, quantities: Quantities) -> Array:
-    """Return the same for the drive of the hidden state, whose own range does not count."""
-    known = {name: ends for name, ends in law.region.items() if name not in OWN}
-    return _fade(law.model_copy(update={'region': known}), quantities)
-
-
 def sum_terms(law: Law, quantities: Quantities, rotation: Array) -> Array:
     """Return the wrench of a law in body axes, shape (..., 6), faded outside of its region."""
-    out, fade = np.zeros((*quantities['u'].shape, AXES)), _fade(law, quantities)
+    out, fade = np.zeros((*quantities['u'].shape, AXES)), evaluate_fade(law, quantities)
     for term in law.terms:
         axis = list(LAW_AXES).index(term.axis)
-        force: Array = fade * term.coefficient * multiply_factors(term.factors, quantities)
+        force: Array = fade * term.coefficient * evaluate_product(term.factors, quantities)
         if axis < AXES:
             out[..., axis] += force
         else:

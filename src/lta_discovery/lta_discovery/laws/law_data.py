@@ -5,7 +5,7 @@ from typing import Final, final, NamedTuple
 
 from lta_config.schema.vehicle_law import HiddenState
 from lta_discovery.fit.joint_fit import JointFit
-from lta_discovery.laws.dictionary import Column, multiply_factors, Spread
+from lta_discovery.laws.dictionary import Column, Spread
 from lta_discovery.laws.quantities import (
     at_pieces,
     follow_drive,
@@ -19,6 +19,7 @@ from lta_discovery.laws.regression import WrenchRegression
 from lta_discovery.model.quaternions import rotation_matrix
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.replay.linearized_flight import AXES, hat_functions, LinearizedFlight
+from lta_model.law_arrays import evaluate_product, OWN
 import numpy as np
 from numpy.typing import NDArray
 
@@ -98,8 +99,7 @@ class LawData:
             both = follow_drive(state, each.whole)
             at = np.minimum(each.first[:, None] + steps, len(both[0]) - 1)
             parts.append([values[at] for values in both])
-        value, rate = (np.concatenate([part[k] for part in parts]) for k in range(2))
-        return {'hidden': value, 'hidden_rate': rate}
+        return {name: np.concatenate([part[k] for part in parts]) for k, name in enumerate(OWN)}
 
     def quantities(self, hidden: HiddenState | None) -> Quantities:
         """Return all quantities in the pieces."""
@@ -112,7 +112,7 @@ class LawData:
             # Columns of one hidden state follow each other
             if column.hidden is not state:
                 state, quantities = column.hidden, self.quantities(column.hidden)
-            out.append(multiply_factors(column.factors, quantities))
+            out.append(evaluate_product(column.factors, quantities))
         return self.project(np.stack(out, axis=-1))
 
     def project(self, values: Array) -> Array:

@@ -6,7 +6,6 @@ from typing import Final
 
 from lta_config.schema.vehicle_law import HiddenState
 from lta_discovery.flights.measured_flight import PERIOD
-from lta_discovery.laws.dictionary import multiply_factors
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.quaternions import (
     quaternion_conjugate,
@@ -18,6 +17,7 @@ from lta_discovery.model.quaternions import (
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.replay.linearized_flight import AXES
 from lta_discovery.replay.replay import STEPS
+from lta_model.law_arrays import evaluate_product
 from lta_model.state import ROTOR, ROTOR_AXIS, ROTOR_PLACE
 import numpy as np
 from numpy.typing import NDArray
@@ -47,7 +47,7 @@ def input_quantities(flight: FlightLinearizer, nominal: NominalVehicle) -> Quant
     """Return time, voltage and wrench of the rotors in each grid period of a flight, (n,)."""
     replay = flight.replay
     ready = replay.compute_body_inputs(replay.build_replay_rows(nominal))
-    commands = ready.average_periods()[0]
+    commands, _, wrench = ready.average_periods()
     body = nominal.build_model().body
     pushed = np.zeros((len(commands), AXES))
     for i in range(len(nominal.rotors)):
@@ -55,7 +55,7 @@ def input_quantities(flight: FlightLinearizer, nominal: NominalVehicle) -> Quant
             body[at + i * ROTOR : at + i * ROTOR + 3] for at in (ROTOR_PLACE, ROTOR_AXIS)
         )
         pushed += commands[:, i, None] * np.concatenate([axis, np.cross(place, axis)])
-    pushed += ready.average_periods()[2]
+    pushed += wrench
     time = replay.flight.time[0] + PERIOD * np.arange(len(commands))
     volts = replay.flight.voltage
     known = np.isfinite(volts)
@@ -143,7 +143,7 @@ def follow_drive(
     state: HiddenState, whole: Quantities, fade: Array | float = 1.0
 ) -> tuple[Array, Array]:
     """Return a hidden state and its rate over a whole flight, shape (n,), for a faded drive."""
-    drive = fade * multiply_factors(tuple(state.drive), whole)
+    drive = fade * evaluate_product(state.drive, whole)
     value, rate = filter_hidden(drive[None], PERIOD, state, None)
     return value[0], rate[0]
 
