@@ -84,7 +84,7 @@ def load(path):
 
 
 def motions(seed):
-    """Return a motion, a memory and thrusts."""
+    """Return random inputs of an effect: motion, memory and rotor thrusts."""
     draw = np.random.default_rng(seed)
     vectors = [tuple(draw.uniform(-0.8, 0.8, 3).tolist()) for _ in range(4)]
     turn = Rotation.from_euler('ZYX', draw.uniform((-3.1, -0.6, -0.6), (3.1, 0.6, 0.6)))

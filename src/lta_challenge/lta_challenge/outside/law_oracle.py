@@ -99,7 +99,11 @@ class TrueWrench:
 def fit_law_oracle(
     study: DiscoveryStudy, name: str, parameters: Mapping[str, float]
 ) -> tuple[ChannelErrors, ...]:
-    """Return the errors of the oracle on held-out flights, as `after`; empty if untestable."""
+    """
+    Return the forecast errors on held-out flights; `after` are those of the oracle.
+
+    Empty without a held-out flight or a joint fit.
+    """
     joint, forecasts = study.joint, study.forecasts
     if joint is None or forecasts is None or not study.finding.held_out:
         return ()
@@ -122,7 +126,7 @@ def _regress_size(data: LawData, wrench: Array) -> tuple[float, Array]:
     terms = [(knots[..., axis], axis) for axis in range(6) if np.any(knots[..., axis])]
     for share in (1.0, *SHRUNK, SHRUNK[-1] ** 2):
         deviations = data.shrink(data.joint.deviations, range(6), share)
-        regression = data.regress(2, deviations)
+        regression = data.regress('all', deviations)
         products = regression.products(terms)
         inner, right = float(products.inner.sum()) + 1.0, float(products.right.sum()) + 1.0
         # A prior of 1 around the true size

@@ -56,7 +56,7 @@ class Spread:
 
 
 def _list_steps(name: str, spread: Spread) -> Iterator[LawFactor]:
-    """Yield the forms of a quantity that change at a threshold, and its steps."""
+    """Yield smooth steps of a quantity: its sign, and being above each trial threshold."""
     scale = round_number(SOFT * spread.size)
     # A constant quantity has no step
     if scale == 0.0:

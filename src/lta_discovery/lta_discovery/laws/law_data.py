@@ -1,7 +1,7 @@
 """Collect what a law may depend on in jointly fitted flights, and their unexplained wrench."""
 
 from collections.abc import Sequence
-from typing import Final, final, NamedTuple
+from typing import Final, final, Literal, NamedTuple
 
 from lta_config.schema.vehicle_law import HiddenState
 from lta_discovery.fit.joint_fit import JointFit
@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Side = Literal['train', 'confirm', 'all']  # flights of a fit: one role, or both
 
 LEAST: Final = 0.1  # noise floors; smallest deviation
 
@@ -75,17 +76,22 @@ class LawData:
         knots = joint.group.linears[0].knots
         self._nearest = np.asarray(np.linalg.pinv(hat_functions(self.values['u'].shape[1], knots)))
         offsets = np.cumsum([0, *(len(each['u']) for each in pieces)]).tolist()
-        flown = ((0, count), (count, len(pieces)), (0, len(pieces)))
-        # Training flights, confirming flights, all
-        self.rows = [slice(offsets[a], offsets[b]) for a, b in flown]
-        self._flights = [slice(a, b) for a, b in flown]
+        self._flights: dict[Side, slice[int, int, None]] = {
+            'train': slice(0, count),
+            'confirm': slice(count, len(pieces)),
+            'all': slice(0, len(pieces)),
+        }
+        self.rows = {
+            side: slice(offsets[some.start], offsets[some.stop])
+            for side, some in self._flights.items()
+        }
         self.spreads = {
             name: Spread(float(np.std(each)), float(np.mean(each)))
             for name, each in self.values.items()
         }
 
-    def regress(self, side: int, deviations: Array) -> WrenchRegression:
-        """Return the regression on a side: 0 training, 1 confirming flights, 2 all."""
+    def regress(self, side: Side, deviations: Array) -> WrenchRegression:
+        """Return the regression of the unexplained wrench in the flights of a side."""
         some = self._flights[side]
         pieces = self.joint.group.pieces[some]
         turns = [each.rotations for each in self._measured[some]]

@@ -94,7 +94,7 @@ def _search_law(study: DiscoveryStudy, joint: JointFit, forecasts: JointFit) -> 
     if not chosen:
         return LawFinding(None, 'no term has enough evidence on training and confirming flights',
                           near=near)  # fmt: skip
-    fit = LawFit(data, 2, given.sides[0].deviations, _list_terms(data, chosen))
+    fit = LawFit(data, 'all', given.sides[0].deviations, _list_terms(data, chosen))
     law = build_law(data, chosen, fit, _format_source(study.finding))
     at = choose_parameters(study, taught, forecasts, fit.shared, partial(FlightLaw, law))
     errors = compare_forecasts(study, forecasts, partial(FlightLaw, law), at)
@@ -119,7 +119,7 @@ def build_law(
         others = [*every[:k], *every[k + 1 :]]
         # Without the term, the wrench that it explains may count as random
         rest = max(
-            LawFit(data, 2, deviations, others).evidence
+            LawFit(data, 'all', deviations, others).evidence
             for deviations in (fit.deviations, data.joint.deviations)
         )
         value, half = float(fit.weights[k]), NORMAL * float(fit.deviation[k])

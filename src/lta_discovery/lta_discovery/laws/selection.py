@@ -13,7 +13,7 @@ from typing import Final, final, NamedTuple
 
 from lta_config.schema.vehicle_law import HIDDEN_RATE, HiddenState, REGION
 from lta_discovery.laws.dictionary import Column, vary_numbers
-from lta_discovery.laws.law_data import LawData
+from lta_discovery.laws.law_data import LawData, Side
 from lta_discovery.laws.regression import LAW_AXES, TermProducts
 from lta_discovery.replay.linearized_flight import AXES
 import numpy as np
@@ -42,9 +42,11 @@ GROUPS: Final = (*(((k,), (k,)) for k in range(AXES)), ((0, 1, 2), (6, 7, 8)))
 
 @final
 class LawFit:
-    """Weights of terms on a side, for some deviations; a constant on each axis comes first."""
+    """Weights of terms in the flights of a side; a constant on each axis is fitted as well."""
 
-    def __init__(self, data: LawData, side: int, deviations: Array, terms: Sequence[Term]) -> None:
+    def __init__(
+        self, data: LawData, side: Side, deviations: Array, terms: Sequence[Term]
+    ) -> None:
         self.data, self.side, self.deviations = data, side, deviations
         self.regression = data.regress(side, deviations)
         rows = data.rows[side]
@@ -139,7 +141,8 @@ class GivenTerms:
     @classmethod
     def fit(cls, data: LawData, deviations: Array, terms: Sequence[Term]) -> 'GivenTerms':
         """Fit terms on both sides."""
-        return cls((LawFit(data, 0, deviations, terms), LawFit(data, 1, deviations, terms)))
+        train = LawFit(data, 'train', deviations, terms)
+        return cls((train, LawFit(data, 'confirm', deviations, terms)))
 
     @property
     def evidence(self) -> float:
@@ -147,7 +150,11 @@ class GivenTerms:
         return self.sides[0].evidence + self.sides[1].evidence
 
     def gains(self, basis: Array, axis: int) -> Array:
-        """Return the log evidence of columns that both sides support; minus infinity of others."""
+        """
+        Return the gain of the log evidence by each column as a further term, shape (J,). [nats]
+
+        It is minus infinity for a column that training or confirming flights do not support.
+        """
         data = self.sides[0].data
         size = np.maximum(np.sqrt(np.mean(basis**2, axis=(0, 1))), 1e-9)
         usual = data.axis_floor(axis) / size

@@ -25,7 +25,7 @@ def search(data: LawData) -> tuple[list[tuple[Column, int]], LawFit]:
     """Return the selected terms, and their fit to all flights."""
     chosen, given = select_terms(data, build_dictionary(data.spreads), data.joint.deviations)
     terms = [(data.knots(column), axis) for column, axis in chosen]
-    return chosen, LawFit(data, 2, given.sides[0].deviations, terms)
+    return chosen, LawFit(data, 'all', given.sides[0].deviations, terms)
 
 
 def test_product_of_speed_and_rate() -> None:
@@ -93,7 +93,7 @@ def test_a_hidden_state_begins_within_the_region() -> None:
         drive=[LawFactor(quantity='height', form='decay', scale=1.0)], time_constant=0.4
     )
     column = Column((LawFactor(quantity='hidden'),), 2, state)
-    fit = LawFit(data, 2, data.joint.deviations, [(data.knots(column), 0)])
+    fit = LawFit(data, 'all', data.joint.deviations, [(data.knots(column), 0)])
     assert data.follow(state)['hidden'].min() > 0.0
     assert build_law(data, [(column, 0)], fit, 'a test').region['hidden'][0] == 0.0
 
