@@ -8,7 +8,6 @@ and wrench are computed in turn until they agree; over some seconds that takes a
 from collections.abc import Callable
 from typing import Final, final, Protocol
 
-from lta_config.schema.vehicle_law import AXES as LAW_AXES
 from lta_config.schema.vehicle_law import Law
 from lta_discovery.fit.bounds import apply_parameters
 from lta_discovery.flights.measured_flight import PERIOD
@@ -26,6 +25,7 @@ from lta_discovery.laws.quantities import (
     Quantities,
     state_quantities,
 )
+from lta_discovery.laws.regression import LAW_AXES
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.quaternions import rotation_matrix
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
@@ -87,7 +87,7 @@ def sum_terms(law: Law, quantities: Quantities, rotation: Array) -> Array:
     """Return the wrench of a law in body axes, shape (..., 6), faded outside of its region."""
     out, fade = np.zeros((*quantities['u'].shape, AXES)), evaluate_fade(law, quantities)
     for term in law.terms:
-        axis = list(LAW_AXES).index(term.axis)
+        axis = LAW_AXES.index(term.axis)
         force: Array = fade * term.coefficient * evaluate_product(term.factors, quantities)
         if axis < AXES:
             out[..., axis] += force

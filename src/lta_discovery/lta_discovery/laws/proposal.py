@@ -5,12 +5,11 @@ The terms are selected on training and confirming flights. The law is proposed o
 forecasts of held-out flights better; nothing that was named or fitted before changes.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Final
 
-from lta_config.schema.vehicle_law import AXES as LAW_AXES
 from lta_config.schema.vehicle_law import coefficient_unit, HiddenState, Law, LawTerm
 from lta_discovery.conclusion import FAR, find_law_obstacle
 from lta_discovery.finding import ChannelErrors, LawFinding, StudyResult
@@ -24,6 +23,7 @@ from lta_discovery.forecast.held_out import (
 from lta_discovery.laws.dictionary import build_dictionary, Column, round_number
 from lta_discovery.laws.forecast import FlightLaw, LawForecaster, Prepare
 from lta_discovery.laws.law_data import FlightQuantities, LawData
+from lta_discovery.laws.regression import LAW_AXES
 from lta_discovery.laws.selection import LawFit, select_terms
 from lta_discovery.page.formatting import explain_decision, format_parameter
 from lta_discovery.parallel import map_parallel
@@ -115,7 +115,7 @@ def build_law(
     hidden = next((column.hidden for column, _ in chosen if column.hidden is not None), None)
     terms, every = [], _list_terms(data, chosen)
     for k, (column, axis) in enumerate(chosen):
-        name, factors = list(LAW_AXES)[axis], list(column.factors)
+        name, factors = LAW_AXES[axis], list(column.factors)
         others = [*every[:k], *every[k + 1 :]]
         # Without the term, the wrench that it explains may count as random
         rest = max(
@@ -189,14 +189,23 @@ def compare_forecasts(
     `before` are those of the vehicle file.
     """
     shown = study.shown
-    flights = [each.flown.flight for each in shown]
-    makers = [LawForecaster(each, study.nominal, forecasts.deviations) for each in flights]
+    makers = [
+        LawForecaster(each.flown.flight, study.nominal, forecasts.deviations) for each in shown
+    ]
     offs = {
         'before': [compute_forecast_residuals(e.flown.flight, e.before) for e in shown],
         'tuned': [compute_forecast_residuals(e.flown.flight, e.after) for e in shown],
         'after': [one.compute_residuals(prepare, at) for one in makers],
         'coast': [compute_forecast_residuals(e.flown.flight, e.before, True) for e in shown],
     }
+    return _summarize_held_out(study, offs)
+
+
+def _summarize_held_out(
+    study: DiscoveryStudy, offs: Mapping[str, Sequence[Array]]
+) -> tuple[ChannelErrors, ...]:
+    """Return the errors of each model from its residuals, an array for each held-out flight."""
+    flights = [each.flown.flight for each in study.shown]
     together = {kind: np.concatenate(parts) for kind, parts in offs.items()}
     return tuple(summarize_residuals(flights, together, study.finding.seed, tuple(WHOLE)))
 
@@ -209,16 +218,18 @@ def compare_vehicle_files(
 
     It holds the named effects, but no tolerances. `before` are those of the vehicle file.
     """
-    flights, at = [e.flown.flight for e in study.shown], np.zeros_like(forecasts.fitted.mean)
-    makers = [LawForecaster(each, study.learned, forecasts.deviations) for each in flights]
+    shown, at = study.shown, np.zeros_like(forecasts.fitted.mean)
+    makers = [
+        LawForecaster(each.flown.flight, study.learned, forecasts.deviations) for each in shown
+    ]
+    before = [compute_forecast_residuals(e.flown.flight, e.before) for e in shown]
     offs = {
-        'before': [compute_forecast_residuals(e.flown.flight, e.before) for e in study.shown],
+        'before': before,
         'tuned': [one.compute_residuals(None, at) for one in makers],
         'after': [one.compute_residuals(prepare, at) for one in makers],
+        'coast': before,  # not judged here
     }
-    together = {kind: np.concatenate(parts) for kind, parts in offs.items()}
-    together['coast'] = together['before']
-    return tuple(summarize_residuals(flights, together, study.finding.seed, tuple(WHOLE)))
+    return _summarize_held_out(study, offs)
 
 
 def judge_vehicle_file(errors: Sequence[ChannelErrors]) -> str:

@@ -24,6 +24,7 @@ from lta_discovery.replay.linearized_flight import AXES
 from lta_discovery.replay.replay import STEPS
 from lta_discovery.study import DiscoveryStudy
 from lta_model.effects.protocol import AXES as BODY
+from lta_model.law_arrays import OWN
 from lta_model.law_text import describe_term, format_hidden, format_product, format_region
 from lta_report.html_elements import render_section
 import numpy as np
@@ -101,8 +102,8 @@ def _render_figures(study: DiscoveryStudy, outcome: LawFinding) -> str:
     # A force along an axis of the map is shown on the axis of the body nearest to it
     name = {'map_x': 'surge', 'map_y': 'sway', 'map_z': 'heave'}.get(main.axis, main.axis)
     axis, unit = BODY.index(name), LAW_AXES[main.axis]
-    quantity = next((one.quantity for one in main.factors if one.quantity in QUANTITIES), 'time')
-    quantity = 'time' if quantity.startswith('hidden') else quantity
+    quantity = main.factors[0].quantity if main.factors else 'time'
+    quantity = 'time' if quantity in OWN else quantity
     chosen = {flown.role: (flown, fit) for flown, fit in reversed(list_fit_flights(study))}
     curves, over, points = [], [], []
     for each, (flown, fit) in zip(

@@ -61,7 +61,7 @@ LINEAR, MODULUS, POWER, POSITIVE, NEGATIVE, ABOVE, SIGN, DECAY, SINE, COSINE = r
 YAW = list(QUANTITIES).index('yaw')
 OWN, OWN_RATE = list(QUANTITIES).index('hidden'), list(QUANTITIES).index('hidden_rate')
 LARGEST = 50.0  # exponent of a decay, which must not overflow far outside of its region
-# Forms by what the second number is; the first is an exponent, a threshold or a phase
+# First number of a form (exponent, threshold or phase) where the file gives none; 0 elsewhere
 _DEFAULTS: Final = {'modulus': 1.0}
 
 
