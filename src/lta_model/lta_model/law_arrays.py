@@ -1,18 +1,17 @@
 """
-Evaluate a law over arrays: its factors, its fade and its hidden state, as the effect `law` does.
+Evaluate a law over arrays: its factors, its fade and its terms, as the effect `law` does.
 
-`columns` holds the quantities of a law by name in SI. They all have one shape: (T,) where a hidden
-state is integrated, any elsewhere.
+`columns` holds the quantities of a law by name in SI, all of one shape.
 """
 
 from collections.abc import Iterable, Mapping
-from typing import Final, Literal
+from typing import Final
 
-from lta_config.schema.vehicle_law import HIDDEN, HIDDEN_RATE, HiddenState, Law, LawFactor, PERIOD
+from lta_config.schema.vehicle_law import AXES, HIDDEN, HIDDEN_RATE, Law, LawFactor, PERIOD
 from lta_model.effects.law import LARGEST
+from lta_model.effects.protocol import AXES as BODY
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import cont2discrete, lfilter
 
 Array = NDArray[np.float64]
 Columns = Mapping[str, Array]
@@ -84,52 +83,25 @@ def evaluate_drive_fade(law: Law, columns: Columns) -> Array:
     return evaluate_fade(law.model_copy(update={'region': ranges}), columns)
 
 
-def integrate_hidden(hidden: HiddenState, drive: Array, period: float) -> tuple[Array, Array]:
+def evaluate_law(law: Law, columns: Columns, rotation: Array) -> Array:
     """
-    Return the hidden state and its rate at each sample, shape (T,); 0 at the first.
+    Return the force and moment of a law, faded outside of its region, shape (..., 6). [N, N m]
 
-    Exact for a drive, shape (T,), that is linear between its samples, `period` apart [s].
+    Parameters
+    ----------
+    columns : mapping of str to ndarray, shape (...)
+        The quantities of the law, also its hidden state.
+    rotation : ndarray, shape (..., 3, 3)
+        Attitude, body to map; the result is in the body frame.
+
     """
-    if hidden.time_constant is not None:
-        value = _respond([1.0], [hidden.time_constant, 1.0], drive, period)
-        return value, (drive - value) / hidden.time_constant
-    w, damping = hidden.frequency or 0.0, hidden.damping or 0.0
-    down = [1.0, 2.0 * damping * w, w * w]
-    return _respond([w * w], down, drive, period), _respond([w * w, 0.0], down, drive, period)
-
-
-def _respond(up: list[float], down: list[float], drive: Array, period: float) -> Array:
-    """Return the response of a transfer function to a drive that begins with a step."""
-    # A step at the start, and what rises from there: each exact by its own discretization
-    first = np.full(len(drive), drive[0])
-    rest = _filter(up, down, drive - first, period, 'foh')
-    return _filter(up, down, first, period, 'zoh') + rest
-
-
-def _filter(
-    up: list[float], down: list[float], drive: Array, period: float, method: Literal['zoh', 'foh']
-) -> Array:
-    """Return the response of a transfer function, from rest."""
-    # The stubs do not know a numerator and a denominator
-    system = cont2discrete((up, down), period, method=method)  # type: ignore[arg-type]
-    out: Array = lfilter(np.ravel(system[0]), np.ravel(system[1]), drive)
-    return out
-
-
-def evaluate_law(law: Law, columns: Columns, period: float) -> dict[str, Array]:
-    """
-    Return the force or moment of a law on each of its axes, shape (T,). [N, N m]
-
-    The hidden state is integrated from the first sample on, unless `columns` has it; `period` is
-    the time between samples. [s]
-    """
-    seen = dict(columns)
-    if law.hidden and HIDDEN not in seen:
-        drive = evaluate_drive_fade(law, seen) * evaluate_product(law.hidden.drive, seen)
-        seen[HIDDEN], seen[HIDDEN_RATE] = integrate_hidden(law.hidden, drive, period)
-    fade = evaluate_fade(law, seen)
-    out: dict[str, Array] = {}
+    fade = evaluate_fade(law, columns)
+    out = np.zeros((*fade.shape, len(BODY)))
     for term in law.terms:
-        value = fade * term.coefficient * evaluate_product(term.factors, seen)
-        out[term.axis] = out.get(term.axis, 0.0) + value
+        force: Array = fade * term.coefficient * evaluate_product(term.factors, columns)
+        axis = list(AXES).index(term.axis)
+        if axis < len(BODY):
+            out[..., axis] += force
+        else:
+            out[..., :3] += force[..., None] * rotation[..., axis - len(BODY), :]
     return out

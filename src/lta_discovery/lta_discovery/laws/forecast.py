@@ -22,17 +22,15 @@ from lta_discovery.laws.quantities import (
     follow_drive,
     input_quantities,
     measured_states,
-    Quantities,
     state_quantities,
 )
-from lta_discovery.laws.regression import LAW_AXES
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.quaternions import rotation_matrix
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.replay.linearized_flight import AXES, LinearizationPoint, zero_unknowns
 from lta_discovery.replay.replay import STEPS
 from lta_discovery.replay.sensing import transform_to_map
-from lta_model.law_arrays import evaluate_drive_fade, evaluate_fade, evaluate_product
+from lta_model.law_arrays import evaluate_drive_fade, evaluate_law, evaluate_product
 import numpy as np
 from numpy.typing import NDArray
 
@@ -80,20 +78,7 @@ class FlightLaw:
             drive = fade * evaluate_product(hidden.drive, quantities)
             value, rate = filter_hidden(drive, PERIOD / STEPS, hidden, self._begin)
             quantities |= {'hidden': value, 'hidden_rate': rate}
-        return sum_terms(self._law, quantities, rotation_matrix(middle[..., 3:7]))
-
-
-def sum_terms(law: Law, quantities: Quantities, rotation: Array) -> Array:
-    """Return the wrench of a law in body axes, shape (..., 6), faded outside of its region."""
-    out, fade = np.zeros((*quantities['u'].shape, AXES)), evaluate_fade(law, quantities)
-    for term in law.terms:
-        axis = LAW_AXES.index(term.axis)
-        force: Array = fade * term.coefficient * evaluate_product(term.factors, quantities)
-        if axis < AXES:
-            out[..., axis] += force
-        else:
-            out[..., :3] += force[..., None] * rotation[..., axis - AXES, :]
-    return out
+        return evaluate_law(self._law, quantities, rotation_matrix(middle[..., 3:7]))
 
 
 def simulate_under_law(
