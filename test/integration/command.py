@@ -17,6 +17,16 @@ from waiting import PATIENCE, wait_until
 
 ROOT = Path(__file__).resolve().parents[2]
 MARK = 'LTA_TEST_MARK'
+NODES = (  # whose end ends a flight
+    'simulator',
+    'estimator',
+    'controller',
+    'demodulator',
+    'navigator',
+    'energy_monitor',
+    'recorder',
+)
+ALL_NODES = {*NODES, 'description'}
 LINGER = 20.0  # s for which the dead may stand in /proc on a busy machine
 
 

@@ -6,15 +6,8 @@ import time
 
 import pytest
 
-NODES = (
-    'simulator',
-    'estimator',
-    'controller',
-    'demodulator',
-    'navigator',
-    'energy_monitor',
-    'recorder',
-)
+from .command import NODES
+
 FAST = {('lockstep', 'controller'), ('realtime', 'estimator')}
 NAMED = 1.0  # s
 ENDED = 10.0  # s

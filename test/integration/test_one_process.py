@@ -5,7 +5,7 @@ from lta_data.bag.reader import read_bag
 from lta_data.bag.recorded_flight import open_flight
 from std_srvs.srv import SetBool
 
-from .command import processes
+from .command import ALL_NODES, processes
 from .contents import contents
 from .peer import Peer
 
@@ -13,16 +13,6 @@ TABLE = load_topic_table()
 REPEATABLE = [
     robot_topic('lta1', name) for name, topic in TABLE.topics.items() if topic.repeatable
 ]
-NODES = {
-    'simulator',
-    'estimator',
-    'controller',
-    'demodulator',
-    'navigator',
-    'energy_monitor',
-    'recorder',
-    'description',
-}
 # A strategy that fails on its way: at the first light after a while
 BROKEN = """
 from lta_control.strategies.protocol import NavigationStrategy, SteeringCommand
@@ -72,7 +62,7 @@ def test_a_shared_process_is_a_graph_for_others_and_ends_by_ctrl_c(
         peer.until(lambda: len(stamps) > 20)
         # Once each, although they are handed over and sent
         assert stamps == sorted(set(stamps))
-        assert set(peer.node.get_node_names()) >= NODES
+        assert set(peer.node.get_node_names()) >= ALL_NODES
         assert peer.set('controller', 'hold_after', 0.7).successful
         assert peer.ask(SetBool, 'arm', data=False).message == 'disarmed'
         assert not peer.set('estimator', 'vehicle', 'skye').successful

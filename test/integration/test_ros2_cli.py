@@ -23,23 +23,13 @@ from rosbags.highlevel import AnyReader
 from waiting import PATIENCE, wait_until
 import yaml
 
-from .command import Lta, ROOT, Started
+from .command import ALL_NODES, Lta, ROOT, Started
 from .ros_checkouts import CHECKOUTS, WITHOUT
 
 pytestmark = [
     pytest.mark.long,
     pytest.mark.skipif(not CHECKOUTS, reason=WITHOUT),
 ]
-NODES = {
-    'simulator',
-    'estimator',
-    'controller',
-    'demodulator',
-    'navigator',
-    'energy_monitor',
-    'recorder',
-    'description',
-}
 TABLE = load_topic_table()
 
 
@@ -123,7 +113,7 @@ def flight(ros, bag) -> Started:
     )
     words = (f'bag:={bag}', f'scenario:={room}')
     launch = ros.start('launch', 'lta_config', 'fly.launch.yaml', *words)
-    for name in NODES:
+    for name in ALL_NODES:
         ros.wait(f'/lta1/{name}\n', 'node', 'list')
     ros.run('topic', 'echo', '--once', '/lta1/odom', TABLE['odom'].type)
     return launch
@@ -150,7 +140,7 @@ def test_launch_shows_the_arguments(ros):
 
 
 def test_node(ros, flight):
-    assert set(ros.run('node', 'list').split()) == {f'/lta1/{name}' for name in NODES}
+    assert set(ros.run('node', 'list').split()) == {f'/lta1/{name}' for name in ALL_NODES}
     subscribed, published = ros.run('node', 'info', '/lta1/navigator').split('Publishers:')
     for name in TABLE.read_by('navigator'):
         assert f'/lta1/{name}: {TABLE[name].type}\n' in subscribed

@@ -11,7 +11,7 @@ import time
 
 import pytest
 
-from .command import ROOT
+from .command import NODES, ROOT
 from .ros_checkouts import CHECKOUTS, WITHOUT
 
 FLY = ROOT / 'config/launch/fly.launch.yaml'
@@ -30,15 +30,6 @@ service.include_launch_description(
 )
 sys.exit(service.run())
 """
-NODES = (
-    'simulator',
-    'estimator',
-    'controller',
-    'demodulator',
-    'navigator',
-    'energy_monitor',
-    'recorder',
-)
 pytestmark = [
     pytest.mark.long,
     pytest.mark.skipif(not CHECKOUTS, reason=WITHOUT),
