@@ -79,7 +79,7 @@ class FlatFields:
         self._layouts: dict[tuple[int, ...], Struct] = {}
 
     def _add_field(self, index: int, described: str) -> None:
-        opened, item, size = _parse_field(described)
+        opened, item, size = parse_field(described)
         if item == 'string':
             if size:
                 raise TypeError(f'The field type {described} cannot be encoded.')
@@ -172,12 +172,11 @@ def _list_parts(kind: Any) -> list[CdrPart]:  # noqa: ANN401 - a generated class
         for name, described in kind.get_fields_and_field_types().items():
             # The slot behind the property, whose getter is a function of Python
             path = f'{prefix}_{name}'
-            opened, item, size = _parse_field(described)
+            opened, item, size = parse_field(described)
             if '/' not in item:
                 flat.append((path, described))
                 continue
-            package, _, message = item.partition('/')
-            inner = getattr(import_module(f'{package}.msg'), message)
+            inner = import_item_class(item)
             if not opened and not size:
                 collect(inner, f'{path}.')
                 continue
@@ -192,12 +191,18 @@ def _list_parts(kind: Any) -> list[CdrPart]:  # noqa: ANN401 - a generated class
     return parts
 
 
-def _parse_field(described: str) -> tuple[bool, str, int]:
+def parse_field(described: str) -> tuple[bool, str, int]:
     """Return whether a field is a sequence, the type of its items, and its fixed size or 0."""
     found = FIELD.fullmatch(described)
     if found is None:
         raise TypeError(f'The field type {described} cannot be encoded.')
     return found['open'] is not None, found['item'], int(found['size'] or 0)
+
+
+def import_item_class(item: str) -> Any:  # noqa: ANN401 - a generated class
+    """Return the class of a nested message, whose type is as `parse_field` returns it."""
+    package, _, message = item.partition('/')
+    return getattr(import_module(f'{package}.msg'), message)
 
 
 @lru_cache(maxsize=1000)

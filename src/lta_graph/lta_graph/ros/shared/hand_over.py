@@ -17,7 +17,7 @@ from functools import cache, partial
 import struct
 from typing import Any, final
 
-from lta_graph.cdr_encoder import encode_cdr
+from lta_graph.cdr_encoder import encode_cdr, import_item_class, parse_field
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, qos_check_compatible, QoSCompatibility
@@ -166,16 +166,11 @@ def build_rounding(kind: Any) -> Callable[[Any], None] | None:  # noqa: ANN401 -
         if described == 'float':
             steps.append(partial(_round_field, name))
             continue
-        # As 'pkg/Name', 'sequence<pkg/Name>' or 'pkg/Name[3]'
-        inner = described.removeprefix('sequence<').partition('>')[0].partition('[')[0]
-        inner = inner.partition(',')[0]
-        if '/' not in inner:
+        is_sequence, item, size = parse_field(described)
+        if '/' not in item:
             continue
-        package, _, message = inner.partition('/')
-        module = __import__(f'{package}.msg', fromlist=[message])
-        if (step := build_rounding(getattr(module, message))) is not None:
-            several = inner != described
-            steps.append(partial(_round_parts, name, step, several))
+        if (step := build_rounding(import_item_class(item))) is not None:
+            steps.append(partial(_round_parts, name, step, is_sequence or size > 0))
     if not steps:
         return None
 
