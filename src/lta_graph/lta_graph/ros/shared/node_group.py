@@ -208,7 +208,7 @@ class NodeGroup:
         self.refusal: BadInput | None = None
         self._hand_over = hand_over
         self._context = context
-        self._running: dict[GraphNode, RunningNode] = {}
+        self._running: dict[Node, RunningNode] = {}
         self._executor = SingleThreadedExecutor(context=context)
         self._stopping = False
         # Entities have changed since the wait sets were made
@@ -227,17 +227,19 @@ class NodeGroup:
 
     def stop(self) -> None:
         """Ask all nodes to end; for the second time, to hurry."""
-        for node in self._running:
-            node.hurried = not node.running
-            node.running = False
+        for each in self._running.values():
+            each.node.hurried = not each.node.running
+            each.node.running = False
         self._stopping = True
 
     def run(self) -> None:
         """Run all nodes until they have ended."""
         for each in self._running.values():
             robot = each.node.get_namespace()
-            beside = [node for node in self._running if node.get_namespace() == robot]
-            each.node.keep_for_late_readers({node.role for node in beside})
+            nodes = [other.node for other in self._running.values()]
+            each.node.keep_for_late_readers(
+                {node.role for node in nodes if node.get_namespace() == robot}
+            )
             self._executor.add_node(each.node)
         # What start-up has left is not searched for garbage again and again
         gc.freeze()
@@ -300,7 +302,7 @@ class NodeGroup:
             self.stop()
 
     def _close(self, each: RunningNode) -> None:
-        """Close a node, whose callbacks no longer run."""
+        """Close a node and drop the messages that wait for it."""
         node = each.node
         del self._running[node]
         self._stale = True
@@ -396,7 +398,7 @@ class NodeGroup:
         self._serve()
 
     def _call(self, node: GraphNode, callback: Callable[[], object]) -> None:
-        if not any(each.node is node for each in self._running.values()):
+        if node not in self._running:
             return  # closed by an earlier callback of this round
         try:
             callback()
@@ -404,9 +406,8 @@ class NodeGroup:
             self._fail_node(node, error)
 
     def _fail_node(self, node: Node, error: Exception) -> None:
-        for each in list(self._running.values()):
-            if each.node is node:
-                self._fail(each, error)
+        if (each := self._running.get(node)) is not None:
+            self._fail(each, error)
 
     def _serve(self) -> None:
         """Serve services, actions and what else only rclpy's executor serves, when it is time."""
