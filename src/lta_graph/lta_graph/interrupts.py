@@ -5,13 +5,20 @@ An exception that a signal handler raises inside a C extension may turn into ano
 lost. Code that spends a long time in an extension defers signals until afterwards.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 import signal
 import threading
 from types import FrameType
 
 STOPS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+
+
+def catch_stops(stop: Callable[[int, FrameType | None], object]) -> None:
+    """Call `stop` at every signal in STOPS, except SIGHUP under `nohup`, which stays ignored."""
+    for number in STOPS:
+        if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:
+            signal.signal(number, stop)
 
 
 @contextmanager

@@ -12,7 +12,7 @@ from typing import Final, NoReturn
 
 from lta_config.errors import BadInput
 from lta_graph.health import HealthLevel
-from lta_graph.interrupts import STOPS
+from lta_graph.interrupts import catch_stops
 from lta_graph.process_exit import exit_process
 from lta_graph.ros.command_line import initialize_ros, reject_unknown_parameters
 from lta_graph.ros.node import GraphNode
@@ -84,9 +84,7 @@ def run_until_stopped(node_class: type[GraphNode], words: list[str], teardown: E
 
     try:
         reject_unknown_parameters(node, words)
-        for number in STOPS:
-            if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:  # by nohup
-                signal.signal(number, stop)
+        catch_stops(stop)
         # Ctrl-C arrived while the node was created
         if held:
             raise KeyboardInterrupt
@@ -96,8 +94,7 @@ def run_until_stopped(node_class: type[GraphNode], words: list[str], teardown: E
         raise
     except Exception as error:
         # Publish the reason before `close`, which may take a landing; the recorder stores it
-        words = f'broke: {type(error).__name__}: {error}'.removesuffix(': ')
-        node.health.report('state', HealthLevel.ERROR, words)
+        node.health.report('state', HealthLevel.ERROR, describe_crash(error))
         node.publish_health()
         raise
     finally:
@@ -106,6 +103,11 @@ def run_until_stopped(node_class: type[GraphNode], words: list[str], teardown: E
         finally:
             teardown.callback(node.destroy_node)
     return 0
+
+
+def describe_crash(error: Exception) -> str:
+    """Return what the health of a node says about an exception that has ended it."""
+    return f'broke: {type(error).__name__}: {error}'.removesuffix(': ')
 
 
 def _limit_teardown(status: int) -> threading.Timer:

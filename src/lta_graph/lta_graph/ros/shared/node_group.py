@@ -26,12 +26,12 @@ from typing import Any, final
 from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_graph.health import ENDS_RUN, HealthLevel
-from lta_graph.interrupts import STOPS
+from lta_graph.interrupts import catch_stops
 from lta_graph.launch_file import load_plan, ONE, parse_arguments
 from lta_graph.launch_node import LaunchProcess
 from lta_graph.ros.command_line import initialize_ros, reject_unknown_parameters
 from lta_graph.ros.node import GraphNode
-from lta_graph.ros.process import run_process
+from lta_graph.ros.process import describe_crash, run_process
 from lta_graph.ros.shared.hand_over import HandOver, place_node, ServiceFault
 from lta_graph.ros.spin import count_entities, list_actions, OFTEN, Pause, RARELY, Spin, WAIT_NS
 from rclpy.context import Context
@@ -169,9 +169,7 @@ def run_nodes(
             group.create_node(process, teardown)
             if held:
                 raise KeyboardInterrupt
-        for number in STOPS:
-            if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:  # by nohup
-                signal.signal(number, lambda *_: group.stop())
+        catch_stops(lambda *_: group.stop())
         if held:
             raise KeyboardInterrupt
         group.run()
@@ -286,8 +284,7 @@ class NodeGroup:
             why = str(error)
         else:
             traceback.print_exception(error)
-            # As `lta_graph.ros.process` says it of a node with its own process
-            why = f'broke: {type(error).__name__}: {error}'.removesuffix(': ')
+            why = describe_crash(error)
         each.node.health.report('state', HealthLevel.ERROR, why, **{ENDS_RUN: ends_run})
         each.node.publish_health()
         if ends_run and isinstance(error, BadInput):
