@@ -1,5 +1,6 @@
 """A lifecycle node that owns a device and releases it on every exit except SIGKILL."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Generator
 
 from lta_config.errors import BadInput
@@ -8,7 +9,7 @@ from lta_graph.ros.spin import Pause, Spin
 from rclpy.lifecycle import LifecycleNodeMixin, LifecycleState, TransitionCallbackReturn
 
 
-class DeviceNode(LifecycleNodeMixin, GraphNode):
+class DeviceNode(LifecycleNodeMixin, GraphNode, ABC):
     """
     A lifecycle node that plays the vehicle, or a part of it, with real hardware.
 
@@ -53,9 +54,9 @@ class DeviceNode(LifecycleNodeMixin, GraphNode):
             self.trigger_activate()
         yield from super().run()
 
+    @abstractmethod
     def release_device(self) -> None:
         """Release the device in a safe state; safe to call again."""
-        raise NotImplementedError
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Set `active`."""
