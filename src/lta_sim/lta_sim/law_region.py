@@ -7,6 +7,7 @@ from lta_config.schema.vehicle_law import Law, QUANTITIES, quantity_unit
 from lta_model.effects.law import list_quantities
 from lta_model.law_arrays import evaluate_distance
 from lta_model.rigid_body import airspeed, build_motion, rotation_matrix
+from lta_model.state import RIGID
 from lta_sim.simulated_vehicle import LAYOUT, SimulatedVehicle
 import numpy as np
 
@@ -37,7 +38,7 @@ class LawRegion:
         law = self._law
         if law is None or self.warning:
             return
-        x, y, z, *rest = vehicle.state[:13].tolist()
+        x, y, z, *rest = vehicle.state[:RIGID].tolist()
         r = rotation_matrix(tuple(rest[:4]))
         velocity, rates = tuple(rest[4:7]), tuple(rest[7:])
         motion = build_motion(
