@@ -72,7 +72,7 @@ As stated, by the phase of the fault:
 
 
 def code() -> str:
-    """Return a hash of what decides the outcomes: all nodes, their declarations, the trials."""
+    """Return a hash of what the outcomes depend on: nodes, their declarations and the trials."""
     declared = [path for kind in ('*.py', '*.yaml', '*.xml') for path in CONFIG.rglob(kind)]
     trials = [*HERE.glob('chaos_*.py'), HERE / 'endless.py', HERE / 'outcome.py']
     return version([*PACKAGES.rglob('*.py'), *declared, *trials])

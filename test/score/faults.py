@@ -83,7 +83,7 @@ ALL: Final = (*KINDS, *LIGHT_KINDS)
 
 
 def version() -> str:
-    """Return a hash of what decides the outcomes: all that flies, and kinds."""
+    """Return a hash of what the outcomes depend on: the code that flies and the fault kinds."""
     return hashed([*list_flown_files(), *HERE.glob('fault_*.py'), *HERE.glob('light_*.py')])
 
 

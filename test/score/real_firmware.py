@@ -66,7 +66,7 @@ def cases(builds: list[str], each: int) -> list[Case]:
 
 
 def version(commit: str) -> str:
-    """Return a hash of what decides the outcomes: all that flies, app, trial and firmware."""
+    """Return a hash of what the outcomes depend on: flying code, app, trial and firmware."""
     code = hashed([
         *list_flown_files(),
         *HERE.glob('fault_*.py'),

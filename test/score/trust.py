@@ -153,7 +153,7 @@ def cases(clean: int, each: int, first: int) -> Iterator[Case]:
 
 
 def version() -> str:
-    """Return a hash of what decides the score: checks, flights, corruptions."""
+    """Return a hash of what the score depends on: checks, flights, corruptions."""
     checks = sorted(Path(lta_data.data_quality.__file__).parent.glob('*.py'))
     digest = hashlib.sha256()
     for path in (*checks, *sorted(HERE.glob('trust*.py'))):
