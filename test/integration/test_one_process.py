@@ -77,7 +77,7 @@ def test_a_node_that_breaks_ends_the_shared_process_and_is_named(lta, tmp_path):
     strategy.write_text(BROKEN)
     words = (f'strategy:={strategy}', 'time:=lockstep', f'bag:={tmp_path / "bag"}')
     done = lta.run('launch', 'fly', *words, 'processes:=one')
-    assert done.returncode != 0
+    assert done.returncode == 2  # a strategy is an input
     assert 'enough of it' in done.stdout + done.stderr
     health = open_flight(tmp_path / 'bag').read_series('/diagnostics').texts
     assert any('enough of it' in text for column in health.values() for text in column)
