@@ -55,6 +55,7 @@ UNITS: dict[str, tuple[str, float]] = {
     'N/V2': ('N/V2', 1.0),
     'N/V3': ('N/V3', 1.0),
     'N m': ('N m', 1.0),
+    'mN m': ('N m', 1e-3),
     'N s/m': ('N s/m', 1.0),
     'N s2/m2': ('N s2/m2', 1.0),
     'N m s': ('N m s', 1.0),

@@ -100,9 +100,13 @@ class ScalarField(_InUnit):
 
 
 class VectorField(_InUnit):
-    """Three numbers in the axes of `frame`; by default the frame of the message type."""
+    """
+    Three numbers in the axes of `frame`; by default the frame of the message type.
 
-    columns: Three | None = None
+    A force or torque may lack columns, which are then null: these components are zero.
+    """
+
+    columns: Annotated[list[Column | None], Field(min_length=3, max_length=3)] | None = None
     value: Quantity | None = None
     frame: Literal['world', 'body'] | None = None
 
@@ -110,6 +114,8 @@ class VectorField(_InUnit):
     def _check_source(self) -> Self:
         if (self.columns is None) == (self.value is None):
             raise ValueError('needs exactly one of "columns" and "value"')
+        if self.columns == [None, None, None]:
+            raise ValueError('has no column at all; give one, or leave the vector out')
         if self.value is not None and len(self.value.vector) != 3:
             raise ValueError(
                 f'has a "value" with {len(self.value.vector)} numbers, but needs 3 (x, y and z)'
@@ -291,7 +297,7 @@ class TopicMapping(_WithAxes):
             if isinstance(part, ScalarField):
                 needed += [part.column] if part.column else []
             else:
-                needed += part.columns or []
+                needed += [column for column in part.columns or [] if column is not None]
         # Without duplicates, in order
         return list(dict.fromkeys(needed))
 

@@ -233,8 +233,12 @@ def _convert_vector(
         # Shape (n, 3)
         values = np.tile(np.asarray(constant, dtype=np.float64), (len(table), 1))
     else:
+        # A component without a column is never commanded
         scaled_columns = [
-            scale_column(vector, table.columns[name], name, table.first) for name in vector.columns
+            scale_column(vector, table.columns[name], name, table.first)
+            if name is not None
+            else np.zeros(len(table))
+            for name in vector.columns
         ]
         values = np.stack(scaled_columns, axis=1)
     found = convert_to_lta_axes(values, plan.find_axes(frame), axial=part.kind == 'axial')

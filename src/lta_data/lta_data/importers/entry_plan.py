@@ -110,6 +110,8 @@ def _check_parts(candidate: EntryPlan) -> None:
             attitude_matrix(candidate.world, candidate.body)
             continue
         _check_unit(f'{entry.topic}: {name}', given, [shape[name].dimension])
+        if isinstance(given, VectorField) and name not in ('force', 'torque'):
+            _check_complete(entry.topic, name, given)
         if isinstance(given, VectorField) and given.frame not in (None, shape[name].frame):
             _check_frame(candidate, name, given)
 
@@ -129,6 +131,15 @@ def _check_forces(candidate: EntryPlan, forces: Sequence[AppliedForce]) -> None:
                 f'In the mapping, forces of {entry.topic} are in the world frame, but must be in '
                 'the body frame; remove "frame".'
             )
+
+
+def _check_complete(topic: str, name: str, vector: VectorField) -> None:
+    """Raise BadInput for a vector without one of its columns."""
+    if None in (vector.columns or ()):
+        raise BadInput(
+            f"In the mapping, {name} of topic '{topic}' lacks a column; only a force or a torque "
+            'can, whose missing components are zero.'
+        )
 
 
 def _check_frame(candidate: EntryPlan, name: str, vector: VectorField) -> None:

@@ -3,11 +3,13 @@
 import gzip
 import hashlib
 import math
+import re
 import shutil
 import struct
 
 from hypothesis import given, HealthCheck, settings
 from hypothesis import strategies as st
+from lta_config.errors import BadInput
 from lta_data.importers.readers.csv_text import is_number
 import numpy as np
 import pytest
@@ -81,6 +83,31 @@ def test_numbers_units_axes_and_constants_by_hand(bring, tmp_path):
     assert (force.x, force.y, force.z) == (0.01, -0.02, -0.03)
     assert (torque.x, torque.y, torque.z) == (0.0, -1.0, -2.0)
     assert found.imported.data == 'simulated'
+
+
+def test_a_force_without_a_column_on_an_axis_is_zero_there(bring, tmp_path):
+    mapping = POSE + (
+        '  - topic: wrench_command\n'
+        '    force: {columns: [f, null, null], unit: N}\n'
+        '    torque: {columns: [null, null, n], unit: mN m}\n'
+    )
+    found = bring(text(tmp_path / 'a.csv', 't,x,y,z,f,n', '5,1,2,3,0.5,20'), mapping)
+    (wrench,) = (one.wrench for one in found.messages['/lta1/wrench_command'])
+    assert (wrench.force.x, wrench.force.y, wrench.force.z) == (0.5, 0.0, 0.0)
+    assert (wrench.torque.x, wrench.torque.y, wrench.torque.z) == (0.0, 0.0, 0.02)
+
+
+@pytest.mark.parametrize(
+    ('columns', 'sentence'),
+    [
+        ('[x, null, z]', "position of topic 'ground_truth/odom' lacks a column; only a force or"),
+        ('[null, null, null]', 'has no column at all'),
+    ],
+)
+def test_a_place_without_a_column_is_refused(bring, tmp_path, columns, sentence):
+    mapping = POSE.replace('[x, y, z]', columns)
+    with pytest.raises(BadInput, match=re.escape(sentence)):
+        bring(text(tmp_path / 'a.csv', 't,x,y,z', '5,1,2,3'), mapping)
 
 
 def test_pose_alone_says_that_the_rest_is_unknown(bring, tmp_path):

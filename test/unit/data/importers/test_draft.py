@@ -97,6 +97,85 @@ def test_a_heading_alone_is_the_attitude(name, is_heading):
     assert [one.column for one in rest] == (['t'] if is_heading else ['t', name])
 
 
+@pytest.mark.parametrize(
+    ('names', 'force', 'torque'),
+    [
+        ('fx fy fz tx ty tz', 'fx fy fz', 'tx ty tz'),
+        ('Fx Fy Fz Mx My Mz', 'Fx Fy Fz', 'Mx My Mz'),
+        ('fx fz tz', 'fx - fz', '- - tz'),
+        ('cmd_fx cmd_fz cmd_torque_yaw', 'cmd_fx - cmd_fz', '- - cmd_torque_yaw'),
+        ('f_x_cmd f_z_cmd m_z_cmd', 'f_x_cmd - f_z_cmd', '- - m_z_cmd'),
+        ('tau_1 tau_2 tau_3 tau_4 tau_5 tau_6', 'tau_1 tau_2 tau_3', 'tau_4 tau_5 tau_6'),
+        # Without a force, t is a translation; m1 is a motor, and f1 the force of one
+        ('tx ty tz', '', ''),
+        ('fz m1 m2 m3 m4', '- - fz', ''),
+        ('f1 f2 f3 f4', '', ''),
+    ],
+)  # fmt: skip
+def test_commanded_forces_and_torques_are_found_by_axis(tmp_path, names, force, torque):
+    """Many blimps are commanded on three of six axes; each lab has its own letters."""
+    flight = lab_flight()
+    columns = names.split()
+    rng = np.random.default_rng(1)
+    source = write_csv(tmp_path / 'a.csv', {
+        'time': flight['t'] + 100.0, **three('p', flight['p']), **three('q', flight['q'], 'xyzw'),
+        **{name: rng.uniform(0.0, 0.1, len(flight['t'])) for name in columns},
+    })  # fmt: skip
+    topics = yaml.safe_load(draft_mapping(source, {}).text)['topics']
+    wrench = [one for one in topics if one['topic'] == 'wrench_command']
+    wanted = {
+        kind: [None if name == '-' else name for name in listed.split()]
+        for kind, listed in (('force', force), ('torque', torque))
+        if listed
+    }
+    found = {k: v['columns'] for one in wrench for k, v in one.items() if k != 'topic'}
+    assert found == wanted
+
+
+def test_the_file_of_a_tracker_has_its_names_in_several_lines(bring, tmp_path):
+    """As Motive writes it: type, body, quantity and axis apart, y up, markers behind the body."""
+    f = lab_flight()
+    place, turned = (f[part][:, [0, 2, 1]] * [1, 1, -1] for part in 'pq')
+    lines = [
+        'Format Version,1.23,Take Name,blimp,Rotation Type,Quaternion,Length Units,Meters',
+        '',
+        ',Type' + 8 * ',Rigid Body' + 3 * ',Rigid Body Marker',
+        ',Name' + 8 * ',Blimp' + 3 * ',Blimp:Marker1',
+        ',ID' + 8 * ',A1' + 3 * ',B2',
+        ',' + 4 * ',Rotation' + 3 * ',Position' + ',Mean Marker Error' + 3 * ',Position',
+        'Frame,Time (Seconds),X,Y,Z,W,X,Y,Z,,X,Y,Z',
+    ]
+    table = [np.arange(len(place)), f['t'], *turned.T, f['q'][:, 3], *place.T, 0.0 * f['t'],
+             *(place + 0.1).T]  # fmt: skip
+    rows = [','.join(f'{value:.9g}' for value in row) for row in np.column_stack(table)]
+    source = tmp_path / 'take.csv'
+    source.write_text('\n'.join([*lines, *rows]) + '\n')
+    found, _, draft = import_drafted(bring, source)
+    expect_flight(found, f, 'pq')
+    mapping = yaml.safe_load(draft.text)
+    assert mapping['time'] == {'column': 'Time (Seconds)', 'unit': 's'}
+    assert 'Marker1' not in str(mapping['topics'])
+
+
+def test_a_tracker_that_counts_frames_is_asked_for_its_rate(tmp_path):
+    """As Vicon writes it: frames, an axis times an angle, millimetres, units below the names."""
+    f = lab_flight()
+    turn = Rotation.from_quat(f['q']).as_rotvec()
+    rows = [
+        ','.join(f'{value:.9g}' for value in (i + 1, 0, *turn[i], *(1000.0 * f['p'][i])))
+        for i in range(len(turn))
+    ]
+    head = ['Objects', '50', 'Frame,Sub Frame,RX,RY,RZ,TX,TY,TZ', ',,rad,rad,rad,mm,mm,mm']
+    source = tmp_path / 'vicon.csv'
+    source.write_text('\n'.join([*head, *rows]) + '\n')
+    assert [one.key for one in draft_mapping(source, {}).choices.questions] == ['time.rate']
+    mapping = yaml.safe_load(draft_mapping(source, {'time.rate': '50'}).text)
+    (topic,) = mapping['topics']
+    assert mapping['time'] == {'rate': '50 Hz'}
+    assert topic['orientation']['rotation_vector'] == ['RX [rad]', 'RY [rad]', 'RZ [rad]']
+    assert topic['position']['unit'] == 'mm'
+
+
 def import_drafted(bring, source, answers=None):
     """Draft, require that nothing is open, import, and return the truth topic as arrays."""
     draft = draft_mapping(source, answers or {})

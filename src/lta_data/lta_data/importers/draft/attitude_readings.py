@@ -50,6 +50,8 @@ def list_readings(group: ColumnGroup, numbers: Numbers) -> Iterator[AttitudeRead
     if group.kind == 'quaternion':
         yield from _read_quaternions(group, numbers)
     else:
+        if group.axes == ('x', 'y', 'z'):
+            yield from _read_vectors(group, numbers)
         yield from _read_angles(group, numbers)
 
 
@@ -68,6 +70,19 @@ def _read_quaternions(group: ColumnGroup, numbers: Numbers) -> Iterator[Attitude
             yield AttitudeReading(
                 label, entry, turn if direction == 'body to world' else turn.inv()
             )
+
+
+def _read_vectors(group: ColumnGroup, numbers: Numbers) -> Iterator[AttitudeReading]:
+    """Yield the readings as axis times angle, as Vicon writes RX, RY, RZ."""
+    vectors = _fill_rows(numbers, [0.0] * 3)
+    unit = 'deg' if np.abs(vectors).max() > UNCLEAR[0] or group.unit.startswith('deg') else 'rad'
+    turn = Rotation.from_rotvec(vectors, degrees=unit == 'deg')
+    for direction in ('body to world', 'world to body'):
+        entry = {'rotation_vector': list(group.columns), 'unit': unit, 'direction': direction}
+        yield AttitudeReading(
+            f'rotation vector, {unit}, {direction}', entry,
+            turn if direction == 'body to world' else turn.inv(),
+        )  # fmt: skip
 
 
 def _read_angles(group: ColumnGroup, numbers: Numbers) -> Iterator[AttitudeReading]:

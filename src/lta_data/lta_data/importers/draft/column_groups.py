@@ -1,11 +1,12 @@
 """Group the columns of a table: vectors, quaternions, Euler angles, and single columns."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Final, final, NamedTuple
 
 from lta_data.importers.draft.name_hints import (
     ANGLES,
     ColumnName,
+    KINDS,
     match_kind,
     match_role,
     parse_column_name,
@@ -15,6 +16,9 @@ from lta_data.importers.log_table import Numbers
 import numpy as np
 
 TRIPLES: Final = (('x', 'y', 'z'), ('n', 'e', 'd'), ('0', '1', '2'), ('1', '2', '3'))
+SIXES: Final = (tuple('012345'), tuple('123456'))  # force and torque in one vector, as tau
+TORQUE_LETTERS: Final = frozenset(['t', 'm'])
+ANGLE_AXES: Final = {'roll': 'x', 'pitch': 'y', 'yaw': 'z'}
 FOURS: Final = (('0', '1', '2', '3'), ('1', '2', '3', '4'))
 UNIT_NORM: Final = 0.02  # largest median deviation of the length of a quaternion
 Columns = Mapping[str, Numbers]
@@ -27,7 +31,8 @@ class ColumnGroup(NamedTuple):
     # 'position', 'velocity', 'rates', 'acceleration', 'force', 'torque', 'quaternion', 'euler'
     kind: str
     role: str  # 'truth', 'estimate', 'setpoint', or '' if the names do not say
-    # x, y, z; of a quaternion as the log has them; of Euler angles roll, pitch, yaw, or yaw alone
+    # x, y, z; of a quaternion as the log has them; of Euler angles roll, pitch, yaw, or yaw alone;
+    # of force and torque those that the log has
     columns: tuple[str, ...]
     axes: tuple[str, ...]  # the axis in the name of each
     unit: str  # as in the names, '' if they do not say
@@ -46,7 +51,7 @@ def group_columns(table: Columns) -> tuple[list[ColumnGroup], list[ColumnName]]:
         if name.axis:
             stems.setdefault((name.stem, name.unit), {}).setdefault(name.axis, name)
     _complete_angles(stems, table)
-    groups = [*_group_letters(names)]
+    groups = [*_group_letters(names), *_group_wrench(names)]
     grouped = {column for group in groups for column in group.columns}
     for (stem, unit), axes in stems.items():
         for part in _split_angles(axes):
@@ -57,6 +62,7 @@ def group_columns(table: Columns) -> tuple[list[ColumnGroup], list[ColumnName]]:
     groups += _group_nameless(table, names, grouped)
     grouped |= {column for group in groups for column in group.columns}
     rest = [name for name in names if name.column not in grouped]
+    groups = [group for group in groups if not _is_marker(group, groups)]
     heading = _group_heading(rest, groups)
     if heading is not None:
         return [*groups, heading], [name for name in rest if name.column not in heading.columns]
@@ -84,6 +90,17 @@ def _wraps_at_pi(values: Numbers) -> bool:
     known = known[np.isfinite(known)]
     jumps = np.abs(np.diff(known)) > 1.5 * np.pi
     return bool(np.abs(known).max(initial=0.0) < 1.01 * np.pi and jumps.any())
+
+
+def _is_marker(group: ColumnGroup, groups: Sequence[ColumnGroup]) -> bool:
+    """Return whether a position is that of a marker on a body whose pose the log has."""
+    words, *bodies = (
+        frozenset(word for name in each.columns for word in parse_column_name(name).words)
+        for each in (group, *(one for one in groups if one.kind == 'quaternion'))
+    )
+    return group.kind == 'position' and 'marker' in words and any(
+        body - KINDS['quaternion'] < words and 'marker' not in body for body in bodies
+    )  # fmt: skip
 
 
 def _group_heading(names: list[ColumnName], groups: list[ColumnGroup]) -> ColumnGroup | None:
@@ -145,10 +162,19 @@ def _group_stem(
             made = kind or ('position' if not stem or role else '')
             if made == 'quaternion':
                 made = 'euler' if triple[0] in '01' else ''
+            # Vicon: RX, RY, RZ, TX, TY, TZ
+            if stem == ('r',) and triple[0] == 'x' and _are_angles(axes, table):
+                made = 'euler'
             if made:
                 why = f'the name {label}' if stem else 'columns x, y, z'
                 return _build(made, role, axes, triple, unit, why)
     return None
+
+
+def _are_angles(axes: Mapping[str, ColumnName], table: Columns) -> bool:
+    """Return whether RX, RY and RZ stand beside a place TX, TY and TZ."""
+    names = {column.lower().split(' ')[0] for column in table}
+    return {'tx', 'ty', 'tz'} <= names and len(axes) == 3
 
 
 def _group_letters(names: list[ColumnName]) -> Iterator[ColumnGroup]:
@@ -158,6 +184,34 @@ def _group_letters(names: list[ColumnName]) -> Iterator[ColumnGroup]:
         if {*letters} <= {*by_name}:
             columns = tuple(by_name[letter] for letter in letters)
             yield ColumnGroup(kind, '', columns, ('x', 'y', 'z'), '', f'the letters {letters}')
+
+
+def _group_wrench(names: Sequence[ColumnName]) -> Iterator[ColumnGroup]:
+    """Yield force and torque, also where only some of their components are commanded."""
+    # By the words around force and torque: measured and commanded ones differ by them
+    parts: dict[frozenset[str], dict[str, dict[str, ColumnName]]] = {}
+    for letters in (False, True):
+        for name in names:
+            rest = name.words - KINDS['force'] - KINDS['torque'] - TORQUE_LETTERS
+            axis = ANGLE_AXES.get(name.axis, name.axis)
+            kind = match_kind(name.words - rest)
+            # tx beside fx is a torque; alone it is a place
+            if letters and name.words & TORQUE_LETTERS and 'force' in parts.get(rest, {}):
+                kind = 'torque'
+            if kind in ('force', 'torque') and axis in ('x', 'y', 'z'):
+                parts.setdefault(rest, {}).setdefault(kind, {}).setdefault(axis, name)
+    for six in SIXES:
+        tau = {name.axis: name for name in names if name.words & KINDS['torque']}
+        if {*tau} == {*six}:
+            for kind, indices in (('force', six[:3]), ('torque', six[3:])):
+                axes = {axis: tau[i] for axis, i in zip('xyz', indices, strict=True)}
+                parts.setdefault(frozenset(), {}).setdefault(kind, axes)
+    for found in sorted(parts.values(), key=len, reverse=True):
+        for kind, by_axis in found.items():
+            order = tuple(axis for axis in 'xyz' if axis in by_axis)
+            first = by_axis[order[0]]
+            why = f'the name {"_".join(first.stem)}'
+            yield _build(kind, match_role(first.words), by_axis, order, first.unit, why)
 
 
 def _group_nameless(

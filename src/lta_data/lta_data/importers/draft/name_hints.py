@@ -15,7 +15,8 @@ UNIT_WORDS: Final[dict[str, tuple[str, float]]] = {
     'degps': ('deg/s', 1.0), '°/s': ('deg/s', 1.0), 'rpm': ('rpm', 1.0),
     'm/s2': ('m/s2', 1.0), 'm/s^2': ('m/s2', 1.0), 'm s^-2': ('m/s2', 1.0),
     'mss': ('m/s2', 1.0), 'g': ('m/s2', 9.80665), 'gs': ('m/s2', 9.80665),
-    'n': ('N', 1.0), 'mn': ('mN', 1.0), 'nm': ('N m', 1.0), 'v': ('V', 1.0), 'mv': ('mV', 1.0),
+    'n': ('N', 1.0), 'mn': ('mN', 1.0), 'nm': ('N m', 1.0),
+    'n m': ('N m', 1.0), 'mnm': ('mN m', 1.0), 'v': ('V', 1.0), 'mv': ('mV', 1.0),
     'volts': ('V', 1.0), 'a': ('A', 1.0), 'ma': ('mA', 1.0), 'pa': ('Pa', 1.0),
     'hpa': ('hPa', 1.0), 'mbar': ('hPa', 1.0), '%': ('%', 1.0), 'percent': ('%', 1.0),
 }  # fmt: skip
@@ -53,7 +54,8 @@ ANGLES: Final = {
 }  # fmt: skip
 COMPASS: Final = {'north': 'n', 'east': 'e', 'down': 'd'}
 JOINED: Final = re.compile(
-    r'(pos|vel|acc|accel|gyr|gyro|omega|euler|quat|force|torque|tau|[pvqwtagfrobe])([xyzwned]|\d)'
+    r'(pos|vel|acc|accel|gyr|gyro|omega|euler|quat|force|torque|tau|moment|[pvqwtagfrobe]'
+    r'|m(?=[xyz]))([xyzwned]|\d)'
 )
 WORDS: Final = re.compile(r'[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+\d?|[A-Z]+\d?|\d+')
 

@@ -7,7 +7,7 @@ from lta_data.importers.draft.attitude_readings import body_rates_of, fit_scale,
 from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.column_groups import ColumnGroup, Columns, group_columns
 from lta_data.importers.draft.motion_draft import draft_motion, MotionDraft
-from lta_data.importers.draft.name_hints import parse_column_name
+from lta_data.importers.draft.name_hints import parse_column_name, UNIT_WORDS
 from lta_data.importers.draft.scalar_draft import draft_scalars
 from lta_data.importers.draft.time_base import find_time_base, TimeBase
 from lta_data.importers.draft.vertical import find_axes, VerticalAxes
@@ -194,9 +194,13 @@ def _draft_wrench(topic: str, members: Groups, choices: DraftChoices) -> dict[st
     units = {'force': 'N', 'torque': 'N m'}
     entry: dict[str, Any] = {'topic': topic}
     for kind, group in members.items():
-        unit = 'mN' if group.unit == 'mn' else units[kind]
-        unit = choices.override(f'{topic}.{kind}.unit', unit)
-        entry[kind] = {'columns': list(group.columns), 'unit': unit}
+        named = UNIT_WORDS.get(group.unit, (units[kind],))[0]
+        unit = choices.override(f'{topic}.{kind}.unit', named)
+        by_axis = dict(zip(group.axes, group.columns, strict=True))
+        # A component that the log lacks is null, and zero in the bag
+        partial = not {*group.axes} - {*'xyz'}
+        columns = [by_axis.get(axis) for axis in 'xyz'] if partial else list(group.columns)
+        entry[kind] = {'columns': columns, 'unit': unit}
     return entry
 
 

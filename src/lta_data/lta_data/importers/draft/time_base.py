@@ -12,6 +12,7 @@ import numpy as np
 
 RATES: Final = (0.5, 3000.0)  # of samples that a flight log has [Hz]
 EPOCHS: Final = {'s': 1e9, 'ms': 1e12, 'us': 1e15, 'ns': 1e18}  # times since 1970, at least
+FRAMES: Final = frozenset(['frame', 'frames', 'index', 'idx', 'row', 'sample', 'samples'])
 # Usual rates [Hz]
 NICE: Final = (
     1, 2, 4, 5, 10, 15, 20, 24, 25, 30, 40, 50, 60, 75, 80, 90, 100, 120, 125, 128, 150, 180,
@@ -57,7 +58,8 @@ def _find_time_column(table: Columns, groups: list[ColumnGroup]) -> str:
     rising = [
         column
         for column, cells in table.items()
-        if column not in taken and (cells.dtype.kind not in 'fiub' or _rises(cells))
+        if column not in taken
+        and (cells.dtype.kind not in 'fiub' or (_rises(cells) and not _counts(column, cells)))
     ]
     for column in rising:
         name = parse_column_name(column)
@@ -76,6 +78,12 @@ def _rises(cells: Numbers) -> bool:
     """Return whether numbers rise nearly everywhere."""
     good = cells[np.isfinite(cells)]
     return len(good) > 2 and bool(np.mean(np.diff(good) > 0.0) > 0.9) and good[-1] > good[0]
+
+
+def _counts(column: str, cells: Numbers) -> bool:
+    """Return whether a column numbers the frames of a camera, which says nothing of their rate."""
+    counted = bool(parse_column_name(column).words & FRAMES)
+    return counted and bool(np.mean(np.diff(cells[np.isfinite(cells)]) == 1.0) > 0.9)
 
 
 def _is_even(cells: Numbers) -> bool:

@@ -61,6 +61,9 @@ def detect_text_format(path: Path) -> TextFormat:
         if above is not None:
             names = [_add_unit(name, unit) for name, unit in zip(above, names, strict=True)]
             before = []
+    if joined := _join_lines_of_names([lines[i] for i in plain], mark, cells):
+        # The mapping lists them, too
+        names, before = joined, []
     # The line with the names is read by its position, unless it is a comment or not there
     if names is not None and before and plain and plain[-1] == before[-1] and not marks:
         return TextFormat(delimiter=delimiter, decimal=decimal, skip=len(plain) - 1)
@@ -136,12 +139,41 @@ def _find_names(before: Sequence[str], delimiter: str, cells: int) -> list[str] 
         for mark in (DELIMITERS[delimiter], ',', ';', '\t', None):
             names = split_cells(text, mark)
             if len(names) == cells and not any(map(_is_number, names)):
-                unique: list[str] = []
-                for index, name in enumerate(names):
-                    known = name or f'unnamed {index + 1}'
-                    unique.append(known if known not in unique else f'{known} ({index + 1})')
-                return unique
+                return _make_unique(names)
     return None
+
+
+def _join_lines_of_names(lines: Sequence[str], mark: str | None, cells: int) -> list[str]:
+    """
+    Return names that are written in several lines, as a tracker does: Body / Position / X.
+
+    Empty if the last line names each column by itself.
+    """
+    split = [
+        [cell.strip().strip('"') for cell in line.strip('\r\n').split(mark)] for line in lines
+    ]
+    rows = [row for row in reversed(split) if len(row) == cells and not any(map(_is_number, row))]
+    if not rows or _are_units(rows[0]) or len({*filter(None, rows[0])}) == sum(map(bool, rows[0])):
+        return []
+    names = rows[0]
+    for above in rows[1:]:
+        filled = [name for name in names if name]
+        # Identifiers tell columns apart, but mean nothing to a reader
+        if len({*filled}) < len(filled) and 'ID' not in above[:2]:
+            # A word that stands once labels the line, and not a column with a name
+            names = [
+                f'{word} {name}'.strip() if not name or above.count(word) > 1 else name
+                for word, name in zip(above, names, strict=True)
+            ]
+    return _make_unique(names)
+
+
+def _make_unique(names: Sequence[str]) -> list[str]:
+    unique: list[str] = []
+    for index, name in enumerate(names):
+        known = name or f'unnamed {index + 1}'
+        unique.append(known if known not in unique else f'{known} ({index + 1})')
+    return unique
 
 
 def _are_units(names: Sequence[str]) -> bool:
