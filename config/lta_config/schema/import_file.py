@@ -229,11 +229,15 @@ class TimeColumn(StrictModel):
     rate: Quantity | None = None
     step: Quantity | None = None
     start: Quantity | None = None  # added to every time; ROS takes a stamp of 0 as unset
+    # A table on whose clock these times are needed: the offset of each log is estimated
+    align: str | None = None
 
     @model_validator(mode='after')
     def _check_source(self) -> Self:
         if [self.column, self.rate, self.step].count(None) != 2:
             raise ValueError('needs exactly one of "column", "rate" and "step"')
+        if self.align is not None and self.start is not None:
+            raise ValueError('has both "align" and "start"; give one of them')
         if UNITS.get(self.unit, ('', 0.0))[0] != 's':
             raise ValueError(f'has the unit "{self.unit}", but must be in s, ms, us or ns')
         for name, given, unit in (('rate', self.rate, 'Hz'), ('step', self.step, 's')):

@@ -10,6 +10,7 @@ from lta_bridge.bag.writer import prepare_empty_folder
 from lta_config.errors import BadInput, to_one_line
 from lta_config.schema.import_file import load_mapping
 from lta_data.bag.bag_folder import find_bag
+from lta_data.importers.draft.clock_alignment import resolve_clocks
 from lta_data.importers.formats import detect_format, find_format
 from lta_data.importers.log_provenance import build_provenance
 from lta_data.importers.log_to_bag import write_log_bag
@@ -20,7 +21,7 @@ from lta_data.importers.mapping_choice import (
 )
 from lta_data.importers.progress import ImportProgress
 from lta_data.importers.protocol import Reached
-from lta_data.importers.readers.sensor_folder import list_run_files
+from lta_data.importers.readers.sensor_folder import list_run_files, list_run_folders
 from lta_report.results_folder import stage_results
 
 BAG = 'bag'  # as in a flight's results folder
@@ -86,7 +87,8 @@ def expand_source(source: Path, mapping: str | None) -> list[Path]:
     """
     Return the logs of a source: the files of a folder with one run in each, else itself.
 
-    A folder is one log if it is a bag, or if the mapping is for the format folder.
+    A folder is one log if it is a bag, or if the mapping is for the format folder and it does not
+    hold a folder with the same tables for each run.
 
     Raises
     ------
@@ -98,7 +100,7 @@ def expand_source(source: Path, mapping: str | None) -> list[Path]:
     if not log.is_dir() or detect_format(log) == 'bag':
         return [log]
     if mapping is not None and load_mapping(mapping)[0].format == 'folder':
-        return [source]
+        return list_run_folders(source) or [source]
     return list_run_files(source)
 
 
@@ -120,6 +122,9 @@ def _import_log(order: ImportRequest, source: Path, bag: Path, reached: Reached)
     find_format(format_)
     mapping, text = select_mapping(source, format_, order.mapping)
     told = build_provenance(source, format_, mapping, text, order.vehicle)
+    clocks: list[str] = []
+    if mapping is not None:
+        mapping, clocks = resolve_clocks(source, mapping)
     try:
         log = find_format(format_).opened(source, mapping)
         chosen = choose_entries(source, mapping, log, order.robot)
@@ -130,7 +135,7 @@ def _import_log(order: ImportRequest, source: Path, bag: Path, reached: Reached)
             [] if order.vehicle is None else describe_unknown_actuators(order.vehicle, chosen)
         )
         found.topics, found.notes = write_log_bag(log, chosen, bag, told, reached)
-        found.notes = [to_one_line(note) for note in [*found.notes, *strange]]
+        found.notes = [to_one_line(note) for note in [*found.notes, *clocks, *strange]]
     except (OSError, StorageFault) as fault:
         reason = str(fault).rstrip('.')
         raise BadInput(f"'{source}' cannot be imported: {reason}.") from None

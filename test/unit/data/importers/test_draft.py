@@ -176,6 +176,68 @@ def test_a_tracker_that_counts_frames_is_asked_for_its_rate(tmp_path):
     assert topic['position']['unit'] == 'mm'
 
 
+def write_run(folder, seed, began, pressed):
+    """Write poses and commands of a random flight, each on its own clock."""
+    rng = np.random.default_rng(seed)
+    t = np.arange(0.0, 60.0, 0.02)
+    # Force and moment change every two seconds; both speeds follow, and decay
+    told = rng.uniform(-1.0, 1.0, (30, 2)).repeat(100, axis=0) * [0.2, 0.1]
+    speed = np.zeros((len(t), 2))
+    for k in range(1, len(t)):
+        speed[k] = speed[k - 1] + 0.02 * (told[k - 1] - 0.3 * speed[k - 1])
+    yaw = 0.02 * np.cumsum(speed[:, 1])
+    place = np.cumsum(speed[:, :1] * np.column_stack([np.cos(yaw), np.sin(yaw)]), axis=0) * 0.02
+    place = np.column_stack([place, 0.0 * t + 1.0]) + rng.normal(0.0, 5e-4, (len(t), 3))
+    turn = Rotation.from_rotvec(np.outer(yaw, [0.0, 0.0, 1.0])).as_quat()
+    folder.mkdir(parents=True)
+    poses = {'time': began + t, **three('p', place), **three('q', turn, 'xyzw')}
+    rows = np.column_stack(list(poses.values()))
+    np.savetxt(folder / 'mocap.csv', rows, '%.6f', ',', header=','.join(poses), comments='')
+    # The commands were recorded from the tenth second on, at 10 Hz
+    rows = np.column_stack([t - 10.0 + pressed, told])[500::5]
+    np.savetxt(folder / 'stick.csv', rows, '%.6f', ',', header='t,fx,tz', comments='')
+
+
+@pytest.mark.parametrize(('name', 'began'), [('a', 1.7e9), ('b', 1.7e9 + 900.0)])
+def test_commands_on_a_clock_of_their_own_are_moved_to_the_motion(bring, tmp_path, name, began):
+    write_run(tmp_path / 'runs' / 'a', 1, 1.7e9, 3.2)
+    write_run(tmp_path / 'runs' / 'b', 2, 1.7e9 + 900.0, 40.0)
+    draft = draft_mapping(tmp_path / 'runs', {})
+    assert 'The 2 folders of runs are runs with the same tables.' in draft.source.notes
+    got = bring(tmp_path / 'runs' / name, draft.text)
+    assert got.stamps(ODOM)[0] == round(began * 1e9)
+    assert got.stamps('/lta1/wrench_command')[0] * 1e-9 == pytest.approx(began + 10.0, abs=0.25)
+    assert 'are added to the times of stick: there, the commands explain' in got.notes
+
+
+def test_commands_that_move_nothing_are_taken_to_begin_with_the_pose(tmp_path):
+    write_run(tmp_path / 'a', 1, 1.7e9, 3.2)
+    stick = tmp_path / 'a' / 'stick.csv'
+    head, *rows = stick.read_text().splitlines()
+    rng = np.random.default_rng(0)
+    noise = [f'{row.split(",")[0]},{x:.3f},{y:.3f}' for row, (x, y) in
+             zip(rows, rng.normal(size=(len(rows), 2)), strict=True)]  # fmt: skip
+    stick.write_text('\n'.join([head, *noise]) + '\n')
+    draft = draft_mapping(tmp_path / 'a', {})
+    (reason,) = [
+        one for one in draft.choices.reasons if one.part == 'stick.time' and 'later' in one.reading
+    ]
+    assert reason.reading == f'{1.7e9 - 3.2:.2f} s later'
+    assert reason.reason == 'another clock than mocap; taken to begin together: check it'
+    given = draft_mapping(tmp_path / 'a', {'stick.time.start': '1700000007 s'})
+    times = {one['table']: one['time'] for one in yaml.safe_load(given.text)['topics']}
+    assert times['stick'] == {'column': 't', 'unit': 's', 'start': '1700000007.000 s'}
+
+
+def test_commands_stamped_seconds_early_on_a_common_clock_are_asked_about(tmp_path):
+    write_run(tmp_path / 'a', 1, 100.0, 103.0)
+    (question,) = draft_mapping(tmp_path / 'a', {}).choices.questions
+    assert question.key == 'stick.time.start'
+    stay, move = (float(option.split()[0]) for option, _ in question.options)
+    assert stay == 0.0
+    assert move == pytest.approx(7.0, abs=0.25)
+
+
 def import_drafted(bring, source, answers=None):
     """Draft, require that nothing is open, import, and return the truth topic as arrays."""
     draft = draft_mapping(source, answers or {})

@@ -9,6 +9,7 @@ from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_data.bag.channels import SignalChannel
 from lta_data.importers.draft.choices import DraftChoices
+from lta_data.importers.draft.clock_alignment import align_clocks
 from lta_data.importers.draft.name_hints import match_role, parse_column_name
 from lta_data.importers.draft.source_tables import read_source, SourceTables
 from lta_data.importers.draft.table_draft import draft_table, TableDraft
@@ -111,6 +112,8 @@ def draft_mapping(path: Path, answers: Mapping[str, str]) -> MappingDraft:
     if not source.tables:
         return _draft_shipped_format(source, choices)
     drafts = {name: draft_table(name, table, choices) for name, table in source.tables.items()}
+    for name, clock in align_clocks(source.tables, drafts, choices).items():
+        drafts[name].time.entry.update(clock.list_keys())
     content = _build_content(source, drafts, path)
     choices.refuse_unused()
     unused = [

@@ -10,6 +10,7 @@ from lta_data.importers.formats import detect_format
 from lta_data.importers.readers.column_log import Column
 from lta_data.importers.readers.sensor_folder import (
     list_run_files,
+    list_run_folders,
     read_folder,
     read_table_file,
     read_text_file,
@@ -35,6 +36,10 @@ def read_source(source: Path) -> SourceTables:
     path = find_bag(source)
     format_ = detect_format(path)
     if format_ == 'folder':
+        if folders := list_run_folders(path):
+            note = f'The {len(folders)} folders of {source.name} are runs with the same tables.'
+            first = read_source(folders[0])
+            return first._replace(notes=[note, *first.notes])
         files = list_run_files(path)
         kinds = {detect_format(file) for file in files}
         if len(files) == 1 or (len(kinds) == 1 and _have_same_columns(files)):

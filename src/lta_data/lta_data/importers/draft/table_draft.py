@@ -32,6 +32,7 @@ class TableDraft(NamedTuple):
     axes: VerticalAxes | None
     groups: list[ColumnGroup]
     unused: list[str]
+    motion: MotionDraft | None  # of the first topic with a pose or a velocity
 
 
 def draft_table(name: str, table: Columns, choices: DraftChoices) -> TableDraft:
@@ -73,9 +74,9 @@ def draft_table(name: str, table: Columns, choices: DraftChoices) -> TableDraft:
         single for single in singles if single.column not in (time.entry.get('column'), *taken)
     ]
     entries += draft_scalars(name, table, rest, choices)
-    used = {column for entry in entries for column in _list_columns(entry)}
+    used = {column for entry in entries for column in list_columns(entry)}
     unused = [c for c in table if c not in used and c != time.entry.get('column')]
-    return TableDraft(entries, time, axes, groups, unused)
+    return TableDraft(entries, time, axes, groups, unused, primary)
 
 
 def _sort_groups(
@@ -204,13 +205,13 @@ def _draft_wrench(topic: str, members: Groups, choices: DraftChoices) -> dict[st
     return entry
 
 
-def _list_columns(part: Any) -> list[str]:  # noqa: ANN401 - a mapping as plain data
+def list_columns(part: Any) -> list[str]:  # noqa: ANN401 - a mapping as plain data
     """Return all columns that an entry names."""
     if isinstance(part, dict):
         return [
             column
             for key, value in part.items()
             if key != 'topic'
-            for column in ([value] if key == 'column' else _list_columns(value))
+            for column in ([value] if key == 'column' else list_columns(value))
         ]
     return [one for one in part if isinstance(one, str)] if isinstance(part, list) else []

@@ -24,8 +24,9 @@ NICE: Final = (
 class TimeBase(NamedTuple):
     """The time of a table."""
 
-    seconds: Numbers  # shape (n,) [s]
+    seconds: Numbers  # since the first row, shape (n,) [s]
     entry: dict[str, str]  # as in a mapping
+    first: float = 0.0  # time of the first row on the clock of the table [s]
 
 
 def find_time_base(
@@ -101,7 +102,7 @@ def _read_time_column(
     if cells.dtype.kind not in 'fiub':
         seconds = np.array([parse_date(str(cell)) for cell in cells], dtype=np.float64) * 1e-9
         choices.add_reason(f'{prefix}time', [column], 'dates', 'dates with time of day')
-        return TimeBase(seconds - seconds[0], {'column': column})
+        return TimeBase(seconds - seconds[0], {'column': column}, float(seconds[0]))
     unit, why = _find_time_unit(column, cells, table, groups)
     if not unit:
         fitting = _list_units(cells)
@@ -114,7 +115,9 @@ def _read_time_column(
     unit = choices.override(key, unit)
     choices.add_reason(f'{prefix}time', [column], unit, why)
     first = cells[np.isfinite(cells)][0]
-    return TimeBase((cells - first) * UNITS[unit][1], {'column': column, 'unit': unit})
+    scale = UNITS[unit][1]
+    entry = {'column': column, 'unit': unit}
+    return TimeBase((cells - first) * scale, entry, float(first) * scale)
 
 
 def _find_time_unit(

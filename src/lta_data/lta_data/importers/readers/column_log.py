@@ -93,13 +93,13 @@ class ColumnLog:
             return compute_even_times(time, rows)
         if time.column not in table:
             raise missing_columns_error(self._path, [time.column], list(table))
-        return _to_nanoseconds(table[time.column], time)
+        start = 0 if time.start is None else round(time.start.si * SECOND)
+        return _to_nanoseconds(table[time.column], time) + start
 
     def _choose_time_offset(self, stamps: Mapping[str, Times]) -> int:
         """Return the offset of all times, equal for all tables. [ns]"""
-        given = [time.start for time in self._times.values() if time.start is not None]
-        if given:
-            return round(given[0].si * SECOND)
+        if all(self._times[name].start is not None for name in stamps):
+            return 0
         first = min((int(times.min()) for times in stamps.values() if len(times)), default=0)
         return choose_time_offset(first, self.notes, self.facts)
 

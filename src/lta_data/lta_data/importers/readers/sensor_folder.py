@@ -89,6 +89,26 @@ def list_run_files(path: Path) -> list[Path]:
     return _list_files(path, (*TEXTS, *READERS, *RUNS))
 
 
+def list_run_folders(path: Path) -> list[Path]:
+    """Return the folders in a folder that hold one run each, with the same tables; else none."""
+    folders = [one for one in sorted(path.iterdir()) if one.is_dir() and one.name[0] != '.']
+    files = [list_run_files(folder) for folder in folders]
+    names = {tuple(str(file.relative_to(folder)) for file in inside)
+             for folder, inside in zip(folders, files, strict=True)}  # fmt: skip
+    several = len(folders) > 1 and len(names) == 1 and len(files[0]) > 1
+    if not several or len(list_run_files(path)) > sum(map(len, files)):
+        return []
+    # The imu0 and the cam0 of one run also have files of the same names
+    return folders if _list_columns(folders[0]) == _list_columns(folders[-1]) else []
+
+
+def _list_columns(folder: Path) -> list[tuple[str, ...]]:
+    tables = [
+        table for file in list_data_files(folder) for table in read_table_file(file)[0].values()
+    ]
+    return [tuple(table) for table in tables]
+
+
 def _list_files(path: Path, suffixes: tuple[str, ...]) -> list[Path]:
     files = (file for file in path.rglob('*') if file.is_file() and file.name[0] != '.')
     return sorted(file for file in files if _suffix(file) in suffixes)
