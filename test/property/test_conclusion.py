@@ -48,7 +48,7 @@ def gaps(draw, named):
     ends = shrink - half, shrink + half
     return ChannelErrors(
         channel, 'm', draw(st.sampled_from([1.0, 3.0, 5.0])), before, tuned, after, coast, 0.001,
-        shrink, ends, 9,
+        shrink, ends, 9, draw(st.just(float('nan')) | SIZES),
     )  # fmt: skip
 
 

@@ -6,7 +6,7 @@ or the use of the learned vehicle file, so that no two outputs contradict each o
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import math
 from typing import Final, final, Literal
 
@@ -25,6 +25,7 @@ FAR: Final = 3.0  # s; the horizon at which a model has to be better than coasti
 LOOSE: Final = 0.7  # of the error before; below it, tuning the tolerances alone is worth reporting
 WORSE: Final = 1.05  # of the error before; above it, the learned file should not be used yet
 CLOSER: Final = 0.95  # of the error with tolerances alone; above it, the effect predicts no better
+CLEARLY: Final = 0.9  # of the error of the other files; below it, the refitted one is advised
 ADVICE: Final[Mapping[Advice, str]] = {
     'keep': 'Keep the vehicle file as it is.',
     'measure': 'Measure the parameters in the vehicle file again, and correct them.',
@@ -62,6 +63,9 @@ class Conclusion:
     # The position error over some seconds, if the final model does not beat coasting there: then
     # it is no improvement
     useless: ChannelErrors | None = None
+    # The position error at the longest horizon, if the file with all numbers refitted forecasts
+    # the held-out flights clearly better than any other, position and attitude
+    refitted: ChannelErrors | None = None
 
     @property
     def is_doubtful(self) -> bool:
@@ -93,6 +97,7 @@ def draw_conclusion(finding: StudyResult) -> Conclusion:
         and useless is None
         and not (finding.strained or find_worse_forecasts(finding.gaps)),
         useless=useless,
+        refitted=find_better_refit(finding),
     )
 
 
@@ -112,6 +117,27 @@ def find_useless_forecast(gaps: Sequence[ChannelErrors]) -> ChannelErrors | None
     """Return the position error over some seconds, if coasting is as good as the final model."""
     far = [gap for gap in gaps if gap.channel == 'position' and gap.horizon_s == FAR]
     return far[0] if far and far[0].coast <= far[0].after else None
+
+
+def find_better_refit(finding: StudyResult) -> ChannelErrors | None:
+    """Return the main error, if the refitted file forecasts held-out flights clearly better."""
+    gap = select_main_error(finding.gaps)
+    if gap is None or not finding.held_out:
+        return None
+    whole = [
+        one for one in finding.gaps
+        if one.channel in ('position', 'attitude') and one.horizon_s == gap.horizon_s
+    ]  # fmt: skip
+    better = [
+        one.refitted < CLEARLY * min(one.before, one.tuned, one.after, one.coast) for one in whole
+    ]
+    return gap if len(whole) == 2 and all(better) else None
+
+
+def forget_refit(finding: StudyResult) -> StudyResult:
+    """Return a finding without the errors of a refitted model, of which there is no file."""
+    gaps = tuple(replace(gap, refitted=math.nan) for gap in finding.gaps)
+    return replace(finding, gaps=gaps)
 
 
 def _choose_advice(finding: StudyResult) -> Advice:

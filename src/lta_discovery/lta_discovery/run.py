@@ -1,7 +1,6 @@
 """Run a discovery: read the bags, study the flights, and write the results folder."""
 
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import final
@@ -19,11 +18,13 @@ from lta_discovery.calibration.first_step import (
     CalibratedStart,
 )
 from lta_discovery.calibration.verdict import list_differences
+from lta_discovery.conclusion import forget_refit
 from lta_discovery.discrepancies.discrepancy_search import BaselineFlight, find_discrepancies
 from lta_discovery.flights.bags import read_bags, Role
 from lta_discovery.flights.usable_flights import select_usable_flights, UsableFlights
 from lta_discovery.forecast.forecast_warnings import list_forecast_warnings
 from lta_discovery.laws.proposal import add_law
+from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.page import animation
 from lta_discovery.page.flight_views import build_flight_views
 from lta_discovery.page.page import NAME as PAGE
@@ -223,12 +224,12 @@ def write_results(
             learned = set_yaml_block(learned, 'law', block)
         (part / VEHICLE).write_text(learned, encoding='utf-8')
     if study.refitted is not None:
-        # A refit may need a negative drag, which a vehicle file cannot hold: write none then.
-        with suppress(BadInput):
-            whole = format_learned_vehicle(text, vehicle, study.nominal, study.refitted, finding)
-            taught = [one.flight for one in study.flights if one.role != 'holdout']
-            whole = add_validity(whole, taught, vehicle.rotor_names, format_source(finding))
+        whole = _format_refitted_vehicle(text, vehicle, study, study.refitted)
+        if whole:
             (part / REFITTED).write_text(whole, encoding='utf-8')
+        else:
+            finding = forget_refit(finding)
+            study = replace(study, finding=finding)
     write_overlay(study.shown, part, finding.versions)
     told = to_dict(finding, sound.cuts)
     write_json(told, part / NAME)
@@ -241,3 +242,17 @@ def write_results(
     if drawing:
         (part / animation.NAME).write_text(drawing, encoding='utf-8')
     return DiscoveryResult(study, told, folder / PAGE)
+
+
+def _format_refitted_vehicle(
+    text: str, vehicle: Vehicle, study: DiscoveryStudy, refitted: NominalVehicle
+) -> str:
+    """Return the vehicle file with all numbers refitted; '' if a vehicle file cannot hold them."""
+    finding = study.finding
+    try:
+        whole = format_learned_vehicle(text, vehicle, study.nominal, refitted, finding)
+        taught = [one.flight for one in study.flights if one.role != 'holdout']
+        return add_validity(whole, taught, vehicle.rotor_names, format_source(finding))
+    except BadInput:
+        # Forecasts may ask for a negative drag
+        return ''

@@ -13,7 +13,7 @@ from lta_discovery.conclusion import (
     has_law,
     select_main_error,
 )
-from lta_discovery.finding import NamedEffect, StudyResult
+from lta_discovery.finding import ChannelErrors, NamedEffect, StudyResult
 from lta_discovery.page.formatting import (
     explain_decision,
     format_assumed,
@@ -202,9 +202,21 @@ def format_advice(finding: StudyResult) -> str:
         if said.rivals
         else ''
     )
+    refit = _format_refit(said.refitted)
     if finding.calibration is not None and said.advice in CALIBRATED:
-        return CALIBRATED[said.advice]
-    return ADVICE[said.advice] + (which if said.advice == 'use' else '')
+        return CALIBRATED[said.advice] + refit
+    return ADVICE[said.advice] + (which if said.advice == 'use' else '') + refit
+
+
+def _format_refit(gap: ChannelErrors | None) -> str:
+    """Return when to use the refitted file, with a space before it; '' if never."""
+    if gap is None:
+        return ''
+    return (
+        f' To predict flights of the same kinds, use refitted.yaml: its position error after '
+        f'{gap.horizon_s:g} s is {format_quantity(gap.refitted, gap.unit)}. Its numbers '
+        'compensate each other and are no findings.'
+    )
 
 
 def list_learned_file_commands(finding: StudyResult, folder: Path) -> dict[str, str]:

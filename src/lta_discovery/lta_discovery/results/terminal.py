@@ -33,6 +33,7 @@ BARS: Final = (
     ('before', 'the vehicle file', 'red'),
     ('tuned', 'its tolerances fitted', 'yellow'),
     ('after', 'with the named effects', 'green'),
+    ('refitted', 'all numbers refitted', 'cyan'),
     ('noise_floor', 'measurement noise', 'dim'),
 )
 WHOLE: Final = ('position', 'attitude')
@@ -130,6 +131,8 @@ def _format_bars(one: ChannelErrors) -> Iterator[Text]:
     most = max(one.before, one.tuned, one.after, 1e-12)
     for key, label, style in BARS:
         size = getattr(one, key)
+        if key == 'refitted' and not math.isfinite(size):
+            continue
         share = min(size / most, 1.0) if math.isfinite(size) else 0.0
         bar = '█' * round(BAR * share) + ('>' if size > most else '')
         yield Text(f'  {label:22}{format_quantity(size, one.unit):>9}  ').append(bar, style)

@@ -1,11 +1,12 @@
 """A model that does not beat coasting 3 s ahead is no improvement, whatever it improves."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 from lta_challenge.contradictions import find_contradictions
-from lta_discovery.conclusion import draw_conclusion
+from lta_discovery.conclusion import draw_conclusion, forget_refit
 from lta_discovery.finding import ChannelErrors, NamedEffect, ParameterEstimate, StudyResult
-from lta_discovery.page.verdict_text import format_headline
+from lta_discovery.page.verdict_text import format_advice, format_headline
 from lta_discovery.results.discovery_json import to_dict
 import pytest
 
@@ -42,3 +43,23 @@ def test_a_model_that_loses_to_coasting_is_none(*, named: bool) -> None:
     assert 'falls from' not in format_headline(found)
     assert to_dict(found)['gaps'][0]['coast'] == 0.08
     assert find_contradictions(found) == []
+
+
+@pytest.mark.parametrize(
+    ('position', 'attitude', 'held_out', 'advised'),
+    [(0.05, 0.05, True, True), (0.05, 0.095, True, False), (0.05, 0.05, False, False)],
+)
+def test_a_refitted_file_is_advised_where_it_forecasts_position_and_attitude_best(
+    position: float, attitude: float, held_out: bool, advised: bool
+) -> None:
+    """Named effects forecast with an error of 0.1; a tenth less counts as clearly better."""
+    found = study({5.0: 1.0})
+    (gap,) = found.gaps
+    gaps = (
+        replace(gap, refitted=position),
+        replace(gap, channel='attitude', unit='rad', refitted=attitude),
+    )
+    found = replace(found, gaps=gaps, held_out=held_out)
+    sentence = 'use refitted.yaml: its position error after 5 s is 5 cm.'
+    assert (sentence in format_advice(found)) == advised
+    assert 'refitted.yaml' not in format_advice(forget_refit(found))
