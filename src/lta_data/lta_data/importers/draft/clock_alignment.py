@@ -28,7 +28,7 @@ COMMANDS: Final = ('motors', 'wrench_command')
 
 
 @final
-class ClockOffset(NamedTuple):
+class CommandOffset(NamedTuple):
     """How much later the pose's clock is, counted from the first row of both tables."""
 
     seconds: float
@@ -142,7 +142,7 @@ def _share_clock(one: TableDraft, other: TableDraft) -> bool:
     return bool(shared > SHARED * min(end - begin for begin, end in spans))
 
 
-def _estimate(pose: TableDraft, draft: TableDraft, table: Columns) -> ClockOffset | None:
+def _estimate(pose: TableDraft, draft: TableDraft, table: Columns) -> CommandOffset | None:
     columns = _list_commands(draft)
     motion = pose.motion
     if not columns or motion is None or motion.turn is None or motion.evidence.position is None:
@@ -159,8 +159,8 @@ def _estimate(pose: TableDraft, draft: TableDraft, table: Columns) -> ClockOffse
 
 
 def estimate_clock_offset(
-    seconds: Numbers, position: Numbers, turn: Rotation, told: Numbers, commands: Numbers
-) -> ClockOffset | None:
+    seconds: Numbers, position: Numbers, turn: Rotation, stamps: Numbers, commands: Numbers
+) -> CommandOffset | None:
     """
     Estimate when the commands of one table acted in the motion of another.
 
@@ -171,12 +171,12 @@ def estimate_clock_offset(
     ----------
     seconds, position, turn : arrays, shapes (n,) and (n, 3), and Rotation of n
         Times since the first row [s], places [m] and attitudes from body to world.
-    told, commands : arrays, shapes (m,) and (m, k)
+    stamps, commands : arrays, shapes (m,) and (m, k)
         Times since the first row of their table [s], and commands in any unit.
 
     """
     grid = np.arange(seconds[0], seconds[-1], STEP)
-    if len(grid) < 100 or told[-1] < 100 * STEP:
+    if len(grid) < 100 or stamps[-1] < 100 * STEP:
         return None
     speed, pull = _find_motion(seconds, position, turn, grid)
     scale = np.nanstd(commands, axis=0)
@@ -184,13 +184,13 @@ def estimate_clock_offset(
     commands = commands[:, scale > 0.0]
     if not commands.shape[1]:
         return None
-    least = SHARED * min(grid[-1], told[-1])
-    offsets = np.arange(np.ceil((least - told[-1]) / STEP), (grid[-1] - least) / STEP) * STEP
-    gains = np.array([_explain(grid, speed, pull, told + one, commands) for one in offsets])
+    least = SHARED * min(grid[-1], stamps[-1])
+    offsets = np.arange(np.ceil((least - stamps[-1]) / STEP), (grid[-1] - least) / STEP) * STEP
+    gains = np.array([_explain(grid, speed, pull, stamps + one, commands) for one in offsets])
     best = int(gains.argmax())
     others = gains[np.abs(offsets - offsets[best]) > AROUND]
     clear = gains[best] > EXPLAINED and gains[best] > CLEAR * others.max(initial=0.0)
-    return ClockOffset(float(offsets[best]), float(gains[best]), bool(clear))
+    return CommandOffset(float(offsets[best]), float(gains[best]), bool(clear))
 
 
 def _find_motion(
@@ -207,11 +207,11 @@ def _find_motion(
 
 
 def _explain(
-    grid: Numbers, speed: Numbers, pull: Numbers, told: Numbers, commands: Numbers
+    grid: Numbers, speed: Numbers, pull: Numbers, stamps: Numbers, commands: Numbers
 ) -> float:
     """Return the share of the accelerations that commands at these times explain."""
-    inside = (grid >= told[0]) & (grid <= told[-1])
-    held = commands[np.searchsorted(told, grid[inside], side='right') - 1]
+    inside = (grid >= stamps[0]) & (grid <= stamps[-1])
+    held = commands[np.searchsorted(stamps, grid[inside], side='right') - 1]
     base = np.column_stack([speed[inside], np.ones(int(inside.sum()))])
     wanted = pull[inside] / np.maximum(pull.std(axis=0), 1e-9)
     left = [
