@@ -6,6 +6,7 @@ declares the variables that it reads and writes, so that the same lines work for
 local variables and for many vehicles in arrays.
 """
 
+from collections.abc import Collection
 from typing import final
 
 from lta_config.compilation.extract import SourceExtract
@@ -149,15 +150,16 @@ class _StageWriter:
 
 
 def build_stages(
-    layout: EffectLayout, access: KernelAccess, extract: SourceExtract
+    layout: EffectLayout, access: KernelAccess, extract: SourceExtract, included: Collection[str]
 ) -> list[ModelStage]:
     """
     Return the stages of the state derivative in the order of computation.
 
-    `extract` collects the functions of the effects.
+    `extract` collects the functions of the effects; those that are not in `included` have no
+    stage.
     """
     writer = _StageWriter(layout, access, extract)
-    kinds = layout.effects.items()
+    kinds = [(name, effect) for name, effect in layout.effects.items() if name in included]
     return [
         writer.build_attitude_stage(),
         *(writer.build_air_stage(name, e) for name, e in kinds if isinstance(e, AirEffect)),
