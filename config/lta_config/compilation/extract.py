@@ -23,6 +23,7 @@ from functools import cache
 import inspect
 import math
 from pathlib import Path
+import re
 from types import FunctionType, ModuleType
 from typing import Any, final, NamedTuple, TypeGuard
 
@@ -364,10 +365,13 @@ class SourceExtract:
             raise BadInput(_describe_clash(own))
         return own
 
-    def has_text_in_pieces(self, prefix: str, text: str) -> bool:
-        """Return whether a text occurs in the pieces of one prefix."""
+    def is_in_pieces(self, prefix: str, pattern: str) -> bool:
+        """Return whether a regular expression matches in the pieces of one prefix."""
+        found = re.compile(pattern, re.MULTILINE)
         return any(
-            text in piece for own, piece in self._pieces.items() if own.startswith(f'{prefix}_')
+            found.search(piece)
+            for own, piece in self._pieces.items()
+            if own.startswith(f'{prefix}_')
         )
 
     def render_pieces(self, decorator: str, entry: str = '', entries: Collection[str] = ()) -> str:

@@ -1,5 +1,7 @@
 """Vehicles side by side, as Python and compiled."""
 
+from functools import cache
+
 from lta_sim.kernels import cpu_batch
 from numba.core import config
 import pytest
@@ -14,8 +16,13 @@ def steps(request, monkeypatch):
     """
     if request.param == 'compiled':
         return 200
-    with monkeypatch.context() as while_loading:
-        while_loading.setattr(config, 'DISABLE_JIT', 1)
-        plain = cpu_batch._load_kernel.__wrapped__()
-    monkeypatch.setattr(cpu_batch, '_load_kernel', lambda: plain)
+    monkeypatch.setattr(cpu_batch, '_load_kernel', load_plain_kernel)
     return 2
+
+
+@cache
+def load_plain_kernel(names, zeros):
+    """Return the kernel of a batch as Python."""
+    with pytest.MonkeyPatch.context() as while_loading:
+        while_loading.setattr(config, 'DISABLE_JIT', 1)
+        return cpu_batch._load_kernel.__wrapped__(names, zeros)

@@ -2,11 +2,11 @@
 Store many vehicles side by side: number k of vehicle i is at k * width + i of a block.
 
 On the CPU a block is WIDTH vehicles wide, and every stage of the model is a loop over its columns,
-which the compiler vectorises; an effect that is off for the whole block is skipped. On a GPU the
-block is as wide as the batch and each thread handles one column.
+which the compiler vectorises. All that a stage reads and writes is in one array with constant
+offsets: the compiler then knows without checks that no row overlaps another. On a GPU the block is
+as wide as the batch and each thread handles one column.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import final
 
@@ -27,8 +27,13 @@ LOOP = f'@njit({OWN})'
 
 
 def _row_offset(name: str, layout: EffectLayout) -> int:
-    """Return the first row of a constant input in a block."""
-    counts = {'parameters': layout.parameters, **FIXED}
+    """Return the first row of a name in a block: inputs first, then what a step computes."""
+    counts = {
+        'parameters': layout.parameters,
+        **FIXED,
+        **dict.fromkeys(('state', 'begin', 'rate', 'first', 'middle'), layout.size),
+        **VARIABLES,
+    }
     names = list(counts)
     return sum(counts[known] for known in names[: names.index(name)])
 
@@ -36,6 +41,11 @@ def _row_offset(name: str, layout: EffectLayout) -> int:
 def _format_column(block: str, first: int, count: int, width: str) -> str:
     """Return the source of a tuple of consecutive numbers of vehicle i."""
     return format_tuple(f'{block}[{first + k} * {width} + i]' for k in range(count))
+
+
+def _format_view(block: str, first: int, count: int, width: str) -> str:
+    """Return the source of consecutive numbers of vehicle i as a view of a block."""
+    return f'{block}[{first} * {width} + i : {first + count} * {width} : {width}]'
 
 
 def build_thread_sources(parts: list[ModelStage], layout: EffectLayout) -> dict[str, str]:
@@ -52,55 +62,30 @@ def build_thread_sources(parts: list[ModelStage], layout: EffectLayout) -> dict[
 
 @final
 @dataclass(frozen=True, slots=True)
-class ColumnAccess:
-    """Access the numbers of vehicle i in blocks."""
+class ThreadAccess:
+    """Access the constants of vehicle i in a block; its state is a local tuple."""
 
     width: str  # source of the block width
-    state: str = ''  # source of the block of states; '' where a state is a local tuple
-
-    @property
-    def loops(self) -> bool:
-        """Whether the rotors are handled in a loop; unrolled where a vehicle is a local tuple."""
-        return bool(self.state)
+    loops = False
 
     def format_number(self, name: str, place: int, layout: EffectLayout, each: int = 0) -> str:
-        """Return the source of one number."""
-        if name == 'state' and not self.state:
+        """Return the source of one number; `each` is unused, because there are no loops."""
+        del each
+        if name == 'state':
             return f'state[{place}]'
-        blocks = {
-            'state': (self.state, 0),
-            'rate': ('rate', 0),
-            'u': ('scratch', self._variable_row('u')),
-        }
-        block, first = blocks.get(name) or ('fixed', _row_offset(name, layout))
-        index = f'({first + place}{format_offset(each)})' if each else f'{first + place}'
-        return f'{block}[{index} * {self.width} + i]'
+        return f'fixed[{_row_offset(name, layout) + place} * {self.width} + i]'
 
     def format_all_numbers(self, name: str, layout: EffectLayout) -> str:
         """Return the source of all numbers of a name."""
         if name == 'u':
-            return self._format_variable('u') if self.state else 'u'
+            return name
         return _format_column('fixed', _row_offset(name, layout), FIXED[name], self.width)
 
     def format_parameters(self, first: int, count: int, layout: EffectLayout) -> str:
         """Return the source of consecutive parameters of vehicle i as a view of the block."""
-        begin = _row_offset('parameters', layout) + first
-        return f'fixed[{begin} * {self.width} + i : {begin + count} * {self.width} : {self.width}]'
+        return _format_view('fixed', first, count, self.width)
 
     def build_template_parts(
-        self, parts: list[ModelStage], layout: EffectLayout
-    ) -> dict[str, str]:
-        """Return the loading and storing of states in blocks, and the stages as loops."""
-        if not self.state:
-            return self._generate_thread_code(parts, layout)
-        return {
-            'loops': '\n\n\n'.join(self._write_loops(parts)),
-            'calls': indent_lines(self._write_calls(parts, layout)),
-            'LOOP': LOOP,
-            'scratch': str(sum(VARIABLES.values())),
-        }
-
-    def _generate_thread_code(
         self, parts: list[ModelStage], layout: EffectLayout
     ) -> dict[str, str]:
         """Return the code of one thread, with loading and storing of its vehicle."""
@@ -113,45 +98,89 @@ class ColumnAccess:
             ),
         }
 
-    def _select_stages(self, parts: list[ModelStage]) -> dict[str, ModelStage]:
-        """Return the non-empty stages, by the names of their functions."""
-        done = [stage for stage in parts if stage.writes or stage.memory or stage.each]
-        return {f'stage_{k}_{stage.effect}': stage for k, stage in enumerate(done)}
 
-    def _write_loops(self, parts: list[ModelStage]) -> Iterator[str]:
-        """Write each stage as a function, so that each is vectorised separately."""
-        for name, stage in self._select_stages(parts).items():
-            lines = [f'{known} = {self._format_variable(known)}' for known in stage.reads]
+@final
+@dataclass(frozen=True, slots=True)
+class ColumnAccess:
+    """Access all numbers of vehicle i in one block."""
+
+    width: str  # source of the block width
+    # Places of parameters that are 0 in all vehicles: written as such, so that the compiler leaves
+    # out what an effect skips because of them
+    zeros: frozenset[int] = frozenset()
+    loops = True
+
+    def format_number(self, name: str, place: int, layout: EffectLayout, each: int = 0) -> str:
+        """Return the source of one number."""
+        if name == 'parameters' and not each and place in self.zeros:
+            return '0.0'
+        row = _row_offset(name, layout) + place
+        index = f'({row}{format_offset(each)})' if each else f'{row}'
+        return f'block[{index} * {self.width} + i]'
+
+    def format_all_numbers(self, name: str, layout: EffectLayout) -> str:
+        """Return the source of all numbers of a name."""
+        count = (FIXED | VARIABLES)[name]
+        return _format_column('block', _row_offset(name, layout), count, self.width)
+
+    def format_parameters(self, first: int, count: int, layout: EffectLayout) -> str:
+        """Return the source of consecutive parameters of vehicle i as a view of the block."""
+        return _format_view('block', first, count, self.width)
+
+    def build_template_parts(
+        self, parts: list[ModelStage], layout: EffectLayout
+    ) -> dict[str, str]:
+        """Return the stages as loops, and the offsets of the rows of a block."""
+        stages = {f'stage_{k}': run for k, run in enumerate(_join_stages(parts))}
+        last = list(VARIABLES)[-1]
+        return {
+            'loops': '\n\n\n'.join(
+                self._write_loop(name, run, layout) for name, run in stages.items()
+            ),
+            'calls': indent_lines(f'{name}(block)' for name in stages),
+            'LOOP': LOOP,
+            'inputs': str(_row_offset('begin', layout)),
+            'rows': str(_row_offset(last, layout) + VARIABLES[last]),
+            **{
+                name: str(_row_offset(name, layout))
+                for name in ('state', 'begin', 'rate', 'first', 'middle')
+            },
+        }
+
+    def _write_loop(self, name: str, run: list[ModelStage], layout: EffectLayout) -> str:
+        """Return stages as a function with one loop over vehicles."""
+        lines: list[str] = []
+        known: set[str] = set()
+        for stage in run:
+            new = [variable for variable in stage.reads if variable not in known]
+            lines += [f'{each} = {self.format_all_numbers(each, layout)}' for each in new]
             lines += [*stage.prelude, *stage.lines]
-            for known in stage.writes:
-                lines += self._format_stores(known)
-            lines += [f'rate[{k} * {self.width} + i] = {value}' for k, value in stage.memory]
-            # Vehicles in the inner loop: neighbouring columns are contiguous in memory
-            rotors = [f'    for j in range({ACTUATORS}):'] if stage.each else []
-            depth = len(rotors) + 1
-            columns = '    ' * depth + f'for i in range({self.width}):'
-            loop = [*rotors, columns, indent_lines(lines, depth + 1)]
-            yield '\n'.join([LOOP, f'def {name}(fixed, trial, rate, scratch):', *loop])
+            lines += [
+                f'{self.format_number("rate", k, layout)} = {value}' for k, value in stage.memory
+            ]
+            known |= {*stage.reads, *stage.writes}
+        for variable in dict.fromkeys(each for stage in run for each in stage.writes):
+            lines += [
+                f'{self.format_number(variable, k, layout)} = {variable}[{k}]'
+                for k in range(VARIABLES[variable])
+            ]
+        # Vehicles in the inner loop: neighbouring columns are contiguous in memory
+        rotors = [f'    for j in range({ACTUATORS}):'] if run[0].each else []
+        depth = len(rotors) + 1
+        columns = '    ' * depth + f'for i in range({self.width}):'
+        loop = [*rotors, columns, indent_lines(lines, depth + 1)]
+        return '\n'.join([LOOP, f'def {name}(block):', *loop])
 
-    def _write_calls(self, parts: list[ModelStage], layout: EffectLayout) -> Iterator[str]:
-        """Write the calls of the stages, behind the flags of their effects."""
-        for name, stage in self._select_stages(parts).items():
-            guard = f'if on[{layout.flag_index(stage.effect)}]: ' if stage.effect else ''
-            yield f'{guard}{name}(fixed, trial, rate, scratch)'
 
-    def _format_variable(self, name: str) -> str:
-        """Return the source of a variable of vehicle i."""
-        return _format_column('scratch', self._variable_row(name), VARIABLES[name], self.width)
-
-    def _format_stores(self, name: str) -> list[str]:
-        """Return the lines that store a variable of vehicle i."""
-        first = self._variable_row(name)
-        return [
-            f'scratch[{first + k} * {self.width} + i] = {name}[{k}]'
-            for k in range(VARIABLES[name])
-        ]
-
-    def _variable_row(self, name: str) -> int:
-        """Return the first row of a variable."""
-        names = list(VARIABLES)
-        return sum(VARIABLES[known] for known in names[: names.index(name)])
+def _join_stages(parts: list[ModelStage]) -> list[list[ModelStage]]:
+    """Return the stages that compute something, with those in a list that share a loop."""
+    runs: list[list[ModelStage]] = []
+    for stage in parts:
+        if not (stage.writes or stage.memory or stage.each):
+            continue
+        last = runs[-1][-1] if runs else None
+        if last and last.joins and stage.joins and last.each == stage.each:
+            runs[-1].append(stage)
+        else:
+            runs.append([stage])
+    return runs

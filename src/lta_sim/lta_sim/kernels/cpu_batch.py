@@ -5,6 +5,7 @@ Each state equals that of the scalar kernel to the last bit: the compiler may ru
 arithmetic for several vehicles at once, but may not reorder it.
 """
 
+from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from string import Template
@@ -16,12 +17,12 @@ from lta_config.machine import count_cores
 from lta_model.effects import MODEL_EFFECTS
 from lta_sim.kernels.columns import ColumnAccess
 from lta_sim.kernels.compose import KernelTarget, render_kernel_source
-from lta_sim.kernels.vehicle_batch import pack_columns, VehicleBatch
+from lta_sim.kernels.vehicle_batch import pack_used_columns, VehicleBatch
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 ENTRIES = '''
-# Block size such that the working numbers of a block stay in the L1 cache.
+# Block size such that the working numbers of a block stay in the caches.
 WIDTH = 16
 
 
@@ -29,62 +30,68 @@ $loops
 
 
 $LOOP
-def slopes(fixed, on, trial, rate, scratch):
-    """Write d/dt of a block of states; what no vehicle has on is left out."""
+def rates(block):
+    """Write d/dt of the states of a block."""
 $calls
 
 
-$LOOP
-def ahead(state, rate, dt, trial):
-    """Write a block of states after dt at constant rates."""
-    for k in range($size * WIDTH):
-        trial[k] = state[k] + dt * rate[k]
-
-
-$LOOP
-def step(state, a, b, c, d, dt):
-    """End a step of a block of states: the mean rate, then quaternions of length one."""
-    for k in range($size * WIDTH):
-        state[k] = state[k] + dt * ((a[k] + 2.0 * (b[k] + c[k]) + d[k]) / 6.0)
-    for i in range(WIDTH):
-        x, y = state[3 * WIDTH + i], state[4 * WIDTH + i]
-        z, w = state[5 * WIDTH + i], state[6 * WIDTH + i]
-        n = 1.0 / math.sqrt(x * x + y * y + z * z + w * w)
-        state[3 * WIDTH + i], state[4 * WIDTH + i] = x * n, y * n
-        state[5 * WIDTH + i], state[6 * WIDTH + i] = z * n, w * n
-
-
 $ENTRY
-def advance_blocks(fixed, on, states, dt, steps):
-    """Advance blocks of WIDTH vehicles; a row of `fixed`, `on` and `states` is a block."""
-    trial, scratch = np.empty($size * WIDTH), np.empty($scratch * WIDTH)
-    stages = np.empty((4, $size * WIDTH))
-    for block in range(states.shape[0]):
-        state = states[block]
-        stages[:] = 0.0  # memory of effects that are off stays as it is
+def advance_blocks(blocks, dt, steps):
+    """Advance blocks of WIDTH vehicles; a row of `blocks` holds constants, then states."""
+    state, begin, rate = $state * WIDTH, $begin * WIDTH, $rate * WIDTH
+    first, middle, size = $first * WIDTH, $middle * WIDTH, $size * WIDTH
+    half = 0.5 * dt
+    block = np.zeros($rows * WIDTH)
+    for given in blocks:
+        block[: $inputs * WIDTH] = given
         for _ in range(steps):
-            trial[:] = state
-            for stage in range(4):
-                slopes(fixed[block], on[block], trial, stages[stage], scratch)
-                h = dt if stage == 2 else 0.5 * dt
-                ahead(state, stages[stage], h, trial)
-            step(state, stages[0], stages[1], stages[2], stages[3], dt)
+            for k in range(size):
+                block[begin + k] = block[state + k]
+            rates(block)
+            for k in range(size):
+                block[first + k] = block[rate + k]
+                block[state + k] = block[begin + k] + half * block[rate + k]
+            rates(block)
+            for k in range(size):
+                block[middle + k] = block[rate + k]
+                block[state + k] = block[begin + k] + half * block[rate + k]
+            rates(block)
+            for k in range(size):
+                block[middle + k] = block[middle + k] + block[rate + k]
+                block[state + k] = block[begin + k] + dt * block[rate + k]
+            rates(block)
+            for k in range(size):
+                mean = (block[first + k] + 2.0 * block[middle + k] + block[rate + k]) / 6.0
+                block[state + k] = block[begin + k] + dt * mean
+            for i in range(WIDTH):
+                x, y = block[state + 3 * WIDTH + i], block[state + 4 * WIDTH + i]
+                z, w = block[state + 5 * WIDTH + i], block[state + 6 * WIDTH + i]
+                n = 1.0 / math.sqrt(x * x + y * y + z * z + w * w)
+                block[state + 3 * WIDTH + i], block[state + 4 * WIDTH + i] = x * n, y * n
+                block[state + 5 * WIDTH + i], block[state + 6 * WIDTH + i] = z * n, w * n
+        given[state:] = block[state : state + size]
 '''
 
-FORM = KernelTarget(
-    'from numba import njit\nimport numpy as np\n',
-    f'@njit({OWN}, forceinline=True)',
-    # No fastmath, which would reorder arithmetic; nogil lets the thread pool run in parallel
-    "@njit(error_model='numpy', fastmath=False, nogil=True, cache=True)",
-    ColumnAccess('WIDTH', 'trial'),
-    Template(ENTRIES),
-)
+
+
+def render_batch_source(names: Iterable[str], zeros: frozenset[int]) -> str:
+    """Return the source of the kernel of some effects; the parameters at `zeros` are 0."""
+    form = KernelTarget(
+        'from numba import njit\nimport numpy as np\n',
+        f'@njit({OWN}, forceinline=True)',
+        # No fastmath, which would reorder arithmetic; nogil lets the thread pool run in parallel
+        "@njit(error_model='numpy', fastmath=False, nogil=True, cache=True)",
+        ColumnAccess('WIDTH', zeros),
+        Template(ENTRIES),
+    )
+    return render_kernel_source({name: MODEL_EFFECTS[name] for name in names}, form)
 
 
 @cache
-def _load_kernel() -> ModuleType:
-    """Load the kernel with all effects."""
-    return load_kernel(render_kernel_source(MODEL_EFFECTS, FORM))
+def _load_kernel(names: tuple[str, ...], zeros: frozenset[int]) -> ModuleType:
+    """Load the kernel of a batch."""
+    # One of all effects takes three times as long to compile, so there is none to begin with
+    return load_kernel(render_batch_source(names, zeros))
 
 
 def _pack_blocks(rows: NDArray[np.float64], width: int) -> NDArray[np.float64]:
@@ -128,23 +135,20 @@ def advance_many(
         If an array has the wrong shape.
 
     """
-    kernel = _load_kernel()
-    fixed, state = pack_columns(states, vehicles, commands, surroundings)
-    size, count = state.shape
-    constants, moving = _pack_blocks(fixed, kernel.WIDTH), _pack_blocks(state, kernel.WIDTH)
-    starts = np.arange(0, count, kernel.WIDTH)
-    # An effect runs for a whole block if any of its vehicles has it on
-    on = np.maximum.reduceat(vehicles.on, starts, axis=0)
+    used = pack_used_columns(states, vehicles, commands, surroundings)
+    kernel = _load_kernel(used.names, used.zeros)
+    size, count = used.state.shape
+    blocks = _pack_blocks(np.concatenate([used.fixed, used.state]), kernel.WIDTH)
     cores = count_cores()
     # More pieces than cores, so that a delayed core does not hold up the rest.
-    pieces = min(len(moving), 4 * cores)
+    pieces = min(len(blocks), 4 * cores)
     with ThreadPoolExecutor(cores) as pool:
         done = pool.map(
-            lambda part: kernel.advance_blocks(*part, float(dt), int(steps)),
-            zip(*(np.array_split(part, pieces) for part in (constants, on, moving)), strict=True),
+            lambda part: kernel.advance_blocks(part, float(dt), int(steps)),
+            np.array_split(blocks, pieces),
         )
         # Raises exceptions of the workers
         list(done)
-    columns_now = moving.reshape(-1, size, kernel.WIDTH).swapaxes(0, 1).reshape(size, -1)
+    later = blocks.reshape(len(blocks), -1, kernel.WIDTH)[:, -size:]
     # Drop the padding of the last block
-    return np.ascontiguousarray(columns_now[:, :count].T)
+    return used.merge_states(later.swapaxes(0, 1).reshape(size, -1)[:, :count])

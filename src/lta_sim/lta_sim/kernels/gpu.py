@@ -13,10 +13,9 @@ from types import ModuleType
 from lta_config.compilation.kernel_cache import load_kernel
 from lta_config.errors import BadInput
 from lta_model.effects import MODEL_EFFECTS
-from lta_sim.kernels.columns import ColumnAccess
+from lta_sim.kernels.columns import ThreadAccess
 from lta_sim.kernels.compose import KernelTarget, render_kernel_source
-from lta_sim.kernels.kernel import LAYOUT
-from lta_sim.kernels.vehicle_batch import pack_columns, VehicleBatch
+from lta_sim.kernels.vehicle_batch import pack_used_columns, VehicleBatch
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -73,7 +72,7 @@ FORM = KernelTarget(
     'from numba import cuda\n',
     '@cuda.jit(device=True)',
     '@cuda.jit',
-    ColumnAccess('width'),
+    ThreadAccess('width'),
     Template(ENTRIES),
 )
 
@@ -125,18 +124,12 @@ def advance_many(
 
     """
     cuda = require_cuda()
-    fixed, state = pack_columns(states, vehicles, commands, surroundings)
+    used = pack_used_columns(states, vehicles, commands, surroundings)
     count = len(vehicles)
-    names = tuple(name for name in LAYOUT.effects if vehicles.on[:, LAYOUT.flag_index(name)].any())
-    parameters, moving = LAYOUT.find_effect_indices(names)
-    # The reduced kernel has its own layout: pack only the rows of its effects
-    constants = np.concatenate([fixed[parameters], fixed[LAYOUT.parameters :]])
-    there = cuda.to_device(state[moving].ravel())
+    there = cuda.to_device(used.state.ravel())
     # Rounded up; surplus threads of the last block do nothing
     blocks = -(-count // THREADS)
-    _load_kernel(names).advance_many[blocks, THREADS](
-        cuda.to_device(constants.ravel()), there, count, float(dt), int(steps)
+    _load_kernel(used.names).advance_many[blocks, THREADS](
+        cuda.to_device(used.fixed.ravel()), there, count, float(dt), int(steps)
     )
-    # Memory of effects that are off stays unchanged
-    state[moving] = there.copy_to_host().reshape(len(moving), count)
-    return np.ascontiguousarray(state.T)
+    return used.merge_states(there.copy_to_host().reshape(used.state.shape))

@@ -56,6 +56,8 @@ class ModelStage:
     # Lines needed first where the locals of earlier stages are not available
     prelude: tuple[str, ...] = ()
     each: bool = False  # whether its lines are for one rotor j
+    # Whether a loop over vehicles may hold it together with its neighbours
+    joins: bool = False
 
 
 @final

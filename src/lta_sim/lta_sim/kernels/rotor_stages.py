@@ -11,6 +11,12 @@ from lta_model.state import ACTUATORS
 from lta_sim.kernels.layout import EffectLayout, format_tuple, KernelAccess, ModelStage
 
 
+def is_straight(name: str, extract: SourceExtract) -> bool:
+    """Return whether the functions of an effect have no loop and call nothing but sqrt."""
+    # What the compiler cannot vectorise would keep it from vectorising its neighbours
+    return not extract.is_in_pieces(name, r'^ *(for|while) |math\.(?!sqrt|pi)')
+
+
 def build_command_stage(layout: EffectLayout, access: KernelAccess) -> ModelStage:
     """Return the first actuator stage: the commanded duties."""
     if access.loops:
@@ -18,7 +24,7 @@ def build_command_stage(layout: EffectLayout, access: KernelAccess) -> ModelStag
             f'{access.format_number("u", 0, layout, 1)} = '
             f'{access.format_number("command", 0, layout, 1)}'
         )
-        return ModelStage((line,), each=True)
+        return ModelStage((line,), each=True, joins=True)
     duties = format_tuple(access.format_number('command', i, layout) for i in range(ACTUATORS))
     return ModelStage((f'u = {duties}',), (), ('u',))
 
@@ -60,7 +66,8 @@ def build_actuator_stage(
                 for k in range(size)
             ]
         lines.append(f'{u} = {output}(p, m, duty, {around})')
-        return ModelStage(tuple(lines), effect=name, each=True)
+        joins = is_straight(name, extract)
+        return ModelStage(tuple(lines), effect=name, each=True, joins=joins)
     lines, rates = [], []
     for i in range(ACTUATORS):
         lines += _format_rotor_inputs(name, effect, layout, access, i)

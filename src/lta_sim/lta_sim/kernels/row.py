@@ -152,13 +152,11 @@ class RowAccess:
     def _write_body(self, stages: list[ModelStage], layout: EffectLayout) -> Iterator[str]:
         """Write each stage behind the flag of its effect, then the reported values."""
         where = row_slices(layout)
-        # Wrenches are stored in the order of the stages, which is the registry order
-        row = where['wrenches'].start
         for stage in stages:
             lines = [*stage.lines, *self._format_stores(where['rate'].start, stage.memory)]
             if stage.effect in layout.wrench_names:
+                row = where['wrenches'].start + 6 * layout.wrench_names.index(stage.effect)
                 lines.append(f'if told: tell(row, {row}, W_{stage.effect})')
-                row += 6
             depth = 0
             if stage.effect:
                 yield f'if on[{layout.flag_index(stage.effect)}]:'

@@ -6,13 +6,22 @@ declares the variables that it reads and writes, so that the same lines work for
 local variables and for many vehicles in arrays.
 """
 
+from collections.abc import Collection
 from typing import final
 
 from lta_config.compilation.extract import SourceExtract
 from lta_model.effects.protocol import ActuatorEffect, AirEffect, no_rate, WrenchEffect
 from lta_model.state import WIND, WIND_RATE
 from lta_sim.kernels.layout import EffectLayout, format_tuple, KernelAccess, ModelStage
-from lta_sim.kernels.rotor_stages import build_actuator_stage, build_command_stage
+from lta_sim.kernels.rotor_stages import (
+    build_actuator_stage,
+    build_command_stage,
+    is_straight,
+)
+
+
+# Parameters of an effect that may share a loop: longer ones run out of registers
+SHORT = 8
 
 
 @final
@@ -34,7 +43,7 @@ class _StageWriter:
         body, command, around = (
             self._access.format_all_numbers(name, self._layout)
             # Omit the tuples that `user` does not read
-            if not user or self._extract.has_text_in_pieces(user, f'.{name}')
+            if not user or self._extract.is_in_pieces(user, rf'\.{name}')
             else '()'
             for name in ('body', 'command', 'surroundings')
         )
@@ -56,13 +65,17 @@ class _StageWriter:
             f'flow = {self.format_numbers("surroundings", WIND_RATE, 3)}',
             'total = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)',
         )
-        return ModelStage(lines, (), ('r', 'ground', 'wind', 'flow', 'total'))
+        written = ('r', 'ground', 'wind', 'flow', 'total')
+        return ModelStage(lines, (), written, joins=True)
 
     def build_airspeed_stage(self) -> ModelStage:
         """Return the velocity through the air."""
         v = self.format_numbers('state', 7, 3)
         return ModelStage(
-            (f'airspeed = rigid_body_airspeed(r, {v}, wind)',), ('r', 'wind'), ('airspeed',)
+            (f'airspeed = rigid_body_airspeed(r, {v}, wind)',),
+            ('r', 'wind'),
+            ('airspeed',),
+            joins=True,
         )
 
     def build_acceleration_stage(self) -> ModelStage:
@@ -145,19 +158,21 @@ class _StageWriter:
             name,
             self._memory_rates(name, count),
             prelude=(self.format_motion(name),),
+            joins=len(effect.parameters) <= SHORT and is_straight(name, self._extract),
         )
 
 
 def build_stages(
-    layout: EffectLayout, access: KernelAccess, extract: SourceExtract
+    layout: EffectLayout, access: KernelAccess, extract: SourceExtract, included: Collection[str]
 ) -> list[ModelStage]:
     """
     Return the stages of the state derivative in the order of computation.
 
-    `extract` collects the functions of the effects.
+    `extract` collects the functions of the effects; those that are not in `included` have no
+    stage.
     """
     writer = _StageWriter(layout, access, extract)
-    kinds = layout.effects.items()
+    kinds = [(name, effect) for name, effect in layout.effects.items() if name in included]
     return [
         writer.build_attitude_stage(),
         *(writer.build_air_stage(name, e) for name, e in kinds if isinstance(e, AirEffect)),

@@ -63,32 +63,49 @@ def _to_padded_array(
     return np.pad(array, ((0, 0), (0, count - array.shape[1])))
 
 
-def pack_columns(
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class UsedColumns:
+    """Input of a kernel of those effects that some vehicle of a batch has on, by columns."""
+
+    names: tuple[str, ...]  # effects of the kernel, in registry order
+    fixed: Numbers  # constants of each vehicle: parameters, then `layout.FIXED`, shape (rows, V)
+    state: Numbers  # states with the memory of these effects only, shape (N', V)
+    places: list[int]  # of these rows in a whole state
+    whole: Numbers  # whole states, shape (N, V)
+
+    @property
+    def zeros(self) -> frozenset[int]:
+        """Places of the parameters that are 0 in all vehicles."""
+        count = sum(len(LAYOUT.effects[name].parameters) for name in self.names)
+        return frozenset(np.flatnonzero(~self.fixed[:count].any(axis=1)).tolist())
+
+    def merge_states(self, state: Numbers) -> Numbers:
+        """Return whole states, shape (V, N), with new values of the used rows, shape (N', V)."""
+        merged = self.whole.copy()
+        # Memory of effects that are off stays unchanged
+        merged[self.places] = state
+        return np.ascontiguousarray(merged.T)
+
+
+def pack_used_columns(
     states: ArrayLike, vehicles: VehicleBatch, commands: ArrayLike, surroundings: ArrayLike
-) -> tuple[Numbers, Numbers]:
-    """
-    Return the input of a batched kernel, one column per vehicle.
-
-    Returns
-    -------
-    fixed : ndarray, shape (rows, V)
-        Constants of each vehicle: parameters, then `layout.FIXED` in order.
-    state : ndarray, shape (N, V)
-        States.
-
-    Raises
-    ------
-    ValueError
-        If an array has the wrong shape.
-
-    """
+) -> UsedColumns:
+    """Return the input of a batched kernel; raise ValueError if an array has the wrong shape."""
     count = len(vehicles)
+    names = tuple(name for name in LAYOUT.effects if vehicles.on[:, LAYOUT.flag_index(name)].any())
+    parameters, places = LAYOUT.find_effect_indices(names)
+    own = _to_padded_array(
+        'parameters', vehicles.parameters, count, LAYOUT.parameters, fill=False
+    )
     fixed = (
-        _to_padded_array('parameters', vehicles.parameters, count, LAYOUT.parameters, fill=False),
+        own[:, parameters],
         _to_padded_array('bodies', vehicles.body, count, FIXED['body'], fill=False),
         _to_padded_array('inverses', vehicles.inverse, count, FIXED['inverse'], fill=False),
         _to_padded_array('commands', commands, count, COMMAND, fill=True),
         _to_padded_array('surroundings', surroundings, count, SURROUNDINGS, fill=True),
     )
-    state = _to_padded_array('states', states, count, LAYOUT.size, fill=False)
-    return np.concatenate([part.T for part in fixed]), np.ascontiguousarray(state.T)
+    whole = _to_padded_array('states', states, count, LAYOUT.size, fill=False).T
+    return UsedColumns(
+        names, np.concatenate([part.T for part in fixed]), whole[places], places, whole
+    )

@@ -100,6 +100,9 @@ def strip_wrench(u: Vector, w: Vector, centre: Vector, half: Vector, drag: Vecto
         Force per squared speed along each axis. [N s2/m2]
 
     """
+    # A strip that the vehicle does not have; most have one of four
+    if drag[0] == 0.0 and drag[1] == 0.0 and drag[2] == 0.0:
+        return (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     # Outer Gauss points at +-sqrt(3/5) of the half length
     g = (GAUSS * half[0], GAUSS * half[1], GAUSS * half[2])
     # Velocity by rotation: at the middle, and its change out to a Gauss point
