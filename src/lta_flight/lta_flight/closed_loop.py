@@ -204,6 +204,8 @@ class ClosedLoop:
         place = pilot.command.mass_place if isinstance(pilot, LawAutopilot) else None
         if commands is not None:
             place = commands.find_mass_place(self.world.elapsed)
+            if commands.wrenches is not None:
+                self.world.command_wrench(commands.find_wrench)
         self.world.advance(self.duties, place)
 
     def decide(self) -> None:

@@ -2,7 +2,7 @@
 Read the commands of a recorded flight, to fly them through a vehicle file.
 
 The simulation begins with the recorded pose and velocity, and holds each command until the next,
-as the motors did. Where the recording has no velocities, they are fitted to its first poses.
+as the motors did; a commanded force or moment changes at control steps only. Where the recording has no velocities, they are fitted to its first poses.
 """
 
 from collections.abc import Mapping
@@ -16,6 +16,8 @@ from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.channels import iterate_channels, SignalChannel
 from lta_data.bag.recorded_flight import open_flight, RecordedFlight
 from lta_data.tracked_motion import COMMAND, find_tracker_prefix, has_newton_commands, MASS
+from lta_model.effects import EFFECTS
+from lta_model.measurement_chain import apply_chain, build_chains
 from lta_model.state import POSITION, QUATERNION, RATES, RIGID, VELOCITY
 from lta_model.vehicle import Vehicle
 import numpy as np
@@ -27,6 +29,7 @@ Vector = tuple[float, float, float]
 
 FITTED: Final = 0.5  # s; poses from which a missing velocity is fitted
 SHORTEST: Final = 1.0  # s
+WRENCH: Final = 'wrench_command'
 SUNK: Final = 0.02  # m below the height at which the vehicle stands
 EARLY: Final = 1e-6  # s; a command counts from its stamp, whose float is rounded
 TWIST: Final = tuple(
@@ -52,6 +55,9 @@ class RecordedCommands:
         Commands since the begin, held until the next. [s, 1]
     mass_places : array, shape (n, 3), or None
         Commanded place of the moving mass. [m]
+    wrenches : array, shape (n, 6), or None
+        Commanded force and moment, where the recording has these in place of duties, which are
+        then zero; body frame. [N, N m]
     track_times, track : arrays, shapes (m,) and (m, 3)
         Recorded positions since the begin. [s, m]
     has_scene : bool
@@ -67,6 +73,7 @@ class RecordedCommands:
     times: Array
     duties: Array
     mass_places: Array | None
+    wrenches: Array | None
     track_times: Array
     track: Array
     has_scene: bool = False
@@ -85,6 +92,13 @@ class RecordedCommands:
             return None
         x, y, z = self.mass_places[index].tolist()
         return x, y, z
+
+    def find_wrench(self, elapsed: float) -> Array:
+        """Return the commanded wrench at a time since the begin [s]; 0 before the first one."""
+        index = self._find_index(elapsed)
+        if self.wrenches is None or index < 0:
+            return np.zeros(6)
+        return np.asarray(self.wrenches[index])
 
     def _find_index(self, elapsed: float) -> int:
         return int(np.searchsorted(self.times, elapsed + EARLY, side='right')) - 1
@@ -117,7 +131,12 @@ def read_commands(
     """
     flight = open_flight(find_bag(bag), robot)
     pose_channels, prefix = _read_pose(flight, bag)
-    times, duties, places = _read_duties(flight, vehicle)
+    if WRENCH in flight.topics and 'motors' not in flight.topics:
+        times, wrenches = _read_wrenches(flight)
+        duties, places = np.zeros((len(times), len(vehicle.rotor_names))), None
+    else:
+        times, duties, places = _read_duties(flight, vehicle)
+        wrenches = None
     poses = np.column_stack(
         [pose_channels[f'{prefix}position.{axis}'].values for axis in 'xyz']
         + [
@@ -136,19 +155,23 @@ def read_commands(
             f"'{bag}' has less than {SHORTEST:g} s with both a tracked pose and commands in this "
             'part; choose another part with --begin and --end, or another recording.'
         )
-    raised = _find_raise(vehicle, poses[at <= last])
-    track = poses[:, :3] + (0.0, 0.0, raised)
+    centres, turns = find_body_poses(
+        vehicle, poses[:, :3], Rotation.from_euler('ZYX', poses[:, 3:])
+    )
+    raised = _find_raise(vehicle, centres[at <= last])
+    centres = centres + np.array([0.0, 0.0, raised])
+    # As the tracker reports it, in the simulation as well
+    track = poses[:, :3] + np.array([0.0, 0.0, raised])
     motion = np.zeros(RIGID)
-    motion[POSITION] = track[0]
-    turns = Rotation.from_euler('ZYX', poses[:, 3:])
+    motion[POSITION] = centres[0]
     motion[QUATERNION] = turns[0].as_quat()
     motion[VELOCITY], motion[RATES] = find_velocity(
-        _read_twist(pose_channels, prefix, at[0]), at, track, turns
+        _read_twist(pose_channels, prefix, at[0]), at, centres, turns
     )
     first = at[0]
     return RecordedCommands(
         flight.start * 1e-9 + float(first), float(last - first), motion, times - first, duties,
-        places, at - first, track, 'scenario_file' in flight.provenance, raised,
+        places, wrenches, at - first, track, 'scenario_file' in flight.provenance, raised,
     )  # fmt: skip
 
 
@@ -163,6 +186,34 @@ def _read_pose(flight: RecordedFlight, bag: Path) -> tuple[dict[str, SignalChann
     except BadInput as error:
         raise BadInput(f"'{bag}': {error}") from None
     return channels, prefix
+
+
+def find_body_poses(vehicle: Vehicle, places: Array, turns: Rotation) -> tuple[Array, Rotation]:
+    """Return hull centres, shape (n, 3) [m], and attitudes in the map, of tracked poses."""
+    chain = build_chains(vehicle.collect_effects(), EFFECTS)['pose']
+    if not chain:
+        return places, turns
+    # What the tracker reports is W body M: its frame, and that of the markers on the body
+    still, *axes = (
+        np.array(apply_chain(chain, (*place, 0.0, 0.0, 0.0, 1.0), 0.0))
+        for place in (np.zeros(3), *np.eye(3))
+    )
+    frame = Rotation.from_matrix(np.column_stack([one[:3] - still[:3] for one in axes]))
+    markers = frame.inv() * Rotation.from_quat(still[3:])
+    body = frame.inv() * turns * markers.inv()
+    return frame.inv().apply(places) - body.apply(frame.inv().apply(still[:3])), body
+
+
+def _read_wrenches(flight: RecordedFlight) -> tuple[Array, Array]:
+    """Return times [s] and commanded wrenches, shape (n, 6) [N, N m]."""
+    channels = {each.name: each for each in iterate_channels(flight, WRENCH)}
+    named = [
+        channels[f'{WRENCH}/wrench.{kind}.{axis}']
+        for kind in ('force', 'torque')
+        for axis in 'xyz'
+    ]
+    times, first = np.unique(named[0].time, return_index=True)
+    return times, np.nan_to_num(np.column_stack([each.values for each in named])[first])
 
 
 def _read_duties(flight: RecordedFlight, vehicle: Vehicle) -> tuple[Array, Array, Array | None]:
@@ -231,7 +282,7 @@ def find_velocity(
     return velocity, rates
 
 
-def _find_raise(vehicle: Vehicle, poses: Array) -> float:
+def _find_raise(vehicle: Vehicle, track: Array) -> float:
     """Return by how much a track lies below where the vehicle stands on the floor. [m]"""
-    sunk = vehicle.hull_height_on_floor - float(poses[:, 2].min())
+    sunk = vehicle.hull_height_on_floor - float(track[:, 2].min())
     return sunk if sunk > SUNK else 0.0

@@ -138,7 +138,10 @@ def build_commanded_loop(spec: FlightSpec, seed: int, order: CommandRequest) -> 
     vehicle, scenario, policy = build_vehicle_scenario_stack(spec, hovers=False)
     commands = read_commands(order.bag, vehicle, order.robot, order.begin, order.end)
     table = load_topic_table().with_start(commands.begin)
-    world = World(vehicle, scenario, table, seed, spec.strategy)
+    world = World(
+        vehicle, scenario, table, seed, spec.strategy,
+        wrench_commanded=commands.wrenches is not None,
+    )  # fmt: skip
     world.begin_at(commands.motion.tolist(), commands.find_duties(0.0))
     return ClosedLoop(world, table, replace(policy, commands=commands))
 

@@ -5,7 +5,16 @@ from types import ModuleType
 from typing import final
 
 from lta_config.compilation.kernel_cache import is_cached, load_kernel
-from lta_model.effects import LAW, MODEL_EFFECTS
+from lta_model.effects import MODEL_EFFECTS
+from lta_model.effects.law import EFFECT as LAW
+from lta_model.effects.protocol import (
+    AXES,
+    EffectParameter,
+    Values,
+    VehicleMotion,
+    Wrench,
+    WrenchEffect,
+)
 from lta_model.model import VehicleModel
 from lta_sim.kernels.compose import build_layout, render_kernel_source
 from lta_sim.kernels.row import row_slices
@@ -15,26 +24,48 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 LAYOUT = build_layout(MODEL_EFFECTS)
-PLACES = row_slices(LAYOUT)
+
+
+def _pass_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
+    """Return the commanded wrench."""
+    x, y, z, k, m, n = p
+    return (x, y, z, k, m, n)
+
+
+# Of vehicles whose record has commanded forces and moments in place of duties. No vehicle file has
+# it: a flight of recorded commands writes its numbers
+COMMANDED = WrenchEffect(
+    'commanded_wrench',
+    tuple(
+        EffectParameter(axis, unit, 0.0, -1e3, 1e3, 1.0, 'a command')
+        for axis, unit in zip(AXES, 3 * ('N',) + 3 * ('N m',), strict=True)
+    ),
+    _pass_wrench,
+)
+COMMANDED_EFFECTS = {**MODEL_EFFECTS, COMMANDED.name: COMMANDED}
+COMMANDED_LAYOUT = build_layout(COMMANDED_EFFECTS)
 
 
 @cache
-def _build_source(law: bool) -> str:
-    """Return the source of the kernel with all effects, with or without a law."""
+def _build_source(*, law: bool, commanded: bool = False) -> str:
+    """Return the source of the kernel with all effects, with or without a law and a command."""
     # A kernel for each set of effects would save 14 % of a step and take 5 s to compile: it pays
     # after a day of flight (docs/inside.md). Without a law, which is long, one serves all vehicles
-    included = [name for name in LAYOUT.effects if law or name != LAW.name]
-    return render_kernel_source(MODEL_EFFECTS, included=included)
+    effects, layout = (
+        (COMMANDED_EFFECTS, COMMANDED_LAYOUT) if commanded else (MODEL_EFFECTS, LAYOUT)
+    )
+    included = [name for name in layout.effects if law or name != LAW.name]
+    return render_kernel_source(effects, included=included)
 
 
 @cache
-def _load_kernel(law: bool) -> ModuleType:
-    """Load the kernel with all effects, with or without a law."""
-    return load_kernel(_build_source(law))
+def _load_kernel(*, law: bool, commanded: bool) -> ModuleType:
+    """Load the kernel with all effects, with or without a law and a command."""
+    return load_kernel(_build_source(law=law, commanded=commanded))
 
 
 def is_compiled() -> bool:
-    """Return whether the kernel of vehicles without a law is compiled, as after an edit it is not."""
+    """Return whether the kernel of vehicles without a law is compiled."""
     return is_cached(_build_source(law=False))
 
 
@@ -44,15 +75,30 @@ class SimulatedVehicle:
     One vehicle whose state, command and surroundings are views of the kernel's row.
 
     Nothing is checked. Assign into the arrays and do not replace them.
+
+    Parameters
+    ----------
+    model : VehicleModel
+        The vehicle.
+    commanded : bool
+        Whether forces and moments are commanded in place of duties: `commanded_wrench`, body
+        frame, shape (6,). [N, N m]
+
     """
 
-    def __init__(self, model: VehicleModel) -> None:
-        self._row: Array = np.zeros(max(part.stop for part in PLACES.values()))
-        self._on = model.on
-        kernel = _load_kernel(bool(model.on[LAYOUT.flag_index(LAW.name)]))
+    def __init__(self, model: VehicleModel, *, commanded: bool = False) -> None:
+        self.layout = COMMANDED_LAYOUT if commanded else LAYOUT
+        self._places = row_slices(self.layout)
+        self._row: Array = np.zeros(max(part.stop for part in self._places.values()))
+        self._on = np.append(model.on, np.uint8(1)) if commanded else model.on
+        law = bool(model.on[LAYOUT.flag_index(LAW.name)])
+        kernel = _load_kernel(law=law, commanded=commanded)
         self._derivative, self._advance = kernel.derivative, kernel.advance
-        for name in ('parameters', 'body', 'inverse'):
-            self._row[PLACES[name]] = getattr(model, name)
+        parameters = self._view_part('parameters')
+        parameters[: len(model.parameters)] = model.parameters
+        self.commanded_wrench = parameters[len(model.parameters) :]
+        for name in ('body', 'inverse'):
+            self._row[self._places[name]] = getattr(model, name)
         self.state, self.command = self._view_part('state'), self._view_part('command')
         self.surroundings, self.body = self._view_part('surroundings'), self._view_part('body')
         self.rate, self.thrusts, self.wind = map(self._view_part, ('rate', 'thrusts', 'wind'))
@@ -60,7 +106,7 @@ class SimulatedVehicle:
 
     def _view_part(self, name: str) -> Array:
         """Return a view of a part of the row."""
-        return self._row[PLACES[name]]
+        return self._row[self._places[name]]
 
     def evaluate_state(self) -> None:
         """Update `rate`, `wrenches`, `thrusts` and `wind` for the present state."""

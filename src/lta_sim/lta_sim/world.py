@@ -7,7 +7,7 @@ table. Each sensor has its own random stream, so that an additional sensor does 
 noise of the others.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import final
 
 from lta_config.constants import STANDARD_GRAVITY
@@ -16,7 +16,7 @@ from lta_model import stiffness
 from lta_model.effects import EFFECTS
 from lta_model.electrical.loads import navigation_power
 from lta_model.light.view import LightView, Pose
-from lta_model.measurement_chain import build_chains, Chain
+from lta_model.measurement_chain import apply_chain, build_chains, Chain
 from lta_model.scenario import Scenario
 from lta_model.sensors import imu, pressure, range
 from lta_model.state import pack_state, RIGID
@@ -26,7 +26,7 @@ from lta_sim.environment import draw_initial_memory, FlightEnvironment
 from lta_sim.law_region import LawRegion
 from lta_sim.readings import FlightOutcome, SensorReadings, Vector
 from lta_sim.scene_model import build_scene_model, vehicle_reach
-from lta_sim.simulated_vehicle import LAYOUT, SimulatedVehicle
+from lta_sim.simulated_vehicle import SimulatedVehicle
 from lta_sim.supply import Supply
 from lta_sim.termination import FlightTermination
 from lta_sim.tracker import SimulatedTracker
@@ -58,6 +58,8 @@ class World:
         Random seed.
     strategy : str
         Navigation strategy, for its power consumption; '' for none.
+    wrench_commanded : bool
+        Whether recorded forces and moments fly the drone, not its rotors.
 
     Attributes
     ----------
@@ -82,6 +84,8 @@ class World:
         table: TopicTable,
         seed: int,
         strategy: str = '',
+        *,
+        wrench_commanded: bool = False,
     ) -> None:
         self.vehicle = vehicle
         self.scenario = scenario
@@ -94,11 +98,11 @@ class World:
         vehicle.check_step(stiffness.STEP_NS * 1e-9, self._model)
         self._store_constants(table)
         self._draw_errors()
-        self._craft = SimulatedVehicle(self._model)
+        self._craft = SimulatedVehicle(self._model, commanded=wrench_commanded)
         self._law_region = LawRegion(vehicle.file.name, vehicle.file.law)
         self.state = self._craft.state  # changes in place
         self.state[:] = self._initial_state()
-        acting = self._build_measurement_chains()
+        acting = self._acting = self._build_measurement_chains()
         self._link = CommandLink(vehicle.reversible, self._model.given, acting['command_time'])
         self.command = self._craft.command
         self.command[:] = self._link.idle
@@ -239,7 +243,8 @@ class World:
     def effect_wrenches(self) -> dict[str, Array]:
         """Return the present wrench of each effect, body frame. [N, N m]."""
         self._craft.evaluate_state()
-        return dict(zip(LAYOUT.wrench_names, self._craft.wrenches.copy(), strict=True))
+        names = self._craft.layout.wrench_names
+        return dict(zip(names, self._craft.wrenches.copy(), strict=True))
 
     def _pose(self) -> Pose:
         """Return position [m] and quaternion."""
@@ -309,6 +314,24 @@ class World:
             self._chance['range'], self._on_range, elapsed,
         )  # fmt: skip
         self._ranges.append((stamp_ns, reading))
+
+    def command_wrench(self, commands: Callable[[float], Array]) -> None:
+        """
+        Let a recorded force and moment act in the next control period.
+
+        Parameters
+        ----------
+        commands : callable
+            Returns the wrench that was commanded at a time since the start, shape (6,) [N, N m].
+            It acts after the vehicle's delay, times its gains.
+
+        """
+        # The chain of the command time shifts a time back by the delay
+        sent = apply_chain(self._acting['command_time'], (self.elapsed,), self.elapsed)[0]
+        told = tuple(commands(sent).tolist())
+        self._craft.commanded_wrench[:] = apply_chain(
+            self._acting['command_wrench'], told, self.elapsed
+        )
 
     def advance(self, duties: Sequence[float], mass_place: Vector | None = None) -> None:
         """

@@ -3,10 +3,13 @@
 from pathlib import Path
 
 from lta_config.errors import BadInput
+from lta_config.quantity import Quantity
 from lta_flight.flight import SilentObserver
-from lta_flight.recorded_commands import find_velocity, read_commands
+from lta_flight.recorded_commands import find_body_poses, find_velocity, read_commands
 from lta_flight.simulate import CommandRequest, simulate_once, SimulationRequest
-from lta_model.vehicle import load_vehicle
+from lta_model.effects import EFFECTS
+from lta_model.measurement_chain import apply_chain, build_chains
+from lta_model.vehicle import load_vehicle, Vehicle
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -53,6 +56,65 @@ def test_a_part_begins_with_its_motion(flight: Path, tmp_path: Path) -> None:
     # The thrust at the begin is that of a steady command, which it is not exactly
     said = fly(tmp_path / 'part', commands=CommandRequest(flight, begin=4.0))
     assert float(said.rpartition(' and ')[2].partition(' cm')[0]) < 0.5
+
+
+MAPPING = """
+schema: 1
+name: pushed
+about: A vehicle that is held while forces are commanded.
+format: csv
+data: simulated
+time: {column: t, unit: s}
+topics:
+  - topic: ground_truth/odom
+    position: {columns: [x, y, z], unit: m}
+    orientation: {quaternion: [qx, qy, qz, qw]}
+  - topic: wrench_command
+    force: {columns: [null, null, fz], unit: N}
+"""
+
+
+def test_commanded_forces_act_with_their_gain(tmp_path: Path, call) -> None:
+    """Half of 78.5 mN carries the 2 g of GT-MAB and lifts it with 19.6 mN; with air, 758 g."""
+    rows = [f'{5.0 + k / 50.0},0,0,1.5,0,0,0,1,{0.0785:.4f}' for k in range(151)]
+    (tmp_path / 'held.csv').write_text('\n'.join(['t,x,y,z,qx,qy,qz,qw,fz', *rows]) + '\n')
+    (tmp_path / 'pushed.yaml').write_text(MAPPING)
+    status, said = call(
+        'import', str(tmp_path / 'held.csv'), '--mapping', str(tmp_path / 'pushed.yaml'),
+        '--out', str(tmp_path / 'held'),
+    )  # fmt: skip
+    assert status == 0, said.err
+    gain = 'vehicle.effects.wrench_gain.heave=0.5 1'
+    sentence = fly(tmp_path / 'flown', gain, commands=CommandRequest(tmp_path / 'held'))
+    end = float(sentence.rpartition(' and ')[2].partition(' cm')[0])
+    assert end == pytest.approx(100.0 * 0.5 * 0.0196 / 0.758 * 3.0**2, rel=0.08)
+
+
+def read_quantity(text: str) -> Quantity:
+    return Quantity.model_validate(text).model_copy(update={'source': 'test'})
+
+
+def test_a_tracked_pose_is_that_of_the_body_times_the_frames_of_markers_and_tracker() -> None:
+    numbers = {
+        'marker_offset': {'x': '5 cm', 'y': '-2 cm', 'z': '-20 cm', 'yaw': '17 deg'},
+        'tracker_misalignment': {'yaw': '11 deg', 'pitch': '3 deg', 'roll': '-2 deg'},
+    }
+    effects = {
+        name: {key: read_quantity(value) for key, value in one.items()}
+        for name, one in numbers.items()
+    }
+    plain = load_vehicle('gtmab')
+    vehicle = Vehicle(plain.file.model_copy(update={'effects': effects}))
+    chain = build_chains(vehicle.collect_effects(), EFFECTS)['pose']
+    body = Rotation.from_rotvec([[0.1, -0.2, 1.0], [0.0, 0.1, -2.0]])
+    places = np.array([[1.0, -2.0, 1.5], [0.3, 0.2, 0.7]])
+    read = np.array([
+        apply_chain(chain, (*place, *turn), 0.0)
+        for place, turn in zip(places.tolist(), body.as_quat().tolist(), strict=True)
+    ])  # fmt: skip
+    centres, turns = find_body_poses(vehicle, read[:, :3], Rotation.from_quat(read[:, 3:]))
+    np.testing.assert_allclose(centres, places, atol=1e-12)
+    np.testing.assert_allclose((turns.inv() * body).magnitude(), 0.0, atol=1e-12)
 
 
 def test_velocities_are_fitted_where_none_are_recorded() -> None:

@@ -54,3 +54,22 @@ def test_a_look_is_of_the_present_state_alone(craft):
     np.testing.assert_array_equal(craft.wind, WIND)
     rate = kernel.state_derivative(craft.state, model, DUTIES, WIND)
     np.testing.assert_array_equal(craft.rate, rate)
+
+
+def test_a_commanded_wrench_accelerates_the_body_and_nothing_else(craft):
+    """The inverse of the mass matrix times the wrench; without one, the same flight."""
+    model = balloon.model(balloon.EVERYTHING)
+    commanded = SimulatedVehicle(model, commanded=True)
+    for name in ('state', 'command', 'surroundings'):
+        getattr(commanded, name)[:] = getattr(craft, name)
+    for flown in (commanded, craft):
+        flown.evaluate_state()
+    np.testing.assert_array_equal(commanded.rate, craft.rate)
+    wrench = np.array([0.02, -0.01, 0.03, 0.001, -0.002, 0.004])
+    commanded.commanded_wrench[:] = wrench
+    commanded.evaluate_state()
+    gained = commanded.rate - craft.rate
+    expected = np.reshape(model.inverse, (6, 6)) @ wrench
+    np.testing.assert_allclose(gained[7:13], expected, rtol=1e-9)
+    assert not gained[:7].any()
+    assert not gained[13:].any()

@@ -79,9 +79,10 @@ def simulate(
     energy_monitor. Changed files are saved next to the bag. The drone's own model uses the
     overridden values, too.
 
-    --commands flies what the motors of a recorded flight were told, through a vehicle file: the
-    difference is what that file lacks. It grows with time, as nothing corrects it; --begin and
-    --end choose a part. The bag has the clock of the recording, for "lta compare --align none".
+    --commands flies the recorded duties, or forces and moments, of a flight through a vehicle
+    file: the difference is what that file lacks. It grows with time, as nothing corrects it;
+    --begin and --end choose a part. The bag has the clock of the recording, for
+    "lta compare --align none".
 
     Exit status 0: the drone reached its goal, or flew all --commands. 1: it did not. 2: bad input,
     nothing was flown.

@@ -73,7 +73,6 @@ def advance_blocks(blocks, dt, steps):
 '''
 
 
-
 def render_batch_source(names: Iterable[str], zeros: frozenset[int]) -> str:
     """Return the source of the kernel of some effects; the parameters at `zeros` are 0."""
     form = KernelTarget(

@@ -19,7 +19,6 @@ from lta_sim.kernels.rotor_stages import (
     is_straight,
 )
 
-
 # Parameters of an effect that may share a loop: longer ones run out of registers
 SHORT = 8
 

@@ -95,9 +95,7 @@ def pack_used_columns(
     count = len(vehicles)
     names = tuple(name for name in LAYOUT.effects if vehicles.on[:, LAYOUT.flag_index(name)].any())
     parameters, places = LAYOUT.find_effect_indices(names)
-    own = _to_padded_array(
-        'parameters', vehicles.parameters, count, LAYOUT.parameters, fill=False
-    )
+    own = _to_padded_array('parameters', vehicles.parameters, count, LAYOUT.parameters, fill=False)
     fixed = (
         own[:, parameters],
         _to_padded_array('bodies', vehicles.body, count, FIXED['body'], fill=False),
