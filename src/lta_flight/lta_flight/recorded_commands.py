@@ -2,7 +2,8 @@
 Read the commands of a recorded flight, to fly them through a vehicle file.
 
 The simulation begins with the recorded pose and velocity, and holds each command until the next,
-as the motors did; a commanded force or moment changes at control steps only. Where the recording has no velocities, they are fitted to its first poses.
+as the motors did; a commanded force or moment changes at control steps only. Where the recording
+has no velocities, they are fitted to its first poses.
 """
 
 from collections.abc import Mapping

@@ -375,7 +375,10 @@ def test_truth_estimate_and_command_are_told_apart_by_name(tmp_path):
     [
         ([0.2, 0.9, 0.5], '1', {}),
         ([20.0, 95.0, 50.0], '%', {}),
-        ([1100.0, 1900.0, 1500.0], '1', {'offset': -1000.0, 'over': 1000.0}),
+        ([1000.0, 1900.0, 1300.0], '1', {'offset': -1000.0, 'over': 1000.0}),
+        # Motors stand in the middle between forward and back
+        ([1500.0, 1900.0, 1200.0], '1', {'offset': -1500.0, 'over': 500.0}),
+        ([1600.0, 1900.0, 1800.0], '1', {'offset': -1000.0, 'over': 1000.0}),
         ([30.0, 240.0, 120.0], '1', {'over': 255.0}),
         ([3000.0, 60000.0, 30000.0], '1', {'over': 65535.0}),
     ],
@@ -393,6 +396,19 @@ def test_the_scale_of_motors_follows_from_their_size(tmp_path, values, unit, ext
     assert {name: getattr(effort, name) for name in extra} == extra
 
 
+def test_pulses_that_may_reverse_a_motor_are_asked_about(tmp_path):
+    f = lab_flight(10.0)
+    command = np.resize([1100.0, 1900.0, 1700.0, 1300.0], len(f['t']))
+    source = write_csv(tmp_path / 'a.csv', {'time_s': f['t'], 'pwm_l': command, 'pwm_r': command})
+    draft = draft_mapping(source, {})
+    assert [one.key for one in draft.choices.questions] == ['motors.unit']
+    given = draft_mapping(source, {'motors.unit': 'pulse about 1500'})
+    (motors,) = yaml.safe_load(given.text)['topics']
+    effort = {'column': 'pwm_l', 'offset': -1500, 'over': 500}
+    assert motors['actuators']['left'] == {'effort': effort}
+    assert [*motors['actuators']] == ['left', 'right']
+
+
 def test_commands_of_places_are_actuators_and_what_is_missing_is_said(call, tmp_path):
     f = lab_flight(10.0)
     names = 'cmd_left', 'cmd_down', 'knob', 'control_side_error'
@@ -402,7 +418,7 @@ def test_commands_of_places_are_actuators_and_what_is_missing_is_said(call, tmp_
     assert 'no position and no attitude; lta calibrate' in told.out
     assert 'Columns without a meaning: knob, control_side_error.' in told.out
     (motors,) = load_mapping(str(tmp_path / 'out' / 'mapping.yaml'))[0].topics
-    assert [*motors.actuators] == ['cmd_left', 'cmd_down']
+    assert [*motors.actuators] == ['left', 'down']
     (motors,) = yaml.safe_load(draft_mapping(source, {'knob.topic': 'motors'}).text)['topics']
     assert [*motors['actuators']] == ['knob']
 

@@ -10,7 +10,9 @@ from lta_data.importers.draft.name_hints import (
     ACTUATORS,
     ColumnName,
     is_placed_command,
+    PLACES,
     UNIT_WORDS,
+    WORDS,
 )
 from lta_data.importers.log_table import Numbers
 import numpy as np
@@ -27,6 +29,10 @@ SCALARS: Final = (
 )  # fmt: skip
 FORCES: Final = frozenset(['f', 'force', 'fl', 'fr', 'thrust', 'forces'])
 UPSTREAM: Final = frozenset(['pid', 'controller', 'cmd', 'setpoint', 'sp', 'ref', 'mixer'])
+FULL: Final = {'l': 'left', 'r': 'right'}
+RESTING: Final = 15.0  # a motor stands at a pulse nearer to its rest [us]
+OFTEN: Final = 0.05  # share of the pulses at which motors stand, in a log with pauses
+BOTH_WAYS: Final = 0.1  # share of the pulses on each side of 1500 us of a motor that may reverse
 SPEEDS: Final = frozenset(['rpm', 'speed', 'rotorspeed', 'omega'])
 
 
@@ -93,6 +99,8 @@ def _draft_actuators(
     units = {UNIT_WORDS.get(name.unit, ('',))[0] for name in motors}
     kind, field, why = _judge_actuators(words, units, size, values)
     key = 'motors.unit'
+    if kind == 'pulse':
+        kind, why = _judge_pulses(motors, table, key, choices)
     if kind == '?':
         options = [('duty', f'a duty from 0 to 1 ({size:.3g})'), ('N', f'a force of {size:.3g} N')]
         kind = choices.decide(key, options, f'"thrust" up to {size:.3g} can be a duty or a force.')
@@ -102,14 +110,40 @@ def _draft_actuators(
     choices.add_reason('motors', columns, kind, why)
     scales: dict[str, dict[str, Any]] = {
         'duty': {}, 'N': {'unit': 'N'}, 'mN': {'unit': 'mN'}, '%': {'unit': '%'},
-        'pulse': {'offset': -1000, 'over': 1000}, 'of 255': {'over': 255},
+        'pulse': {'offset': -1000, 'over': 1000},
+        'pulse about 1500': {'offset': -1500, 'over': 500}, 'of 255': {'over': 255},
         'of 65535': {'over': 65535}, 'rpm': {'unit': 'rpm'}, 'rad/s': {'unit': 'rad/s'},
     }  # fmt: skip
     extra = scales.get(kind, {})
+    called = [_name_actuator(name, index) for index, name in enumerate(motors)]
+    places = [_name_place(name) for name in motors]
+    if all(places) and len({*places}) == len(places):
+        # As rotors are called in vehicle files
+        called = places
     return {
-        _name_actuator(name, index): {field: {'column': name.column} | extra}
+        called[index]: {field: {'column': name.column} | extra}
         for index, name in enumerate(motors)
     }
+
+
+def _judge_pulses(
+    motors: Sequence[ColumnName], table: Columns, key: str, choices: DraftChoices
+) -> tuple[str, str]:
+    """Return whether motors that get pulses stand at 1000 or at 1500 us, and the reason."""
+    values = np.concatenate([table[name.column] for name in motors])
+    values = values[np.isfinite(values) & (values > 0.0)]
+    stop, middle = (np.mean(np.abs(values - rest) < RESTING) for rest in (1000.0, 1500.0))
+    both = min(np.mean(values < 1500.0 - RESTING), np.mean(values > 1500.0 + RESTING))
+    if both < BOTH_WAYS or stop > OFTEN:
+        return 'pulse', 'pulses of 1000 to 2000 us'
+    if middle > OFTEN:
+        return 'pulse about 1500', 'pulses about 1500 us, at which the motors often stand'
+    options = [
+        ('pulse', 'motors stand at 1000 us and turn one way'),
+        ('pulse about 1500', 'motors stand at 1500 us and turn both ways'),
+    ]
+    said = 'Pulses below and above 1500 us can be slow and fast, or back and forth.'
+    return choices.decide(key, options, said), choices.explain(key)
 
 
 def _judge_actuators(
@@ -140,6 +174,12 @@ def _judge_actuators(
         if size <= limit:
             return kind, 'effort', f'99 % are below {size:.4g}'
     return 'duty', 'effort', f'99 % are below {size:.4g}, which is no usual scale'
+
+
+def _name_place(name: ColumnName) -> str:
+    """Return the words of a column that say where its actuator is: 'left' of pwm_left."""
+    words = [word.lower() for word in WORDS.findall(name.column)]
+    return '_'.join(FULL.get(word, word) for word in words if word in PLACES)
 
 
 def _name_actuator(name: ColumnName, index: int) -> str:
