@@ -113,18 +113,9 @@ def find_file(kind: str, name: str, suffix: str = '.yaml') -> Path:
     """
     Return the path of a file given by name or path.
 
-    Parameters
-    ----------
-    kind : str
-        What the file describes: a key of `FOLDERS`.
-    name : str
-        A shipped name, or a path (it has a slash or ends in `.yaml`).
-
-    Raises
-    ------
-    BadInput
-        If there is no such file; the message lists the shipped names.
-
+    `kind`: what the file describes: a key of `FOLDERS`. `name`: a shipped name, or a path (it has
+    a slash or ends in `.yaml`). Raise `BadInput` if there is no such file; the message lists the
+    shipped names.
     """
     if '/' in name or name.endswith(('.yaml', '.yml')):
         path = Path(os.path.expanduser(name))  # noqa: PTH111 - Path's own fails for ~nobody
@@ -147,11 +138,7 @@ def load_yaml(path: Path) -> Any:  # noqa: ANN401 - YAML holds anything
     """
     Return the content of a YAML file; see `parse_yaml`.
 
-    Raises
-    ------
-    BadInput
-        If the file cannot be read, or not as YAML.
-
+    Raise `BadInput` if the file cannot be read, or not as YAML.
     """
     if path.exists() and not path.is_file():  # reading a pipe could block, a device never ends
         raise BadInput(f'{path} is not a regular file; give the path of a YAML file.')
@@ -168,18 +155,8 @@ def parse_yaml(text: str | bytes, where: str) -> Any:  # noqa: ANN401 - YAML hol
     """
     Return the content of a YAML text, with limits on size, nesting, aliases and repeated keys.
 
-    Parameters
-    ----------
-    text : str or bytes
-        Untrusted text.
-    where : str
-        What the text is, as the subject of an error message.
-
-    Raises
-    ------
-    BadInput
-        If it is not valid YAML, or would take more memory than its size suggests.
-
+    `text`: untrusted text. `where`: what the text is, as the subject of an error message. Raise
+    `BadInput` if it is not valid YAML, or would take more memory than its size suggests.
     """
     if len(text) > YAML_BYTES:
         raise BadInput(

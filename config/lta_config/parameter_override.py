@@ -26,11 +26,7 @@ def parse_assignment(text: str) -> tuple[str, Any]:
     """
     Return path and value of `PATH=VALUE`.
 
-    Raises
-    ------
-    BadInput
-        If the text has another form, or the value cannot be read.
-
+    Raise `BadInput` if the text has another form, or the value cannot be read.
     """
     path, mark, value = text.partition('=')
     if not mark or not path.strip() or not value.strip():
@@ -44,18 +40,9 @@ def parse_value(value: Any, where: str) -> Any:  # noqa: ANN401 - what YAML hold
     """
     Return a value as YAML would hold it: a quantity as a mapping, anything else unchanged.
 
-    Parameters
-    ----------
-    value : Any
-        Text such as '4 g', '[1, 0, 0] m/s' or 'true', a number, or a mapping with a unit.
-    where : str
-        What the value is for, as the subject of an error message.
-
-    Raises
-    ------
-    BadInput
-        If the text cannot be read.
-
+    `value`: text such as '4 g', '[1, 0, 0] m/s' or 'true', a number, or a mapping with a unit.
+    `where`: what the value is for, as the subject of an error message. Raise `BadInput` if the
+    text cannot be read.
     """
     if isinstance(value, Mapping):
         return dict(value)

@@ -119,11 +119,7 @@ def parse_series(views: Views, series: str) -> SeriesPath:
     """
     Parse a series 'TOPIC.FIELD...'; a field that the topic's message lacks has no steps.
 
-    Raises
-    ------
-    BadInput
-        If the topic is unknown or the field is missing.
-
+    Raise `BadInput` if the topic is unknown or the field is missing.
     """
     name, *steps = series.split('.')
     if not steps or not all(steps):

@@ -252,11 +252,7 @@ class SourceExtract:
         """
         Add a function and everything it uses; return its name in the text.
 
-        Raises
-        ------
-        BadInput
-            If it uses anything but `math`, numbers and plain functions.
-
+        Raise `BadInput` if it uses anything but `math`, numbers and plain functions.
         """
         if not isinstance(function, FunctionType):
             raise BadInput(

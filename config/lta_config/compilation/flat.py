@@ -45,11 +45,7 @@ class TupleLayout(Generic[Nested]):
     """
     The position of each number of nested tuples in an array.
 
-    Parameters
-    ----------
-    example : tuple
-        Any value: bools, ints, floats and tuples of these, named or not.
-
+    `example`: any value: bools, ints, floats and tuples of these, named or not.
     """
 
     def __init__(self, example: Nested) -> None:

@@ -29,8 +29,6 @@ def simulate(
     ----------
     vehicle, scenario, strategy : str
         Names or files.
-    seed : int
-        Random seed.
     changes : mapping, optional
         Replaced parameters by path: {'vehicle.trim.heaviness': '4 g'}.
     out : path, optional

@@ -23,14 +23,9 @@ def to_offered_qos(
     """
     Return QoS profiles in the format of a bag.
 
-    Parameters
-    ----------
-    offered : sequence of QoSProfile
-        Profiles of the discovered publishers; Fast DDS does not report history and depth.
-    expected : QoSProfile or None
-        Profile of the topic table. It supplies history and depth of a publisher that otherwise
-        matches it, and the whole profile if no publisher is known yet.
-
+    `offered`: profiles of the discovered publishers; Fast DDS does not report history and depth.
+    `expected`: profile of the topic table. It supplies history and depth of a publisher that
+    otherwise matches it, and the whole profile if no publisher is known yet.
     """
     found: list[OfferedQos] = []
     for each in offered or ([expected] if expected else []):

@@ -90,11 +90,7 @@ class SnapshotScheduler:
 
         If a node dies, the graph is stopped before others can report missing inputs.
 
-        Parameters
-        ----------
-        robots : iterable of str
-            Namespaces of the robots whose flight should be over.
-
+        `robots`: namespaces of the robots whose flight should be over.
         """
         # Infinite time: do not wait for further symptoms of a fault
         found = self._faults.take_new_faults(math.inf)

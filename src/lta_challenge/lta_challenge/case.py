@@ -81,8 +81,6 @@ class CaseGenerator:
 
     Parameters
     ----------
-    vehicle : ChallengeVehicle
-        The vehicle.
     seed, number : int
         Seed of the challenge and number of the case.
     row_name : str
@@ -135,13 +133,7 @@ class CaseGenerator:
         """
         Generate the case; the flight of a role does not depend on the roles that follow.
 
-        Parameters
-        ----------
-        roles : sequence of str
-            Of the flights.
-        change : callable
-            Changes the true vehicle of a flight, by its index.
-
+        `roles`: of the flights. `change`: changes the true vehicle of a flight, by its index.
         """
         hidden = self._draw_hidden_effects()
         nominal, outside, name = self._build_case_vehicle(hidden), dict[str, Any](), ''

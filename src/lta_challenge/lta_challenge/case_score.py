@@ -114,11 +114,7 @@ def score_case(number: int, answer: Mapping[str, Any], result: Mapping[str, Any]
     """
     Score one case.
 
-    Parameters
-    ----------
-    answer, result : mapping
-        Answer of the case, and result of `trial.run_trial`.
-
+    `answer`, `result`: answer of the case, and result of `trial.run_trial`.
     """
     one = load_class_map(find_challenge_row(answer['row']).data)
 

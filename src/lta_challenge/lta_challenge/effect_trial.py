@@ -26,11 +26,8 @@ def choose_trial_effect(name: str) -> DemoEffect:
     """
     Return what to hide of an effect 'munk_moment' or of its parameter 'munk_moment.lost'.
 
-    Raises
-    ------
-    BadInput
-        If there is no such effect or parameter, or discovery does not look for it; says why.
-
+    Raise `BadInput` if there is no such effect or parameter, or discovery does not look for it;
+    says why.
     """
     word = name.partition('.')[0]
     effect = get_effect(word)

@@ -39,15 +39,7 @@ class RoughCaseGenerator:
     """
     Generator of one rough case.
 
-    Parameters
-    ----------
-    vehicle : ChallengeVehicle
-        The vehicle.
-    text : str
-        Its file.
-    seed, number : int
-        Seed of the challenge and number of the case.
-
+    `text`: its file. `seed`, `number`: seed of the challenge and number of the case.
     """
 
     def __init__(self, vehicle: ChallengeVehicle, text: str, seed: int, number: int) -> None:

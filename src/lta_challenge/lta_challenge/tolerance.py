@@ -104,13 +104,8 @@ def perturb_vehicle(nominal: NominalVehicle, wide: float, draw: Draw) -> Nominal
     """
     Return a vehicle with random errors within its tolerances.
 
-    Parameters
-    ----------
-    nominal : NominalVehicle
-        Vehicle of the file, possibly with hidden effects.
-    wide : float
-        Factor on all standard deviations.
-
+    `nominal`: vehicle of the file, possibly with hidden effects. `wide`: factor on all standard
+    deviations.
     """
     nominal = _perturb_rotors(
         _perturb_drag(_perturb_mass(nominal, wide, draw), wide, draw), wide, draw

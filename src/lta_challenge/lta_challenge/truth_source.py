@@ -170,13 +170,8 @@ class TruthModel:
         """
         Generate the source of the simulator, whose entry is `core_fly_truth`.
 
-        Parameters
-        ----------
-        own, entry : str
-            Decorators of internal functions, and of `truth_flight.fly_truth`.
-        rotors : int
-            Number of rotors.
-
+        `own`, `entry`: decorators of internal functions, and of `truth_flight.fly_truth`.
+        `rotors`: number of rotors.
         """
         extract = SourceExtract(kernel=TruthKernel(rotors, self.state_size))
         name = extract.add_function(fly_truth, PREFIX)

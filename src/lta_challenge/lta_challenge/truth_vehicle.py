@@ -195,16 +195,8 @@ def build_truth_vehicle(nominal: NominalVehicle, strange: Strange | None = None)
     """
     Build the arrays of a vehicle for the truth simulator.
 
-    Parameters
-    ----------
-    strange : mapping
-        Parameters of effects outside the library, by name.
-
-    Raises
-    ------
-    BadInput
-        If the vehicle has an effect that the simulator lacks.
-
+    `strange`: parameters of effects outside the library, by name. Raise `BadInput` if the vehicle
+    has an effect that the simulator lacks.
     """
     _check_effects(nominal)
     rigid, added = _build_rigid_body(nominal), _added_mass(nominal)

@@ -27,11 +27,7 @@ def read_scene(provenance: Mapping[str, str]) -> RecordedScene:
     """
     Read scenario and vehicle from a bag's provenance.
 
-    Raises
-    ------
-    BadInput
-        If the bag contains a file that cannot be read.
-
+    Raise `BadInput` if the bag contains a file that cannot be read.
     """
     return RecordedScene(
         parse_provenance_file(Scenario, provenance, 'scenario_file'),

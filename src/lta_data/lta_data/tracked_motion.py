@@ -18,11 +18,7 @@ def find_tracker_prefix(channels: Collection[str]) -> str:
     """
     Return the prefix of the tracked pose's channels: 'ground_truth/odom/pose.pose.'.
 
-    Raises
-    ------
-    BadInput
-        If no measured pose was recorded.
-
+    Raise `BadInput` if no measured pose was recorded.
     """
     known = [
         name.removesuffix(POSITION)

@@ -26,13 +26,8 @@ def list_motion(quaternion: Array, velocity: Array, rates: Array) -> dict[str, A
     """
     Return the quantities of a motion that a region of validity limits.
 
-    Parameters
-    ----------
-    quaternion : ndarray, shape (n, 4)
-        Body to map, as x, y, z, w.
-    velocity, rates : ndarray, shape (n, 3)
-        In the body frame. [m/s, rad/s]
-
+    `quaternion`, shape (n, 4): body to map, as x, y, z, w. `velocity`, `rates`, shape (n, 3): in
+    the body frame [m/s, rad/s].
     """
     _, pitch, roll = to_euler_angles(quaternion)
     values = (np.linalg.norm(velocity, axis=1), roll, pitch, *rates.T)
@@ -43,11 +38,8 @@ def describe_exceeded_region(vehicle: VehicleFile, motion: Mapping[str, Array]) 
     """
     Return a warning if a flight leaves the region of validity of its vehicle file, else ''.
 
-    Parameters
-    ----------
-    motion : mapping of str to ndarray, shape (n,)
-        Quantities of `list_motion`, and the duty of each rotor by its name; NaN where unknown.
-
+    `motion`, shape (n,): quantities of `list_motion`, and the duty of each rotor by its name; NaN
+    where unknown.
     """
     if vehicle.validity is None:
         return ''

@@ -25,11 +25,7 @@ class DiscoverProgress(ProgressBar):
         """
         Show the current stage.
 
-        Parameters
-        ----------
-        share : float, optional
-            Completed part of the whole, 0 to 1; the bar only pulses without it.
-
+        `share`: completed part of the whole, 0 to 1; the bar only pulses without it.
         """
         if share is None:
             self.update_bar(description=words[:SAID])

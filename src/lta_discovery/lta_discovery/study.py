@@ -109,19 +109,10 @@ def study_flights(
     """
     Find missing effects, confirm them, and measure how much they improve predictions.
 
-    Parameters
-    ----------
-    flights : sequence of (name, role, MeasuredFlight)
-        Role 'train', 'confirm' or 'holdout'. Without a confirming flight the training flights are
-        split; a single flight is split into three parts.
-    calibration : Calibration, optional
-        Of the vehicle, which then has the calibrated values.
-
-    Raises
-    ------
-    BadInput
-        If there is no training flight, or a flight is too short for a prediction.
-
+    `flights`: role 'train', 'confirm' or 'holdout'. Without a confirming flight the training
+    flights are split; a single flight is split into three parts. `calibration`: of the vehicle,
+    which then has the calibrated values. Raise `BadInput` if there is no training flight, or a
+    flight is too short for a prediction.
     """
     tell = progress or (lambda what, part: None)
     tell('preparing', 0.0)

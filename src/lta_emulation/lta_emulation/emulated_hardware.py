@@ -45,15 +45,7 @@ def build_simulated_body(
     """
     Create the simulated body of a Crazyflie.
 
-    Parameters
-    ----------
-    vehicle, scenario : str
-        Names of shipped files, or paths.
-    seed : int
-        Random seed.
-    light : callable, optional
-        See `SimulatedBody`.
-
+    `vehicle`, `scenario`: names of shipped files, or paths. `light`: see `SimulatedBody`.
     """
     scene, table = load_scenario(scenario), load_topic_table()
     craft = load_vehicle(vehicle, scene.air.density)

@@ -27,13 +27,7 @@ class HarvestCurve:
     """
     Maximum power of a horizontal array, interpolated from a table over irradiance.
 
-    Parameters
-    ----------
-    panel : SolarArrayModel
-        The array.
-    led_factor : float
-        Spectral factor of its cells under a white LED.
-
+    `led_factor`: spectral factor of its cells under a white LED.
     """
 
     def __init__(self, panel: SolarArrayModel, led_factor: float) -> None:

@@ -96,11 +96,7 @@ def fly_once(order: FlightRequest, watcher: FlightObserver) -> FlightRun:
     """
     Fly one flight and return its result.
 
-    Raises
-    ------
-    BadInput
-        If the request is invalid; nothing has been started then.
-
+    Raise `BadInput` if the request is invalid; nothing has been started then.
     """
     scenario = load_scenario(order.scenario)
     find_navigation_strategy(order.strategy)
@@ -233,11 +229,7 @@ def collect_result(
     """
     Return the result of the flight from the exits of its processes.
 
-    Raises
-    ------
-    BadInput
-        If a node refused its input; with the node's sentence.
-
+    Raise `BadInput` if a node refused its input; with the node's sentence.
     """
     bag, end = folder / 'bag', launcher.outcome
     broken = end is None or not end.success

@@ -142,18 +142,9 @@ def load_spec(vehicle: str, scenario: str, strategy_name: str, gains: str) -> Fl
     """
     Read the files of a flight.
 
-    Parameters
-    ----------
-    vehicle, scenario, gains : str
-        Shipped names or paths; without gains, those that the vehicle's file names.
-    strategy_name : str
-        Navigation strategy.
-
-    Raises
-    ------
-    BadInput
-        If a file cannot be read or a name is unknown.
-
+    `vehicle`, `scenario`, `gains`: shipped names or paths; without gains, those that the vehicle's
+    file names. `strategy_name`: navigation strategy. Raise `BadInput` if a file cannot be read or
+    a name is unknown.
     """
     find_navigation_strategy(strategy_name)
     content = load_vehicle_content(find_file('vehicle', vehicle))
@@ -200,11 +191,7 @@ def build_vehicle_scenario_stack(
     """
     Return vehicle, scenario and flight stack; `hovers` if the rotors must lift the vehicle.
 
-    Raises
-    ------
-    BadInput
-        If a part is invalid, or the parts do not fit together.
-
+    Raise `BadInput` if a part is invalid, or the parts do not fit together.
     """
     scenario = _validate_part(Scenario, spec, 'scenario')
     vehicle_file = _validate_part(VehicleFile, spec, 'vehicle')

@@ -15,11 +15,8 @@ def check_lamp_frequency(scenario: Scenario, demodulation: DemodulationSettings)
     searched. Otherwise the demodulator uses its own setting, and such a flight would only time
     out.
 
-    Raises
-    ------
-    BadInput
-        If the lamp's nominal frequency is outside the window of bins of the first beacon.
-
+    Raise `BadInput` if the lamp's nominal frequency is outside the window of bins of the first
+    beacon.
     """
     if scenario.route or scenario.course is not None:
         return

@@ -47,11 +47,7 @@ class LoopView:
     """
     Record each step for the results; see `lta_flight.report.evidence.FlightDataSource`.
 
-    Parameters
-    ----------
-    loop : ClosedLoop
-        The flight; `record_step` reads its newest step.
-
+    `loop`: the flight; `record_step` reads its newest step.
     """
 
     def __init__(self, loop: ClosedLoop) -> None:

@@ -40,8 +40,6 @@ class LoopRecorder:
         Writes the bag.
     loop : ClosedLoop
         The flight.
-    table : TopicTable
-        The topics.
     robot : str
         Namespace.
 

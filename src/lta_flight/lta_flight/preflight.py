@@ -81,13 +81,8 @@ def check_parameters(values: Mapping[str, object], controls: bool) -> None:
     """
     Reject parameters that one node would reject.
 
-    Parameters
-    ----------
-    values : mapping
-        Its parameters by name.
-    controls : bool
-        Whether it is the controller, which supports only some control laws.
-
+    `values`: its parameters by name. `controls`: whether it is the controller, which supports only
+    some control laws.
     """
     density, scenario = AIR_DENSITY, None
     if isinstance(name := values.get('scenario'), str):

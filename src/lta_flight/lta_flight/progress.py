@@ -12,13 +12,8 @@ class FlightProgress(ProgressBar):
     """
     Show the progress of a flight: `with FlightProgress(console) as progress: ...`.
 
-    Parameters
-    ----------
-    console : Console
-        Output; nothing is shown if it is not a terminal.
-    begin : str
-        Description before the flight begins.
-
+    `console`: output; nothing is shown if it is not a terminal. `begin`: description before the
+    flight begins.
     """
 
     def __init__(self, console: Console, begin: str = 'starting the graph') -> None:

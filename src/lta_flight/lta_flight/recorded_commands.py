@@ -118,17 +118,9 @@ def read_commands(
     """
     Read the commands of a recording for a vehicle.
 
-    Parameters
-    ----------
-    begin, end : float
-        Part of the recording, since its first message; None for its end. [s]
-
-    Raises
-    ------
-    BadInput
-        If the recording has no tracked pose, no command for a rotor of the vehicle, or less than a
-        second of both.
-
+    `begin`, `end`: part of the recording, since its first message; None for its end [s]. Raise
+    `BadInput` if the recording has no tracked pose, no command for a rotor of the vehicle, or less
+    than a second of both.
     """
     flight = open_flight(find_bag(bag), robot)
     pose_channels, prefix = _read_pose(flight, bag)

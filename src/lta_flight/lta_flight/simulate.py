@@ -72,11 +72,7 @@ def simulate_once(
     """
     Simulate one flight and return the run and its results.
 
-    Raises
-    ------
-    BadInput
-        If the request is invalid, or the bag cannot be written.
-
+    Raise `BadInput` if the request is invalid, or the bag cannot be written.
     """
     spec = load_spec(order.vehicle, order.scenario, order.strategy, order.gains)
     spec = spec.with_values(dict(map(parse_assignment, order.changes)))

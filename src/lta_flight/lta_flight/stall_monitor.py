@@ -92,13 +92,8 @@ class StallMonitor:
     """
     Name the nodes that stall a graph, whenever they change, and report errors of nodes.
 
-    Parameters
-    ----------
-    say : callable
-        Gets each sentence.
-    tell : callable
-        Also gets the sentences on stalls, which no node of the graph can report.
-
+    `say`: gets each sentence. `tell`: also gets the sentences on stalls, which no node of the
+    graph can report.
     """
 
     def __init__(

@@ -43,11 +43,8 @@ def require_free_live_ports(plan: LaunchPlan) -> None:
     """
     Reject a live view that cannot listen.
 
-    Raises
-    ------
-    BadInput
-        If its port is invalid, in use or that of another view, or the address is not local.
-
+    Raise `BadInput` if its port is invalid, in use or that of another view, or the address is not
+    local.
     """
     seen: set[object] = set()
     for _, host, port in _list_live_views(plan):

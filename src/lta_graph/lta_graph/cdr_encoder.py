@@ -60,11 +60,7 @@ class FlatFields:
     """
     Fields without sequences of messages, those of nested messages among them.
 
-    Parameters
-    ----------
-    fields : list of (str, str)
-        Path of the attribute and description of each.
-
+    `fields`: path of the attribute and description of each.
     """
 
     def __init__(self, fields: list[tuple[str, str]]) -> None:

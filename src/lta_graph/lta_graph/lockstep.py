@@ -50,13 +50,8 @@ class RecordedSchedule:
     """
     Schedule of a replay, as published by its player.
 
-    Parameters
-    ----------
-    table : TopicTable
-        Gives the control period, the unit of lags.
-    due : mapping of str to sequence of int
-        Due time of each message by topic, sorted; a missing topic has no messages. [ns]
-
+    `table`: gives the control period, the unit of lags. `due`: due time of each message by topic,
+    sorted; a missing topic has no messages [ns].
     """
 
     def __init__(self, table: TopicTable, due: Mapping[str, Sequence[int]]) -> None:

@@ -17,12 +17,8 @@ def find_stalling_roles(facts: Iterable[HealthFact]) -> list[str]:
     """
     Return the roles that keep others waiting, in alphabetical order.
 
-    Parameters
-    ----------
-    facts : iterable of HealthFact
-        The newest facts of all nodes, with tasks named 'NODE: TASK' as on /diagnostics. With
-        several robots the robot's name comes first (`lta2/estimator: inputs`).
-
+    `facts`: the newest facts of all nodes, with tasks named 'NODE: TASK' as on /diagnostics. With
+    several robots the robot's name comes first (`lta2/estimator: inputs`).
     """
     # `waiting` are roles that report missing inputs, `suspects` the roles they wait for
     waiting, suspects = set(), set()

@@ -32,11 +32,7 @@ class ProcessGuard:
     """
     A guard over the processes of one launcher.
 
-    Parameters
-    ----------
-    grace : float
-        Time between the death of the launcher and SIGKILL to its processes. [s]
-
+    `grace`: time between the death of the launcher and SIGKILL to its processes [s].
     """
 
     def __init__(self, grace: float) -> None:

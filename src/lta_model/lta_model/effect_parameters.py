@@ -43,11 +43,8 @@ def collect_effects(
 
     `added_mass` is that of the hull [kg, kg m2]; `air_density` is for the drag of parts [kg/m3].
 
-    Raises
-    ------
-    BadInput
-        If the file switches on an effect derived from other blocks, or sets a parameter wrongly.
-
+    Raise `BadInput` if the file switches on an effect derived from other blocks, or sets a
+    parameter wrongly.
     """
     derived = _derive_effects(file, rotors, added_mass, air_density)
     for name, given in file.effects.items():

@@ -47,11 +47,7 @@ def hover_duty(
     `weight` is less buoyancy [N], nothing to carry if not positive; `gravity` [m/s2] is for the
     message.
 
-    Raises
-    ------
-    BadInput
-        If nothing lifts, or not enough.
-
+    Raise `BadInput` if nothing lifts, or not enough.
     """
     if weight <= 0.0:
         return 0.0

@@ -36,11 +36,7 @@ def level_force(vehicle: Vehicle, heading: float = 0.0) -> float:
 
     `heading` is the direction of the force, anticlockwise from body x. [rad]
 
-    Raises
-    ------
-    BadInput
-        If no thrusts hold altitude and heading.
-
+    Raise `BadInput` if no thrusts hold altitude and heading.
     """
     columns, tops = [], []
     for rotor in vehicle.rotors:

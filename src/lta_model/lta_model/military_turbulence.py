@@ -28,11 +28,7 @@ def low_altitude_turbulence(height: float, wind: float) -> dict[str, float]:
 
     From the height above the ground, 3.05 to 305 m, and the mean wind at 20 ft (6.1 m) [m/s].
 
-    Raises
-    ------
-    BadInput
-        If the height is out of range, or the wind is negative.
-
+    Raise `BadInput` if the height is out of range, or the wind is negative.
     """
     if not LOWEST <= height <= HIGHEST:
         raise BadInput(

@@ -20,11 +20,7 @@ def fill_parameters(effect: Effect, parameters: Mapping[str, float]) -> dict[str
     """
     Return all parameters of an effect, those not given at their null value.
 
-    Raises
-    ------
-    BadInput
-        For an unknown parameter, or a value out of bounds.
-
+    Raise `BadInput` for an unknown parameter, or a value out of bounds.
     """
     values = {parameter.name: parameter.null for parameter in effect.parameters}
     for name, value in parameters.items():

@@ -12,11 +12,7 @@ def offset_start(scenario: Scenario, x: float, y: float) -> Scenario:
     """
     Return a scenario with the start moved; the same object for a zero offset.
 
-    Raises
-    ------
-    BadInput
-        If the drone would start outside of the room or within its goal.
-
+    Raise `BadInput` if the drone would start outside of the room or within its goal.
     """
     if x == 0.0 and y == 0.0:
         return scenario

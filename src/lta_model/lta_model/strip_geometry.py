@@ -60,11 +60,7 @@ def build_strips(boxes: Sequence[DragBox], density: float) -> dict[str, float]:
     """
     Return all parameters of `strip_damping` for boxes (not the hull), unused strips at zero.
 
-    Raises
-    ------
-    BadInput
-        If they need more strips than the effect has.
-
+    Raise `BadInput` if they need more strips than the effect has.
     """
     found = [strip for box in boxes for strip in _split_box(box, density)]
     if len(found) > STRIPS:

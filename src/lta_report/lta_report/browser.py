@@ -61,11 +61,7 @@ def find_chromium() -> str:
     """
     Return the path of the browser.
 
-    Raises
-    ------
-    BadInput
-        If there is none; the message explains how to install one.
-
+    Raise `BadInput` if there is none; the message explains how to install one.
     """
     named = os.environ.get(OVERRIDE)
     if named:
@@ -148,11 +144,7 @@ class Browser:
         """
         Send a command of the protocol and return its result.
 
-        Raises
-        ------
-        BadInput
-            If the browser rejects it, does not answer, or has exited.
-
+        Raise `BadInput` if the browser rejects it, does not answer, or has exited.
         """
         self._count += 1
         command: dict[str, object] = {'id': self._count, 'method': method, 'params': parameters}

@@ -61,17 +61,9 @@ def connect_cluster(address: str) -> tuple[Any, Any]:
     """
     Return the module dask.distributed, and a client of the scheduler at an address.
 
-    Parameters
-    ----------
-    address : str
-        Such as tcp://127.0.0.1:8786. Dask's configuration names the certificates for tls://.
-
-    Raises
-    ------
-    BadInput
-        If dask.distributed is not installed, no scheduler with workers answers, or the scheduler
-        or a worker has another version of LTA, Python or Dask.
-
+    `address`: such as tcp://127.0.0.1:8786. Dask's configuration names the certificates for
+    tls://. Raise `BadInput` if dask.distributed is not installed, no scheduler with workers
+    answers, or the scheduler or a worker has another version of LTA, Python or Dask.
     """
     dask = import_dask()
     client = open_client(address, PATIENCE, 'start one with "lta cluster up"')

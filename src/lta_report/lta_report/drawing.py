@@ -160,17 +160,8 @@ def label_ends(
     """
     Add labels at the ends of lines, moved apart where they would overlap.
 
-    Parameters
-    ----------
-    figure : Figure
-        The figure.
-    labels : sequence of EndLabel
-        The labels.
-    bounds : tuple of float
-        Lower and upper end of the y axis, which are set as its range.
-    row : int
-        Row of the lines, from 1.
-
+    `bounds`: lower and upper end of the y axis, which are set as its range. `row`: row of the
+    lines, from 1.
     """
     low, high = bounds
     gap = 0.085 * (high - low)  # least distance of two labels: a line of text

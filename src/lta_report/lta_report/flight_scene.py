@@ -137,13 +137,8 @@ def render_time_bar(readout: Mapping[str, tuple[str, str, int, float]], what: st
     """
     Return the bar with the time cursor.
 
-    Parameters
-    ----------
-    readout : mapping of str to tuple
-        Column of the track: its name, unit, number of digits and factor.
-    what : str
-        What is played, such as 'flight'.
-
+    `readout`: column of the track: its name, unit, number of digits and factor. `what`: what is
+    played, such as 'flight'.
     """
     cells = ''.join(
         f'<div><dt>{escape(name)}</dt><dd data-value="{column}" data-unit="{escape(unit)}" '

@@ -35,8 +35,6 @@ class LineLog(Generic[Piece]):
     ----------
     folder : Path
         Created if missing.
-    kind : LogKind
-        Kind of the log.
     identity : str
         Hash of the work.
     read : callable

@@ -42,13 +42,8 @@ def stage_results(folder: Path, last: str) -> Iterator[Path]:
     """
     Yield a staging folder; its files move to the results folder when all are written.
 
-    Parameters
-    ----------
-    folder : Path
-        The results folder; if it is new it is removed after a failure.
-    last : str
-        File to move last; if it exists, so do the others.
-
+    `folder`: the results folder; if it is new it is removed after a failure. `last`: file to move
+    last; if it exists, so do the others.
     """
     # An existing empty folder belongs to the user and stays
     new, part = not folder.exists(), folder / PART

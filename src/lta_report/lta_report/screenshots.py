@@ -127,11 +127,7 @@ def write_pictures(page: Path, folder: Path, theme: Theme = 'light') -> list[Pat
     """
     Write the top of a page and each of its panels as PNG, and return the files.
 
-    Raises
-    ------
-    BadInput
-        If there is no browser or no page.
-
+    Raise `BadInput` if there is no browser or no page.
     """
     folder.mkdir(parents=True, exist_ok=True)
     with Browser() as browser:

@@ -67,8 +67,6 @@ def run_items(
 
     Parameters
     ----------
-    items : iterable
-        The items.
     workers : Workers
         Not started yet.
     save : callable

@@ -219,11 +219,8 @@ class LocalWorkers(Generic[Item, Result]):
         """
         Yield each item with its result or failure, as they finish.
 
-        Raises
-        ------
-        BadInput
-            If workers die before they finish anything, which indicates a problem of the machine.
-
+        Raise `BadInput` if workers die before they finish anything, which indicates a problem of
+        the machine.
         """
         if self._size == 1:
             yield from self._run_here(items)
@@ -320,18 +317,9 @@ class DaskWorkers(Generic[Item, Result]):
     """
     Workers of a Dask cluster, whose machines need LTA with its shipped files.
 
-    Parameters
-    ----------
-    function : callable
-        A function that can be pickled; it is sent to each worker once.
-    address : str
-        Address of the scheduler, such as tcp://127.0.0.1:8786.
-
-    Raises
-    ------
-    BadInput
-        If dask.distributed is not installed, or no scheduler answers.
-
+    `function`: a function that can be pickled; it is sent to each worker once. `address`: address
+    of the scheduler, such as tcp://127.0.0.1:8786. Raise `BadInput` if dask.distributed is not
+    installed, or no scheduler answers.
     """
 
     def __init__(self, function: Callable[[Item], Result], address: str) -> None:
@@ -403,11 +391,7 @@ def open_workers(
     """
     Return the workers that the options --workers and --scheduler select.
 
-    Raises
-    ------
-    BadInput
-        If both options are given, or no scheduler answers.
-
+    Raise `BadInput` if both options are given, or no scheduler answers.
     """
     if scheduler is None:
         return LocalWorkers(function, workers or count_cores(), on_progress)

@@ -23,13 +23,8 @@ def threefry(key: int, stream: int, first: int, second: int) -> tuple[int, int]:
     """
     Return 64 random bits as two 32-bit words.
 
-    Parameters
-    ----------
-    key, stream : int
-        Identify the sequence; 32 bits each.
-    first, second : int
-        Counter within the sequence; 32 bits each.
-
+    `key`, `stream`: identify the sequence; 32 bits each. `first`, `second`: counter within the
+    sequence; 32 bits each.
     """
     keys = (key, stream, PARITY ^ key ^ stream)
     x, y = (first + key) & WORD, (second + stream) & WORD
@@ -49,13 +44,8 @@ def draw_uniforms(seed: int, stream: int, turn: int, lane: int) -> tuple[float, 
     """
     Return two numbers uniform between 0 and 1, both excluded.
 
-    Parameters
-    ----------
-    seed, stream : int
-        Seed of the flight, and number of the sensor or event.
-    turn, lane : int
-        Control step, and index of the draw within it.
-
+    `seed`, `stream`: seed of the flight, and number of the sensor or event. `turn`, `lane`:
+    control step, and index of the draw within it.
     """
     x, y = threefry(seed, stream, turn, lane)
     # The half excludes 0, so that the logarithm of Box and Muller is finite

@@ -51,11 +51,7 @@ def collect_scene_effects(vehicle: Vehicle, scenario: Scenario) -> Effects:
     """
     Return the parameters of every effect that the scene adds, in SI.
 
-    Raises
-    ------
-    BadInput
-        If the vehicle file sets one of them as well, or the vehicle starts in a wall.
-
+    Raise `BadInput` if the vehicle file sets one of them as well, or the vehicle starts in a wall.
     """
     radius, half_height = vehicle_reach(vehicle)
     # A profile is averaged over a hull; a bare frame meets the wind at its own height.

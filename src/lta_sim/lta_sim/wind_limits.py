@@ -78,11 +78,7 @@ def thrust_speed(vehicle: Vehicle) -> float:
 
     Infinite if the known drag allows more than `FASTEST`.
 
-    Raises
-    ------
-    BadInput
-        If no thrusts hold height and heading.
-
+    Raise `BadInput` if no thrusts hold height and heading.
     """
     model = vehicle.build_model()
     if vehicle.file.hull.shape == 'none' or vehicle.file.moving_mass:

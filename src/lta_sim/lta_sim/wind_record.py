@@ -40,12 +40,8 @@ class WindRecord:
         """
         Read a wind file that must last `needed` seconds.
 
-        Raises
-        ------
-        BadInput
-            If the file cannot be read, has another format, is not in order, has a gap of more than
-            three times the usual interval, or ends too early.
-
+        Raise `BadInput` if the file cannot be read, has another format, is not in order, has a gap
+        of more than three times the usual interval, or ends too early.
         """
         try:
             with path.open(encoding='utf-8') as stream:

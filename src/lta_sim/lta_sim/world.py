@@ -54,8 +54,6 @@ class World:
         The drone, built for the scenario's air density.
     table : TopicTable
         Period and latency of each sensor.
-    seed : int
-        Random seed.
     strategy : str
         Navigation strategy, for its power consumption; '' for none.
     wrench_commanded : bool

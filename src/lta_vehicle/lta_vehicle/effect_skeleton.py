@@ -156,11 +156,7 @@ def load_law(source: str) -> Law:
     """
     Return the law of a vehicle file, by name or path, or of the vehicle file of a run.
 
-    Raises
-    ------
-    BadInput
-        If there is no such file or run, or it has no law.
-
+    Raise `BadInput` if there is no such file or run, or it has no law.
     """
     file = _load_source(source)
     if file.law is None:
@@ -188,11 +184,8 @@ def write_skeleton(name: str, law: Law | None, folder: Path) -> list[Path]:
     """
     Write `NAME.py` and `pyproject.toml` into a new folder, and return their paths.
 
-    Raises
-    ------
-    BadInput
-        If the name is not free or valid, the folder exists, or the law cannot be an effect.
-
+    Raise `BadInput` if the name is not free or valid, the folder exists, or the law cannot be an
+    effect.
     """
     if not name.isidentifier() or name != name.lower() or name != name.strip('_'):
         raise BadInput(
@@ -221,12 +214,8 @@ def render_skeleton(name: str, law: Law | None) -> str:
     """
     Return the Python file of an effect that computes what a law does; without one, an example.
 
-    Raises
-    ------
-    BadInput
-        If the hidden state of the law follows the thrust, which the rate of an effect does not
-        get.
-
+    Raise `BadInput` if the hidden state of the law follows the thrust, which the rate of an effect
+    does not get.
     """
     writer = _SkeletonWriter(law or EXAMPLE, fades=law is not None)
     return FILE.substitute(

@@ -48,11 +48,8 @@ def read_flight_record(
     """
     Read path and commands of a recorded flight, and return the topic of its poses.
 
-    Raises
-    ------
-    BadInput
-        If the bag lacks commands or poses, or its rotors are not those of the vehicle.
-
+    Raise `BadInput` if the bag lacks commands or poses, or its rotors are not those of the
+    vehicle.
     """
     topic = next((name for name in POSES if name in flight.topics), None)
     wrench = 'motors' not in flight.topics and WRENCH in flight.topics

@@ -37,18 +37,8 @@ def format_new_vehicle(name: str, model: str) -> str:
     """
     Return the text of a new vehicle file.
 
-    Parameters
-    ----------
-    name : str
-        Name of the new vehicle: lower-case letters, digits and underscores.
-    model : str
-        Vehicle name or file to copy.
-
-    Raises
-    ------
-    BadInput
-        If the name is invalid, or the model cannot be read.
-
+    `name`: name of the new vehicle: lower-case letters, digits and underscores. `model`: vehicle
+    name or file to copy. Raise `BadInput` if the name is invalid, or the model cannot be read.
     """
     check_vehicle_name(name)
     copied = load_vehicle(model).file.name  # raises BadInput if the model itself is invalid

@@ -24,11 +24,7 @@ def write_sized_vehicle(name: str, size: VehicleSize, out: Path) -> tuple[Vehicl
     """
     Write a vehicle file and, beside it, its gains; return the vehicle and the gains file.
 
-    Raises
-    ------
-    BadInput
-        If the vehicle cannot fly, or a file exists or cannot be written.
-
+    Raise `BadInput` if the vehicle cannot fly, or a file exists or cannot be written.
     """
     check_vehicle_name(name)
     if name in list_shipped_names('vehicles'):

@@ -85,13 +85,8 @@ def find_stale_aero(changed: Collection[str], columns: Collection[str]) -> Itera
     """
     Yield a warning for each aero value that was not updated with the rotors or the hull.
 
-    Parameters
-    ----------
-    changed : collection of str
-        Paths that differ, such as 'rotors.left.position'.
-    columns : collection of str
-        Names of the rotors that have a thrust allocation column.
-
+    `changed`: paths that differ, such as 'rotors.left.position'. `columns`: names of the rotors
+    that have a thrust allocation column.
     """
     held = [name for name in columns if _has_stale_column(name, changed)]
     if held:

@@ -67,11 +67,7 @@ def estimate_heaviness(
 
     Mass, drag, thrust curve and declared heaviness are those of the vehicle file.
 
-    Raises
-    ------
-    BadInput
-        If the vehicle did not hover for long enough.
-
+    Raise `BadInput` if the vehicle did not hover for long enough.
     """
     grid = _build_time_grid(path, commands)
     velocity = _estimate_velocity(path, grid)

@@ -12,11 +12,8 @@ def describe_heaviness(estimate: HeavinessEstimate, name: str, simulated: bool) 
     """
     Describe the estimated heaviness and the ballast to add or remove.
 
-    Parameters
-    ----------
-    simulated : bool
-        Whether the flight was simulated with the same thrust curve, which then has no error.
-
+    `simulated`: whether the flight was simulated with the same thrust curve, which then has no
+    error.
     """
     grams, error = GRAMS * estimate.heaviness, GRAMS * estimate.error
     heavy = 'heavier' if grams >= 0.0 else 'lighter'

@@ -19,11 +19,7 @@ class DiodeArray:
     """
     Place, axis and gain of each diode.
 
-    Raises
-    ------
-    BadInput
-        If there is no diode, the numbers do not match, or one is impossible.
-
+    Raise `BadInput` if there is no diode, the numbers do not match, or one is impossible.
     """
 
     # Unit axes, and places relative to the middle of all diodes [m], body frame

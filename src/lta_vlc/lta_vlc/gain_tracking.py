@@ -35,11 +35,7 @@ class GainTracker:
     """
     The gains of an array, as learnt so far.
 
-    Parameters
-    ----------
-    diodes : DiodeArray
-        The array by the vehicle file: gains and their spread are the prior.
-
+    `diodes`: the array by the vehicle file: gains and their spread are the prior.
     """
 
     def __init__(self, diodes: DiodeArray) -> None:

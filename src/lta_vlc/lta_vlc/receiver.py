@@ -89,11 +89,8 @@ class BeaconReceiver:
 
         `NO_WISH` stands for the first beacon of the settings.
 
-        Raises
-        ------
-        BadInput
-            If it cannot be detected or separated from the mains; nothing is changed then.
-
+        Raise `BadInput` if it cannot be detected or separated from the mains; nothing is changed
+        then.
         """
         wanted = self._settings.frequency if beacon == NO_WISH else beacon
         before = [one for one in self.beacons if one != wanted]
@@ -126,11 +123,7 @@ class BeaconReceiver:
         """
         Return the results of the next block of ADC counts, shape (n, d), and update the trackers.
 
-        Raises
-        ------
-        BadInput
-            If the block has not the planned shape.
-
+        Raise `BadInput` if the block has not the planned shape.
         """
         errors = [self._trackers[one].error for one in self.beacons]
         # Frequency errors in steps of a fraction of a bin

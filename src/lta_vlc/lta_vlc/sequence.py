@@ -30,11 +30,7 @@ class BlockSequence:
         """
         Return how many blocks are missing before the one whose first sample has this stamp. [ns]
 
-        Raises
-        ------
-        BadInput
-            If it is older than the newest one, or overlaps with it by more than half.
-
+        Raise `BadInput` if it is older than the newest one, or overlaps with it by more than half.
         """
         before, period = self._newest, self._period
         # First block, or a recording that starts again

@@ -46,11 +46,7 @@ def generate_definition(type_name: str) -> MessageDefinition:
     """
     Return the definition of a message type, such as 'sensor_msgs/msg/Imu'.
 
-    Raises
-    ------
-    BadInput
-        If neither ROS 2 Jazzy nor lta_msgs has such a type.
-
+    Raise `BadInput` if neither ROS 2 Jazzy nor lta_msgs has such a type.
     """
     types = load_jazzy_types()
     if not is_jazzy_type(type_name):

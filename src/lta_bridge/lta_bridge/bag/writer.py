@@ -34,11 +34,7 @@ def prepare_empty_folder(path: Path) -> Path:
     """
     Create the folder if it is missing, and return it.
 
-    Raises
-    ------
-    BadInput
-        If it is not empty or cannot be created.
-
+    Raise `BadInput` if it is not empty or cannot be created.
     """
     try:
         path.mkdir(parents=True, exist_ok=True)

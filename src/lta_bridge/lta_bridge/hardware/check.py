@@ -129,12 +129,8 @@ def run_hardware_check(
 
     `tell` is called with the present activity and its progress, 0 to 1.
 
-    Raises
-    ------
-    BadInput
-        If nothing is connected, a given device cannot be opened, or another program commands the
-        drone.
-
+    Raise `BadInput` if nothing is connected, a given device cannot be opened, or another program
+    commands the drone.
     """
     tell('searching for devices', 0.0)
     devices, serial = list(find_devices()), list_serial_ports()

@@ -22,11 +22,7 @@ def check_port_available(host: str, port: int) -> None:
     """
     Check that a port can be listened on.
 
-    Raises
-    ------
-    BadInput
-        If it is in use, or the host is not an address of this machine.
-
+    Raise `BadInput` if it is in use, or the host is not an address of this machine.
     """
     try:
         family, kind, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]

@@ -52,11 +52,7 @@ def read_topic_types(files: list[Path]) -> tuple[dict[str, str], dict[str, str]]
     """
     Return the message type of each topic of a bag, and the bag's provenance.
 
-    Raises
-    ------
-    BadInput
-        If a file cannot be read or is no MCAP.
-
+    Raise `BadInput` if a file cannot be read or is no MCAP.
     """
     types: dict[str, str] = {}
     told: dict[str, str] = {}

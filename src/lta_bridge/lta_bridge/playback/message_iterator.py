@@ -31,8 +31,6 @@ class MessageIterator:
 
     Parameters
     ----------
-    recording : Recording
-        The bag.
     topics : collection of str
         What is played.
     table : TopicTable

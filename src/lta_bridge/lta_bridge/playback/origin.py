@@ -27,13 +27,8 @@ def build_replay_origin(recording: RobotBagRecording, graph: Mapping[str, str]) 
     """
     Return the provenance of a bag recorded from a graph during a replay.
 
-    Parameters
-    ----------
-    recording : RobotBagRecording
-        The replayed recording: origin of scene, seed, and whether the data were measured.
-    graph : mapping of str to str
-        Provenance of the launch: vehicle, gains and strategy of the running nodes.
-
+    `recording`: the replayed recording: origin of scene, seed, and whether the data were measured.
+    `graph`: provenance of the launch: vehicle, gains and strategy of the running nodes.
     """
     kept = {key: value for key, value in recording.provenance.items() if key not in (SET, OWN)}
     runs = {key: value for key, value in graph.items() if key not in SCENE}

@@ -79,13 +79,8 @@ class RobotBagRecording:
         """
         Yield messages in the order of the bag's clock.
 
-        Parameters
-        ----------
-        topics : collection of str
-            Relative names; those that the bag lacks are ignored.
-        begin_ns : int, optional
-            Where to begin, on the bag's clock. [ns]
-
+        `topics`: relative names; those that the bag lacks are ignored. `begin_ns`: where to begin,
+        on the bag's clock [ns].
         """
         wanted = [full for full, name in self._names.items() if name in topics]
         since = None if begin_ns is None else max(0, begin_ns - self._shift)

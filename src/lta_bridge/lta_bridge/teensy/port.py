@@ -54,17 +54,8 @@ def open_port(address: str) -> BoardPort:
     """
     Open a link to a board.
 
-    Parameters
-    ----------
-    address : str
-        A serial port (`/dev/ttyACM0`), or `udp://HOST:PORT` to listen on; with `?from=ADDRESS` it
-        ignores all other senders.
-
-    Raises
-    ------
-    BadInput
-        If it cannot be opened.
-
+    `address`: a serial port (`/dev/ttyACM0`), or `udp://HOST:PORT` to listen on; with
+    `?from=ADDRESS` it ignores all other senders. Raise `BadInput` if it cannot be opened.
     """
     if address.startswith('udp://'):
         return UdpPort(address)
@@ -132,18 +123,8 @@ class UdpPort:
     silent for a while, or only the given address. Addresses can be forged: use a cable on an
     untrusted network.
 
-    Parameters
-    ----------
-    address : str
-        As for `open_port`.
-    clock : callable
-        Returns a monotonic time. [ns]
-
-    Raises
-    ------
-    BadInput
-        If it cannot be listened on.
-
+    `address`: as for `open_port`. `clock`: returns a monotonic time [ns]. Raise `BadInput` if it
+    cannot be listened on.
     """
 
     def __init__(self, address: str, clock: Callable[[], int] = time.monotonic_ns) -> None:

@@ -38,11 +38,7 @@ class Keyboard:
     """
     Read keys from a terminal, by default standard input.
 
-    Raises
-    ------
-    BadInput
-        If it is not a terminal.
-
+    Raise `BadInput` if it is not a terminal.
     """
 
     def __init__(self, fd: int | None = None) -> None:

@@ -93,13 +93,8 @@ def estimate_motion(poses: list[tuple[int, TrackerPose]], centre_ns: int) -> Tra
     """
     Return the motion at one of three or more poses.
 
-    Parameters
-    ----------
-    poses : list
-        Stamps [ns] and poses, in order.
-    centre_ns : int
-        Stamp of the pose at which to evaluate. [ns]
-
+    `poses`: stamps [ns] and poses, in order. `centre_ns`: stamp of the pose at which to evaluate
+    [ns].
     """
     pose = next(each for stamp, each in poses if stamp == centre_ns)
     t = np.array([1e-9 * (stamp - centre_ns) for stamp, _ in poses])

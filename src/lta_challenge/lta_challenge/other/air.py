@@ -27,15 +27,7 @@ class RoomAirMotion:
 
     White noise through two equal first-order filters, so that its acceleration is finite.
 
-    Parameters
-    ----------
-    size : float
-        Root mean square of each component. [m/s]
-    seconds : float
-        Length of the flight. [s]
-    draw : Generator
-        Random generator.
-
+    `size`: root mean square of each component [m/s]. `seconds`: length of the flight [s].
     """
 
     def __init__(self, size: float, seconds: float, draw: np.random.Generator) -> None:
@@ -71,15 +63,7 @@ class UnsteadyWind:
 
     It has no boundary layer, since wind that grows with height is another effect of the library.
 
-    Parameters
-    ----------
-    truth : VehicleTruth
-        Contains the mean wind.
-    seconds : float
-        Length of the flight. [s]
-    draw : Generator
-        Random generator.
-
+    `truth`: contains the mean wind. `seconds`: length of the flight [s].
     """
 
     def __init__(self, truth: VehicleTruth, seconds: float, draw: np.random.Generator) -> None:

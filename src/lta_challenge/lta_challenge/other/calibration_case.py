@@ -149,11 +149,7 @@ def hide_calibration(truth: VehicleTruth, draw: Draw, with_flows: bool = True) -
     """
     Return a vehicle with a random calibration.
 
-    Parameters
-    ----------
-    with_flows : bool
-        Whether drag and added mass were only estimated, too.
-
+    `with_flows`: whether drag and added mass were only estimated, too.
     """
     turn = Rotation.from_rotvec(_draw_ball(MARKER_TURN, draw))
     heavier = MASS * truth.mass * float(draw.standard_normal())

@@ -130,13 +130,8 @@ def true_values(
     """
     Return the true parameters of the hidden effects, as the effect library defines them.
 
-    Parameters
-    ----------
-    truth, file : VehicleTruth
-        Vehicle with hidden effects, and vehicle of the file.
-    hidden : mapping of str to float
-        Hidden parameters and their values.
-
+    `truth`, `file`: vehicle with hidden effects, and vehicle of the file. `hidden`: hidden
+    parameters and their values.
     """
     out: dict[str, dict[str, float]] = {}
     for knob in hidden:

@@ -129,8 +129,6 @@ class FlightSimulator:
     ----------
     truth : VehicleTruth
         True parameters.
-    pilot : DutyPilot
-        The pilot.
     air : sequence of MovingAir
         Sources of air motion.
     unlisted : UnlistedDisturbance, optional

@@ -13,11 +13,7 @@ class NullDisturbance:
     """
     A disturbance without effect.
 
-    Parameters
-    ----------
-    numbers : mapping of str to float
-        Parameters by name; `size` scales the disturbance.
-
+    `numbers`: parameters by name; `size` scales the disturbance.
     """
 
     def __init__(self, numbers: Numbers) -> None:

@@ -120,13 +120,7 @@ class SwingingPilot:
         """
         Return the duties of up left, up right, forward left and forward right.
 
-        Parameters
-        ----------
-        time : float
-            Time since the start. [s]
-        state : list of 13 floats
-            True state of the vehicle.
-
+        `time`: time since the start [s]. `state`: true state of the vehicle, list of 13 floats.
         """
         now = self._current_maneuver(time, state)
         r = rotation_matrix(*state[6:10])

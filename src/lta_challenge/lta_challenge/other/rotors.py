@@ -16,13 +16,7 @@ class RotorSet:
     """
     All rotors of a vehicle.
 
-    Parameters
-    ----------
-    truth : VehicleTruth
-        True parameters.
-    duties : sequence of float
-        Steady duties before the start.
-
+    `truth`: true parameters. `duties`: steady duties before the start.
     """
 
     def __init__(self, truth: VehicleTruth, duties: Sequence[float]) -> None:

@@ -32,13 +32,8 @@ class WrenchActuators:
     """
     Actuators that apply a share of a commanded wrench, without lag.
 
-    Parameters
-    ----------
-    truth : VehicleTruth
-        Its `wrench_gains` are the shares.
-    duties : sequence of six float
-        Commanded wrench before the start.
-
+    `truth`: its `wrench_gains` are the shares. `duties`: commanded wrench before the start,
+    sequence of six float.
     """
 
     def __init__(self, truth: VehicleTruth, duties: Sequence[float]) -> None:

@@ -39,11 +39,8 @@ def run_draft(
     """
     Draft the mapping of one log or folder, and write it with its page.
 
-    Raises
-    ------
-    BadInput
-        If several sources are named, a setting is malformed, or nothing is recognised.
-
+    Raise `BadInput` if several sources are named, a setting is malformed, or nothing is
+    recognised.
     """
     if len(sources) != 1:
         raise BadInput('--draft needs one log or one folder; draft one, and import all with it.')
@@ -109,11 +106,7 @@ def ask_user(question: DraftQuestion, console: Console) -> str:
     """
     Ask which reading is right, on the terminal, until the answer is one of them.
 
-    Raises
-    ------
-    BadInput
-        If the input ends.
-
+    Raise `BadInput` if the input ends.
     """
     names = [name for name, _ in question.options]
     console.print(question.reason, style='bold', highlight=False, markup=False)

@@ -28,11 +28,7 @@ def find_bag_files(path: Path, described: dict[str, object] | None = None) -> li
     `path` is a rosbag2 folder or one .mcap file; `described` is the folder's `read_metadata`, if
     it has been read.
 
-    Raises
-    ------
-    BadInput
-        If there is no bag at `path`.
-
+    Raise `BadInput` if there is no bag at `path`.
     """
     if path.is_file():
         return [path]

@@ -89,16 +89,8 @@ class CdrLayout:
         """
         Return a leaf, other than a text, of messages with this layout, as a view.
 
-        Parameters
-        ----------
-        table : ndarray of uint8, shape (n, size)
-            One message per row; each row contiguous.
-
-        Returns
-        -------
-        ndarray, shape (n,) or (n, length)
-            In the byte order of the message.
-
+        `table`, shape (n, size): one message per row; each row contiguous. The result has shape
+        (n,) or (n, length): in the byte order of the message.
         """
         kind = np.dtype(self.order + leaf.code)
         if leaf.length == 0:

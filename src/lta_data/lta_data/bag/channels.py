@@ -65,11 +65,7 @@ def iterate_channels(
 
     `series` are its messages, if they have been read together with other topics.
 
-    Raises
-    ------
-    BadInput
-        If the topic is missing or cannot be decoded.
-
+    Raise `BadInput` if the topic is missing or cannot be decoded.
     """
     kind = flight.message_type(topic)
     if kind in BLOCKS:

@@ -83,15 +83,8 @@ def decode_light_block(block: LightBlockMessage) -> NDArray[Any]:
     """
     Return the samples of a lta_msgs/LightBlock.
 
-    Returns
-    -------
-    ndarray of uint16, shape (samples, diodes)
-
-    Raises
-    ------
-    BadInput
-        If the counts are no multiple of the diodes.
-
+    The result has shape (samples, diodes). Raise `BadInput` if the counts are no multiple of the
+    diodes.
     """
     if not block.diodes or len(block.counts) % block.diodes:
         raise BadInput(
@@ -105,16 +98,8 @@ def decode_image(image: Image) -> NDArray[Any]:
     """
     Return the samples of a one-channel sensor_msgs/Image.
 
-    Returns
-    -------
-    ndarray, shape (rows, columns)
-        Of the type given by `encoding`.
-
-    Raises
-    ------
-    BadInput
-        If the encoding has several channels or the data are too short.
-
+    The result has shape (rows, columns): of the type given by `encoding`. Raise `BadInput` if the
+    encoding has several channels or the data are too short.
     """
     if image.encoding not in PIXELS:
         raise unknown_name_error('image encoding', image.encoding, list(PIXELS))
@@ -135,11 +120,7 @@ def stack_blocks(type_name: str, messages: Iterable[Any]) -> NDArray[Any]:
     """
     Return the samples of messages of one shape; `type_name` is one of `BLOCKS`.
 
-    Returns
-    -------
-    ndarray, shape (n, rows, columns)
-        (0, 0, 0) without messages.
-
+    The result has shape (n, rows, columns): (0, 0, 0) without messages.
     """
     decode = BLOCKS[type_name]
     blocks = [decode(message) for message in messages]

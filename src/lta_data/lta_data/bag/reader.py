@@ -108,11 +108,7 @@ class Bag:
 
         `topics` are absolute names; None for all.
 
-        Raises
-        ------
-        BadInput
-            If a topic is not in the bag.
-
+        Raise `BadInput` if a topic is not in the bag.
         """
         for topic, found in self.iterate_records(topics):
             yield topic, found.log_time, found.data
@@ -232,11 +228,7 @@ def read_bag(path: Path | str) -> Bag:
 
     `path` is a rosbag2 folder or an .mcap file; complete, cut short or damaged.
 
-    Raises
-    ------
-    BadInput
-        If there is no recording at `path`.
-
+    Raise `BadInput` if there is no recording at `path`.
     """
     path = Path(path)
     try:

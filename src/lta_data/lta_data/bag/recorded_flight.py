@@ -90,11 +90,7 @@ class RecordedFlight:
 
         `topic` is relative to the robot ('odom'), or absolute ('/clock').
 
-        Raises
-        ------
-        BadInput
-            If the topic is not in the bag or cannot be decoded.
-
+        Raise `BadInput` if the topic is not in the bag or cannot be decoded.
         """
         return self.read_topics([topic])[topic]
 
@@ -259,11 +255,7 @@ def open_flight(source: Bag | Path | str, robot: str | None = None) -> RecordedF
 
     `robot` is its namespace; it is required only if the bag has several robots.
 
-    Raises
-    ------
-    BadInput
-        If there is no recording, or the robot is unknown or ambiguous.
-
+    Raise `BadInput` if there is no recording, or the robot is unknown or ambiguous.
     """
     bag = source if isinstance(source, Bag) else read_bag(source)
     return RecordedFlight(bag, select_robot(bag, robot))

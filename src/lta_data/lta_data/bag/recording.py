@@ -39,11 +39,7 @@ def open_recording(bag: Path | str, robot: str | None = None) -> 'RobotRecording
     `bag` is a rosbag2 folder, an .mcap file, or a flight's results folder. `robot` is the
     namespace of the robot, required only if the bag has several.
 
-    Raises
-    ------
-    BadInput
-        If there is no recording, or the robot is unknown or ambiguous.
-
+    Raise `BadInput` if there is no recording, or the robot is unknown or ambiguous.
     """
     return RobotRecording(open_flight(find_bag(Path(bag)), robot))
 
@@ -102,11 +98,7 @@ class RobotRecording:
 
         `topic` is relative to the robot ('odom'), or absolute ('/clock').
 
-        Raises
-        ------
-        BadInput
-            If the topic is not in the bag or cannot be decoded.
-
+        Raise `BadInput` if the topic is not in the bag or cannot be decoded.
         """
         if topic not in self._tables:
             self._tables[topic] = read_table(self.flight, topic)

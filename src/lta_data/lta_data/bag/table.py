@@ -156,11 +156,8 @@ class RecordingTable:
         """
         Return a column, shape (n,), or some rows: `table[10:20]`, `table[table['z'] > 1.0]`.
 
-        Raises
-        ------
-        BadInput
-            If the column is unknown, with those that are known, or the rows are not there.
-
+        Raise `BadInput` if the column is unknown, with those that are known, or the rows are not
+        there.
         """
         if not isinstance(column, str):
             return self.select_rows(resolve_rows(column, len(self)))
@@ -202,11 +199,7 @@ class RecordingTable:
 
         A quaternion includes its angles.
 
-        Raises
-        ------
-        BadInput
-            If a pattern matches no column.
-
+        Raise `BadInput` if a pattern matches no column.
         """
         chosen = []
         for pattern in patterns:

@@ -140,11 +140,7 @@ def find_channel_tolerances(texts: Mapping[str, float], names: list[str]) -> dic
 
     The keys of `texts` are names or patterns such as 'odom/*position*'; the first match applies.
 
-    Raises
-    ------
-    BadInput
-        If a name or pattern matches no channel.
-
+    Raise `BadInput` if a name or pattern matches no channel.
     """
     found: dict[str, float] = {}
     for pattern, value in texts.items():

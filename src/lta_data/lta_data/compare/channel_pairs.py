@@ -39,18 +39,9 @@ def select_topic_pairs(
     """
     Return the topics to compare.
 
-    Parameters
-    ----------
-    pair_texts : sequence of str
-        'odom=ground_truth/odom', of topics or of channels; empty for all of the same name.
-    only : collection of str
-        Topics of A to keep; empty for all.
-
-    Raises
-    ------
-    BadInput
-        If a pair is malformed, a topic is missing, or there is none in common.
-
+    `pair_texts`: 'odom=ground_truth/odom', of topics or of channels; empty for all of the same
+    name. `only`: topics of A to keep; empty for all. Raise `BadInput` if a pair is malformed, a
+    topic is missing, or there is none in common.
     """
     if pair_texts:
         found = [parse_pair(text, of_a, of_b) for text in pair_texts]
@@ -115,11 +106,7 @@ def pair_channels(
     Fields correspond if they are equal or one ends with the other: `pose.position.x` of a
     PoseStamped is `pose.pose.position.x` of an Odometry.
 
-    Raises
-    ------
-    BadInput
-        If a requested channel is missing, or there is none in common.
-
+    Raise `BadInput` if a requested channel is missing, or there is none in common.
     """
     found = PairingResult([], [])
     for each in topic_pairs:

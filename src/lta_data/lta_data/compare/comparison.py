@@ -104,11 +104,7 @@ def compare_flights(
 
     `tick` is called with the current step; see `count_ticks`.
 
-    Raises
-    ------
-    BadInput
-        If they have no channel or no time in common, or a requested item is missing.
-
+    Raise `BadInput` if they have no channel or no time in common, or a requested item is missing.
     """
     wanted = select_topic_pairs(request.pairs, request.topics, one.topics, other.topics)
     of_a, of_b = ({each[k] for each in wanted} for k in (0, 1))

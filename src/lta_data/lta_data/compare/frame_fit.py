@@ -51,13 +51,8 @@ def fit_frame_transform(
     Tukey weights keep a stretch in which the flights diverge from biasing the rest. The height
     offset is estimated in the same way.
 
-    Parameters
-    ----------
-    a, b : ndarray, shape (n, 3)
-        Positions at the same times. [m]
-    heading_a, heading_b : ndarray, shape (n,), optional
-        Yaw at the same times, used if the path is too short. [rad]
-
+    `a`, `b`, shape (n, 3): positions at the same times [m]. `heading_a`, `heading_b`, shape (n,):
+    yaw at the same times, used if the path is too short [rad].
     """
     known = np.isfinite(a).all(axis=1) & np.isfinite(b).all(axis=1)
     # Two points always fit a rotation and a shift, so they test nothing

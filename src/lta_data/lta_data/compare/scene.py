@@ -45,13 +45,7 @@ def render_comparison_scene(
     """
     Return the panel of the 3-D view and the track of the page; both empty without positions.
 
-    Parameters
-    ----------
-    comparison : ComparisonResult
-        The comparison.
-    span : tuple of float
-        Time that the view covers, on A's clock. [s]
-
+    `span`: time that the view covers, on A's clock [s].
     """
     pose = find_pose_prefix(comparison.channels)
     by_name = {each.name: each for each in comparison.channels}

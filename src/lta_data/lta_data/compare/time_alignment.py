@@ -62,11 +62,7 @@ def align_times(
     runs, aligned at their starts; 'none': the stamps unchanged; 'auto': decided by the data.
     `manual_offset` [s] overrides it.
 
-    Raises
-    ------
-    BadInput
-        If the requested alignment cannot be determined from the data.
-
+    Raise `BadInput` if the requested alignment cannot be determined from the data.
     """
     bare = align_by_stamps(a, b)
     if manual_offset is not None:

@@ -53,11 +53,7 @@ def check_bags(
     """
     Check bags separately, then against each other.
 
-    Raises
-    ------
-    BadInput
-        If one of them is not a bag, or lacks the robot.
-
+    Raise `BadInput` if one of them is not a bag, or lacks the robot.
     """
     done: list[CheckedRecording] = []
     seen: list[tuple[str, ChannelRecording]] = []

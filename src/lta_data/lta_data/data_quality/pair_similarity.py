@@ -85,13 +85,8 @@ def estimate_lag(left: Array, right: Array, step: float, search: float) -> float
 
     Any left axis may correspond to a right axis, so that swapped axes do not matter.
 
-    Parameters
-    ----------
-    left, right : ndarray, shape (n, k)
-        Deviations, 0 where unknown, each column scaled by its weight.
-    step, search : float
-        Step of the grid, and largest lag. [s]
-
+    `left`, `right`, shape (n, k): deviations, 0 where unknown, each column scaled by its weight.
+    `step`, `search`: step of the grid, and largest lag [s].
     """
     most = max(1, min(round(search / step), len(left) // 2))
     # The best left axis of each right axis counts.

@@ -29,11 +29,7 @@ def write_mat(source: ExportSource, path: Path) -> Iterator[int]:
     """
     Write a file and yield the number of rows.
 
-    Raises
-    ------
-    BadInput
-        If the topic is too large for the format.
-
+    Raise `BadInput` if the topic is too large for the format.
     """
     parts, size = [], 0
     for part in source.parts():

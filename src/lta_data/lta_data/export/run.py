@@ -87,12 +87,8 @@ def export_recording(
     """
     Write a recording to a folder.
 
-    Raises
-    ------
-    BadInput
-        If the format or a named topic is unknown, the topic cannot be decoded, the folder is not
-        empty, or the files cannot be written.
-
+    Raise `BadInput` if the format or a named topic is unknown, the topic cannot be decoded, the
+    folder is not empty, or the files cannot be written.
     """
     if order.form not in FORMATS:
         raise unknown_name_error('format', order.form, list(FORMATS))

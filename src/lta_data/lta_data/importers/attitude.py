@@ -16,11 +16,7 @@ def compute_quaternions(convention: OrientationField, table: LogTable) -> Number
     Quaternions stay as logged, not normalised. In the other forms a row with a NaN becomes NaN,
     and a matrix that is not a rotation becomes the nearest rotation.
 
-    Returns
-    -------
-    ndarray, shape (n, 4)
-        x, y, z, w.
-
+    The result has shape (n, 4): x, y, z, w.
     """
     numbers = np.stack([table.columns[name] for name in convention.columns], axis=1)
     if convention.quaternion is not None:
@@ -72,12 +68,7 @@ def rotate_into_body(vectors: Numbers, attitude: Numbers) -> Numbers:
     """
     Rotate world vectors into the body frame.
 
-    Parameters
-    ----------
-    vectors : ndarray, shape (n, 3)
-    attitude : ndarray, shape (n, 4)
-        Body to world; NaN or zero gives NaN.
-
+    `vectors`, shape (n, 3). `attitude`, shape (n, 4): body to world; NaN or zero gives NaN.
     """
     length = np.linalg.norm(attitude, axis=1)
     # A zero quaternion means unknown, and scipy refuses it

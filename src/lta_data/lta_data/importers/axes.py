@@ -52,16 +52,8 @@ def attitude_matrix(world: Sequence[str] | None, body: Sequence[str] | None) -> 
     """
     Return the matrix that converts quaternions from the log's axes to LTA's.
 
-    Returns
-    -------
-    ndarray, shape (4, 4)
-        For quaternions x, y, z, w as columns.
-
-    Raises
-    ------
-    BadInput
-        If exactly one side is mirrored: that is not a rotation.
-
+    The result has shape (4, 4): for quaternions x, y, z, w as columns. Raise `BadInput` if exactly
+    one side is mirrored: that is not a rotation.
     """
     sides = [signed_permutation(world), signed_permutation(body)]
     mirrors = [np.linalg.det(side) for side in sides]

@@ -70,11 +70,7 @@ class TopicConverter:
         """
         Convert the rows of a table.
 
-        Raises
-        ------
-        BadInput
-            If a time cannot be a stamp, or a value is outside the mapping's bounds.
-
+        Raise `BadInput` if a time cannot be a stamp, or a value is outside the mapping's bounds.
         """
         rows = self._select_rows(table)
         kept = np.flatnonzero(rows)

@@ -73,11 +73,7 @@ def plan_entry(entry: TopicMapping, mapping: ImportMapping, robot: str) -> Entry
     """
     Check an entry of a mapping and return its plan.
 
-    Raises
-    ------
-    BadInput
-        If the target topic does not have what the entry gives.
-
+    Raise `BadInput` if the target topic does not have what the entry gives.
     """
     found = EntryPlan(
         entry,

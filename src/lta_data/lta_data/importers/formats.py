@@ -96,11 +96,7 @@ def detect_format(path: Path) -> str:
     """
     Detect the format of a file or folder from its content.
 
-    Raises
-    ------
-    BadInput
-        If it is missing, empty, or of no known format.
-
+    Raise `BadInput` if it is missing, empty, or of no known format.
     """
     if not path.exists():
         raise BadInput(f"'{path}' does not exist; give a log file or the folder of a bag.")

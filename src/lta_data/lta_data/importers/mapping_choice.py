@@ -32,11 +32,7 @@ def select_mapping(
     """
     Return the mapping of a log and its text; None if a bag needs no mapping.
 
-    Raises
-    ------
-    BadInput
-        If the mapping is for another format, or none is named and none fits.
-
+    Raise `BadInput` if the mapping is for another format, or none is named and none fits.
     """
     name = requested or FORMATS[format_].mapping
     if name is None and format_ == 'csv':
@@ -87,11 +83,7 @@ def choose_entries(
     """
     Return the entries of a mapping that a log fills; of several for one topic, the first.
 
-    Raises
-    ------
-    BadInput
-        If a required column is missing, or no entry can be filled.
-
+    Raise `BadInput` if a required column is missing, or no entry can be filled.
     """
     found = MappingChoice([], {}, [])
     filled: set[str] = set()
@@ -123,11 +115,7 @@ def describe_unknown_actuators(vehicle: str, chosen: MappingChoice) -> list[str]
     """
     Return a remark if the log has actuators that the vehicle lacks.
 
-    Raises
-    ------
-    BadInput
-        If the vehicle is unknown or its file is invalid.
-
+    Raise `BadInput` if the vehicle is unknown or its file is invalid.
     """
     file = load_vehicle_file(vehicle)
     there = {*file.rotors, *(f'{MASS}_{axis}' for axis in 'xyz' if file.moving_mass)}

@@ -60,11 +60,7 @@ def import_logs(order: ImportRequest, out: Path, progress: ImportProgress) -> li
     """
     Import logs to a folder: `out/bag` for one, `out/NAME/bag` for each of several.
 
-    Raises
-    ------
-    BadInput
-        If one of them cannot be imported; then no bag is written.
-
+    Raise `BadInput` if one of them cannot be imported; then no bag is written.
     """
     done = []
     sources = [one for source in order.sources for one in expand_source(source, order.mapping)]
@@ -90,11 +86,7 @@ def expand_source(source: Path, mapping: str | None) -> list[Path]:
     A folder is one log if it is a bag, or if the mapping is for the format folder and it does not
     hold a folder with the same tables for each run.
 
-    Raises
-    ------
-    BadInput
-        If a folder contains no log.
-
+    Raise `BadInput` if a folder contains no log.
     """
     log = find_bag(source)
     if not log.is_dir() or detect_format(log) == 'bag':

@@ -24,11 +24,8 @@ def select_channels(flight: RecordedFlight, patterns: Sequence[str]) -> list[Sig
     A pattern is a channel ('odom/pose.pose.position.z'), a topic ('motors'), or either with `*`.
     Only matching topics are decoded.
 
-    Raises
-    ------
-    BadInput
-        If a pattern matches nothing, or all together match too many channels for one plot.
-
+    Raise `BadInput` if a pattern matches nothing, or all together match too many channels for one
+    plot.
     """
     found: dict[str, SignalChannel] = {}
     for pattern in patterns:

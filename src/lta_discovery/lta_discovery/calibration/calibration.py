@@ -88,12 +88,8 @@ def calibrate_flights(
     """
     Calibrate a vehicle with its training flights, and score the result on all.
 
-    Parameters
-    ----------
-    with_flows : bool
-        Whether the calibrated vehicle has the fitted drag and added mass, too, which a discovery
-        names as effects.
-
+    `with_flows`: whether the calibrated vehicle has the fitted drag and added mass, too, which a
+    discovery names as effects.
     """
     tell('preparing', 0.0)
     prepared = prepare_calibration(vehicle, flights)

@@ -29,14 +29,9 @@ def score_forecasts(
 
     They look 3 s ahead, or 1.2 s if all flights are shorter.
 
-    Parameters
-    ----------
-    values : ndarray, shape (K,)
-        The calibration, relative to the vehicle file.
-    lifts : sequence of float, optional
-        Net lift of each flight [N]; by default that of `values`. Without it, both the file's
-        lift and the calibration's are corrected by the earlier pieces of the flight.
-
+    `values`, shape (K,): the calibration, relative to the vehicle file. `lifts`: net lift of each
+    flight [N]; by default that of `values`. Without it, both the file's lift and the calibration's
+    are corrected by the earlier pieces of the flight.
     """
     built = build_longest_fitter(nominal, flights)
     if built is None:

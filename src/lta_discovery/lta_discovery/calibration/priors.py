@@ -29,11 +29,7 @@ def apply_calibration(
     A calibrated number is as well known as in a vehicle that was measured with care, or as its
     interval says if that is wider. It is no candidate: what calibration explains is no effect.
 
-    Parameters
-    ----------
-    nominal : NominalVehicle
-        The calibrated vehicle.
-
+    `nominal`: the calibrated vehicle.
     """
     usual = ordinary_tolerances(nominal)
     known = {one.name: one for one in values}

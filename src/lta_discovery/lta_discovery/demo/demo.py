@@ -19,13 +19,7 @@ def run_discovery_demo(hidden: DemoEffect, seed: int, folder: Path, tell: Tell) 
     """
     Hide an effect, fly three flights with it, and search for it.
 
-    Parameters
-    ----------
-    seed : int
-        Of the flights.
-    folder : Path
-        Empty; the flights go into `flights`.
-
+    `seed`: of the flights. `folder`: empty; the flights go into `flights`.
     """
     bags = {}
     try:

@@ -45,11 +45,7 @@ def find_change_point(
     """
     Return the most significant permanent change of a flight, or None.
 
-    Parameters
-    ----------
-    this : FlightFit
-        Fit of its tolerances without any effect.
-
+    `this`: fit of its tolerances without any effect.
     """
     each = reduce_each_piece(this.linear, this.deviations)
     picked = [

@@ -105,13 +105,8 @@ def find_largest_condition(
     Significance follows from a permutation test: the disagreement is shifted in time against the
     conditions.
 
-    Parameters
-    ----------
-    squares : ndarray, shape (n,)
-        Of the disagreement, in the order of time.
-    block : int
-        Correlation length of the disagreement, in rows.
-
+    `squares`, shape (n,): of the disagreement, in the order of time. `block`: correlation length
+    of the disagreement, in rows.
     """
     n = len(squares)
     always = FlightCondition('always', np.ones(n, dtype=np.bool_))

@@ -53,11 +53,7 @@ def find_exceeded_tolerances(
     """
     Return the tolerances that the data want beyond their bounds.
 
-    Parameters
-    ----------
-    mean : ndarray, shape (G,)
-        Unbounded posterior mean (`ParameterPosterior.mean`).
-
+    `mean`, shape (G,): unbounded posterior mean (`ParameterPosterior.mean`).
     """
     low, high = parameter_bounds(knobs, prior)
     spread = np.sqrt(np.diag(prior.covariance))

@@ -46,13 +46,8 @@ def maximize_evidence(
     """
     Maximize the evidence over the deviations by damped Fisher scoring on their logarithms.
 
-    Parameters
-    ----------
-    steep : callable
-        Log evidence of deviations with its slope; -inf where undefined.
-    worth : float
-        Predicted gain below which the search ends. [nats]
-
+    `steep`: log evidence of deviations with its slope; -inf where undefined. `worth`: predicted
+    gain below which the search ends [nats].
     """
     low, high = np.log(LOWEST * floor), np.log(HIGHEST * floor)
     at, part = np.clip(np.log(start), low, high), 1.0
@@ -93,11 +88,7 @@ def fit_deviations(
     """
     Return the most probable deviations of the latent wrench, and their log evidence.
 
-    Parameters
-    ----------
-    caps : sequence of float
-        Upper limits of further starts. [noise floors]
-
+    `caps`: upper limits of further starts [noise floors].
     """
     # Columns with a fixed parameter do not affect the evidence
     narrow, kept = group.select(prior.free)

@@ -87,14 +87,9 @@ def build_prior(
     """
     Return the prior in which the named candidates are present and the others are not.
 
-    Parameters
-    ----------
-    named : sequence of str
-        Present candidates; any component of a vector stands for all.
-    sizes : mapping of str to float
-        Prior deviation of each component in typical sizes, 1 by default
-        (`selection.candidate_scan.SIZES`); 0 for an absent component of a vector.
-
+    `named`: present candidates; any component of a vector stands for all. `sizes`: prior deviation
+    of each component in typical sizes, 1 by default (`selection.candidate_scan.SIZES`); 0 for an
+    absent component of a vector.
     """
     # A vector is named by one component, but the others become free too
     there = {one: sizes.get(one, 1.0) for name in named for one in vector_components(name)}
@@ -191,11 +186,7 @@ class PieceReducer:
         """
         Return the flight without the unknowns of its pieces.
 
-        Parameters
-        ----------
-        deviations : ndarray, shape (6,)
-            Of the latent force [N] and moment [N m].
-
+        `deviations`, shape (6,): of the latent force [N] and moment [N m].
         """
         precision, count = self._latent_precision(deviations), AXES * self.linear.knots
         keep = np.arange(count, self._grams.shape[1])
@@ -300,11 +291,7 @@ def compute_posterior(reduced: ReducedFlight, at: Array, prior: Prior) -> Parame
     """
     Return the posterior of the parameters, and the log evidence.
 
-    Parameters
-    ----------
-    prior : Prior
-        Parameters that it fixes stay at the point.
-
+    `prior`: parameters that it fixes stay at the point.
     """
     free = prior.free
     # Fixed parameters have no inverse variance: restrict all matrices to the free ones

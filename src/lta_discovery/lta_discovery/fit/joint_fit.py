@@ -331,11 +331,7 @@ def fit_flight(
     """
     Fit one flight alone.
 
-    Parameters
-    ----------
-    prior : Prior
-        Of all parameters, including per-flight ones: `build_prior`.
-
+    `prior`: of all parameters, including per-flight ones: `build_prior`.
     """
     alone = JointFitter(nominal, [flight], np.zeros(len(begin.values)), FLOOR)
     group = alone.linearize_flights(begin.values, [begin])

@@ -20,12 +20,7 @@ def solve_lower(lower: Lower, right: Array) -> Array:
     """
     Return the solutions of `lower @ x = right`.
 
-    Parameters
-    ----------
-    lower : ndarray, shape (S, n, n)
-        Elements above the diagonal have to be 0.
-    right : ndarray, shape (S, n, m)
-
+    `lower`, shape (S, n, n): elements above the diagonal have to be 0. `right`, shape (S, n, m).
     """
     out = np.empty(right.shape)
     _solve(lower, right, out)

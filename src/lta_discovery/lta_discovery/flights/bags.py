@@ -49,16 +49,8 @@ def read_bags(
     """
     Read the flights of a study.
 
-    Parameters
-    ----------
-    paths : mapping of role to paths
-        Bag folders, results folders or .mcap files.
-
-    Raises
-    ------
-    BadInput
-        If there is no training flight, a recording occurs twice, or one cannot be read.
-
+    `paths`: bag folders, results folders or .mcap files. Raise `BadInput` if there is no training
+    flight, a recording occurs twice, or one cannot be read.
     """
     if not paths.get('train'):
         raise BadInput('There is no training flight; name one or more with --train.')
@@ -111,11 +103,7 @@ def check_same_vehicle(flights: Sequence[StudyRecording], vehicle: VehicleFile) 
     """
     Check that all flights are of one vehicle; return warnings about its name.
 
-    Raises
-    ------
-    BadInput
-        If the recordings name different vehicles, or command different rotors.
-
+    Raise `BadInput` if the recordings name different vehicles, or command different rotors.
     """
     # One flight per vehicle suffices to name the conflict
     by_name = {one.vehicle: one.name for one in flights if one.vehicle}

@@ -26,11 +26,7 @@ def find_outliers(values: Array, noise: float) -> Flags:
     """
     Return a mask of the outliers of an evenly sampled series.
 
-    Parameters
-    ----------
-    values : ndarray, shape (n,)
-        NaN where there is none.
-
+    `values`, shape (n,): NaN where there is none.
     """
     out = np.zeros(len(values), dtype=np.bool_)
     if not np.isfinite(noise) or len(values) < 5:

@@ -49,18 +49,9 @@ def fit_regular_times(time: Array, step: float) -> Array:
 
     The rate may drift slowly. A new raster begins after a long silence.
 
-    Parameters
-    ----------
-    time : ndarray, shape (n,)
-        Rising. [s]
-    step : float
-        Resolution of the stamps, which are off by up to half of it. [s]
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        NaN where there are too few poses, or no constant rate. [s]
-
+    `time`, shape (n,): rising [s]. `step`: resolution of the stamps, which are off by up to half
+    of it [s]. The result has shape (n,): NaN where there are too few poses, or no constant rate
+    [s].
     """
     out = np.full(len(time), np.nan)
     if len(time) < FEWEST:

@@ -21,11 +21,7 @@ def restrict_to_interval(flight: MeasuredFlight, begin: float, end: float) -> Me
 
     The whole flight is still replayed, because lag, gas and battery have memory.
 
-    Parameters
-    ----------
-    begin, end : float
-        Of the usable points, 0 to 1.
-
+    `begin`, `end`: of the usable points, 0 to 1.
     """
     # Share of the usable time up to each point
     count = np.cumsum(flight.usable) / max(1, int(flight.usable.sum()))

@@ -69,12 +69,9 @@ def convert_to_duties(
     """
     Convert commanded thrusts to duties, by inverting the thrust curve; duties stay as they are.
 
-    Parameters
-    ----------
-    provenance : mapping of str to str
-        Of the recording. If it does not state the unit, commands that never exceed the full thrust
-        of small rotors in newtons are taken for newtons: as duties they would be too small.
-
+    `provenance`: of the recording. If it does not state the unit, commands that never exceed the
+    full thrust of small rotors in newtons are taken for newtons: as duties they would be too
+    small.
     """
     if streams.wrench is not None or not np.any(streams.commands.values):
         return streams  # no rotor commands
@@ -104,18 +101,9 @@ def build_streams(
     """
     Build the streams of a flight from the channels of its recording.
 
-    Parameters
-    ----------
-    rotors : sequence of str
-        Names of the actuators in the order of the vehicle file.
-    floor : float
-        Height of the hull centre below which the vehicle may touch the floor. [m]
-
-    Raises
-    ------
-    BadInput
-        If there is no tracked pose, or neither a command of each rotor nor a commanded wrench.
-
+    `rotors`: names of the actuators in the order of the vehicle file. `floor`: height of the hull
+    centre below which the vehicle may touch the floor [m]. Raise `BadInput` if there is no tracked
+    pose, or neither a command of each rotor nor a commanded wrench.
     """
     start = find_tracker_prefix(channels)
     parts = [f'{start}position.{axis}' for axis in 'xyz']

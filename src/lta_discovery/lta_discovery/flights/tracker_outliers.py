@@ -25,11 +25,7 @@ def find_tracker_outliers(poses: Array) -> NDArray[np.bool_]:
 
     The median follows motion, also across a gap: only an excursion of up to three poses is marked.
 
-    Parameters
-    ----------
-    poses : ndarray, shape (n, 7)
-        Position [m] and quaternion, without sign changes.
-
+    `poses`, shape (n, 7): position [m] and quaternion, without sign changes.
     """
     known = np.isfinite(poses).all(axis=1)
     out = np.zeros(len(poses), dtype=np.bool_)

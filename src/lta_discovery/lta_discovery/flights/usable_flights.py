@@ -89,11 +89,7 @@ def select_usable_flights(flights: Sequence[StudyRecording], vehicle: Vehicle) -
     """
     Return the usable parts of some flights of one vehicle.
 
-    Raises
-    ------
-    BadInput
-        If the flights are not usable; the message states why.
-
+    Raise `BadInput` if the flights are not usable; the message states why.
     """
     warnings = check_same_vehicle(flights, vehicle.file)
     require_distinct_runs(flights)

@@ -50,13 +50,8 @@ def limit_to_file(
     """
     Return fits that predict their flights no worse than the vehicle file.
 
-    Parameters
-    ----------
-    flights : sequence of FlightLinearizer
-        Of the fits, which are compared on them.
-    named : sequence of int
-        Indices of the parameters of named effects, which are not scaled.
-
+    `flights`: of the fits, which are compared on them. `named`: indices of the parameters of named
+    effects, which are not scaled.
     """
 
     def compare(tuned: JointFit, after: JointFit) -> tuple[ChannelErrors, ...]:

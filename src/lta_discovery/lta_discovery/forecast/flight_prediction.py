@@ -75,11 +75,7 @@ def best_start_residual(flight: FlightLinearizer, point: LinearizationPoint) -> 
     would hide the error of the model itself. Each piece therefore corrects its initial state, by
     one Gauss-Newton step, and each sensor its offset.
 
-    Returns
-    -------
-    ndarray, shape (S, n, 14)
-        By the noise; NaN where nothing was measured.
-
+    The result has shape (S, n, 14): by the noise; NaN where nothing was measured.
     """
     point, replay = build_uncorrected_point(point), flight.replay
     met = replay.build_replay_rows(point.nominal)

@@ -144,14 +144,8 @@ class ForecastFitter:
         """
         Fit some parameters to some flights.
 
-        Parameters
-        ----------
-        spread : ndarray, shape (K,)
-            Prior standard deviations, about the vehicle file.
-        relinearize : bool
-            Whether to linearize at the result; otherwise the information is that of one step
-            before.
-
+        `spread`, shape (K,): prior standard deviations, about the vehicle file. `relinearize`:
+        whether to linearize at the result; otherwise the information is that of one step before.
         """
         picked = np.asarray(which, dtype=np.int64)
         values = np.zeros(len(self.knobs)) if begin is None else begin.copy()
@@ -217,11 +211,7 @@ class ForecastFitter:
         """
         Return the RMS of weighted horizon errors, with the lift fitted to each flight.
 
-        Parameters
-        ----------
-        diverged : float
-            Error of a forecast that diverges; left out, it would count for the values.
-
+        `diverged`: error of a forecast that diverges; left out, it would count for the values.
         """
         total, count = 0.0, 0
         for f in flights:

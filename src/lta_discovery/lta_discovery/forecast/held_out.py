@@ -65,11 +65,7 @@ def build_model_points(
     """
     Return a held-out flight under each model, with the flight's own errors.
 
-    Parameters
-    ----------
-    bare, full : JointFit
-        Of other flights: without effects, and with those named.
-
+    `bare`, `full`: of other flights: without effects, and with those named.
     """
     zero, knobs = np.zeros_like(full.group.at), flight.knobs
     count, models = count_learning_pieces(flight), []
@@ -213,11 +209,7 @@ def summarize_residuals(
     """
     Return the errors of `before`, `tuned`, `after` and `coast` from their residuals.
 
-    Parameters
-    ----------
-    offs : mapping of str to ndarray, shape (S, H, 14)
-        Of all flights, as `compute_forecast_residuals` returns them.
-
+    `offs`, shape (S, H, 14): of all flights, as `compute_forecast_residuals` returns them.
     """
     noise = np.sqrt(np.mean([each.replay.flight.reading_deviation**2 for each in flights], axis=0))
     rng, out = np.random.default_rng(seed), []

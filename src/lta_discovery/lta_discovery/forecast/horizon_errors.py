@@ -50,13 +50,8 @@ def compute_horizon_errors(
     """
     Compute prediction errors ahead of the beginning of each piece, and their sensitivities.
 
-    Parameters
-    ----------
-    flight : FlightLinearizer
-        In pieces longer than the last horizon.
-    point : LinearizationPoint
-        The parameters; its states and latent forces are ignored.
-
+    `flight`: in pieces longer than the last horizon. `point`: the parameters; its states and
+    latent forces are ignored.
     """
     wanted = np.isin(np.arange(len(flight.knobs)), which)
     about = prepare_linearization(flight.replay, flight.knobs, point, wanted)

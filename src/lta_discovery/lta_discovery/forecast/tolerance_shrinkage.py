@@ -28,11 +28,7 @@ def shrink_tolerances(fitter: JointFitter, joint: JointFit, named: Iterable[int]
     """
     Return a fit with the share of its tolerances that forecasts its own flights best.
 
-    Parameters
-    ----------
-    named : iterable of int
-        Indices of the named effects' parameters, which keep their values.
-
+    `named`: indices of the named effects' parameters, which keep their values.
     """
     mean, held = joint.fitted.mean, np.zeros(len(joint.fitted.mean), dtype=np.bool_)
     held[list(named)] = True

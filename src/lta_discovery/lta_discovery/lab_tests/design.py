@@ -92,16 +92,8 @@ def list_designed_tests(vehicle: Vehicle, room: float = ROOM) -> list[LabTest]:
     """
     Return the tests that this vehicle can do, one of each kind and axis.
 
-    Parameters
-    ----------
-    room : float
-        Longest way of a test. [m]
-
-    Raises
-    ------
-    BadInput
-        If the vehicle falls without its rotors, or none of its rotors can push it.
-
+    `room`: longest way of a test [m]. Raise `BadInput` if the vehicle falls without its rotors, or
+    none of its rotors can push it.
     """
     if abs(vehicle.heaviness) > HEAVIEST * vehicle.mass:
         share = 100.0 * vehicle.heaviness / vehicle.mass

@@ -41,16 +41,8 @@ def open_lab_folder(
     The mapping of a log is the given one, NAME.yaml beside it, or mapping.yaml in the folder.
     Without any of them it is drafted, once for all logs with the same columns.
 
-    Parameters
-    ----------
-    answers : mapping of str to str
-        Decisions for drafts, by key.
-
-    Raises
-    ------
-    BadInput
-        If there is no log, or one cannot be imported.
-
+    `answers`: decisions for drafts, by key. Raise `BadInput` if there is no log, or one cannot be
+    imported.
     """
     if not folder.is_dir():
         raise BadInput(f"'{folder}' is not a folder; name the folder that holds the logs.")

@@ -88,18 +88,9 @@ def plan_lab_tests(
     """
     Plan the tests of an afternoon for a vehicle.
 
-    Parameters
-    ----------
-    commands : str
-        What the vehicle is commanded by: the duty of each rotor, or force and moment.
-    room : float
-        Longest way of a test. [m]
-
-    Raises
-    ------
-    BadInput
-        If the vehicle does not float, or cannot move.
-
+    `commands`: what the vehicle is commanded by: the duty of each rotor, or force and moment.
+    `room`: longest way of a test [m]. Raise `BadInput` if the vehicle does not float, or cannot
+    move.
     """
     tests, nominal = list_designed_tests(vehicle, room), NominalVehicle.from_vehicle(vehicle)
     axes = [test.axis for test in tests if test.kind == 'step']

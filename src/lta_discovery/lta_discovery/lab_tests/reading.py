@@ -50,18 +50,8 @@ def read_lab_tests(
 
     The last of several free flights confirms the calibration.
 
-    Parameters
-    ----------
-    mapping : str, optional
-        Of the logs that are no bags; drafted by default.
-    answers : mapping of str to str
-        Decisions for drafts, by key.
-
-    Raises
-    ------
-    BadInput
-        If the logs cannot be read, or are too poor to analyse.
-
+    `mapping`: of the logs that are no bags; drafted by default. `answers`: decisions for drafts,
+    by key. Raise `BadInput` if the logs cannot be read, or are too poor to analyse.
     """
     vehicle = load_vehicle(name)
     with TemporaryDirectory(prefix='lta-tests-') as scratch:

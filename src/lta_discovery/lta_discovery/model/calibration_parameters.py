@@ -118,13 +118,8 @@ def list_calibration_parameters(
     """
     Return the parameters of a calibration, with their deviations before it as tolerances.
 
-    Parameters
-    ----------
-    commanded : sequence of 6 bool
-        Axes on which a wrench was commanded; none for vehicles commanded by duties.
-    only_pose : bool
-        Whether nothing but the pose was measured.
-
+    `commanded`: axes on which a wrench was commanded; none for vehicles commanded by duties,
+    sequence of 6 bool. `only_pose`: whether nothing but the pose was measured.
     """
     out = []
     for knob in [*list_free_parameters(nominal, any(commanded)), *list_marker_parameters()]:

@@ -138,16 +138,7 @@ class NominalVehicle:
         """
         Return what `build_replay_rows` returns, reusing the rows of a similar vehicle.
 
-        Parameters
-        ----------
-        other : NominalVehicle
-            The vehicle that this one was derived from.
-
-        Raises
-        ------
-        BadInput
-            As in `build_model`.
-
+        `other`: the vehicle that this one was derived from. Raise `BadInput` as in `build_model`.
         """
         # Identity suffices: `with_value` builds a new mapping for a changed effect only
         changed = [name for name in self.given if self.given[name] is not other.given.get(name)]

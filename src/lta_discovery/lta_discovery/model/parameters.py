@@ -298,11 +298,7 @@ def list_free_parameters(nominal: NominalVehicle, wrench: bool = False) -> list[
     Left out are design effects (`DESIGN`), rotors that the vehicle does not have, and parameters
     that the model rejects.
 
-    Parameters
-    ----------
-    wrench : bool
-        Whether a flight was commanded by forces and moments instead of duties.
-
+    `wrench`: whether a flight was commanded by forces and moments instead of duties.
     """
     out = [*_list_vehicle_tolerances(nominal), *(_list_wrench_gains() if wrench else ())]
     rotors = len(nominal.rotors)

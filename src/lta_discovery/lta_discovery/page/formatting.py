@@ -156,13 +156,8 @@ def explain_decision(rung: SearchCandidate, beaten: bool, stands: bool) -> str:
     """
     Explain why a candidate was named or rejected.
 
-    Parameters
-    ----------
-    beaten : bool
-        Whether its round named another.
-    stands : bool
-        Whether it is in the final result, if it was named.
-
+    `beaten`: whether its round named another. `stands`: whether it is in the final result, if it
+    was named.
     """
     witness = max(rung.confirm, rung.carried)
     if rung.accepted:

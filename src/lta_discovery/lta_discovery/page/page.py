@@ -90,17 +90,8 @@ def write_page(study: DiscoveryStudy, folder: Path, bags: Bags = NONE) -> Path:
     """
     Write the page of a study and return its path.
 
-    Parameters
-    ----------
-    bags : mapping of role to paths
-        As on the command line, for the command that repeats the study; the names of the flights by
-        default.
-
-    Raises
-    ------
-    BadInput
-        If the page cannot be written.
-
+    `bags`: as on the command line, for the command that repeats the study; the names of the
+    flights by default. Raise `BadInput` if the page cannot be written.
     """
     page = render_page(study, build_flight_views(study), folder, bags)
     return write_file(page, folder / NAME)

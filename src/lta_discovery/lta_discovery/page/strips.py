@@ -19,11 +19,7 @@ def render_log_points(
     """
     Return points on a logarithmic scale.
 
-    Parameters
-    ----------
-    values : mapping of str to float
-        By kind, which selects the colour; values that are not positive are left out.
-
+    `values`: by kind, which selects the colour; values that are not positive are left out.
     """
     ends = math.log(low), math.log(high)
     parts = []

@@ -44,11 +44,7 @@ def render_table(heads: Row, rows: Sequence[Row], name: str, caption: str) -> st
     """
     Return a table; the first cell of a row is its heading.
 
-    Parameters
-    ----------
-    heads : sequence of str
-        Of the columns; plain text.
-
+    `heads`: of the columns; plain text.
     """
     head = ''.join(f'<th scope="col">{escape(each)}</th>' for each in heads)
     body = ''.join(

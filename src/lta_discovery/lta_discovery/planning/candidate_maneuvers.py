@@ -104,13 +104,7 @@ def build_maneuver(
     """
     Build a manoeuvre.
 
-    Parameters
-    ----------
-    length : float
-        Duration of the pattern. [s]
-    shake : float
-        Amplitude of the dither, in duty; 0 for none.
-
+    `length`: duration of the pattern [s]. `shake`: amplitude of the dither, in duty; 0 for none.
     """
     about, leg = MANOEUVRES[name]
     first = leg(space, 0)

@@ -75,13 +75,8 @@ class NextFlightPlanner:
     """
     Plan the next flight of a vehicle.
 
-    Parameters
-    ----------
-    past_flights : sequence of ReducedFlight
-        Earlier flights, about the vehicle file.
-    knobs : sequence of FreeParameter, optional
-        Of the earlier flights; by default those of a vehicle that is commanded by duties.
-
+    `past_flights`: earlier flights, about the vehicle file. `knobs`: of the earlier flights; by
+    default those of a vehicle that is commanded by duties.
     """
 
     def __init__(
@@ -239,11 +234,7 @@ def format_hypothesis(text: str, vehicle: Vehicle, nominal: NominalVehicle) -> s
     """
     Return the text of a vehicle file with hypothetical effects.
 
-    Raises
-    ------
-    BadInput
-        If the format has no place for a parameter, or the vehicle is impossible.
-
+    Raise `BadInput` if the format has no place for a parameter, or the vehicle is impossible.
     """
     for one in list_changed_quantities(
         text, vehicle, NominalVehicle.from_vehicle(vehicle), nominal, {}, 'supposed'

@@ -47,11 +47,7 @@ def suggest_measurement(name: str, others: tuple[str, ...], kind: Kind) -> str:
     """
     Return how to separate an effect from others that no flight of a kind can separate.
 
-    Parameters
-    ----------
-    name, others : str
-        Of parameters: 'net_lift.force'.
-
+    `name`, `others`: of parameters: 'net_lift.force'.
     """
     # Prefer more sensors or a richer flight, if they separate the effects
     richer = RICHER.get(kind)

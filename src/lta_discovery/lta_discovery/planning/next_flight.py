@@ -87,18 +87,9 @@ def plan_separating_flight(
     """
     Plan the flight that separates two effects, without earlier flights.
 
-    Parameters
-    ----------
-    first, second : str
-        Of parameters: 'linear_drag.surge', 'quadratic_drag.surge'.
-    scene : str
-        Scenario that gives the room and the air.
-
-    Raises
-    ------
-    BadInput
-        For an unknown effect, or a scenario too low to fly in.
-
+    `first`, `second`: of parameters: 'linear_drag.surge', 'quadratic_drag.surge'. `scene`:
+    scenario that gives the room and the air. Raise `BadInput` for an unknown effect, or a scenario
+    too low to fly in.
     """
     planner = NextFlightPlanner(
         load_spec(vehicle, scene, STRATEGY, ''), _read_text(vehicle), SEEN_BY[kind], (), tell

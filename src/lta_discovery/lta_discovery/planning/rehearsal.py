@@ -76,11 +76,7 @@ def simulate_flight(
     """
     Simulate a flight in this process.
 
-    Parameters
-    ----------
-    pilot_vehicle : Vehicle, optional
-        Vehicle file of the controller; the true one by default.
-
+    `pilot_vehicle`: vehicle file of the controller; the true one by default.
     """
     table = load_topic_table()
     world = World(vehicle, scenario, table, seed)

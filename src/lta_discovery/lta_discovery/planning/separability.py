@@ -48,13 +48,8 @@ class PairSeparability:
     """
     Separability of parameters in flights of one vehicle.
 
-    Parameters
-    ----------
-    flights : sequence of ReducedFlight
-        About the vehicle file, or a common point.
-    times : float
-        Factor on the length of the flights.
-
+    `flights`: about the vehicle file, or a common point. `times`: factor on the length of the
+    flights.
     """
 
     def __init__(
@@ -121,11 +116,7 @@ class PairSeparability:
         """
         Return the candidates that these flights confuse with one, the most similar first.
 
-        Parameters
-        ----------
-        least : float
-            Expected log Bayes factor of separable candidates. [nats]
-
+        `least`: expected log Bayes factor of separable candidates [nats].
         """
         a = [knob.name for knob in self.knobs].index(name)
         found = []

@@ -157,16 +157,8 @@ class FlightLinearizer:
         """
         Linearize the flight about a point.
 
-        Parameters
-        ----------
-        columns : ndarray of bool, shape (G,), optional
-            Columns to compute (`Prior.free`); the others are 0, which is faster. All by default.
-
-        Raises
-        ------
-        BadInput
-            For an impossible vehicle.
-
+        `columns`, shape (G,): columns to compute (`Prior.free`); the others are 0, which is
+        faster. All by default. Raise `BadInput` for an impossible vehicle.
         """
         about, pieces = (
             prepare_linearization(self.replay, self.knobs, point, columns),
@@ -275,16 +267,9 @@ class FlightLinearizer:
         """
         Return the sensitivities of the states on the grid.
 
-        Parameters
-        ----------
-        states : ndarray, shape (S, span + 1, 13)
-            Simulated at the point.
-
-        Returns
-        -------
-        ndarray, shape (S, n + 1, 12, motion + moving)
-            To the 12 of the initial state, the knots, and the parameters that affect the motion.
-
+        `states`, shape (S, span + 1, 13): simulated at the point. The result has shape (S, n + 1,
+        12, motion + moving): to the 12 of the initial state, the knots, and the parameters that
+        affect the motion.
         """
         # Whole grid periods suffice: columns need less accuracy than the prediction.
         middle = np.ascontiguousarray(states[:, STEPS // 2 :: STEPS])

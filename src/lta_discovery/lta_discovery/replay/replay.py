@@ -59,11 +59,7 @@ class FlightReplay:
     """
     Replay a flight.
 
-    Parameters
-    ----------
-    still : ndarray, shape (COMMAND,)
-        Command of a vehicle at rest: `Vehicle.pack_command(())`.
-
+    `still`, shape (COMMAND,): command of a vehicle at rest: `Vehicle.pack_command(())`.
     """
 
     def __init__(self, flight: MeasuredFlight, cut: Windows, still: Array) -> None:
@@ -200,11 +196,7 @@ class FlightReplay:
         """
         Return the inputs of the body.
 
-        Parameters
-        ----------
-        before : BodyInputs, optional
-            Of a set with the same actuators, which are not simulated again.
-
+        `before`: of a set with the same actuators, which are not simulated again.
         """
         # Actuators are the expensive part: skip them if only memory or body changed
         if before is None:

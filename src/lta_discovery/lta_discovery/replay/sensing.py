@@ -241,11 +241,7 @@ def predict_readings(
     """
     Predict the readings along trajectories on the grid.
 
-    Parameters
-    ----------
-    states : ndarray, shape (..., n + 1, 13)
-        The last one only ends the last period.
-
+    `states`, shape (..., n + 1, 13): the last one only ends the last period.
     """
     begin, end = states[..., :-1, :], states[..., 1:, :]
     position, quaternion = predict_pose(states, time, acting)

@@ -78,11 +78,7 @@ def format_learned_vehicle(
     """
     Return the text of a vehicle file with the learned values.
 
-    Raises
-    ------
-    BadInput
-        If the format has no place for a number.
-
+    Raise `BadInput` if the format has no place for a number.
     """
     known = {
         (effect.name, one.name): format_interval(one) + _format_assumptions(effect)

@@ -21,13 +21,8 @@ def build_pose_message(time_ns: int, values: NDArray[np.float64], child: str) ->
     """
     Return the odometry message of a pose in `map` and body velocities.
 
-    Parameters
-    ----------
-    values : ndarray, shape (13,)
-        Position, quaternion x y z w, velocity, rates. [m, m/s, rad/s]
-    child : str
-        Body frame: each model has its own.
-
+    `values`, shape (13,): position, quaternion x y z w, velocity, rates [m, m/s, rad/s]. `child`:
+    body frame: each model has its own.
     """
     message = Odometry(
         header=Header(stamp=build_stamp(time_ns), frame_id=FRAME), child_frame_id=child

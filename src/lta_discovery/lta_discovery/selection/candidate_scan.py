@@ -67,13 +67,8 @@ def scan_candidates(
     """
     Return the scores of all candidates that are not in the model yet, the highest first.
 
-    Parameters
-    ----------
-    prior : Prior
-        Of nuisances and present effects, with independent parameters (`build_prior`).
-    knobs : sequence of FreeParameter
-        In the order of `at`, which continues with the sensor errors.
-
+    `prior`: of nuisances and present effects, with independent parameters (`build_prior`).
+    `knobs`: in the order of `at`, which continues with the sensor errors.
     """
     # The prior is diagonal here (`build_prior`), so roots of its diagonal suffice
     free, deviation = prior.free, np.sqrt(np.diag(prior.covariance))
@@ -124,16 +119,8 @@ def column_cosines(
     """
     Return the cosines between the columns of candidates, nuisances marginalized.
 
-    Parameters
-    ----------
-    prior : Prior
-        Of the nuisances; the candidates' own tolerances are ignored.
-
-    Returns
-    -------
-    ndarray, shape (n, n)
-        1 on the diagonal; close to 1 or -1 for indistinguishable pairs; 0 for unobservable ones.
-
+    `prior`: of the nuisances; the candidates' own tolerances are ignored. The result has shape (n,
+    n): 1 on the diagonal; close to 1 or -1 for indistinguishable pairs; 0 for unobservable ones.
     """
     order = [knob.name for knob in parameters]
     picked = np.array([order.index(name) for name in names], dtype=np.int64)

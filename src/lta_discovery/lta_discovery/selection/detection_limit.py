@@ -40,11 +40,7 @@ def compute_detection_limits(
     """
     Return the detection limits of the candidates, the lowest relative to typical sizes first.
 
-    Parameters
-    ----------
-    sides : pair of ReducedFlight
-        Training flights, and confirming ones.
-
+    `sides`: training flights, and confirming ones.
     """
     free, variance = prior.free, np.diag(prior.covariance)
     products = [one.products for one in sides]
@@ -77,13 +73,8 @@ def _smallest_nameable_size(
     """
     Return the smallest size that would be named despite noise.
 
-    Parameters
-    ----------
-    informations : sequence of three floats
-        Inverse variance of the value from each side, and from both.
-    tolerance : float
-        Variance of the nominal model's error.
-
+    `informations`: inverse variance of the value from each side, and from both, sequence of three
+    floats. `tolerance`: variance of the nominal model's error.
     """
     information = informations[-1]
     if information <= 0.0:

@@ -101,11 +101,7 @@ class EffectSearch:
     """
     Search the flights of one vehicle for missing effects.
 
-    Parameters
-    ----------
-    flights : pair of sequences of FlightLinearizer
-        Training and confirming flights, at least one each.
-
+    `flights`: training and confirming flights, at least one each.
     """
 
     def __init__(

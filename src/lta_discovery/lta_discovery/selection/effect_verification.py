@@ -93,11 +93,7 @@ class EffectVerification:
     """
     Verify effects on all training and confirming flights.
 
-    Parameters
-    ----------
-    flights : sequence of FlightLinearizer
-        In the order of the pairs of `EffectSearchResult`.
-
+    `flights`: in the order of the pairs of `EffectSearchResult`.
     """
 
     def __init__(self, nominal: NominalVehicle, flights: Sequence[FlightLinearizer]) -> None:

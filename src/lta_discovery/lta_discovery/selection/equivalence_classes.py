@@ -80,11 +80,7 @@ def load_class_map(kind: Kind) -> Mapping[str, str]:
     """
     Return the class of each effect for a kind of data: the first effect of its class.
 
-    Parameters
-    ----------
-    kind : str
-        'all' sensors, 'imu', 'pose' alone, commands as a 'wrench' with pose alone, or 'hover'.
-
+    `kind`: 'all' sensors, 'imu', 'pose' alone, commands as a 'wrench' with pose alone, or 'hover'.
     """
     found = find_kind_classes(kind)
     out = {name: name for name in found.reach}

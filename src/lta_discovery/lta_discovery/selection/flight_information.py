@@ -32,11 +32,7 @@ def measure_information(group: LinearizedGroup, deviations: Array, prior: Prior)
     What the flight adds to the inverse variance, with all other parameters free within their
     priors.
 
-    Parameters
-    ----------
-    deviations : ndarray, shape (6,)
-        Of the latent wrench. [N, N m]
-
+    `deviations`, shape (6,): of the latent wrench [N, N m].
     """
     free = prior.free
     inverse = np.linalg.inv(prior.covariance[np.ix_(free, free)])
@@ -55,11 +51,7 @@ def attribute_information(
     """
     Return the parameters that some flights inform, the best known first.
 
-    Parameters
-    ----------
-    flights : sequence of str
-        Names, in the order of the fit.
-
+    `flights`: names, in the order of the fit.
     """
     free = np.flatnonzero(fit.prior.free)
     gains = measure_information(fit.group, fit.deviations, fit.prior)

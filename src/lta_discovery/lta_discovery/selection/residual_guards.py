@@ -70,13 +70,8 @@ def is_partial_explanation(acts: NDArray[np.bool_], before: Array, final: Array)
     """
     Return whether a candidate at most explained a part of a larger remainder.
 
-    Parameters
-    ----------
-    acts : ndarray of bool, shape (6,)
-        The axes on which it acts.
-    before, final : ndarray, shape (6,)
-        Deviations of the latent wrench without the candidate, and at the end. [noise floors]
-
+    `acts`, shape (6,): the axes on which it acts. `before`, `final`, shape (6,): deviations of the
+    latent wrench without the candidate, and at the end [noise floors].
     """
     return bool(acts.any() and np.all((final > np.maximum(LOUD, MOST * before))[acts]))
 
@@ -132,13 +127,8 @@ def is_credible(name: str, gains: Sequence[float], part: float) -> bool:
     remainder also has to stay unchanged (`leaves_remainder_unchanged`): the weight of a
     rope on the floor is     not ballast.
 
-    Parameters
-    ----------
-    gains : pair of float
-        Log evidence of each side. [nats]
-    part : float
-        Difference of the values of the sides, relative to the larger one.
-
+    `gains`: log evidence of each side [nats]. `part`: difference of the values of the sides,
+    relative to the larger one.
     """
     again = part < (PART if is_motion_coefficient(name) else AGAIN)
     return again and min(gains) > LARGER and sum(gains) > SOUND

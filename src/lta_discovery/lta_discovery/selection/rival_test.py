@@ -70,13 +70,8 @@ def find_better_rival(
     A clearly better rival displaces it, unless the candidate keeps enough evidence together with
     it.
 
-    Parameters
-    ----------
-    least : float
-        Gain of a clearly better rival: `displacement_threshold`.
-    before, after : mapping of str to float
-        Gain of each rival without the candidate, and with it.
-
+    `least`: gain of a clearly better rival: `displacement_threshold`. `before`, `after`: gain of
+    each rival without the candidate, and with it.
     """
     # Strongest first, so the loop may stop at the first rival that is too weak
     for name in sorted(before, key=lambda one: -before[one]):
@@ -121,11 +116,7 @@ class RivalTest:
         """
         Return whether no rival displaces a candidate.
 
-        Parameters
-        ----------
-        fits, then : pair of JointFit
-            Without it and with it.
-
+        `fits`, `then`: without it and with it.
         """
         if self._relative_deviations(fits).max() < SMALL:
             return True  # no force for a rival to explain
@@ -154,11 +145,7 @@ class RivalTest:
         """
         Return the named effects that only match a part of another, unnamed effect.
 
-        Parameters
-        ----------
-        history : sequence of (name, pair of JointFit)
-            Of each named effect: the fits without it.
-
+        `history`: of each named effect: the fits without it.
         """
         final = self._relative_deviations(last)
         if not history or final.max() <= CLEAR:

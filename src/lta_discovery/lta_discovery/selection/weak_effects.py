@@ -82,13 +82,7 @@ def choose_candidate(
     """
     Return the candidate to name, or None.
 
-    Parameters
-    ----------
-    hints : sequence of WeakCandidate
-        The best first.
-    alike : sequence of str
-        Equivalents of the best.
-
+    `hints`: the best first. `alike`: equivalents of the best.
     """
     if not hints or hints[0].gain <= hints[0].least:
         return None
@@ -104,13 +98,8 @@ class WeakEffectSearch:
     """
     Search all training and confirming flights for weak effects.
 
-    Parameters
-    ----------
-    fitter : JointFitter
-        The flights, training flights first.
-    sizes : mapping of str to float
-        Prior deviation of each component of named effects in typical sizes, where known.
-
+    `fitter`: the flights, training flights first. `sizes`: prior deviation of each component of
+    named effects in typical sizes, where known.
     """
 
     def __init__(self, fitter: JointFitter, teach: int, sizes: Sizes = NO_SIZES) -> None:
@@ -182,11 +171,7 @@ class WeakEffectSearch:
         """
         Run one round; return it and the fit after it.
 
-        Parameters
-        ----------
-        last : JointFit
-            All flights with them, by `refit_with_lower_floor`.
-
+        `last`: all flights with them, by `refit_with_lower_floor`.
         """
         hints = self.rank_candidates(names, last)
         trials = tuple(hint.trial for hint in hints)

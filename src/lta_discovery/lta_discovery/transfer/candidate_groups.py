@@ -56,11 +56,7 @@ def list_candidate_groups(
     """
     Return the candidates that forecasts of a pose could identify, in registry order.
 
-    Parameters
-    ----------
-    mirrored : bool
-        Whether the hull is taken as mirror-symmetric.
-
+    `mirrored`: whether the hull is taken as mirror-symmetric.
     """
     out: dict[str, CandidateGroup] = {}
     for k, knob in enumerate(knobs):

@@ -56,13 +56,8 @@ def cross_validate(
     """
     Return the forecast error of each regime with the values of the others, the worst first.
 
-    Parameters
-    ----------
-    fit : ForecastFit
-        To all flights; each fit without a regime is one Gauss-Newton step from it.
-    regimes : mapping of str to sequence of int
-        Flights by regime; each has flights outside of it.
-
+    `fit`: to all flights; each fit without a regime is one Gauss-Newton step from it. `regimes`:
+    flights by regime; each has flights outside of it.
     """
     out = []
     zero = np.zeros(len(foresight.knobs))

@@ -21,11 +21,7 @@ def confirm_groups(
     """
     Return the effects without which the forecasts of the other half get worse.
 
-    Parameters
-    ----------
-    halves : sequence of sequences of int
-        Training and confirming flights; if one is empty, all effects are confirmed.
-
+    `halves`: training and confirming flights; if one is empty, all effects are confirmed.
     """
     kept = list(chosen.groups)
     if not all(halves):

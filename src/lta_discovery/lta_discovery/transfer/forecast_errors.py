@@ -60,11 +60,7 @@ def compute_model_errors(
     """
     Return the errors of each model: position and attitude, then by channel, at each horizon.
 
-    Parameters
-    ----------
-    models : mapping of str to ndarray, shape (G,)
-        Parameters of 'before', 'tuned', 'after' and optionally 'refitted'.
-
+    `models`, shape (G,): parameters of 'before', 'tuned', 'after' and optionally 'refitted'.
     """
     every = range(len(sight.flights))
     offs = {kind: forecast_errors(sight, values, every) for kind, values in models.items()}

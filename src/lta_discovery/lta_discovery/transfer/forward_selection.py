@@ -75,11 +75,7 @@ def select_forward(
     """
     Select the effects that transfer between regimes.
 
-    Parameters
-    ----------
-    candidates : sequence of CandidateGroup, optional
-        All of `list_candidate_groups` by default.
-
+    `candidates`: all of `list_candidate_groups` by default.
     """
     candidates = list_candidate_groups(sight.knobs) if candidates is None else candidates
     inside = set(flights)

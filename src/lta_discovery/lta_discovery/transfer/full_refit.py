@@ -28,11 +28,7 @@ def refit_all_parameters(
     """
     Return all parameters, fitted, and the number of fitted ones.
 
-    Parameters
-    ----------
-    begin : ndarray, shape (G,)
-        Initial values: those of the named effects.
-
+    `begin`, shape (G,): initial values: those of the named effects.
     """
     which = list_knobs(candidates)
     spread = prior_deviations(sight.knobs, which)

@@ -25,16 +25,8 @@ def subtract_online_lift(
     """
     Subtract the error of the lift that earlier pieces make most probable.
 
-    Parameters
-    ----------
-    ahead : HorizonErrors
-        Its last column is the sensitivity to the lift.
-
-    Returns
-    -------
-    ndarray, shape (S, H, 6)
-        NaN where unknown. [m, rad]
-
+    `ahead`: its last column is the sensitivity to the lift. The result has shape (S, H, 6): NaN
+    where unknown [m, rad].
     """
     left, column = ahead.left, ahead.columns[..., -1]
     ends = time[:, None] + np.array(horizons)

@@ -50,11 +50,7 @@ def isotropy_p_value(pair: Array, count: float) -> float:
 
     Mauchly's test of sphericity, exact for two normal variables of mean 0.
 
-    Parameters
-    ----------
-    count : float
-        Equivalent number of independent values.
-
+    `count`: equivalent number of independent values.
     """
     products = pair.T @ pair
     half = 0.5 * float(np.trace(products))
@@ -97,11 +93,7 @@ def estimate_air_speed(force: float, nominal: NominalVehicle) -> float:
     quarter of that for a blimp at 0.5 m/s, and quadratic drag has no slope at rest. The air
     changes its speed within MEMORY, as the force does.
 
-    Parameters
-    ----------
-    force : float
-        Root mean square along one direction. [N]
-
+    `force`: root mean square along one direction [N].
     """
     masses = np.linalg.inv(np.reshape(nominal.build_model().inverse, (6, 6)))
     # Mean horizontal added mass plus displaced air; the rigid mass is subtracted

@@ -160,11 +160,7 @@ class TermColumns:
     """
     Columns of all groups on jointly fitted flights.
 
-    Parameters
-    ----------
-    groups : sequence of sequences of TermGroup
-        All groups, in the same order for each flight.
-
+    `groups`: all groups, in the same order for each flight.
     """
 
     def __init__(self, baseline: FitBaseline, groups: Sequence[Sequence[TermGroup]]) -> None:

@@ -202,11 +202,7 @@ def list_term_groups(
     """
     Yield all groups of a flight.
 
-    Parameters
-    ----------
-    floor : ndarray, shape (6,)
-        Wrench of a weight of 1. [N, N m]
-
+    `floor`, shape (6,): wrench of a weight of 1 [N, N m].
     """
     shares = hat_functions(inputs.states.shape[1], count)
     # Least-squares projection from steps to knots, the same for all terms

@@ -99,13 +99,8 @@ class GroupComparison:
         """
         Return the evidence of each group.
 
-        Parameters
-        ----------
-        taught : mapping, optional
-            Weights from the other side.
-        most : int
-            Number of best groups with refitted deviations.
-
+        `taught`: weights from the other side. `most`: number of best groups with refitted
+        deviations.
         """
         names, now = list(self.known[0] if taught is None else taught), self.standing.deviations
         # A group may explain much of the latent wrench: try smaller deviations

@@ -51,11 +51,7 @@ class SpectralLine(NamedTuple):
         """
         Return axis and RMS of the wrench that would cause the line. [N, N m]
 
-        Parameters
-        ----------
-        inverse : ndarray, shape (6, 6)
-            Of the mass matrix, including added mass.
-
+        `inverse`, shape (6, 6): of the mass matrix, including added mass.
         """
         # Channels come in kinds of three axes
         kind, way = divmod(LOOKED_AT.index(self.channel), 3)
@@ -133,11 +129,8 @@ def piece_spectrum(pieces: Array, least: float) -> LeveledSpectrum:
     """
     Return the mean spectrum of one channel's residual pieces.
 
-    Parameters
-    ----------
-    pieces : ndarray, shape (S, n)
-        Every PERIOD; NaN where nothing was measured. Pieces with many gaps are left out.
-
+    `pieces`, shape (S, n): every PERIOD; NaN where nothing was measured. Pieces with many gaps are
+    left out.
     """
     kept = _detrend_pieces(pieces[np.isfinite(pieces).mean(axis=1) >= KNOWN])
     count, size = kept.shape
@@ -153,14 +146,8 @@ def flight_spectrum(pieces: Array, time: Array, size: int, least: float) -> Leve
     """
     Return the spectrum of one channel's residuals over a whole flight.
 
-    Parameters
-    ----------
-    pieces : ndarray, shape (S, n)
-        NaN where nothing was measured.
-    size : int
-        Length of the transform in periods: that of the longest flight, so that all have equal
-        bins.
-
+    `pieces`, shape (S, n): NaN where nothing was measured. `size`: length of the transform in
+    periods: that of the longest flight, so that all have equal bins.
     """
     place = np.rint((time - time.min()) / PERIOD).astype(int)
     known = np.isfinite(pieces)
@@ -217,11 +204,7 @@ def find_spectral_lines(
     """
     Return the lines that all flights show, at most one per channel, the strongest first.
 
-    Parameters
-    ----------
-    residuals : sequence of ndarray, shape (S, n, 14)
-        Of each flight, by the noise.
-
+    `residuals`, shape (S, n, 14): of each flight, by the noise.
     """
     out = []
     size = max(round((each.max() - each.min()) / PERIOD) + 1 for each in times)

@@ -136,13 +136,8 @@ def find_unexplained_forces(
     """
     Return the unexplained forces of two sides, the largest first.
 
-    Parameters
-    ----------
-    flights, fits : two sequences each
-        Training and confirming flights, with all named effects in the model.
-    clear : float
-        Noise floors above which an axis counts.
-
+    `flights`, `fits`: training and confirming flights, with all named effects in the model.
+    `clear`: noise floors above which an axis counts.
     """
     every = [each.deviations for side in fits for each in side]
     # Geometric mean of the flights

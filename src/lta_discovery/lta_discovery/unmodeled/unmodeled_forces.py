@@ -80,11 +80,7 @@ def assess_unmodeled_forces(
     """
     Return the forces outside the library.
 
-    Parameters
-    ----------
-    full : JointFit
-        All of them in this order, with all named effects.
-
+    `full`: all of them in this order, with all named effects.
     """
     count = len(pair[0])
     sides = slice(0, count), slice(count, None)

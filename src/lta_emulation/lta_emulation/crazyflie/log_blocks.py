@@ -38,11 +38,6 @@ class LogBlocks:
     """
     The log subsystem.
 
-    Parameters
-    ----------
-    contents : Contents
-        Table of the log variables.
-
     Attributes
     ----------
     refuse : int

@@ -43,15 +43,7 @@ QUESTIONS: Final = frozenset(ParameterRequest)
 
 @final
 class ParameterStore:
-    """
-    Values of the parameters.
-
-    Parameters
-    ----------
-    contents : Contents
-        Table of the parameters.
-
-    """
+    """Values of the parameters."""
 
     def __init__(self, contents: TableOfContents[FirmwareParameter]) -> None:
         self._contents = contents

@@ -36,13 +36,8 @@ class TableOfContents(Generic[Entry]):
     """
     One table, served on channel 0 of ports 2 and 5.
 
-    Parameters
-    ----------
-    entries : sequence
-        In the order of their numbers.
-    limits : bytes
-        Bytes that follow the CRC in the table's header.
-
+    `entries`: in the order of their numbers. `limits`: bytes that follow the CRC in the table's
+    header.
     """
 
     def __init__(self, entries: Sequence[Entry], limits: bytes = b'') -> None:

@@ -135,14 +135,8 @@ class EmulatedBoard:
         """
         Return the frames of the next rows; rows that do not fill a frame are kept.
 
-        Parameters
-        ----------
-        samples : ndarray of uint16, shape (n, diodes)
-            ADC counts.
-        begun_ns : int, optional
-            Host time of the first sample; by default the rows follow the previous ones. Rows from
-            before its boot are ignored.
-
+        `samples`, shape (n, diodes): ADC counts. `begun_ns`: host time of the first sample; by
+        default the rows follow the previous ones. Rows from before its boot are ignored.
         """
         if begun_ns is not None:
             if begun_ns < self._boot_ns:
@@ -260,11 +254,7 @@ class Cable:
     """
     A pseudo terminal whose name stays the same when it is unplugged and plugged in again.
 
-    Parameters
-    ----------
-    name : Path
-        Path that the other side opens.
-
+    `name`: path that the other side opens.
     """
 
     def __init__(self, name: Path) -> None:

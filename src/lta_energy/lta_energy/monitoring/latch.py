@@ -16,14 +16,8 @@ def update_latch(latch: Latch, condition: bool, dt: float, rise: float, fall: fl
     """
     Update the latch with its condition after a time step.
 
-    Parameters
-    ----------
-    dt : float
-        Time since the last update. [s]
-    rise, fall : float
-        Time that the condition must hold to switch on, and be absent to switch off; 0 is at once.
-        [s]
-
+    `dt`: time since the last update [s]. `rise`, `fall`: time that the condition must hold to
+    switch on, and be absent to switch off; 0 is at once [s].
     """
     if condition == latch.on:
         return Latch(latch.on, 0.0)

@@ -88,11 +88,7 @@ def build_model(vehicle: Vehicle, scenario: Scenario, policy: FlightStack) -> Ve
     """
     Return the model of a vehicle in a scene, for a batch.
 
-    Raises
-    ------
-    BadInput
-        If it needs something that a batch does not support.
-
+    Raise `BadInput` if it needs something that a batch does not support.
     """
     if policy.law is not LAWS[CASCADE]:
         raise BadInput(

@@ -76,8 +76,6 @@ def build_source(
         Of `constants_and_tally.FlightConstants`.
     diodes, lamps : int
         Number of diodes and of lamps.
-    schedule : BatchSchedule
-        The schedule.
     target : CompileTarget
         `CPU` or `GPU`.
     closed : bool
@@ -121,8 +119,6 @@ def write_flight_source(
         CPU or GPU.
     diodes : int
         Number of diodes.
-    entry : str
-        The entry.
 
     """
     generated = (_write_add_effects(names, extract), *_write_diode_functions(diodes, extract))

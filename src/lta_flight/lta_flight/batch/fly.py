@@ -57,8 +57,6 @@ def fly_many(
 
     Parameters
     ----------
-    flights : sequence of BatchFlight
-        The flights.
     seeds : sequence of int
         Random seed of each flight; the lower 32 bits are used.
     device : str

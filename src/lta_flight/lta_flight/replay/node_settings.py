@@ -31,18 +31,8 @@ def parse_settings(assignments: Sequence[str], nodes: Sequence[str]) -> dict[str
     """
     Return changed parameters by node.
 
-    Parameters
-    ----------
-    assignments : sequence of str
-        Each NODE.PARAMETER=VALUE.
-    nodes : sequence of str
-        The nodes that are run again.
-
-    Raises
-    ------
-    BadInput
-        If a node is not run again, the parameter does not exist, or the value is invalid.
-
+    `assignments`: each NODE.PARAMETER=VALUE. `nodes`: the nodes that are run again. Raise
+    `BadInput` if a node is not run again, the parameter does not exist, or the value is invalid.
     """
     found: dict[str, dict[str, Any]] = {}
     for text in assignments:

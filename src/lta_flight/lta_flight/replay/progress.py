@@ -12,13 +12,8 @@ class ReplayProgress(ProgressBar):
     """
     Show the progress of a replay: `with ReplayProgress(console, 60.0) as progress: ...`.
 
-    Parameters
-    ----------
-    console : Console
-        Output; nothing is shown if it is not a terminal.
-    length : float
-        Duration of the recording. [s]
-
+    `console`: output; nothing is shown if it is not a terminal. `length`: duration of the
+    recording [s].
     """
 
     def __init__(self, console: Console, length: float) -> None:

@@ -157,15 +157,8 @@ def build_launch_plan(order: ReplayRequest, flight: RecordedFlight, folder: Path
     """
     Return the processes of a replay: player and nodes, as in `fly.launch.yaml`.
 
-    Parameters
-    ----------
-    order : ReplayRequest
-        The request.
-    flight : RecordedFlight
-        The recording.
-    folder : Path
-        Results folder; files from the recording are extracted to it.
-
+    `flight`: the recording. `folder`: results folder; files from the recording are extracted to
+    it.
     """
     selection, table = order.node_selection, load_topic_table()
     player: dict[str, str | float] = {

@@ -38,17 +38,8 @@ def build_report(
     """
     Return the report of a replay.
 
-    Parameters
-    ----------
-    played : ReplayRun
-        The replay.
-    verdict : ReplayVerdict or None
-        Its comparison with the recording, if it was compared.
-    order : ReplayRequest
-        The request.
-    provenance : mapping of str to str
-        Provenance of the recording.
-
+    `verdict`: its comparison with the recording, if it was compared. `provenance`: provenance of
+    the recording.
     """
     # Without a comparison, only an incomplete replay is a failure
     failed = not played.is_complete or (verdict is not None and verdict.word == 'different')

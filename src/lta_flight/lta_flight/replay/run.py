@@ -61,8 +61,6 @@ def run_replay(
 
     Parameters
     ----------
-    order : ReplayRequest
-        The request.
     flight : RecordedFlight
         The recording.
     folder : Path

@@ -118,18 +118,8 @@ def compare_with_recording(
     """
     Compare a replay with its recording.
 
-    Parameters
-    ----------
-    recorded, again : RecordedFlight
-        The recording, and the outputs of the replay.
-    topics : sequence of str
-        The topics to compare.
-
-    Raises
-    ------
-    BadInput
-        If the recording has none of these topics.
-
+    `recorded`, `again`: the recording, and the outputs of the replay. `topics`: the topics to
+    compare. Raise `BadInput` if the recording has none of these topics.
     """
     table = load_topic_table()
     found = []

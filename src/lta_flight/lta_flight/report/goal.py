@@ -95,19 +95,9 @@ class FlightGoal:
         """
         Return the direction to the lamp that the drone tracks, by its frequency.
 
-        Parameters
-        ----------
-        motion : MotionCurve
-            The true motion.
-        frequency : ndarray, shape (instants,)
-            Tracked frequency, which selects the lamp with the nearest one; of several with that
-            frequency, the one that the route leads to next. [Hz]
-
-        Returns
-        -------
-        ndarray, shape (instants,)
-            Body frame; NaN if there is no lamp. [rad]
-
+        `motion`: the true motion. `frequency`, shape (instants,): tracked frequency, which selects
+        the lamp with the nearest one; of several with that frequency, the one that the route leads
+        to next [Hz]. The result has shape (instants,): body frame; NaN if there is no lamp [rad].
         """
         if self.scenario is None or not self.places:
             return np.full(len(motion.time), np.nan)

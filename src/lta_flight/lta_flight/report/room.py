@@ -118,18 +118,7 @@ def lamp_illuminance(lamp: BeaconLamp, points: Array) -> Array:
     """
     Return the illuminance by a lamp on planes that face it.
 
-    Parameters
-    ----------
-    lamp : BeaconLamp
-        The lamp.
-    points : ndarray, shape (..., 3)
-        Positions. [m, map]
-
-    Returns
-    -------
-    ndarray, shape (...)
-        [lx]
-
+    `points`, shape (..., 3): positions [m, map]. The result has shape (...) [lx].
     """
     towards = np.array(lamp.position) - points
     # The minimum avoids a division by zero in the lamp itself

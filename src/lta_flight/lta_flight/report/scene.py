@@ -130,18 +130,8 @@ def direction_with_deviation(place: Array, covariance: Array) -> Array:
     """
     Return azimuth, elevation and their standard deviations.
 
-    Parameters
-    ----------
-    place : ndarray, shape (n, 3)
-        Position of the lamp in the body frame. [m]
-    covariance : ndarray, shape (n, 3, 3)
-        Of the position. [m2]
-
-    Returns
-    -------
-    ndarray, shape (n, 4)
-        [rad]
-
+    `place`, shape (n, 3): position of the lamp in the body frame [m]. `covariance`, shape (n, 3,
+    3): of the position [m2]. The result has shape (n, 4) [rad].
     """
     x, y, z = place.T
     azimuth, elevation = np.arctan2(y, x), np.arctan2(z, np.hypot(x, y))

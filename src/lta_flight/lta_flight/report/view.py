@@ -75,16 +75,8 @@ class FlightView:
     """
     The data of a recorded flight.
 
-    Parameters
-    ----------
-    flight : RecordedFlight
-        The recording of one robot.
-
-    Raises
-    ------
-    BadInput
-        If the scenario or vehicle file in the bag cannot be read.
-
+    `flight`: the recording of one robot. Raise `BadInput` if the scenario or vehicle file in the
+    bag cannot be read.
     """
 
     def __init__(self, flight: RecordedFlight) -> None:

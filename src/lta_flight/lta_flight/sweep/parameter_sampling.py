@@ -24,8 +24,6 @@ def sample_parameter(how: Distribution, path: str, seed: int, sample: int) -> An
 
     Parameters
     ----------
-    how : Distribution
-        The distribution.
     path : str
         Path of the parameter.
     seed : int

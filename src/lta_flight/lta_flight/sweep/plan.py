@@ -48,16 +48,7 @@ class SweepPlan:
     """
     All flights of a sweep.
 
-    Parameters
-    ----------
-    file : SweepFile
-        The sweep file.
-
-    Raises
-    ------
-    BadInput
-        If a file cannot be read, a path does not exist or a value is invalid.
-
+    Raise `BadInput` if a file cannot be read, a path does not exist or a value is invalid.
     """
 
     def __init__(self, file: SweepFile) -> None:
@@ -162,11 +153,7 @@ class SweepPlan:
         Values that are valid separately can still be invalid together; such a flight fails on its
         own.
 
-        Raises
-        ------
-        BadInput
-            If one cannot be built; nothing has been flown then.
-
+        Raise `BadInput` if one cannot be built; nothing has been flown then.
         """
         build(self.base, self.file.seeds.first)
         for name, case in self.cases.items():

@@ -76,11 +76,7 @@ def sweep_once(order: SweepRequest, console: Console) -> SweepRun:
     Ctrl-C, or a machine or cluster that fails, ends the sweep early; the result then has the
     finished flights and the reason.
 
-    Raises
-    ------
-    BadInput
-        If the sweep is invalid; nothing has been flown then.
-
+    Raise `BadInput` if the sweep is invalid; nothing has been flown then.
     """
     file = load_sweep(order.file)
     plan = SweepPlan(file.shorten() if order.quick else file)

@@ -34,11 +34,7 @@ def wilson_interval(hits: int, count: int) -> ShareInterval:
     """
     Return a share with its 95 % interval (Wilson 1927, doi:10.1080/01621459.1927.10502953).
 
-    Parameters
-    ----------
-    hits, count : int
-        Number of successes and of trials; the share of 0 trials is NaN.
-
+    `hits`, `count`: number of successes and of trials; the share of 0 trials is NaN.
     """
     # Nothing is known, so the interval covers everything
     if count == 0:

@@ -25,18 +25,9 @@ def initialize_ros(arguments: Sequence[str], context: Context | None = None) -> 
     rclpy's handlers would shut the context down before the last messages are sent. The log files
     in ~/.ros/log would only repeat what the processes print.
 
-    Parameters
-    ----------
-    arguments : sequence of str
-        The command line, with the program's name first.
-    context : Context or None
-        The context to initialise; None for the default one.
-
-    Raises
-    ------
-    BadInput
-        If ROS rejects an argument, or an argument is left over: a node has no options of its own.
-
+    `arguments`: the command line, with the program's name first. `context`: the context to
+    initialise; None for the default one. Raise `BadInput` if ROS rejects an argument, or an
+    argument is left over: a node has no options of its own.
     """
     words = list(arguments)
     quiet = [] if os.environ.get(LOG_FOLDER) else ['--ros-args', '--disable-external-lib-logs']
@@ -65,11 +56,7 @@ def reject_unknown_parameters(node: Node, arguments: Sequence[str]) -> None:
 
     Parameter files are not checked, because they may hold parameters of other nodes.
 
-    Raises
-    ------
-    BadInput
-        If there is one; the message lists the node's own.
-
+    Raise `BadInput` if there is one; the message lists the node's own.
     """
     known = node.get_parameters_by_prefix('')
     for name in list_parameter_names(arguments, node.get_name()):

@@ -32,13 +32,8 @@ class SuperviseAction(Action):
     """
     Check the arguments before anything starts, and fail the run if a node dies.
 
-    Parameters
-    ----------
-    planned : list of launch.Substitution
-        Names of the nodes, separated by spaces, whose end with status 0 is planned.
-    processes : list of launch.Substitution
-        `one` is refused: `ros2 launch` cannot run nodes of Python in one process.
-
+    `planned`: names of the nodes, separated by spaces, whose end with status 0 is planned.
+    `processes`: `one` is refused: `ros2 launch` cannot run nodes of Python in one process.
     """
 
     def __init__(self, *, planned: list[Any], processes: list[Any], **more: Any) -> None:  # noqa: ANN401 - of launch
@@ -82,11 +77,7 @@ def check_launch(context: LaunchContext) -> None:
     """
     Check the present launch file with its arguments as `lta launch` does.
 
-    Raises
-    ------
-    BadInput
-        If it does; `ros2 launch` prints the sentence and exits with status 1.
-
+    Raise `BadInput` if it does; `ros2 launch` prints the sentence and exits with status 1.
     """
     path = Path(context.locals.current_launch_file_path)
     declared = [item.name for item in list_arguments(path)]

@@ -59,13 +59,7 @@ class GraphNode(SharingNode):
     """
     A node with a role in the topic table.
 
-    Parameters
-    ----------
-    name : str
-        Name of the node.
-    role : str or None
-        Role in the topic table; None if it is the name.
-
+    `name`: name of the node. `role`: role in the topic table; None if it is the name.
     """
 
     def __init__(self, name: str, role: str | None = None) -> None:

@@ -16,13 +16,7 @@ class PublisherConflict:
     """
     Report other publishers on the outputs of a node.
 
-    Parameters
-    ----------
-    node : Node
-        The node.
-    writers : mapping of str to Publisher
-        Its outputs by relative name.
-
+    `writers`: its outputs by relative name.
     """
 
     def __init__(self, node: Node, writers: Mapping[str, Publisher]) -> None:

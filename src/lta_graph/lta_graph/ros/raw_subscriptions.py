@@ -182,13 +182,8 @@ class RawSubscriptions:
         """
         Subscribe to a topic; not while the node spins.
 
-        Parameters
-        ----------
-        name, type_name : str
-            Absolute name and type, whose Python class must be installed.
-        preferred : QoSProfile
-            The profile to request if the publishers offer it.
-
+        `name`, `type_name`: absolute name and type, whose Python class must be installed.
+        `preferred`: the profile to request if the publishers offer it.
         """
         deep = QoSProfile(
             # A poll may come late on a busy machine, and no message should be lost

@@ -29,13 +29,8 @@ class ReaderLinks:
     Use it as `with ReaderLinks(node, table) as links: ...`, not while the node spins: the
     subscription is destroyed on exit.
 
-    Parameters
-    ----------
-    node : Node
-        The listening node; its namespace is that of the drone.
-    table : TopicTable
-        Gives the periodic topics, which have a publisher if their message type is installed.
-
+    `node`: the listening node; its namespace is that of the drone. `table`: gives the periodic
+    topics, which have a publisher if their message type is installed.
     """
 
     def __init__(self, node: Node, table: TopicTable) -> None:
@@ -76,13 +71,8 @@ class ReaderLinks:
         """
         Return the topics of awaited nodes that do not report, or whose readers have not matched.
 
-        Parameters
-        ----------
-        own : mapping of str to int
-            Matched readers of the node's own outputs, by topic.
-        awaited : collection of str
-            Roles that must report. The topics of others count only if they are reported.
-
+        `own`: matched readers of the node's own outputs, by topic. `awaited`: roles that must
+        report. The topics of others count only if they are reported.
         """
         short = self.find_unmatched_topics(own)
         reported = self._found | dict(own)
@@ -97,11 +87,7 @@ class ReaderLinks:
         """
         Return the topics whose publisher has matched fewer readers than the graph has.
 
-        Parameters
-        ----------
-        own : mapping of str to int
-            As for `find_unready_topics`.
-
+        `own`: as for `find_unready_topics`.
         """
         # The node does not spin here, so take the waiting messages directly
         take = self._subscription.handle.take_message

@@ -25,18 +25,8 @@ def call_service(name: str, data: bool | None) -> ServiceResponse:
     """
     Call a service of std_srvs, and return its response.
 
-    Parameters
-    ----------
-    name : str
-        Absolute name, '/lta1/recorder/snapshot'.
-    data : bool or None
-        For a SetBool; None for a Trigger.
-
-    Raises
-    ------
-    BadInput
-        If the service does not exist, has another type, or does not respond.
-
+    `name`: absolute name, '/lta1/recorder/snapshot'. `data`: for a SetBool; None for a Trigger.
+    Raise `BadInput` if the service does not exist, has another type, or does not respond.
     """
     with join_graph('lta_call') as (node, executor):
         kind = find_service_class(node, name)

@@ -86,8 +86,6 @@ def spin_node(
 
     Parameters
     ----------
-    node : Node
-        The node.
     running : callable
         Called between callbacks, at least every `wait_ns`.
     awaited : callable

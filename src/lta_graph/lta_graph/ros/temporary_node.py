@@ -14,13 +14,8 @@ def join_graph(name: str, namespace: str = '') -> Iterator[tuple[Node, SingleThr
     """
     Yield a node without a role and its executor, in a separate context; leave at the end.
 
-    Parameters
-    ----------
-    name : str
-        Name of the node.
-    namespace : str
-        Namespace of a robot, so that relative names are its topics.
-
+    `name`: name of the node. `namespace`: namespace of a robot, so that relative names are its
+    topics.
     """
     context = Context()
     initialize_ros([], context)

@@ -55,8 +55,6 @@ def build_transform(
 
     Parameters
     ----------
-    stamp : Time
-        Its time.
     frames : tuple of str
         Parent and child.
     place : sequence of 3 floats
@@ -81,13 +79,8 @@ def from_start(pose: Sequence[float], prefix: str = '') -> TFMessage:
     """
     Return where the odometry of a drone begins in the map: on the floor below its start.
 
-    Parameters
-    ----------
-    pose : sequence of 7 floats
-        Place [m] and attitude (x y z w) of a level drone at its start.
-    prefix : str
-        Prefix of the frames of one robot.
-
+    `pose`: place [m] and attitude (x y z w) of a level drone at its start, sequence of 7 floats.
+    `prefix`: prefix of the frames of one robot.
     """
     x, y, _, *turn = pose
     # The estimate counts height from the floor, distance and heading from the start. A fixed frame

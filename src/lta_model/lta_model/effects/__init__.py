@@ -77,12 +77,8 @@ def merge_installed_effects(library: dict[str, Effect]) -> dict[str, Effect]:
     """
     Return the built-in effects and then the installed ones.
 
-    Raises
-    ------
-    BadInput
-        If an installed effect has an existing or invalid name, is not an effect, or has a
-        parameter that is not in an SI unit known to files.
-
+    Raise `BadInput` if an installed effect has an existing or invalid name, is not an effect, or
+    has a parameter that is not in an SI unit known to files.
     """
     effects = dict(library)
     # Sorted, so that the memory layout is independent of the installation order

@@ -35,11 +35,7 @@ def fit_diode(cell: CellFile) -> SingleDiodeModel:
     """
     Return the diode whose curve passes the points of a data sheet.
 
-    Raises
-    ------
-    BadInput
-        If there is none: the curve between the points is too square or too round.
-
+    Raise `BadInput` if there is none: the curve between the points is too square or too round.
     """
     data = cell.electrical
     # From `high` on the junction would be above the open-circuit voltage at the maximum.

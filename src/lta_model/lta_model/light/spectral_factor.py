@@ -97,13 +97,8 @@ def spectral_factor(efficacy: float, detector: str) -> float:
     """
     Return a detector's current by irradiance, relative to that in sunlight. [1]
 
-    Parameters
-    ----------
-    efficacy : float
-        Luminous efficacy of the light, which gives its spectrum. [lm/W]
-    detector : str
-        Spectral response: a technology of solar cells, or another shipped name.
-
+    `efficacy`: luminous efficacy of the light, which gives its spectrum [lm/W]. `detector`:
+    spectral response: a technology of solar cells, or another shipped name.
     """
     response = load_spectral_response(detector)
     light = mean_responsivity(load_spectrum(find_spectrum(efficacy)), response)

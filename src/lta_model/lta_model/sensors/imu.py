@@ -225,8 +225,6 @@ class Imu:
         Place in the body frame. [m]
     gravity : float
         Acceleration of free fall. [m/s^2]
-    rng : Generator
-        Random generator.
     on_force, on_rates : Chain
         Measurement effects of the vehicle.
 

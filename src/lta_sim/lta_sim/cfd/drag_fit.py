@@ -36,11 +36,7 @@ def fit_drag(speeds: Sequence[float], drags: Sequence[float]) -> DragFit:
     """
     Fit linear and quadratic drag to points of speed (m/s or rad/s) and drag (N or N m).
 
-    Raises
-    ------
-    BadInput
-        If a speed or a drag is not positive.
-
+    Raise `BadInput` if a speed or a drag is not positive.
     """
     v, f = np.array(speeds, dtype=float), np.array(drags, dtype=float)
     if len(v) == 0 or len(v) != len(f) or not (np.all(v > 0.0) and np.all(f > 0.0)):

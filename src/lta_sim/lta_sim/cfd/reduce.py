@@ -156,13 +156,8 @@ def standard_error(values: Array, weights: Array, batch: float) -> float:
     Uses overlapping batch means (Meketon and Schmeiser 1984), because neighbouring values are
     correlated.
 
-    Parameters
-    ----------
-    values, weights : array (n,)
-        Values and their durations. [s]
-    batch : float
-        Correlation length; for a shorter history the error is infinite. [s]
-
+    `values`, `weights`: values and their durations [s]. `batch`: correlation length; for a shorter
+    history the error is infinite [s].
     """
     # Integrals by interpolation, because batches need not end at a time step
     ends = np.concatenate(([0.0], np.cumsum(weights)))

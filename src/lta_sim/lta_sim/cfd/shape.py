@@ -53,13 +53,8 @@ def revolve_profile(half: Array, radius: float, height: float) -> trimesh.Trimes
     """
     Return the closed surface of revolution of a half profile about z.
 
-    Parameters
-    ----------
-    half : array (n, 2)
-        Radius and height from the pole to the rim, in any scale.
-    radius, height : float
-        Size of the surface; the height is from pole to pole. [m]
-
+    `half`: radius and height from the pole to the rim, in any scale. `radius`, `height`: size of
+    the surface; the height is from pole to pole [m].
     """
     upper = half * (radius / half[-1, 0], 0.5 * height / half[0, 1])
     # Exact zeros close the surface at the poles and at the rim
@@ -76,11 +71,7 @@ def build_hull_surface(hull: HullBlock) -> trimesh.Trimesh:
     """
     Return the surface of a hull about its centre, body axes. [m]
 
-    Raises
-    ------
-    BadInput
-        If the vehicle has no hull.
-
+    Raise `BadInput` if the vehicle has no hull.
     """
     if hull.shape == 'none':
         raise BadInput(

@@ -17,17 +17,9 @@ def read_stl(path: Path, unit: str) -> trimesh.Trimesh:
     """
     Read the closed surface in an STL file, binary or text. [m]
 
-    Parameters
-    ----------
-    unit : str
-        Unit of the file, which the format does not store: 'm', 'cm', 'mm'.
-
-    Raises
-    ------
-    BadInput
-        If it cannot be read, is open, intersects itself, has mixed normals, or has the size of
-        another unit.
-
+    `unit`: unit of the file, which the format does not store: 'm', 'cm', 'mm'. Raise `BadInput` if
+    it cannot be read, is open, intersects itself, has mixed normals, or has the size of another
+    unit.
     """
     if not path.is_file():
         raise BadInput(

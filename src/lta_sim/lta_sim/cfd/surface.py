@@ -28,13 +28,7 @@ def summarize_surface_pressure(places: Array, pressure: Array) -> SurfacePressur
     """
     Reduce the pressure on a body to its extremes and a map.
 
-    Parameters
-    ----------
-    places : array (n, 3)
-        Face centres, body axes. [m]
-    pressure : array (n,)
-        Relative to the far field. [Pa]
-
+    `places`: face centres, body axes [m]. `pressure`: relative to the far field [Pa].
     """
     low, high = int(pressure.argmin()), int(pressure.argmax())
     side = 2.0 * float(np.abs(places[:, :2]).max())

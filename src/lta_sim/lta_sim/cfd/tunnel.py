@@ -124,13 +124,8 @@ def build_tunnel_mesh(
     """
     Return the mesh of a tunnel.
 
-    Parameters
-    ----------
-    axis : str
-        Direction of motion: 'surge', 'sway', 'heave', or an incidence such as 'incidence_20'.
-    planes : (bool, bool)
-        Whether only y > 0 and only z > 0 are solved.
-
+    `axis`: direction of motion: 'surge', 'sway', 'heave', or an incidence such as 'incidence_20'.
+    `planes`: whether only y > 0 and only z > 0 are solved.
     """
     size = model.length
     turn = np.eye(4)

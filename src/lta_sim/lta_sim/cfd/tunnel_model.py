@@ -126,11 +126,7 @@ def load_tunnel_model(name: str, mount: MountFile | None = None) -> TunnelModel:
     """
     Load the model of a tunnel file.
 
-    Raises
-    ------
-    BadInput
-        If a file is invalid, a surface is open, or a rotor is inside a body.
-
+    Raise `BadInput` if a file is invalid, a surface is open, or a rotor is inside a body.
     """
     file, path = load_tunnel_file(name)
     vehicle = load_vehicle_file(file.vehicle)

@@ -51,8 +51,6 @@ def open_solver(
     ----------
     flows : sequence of TunnelFlow
         All flows of the command.
-    bar : TunnelProgress
-        Progress bar.
     workers : int, optional
         Flows at a time on this machine.
     cache : Path, optional

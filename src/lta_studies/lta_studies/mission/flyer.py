@@ -66,14 +66,10 @@ class MissionFlyer:
 
     Parameters
     ----------
-    mission : MissionFile
-        The mission.
     scenes : MissionScene
         Vehicle and scene.
     light : IrradianceSeries
         Light over the days.
-    seed : int
-        Random seed.
     gain, offset : float
         Errors of the current meter: factor, and offset in A.
 

@@ -26,11 +26,7 @@ def coarse_schedule(schedule: BatchSchedule) -> BatchSchedule:
     """
     Return the schedule of a leg from that of a batch flight: longer steps.
 
-    Raises
-    ------
-    BadInput
-        If a period is not a whole number of these steps.
-
+    Raise `BadInput` if a period is not a whole number of these steps.
     """
     if schedule.control % COARSE or schedule.range % COARSE:
         raise BadInput(

@@ -101,8 +101,6 @@ def run_missions(
 
     Parameters
     ----------
-    request : MissionRequest
-        The missions.
     folder : Path
         Folder for the results; each is stored when it is complete.
     options : StudyOptions

@@ -82,11 +82,8 @@ class MissionScene:
     """
     Vehicle, scenario and policy of a mission.
 
-    Raises
-    ------
-    BadInput
-        If the mission cannot be flown, for example because a beacon is not in the scenario.
-
+    Raise `BadInput` if the mission cannot be flown, for example because a beacon is not in the
+    scenario.
     """
 
     def __init__(self, mission: MissionFile) -> None:

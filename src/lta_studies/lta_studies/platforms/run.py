@@ -211,11 +211,7 @@ def fly_jobs(
     """
     Fly the jobs that are not stored in the folder and return the results of all, in order.
 
-    Raises
-    ------
-    BadInput
-        If the folder belongs to something else, or a flight failed.
-
+    Raise `BadInput` if the folder belongs to something else, or a flight failed.
     """
     study = Study(entries.fly, attrgetter('key'), STORE, 'flights')
     return study.run(jobs, folder, entries.identity, options, console).require_all()

@@ -96,11 +96,7 @@ def reproduce_rows(
     """
     Study the rows whose current results are not stored; return the results of all.
 
-    Raises
-    ------
-    BadInput
-        If a study failed.
-
+    Raise `BadInput` if a study failed.
     """
     # Computed before the studies: a file edited meanwhile must invalidate the result.
     keys = {

@@ -41,13 +41,8 @@ class LoopCut:
     """
     One control period of a drone, with the loop closed or opened.
 
-    Parameters
-    ----------
-    true, nominal : Vehicle
-        The simulated vehicle, and the one that the drone assumes.
-    gains : CascadeGains
-        Gains of the controller.
-
+    `true`, `nominal`: the simulated vehicle, and the one that the drone assumes. `gains`: gains of
+    the controller.
     """
 
     def __init__(self, true: Vehicle, nominal: Vehicle, gains: CascadeGains) -> None:

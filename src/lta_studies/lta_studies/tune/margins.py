@@ -38,13 +38,8 @@ def compute_margins(frequency: Array, response: Complex) -> StabilityMargins:
     """
     Compute the margins of a loop that is stable when closed.
 
-    Parameters
-    ----------
-    frequency : ndarray, shape (n,)
-        Increasing, dense enough to unwrap the phase. [rad/s]
-    response : ndarray of complex, shape (n,)
-        L(jw).
-
+    `frequency`, shape (n,): increasing, dense enough to unwrap the phase [rad/s]. `response`,
+    shape (n,): L(jw).
     """
     up, down = _gain_margins(frequency, response)
     least, last = _phase_margin(frequency, response)

@@ -69,18 +69,9 @@ def select_parameters(settings: BaseModel, names: Sequence[str] = ()) -> list[Tu
     """
     Return the parameters to search.
 
-    Parameters
-    ----------
-    settings : BaseModel
-        Start values.
-    names : sequence of str
-        Paths; by default all positive parameters whose names end like gains.
-
-    Raises
-    ------
-    BadInput
-        If a name is unknown, or a value is not positive and so has no logarithm.
-
+    `settings`: start values. `names`: paths; by default all positive parameters whose names end
+    like gains. Raise `BadInput` if a name is unknown, or a value is not positive and so has no
+    logarithm.
     """
     found = {number.path: number for number in iterate_parameters(settings)}
     if not names:

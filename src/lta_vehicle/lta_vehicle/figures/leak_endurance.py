@@ -27,11 +27,7 @@ def derive_helium_figures(vehicle: Vehicle, held: float | None = None) -> Iterat
     """
     Yield the figures of the group 'Helium'.
 
-    Parameters
-    ----------
-    held : float or None
-        Loss of lift up to which simulated flights stayed stable, if this was tested. [kg]
-
+    `held`: loss of lift up to which simulated flights stayed stable, if this was tested [kg].
     """
     low, high = daily_lift_loss(vehicle.file.hull, vehicle.air_density)
     # No hull, hence no film

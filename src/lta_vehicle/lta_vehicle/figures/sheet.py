@@ -64,11 +64,7 @@ def build_sheet(vehicle: Vehicle, held: float | None = None) -> VehicleSheet:
     """
     Derive all figures of a vehicle.
 
-    Parameters
-    ----------
-    held : float or None
-        Loss of lift up to which simulated flights stayed stable, if this was tested. [kg]
-
+    `held`: loss of lift up to which simulated flights stayed stable, if this was tested [kg].
     """
     figures = [
         *derive_weight_figures(vehicle),

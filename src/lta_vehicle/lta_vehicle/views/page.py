@@ -42,13 +42,7 @@ def render_page(sheet: VehicleSheet, warnings: Sequence[str], name: str) -> str:
     """
     Render the page.
 
-    Parameters
-    ----------
-    warnings : sequence of str
-        Warnings of `lta vehicle check`.
-    name : str
-        Vehicle name as given on the command line.
-
+    `warnings`: warnings of `lta vehicle check`. `name`: vehicle name as given on the command line.
     """
     file = sheet.vehicle.file
     colours = COLOURS | {f'layer{k}': colour for k, colour in enumerate(TIME)}

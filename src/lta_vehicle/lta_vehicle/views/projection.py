@@ -113,11 +113,7 @@ def project_vehicle(vehicle: Vehicle, view: ViewDirection, pressure: float) -> V
     """
     Return the shapes of one view.
 
-    Parameters
-    ----------
-    pressure : float
-        Distance of the centre of pressure ahead of the hull centre. [m]
-
+    `pressure`: distance of the centre of pressure ahead of the hull centre [m].
     """
     file = vehicle.file
     parts = [

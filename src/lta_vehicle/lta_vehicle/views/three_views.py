@@ -33,11 +33,7 @@ def draw_three_views(vehicle: Vehicle, pressure: float) -> str:
     """
     Return side, front and top view as one SVG element.
 
-    Parameters
-    ----------
-    pressure : float
-        Distance of the centre of pressure ahead of the hull centre. [m]
-
+    `pressure`: distance of the centre of pressure ahead of the hull centre [m].
     """
     side, front, top = (project_vehicle(vehicle, view, pressure) for view in VIEWS)
     wide, deep, high = _view_span(side, 0), _view_span(front, 0), _view_span(side, 1)

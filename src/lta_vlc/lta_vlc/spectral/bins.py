@@ -44,12 +44,8 @@ def plan_beacon_bins(
     """
     Return the bins of each beacon [Hz] in blocks of a given rate [Hz] and length.
 
-    Raises
-    ------
-    BadInput
-        If a beacon is at or above the Nyquist frequency, too near to zero, or if the block is too
-        short to separate it from the harmonics of all.
-
+    Raise `BadInput` if a beacon is at or above the Nyquist frequency, too near to zero, or if the
+    block is too short to separate it from the harmonics of all.
     """
     block = f'a block of {samples} samples at {sample_rate:g} samples/s'
     width = sample_rate / samples

@@ -32,12 +32,8 @@ def check_beacons(
     """
     Refuse beacons [Hz] that cannot be separated.
 
-    Raises
-    ------
-    BadInput
-        If the search bins of two overlap, or if a strong harmonic of one or the mains flicker,
-        possibly aliased, falls into those of another.
-
+    Raise `BadInput` if the search bins of two overlap, or if a strong harmonic of one or the mains
+    flicker, possibly aliased, falls into those of another.
     """
     window, width = settings.window, sample_rate / samples
     places = {beacon: target_bin(beacon, sample_rate, samples) for beacon in beacons}

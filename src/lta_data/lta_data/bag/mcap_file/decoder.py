@@ -52,11 +52,7 @@ class MessageDecoder:
         """
         Return a message as an object with ROS's attribute names; arrays are numpy arrays.
 
-        Raises
-        ------
-        BadInput
-            If the bag's definition or the message is invalid.
-
+        Raise `BadInput` if the bag's definition or the message is invalid.
         """
         if type_name not in self._types.fielddefs:
             self._register_type(type_name)

@@ -28,13 +28,8 @@ def find_candidate_offsets(
     A chunk is recognised by any two of: its opcode, the name of its compression, consistent
     lengths; or by the magic number of its packed data. So it is found even with a damaged header.
 
-    Parameters
-    ----------
-    read : callable
-        Returns bytes of the file by offset and length.
-    start, stop, size : int
-        First offset, end of the search, and the file's size. [bytes]
-
+    `read`: returns bytes of the file by offset and length. `start`, `stop`, `size`: first offset,
+    end of the search, and the file's size [bytes].
     """
     at, width = start, FIRST_WINDOW
     while at < stop:

@@ -50,11 +50,7 @@ class DraftChoices:
         """
         Return the user's answer; without one, note the question and return the first option.
 
-        Raises
-        ------
-        BadInput
-            If the answer is not one of the options.
-
+        Raise `BadInput` if the answer is not one of the options.
         """
         self.used.add(key)
         names = [name for name, _ in options]

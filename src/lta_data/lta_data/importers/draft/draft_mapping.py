@@ -39,11 +39,7 @@ def draft_bag_topics(path: Path, choices: DraftChoices) -> list[dict[str, Any]]:
     """
     Return the topics of a bag that become ours.
 
-    Raises
-    ------
-    BadInput
-        If no topic has a type that an import can convert.
-
+    Raise `BadInput` if no topic has a type that an import can convert.
     """
     raw = FORMATS['bag'].opened(path, None).raw
     candidates: dict[str, list[tuple[str, str]]] = {}
@@ -94,18 +90,8 @@ def draft_mapping(path: Path, answers: Mapping[str, str]) -> MappingDraft:
     """
     Draft the mapping of a log or folder.
 
-    Parameters
-    ----------
-    path : Path
-        The log.
-    answers : mapping of str to str
-        Decisions of the user by key, as the questions name them.
-
-    Raises
-    ------
-    BadInput
-        If the source cannot be read, nothing in it is recognised, or an answer is unknown.
-
+    `path`: the log. `answers`: decisions of the user by key, as the questions name them. Raise
+    `BadInput` if the source cannot be read, nothing in it is recognised, or an answer is unknown.
     """
     source = read_source(path)
     choices = DraftChoices(answers)

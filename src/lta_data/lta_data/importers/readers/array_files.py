@@ -81,11 +81,7 @@ def read_mat_file(path: Path) -> READ:
     """
     Read a MATLAB file of version 5 or older.
 
-    Raises
-    ------
-    BadInput
-        If it is damaged, or has version 7.3.
-
+    Raise `BadInput` if it is damaged, or has version 7.3.
     """
     # Import here: loading scipy.io takes a tenth of a second, and few imports need it.
     from scipy.io import loadmat
@@ -113,11 +109,7 @@ def read_numpy_file(path: Path) -> READ:
     """
     Read an array (npy) or several (npz), without pickles.
 
-    Raises
-    ------
-    BadInput
-        If it is damaged, or contains Python objects.
-
+    Raise `BadInput` if it is damaged, or contains Python objects.
     """
     check_log_size(path)
     try:

@@ -176,11 +176,7 @@ def complete_entry(entry: TopicMapping, type_name: str, target: str) -> TopicMap
 
     `type_name` is the type in the bag, `target` that of the imported topic.
 
-    Raises
-    ------
-    BadInput
-        If no standard conversion is known.
-
+    Raise `BadInput` if no standard conversion is known.
     """
     # An explicit mapping takes precedence.
     if entry.parts or entry.actuators:

@@ -35,11 +35,7 @@ class ColumnLog:
     """
     An opened log; see `protocol.LogReader`.
 
-    Raises
-    ------
-    BadInput
-        If the mapping gives no time for a table that it uses.
-
+    Raise `BadInput` if the mapping gives no time for a table that it uses.
     """
 
     def __init__(self, path: Path, tables: Tables, notes: list[str], mapping: MappingFile) -> None:

@@ -54,11 +54,7 @@ def open_usd_log(path: Path, mapping: MappingFile | None) -> InMemoryLog:
     """
     Read a log of the card completely.
 
-    Raises
-    ------
-    BadInput
-        If its header is invalid, or it contains no event.
-
+    Raise `BadInput` if its header is invalid, or it contains no event.
     """
     check_log_size(path)
     data = path.read_bytes()

@@ -41,11 +41,7 @@ class CsvLog:
     """
     An opened text; see `protocol.LogReader`.
 
-    Raises
-    ------
-    BadInput
-        If it cannot be read as text with columns.
-
+    Raise `BadInput` if it cannot be read as text with columns.
     """
 
     def __init__(self, path: Path, mapping: MappingFile) -> None:
@@ -227,11 +223,7 @@ class TextRows:
         """
         Return a remark on what was skipped, once all rows are read.
 
-        Raises
-        ------
-        BadInput
-            If most rows were.
-
+        Raise `BadInput` if most rows were.
         """
         self._check_skipped()
         skipped = self._skipped

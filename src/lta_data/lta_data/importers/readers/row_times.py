@@ -45,11 +45,7 @@ def parse_exact_times(texts: list[str], unit: str, column: str, first: int) -> P
     A date without a zone counts as UTC. `unit` is the unit of decimals; `first` is the number of
     rows before the first cell.
 
-    Raises
-    ------
-    BadInput
-        If a cell is not a time; the message names the row.
-
+    Raise `BadInput` if a cell is not a time; the message names the row.
     """
     # The first cell decides between dates and decimals
     dates = bool(texts) and DATE.fullmatch(texts[0].strip()) is not None

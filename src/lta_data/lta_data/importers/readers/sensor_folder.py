@@ -52,11 +52,7 @@ def read_folder(path: Path) -> READ:
 
     A table has the name of its file without the suffix; 'imu0/data.csv' is 'imu0'.
 
-    Raises
-    ------
-    BadInput
-        If a file cannot be read, or there is none.
-
+    Raise `BadInput` if a file cannot be read, or there is none.
     """
     tables: dict[str, dict[str, Column]] = {}
     notes: list[str] = []

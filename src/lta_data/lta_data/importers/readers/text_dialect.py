@@ -28,11 +28,7 @@ def detect_text_format(path: Path) -> TextFormat:
     The rows are the lines of numbers with the most frequent number of cells; the names are in the
     line before the first row, also as a comment. Without names, columns are column_1 and so on.
 
-    Raises
-    ------
-    BadInput
-        If no two lines have equally many numbers.
-
+    Raise `BadInput` if no two lines have equally many numbers.
     """
     lines = list(_read_lines(path))
     found = {

@@ -77,18 +77,8 @@ def run_launch_file(words: Sequence[str], teardown: ExitStack) -> int:
     """
     Run the nodes of a launch file as `run_nodes` does.
 
-    Parameters
-    ----------
-    words : sequence of str
-        Program, launch file and its arguments.
-    teardown : ExitStack
-        As for `run_nodes`.
-
-    Raises
-    ------
-    BadInput
-        If there is no such file, or it starts no node that can share a process.
-
+    `words`: program, launch file and its arguments. `teardown`: as for `run_nodes`. Raise
+    `BadInput` if there is no such file, or it starts no node that can share a process.
     """
     program, *given = words
     if not given:
@@ -105,11 +95,7 @@ def load_node_class(process: LaunchProcess) -> type[GraphNode]:
     """
     Return the class of a node from the package and the executable that would start it.
 
-    Raises
-    ------
-    BadInput
-        If it is not a node of LTA.
-
+    Raise `BadInput` if it is not a node of LTA.
     """
     try:
         points = distribution(process.package).entry_points

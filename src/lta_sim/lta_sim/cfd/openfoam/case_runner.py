@@ -32,13 +32,7 @@ class CaseRunner:
     """
     Solve cases in a folder.
 
-    Parameters
-    ----------
-    folder : Path
-        Cache of all cases.
-    tell : callable
-        Called with the progress of each case.
-
+    `folder`: cache of all cases. `tell`: called with the progress of each case.
     """
 
     def __init__(self, folder: Path, programs: FoamPrograms, tell: Progress) -> None:

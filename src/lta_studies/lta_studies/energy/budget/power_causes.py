@@ -32,15 +32,7 @@ def explain_hover_power(vehicle: Vehicle, hover: float, goal: float) -> PowerCau
     """
     Compute the causes that raise the hover power to a goal.
 
-    Parameters
-    ----------
-    vehicle : Vehicle
-        The vehicle.
-    hover : float
-        Its hover power in flight, radio on. [W]
-    goal : float
-        Power to explain. [W]
-
+    `hover`: its hover power in flight, radio on [W]. `goal`: power to explain. [W].
     """
     loads = vehicle.loads
     steady = loads.idle + loads.transmitting

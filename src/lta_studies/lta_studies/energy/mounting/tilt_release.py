@@ -84,8 +84,6 @@ def simulate_release(
 
     Parameters
     ----------
-    vehicle : Vehicle
-        The vehicle.
     tilt : float
         Initial tilt. [rad]
     seconds : float
@@ -123,15 +121,8 @@ def tilt_growth_rate(vehicle: Vehicle, height: float, inertia: float) -> float:
     """
     Return the linearised growth rate of a tilt with the centre of gravity above. [1/s]
 
-    Parameters
-    ----------
-    vehicle : Vehicle
-        The vehicle.
-    height : float
-        Height of the centre of gravity above the hull centre. [m]
-    inertia : float
-        Effective inertia, including added mass and the coupled surge. [kg m2]
-
+    `height`: height of the centre of gravity above the hull centre [m]. `inertia`: effective
+    inertia, including added mass and the coupled surge [kg m2].
     """
     # Inverted pendulum: J x'' = m g h x
     return math.sqrt(vehicle.mass * STANDARD_GRAVITY * height / inertia)

@@ -32,8 +32,6 @@ def draw_pose(
         The scene.
     distance : float or None
         Horizontal distance to the lamp; None for any place in the room. [m]
-    chance : Generator
-        Random generator.
     off_axis : float
         Largest angle to the lamp's axis, seen from above. [rad]
 

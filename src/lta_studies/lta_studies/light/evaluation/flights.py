@@ -38,11 +38,7 @@ def build_sweep_plan(name: str) -> SweepPlan:
     """
     Return the checked sweep plan of a set, including the pilot's flights if it has any.
 
-    Raises
-    ------
-    BadInput
-        If the set's sweep cannot be flown.
-
+    Raise `BadInput` if the set's sweep cannot be flown.
     """
     part = find_flight_set(name)
     file = load_sweep(part.file)

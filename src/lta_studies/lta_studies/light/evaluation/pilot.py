@@ -35,13 +35,7 @@ def build_pilot_strategy(world: World, top: float) -> NavigationStrategy:
     """
     Return a strategy that uses the true state of the world instead of the light.
 
-    Parameters
-    ----------
-    world : World
-        Simulated world.
-    top : float
-        Airspeed limit of the controller. [m/s]
-
+    `world`: simulated world. `top`: airspeed limit of the controller [m/s].
     """
     lamp_x, lamp_y, _ = world.scenario.goal_lamp.position.vector
 
@@ -76,13 +70,8 @@ def solve_wind_triangle(
     """
     Return the air velocity for a straight track: along the track, and left of it. [m/s]
 
-    Parameters
-    ----------
-    with_it, across : float
-        Wind along the track to the lamp, and to the left of it. [m/s]
-    cruise, top : float
-        Cruise and maximum airspeed. [m/s]
-
+    `with_it`, `across`: wind along the track to the lamp, and to the left of it [m/s]. `cruise`,
+    `top`: cruise and maximum airspeed [m/s].
     """
     # Cruise if that makes enough way, else as fast as the controller allows
     for speed in (cruise, max(cruise, top)):

@@ -61,11 +61,7 @@ def run_evaluation(order: EvaluationRequest, console: Console) -> EvaluationStat
 
     Flights are stored as they end. After Ctrl-C the same request resumes.
 
-    Raises
-    ------
-    BadInput
-        If a set cannot be flown; raised before any flight.
-
+    Raise `BadInput` if a set cannot be flown; raised before any flight.
     """
     # All sets are checked before the first flight.
     plans = build_sweep_plans(order.sets)

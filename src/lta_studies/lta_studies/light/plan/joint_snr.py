@@ -128,8 +128,6 @@ def compute_joint_snr(
     ----------
     lamps : ndarray, shape (l, 11)
         Lamps in the order of `LampBeam`, without room.
-    eye : DiodeResponse
-        Response of the diodes.
     visible : ndarray of bool, shape (m, l)
         Lamps that are not hidden from a cell by a wall.
     cells : ndarray, shape (m, 3)

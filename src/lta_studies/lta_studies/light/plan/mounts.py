@@ -34,11 +34,7 @@ def list_mounts(plan: FloorPlan) -> list[LampMount]:
     """
     Return all candidate positions, existing lamps first.
 
-    Raises
-    ------
-    BadInput
-        If there are no positions, or too many.
-
+    Raise `BadInput` if there are no positions, or too many.
     """
     standing = []
     for name, lamp in plan.lamps.items():

@@ -35,8 +35,6 @@ def diode_light(
     ----------
     lamp : LampBeam
         The lamp, without room.
-    eye : DiodeResponse
-        Response of the diode.
     cosine, sine : float
         Cosine and sine of the heading.
     centre : tuple of float
@@ -103,8 +101,6 @@ def light_extremes(
     ----------
     lamp : LampBeam
         The lamp, without room.
-    eye : DiodeResponse
-        Response of the diodes.
     centre : tuple of float
         Hull centre of a level drone. [m]
     planes : ndarray, shape (d, 8)
@@ -154,8 +150,6 @@ def compute_cell_light(
     ----------
     lamp : LampBeam
         The lamp, without room.
-    eye : DiodeResponse
-        Response of the diodes.
     cells : ndarray, shape (m, 3)
         Hull centres. [m]
     walls : ndarray, shape (w, 5)

@@ -83,8 +83,6 @@ def improve_cover(
         Initial solution.
     bound : int
         Lower bound; the search stops there.
-    chance : numpy.random.Generator
-        Random generator.
 
     """
     # With a limit on the lamps the demand may be unmet; keep what the greedy choice reached.

@@ -107,8 +107,6 @@ def evaluate_turn(
         Diodes of the vehicle file.
     demodulation : DemodulationSettings
         Demodulator for the lamp.
-    table : TurntableMotion
-        Motion of the turntable.
     full_scale : float
         Full scale of the ADC. [counts]
     tick : callable
