@@ -33,7 +33,6 @@ RARE = '/lta1/energy/reserve'
 
 @cache
 def bag() -> Path:
-    """Return the bag."""
     folder = Path(tempfile.mkdtemp(prefix='lta-reading-'))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     return written(folder / 'large', SIZE)

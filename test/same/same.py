@@ -61,7 +61,6 @@ def run_in_workers(
 
 
 def call(function: Callable[..., Table], arguments: tuple[Any, ...]) -> Table:
-    """Call a function."""
     return function(*arguments)
 
 
@@ -113,7 +112,6 @@ def write_table(path: Path, rows: Table) -> None:
 
 
 def read_table(path: Path) -> Table:
-    """Read a table."""
     csv.field_size_limit(sys.maxsize)
     with path.open(encoding='utf-8', newline='') as file:
         return dict(csv.reader(file))

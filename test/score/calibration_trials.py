@@ -184,7 +184,6 @@ def score_oracle(case: CalibrationCase, vehicle: Vehicle, usable: UsableFlights)
 
 
 def run_case(seed: int, number: int) -> Row:
-    """Return the row of a case."""
     began = time.process_time()
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place)

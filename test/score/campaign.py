@@ -70,7 +70,6 @@ def shorten(value: Any) -> Any:
 
 
 def read_stored(path: Path) -> StoredCampaign:
-    """Read a campaign."""
     found = json.loads(path.read_text())
     rows = {Case(*row.pop('case')): row for row in found['rows']}
     return StoredCampaign(found['facts'], rows)

@@ -379,7 +379,6 @@ def listen(peer: Peer, facts: dict[str, str]) -> None:
 
 
 def compose_page(stored: StoredCampaign) -> str:
-    """Return the page of a campaign."""
     head = HEAD.format(commit=stored.facts['firmware'])
     parts = (compose_part(core, stored) for core in CORES)
     return head + ''.join(parts)

@@ -34,7 +34,6 @@ NEVER: Final = (0.0, 0.0)  # the motors never turn
 
 
 def made(body: SimulatedBody, **words: Any) -> Firmware:
-    """Return the firmware of a body."""
     return Firmware(body, build=body.build, **words)
 
 

@@ -181,7 +181,6 @@ class RealPlayer:
         self._socket.close()
 
     def send(self, packet: Packet) -> None:
-        """Send a packet."""
         port, channel, data = packet
         self._socket.send(bytes([port << 4 | channel]) + data)
 

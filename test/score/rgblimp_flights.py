@@ -93,7 +93,6 @@ def pieces(flight: MeasuredFlight, apart: float) -> Windows:
 
 
 def flights(vehicle: Vehicle, knobs: Sequence[FreeParameter], full_thrust: float) -> list[Flight]:
-    """Return all flights."""
     out, places = [], SensorPlaces.from_vehicle(vehicle, 101325.0)
     for i in range(1, FLIGHTS + 1):
         table = pd.read_csv(DATA / f'data_{i}.csv.gz').to_numpy(dtype=np.float64)

@@ -37,7 +37,6 @@ TURN: Final = 'twist.twist.angular'
 
 
 def vector(topic: str, path: str, unit: str, time: Array, table: Array) -> Iterator[SignalChannel]:
-    """Yield the channels of a vector."""
     parts = ('x', 'y', 'z', 'w')[: table.shape[1]]
     for part, column in zip(parts, table.T, strict=True):
         yield SignalChannel(f'{topic}/{path}.{part}', unit, time, np.ascontiguousarray(column))
@@ -59,7 +58,6 @@ def odometry(
 def recording(
     channels: Iterator[SignalChannel], provenance: Mapping[str, str]
 ) -> ChannelRecording:
-    """Return channels as a recording."""
     return ChannelRecording({channel.name: channel for channel in channels}, provenance)
 
 

@@ -80,7 +80,6 @@ def held(flight: ChannelRecording, rng: Generator) -> Corrupted | None:
 
 
 def topics_of(flight: ChannelRecording) -> set[str]:
-    """Return the topics of a recording."""
     return {channel.topic for channel in flight.channels.values()}
 
 

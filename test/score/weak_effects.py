@@ -82,7 +82,6 @@ class Drawing:
         return float(np.hypot(1.0 / np.sqrt(max(information, 1e-300)), own))
 
     def drawn(self, hide: bool) -> Draw:
-        """Return one draw."""
         size, hidden = len(self._sides[0]), ''
         values = self._draw.normal(size=size) * np.sqrt(np.diag(self._prior.covariance))
         if hide:

@@ -78,7 +78,6 @@ class _MarkReplace(ast.NodeTransformer):
 
 
 def _is_named_tuple(value: object) -> TypeGuard[type[Any]]:
-    """Return whether a value is a named tuple type."""
     return isinstance(value, type) and issubclass(value, tuple) and hasattr(value, '_fields')
 
 

@@ -110,7 +110,6 @@ class CaseGenerator:
         self.kind: Kind = kind or kinds[int(draw.choice(len(kinds), p=weights))]
 
     def _create_random_generator(self, part: int) -> Draw:
-        """Return the random generator of one part of the case."""
         return np.random.default_rng([*self._root, part])
 
     def _draw_hidden_effects(self) -> tuple[InjectedEffect, ...]:

@@ -336,7 +336,6 @@ def _format_brief_share(share: ShareEstimate) -> str:
 
 
 def _build_row_section(name: str, scores: Sequence[ChallengeScore]) -> ReportSection:
-    """Return the section of one row."""
     cases, challenges = _collect_cases(scores), []
     for about in (each.about for each in scores):
         length = ' to '.join(f'{each:.0f}' for each in about['seconds'])

@@ -61,7 +61,6 @@ class RoughCaseGenerator:
         )
 
     def _create_random_generator(self, part: int) -> Draw:
-        """Return the random generator of one part of the case."""
         return np.random.default_rng([*self._root, PART + part])
 
     def generate_case(self) -> ChallengeCase:

@@ -72,7 +72,6 @@ def _estimate_passing_share(
 
 
 def _select_kind(cases: Sequence[ScoredCase], kind: str) -> list[ScoredCase]:
-    """Return the cases of a kind."""
     return [one for one in cases if one.kind == kind]
 
 

@@ -238,7 +238,6 @@ def _drop_diverging_pieces(
 
 
 def _select_role(flights: Sequence[StudyFlight], role: str) -> list[FlightLinearizer]:
-    """Return the flights of a role."""
     return [one.flight for one in flights if one.role == role]
 
 
@@ -323,7 +322,6 @@ def _check_long_enough(flights: Sequence[StudyFlight]) -> None:
 
 
 def _list_round_candidates(step: SelectionRound) -> tuple[SearchCandidate, ...]:
-    """Return one round of the search."""
     return tuple(
         SearchCandidate(
             trial.name, trial.gain, trial.replicated, trial.held_out, trial.apart,

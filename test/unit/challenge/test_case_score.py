@@ -178,7 +178,6 @@ ABOUT = {
 
 
 def scored(cases: list[ScoredCase], **about: object) -> ChallengeScore:
-    """Return a score of a challenge."""
     return ChallengeScore({**ABOUT, **about}, tuple(cases))
 
 

@@ -134,7 +134,6 @@ def test_a_study_that_resumes_keeps_what_its_folder_has(tmp_path, monkeypatch):
 
     @study_command('', resumes=True)
     def counting(*, run: StudyRun) -> Report:
-        """Count the runs."""
         folder = run.open_folder(tmp_path / 'runs/counting-1')
         folder.mkdir(parents=True, exist_ok=True)
         with (folder / 'log').open('a') as log:

@@ -115,7 +115,6 @@ def test_a_rotor_that_nothing_feels_stays_as_it_is():
 
 
 def duties(rotors, thrusts):
-    """Return the duties for thrusts."""
     return thrusts_to_duties(rotors, thrusts, create_working_array())
 
 

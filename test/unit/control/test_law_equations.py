@@ -24,7 +24,6 @@ GIVEN = (0.02, -0.01, 0.3, 0.001, 0.002, -0.003)
 
 
 def duties(constants, thrusts):
-    """Return the duties for thrusts."""
     return thrusts_to_duties(constants.rotors, thrusts, create_working_array())
 
 

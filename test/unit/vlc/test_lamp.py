@@ -11,7 +11,6 @@ PRIOR = LampPrior(distance=4.0, distance_deviation=3.0)
 
 
 def direction(azimuth, elevation, covariance, strength=100.0, deviation=0.0):
-    """Return a direction with a covariance of its azimuth and elevation."""
     level = math.cos(elevation)
     (a, b), (_, c) = covariance
     ray = level * math.cos(azimuth), level * math.sin(azimuth), math.sin(elevation)

@@ -119,6 +119,5 @@ class BlockAssembler:
         self._drop_partial_block()
 
     def _drop_partial_block(self) -> None:
-        """Drop the partial block."""
         self.torn += bool(self._filled is not None and self._have)
         self._filled = None

@@ -66,7 +66,6 @@ class OtherCaseGenerator:
         self.kind: Kind = kind or drawn
 
     def _create_random_generator(self, part: int) -> Draw:
-        """Return the random generator of one part of the case."""
         return np.random.default_rng([*self._root, part])
 
     def generate_case(self, roles: Sequence[str] = ROLES) -> ChallengeCase:

@@ -164,7 +164,6 @@ class FlightSimulator:
         return self._strange.adjust_thrusts(thrusts, self._duties) if self._strange else thrusts
 
     def _compute_accelerations(self, time: float, after: float, state: State) -> Six:
-        """Return the accelerations at a state."""
         wrench = self._rotors.total_wrench(self._rotor_thrusts(after))
         a, b, c, d, e, f = (one + two for one, two in zip(wrench, self._push, strict=True))
         air = self._air.sample_flow(time, state[0], state[1], state[2])

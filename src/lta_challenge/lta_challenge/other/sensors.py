@@ -114,7 +114,6 @@ class SensorSet:
         return time
 
     def _white_noise(self, size: float, *shape: int) -> Array:
-        """Return white noise."""
         return size * self._draw.standard_normal(shape)
 
     def _interpolate_motion(self, time: Array) -> SampledMotion:

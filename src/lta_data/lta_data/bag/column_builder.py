@@ -151,7 +151,6 @@ class ColumnBuilder:
         return part.select_messages(~fits)
 
     def _add_columns(self, layout: CdrLayout, part: 'EqualLengthMessages') -> None:
-        """Add messages of one layout to the columns."""
         values = [normalize_leaf(layout, part.table, leaf) for leaf in layout.leaves]
         rows, first = part.rows, part.begin + int(part.indices[0])
         for place, (leaf, column) in enumerate(zip(layout.leaves, values, strict=True)):

@@ -193,7 +193,6 @@ class Bag:
     def _read_region(
         self, part: RecordingFile, stream: BinaryIO, place: MessageRegion, channels: frozenset[int]
     ) -> Iterator[McapMessage]:
-        """Yield the messages of one region of a file."""
         try:
             # Do not allocate memory for a damaged length.
             if place.length > 2 * CHUNK_BYTES:

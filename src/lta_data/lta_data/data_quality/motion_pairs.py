@@ -122,7 +122,6 @@ def pair_velocity(
 def _pair_inertial(
     pose: PoseSeries, sensor: InertialSeries, limits: QualityLimits
 ) -> Iterator[MotionPair | None]:
-    """Pair a pose with an inertial sensor."""
     if pose.attitude is None:
         return
     if sensor.rates is not None:

@@ -108,7 +108,6 @@ def _name_folders(sources: Sequence[Path]) -> list[str]:
 
 
 def _import_log(order: ImportRequest, source: Path, bag: Path, reached: Reached) -> ImportedLog:
-    """Import one log."""
     format_ = detect_format(source) if order.format is None else order.format
     # Raises for an unknown --format, before any mapping is loaded
     find_format(format_)

@@ -116,7 +116,6 @@ def _format_in_unit(one: CalibratedValue) -> tuple[str, str, str]:
 
 
 def _format_name(one: CalibratedValue) -> str:
-    """Return the name of a value."""
     effect, _, part = one.name.partition('.')
     if effect == 'vehicle':
         return 'mass (factor)' if part == 'mass' else f'inertia in {part} (factor)'

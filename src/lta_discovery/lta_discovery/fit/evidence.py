@@ -225,7 +225,6 @@ class PieceReducer:
         return _expand_precision(deviations, self._knots)
 
     def _sum_pieces(self, products: Array, constant: Array) -> ReducedFlight:
-        """Sum the reduced pieces."""
         # Normalization of the Gaussian readings, already in units of the noise
         rows = -0.5 * np.log(2.0 * np.pi) * self.linear.rows.sum()
         return ReducedFlight(products.sum(axis=0), self._constant.sum() + constant.sum() + rows)

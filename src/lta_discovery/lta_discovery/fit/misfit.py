@@ -38,7 +38,6 @@ def compute_misfit(
 
 
 def _readings_misfit(one: tuple[FlightLinearizer, LinearizationPoint]) -> float:
-    """Return the misfit of the readings of one flight at a point."""
     flight, point = one
     with np.errstate(over='ignore', invalid='ignore'):
         try:

@@ -336,7 +336,6 @@ def _drop_bad_sensors(
 def _mask_intervals(
     flight: MeasuredFlight, cuts: Sequence[ExcludedInterval], pose: str
 ) -> MeasuredFlight:
-    """Exclude intervals from a flight."""
     usable, readings = flight.usable.copy(), flight.readings.copy()
     for cut in cuts:
         inside = (flight.time >= cut.from_s) & (flight.time <= cut.to_s)

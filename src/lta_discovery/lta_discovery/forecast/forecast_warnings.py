@@ -72,7 +72,6 @@ def list_forecast_warnings(gaps: Sequence[ChannelErrors]) -> list[str]:
 def _select_longest_horizons(
     gaps: Sequence[ChannelErrors], channels: Sequence[str]
 ) -> list[ChannelErrors]:
-    """Return the gap of each channel at its longest horizon."""
     some = [[gap for gap in gaps if gap.channel == channel] for channel in channels]
     return [max(each, key=lambda gap: gap.horizon_s) for each in some if each]
 

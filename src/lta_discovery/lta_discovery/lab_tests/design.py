@@ -240,7 +240,6 @@ def step_duties(vehicle: Vehicle, step: LabTest) -> list[float]:
 
 
 def _thrusts_to_duties(vehicle: Vehicle, thrusts: Sequence[float]) -> list[float]:
-    """Return the duties of some thrusts."""
     return [
         math.copysign(rotor.duty_for_thrust(abs(thrust)), thrust)
         for rotor, thrust in zip(vehicle.rotors, thrusts, strict=True)

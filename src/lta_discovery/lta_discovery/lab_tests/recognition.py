@@ -66,7 +66,6 @@ def recognise_tests(flight: MeasuredFlight, vehicle: Vehicle) -> tuple[Recognise
 
 
 def _describe_step(orders: Stream, axis: str) -> RecognisedTest:
-    """Return the step of an axis."""
     size = 1e3 * float(np.ptp(orders.values[:, AXES.index(axis)]))
     unit = 'mN' if axis in AXES[:3] else 'mN m'
     return RecognisedTest('step', axis, f'a command in {axis} of {size:.3g} {unit} that is held')

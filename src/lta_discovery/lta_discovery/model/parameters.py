@@ -229,7 +229,6 @@ TRIMS: Final[dict[str, float]] = {
 
 
 def _list_effect_parameters(nominal: NominalVehicle, effect: str) -> Iterator[FreeParameter]:
-    """Yield the free parameters of an effect."""
     parameters = {known.name: known for known in EFFECTS[effect].parameters}
     together = TOGETHER.get(effect)
     begun = {} if effect in nominal.given else companion_values(effect)

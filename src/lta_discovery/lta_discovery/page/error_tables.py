@@ -115,7 +115,6 @@ def log_scale_limits(of: Sequence[ChannelErrors]) -> tuple[float, float]:
 
 
 def _format_horizon(gap: ChannelErrors) -> str:
-    """Return the horizon."""
     return f'{gap.horizon_s:g} s'
 
 

@@ -139,7 +139,6 @@ def render_flight_information(finding: StudyResult) -> str:
 
 
 def _render_effect(one: NamedEffect) -> str:
-    """Return one named effect."""
     names = format_effect(one)
     alike = (
         f'<p class="note">These flights cannot distinguish it from <b>'
@@ -211,7 +210,6 @@ def render_search_rounds(finding: StudyResult) -> str:
 
 
 def _format_candidate_cells(rung: SearchCandidate, most: float, beaten: bool, stands: bool) -> Row:
-    """Return the cells of one candidate."""
     name = escape(format_parameter(rung.knob))
     return (
         f'<b>{name}</b>' if rung.accepted and stands else name,

@@ -289,7 +289,6 @@ def _build_remainder_tile(finding: StudyResult) -> Tile:
 
 
 def _build_verdict_tile(finding: StudyResult) -> Tile:
-    """Return the tile of the verdict."""
     count = sum(1 if len(one.knobs) > MANY else len(one.knobs) for one in finding.effects)
     values = [
         f'{format_parameter(f"{one.name}.{part.name}")} '
@@ -308,7 +307,6 @@ def _build_verdict_tile(finding: StudyResult) -> Tile:
 
 
 def _build_evidence_tile(finding: StudyResult) -> Tile:
-    """Return the tile of the evidence."""
     if finding.effects:
         least = min(one.log_evidence for one in finding.effects)
         which = 'the weakest effect; ' if len(finding.effects) > 1 else ''

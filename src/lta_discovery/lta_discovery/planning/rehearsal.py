@@ -105,7 +105,6 @@ def simulate_flight(
 
 
 def _record_step(loop: ClosedLoop, rows: dict[str, list[tuple[float, ...]]]) -> None:
-    """Record one step."""
     told, now = loop.readings, loop.world.elapsed
     if told.truth is not None:
         rows['pose'].append((now, *told.truth[:7]))
@@ -127,14 +126,12 @@ def _build_stream(rows: list[tuple[float, ...]]) -> Stream:
 
 
 def _tilt_cosine(quaternion: Array) -> Array:
-    """Return the cosine of the tilt."""
     x, y, _, _ = quaternion.T
     cosine: Array = 1.0 - 2.0 * (x**2 + y**2)
     return cosine
 
 
 def _add_tracker_noise(pose: Stream, rng: np.random.Generator) -> Stream:
-    """Return a pose with the noise of a tracker."""
     values = pose.values.copy()
     values[:, :3] += POSE * rng.standard_normal((len(values), 3))
     # Small random rotation in the body frame

@@ -73,7 +73,6 @@ def _encode_conclusion(finding: StudyResult) -> dict[str, Any]:
 
 
 def _encode_effect(effect: NamedEffect) -> dict[str, Any]:
-    """Return one named effect."""
     return {
         'name': effect.name,
         'parameters': {

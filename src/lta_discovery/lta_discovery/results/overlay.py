@@ -115,7 +115,6 @@ def _list_messages(one: ThreeModelComparison, place: str) -> list[Row]:
 def _list_model_messages(
     flight: FlightLinearizer, states: Array, name: str, place: str
 ) -> list[Row]:
-    """Return the messages of one model."""
     measured, inside = flight.replay.flight, flight.replay.cut.inside
     start = round(float(measured.time[0]) * SECOND)
     rows: list[Row] = []

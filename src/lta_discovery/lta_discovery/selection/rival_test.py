@@ -200,7 +200,6 @@ class RivalTest:
         return clearly or bool(select_confirmed_rivals(self._find_rivals(fits)))
 
     def _find_rivals(self, fits: Pair) -> tuple[GenericRival, ...]:
-        """Return the rivals on some fits."""
         return self._rivals.rank_rivals(
             [FitBaseline.from_joint(each, self._floor) for each in fits]
         )

@@ -212,7 +212,6 @@ class WeakEffectSearch:
         return first, second
 
     def _scan_side(self, side: ReducedFlight, last: JointFit) -> dict[str, CandidateScore]:
-        """Return all candidates on one side."""
         return {
             seen.name: seen
             for seen in scan_candidates(side, last.group.at, last.prior, self._knobs)

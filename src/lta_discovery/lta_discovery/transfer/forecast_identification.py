@@ -189,7 +189,6 @@ def _collect_transfer_evidence(
     lost: Sequence[str],
     numbers: int,
 ) -> TransferEvidence:
-    """Return the evidence for the effects."""
     worth = {group.name: share for group, share in zip(chosen.groups, chosen.worth, strict=True)}
     return TransferEvidence(
         tuple(IdentifiedGroup(one.name, worth[one.name]) for one in confirmed),

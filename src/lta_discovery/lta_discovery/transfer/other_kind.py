@@ -130,7 +130,6 @@ def _thin_pieces(flights: Sequence[FlightLinearizer]) -> list[FlightLinearizer]:
 
 
 def _select_pieces(flight: FlightLinearizer, which: NDArray[np.bool_]) -> FlightLinearizer:
-    """Return a flight with some of its pieces."""
     cut = flight.replay.cut
     some = replace(cut, first=cut.first[which], start=cut.start[which], inside=cut.inside[which])
     return FlightLinearizer(flight.replay.with_pieces(some), flight.knobs, flight.places)

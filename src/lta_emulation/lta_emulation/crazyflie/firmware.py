@@ -144,7 +144,6 @@ class Firmware:
         return answer
 
     def _apply_parameters(self) -> None:
-        """Apply the parameters."""
         values, supervisor = self.parameters.values, self.supervisor
         supervisor.landed_timeout = 1e-3 * values['supervisor.landedTimeout']
         supervisor.preflight_timeout = 1e-3 * values['supervisor.prefltTimeout']

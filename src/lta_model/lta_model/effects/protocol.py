@@ -151,7 +151,6 @@ def no_rotor_rate(p: Values, memory: Values, value: float, surroundings: Values)
 # Registry and kernel read the same tuple many times
 @cache
 def _expand_rotor_parameters(each: tuple[EffectParameter, ...]) -> tuple[EffectParameter, ...]:
-    """Return the parameters of all rotors, parameter by parameter."""
     # Parameter by parameter, not rotor by rotor: the layout of the parameter vector
     return tuple(replace(p, name=f'{p.name}_{i}') for p in each for i in range(1, ACTUATORS + 1))
 

@@ -50,7 +50,6 @@ def calibrate_case(
 
 @pytest.fixture(scope='module')
 def calibrated(tmp_path_factory: pytest.TempPathFactory) -> tuple[CalibrationCase, Calibration]:
-    """Return the calibration of one case."""
     return calibrate_case(3, tmp_path_factory.mktemp('calibration'))
 
 

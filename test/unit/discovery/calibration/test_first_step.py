@@ -69,7 +69,6 @@ def wrong(vehicle: Vehicle, tmp_path_factory: pytest.TempPathFactory) -> list[Ro
 def make_value(
     name: str, before: float, value: float, deviation: float, flight: str = ''
 ) -> CalibratedValue:
-    """Return a calibrated value."""
     ends = (value - 1.96 * deviation, value + 1.96 * deviation)
     return CalibratedValue(name, '1', flight, before, value, ends, True, True, ())
 
@@ -323,7 +322,6 @@ def test_a_calibration_that_confirming_flights_contradict_is_not_advised(vehicle
 
 
 def rotor_wrench(nominal: NominalVehicle, rotor: int, duty: float) -> np.ndarray:
-    """Return the wrench of a rotor at a duty."""
     a, b = (nominal.parameter_value('thrust_curve', f'{part}_{rotor}') for part in 'ab')
     column = [nominal.parameter_value('rotor_thrust', f'{axis}_{rotor}') for axis in AXES]
     return np.multiply(column, a * duty**2 + b * duty)

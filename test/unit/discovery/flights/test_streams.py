@@ -19,7 +19,6 @@ RATE: Final = 30.0  # Hz
 
 
 def channel(name: str, time: Array, values: Array) -> SignalChannel:
-    """Return a channel."""
     return SignalChannel(name, '', time, values)
 
 

@@ -76,7 +76,6 @@ class McapScanner:
             )
 
     def _add_record(self, at: int, record: ValidRecord) -> None:
-        """Add a valid record."""
         if record.opcode == Opcode.CHUNK:
             self._add_chunk(at, record)
         elif record.opcode == Opcode.MESSAGE:

@@ -69,7 +69,6 @@ class McapLog(BagTableLog):
             yield topic, log_time, partial(self._decode_message, topic, data)
 
     def _decode_message(self, topic: str, data: bytes) -> object:
-        """Return a decoded message."""
         try:
             return self._bag.decode(topic, data)
         except KeyError as part:

@@ -75,7 +75,6 @@ def open_ulog(path: Path, mapping: MappingFile | None) -> InMemoryLog:
 
 
 def _format_table_name(data: Any) -> str:  # noqa: ANN401 - pyulog has no types
-    """Return the name of a table."""
     return f'{data.name}_{data.multi_id}' if data.multi_id else str(data.name)
 
 

@@ -132,7 +132,6 @@ class RosbagsLog(BagTableLog):
             )
 
     def _decode_message(self, reader: AnyReader, connection: Connection, data: bytes) -> object:
-        """Return a decoded message."""
         try:
             return reader.deserialize(data, connection.msgtype)
         except Exception as error:

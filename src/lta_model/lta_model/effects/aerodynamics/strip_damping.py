@@ -48,7 +48,6 @@ _DRAGS = tuple(f'{axis}_{i}' for i in _STRIPS for axis in ('surge', 'sway', 'hea
 
 
 def _strip_parameters(i: int) -> tuple[EffectParameter, ...]:
-    """Return the parameters of one strip."""
     return (
         *(EffectParameter(f'{a}_{i}', 'm', 0.0, -5.0, 5.0, 0.01, _CENTRE) for a in 'xyz'),
         *(EffectParameter(f'half_{a}_{i}', 'm', 0.0, -5.0, 5.0, 0.01, _REACH) for a in 'xyz'),

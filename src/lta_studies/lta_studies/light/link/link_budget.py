@@ -170,5 +170,4 @@ def simulate_block(
 
 
 def _build_level_pose(x: float, y: float, z: float, heading: float) -> Pose:
-    """Return a level pose."""
     return (x, y, z, 0.0, 0.0, math.sin(0.5 * heading), math.cos(0.5 * heading))
