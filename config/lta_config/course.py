@@ -83,15 +83,8 @@ class Course(StrictModel):
         """
         Return duties with the excitation added, limited to the range of each rotor.
 
-        Parameters
-        ----------
-        time : float
-            Since the start. [s]
-        duties : tuple of float
-            Commanded duties. If all are 0 the motors are off, and stay off.
-        reversible : sequence of bool
-            By rotor; further duties are returned unchanged.
-
+        `time`: since the start [s]. `duties`: commanded duties. If all are 0 the motors are off,
+        and stay off. `reversible`: by rotor; further duties are returned unchanged.
         """
         # No excitation during the climb to the first row and after the last
         begin, end = self.rows[0].at.si, self.rows[-1].at.si

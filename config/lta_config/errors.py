@@ -39,15 +39,8 @@ def unknown_name_error(kind: str, name: str, names: list[str]) -> BadInput:
     """
     Return the error for a name that is not in a registry or folder.
 
-    Parameters
-    ----------
-    kind : str
-        What the name should be, for example 'vehicle'.
-    name : str
-        The given name.
-    names : list of str
-        The names that exist.
-
+    `kind`: what the name should be, for example 'vehicle'. `name`: the given name. `names`: the
+    names that exist.
     """
     likely = get_close_matches(name, names, 1)
     meant = f" (did you mean '{likely[0]}'?)" if likely else ''

@@ -255,15 +255,8 @@ def validate_content(model: type[Model], content: Any, where: str) -> Model:  # 
     """
     Return a file's content, validated by its model; errors as `load_file`.
 
-    Parameters
-    ----------
-    model : type
-        The file's schema.
-    content : Any
-        The content as YAML has it.
-    where : str
-        The file, as the subject of an error message.
-
+    `model`: the file's schema. `content`: the content as YAML has it. `where`: the file, as the
+    subject of an error message.
     """
     if not isinstance(content, dict):
         raise BadInput(

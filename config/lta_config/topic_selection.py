@@ -43,20 +43,9 @@ def select_topics(words: str, robots: Sequence[str], table: TopicTable) -> dict[
     """
     Return the types of the topics to record that are known in advance, by absolute name.
 
-    Parameters
-    ----------
-    words : str
-        As for `is_selected`.
-    robots : sequence of str
-        Namespaces of the robots to record.
-    table : TopicTable
-        The topics of each.
-
-    Raises
-    ------
-    BadInput
-        If a name is neither a topic of the table nor one that every ROS node has.
-
+    `words`: as for `is_selected`. `robots`: namespaces of the robots to record. `table`: the
+    topics of each. Raise `BadInput` if a name is neither a topic of the table nor one that every
+    ROS node has.
     """
     rows = [(robot, *row) for robot in robots for row in table.topics.items()]
     named = {absolute_topic(robot, name): topic.type for robot, name, topic in rows} | dict(

@@ -156,15 +156,8 @@ class TopicTable(StrictModel):
         """
         Return how many messages of a topic have been published by a control step.
 
-        Parameters
-        ----------
-        name : str
-            A periodic topic.
-        now_ns : int
-            Stamp of the control step. [ns]
-        lag : int
-            Control periods by which the reader lags behind the publication.
-
+        `name`: a periodic topic. `now_ns`: stamp of the control step [ns]. `lag`: control periods
+        by which the reader lags behind the publication.
         """
         topic = self[name]
         newest = now_ns - topic.latency_ns - lag * self.control_ns - self.start_ns

@@ -35,20 +35,8 @@ def set_yaml_value(text: str, way: Way, value: Any) -> str:  # noqa: ANN401 - as
     """
     Return a file's text with a value set at a path.
 
-    Parameters
-    ----------
-    text : str
-        A mapping in YAML.
-    way : sequence of str
-        The keys of the path; missing ones are created.
-    value : Any
-        The new value.
-
-    Raises
-    ------
-    BadInput
-        If the path leads through something that is not a mapping.
-
+    `text`: a mapping in YAML. `way`: the keys of the path; missing ones are created. `value`: the
+    new value. Raise `BadInput` if the path leads through something that is not a mapping.
     """
     content = _parse_yaml_text(text)
     wanted = _set_in_content(content, list(way), value)

@@ -25,20 +25,10 @@ def simulate(
     """
     Fly once in one process, as `lta simulate`, and return the recording.
 
-    Parameters
-    ----------
-    vehicle, scenario, strategy : str
-        Names or files.
-    changes : mapping, optional
-        Replaced parameters by path: {'vehicle.trim.heaviness': '4 g'}.
-    out : path, optional
-        Folder of the results, empty or new; runs/<time>-<name> by default.
-
-    Raises
-    ------
-    BadInput
-        If the request is invalid; nothing has been flown then.
-
+    `vehicle`, `scenario`, `strategy`: names or files. `changes`: replaced parameters by path:
+    {'vehicle.trim.heaviness': '4 g'}. `out`: folder of the results, empty or new;
+    runs/<time>-<name> by default. Raise `BadInput` if the request is invalid; nothing has been
+    flown then.
     """
     words = tuple(f'{path}={value}' for path, value in (changes or {}).items())
     folder = None if out is None else Path(out)

@@ -98,15 +98,8 @@ def plan_pilot_inputs(course: str, seconds: float, pushed: bool, draw: Draw) -> 
     """
     Plan setpoints, noise and excitation of one flight.
 
-    Parameters
-    ----------
-    course : str
-        A key of `COURSES`.
-    seconds : float
-        Length of the flight. [s]
-    pushed : bool
-        Whether the vehicle is commanded by a wrench.
-
+    `course`: a key of `COURSES`. `seconds`: length of the flight [s]. `pushed`: whether the
+    vehicle is commanded by a wrench.
     """
     time = TICK * np.arange(round(seconds / TICK), dtype=np.float64)
     wanted = COURSES[course](time, draw)

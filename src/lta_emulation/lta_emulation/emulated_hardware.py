@@ -122,15 +122,8 @@ def report_flight(
     """
     Report take-off, arrival at the lamp and landing, until `wait` returns true.
 
-    Parameters
-    ----------
-    body : SimulatedBody
-        The drone.
-    report : callable
-        Called with each sentence.
-    wait : callable
-        Waits for a time [s]; returns true to end.
-
+    `body`: the drone. `report`: called with each sentence. `wait`: waits for a time [s]; returns
+    true to end.
     """
     # Read the world from this thread without a lock: a value of the previous step does not matter
     world = body.world

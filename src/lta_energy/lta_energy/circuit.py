@@ -59,15 +59,8 @@ def step_circuit(
     """
     Advance the power path and the energy totals by one step at constant light and load.
 
-    Parameters
-    ----------
-    available : float
-        Maximum power of the array. [W]
-    load : float
-        Power that the loads request. [W]
-    dt : float
-        Step. [s]
-
+    `available`: maximum power of the array [W]. `load`: power that the loads request [W]. `dt`:
+    step [s].
     """
     store = advance_power_path(cell, charger, store, available, load, dt)
     # While the charger is off, nothing counts as curtailed: the light is too dim for its own draw

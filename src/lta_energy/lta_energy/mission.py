@@ -77,15 +77,8 @@ class MissionSimulation:
     """
     Simulate one mission.
 
-    Parameters
-    ----------
-    light : IrradianceSeries
-        Light on the perch.
-    fly : Fly
-        Simulates one flight.
-    guess : tuple of float
-        Energy [J] and duration [s] assumed for a flight before the first one.
-
+    `light`: light on the perch. `fly`: simulates one flight. `guess`: energy [J] and duration [s]
+    assumed for a flight before the first one.
     """
 
     def __init__(

@@ -53,15 +53,8 @@ def build_autopilot(policy: FlightStack, vehicle: Vehicle, dt: float) -> Autopil
     """
     Return the autopilot; for the cascade, one compiled function with the estimator.
 
-    Parameters
-    ----------
-    policy : FlightStack
-        Law, gains, filters and limits.
-    vehicle : Vehicle
-        The vehicle as the drone knows it.
-    dt : float
-        Control period. [s]
-
+    `policy`: law, gains, filters and limits. `vehicle`: the vehicle as the drone knows it. `dt`:
+    control period [s].
     """
     # Laws that use external tracking instead of the estimator are not compiled
     if isinstance(policy.gains, CascadeGains) and policy.law.feedback is Feedback.ESTIMATOR:

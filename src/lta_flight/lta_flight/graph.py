@@ -27,20 +27,9 @@ def run_graph(plan: LaunchPlan, on_line: OnLine, say: Callable[[str], None]) -> 
 
     A bag without a message of a robot does not outlive Ctrl-C or a node that rejects its input.
 
-    Parameters
-    ----------
-    plan : LaunchPlan
-        What to start.
-    on_line : callable
-        Called with the label of a process and each line of its output.
-    say : callable
-        Called with a sentence for each process that ends or stalls.
-
-    Raises
-    ------
-    BadInput
-        If it cannot be started, or would publish /clock and another flight is on the ROS domain.
-
+    `plan`: what to start. `on_line`: called with the label of a process and each line of its
+    output. `say`: called with a sentence for each process that ends or stalls. Raise `BadInput` if
+    it cannot be started, or would publish /clock and another flight is on the ROS domain.
     """
     # A folder that exists already may hold somebody's bag, which the recorder will not overwrite
     own_bags = [bag for bag in list_bags(plan) if not bag.exists()]

@@ -34,15 +34,7 @@ class LoopRecorder:
 
     Topics that are not repeatable depend on the wall clock and are left out.
 
-    Parameters
-    ----------
-    writer : BagWriter
-        Writes the bag.
-    loop : ClosedLoop
-        The flight.
-    robot : str
-        Namespace.
-
+    `writer`: writes the bag. `loop`: the flight. `robot`: namespace.
     """
 
     def __init__(self, writer: BagWriter, loop: ClosedLoop, table: TopicTable, robot: str) -> None:

@@ -32,15 +32,8 @@ class FlightProgress(ProgressBar):
         """
         Show the position of the drone.
 
-        Parameters
-        ----------
-        time : float
-            Since the start. [s]
-        distance : float
-            To the lamp. [m]
-        pace : float
-            Flight seconds per wall second.
-
+        `time`: since the start [s]. `distance`: to the lamp [m]. `pace`: flight seconds per wall
+        second.
         """
         if self._begin is None:
             # The bar runs from the initial distance to zero

@@ -49,15 +49,8 @@ class StallDetector:
         """
         Return the nodes to name.
 
-        Parameters
-        ----------
-        suspects : list of str
-            Nodes for which others report to wait.
-        silent : list of str
-            Running nodes that no longer report.
-        all_reporting : bool
-            Whether every running node has reported.
-
+        `suspects`: nodes for which others report to wait. `silent`: running nodes that no longer
+        report. `all_reporting`: whether every running node has reported.
         """
         now = time.monotonic()
         if suspects != self._suspects:
@@ -118,15 +111,9 @@ class StallMonitor:
         """
         Check the reports of the nodes, and name the stalled ones if they have changed.
 
-        Parameters
-        ----------
-        facts : mapping of str to HealthFact
-            The newest facts, from `DiagnosticsListener`.
-        silent : list of str
-            Running nodes that no longer report, or have not for too long.
-        unheard : collection of str
-            Running nodes that have not reported yet: they load, and do not count as stalled.
-
+        `facts`: the newest facts, from `DiagnosticsListener`. `silent`: running nodes that no
+        longer report, or have not for too long. `unheard`: running nodes that have not reported
+        yet: they load, and do not count as stalled.
         """
         loading = {find_role(node) for node in unheard} - {find_role(node) for node in silent}
         waited = find_stalling_roles(facts.values())

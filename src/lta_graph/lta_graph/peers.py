@@ -15,15 +15,8 @@ class Peers:
     """
     The other robots of a launch.
 
-    Parameters
-    ----------
-    names : sequence of str
-        Their namespaces.
-    start_ns : int
-        The first stamp of every robot. [ns]
-    lead_ns : int
-        Pulse period and largest lead over a pulse. [ns]
-
+    `names`: their namespaces. `start_ns`: the first stamp of every robot [ns]. `lead_ns`: pulse
+    period and largest lead over a pulse [ns].
     """
 
     def __init__(self, names: Sequence[str], start_ns: int, lead_ns: int) -> None:

@@ -21,15 +21,9 @@ class ProcessWatch(threading.Thread):
     """
     Watch processes until all have ended.
 
-    Parameters
-    ----------
-    children : list of ChildProcess
-        The processes; this thread owns their pipes.
-    on_line : callable
-        Called in this thread with the label of a process and each line of its output.
-    stopping : threading.Event
-        Set when the launcher stops its processes.
-
+    `children`: the processes; this thread owns their pipes. `on_line`: called in this thread with
+    the label of a process and each line of its output. `stopping`: set when the launcher stops its
+    processes.
     """
 
     def __init__(

@@ -61,21 +61,10 @@ def serve_cluster(
     """
     Run a scheduler and workers until Ctrl-C.
 
-    Parameters
-    ----------
-    host, port : str, int
-        Where the scheduler listens; port 0 takes a free one.
-    options : WorkerOptions
-        Workers on this machine.
-    announce : callable
-        Called with the address of the scheduler when all workers are ready.
-
-    Raises
-    ------
-    BadInput
-        If dask.distributed is not installed, the port is in use, the certificates cannot be used,
-        or other machines could connect without them.
-
+    `host`, `port`: where the scheduler listens; port 0 takes a free one. `options`: workers on
+    this machine. `announce`: called with the address of the scheduler when all workers are ready.
+    Raise `BadInput` if dask.distributed is not installed, the port is in use, the certificates
+    cannot be used, or other machines could connect without them.
     """
     with ClusterServer() as server:
         address = server.start_scheduler(host, port, options.tls)
@@ -88,21 +77,10 @@ def join_cluster(address: str, options: WorkerOptions, announce: Callable[[str],
     """
     Run workers of a scheduler elsewhere until Ctrl-C; rejoin it when it is started again.
 
-    Parameters
-    ----------
-    address : str
-        Address of the scheduler, such as tls://10.0.0.1:8786.
-    options : WorkerOptions
-        Workers on this machine.
-    announce : callable
-        Called with the address each time all workers have joined.
-
-    Raises
-    ------
-    BadInput
-        If dask.distributed is not installed, no scheduler answers in time, it has other versions,
-        the certificates cannot be used, or they are missing.
-
+    `address`: address of the scheduler, such as tls://10.0.0.1:8786. `options`: workers on this
+    machine. `announce`: called with the address each time all workers have joined. Raise
+    `BadInput` if dask.distributed is not installed, no scheduler answers in time, it has other
+    versions, the certificates cannot be used, or they are missing.
     """
     check_scheduler_address(address, options.tls)
     with ClusterServer() as server:

@@ -149,15 +149,8 @@ def render_footer(
     """
     Return the footer of a page.
 
-    Parameters
-    ----------
-    facts : mapping of str to str
-        Origin of the results.
-    commands : mapping of str to str
-        Next steps: what to do, and the command for it.
-    files : mapping of str to str
-        Whole files by name, collapsed.
-
+    `facts`: origin of the results. `commands`: next steps: what to do, and the command for it.
+    `files`: whole files by name, collapsed.
     """
     lists = [f'<dl class="facts">\n{render_definition_list(facts)}\n</dl>'] if facts else []
     if commands:

@@ -16,15 +16,8 @@ def render_markdown(blocks: Sequence[Block], images: str = '', level: int = LEVE
     Folded sections and empty tables are left out. Of a grid, only the first picture is shown, with
     the commands and bags of all of them.
 
-    Parameters
-    ----------
-    blocks : sequence of Block
-        Part of a report.
-    images : str
-        Folder of the pictures, which `--pictures` writes.
-    level : int
-        Level of the headings.
-
+    `blocks`: part of a report. `images`: folder of the pictures, which `--pictures` writes.
+    `level`: level of the headings.
     """
     return '\n\n'.join(part for each in blocks for part in iterate_parts(each, images, level))
 

@@ -74,20 +74,8 @@ def inspect_page(page: Path, theme: Theme = 'light', width: int = WIDTH) -> Page
     """
     Open a page in a browser and return what it shows.
 
-    Parameters
-    ----------
-    page : Path
-        HTML file.
-    theme : str
-        Preferred theme of the reader, 'light' or 'dark'.
-    width : int
-        Width of the window. [px]
-
-    Raises
-    ------
-    BadInput
-        If there is no browser or no page.
-
+    `page`: HTML file. `theme`: preferred theme of the reader, 'light' or 'dark'. `width`: width of
+    the window [px]. Raise `BadInput` if there is no browser or no page.
     """
     with Browser() as browser:
         open_page(browser, page, theme, width)

@@ -18,15 +18,8 @@ class StudyProgress(ProgressBar):
     """
     Show the progress of a study.
 
-    Parameters
-    ----------
-    console : Console
-        Output; nothing is shown if it is not a terminal.
-    total, done : int
-        Number of items, and of those already finished.
-    unit : str
-        What the items are, such as 'flights'.
-
+    `console`: output; nothing is shown if it is not a terminal. `total`, `done`: number of items,
+    and of those already finished. `unit`: what the items are, such as 'flights'.
     """
 
     def __init__(self, console: Console, total: int, done: int = 0, unit: str = 'items') -> None:

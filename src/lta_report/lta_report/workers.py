@@ -175,16 +175,10 @@ class LocalWorkers(Generic[Item, Result]):
     If a worker dies, its item is repeated once by another one, and a new worker is started.
     Within a worker process there is only this process, since its siblings use the other cores.
 
-    Parameters
-    ----------
-    function : callable
-        A function at the top of a module, or a `partial` of one, which can be pickled.
-    size : int
-        Number of workers; a process starts when there is an item for it.
-    on_progress : callable, optional
-        Called with the sum of the finished shares of the current items, if the function calls
-        `report_progress`.
-
+    `function`: a function at the top of a module, or a `partial` of one, which can be pickled.
+    `size`: number of workers; a process starts when there is an item for it. `on_progress`: called
+    with the sum of the finished shares of the current items, if the function calls
+    `report_progress`.
     """
 
     def __init__(

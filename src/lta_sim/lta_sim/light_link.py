@@ -158,15 +158,8 @@ def write_ring_light(
     """
     Write the light on the diodes at a pose, in the row order of `gather_indirect_light`.
 
-    Parameters
-    ----------
-    position, q : tuple of float
-        Of the hull at the middle of the block. [m, map]
-    out : ndarray, shape (LAMPS + l, d)
-        Shares and illuminances [lx].
-    scratch : ndarray
-        Working memory of `scratch_size(l)` numbers.
-
+    `position`, `q`: of the hull at the middle of the block [m, map]. `out`, shape (LAMPS + l, d):
+    shares and illuminances [lx]. `scratch`: working memory of `scratch_size(l)` numbers.
     """
     write_reflections(listening, position, q, out, scratch)
     add_direct_light(listening, position, q, out)

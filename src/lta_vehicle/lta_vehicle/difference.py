@@ -123,20 +123,9 @@ def load_vehicle_variant(
     """
     Load a vehicle, optionally with replaced numbers or layers.
 
-    Parameters
-    ----------
-    name : str
-        Vehicle name or file.
-    sets : sequence of str
-        PATH=VALUE as in `lta simulate --set`; the prefix 'vehicle.' is optional.
-    swaps : sequence of str
-        LAYER=VEHICLE: take the layer of that name from another vehicle file.
-
-    Raises
-    ------
-    BadInput
-        If a file cannot be read, or a path or layer does not exist.
-
+    `name`: vehicle name or file. `sets`: PATH=VALUE as in `lta simulate --set`; the prefix
+    'vehicle.' is optional. `swaps`: LAYER=VEHICLE: take the layer of that name from another
+    vehicle file. Raise `BadInput` if a file cannot be read, or a path or layer does not exist.
     """
     # Work on the YAML content, so that replaced values pass the same validation as a file
     path = find_file('vehicle', name)

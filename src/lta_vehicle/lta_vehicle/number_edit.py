@@ -44,21 +44,9 @@ def edit_vehicle_file(
     """
     Set numbers in a vehicle file; comments, order and layout stay.
 
-    Parameters
-    ----------
-    path : Path
-        The file.
-    assignments : sequence of str
-        'PATH=VALUE', such as 'trim.heaviness=3 g'.
-    source : str, optional
-        Source of all these numbers; None keeps the sources of the file.
-
-    Raises
-    ------
-    BadInput
-        If a path does not exist, a value is invalid or the file cannot be written; the file is
-        unchanged then.
-
+    `path`: the file. `assignments`: 'PATH=VALUE', such as 'trim.heaviness=3 g'. `source`: source
+    of all these numbers; None keeps the sources of the file. Raise `BadInput` if a path does not
+    exist, a value is invalid or the file cannot be written; the file is unchanged then.
     """
     try:
         text = path.read_text(encoding='utf-8')

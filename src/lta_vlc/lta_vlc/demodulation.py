@@ -70,20 +70,10 @@ def demodulate_block(
     """
     Return the results of one block for each beacon and each diode.
 
-    Parameters
-    ----------
-    block : array_like, shape (n, d)
-        Samples in time order, one column a diode: ADC counts or any linear unit.
-    beacons : tuple of BeaconBins
-        Bins of the beacons, all with the same quiet bins.
-    full_scale : float
-        The ADC's largest reading, in the unit of the samples.
-
-    Raises
-    ------
-    BadInput
-        If the block is not two-dimensional or has not the planned length.
-
+    `block`, shape (n, d): samples in time order, one column a diode: ADC counts or any linear
+    unit. `beacons`: bins of the beacons, all with the same quiet bins. `full_scale`: the ADC's
+    largest reading, in the unit of the samples. Raise `BadInput` if the block is not
+    two-dimensional or has not the planned length.
     """
     bins, samples = beacons[0], np.asarray(block)
     if samples.ndim != 2 or samples.shape[0] != bins.samples or samples.shape[1] == 0:

@@ -59,15 +59,9 @@ class DirectionFinder:
     """
     Find directions with one array of diodes.
 
-    Parameters
-    ----------
-    diodes : DiodeArray
-        The array as the drone knows it.
-    core : callable
-        `lta_vlc.direction_fit.fit_direction`, plain or compiled; the results are bit-identical.
-    numbers : callable
-        Sequence type for the core: tuple for plain, array for compiled.
-
+    `diodes`: the array as the drone knows it. `core`: `lta_vlc.direction_fit.fit_direction`, plain
+    or compiled; the results are bit-identical. `numbers`: sequence type for the core: tuple for
+    plain, array for compiled.
     """
 
     def __init__(

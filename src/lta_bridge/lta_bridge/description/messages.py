@@ -23,15 +23,8 @@ def iterate_descriptions(
     """
     Yield topic and message of each description.
 
-    Parameters
-    ----------
-    vehicle : Vehicle
-        The drone.
-    scenario : Scenario or None
-        The room of a simulated drone; None for a real one, whose place in it is not known.
-    prefix : str
-        Prefix of the frames, such as 'lta1/', for several drones.
-
+    `vehicle`: the drone. `scenario`: the room of a simulated drone; None for a real one, whose
+    place in it is not known. `prefix`: prefix of the frames, such as 'lta1/', for several drones.
     """
     yield 'robot_description', String(data=build_urdf(vehicle))
     if scenario is not None:

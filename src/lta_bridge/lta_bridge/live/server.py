@@ -60,20 +60,8 @@ class LiveServer:
     """
     Serve channels of serialised messages.
 
-    Parameters
-    ----------
-    name : str
-        Name of the source, shown to viewers.
-    host, port : str and int
-        Address to listen on.
-    channels : mapping of str to (str, foxglove.Schema)
-        Encoding and schema by topic.
-
-    Raises
-    ------
-    BadInput
-        If the address cannot be listened on.
-
+    `name`: name of the source, shown to viewers. `host`, `port`: address to listen on. `channels`:
+    encoding and schema by topic. Raise `BadInput` if the address cannot be listened on.
     """
 
     def __init__(

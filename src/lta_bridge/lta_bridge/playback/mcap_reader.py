@@ -134,20 +134,8 @@ def iterate_by_time(
     """
     Yield a file's messages of some topics by log time.
 
-    Parameters
-    ----------
-    file : Path
-        An .mcap file.
-    topics : collection of str
-        Absolute names.
-    since_ns : int or None
-        The first log time. [ns]
-
-    Raises
-    ------
-    BadInput
-        If a finished file turns out to be damaged.
-
+    `file`: an .mcap file. `topics`: absolute names. `since_ns`: the first log time [ns]. Raise
+    `BadInput` if a finished file turns out to be damaged.
     """
     with file.open('rb') as stream:
         found = open_indexed_file(stream)

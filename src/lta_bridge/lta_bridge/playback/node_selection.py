@@ -35,20 +35,9 @@ def select_nodes(table: TopicTable, nodes: Sequence[str], also: Sequence[str]) -
     """
     Return the nodes and topics of a replay.
 
-    Parameters
-    ----------
-    table : TopicTable
-        Who sends and reads what.
-    nodes : sequence of str
-        Roles to run again; empty for all.
-    also : sequence of str
-        Roles whose recorded messages are played, besides the vehicle's.
-
-    Raises
-    ------
-    BadInput
-        If a role is unknown, or would be both run and played.
-
+    `table`: who sends and reads what. `nodes`: roles to run again; empty for all. `also`: roles
+    whose recorded messages are played, besides the vehicle's. Raise `BadInput` if a role is
+    unknown, or would be both run and played.
     """
     known = list_replayable_roles(table)
     for name in (*nodes, *also):

@@ -10,15 +10,8 @@ class PlaybackClock:
     """
     Position of a player on the bag's clock.
 
-    Parameters
-    ----------
-    begin_ns : int
-        Time of the first message, on the bag's clock. [ns]
-    rate : float or None
-        Bag seconds per wall second; None for no limit.
-    paused : bool
-        Whether to start paused, before the first message.
-
+    `begin_ns`: time of the first message, on the bag's clock [ns]. `rate`: bag seconds per wall
+    second; None for no limit. `paused`: whether to start paused, before the first message.
     """
 
     def __init__(self, begin_ns: int, rate: float | None, paused: bool) -> None:

@@ -62,15 +62,8 @@ class BlockAssembler:
         """
         Add consecutive rows and yield the blocks that they complete.
 
-        Parameters
-        ----------
-        board_ns : int
-            Board time of the first row. [ns]
-        sequence : int
-            Number of the first row, modulo 2^32.
-        rows : ndarray of uint16, shape (n, diodes)
-            ADC counts.
-
+        `board_ns`: board time of the first row [ns]. `sequence`: number of the first row, modulo
+        2^32. `rows`, shape (n, diodes): ADC counts.
         """
         if not self._accept_rows(sequence, len(rows)):
             return

@@ -19,15 +19,8 @@ class TrackedDrone:
     """
     Convert a tracker's poses to the vehicle's motion in the map.
 
-    Parameters
-    ----------
-    origin : TrackerPose
-        The tracker's frame in the map.
-    body : TrackerPose
-        The vehicle's frame in that of the tracked body.
-    delay_ns : int
-        Shortest delay from exposure to arrival of a pose. [ns]
-
+    `origin`: the tracker's frame in the map. `body`: the vehicle's frame in that of the tracked
+    body. `delay_ns`: shortest delay from exposure to arrival of a pose [ns].
     """
 
     def __init__(self, origin: TrackerPose, body: TrackerPose, delay_ns: int) -> None:

@@ -55,15 +55,8 @@ class SwingingPilot:
     """
     Pilot that flies a random sequence of manoeuvres.
 
-    Parameters
-    ----------
-    seconds : float
-        Length of the flight. [s]
-    nominal : VehicleTruth
-        Parameters of the vehicle file, used for trim.
-    draw : Generator
-        Random generator.
-
+    `seconds`: length of the flight [s]. `nominal`: parameters of the vehicle file, used for trim.
+    `draw`: random generator.
     """
 
     def __init__(self, seconds: float, nominal: VehicleTruth, draw: Draw) -> None:

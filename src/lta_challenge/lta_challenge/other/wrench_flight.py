@@ -136,15 +136,8 @@ class ClosedLoopController:
 
     Like a controller in a lab, it was tuned on the vehicle: its commands suit the true gains.
 
-    Parameters
-    ----------
-    nominal : VehicleTruth
-        Parameters of the vehicle file.
-    gains : six float
-        The true gains.
-    course : Course
-        What it follows; the places of 'places' are 15 to 25 s apart.
-
+    `nominal`: parameters of the vehicle file. `gains`: the true gains. `course`: what it follows;
+    the places of 'places' are 15 to 25 s apart.
     """
 
     def __init__(

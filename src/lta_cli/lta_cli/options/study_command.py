@@ -68,16 +68,9 @@ def study_command(
     The function may have an argument `run`, a `StudyRun`. Nothing is written before it returns,
     unless it resumes.
 
-    Parameters
-    ----------
-    name : str
-        Name of the results folder, runs/<time>-<name>.
-    resumes : bool
-        Whether the study stores finished work in its folder, which may therefore exist.
-    quick : mapping of str to object
-        Options of the study that --quick sets, unless the user gives them. Without any, the
-        command has no --quick.
-
+    `name`: name of the results folder, runs/<time>-<name>. `resumes`: whether the study stores
+    finished work in its folder, which may therefore exist. `quick`: options of the study that
+    --quick sets, unless the user gives them. Without any, the command has no --quick.
     """
 
     def decorate(study: Callable[..., Report]) -> Callable[..., None]:

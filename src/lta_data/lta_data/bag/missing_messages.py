@@ -123,15 +123,8 @@ def estimate_missing(
     """
     Return the lost messages by topic, as far as they can be determined.
 
-    Parameters
-    ----------
-    bag : Bag
-        A recording that has been read to its end.
-    received : Counter of str
-        Messages read by topic.
-    beats : dict of str to PeriodTracker
-        Log times of periodic topics.
-
+    `bag`: a recording that has been read to its end. `received`: messages read by topic. `beats`:
+    log times of periodic topics.
     """
     found: dict[str, MissingMessages] = {}
     told = {

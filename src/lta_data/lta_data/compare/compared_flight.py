@@ -58,15 +58,8 @@ def read_compared_flight(
     """
     Read one side of a comparison from a recording of one robot.
 
-    Parameters
-    ----------
-    label : str
-        'A' or 'B'.
-    selection : collection of str
-        Topics to read, relative to the robot.
-    tick : callable
-        Called once for the raw bytes, then once for each topic.
-
+    `label`: 'A' or 'B'. `selection`: topics to read, relative to the robot. `tick`: called once
+    for the raw bytes, then once for each topic.
     """
     found: dict[str, SignalChannel] = {}
     topics: dict[str, ComparedTopic] = {}

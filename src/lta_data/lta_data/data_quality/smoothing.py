@@ -29,14 +29,7 @@ def interpolate_on_grid(
     """
     Interpolate values linearly on a grid, with a mask of valid points.
 
-    Parameters
-    ----------
-    time : ndarray, shape (n,)
-        Increasing. [s]
-    values : ndarray, shape (n, k)
-    grid : ndarray, shape (m,)
-        [s]
-
+    `time`, shape (n,): increasing [s]. `values`, shape (n, k). `grid`, shape (m,) [s].
     """
     table = np.stack([np.interp(grid, time, column) for column in values.T], axis=1)
     # Index of the sample behind each grid point; the clip covers points outside

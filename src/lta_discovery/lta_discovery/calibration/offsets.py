@@ -22,15 +22,8 @@ def list_calibration_offsets(
     """
     Return what a calibration should settle, one clause each.
 
-    Parameters
-    ----------
-    fit : JointFit
-        Of the flights, with tolerances and named effects.
-    names : sequence of str
-        Of the flights.
-    named : sequence of str
-        Parameters of named effects, which are reported as such.
-
+    `fit`: of the flights, with tolerances and named effects. `names`: of the flights. `named`:
+    parameters of named effects, which are reported as such.
     """
     out = []
     for k, knob in enumerate(knobs):

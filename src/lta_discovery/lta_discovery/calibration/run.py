@@ -28,20 +28,8 @@ def calibrate_vehicle(
     """
     Calibrate a vehicle file from recorded flights.
 
-    Parameters
-    ----------
-    name : str
-        Name of the vehicle, or its file.
-    bags : mapping of role to paths
-        'train' and 'confirm'.
-    robot : str, optional
-        Robot to read, where a bag holds several.
-
-    Raises
-    ------
-    BadInput
-        If the flights are not usable.
-
+    `name`: name of the vehicle, or its file. `bags`: 'train' and 'confirm'. `robot`: robot to
+    read, where a bag holds several. Raise `BadInput` if the flights are not usable.
     """
     vehicle = load_vehicle(name)
     flights = read_bags(bags, robot, lambda bag: tell(f'reading {bag}', None))

@@ -219,15 +219,8 @@ def plot_stacked_curves(
     """
     Plot curves in rows that share their x axis.
 
-    Parameters
-    ----------
-    curves : sequence of sequences of (name, colour, x, y)
-        Row by row.
-    titles : sequence of str
-        Of the y axes.
-    across, unit : str
-        Title of the x axis, and its unit.
-
+    `curves`: row by row. `titles`: of the y axes. `across`, `unit`: title of the x axis, and its
+    unit.
     """
     figure = create_figure(len(curves))
     for row, (each, title) in enumerate(zip(curves, titles, strict=True), 1):

@@ -144,15 +144,8 @@ def judge_by_kind(
     """
     Return the effects that make no forecast in a regime of another kind worse, and the others.
 
-    Parameters
-    ----------
-    groups : sequence of CandidateGroup
-        The effects.
-    values : ndarray, shape (G,)
-        Fitted to all flights.
-    splits : sequence of KindSplit
-        Of `split_by_kind`; if there are none, all effects are kept.
-
+    `groups`: the effects. `values`, shape (G,): fitted to all flights. `splits`: of
+    `split_by_kind`; if there are none, all effects are kept.
     """
     lost: list[RejectedEffect] = []
     kept = list(groups)

@@ -54,15 +54,8 @@ class LogBlocks:
         """
         Execute a settings packet; return command, block and errno.
 
-        Parameters
-        ----------
-        data : bytes
-            All 30 bytes of the buffer: only variables are counted by the packet's length.
-        size : int
-            Size of the packet in the buffer. [bytes]
-        now_ms : int
-            Time by the drone's clock. [ms]
-
+        `data`: all 30 bytes of the buffer: only variables are counted by the packet's length.
+        `size`: size of the packet in the buffer [bytes]. `now_ms`: time by the drone's clock [ms].
         """
         what, number = data[0], data[1]
         # For fewer than two bytes the firmware's count of variables exceeds its buffer.

@@ -54,15 +54,8 @@ class ParameterStore:
         """
         Return the answer on one of the three channels; None for no answer.
 
-        Parameters
-        ----------
-        channel : int
-            1 to 3.
-        data : bytes
-            All 30 bytes of the buffer.
-        size : int
-            Size of the packet in the buffer. [bytes]
-
+        `channel`: 1 to 3. `data`: all 30 bytes of the buffer. `size`: size of the packet in the
+        buffer [bytes].
         """
         if channel == READ:
             return self._answer_read(data)

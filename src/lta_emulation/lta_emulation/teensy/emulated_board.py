@@ -178,15 +178,8 @@ class EmulatedBoard:
         """
         Return the frame of the detected peaks, computed as in its firmware (core/goertzel.c).
 
-        Parameters
-        ----------
-        samples : ndarray of uint16, shape (n, diodes)
-            ADC counts of the window.
-        frequency : float
-            Of the beacon. [Hz]
-        begun_ns : int, optional
-            As for `encode_light`.
-
+        `samples`, shape (n, diodes): ADC counts of the window. `frequency`: of the beacon [Hz].
+        `begun_ns`: as for `encode_light`.
         """
         count = len(samples)
         if begun_ns is not None:

@@ -30,15 +30,8 @@ def update_load(
     """
     Update the load with a new power.
 
-    Parameters
-    ----------
-    power : float
-        Power drawn from the cell. [W]
-    dt : float
-        Time since the last update. [s]
-    quick, slow : float
-        Time constants; 0 disables the filter. [s]
-
+    `power`: power drawn from the cell [W]. `dt`: time since the last update [s]. `quick`, `slow`:
+    time constants; 0 disables the filter [s].
     """
     age = before.age + dt
     now = before.quick + _smoothing_weight(dt, quick, age) * (power - before.quick)

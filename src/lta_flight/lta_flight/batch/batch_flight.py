@@ -123,15 +123,8 @@ def build_flight(
     """
     Return a flight of a batch.
 
-    Parameters
-    ----------
-    vehicle, scenario, policy : Vehicle, Scenario, FlightStack
-        The vehicle, its scene, and the settings of the drone.
-    table : TopicTable
-        Periods and block shape.
-    duties : sequence of float
-        Constant duties of the rotors in an open loop.
-
+    `vehicle`, `scenario`, `policy`: the vehicle, its scene, and the settings of the drone.
+    `table`: periods and block shape. `duties`: constant duties of the rotors in an open loop.
     """
     model = build_model(vehicle, scenario, policy)
     craft = build_constants(vehicle, scenario, policy, table)

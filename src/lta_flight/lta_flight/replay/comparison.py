@@ -66,15 +66,8 @@ def compare_topic(
     """
     Compare one topic of two runs.
 
-    Parameters
-    ----------
-    topic : str
-        Relative name.
-    recorded, again : TopicMessages
-        All messages of the recording and of the replay.
-    stamped : bool
-        Whether messages are paired by stamp.
-
+    `topic`: relative name. `recorded`, `again`: all messages of the recording and of the replay.
+    `stamped`: whether messages are paired by stamp.
     """
     a, b = pair_messages(recorded, again, stamped)
     unmatched = len(recorded.keys) - len(a.keys), len(again.keys) - len(b.keys)

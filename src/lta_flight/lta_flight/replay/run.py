@@ -59,20 +59,8 @@ def run_replay(
     """
     Run nodes again on a recording.
 
-    Parameters
-    ----------
-    flight : RecordedFlight
-        The recording.
-    folder : Path
-        Results folder; created, and rejected if it is not empty.
-    watcher : ReplayObserver
-        Shows the progress.
-
-    Raises
-    ------
-    BadInput
-        If it cannot be replayed.
-
+    `flight`: the recording. `folder`: results folder; created, and rejected if it is not empty.
+    `watcher`: shows the progress. Raise `BadInput` if it cannot be replayed.
     """
     check_request(order, flight)
     variables = select_message_types(flight)

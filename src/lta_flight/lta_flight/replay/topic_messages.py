@@ -34,15 +34,8 @@ def read_topic(bag: Bag, name: str, row: Topic) -> TopicMessages:
     """
     Read a topic of a bag.
 
-    Parameters
-    ----------
-    bag : Bag
-        The recording.
-    name : str
-        Absolute name; a missing topic has no messages.
-    row : Topic
-        Its row of the table.
-
+    `bag`: the recording. `name`: absolute name; a missing topic has no messages. `row`: its row of
+    the table.
     """
     if name not in bag.topics:
         return TopicMessages(np.empty(0, np.int64), {}, {})

@@ -58,20 +58,9 @@ def write_page(bag: Path, out: Path, robot: str | None = None) -> FlightResults:
     """
     Write the page of a flight and return its results.
 
-    Parameters
-    ----------
-    bag : Path
-        rosbag2 folder or .mcap file.
-    out : Path
-        HTML file to write; an existing one is replaced.
-    robot : str, optional
-        Namespace of the robot; needed only for a bag with several.
-
-    Raises
-    ------
-    BadInput
-        If there is no recording, the robot is unknown or ambiguous, or the page cannot be written.
-
+    `bag`: rosbag2 folder or .mcap file. `out`: HTML file to write; an existing one is replaced.
+    `robot`: namespace of the robot; needed only for a bag with several. Raise `BadInput` if there
+    is no recording, the robot is unknown or ambiguous, or the page cannot be written.
     """
     flight = open_flight(bag, robot)
     view = FlightView(flight)

@@ -39,20 +39,9 @@ class BatchWorkers:
     """
     Fly jobs in batches.
 
-    Parameters
-    ----------
-    base : FlightSpec
-        What all flights have in common.
-    device : str
-        'cpu-batch' or 'gpu'.
-    duties : tuple of float
-        Constant duties of the rotors for an open loop; empty for a closed one.
-
-    Raises
-    ------
-    BadInput
-        If a batch does not support the base, or there is no GPU.
-
+    `base`: what all flights have in common. `device`: 'cpu-batch' or 'gpu'. `duties`: constant
+    duties of the rotors for an open loop; empty for a closed one. Raise `BadInput` if a batch does
+    not support the base, or there is no GPU.
     """
 
     def __init__(self, base: FlightSpec, device: Device, duties: tuple[float, ...] = ()) -> None:

@@ -22,20 +22,8 @@ def sample_parameter(how: Distribution, path: str, seed: int, sample: int) -> An
     """
     Return the value of one parameter in one sample, as a file would hold it.
 
-    Parameters
-    ----------
-    path : str
-        Path of the parameter.
-    seed : int
-        Seed of the sweep.
-    sample : int
-        Index of the sample.
-
-    Raises
-    ------
-    BadInput
-        If the distribution is invalid.
-
+    `path`: path of the parameter. `seed`: seed of the sweep. `sample`: index of the sample. Raise
+    `BadInput` if the distribution is invalid.
     """
     # CRC-32, because Python's own hash of a text differs between processes
     chance = np.random.default_rng([seed, zlib.crc32(path.encode()), sample])

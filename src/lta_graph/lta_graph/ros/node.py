@@ -115,15 +115,8 @@ class GraphNode(SharingNode):
         """
         Subscribe to topics and call `on_step` for each message of the trigger.
 
-        Parameters
-        ----------
-        topics : list of str
-            Relative names, including the trigger.
-        trigger : str
-            The topic whose messages start a step.
-        on_step : callable
-            Gets an `InboxStep` with ROS messages.
-
+        `topics`: relative names, including the trigger. `trigger`: the topic whose messages start
+        a step. `on_step`: gets an `InboxStep` with ROS messages.
         """
         inbox = self._inbox = Inbox(
             self.table, self.role, topics, trigger, self.lockstep, self.replayed

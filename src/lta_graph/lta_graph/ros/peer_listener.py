@@ -23,20 +23,9 @@ class PeerListener:
     """
     The other robots of a launch, for a node that must not run ahead of them.
 
-    Parameters
-    ----------
-    node : GraphNode
-        The node of the own robot.
-    names : sequence of str
-        Namespaces of the others; without any, nothing is subscribed and nothing delayed.
-    on_news : callable
-        Called at every pulse and when a robot ends.
-
-    Raises
-    ------
-    BadInput
-        If a name is not a valid namespace, or is the node's own.
-
+    `node`: the node of the own robot. `names`: namespaces of the others; without any, nothing is
+    subscribed and nothing delayed. `on_news`: called at every pulse and when a robot ends. Raise
+    `BadInput` if a name is not a valid namespace, or is the node's own.
     """
 
     def __init__(self, node: GraphNode, names: Sequence[str], on_news: Callable[[], None]) -> None:

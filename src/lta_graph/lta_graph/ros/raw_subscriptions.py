@@ -132,16 +132,9 @@ class RawSubscriptions:
     `has_pending_changes` reports that there is something, and `apply_changes` does it between
     spins.
 
-    Parameters
-    ----------
-    node : Node
-        The subscribing node.
-    receiver : callable
-        Returns the callback for a topic from its name and type.
-    accepts : callable or None
-        Returns whether to subscribe to a discovered topic, from its name and type ('' if it has
-        several); None to discover none.
-
+    `node`: the subscribing node. `receiver`: returns the callback for a topic from its name and
+    type. `accepts`: returns whether to subscribe to a discovered topic, from its name and type (''
+    if it has several); None to discover none.
     """
 
     def __init__(

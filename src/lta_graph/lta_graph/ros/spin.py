@@ -84,16 +84,9 @@ def spin_node(
     """
     Run a node's callbacks until `running` returns False; do not add entities meanwhile.
 
-    Parameters
-    ----------
-    running : callable
-        Called between callbacks, at least every `wait_ns`.
-    awaited : callable
-        Returns the subscriptions to wake up for. Each wake-up takes the messages of all
-        subscriptions, of the newest first.
-    wait_ns : int
-        Longest sleep. [ns]
-
+    `running`: called between callbacks, at least every `wait_ns`. `awaited`: returns the
+    subscriptions to wake up for. Each wake-up takes the messages of all subscriptions, of the
+    newest first. `wait_ns`: longest sleep [ns].
     """
     context = node.context
     executor = SingleThreadedExecutor(context=context)

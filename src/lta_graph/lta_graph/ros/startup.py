@@ -19,20 +19,9 @@ def wait_until_complete(
     """
     Wait, in pauses of the node, until no subscriber is missing.
 
-    Parameters
-    ----------
-    node : GraphNode
-        The waiting node; a stop signal ends the wait.
-    list_missing : callable
-        Returns the names of those missing.
-    patience : float
-        Longest wait in wall time. [s]
-
-    Raises
-    ------
-    BadInput
-        If some are still missing then.
-
+    `node`: the waiting node; a stop signal ends the wait. `list_missing`: returns the names of
+    those missing. `patience`: longest wait in wall time [s]. Raise `BadInput` if some are still
+    missing then.
     """
     deadline = time.monotonic() + patience
     while node.running and (missing := list_missing()):
@@ -53,15 +42,9 @@ def wait_until_settled(
     After `patience` the flight begins anyway, and warns in the task `start` which topics may not
     reach all readers.
 
-    Parameters
-    ----------
-    node : GraphNode
-        The waiting node; a stop signal ends the wait.
-    awaited : collection of str
-        Roles that must report their readers. A user's own node does not, and is not waited for.
-    patience : float
-        Longest wait in wall time. [s]
-
+    `node`: the waiting node; a stop signal ends the wait. `awaited`: roles that must report their
+    readers. A user's own node does not, and is not waited for. `patience`: longest wait in wall
+    time [s].
     """
     deadline = time.monotonic() + patience
     # Endpoints of a drone that still starts keep appearing; a stable number means all are there

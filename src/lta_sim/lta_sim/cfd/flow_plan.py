@@ -80,15 +80,8 @@ def plan_flows(
 
     Sway and pitch are left out where a quarter turn gives them from surge and roll.
 
-    Parameters
-    ----------
-    fidelity : str
-        'preview' or 'reference'.
-    air : (float, float)
-        Density [kg/m3] and kinematic viscosity [m2/s].
-    only : sequence of str
-        Axes, incidences and patterns to solve; by default all but the incidences.
-
+    `fidelity`: 'preview' or 'reference'. `air`: density [kg/m3] and kinematic viscosity [m2/s].
+    `only`: axes, incidences and patterns to solve; by default all but the incidences.
     """
     flows = [
         *_plan_winds(model, fidelity, air[1]),

@@ -48,15 +48,8 @@ class ThreadedFlowSolver:
     """
     Solve flows on this machine.
 
-    Parameters
-    ----------
-    folder : Path
-        Cache of the solved cases.
-    jobs : int
-        Number of parallel flows.
-    tell : callable
-        Called with the progress of each case.
-
+    `folder`: cache of the solved cases. `jobs`: number of parallel flows. `tell`: called with the
+    progress of each case.
     """
 
     def __init__(self, folder: Path, jobs: int, tell: Progress) -> None:

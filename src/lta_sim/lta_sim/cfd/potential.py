@@ -22,15 +22,8 @@ def pressure_coefficient(normals: Array, along: int, share: float) -> Array:
     """
     Return the pressure over the dynamic pressure of the stream. [1]
 
-    Parameters
-    ----------
-    normals : array (..., 3)
-        Unit normals of the surface.
-    along : int
-        0, 1, 2 for a stream along x, y, z.
-    share : float
-        Added mass along it over the displaced mass. [1]
-
+    `normals`: unit normals of the surface. `along`: 0, 1, 2 for a stream along x, y, z. `share`:
+    added mass along it over the displaced mass [1].
     """
     facing = np.asarray(normals)[..., along]
     coefficient: Array = 1.0 - (1.0 + share) ** 2 * (1.0 - facing**2)

@@ -127,15 +127,8 @@ def build_blowing_case(
     """
     Return the case of running rotors.
 
-    Parameters
-    ----------
-    pattern : str
-        Name of the pattern.
-    shares : mapping of str to float
-        Thrust of the running rotors, relative to full thrust; negative is reversed. [1]
-    air : (float, float)
-        Density [kg/m3] and kinematic viscosity [m2/s].
-
+    `pattern`: name of the pattern. `shares`: thrust of the running rotors, relative to full
+    thrust; negative is reversed [1]. `air`: density [kg/m3] and kinematic viscosity [m2/s].
     """
     density, viscosity = air
     sources: dict[str, Entry] = {}

@@ -41,21 +41,10 @@ class DaskFlowSolver:
     """
     Workers of a Dask cluster; each thread solves one flow.
 
-    Parameters
-    ----------
-    address : str
-        Address of the scheduler, such as tcp://10.0.0.1:8786.
-    folder : Path, optional
-        Cache of solved cases on every machine; by default the machine's own cache.
-    tell : callable
-        Progress callback for solved cases.
-
-    Raises
-    ------
-    BadInput
-        If dask.distributed is not installed, the scheduler does not answer, or a worker has no
-        OpenFOAM.
-
+    `address`: address of the scheduler, such as tcp://10.0.0.1:8786. `folder`: cache of solved
+    cases on every machine; by default the machine's own cache. `tell`: progress callback for
+    solved cases. Raise `BadInput` if dask.distributed is not installed, the scheduler does not
+    answer, or a worker has no OpenFOAM.
     """
 
     def __init__(self, address: str, folder: Path | None, tell: Progress) -> None:

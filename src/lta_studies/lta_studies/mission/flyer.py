@@ -64,15 +64,8 @@ class MissionFlyer:
     """
     Flies the flights of one mission.
 
-    Parameters
-    ----------
-    scenes : MissionScene
-        Vehicle and scene.
-    light : IrradianceSeries
-        Light over the days.
-    gain, offset : float
-        Errors of the current meter: factor, and offset in A.
-
+    `scenes`: vehicle and scene. `light`: light over the days. `gain`, `offset`: errors of the
+    current meter: factor, and offset in A.
     """
 
     def __init__(

@@ -43,15 +43,8 @@ def compute_charging_ratios(
     """
     Return the paper's ratios, and those of a panel at 80 klx of three kinds of light.
 
-    Parameters
-    ----------
-    harvest, charger : HarvestCurve, ChargerModel
-        Array and charger.
-    idle : float
-        Power drawn on the perch. [W]
-    flight : float
-        Mean power in flight. [W]
-
+    `harvest`, `charger`: array and charger. `idle`: power drawn on the perch [W]. `flight`: mean
+    power in flight [W].
     """
     lights = {
         'here: steady white LED': DARK._replace(lamps=LUX / LED),

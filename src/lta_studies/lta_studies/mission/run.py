@@ -99,20 +99,9 @@ def run_missions(
     """
     Simulate the missions that are not stored in the folder; return the results of all.
 
-    Parameters
-    ----------
-    folder : Path
-        Folder for the results; each is stored when it is complete.
-    options : StudyOptions
-        Workers or scheduler.
-    console : Console
-        Terminal of the progress bar.
-
-    Raises
-    ------
-    BadInput
-        If the folder belongs to something else, or a simulation failed.
-
+    `folder`: folder for the results; each is stored when it is complete. `options`: workers or
+    scheduler. `console`: terminal of the progress bar. Raise `BadInput` if the folder belongs to
+    something else, or a simulation failed.
     """
     jobs = [MissionJob(schedule, seed) for seed in request.seeds for schedule in request.schedules]
     study = Study(request.simulate, attrgetter('key'), STORE, 'missions')

@@ -22,20 +22,9 @@ def build_entrant(
     """
     Build a contestant, optionally with an ablation or a limit applied.
 
-    Parameters
-    ----------
-    contestant : Contestant
-        Entry of the comparison file.
-    air_density : float
-        Air density of the scenario. [kg/m3]
-    change : EntryChange or None
-        Ablation or limit of the contestant.
-
-    Raises
-    ------
-    BadInput
-        If it cannot be built, or its control law cannot fly it.
-
+    `contestant`: entry of the comparison file. `air_density`: air density of the scenario [kg/m3].
+    `change`: ablation or limit of the contestant. Raise `BadInput` if it cannot be built, or its
+    control law cannot fly it.
     """
     # An ablation builds on the changes of its contestant, in this order.
     steps: list[EntryChange] = [contestant] if change is None else [contestant, change]

@@ -38,15 +38,9 @@ def compute_tracking_metrics(
     """
     Compute the metrics of a signal.
 
-    Parameters
-    ----------
-    time, setpoint, response : ndarray, shape (n,)
-        The rated interval, n > 1; angles unwrapped.
-    band : float
-        Largest error that counts as settled, in the unit of the signal.
-    before : float
-        Setpoint before the interval, where the step starts; there is no step if it is equal.
-
+    `time`, `setpoint`, `response`, shape (n,): the rated interval, n > 1; angles unwrapped.
+    `band`: largest error that counts as settled, in the unit of the signal. `before`: setpoint
+    before the interval, where the step starts; there is no step if it is equal.
     """
     error = setpoint - response
     begin, end = float(time[0]), float(time[-1])

@@ -76,15 +76,8 @@ class LoopCut:
         """
         Return noise-free sensor readings.
 
-        Parameters
-        ----------
-        state : ndarray
-            State of the vehicle.
-        past : ndarray, shape (n, SLOTS)
-            Commands of the earlier periods, newest first.
-        model : VehicleModel or None
-            Model to use; by default that of the true vehicle.
-
+        `state`: state of the vehicle. `past`, shape (n, SLOTS): commands of the earlier periods,
+        newest first. `model`: model to use; by default that of the true vehicle.
         """
         sensors = self._true.file.sensors
         numbers = state.tolist()

@@ -49,15 +49,8 @@ def solve_wrench_limit(
     """
     Return the limit in one direction; None if no thrusts hold the other axes.
 
-    Parameters
-    ----------
-    direction : str
-        A key of `DIRECTIONS`.
-    hold : bool
-        Whether altitude must be held (unless the direction is up or down).
-    stay : bool
-        Whether surge and sway must be zero.
-
+    `direction`: a key of `DIRECTIONS`. `hold`: whether altitude must be held (unless the direction
+    is up or down). `stay`: whether surge and sway must be zero.
     """
     axis, sign = DIRECTIONS[direction]
     wrench, tops = _wrench_columns(vehicle)

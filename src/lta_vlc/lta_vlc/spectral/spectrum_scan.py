@@ -30,15 +30,9 @@ def scan_spectrum(
     """
     Return the peaks and the noise in a spectrum of magnitudes, shape (d, n // 2 + 1).
 
-    Parameters
-    ----------
-    ranges : ndarray of int, shape (b, 2)
-        Closed search range of each beacon.
-    quiet, unlit : ndarray of int
-        Quiet bins, and those of them without mains flicker.
-    weight : ndarray, shape (d,)
-        1 for each diode that decides on the bin of a beacon, else 0.
-
+    `ranges`, shape (b, 2): closed search range of each beacon. `quiet`, `unlit`: quiet bins, and
+    those of them without mains flicker. `weight`, shape (d,): 1 for each diode that decides on the
+    bin of a beacon, else 0.
     """
     diodes = size.shape[0]
     noise, loudest = np.zeros(diodes), np.zeros(diodes)

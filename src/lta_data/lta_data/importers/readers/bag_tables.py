@@ -135,15 +135,8 @@ def build_tables(
     """
     Return the requested tables that exist.
 
-    Parameters
-    ----------
-    names : collection of str
-        Topics, or TOPIC#CHILD for transforms.
-    available : container of str
-        The bag's topics.
-    messages : iterable of (topic, log time in ns, function that decodes it)
-        All of the bag, in its order; read only if a requested topic exists.
-
+    `names`: topics, or TOPIC#CHILD for transforms. `available`: the bag's topics. `messages`: all
+    of the bag, in its order; read only if a requested topic exists.
     """
     # '/tf#base_link' selects one child frame of /tf
     topics = {name: name.split(CHILD)[0] for name in names}

@@ -35,15 +35,8 @@ def format_block_mesh(
     """
     Return blockMeshDict of a box of cubes.
 
-    Parameters
-    ----------
-    low, high : array (3,)
-        Corners. [m]
-    size : float
-        Edge of a cube. [m]
-    patches : mapping of str to sequence of str
-        Faces ('x-', 'z+', ...) of each patch; 'symmetry' in a name makes it a symmetry plane.
-
+    `low`, `high`: corners [m]. `size`: edge of a cube [m]. `patches`: faces ('x-', 'z+', ...) of
+    each patch; 'symmetry' in a name makes it a symmetry plane.
     """
     counts = np.maximum(np.rint((high - low) / size), 1).astype(int)
     ends = (low, high)
@@ -159,15 +152,8 @@ def build_mesh_case(
     """
     Return the case that creates a mesh.
 
-    Parameters
-    ----------
-    surfaces : mapping of str to Trimesh
-        Bodies in tunnel axes.
-    cells : int
-        Expected number of cells.
-    zones : str
-        topoSetDict of the cell zones, if any.
-
+    `surfaces`: bodies in tunnel axes. `cells`: expected number of cells. `zones`: topoSetDict of
+    the cell zones, if any.
     """
     from lta_sim.cfd.openfoam.numerics import (
         format_control_dict,

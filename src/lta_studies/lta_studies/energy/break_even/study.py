@@ -87,20 +87,9 @@ def compute_break_even_map(vehicle: Vehicle, cells: Sequence[str], budget: float
     """
     Compute the map of a vehicle.
 
-    Parameters
-    ----------
-    vehicle : Vehicle
-        Provides loads, charger and its own array.
-    cells : sequence of str
-        Cells for alternative arrays.
-    budget : float
-        Mass limit of each array. [kg]
-
-    Raises
-    ------
-    BadInput
-        If the vehicle has no array, or one panel is heavier than the budget.
-
+    `vehicle`: provides loads, charger and its own array. `cells`: cells for alternative arrays.
+    `budget`: mass limit of each array [kg]. Raise `BadInput` if the vehicle has no array, or one
+    panel is heavier than the budget.
     """
     own = vehicle.file.energy.array
     if own is None:

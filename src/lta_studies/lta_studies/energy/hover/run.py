@@ -82,15 +82,8 @@ def compare_hovering(
     """
     Hover two drones on the same cell.
 
-    Parameters
-    ----------
-    first, second : str
-        Names or files of the vehicles; both use the cell of the first.
-    seconds : float
-        Duration. [s]
-    tick : callable
-        Progress callback: simulated seconds since its last call.
-
+    `first`, `second`: names or files of the vehicles; both use the cell of the first. `seconds`:
+    duration [s]. `tick`: progress callback: simulated seconds since its last call.
     """
     own = build_hover_spec(first)
     battery = own.contents['vehicle']['energy']['battery']

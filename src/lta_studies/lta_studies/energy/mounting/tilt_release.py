@@ -82,15 +82,8 @@ def simulate_release(
     """
     Release a vehicle with its nose up.
 
-    Parameters
-    ----------
-    tilt : float
-        Initial tilt. [rad]
-    seconds : float
-        Duration. [s]
-    height : float or None
-        Height of the centre of gravity above the hull centre; by default unchanged. [m]
-
+    `tilt`: initial tilt [rad]. `seconds`: duration [s]. `height`: height of the centre of gravity
+    above the hull centre; by default unchanged [m].
     """
     cg = vehicle.cg if height is None else np.array([0.0, 0.0, height])
     model = VehicleModel.build(

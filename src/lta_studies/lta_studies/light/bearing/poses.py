@@ -26,20 +26,9 @@ def draw_pose(
     """
     Draw a random pose within the lamp's beam.
 
-    Parameters
-    ----------
-    scenario : Scenario
-        The scene.
-    distance : float or None
-        Horizontal distance to the lamp; None for any place in the room. [m]
-    off_axis : float
-        Largest angle to the lamp's axis, seen from above. [rad]
-
-    Raises
-    ------
-    BadInput
-        If no place at that distance is in the room.
-
+    `scenario`: the scene. `distance`: horizontal distance to the lamp; None for any place in the
+    room [m]. `off_axis`: largest angle to the lamp's axis, seen from above [rad]. Raise `BadInput`
+    if no place at that distance is in the room.
     """
     height = chance.uniform(*HEIGHTS)
     # Rejection sampling: draw places until one is usable.

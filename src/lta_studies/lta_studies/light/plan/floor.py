@@ -58,20 +58,8 @@ def build_floor(plan: FloorPlan, vehicle: Vehicle, cell: float) -> FloorGrid:
     """
     Divide the floor of a plan into cells for a vehicle.
 
-    Parameters
-    ----------
-    plan : FloorPlan
-        The hall.
-    vehicle : Vehicle
-        The flying vehicle.
-    cell : float
-        Side of the cells. [m]
-
-    Raises
-    ------
-    BadInput
-        If the hull fits nowhere at the altitude, or there are too many cells.
-
+    `plan`: the hall. `vehicle`: the flying vehicle. `cell`: side of the cells [m]. Raise
+    `BadInput` if the hull fits nowhere at the altitude, or there are too many cells.
     """
     _check_height(plan, vehicle)
     corners = plan.outline.corners

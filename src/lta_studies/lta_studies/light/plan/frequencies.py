@@ -112,20 +112,8 @@ def choose_frequencies(
     """
     Choose frequencies for new lamps; also return the order up to which harmonics are clear.
 
-    Parameters
-    ----------
-    band : FrequencyBand
-        Constraints.
-    existing : sequence of float
-        Frequencies of existing lamps. [Hz]
-    count : int
-        Number of new frequencies.
-
-    Raises
-    ------
-    BadInput
-        If existing frequencies conflict, or not enough new ones fit.
-
+    `band`: constraints. `existing`: frequencies of existing lamps [Hz]. `count`: number of new
+    frequencies. Raise `BadInput` if existing frequencies conflict, or not enough new ones fit.
     """
     _check_existing_frequencies(band, existing)
     for order in ORDERS:

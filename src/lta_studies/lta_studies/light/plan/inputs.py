@@ -21,20 +21,9 @@ def load_inputs(
     """
     Load the hall and the receiver.
 
-    Parameters
-    ----------
-    plan, vehicle : str
-        Shipped names or paths.
-    margin : float
-        Required SNR relative to the demodulator's threshold.
-    changes : sequence of str
-        `PATH=VALUE`, with a path that starts with plan, vehicle or demodulator.
-
-    Raises
-    ------
-    BadInput
-        If a file or a change cannot be used.
-
+    `plan`, `vehicle`: shipped names or paths. `margin`: required SNR relative to the demodulator's
+    threshold. `changes`: `PATH=VALUE`, with a path that starts with plan, vehicle or demodulator.
+    Raise `BadInput` if a file or a change cannot be used.
     """
     files = {'plan': find_file('floor plan', plan), 'vehicle': find_file('vehicle', vehicle)}
     contents = {root: load_yaml(path) for root, path in files.items()}

@@ -76,15 +76,8 @@ def single_lamp_snr(reception: LightLink, share: float, light: float) -> float:
     """
     Return the SNR of a single lamp on a diode.
 
-    Parameters
-    ----------
-    reception : LightLink
-        Light link of the lamp.
-    share : float
-        Share of isotropic ambient light that the diode reads.
-    light : float
-        Light of the lamp on the diode. [lx]
-
+    `reception`: light link of the lamp. `share`: share of isotropic ambient light that the diode
+    reads. `light`: light of the lamp on the diode [lx].
     """
     (signal,) = reception.signals
     own, steady = signal.counts * light, share * reception.steady
@@ -127,20 +120,10 @@ def compute_lamp_light(
     """
     Compute the light of every lamp over every wanted cell.
 
-    Parameters
-    ----------
-    plan, ear, floor, mounts
-        Hall, receiver, cells and positions of lamps.
-    faintest : float
-        Light below which a lamp is ignored. [lx]
-    tick : callable
-        Progress callback, called once per lamp.
-
-    Returns
-    -------
-    ndarray, shape (lamps, 2, cells)
-        Light on the brightest diode at the worst and the best heading. [lx]
-
+    `plan`, `ear`, `floor`, `mounts`: hall, receiver, cells and positions of lamps. `faintest`:
+    light below which a lamp is ignored [lx]. `tick`: progress callback, called once per lamp. The
+    result has shape (lamps, 2, cells): light on the brightest diode at the worst and the best
+    heading [lx].
     """
     (kernel,) = compile_functions(compute_cell_light)
     cells, planes, hull = _prepare_cells(plan, ear, floor)
@@ -161,15 +144,8 @@ def compute_simultaneous_snr(
     """
     Compute the SNR of each lamp over every wanted cell while all lamps are on.
 
-    Parameters
-    ----------
-    plan, ear, floor, mounts
-        Hall, receiver, cells and lamps.
-    tones : sequence of float
-        Frequencies of the lamps. [Hz]
-    visible : ndarray of bool, shape (lamps, cells)
-        Where no wall hides a lamp.
-
+    `plan`, `ear`, `floor`, `mounts`: hall, receiver, cells and lamps. `tones`: frequencies of the
+    lamps [Hz]. `visible`, shape (lamps, cells): where no wall hides a lamp.
     """
     (kernel,) = compile_functions(compute_joint_snr)
     cells, planes, hull = _prepare_cells(plan, ear, floor)

@@ -75,15 +75,8 @@ def improve_cover(
     Repeatedly removes a lamp and its neighbours and fills the hole greedily with random weights.
     A solution that is not worse is accepted.
 
-    Parameters
-    ----------
-    audible, needed, existing
-        As in `select_greedily`.
-    chosen : list of int
-        Initial solution.
-    bound : int
-        Lower bound; the search stops there.
-
+    `audible`, `needed`, `existing`: as in `select_greedily`. `chosen`: initial solution. `bound`:
+    lower bound; the search stops there.
     """
     # With a limit on the lamps the demand may be unmet; keep what the greedy choice reached.
     goal = np.minimum(audible[chosen].sum(axis=0), needed)

@@ -199,20 +199,8 @@ def summarize_directions(
     """
     Return the median errors in each direction, and the number of blocks in each.
 
-    Parameters
-    ----------
-    readings : TurntableReadings
-        Readings of a whole turn.
-    place : str
-        Label of the study.
-    turned : float
-        Error of the table's zero, which is subtracted. [rad]
-
-    Raises
-    ------
-    BadInput
-        If a direction has no block.
-
+    `readings`: readings of a whole turn. `place`: label of the study. `turned`: error of the
+    table's zero, which is subtracted [rad]. Raise `BadInput` if a direction has no block.
     """
     groups = list(group_by_direction(readings.direction))
     missing = [k for k, group in enumerate(groups) if not len(group)]
