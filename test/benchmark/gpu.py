@@ -60,11 +60,7 @@ def figures() -> list[Figure]:
     """
     Return what is measured here.
 
-    Raises
-    ------
-    BadInput
-        If there is no GPU that numba-cuda can use.
-
+    Raise `BadInput` if there is no GPU that numba-cuda can use.
     """
     first = seconds(1, 1)
 

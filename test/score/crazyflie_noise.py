@@ -72,15 +72,8 @@ def is_command(packet: CrtpPacket, seen: bytes, override: bytes) -> bool:
     """
     Tell whether the firmware obeys a packet by turning motors, or by arming.
 
-    Parameters
-    ----------
-    packet : Packet
-        As it came.
-    seen : bytes
-        What the firmware sees of it: behind a short one, what an earlier one left.
-    override : bytes
-        Number of `motorPowerSet.enable`.
-
+    `packet`: as it came. `seen`: what the firmware sees of it: behind a short one, what an earlier
+    one left. `override`: number of `motorPowerSet.enable`.
     """
     where = packet[:2]
     if where in REQUESTS:

@@ -153,13 +153,7 @@ class EmulatedCore:
     Its converter and its link are memory that both share, in the place of DMA:
     `firmware/light_board/mps2_an500/flight.c`.
 
-    Parameters
-    ----------
-    program : Path
-        From firmware/light_board.
-    folder : Path
-        For the shared memory and its serial port.
-
+    `program`: from firmware/light_board. `folder`: for the shared memory and its serial port.
     """
 
     def __init__(self, program: Path, folder: Path) -> None:
@@ -242,13 +236,7 @@ class ProcessCore:
     """
     The portable part of the light board's firmware as a process, at the end of a serial port.
 
-    Parameters
-    ----------
-    program : Path
-        From firmware/light_board/host.
-    folder : Path
-        For its ports and its samples.
-
+    `program`: from firmware/light_board/host. `folder`: for its ports and its samples.
     """
 
     def __init__(self, program: Path, folder: Path) -> None:

@@ -76,15 +76,8 @@ class Process:
     """
     One running firmware.
 
-    Parameters
-    ----------
-    program : Path
-        From `build`.
-    port : int
-        Of its link; 0 for any free one.
-    environment : mapping
-        Its body and clock (`linux_platform.c`, `body.c`).
-
+    `program`: from `build`. `port`: of its link; 0 for any free one. `environment`: its body and
+    clock (`linux_platform.c`, `body.c`).
     """
 
     def __init__(

@@ -52,13 +52,8 @@ def tried(fly: Callable[[Path, Peer], Found], broken: type[Found]) -> Found:
     """
     Return the outcome of a trial in a folder and a domain of its own; a break is one, too.
 
-    Parameters
-    ----------
-    fly : callable
-        The trial, in a folder, with a peer in the domain.
-    broken : type
-        What the outcome of a trial that broke is.
-
+    `fly`: the trial, in a folder, with a peer in the domain. `broken`: what the outcome of a trial
+    that broke is.
     """
     with tempfile.TemporaryDirectory() as name, free_domain() as domain, Peer(domain) as peer:
         with Lateness() as machine:

@@ -12,13 +12,7 @@ def put(part: str, text: str) -> None:
     """
     Write one part of the page; leave the others, and what people wrote above them, as they are.
 
-    Parameters
-    ----------
-    part : str
-        Of `PARTS`.
-    text : str
-        Markdown that begins with a heading of the second level.
-
+    `part`: of `PARTS`. `text`: markdown that begins with a heading of the second level.
     """
     page = PAGE.read_text(encoding='utf-8') if PAGE.exists() else TITLE
     marked = [page.index(mark(name)) for name in PARTS if mark(name) in page]

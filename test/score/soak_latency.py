@@ -26,11 +26,7 @@ def latency(seconds: float) -> NDArray[np.float64]:
     """
     Look on for a while [s], and return how long each step took.
 
-    Returns
-    -------
-    ndarray, shape (steps,)
-        [s]
-
+    The result has shape (steps,) [s].
     """
     with join_graph('onlooker', '/lta1') as (node, _):
         readers = []

@@ -34,13 +34,7 @@ def slope_of(times: NDArray[np.float64], held: NDArray[np.float64]) -> Slope:
     """
     Return the slope of memory by least squares, its interval from blocks that hang together.
 
-    Parameters
-    ----------
-    times : ndarray, shape (looks,)
-        [s]
-    held : ndarray, shape (looks,)
-        [MB]
-
+    `times`, shape (looks,) [s]. `held`, shape (looks,) [MB].
     """
     hours = times / 3600.0
     line = np.polyfit(hours, held, 1)

@@ -99,17 +99,9 @@ def derivative(state, vehicle, places, command, around):
     """
     Return d/dt of a state.
 
-    Parameters
-    ----------
-    state : ndarray
-        Position, quaternion, velocity, rates, and then the memory of the effects.
-    vehicle : Vehicle
-    places : mapping of str to slice
-        Where in the state the memory of each effect is.
-    command, around : ndarray, shapes (11,), (11,)
-        Duties and place of the moving mass; wind, noise, irradiance, voltage and the rate of that
-        wind.
-
+    `state`: position, quaternion, velocity, rates, and then the memory of the effects. `places`:
+    where in the state the memory of each effect is. `command`, `around`: duties and place of the
+    moving mass; wind, noise, irradiance, voltage and the rate of that wind.
     """
     scene, flow, _, wrenches, rates = look(state, vehicle, places, command, around)
     forces = sum(wrenches.values(), np.zeros(6))
