@@ -19,7 +19,7 @@ from lta_graph.ros.message_validation import (
     MessageValidator,
     NUMBERS,
 )
-from lta_graph.ros.stamps import find_nearest_message, to_stamp
+from lta_graph.ros.stamps import to_stamp
 import pytest
 from sensor_msgs.msg import Image, JointState, PointCloud2, PointField, Range
 
@@ -178,12 +178,3 @@ def test_invalid_content_is_told_and_a_jump_of_the_stamp_is_not_that():
     message.angular_velocity.x = math.nan
     assert not validator.validate(row, 'imu', message)
     assert validator.unsound.count == 2
-
-
-def test_the_nearest_message_is_that_of_the_nearest_stamp_and_the_first_of_two():
-    messages = [IMU(), IMU(), IMU()]
-    for message, stamp_ns in zip(messages, (10, 20, 1_000_000_030), strict=True):
-        message.header.stamp = to_stamp(stamp_ns)
-    for time_ns, index in ((0, 0), (14, 0), (15, 0), (16, 1), (500_000_024, 1), (500_000_026, 2)):
-        assert find_nearest_message(messages, time_ns) is messages[index]
-    assert find_nearest_message([], 0) is None

@@ -148,7 +148,7 @@ def discover(
 
 
 def show_result(
-    found: DiscoveryResult,
+    result: DiscoveryResult,
     hidden: DemoEffect | None,
     folder: Path,
     console: Console,
@@ -158,11 +158,11 @@ def show_result(
 ) -> None:
     """Write the pictures if asked for, and print the result."""
     if pictures is not None:
-        write_pictures(found.page, pictures)
+        write_pictures(result.page, pictures)
     if json:
-        print_result_json(found, hidden)
+        print_result_json(result, hidden)
     else:
-        print_result(found, hidden, folder, console)
+        print_result(result, hidden, folder, console)
 
 
 def _check_exclusive_options(vehicle: str | None, bags: bool, demo: bool, between: bool) -> None:

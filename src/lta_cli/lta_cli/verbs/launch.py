@@ -33,7 +33,7 @@ def launch(
             'file.'
         ),
     ],
-    given: Annotated[
+    arguments: Annotated[
         list[str] | None, typer.Argument(metavar='[NAME:=VALUE]...', help='Launch arguments.')
     ] = None,
     show_args: Annotated[
@@ -54,7 +54,7 @@ def launch(
     if show_args:
         print_arguments(path)
         return
-    pairs = parse_arguments(given or [])
+    pairs = parse_arguments(arguments or [])
     # Validate the arguments first, also for the real ros2 launch
     plan = load_plan(path, pairs)
     check_plan(plan)
@@ -63,7 +63,7 @@ def launch(
     alone = not any(process.shared for process in plan.processes)
     if alone and os.environ.get('LTA_UNDERLAY') != WHEELS and shutil.which('ros2'):
         # Replaces this process, so signals and the exit status are those of ros2 launch
-        os.execvp('ros2', ['ros2', 'launch', str(path), *(given or [])])
+        os.execvp('ros2', ['ros2', 'launch', str(path), *(arguments or [])])
     outcome = run_graph(plan, print_node_line, print_event)
     # The last line of the node states what was wrong with its input
     if is_refusal(outcome):

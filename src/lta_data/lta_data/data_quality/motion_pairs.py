@@ -69,10 +69,6 @@ class MotionPair:
         times = self.grid[self.known]
         return float(times[0]), float(times[-1])
 
-    def channel_name(self, axis: int) -> str:
-        """Return the channel name of a column of the left side."""
-        return f'{self.told}.{self.axes[axis]}' if len(self.axes) > 1 else self.told
-
 
 def find_motion_pairs(recording: ChannelRecording, limits: QualityLimits) -> list[MotionPair]:
     """Return all pairs of sources for the same motion."""

@@ -95,12 +95,6 @@ def plane_illuminance(lamp: LampBeam, point: Vector, normal: Vector) -> float:
     return light * angular_response(DiodeResponse(1.0, 0.0), normal, towards) + lamp.diffuse
 
 
-def direct_reading(lamp: LampBeam, eye: DiodeResponse, point: Vector, axis: Vector) -> float:
-    """Return a diode's reading of a lamp's direct light while it is on. [lx]"""
-    light, towards = direct_light(lamp, point)
-    return light * angular_response(eye, axis, towards)
-
-
 def unpack_beam(row: Row) -> LampBeam:
     """Return a lamp from its numbers in a row."""
     return LampBeam(

@@ -13,8 +13,8 @@ import typer
 @study_command('budget', quick={'seeds': 1})
 def budget(
     vehicle: Annotated[str, typer.Option(help='Vehicle name or file.')] = 'gtmab',
-    beside: Annotated[
-        str, typer.Option(help='Multirotor to compare with, name or file.')
+    multirotor: Annotated[
+        str, typer.Option('--beside', help='Multirotor to compare with, name or file.')
     ] = 'multirotor',
     seeds: Annotated[
         int, typer.Option(help='Number of flights of each vehicle.', min=1, max=100)
@@ -35,5 +35,5 @@ def budget(
     Example: lta energy budget --seeds 1
     """
     with StudyProgress(run.console, count_flights(seeds), unit='flights') as progress:
-        result = measure_budget(vehicle, beside, seeds, progress.count_item)
+        result = measure_budget(vehicle, multirotor, seeds, progress.count_item)
     return build_report(result)

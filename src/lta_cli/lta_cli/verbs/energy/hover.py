@@ -16,8 +16,8 @@ def hover(
     vehicle: Annotated[
         str, typer.Option(help='Buoyant vehicle, name or file; both drones use its battery cell.')
     ] = 'gtmab',
-    beside: Annotated[
-        str, typer.Option(help='Multirotor to compare with, name or file.')
+    multirotor: Annotated[
+        str, typer.Option('--beside', help='Multirotor to compare with, name or file.')
     ] = 'multirotor',
     seconds: Annotated[
         float, typer.Option(help='Duration in seconds.', min=1.0, max=7200.0)
@@ -38,5 +38,7 @@ def hover(
     """
     # Two flights of the same length, one after the other
     with ProgressBar(run.console, total=2.0 * seconds) as bar:
-        result = compare_hovering(vehicle, beside, seconds, lambda s: bar.update_bar(advance=s))
+        result = compare_hovering(
+            vehicle, multirotor, seconds, lambda s: bar.update_bar(advance=s)
+        )
     return build_report(result)

@@ -18,9 +18,8 @@ import typer
 
 def trim(
     bag: Annotated[Path, typer.Argument(help='Bag folder, results folder or .mcap file.')],
-    flown: Annotated[
-        str | None,
-        typer.Option('--vehicle', help="Flown vehicle, name or file; by default the bag's."),
+    vehicle: Annotated[
+        str | None, typer.Option(help="Flown vehicle, name or file; by default the bag's.")
     ] = None,
     robot: Annotated[
         str | None, typer.Option(help='Robot whose flight is used; needed if the bag has several.')
@@ -41,8 +40,8 @@ def trim(
     flight = open_flight(path, robot)
     # Bags of LTA contain the vehicle file that was flown
     own = parse_provenance_file(VehicleFile, flight.bag.provenance, 'vehicle_file')
-    if flown is not None:
-        known = load_vehicle(flown)
+    if vehicle is not None:
+        known = load_vehicle(vehicle)
     elif own is not None:
         known = Vehicle(own)
     else:
