@@ -21,18 +21,8 @@ def load_law_gains(kind: type[Gains], name: str) -> Gains:
     """
     Load the gains of a shipped vehicle or of a parameter file.
 
-    Parameters
-    ----------
-    kind : type of Settings
-        Gains class of the control law.
-    name : str
-        A shipped name or a path.
-
-    Raises
-    ------
-    BadInput
-        If there is no such file, or it holds no valid gains for a controller.
-
+    `kind`: gains class of the control law. `name`: a shipped name or a path. Raise `BadInput` if
+    there is no such file, or it holds no valid gains for a controller.
     """
     path = find_file('gains', name)
     content = load_yaml(path)

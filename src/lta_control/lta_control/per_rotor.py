@@ -20,11 +20,7 @@ def pad_to_slots(values: Iterable[float]) -> PerRotor:
     """
     Return up to eight numbers, padded with zeros.
 
-    Raises
-    ------
-    BadInput
-        If there are more than eight.
-
+    Raise `BadInput` if there are more than eight.
     """
     numbers = tuple(values)
     if len(numbers) > SLOTS:

@@ -29,13 +29,7 @@ class DeviceClock:
         """
         Return the graph time of a log packet, never later than its arrival.
 
-        Parameters
-        ----------
-        stamp_ms : int
-            Milliseconds since boot, modulo 2^24.
-        arrival_ns : int
-            Graph time of arrival. [ns]
-
+        `stamp_ms`: milliseconds since boot, modulo 2^24. `arrival_ns`: graph time of arrival [ns].
         """
         return self.line.stamp_arrival(1_000_000 * self._unwrap_stamp(stamp_ms), arrival_ns)
 

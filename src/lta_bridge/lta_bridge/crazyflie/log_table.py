@@ -57,11 +57,7 @@ def check_log_table(blocks: tuple[LogBlock, ...]) -> None:
     """
     Check a table against the limits of the firmware.
 
-    Raises
-    ------
-    BadInput
-        If a block is too large, its period is invalid, or there are too many.
-
+    Raise `BadInput` if a block is too large, its period is invalid, or there are too many.
     """
     for block in blocks:
         size = sum(SIZES[kind] for kind in block.variables.values())

@@ -32,13 +32,7 @@ class CrazyfliePowerModel(NamedTuple):
         """
         Return the current into the cell, negative because it discharges. [A]
 
-        Parameters
-        ----------
-        duties : sequence of float
-            Duty of each motor, 0 to 1.
-        voltage : float
-            Cell voltage under this load, above 0. [V]
-
+        `duties`: duty of each motor, 0 to 1. `voltage`: cell voltage under this load, above 0 [V].
         """
         rotors = sum(power_at_duty(duty, voltage, self.offset, self.slope) for duty in duties)
         return -(self.electronics + rotors) / voltage

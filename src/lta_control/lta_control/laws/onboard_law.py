@@ -31,11 +31,7 @@ class OnboardLaw:
 
     The gains are those of the vehicle's file.
 
-    Raises
-    ------
-    BadInput
-        If there is no such law, it needs a tracker, or it cannot fly the vehicle.
-
+    Raise `BadInput` if there is no such law, it needs a tracker, or it cannot fly the vehicle.
     """
 
     def __init__(self, name: str, vehicle: Vehicle) -> None:

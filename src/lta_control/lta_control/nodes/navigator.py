@@ -215,13 +215,7 @@ class FlightCommands:
     """
     The actions of a commanded flight, and the person who may take over.
 
-    Parameters
-    ----------
-    node : GraphNode
-        The navigator.
-    flight : CommandedFlight
-        Its decisions.
-
+    `node`: the navigator. `flight`: its decisions.
     """
 
     def __init__(self, node: GraphNode, flight: CommandedFlight) -> None:

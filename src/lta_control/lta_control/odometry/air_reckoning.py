@@ -32,13 +32,7 @@ class AirReckoning:
     """
     The latest motions, each with the way through the air since the first one.
 
-    Parameters
-    ----------
-    period_ns : int
-        Nominal time between two motions. [ns]
-    count : int
-        Number of motions kept.
-
+    `period_ns`: nominal time between two motions [ns]. `count`: number of motions kept.
     """
 
     def __init__(self, period_ns: int, count: int) -> None:

@@ -34,11 +34,7 @@ def load_strategy_file(name: str) -> NavigationStrategy:
     """
     Return the `STRATEGY` of a Python file, named like the file.
 
-    Raises
-    ------
-    BadInput
-        If the file cannot be read or run, or what it defines is not a strategy.
-
+    Raise `BadInput` if the file cannot be read or run, or what it defines is not a strategy.
     """
     path = Path(name)
     if path.suffix != SUFFIX:
