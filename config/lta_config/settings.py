@@ -26,19 +26,8 @@ def setting(
     """
     Return the declaration of one setting.
 
-    Parameters
-    ----------
-    default : Any
-        Default value.
-    about : str
-        Description.
-    unit : str
-        SI unit, shown with the description.
-    low, high : float or None
-        Closed bounds.
-    fixed : bool
-        Whether it can only be set at start-up.
-
+    `unit`: SI unit, shown with the description. `low`, `high`: closed bounds. `fixed`: whether it
+    can only be set at start-up.
     """
     return Field(
         default,

@@ -47,8 +47,6 @@ def store_kernel(source: str, root: Path) -> Path:
 
     Parameters
     ----------
-    source : str
-        Text of the kernel.
     root : Path
         Folder of all kernels.
 
@@ -85,8 +83,6 @@ def load_kernel(source: str, root: Path | None = None) -> ModuleType:
 
     Parameters
     ----------
-    source : str
-        Text of the kernel.
     root : Path, optional
         Folder of all kernels; `cache_root()` by default.
 

@@ -99,22 +99,9 @@ def generate_challenge(
     """
     Generate a challenge; return the path of its description.
 
-    Parameters
-    ----------
-    order : ChallengeRequest
-        What to generate. A case depends on seed, number, row, kind and flight lengths only.
-    folder : Path
-        New or empty folder.
-    workers : int
-        Number of worker processes.
-    on_case : callable
-        Called after each finished case.
-
-    Raises
-    ------
-    BadInput
-        If the folder is not empty, the row is unknown, or a case cannot be generated.
-
+    `order`: what to generate. A case depends on seed, number, row, kind and flight lengths only.
+    `folder`: new or empty folder. `on_case`: called after each finished case. Raise `BadInput` if
+    the folder is not empty, the row is unknown, or a case cannot be generated.
     """
     find_challenge_row(order.row)
     check_creatable(folder)

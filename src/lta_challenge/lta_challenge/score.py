@@ -80,22 +80,9 @@ def score_challenge(
     """
     Score a challenge; resume an interrupted run.
 
-    Parameters
-    ----------
-    folder : Path
-        Folder of the challenge.
-    options : StudyOptions
-        Number of workers, and whether to repeat failed cases.
-    console : Console
-        Terminal of the progress bar.
-    most : int, optional
-        Score only the first cases; all by default.
-
-    Raises
-    ------
-    BadInput
-        If there is no challenge, a case is missing or failed, or the answers were changed.
-
+    `folder`: folder of the challenge. `options`: number of workers, and whether to repeat failed
+    cases. `most`: score only the first cases; all by default. Raise `BadInput` if there is no
+    challenge, a case is missing or failed, or the answers were changed.
     """
     about, now = read_challenge(folder), collect_versions()
     count = min(int(about['cases']), most or int(about['cases']))

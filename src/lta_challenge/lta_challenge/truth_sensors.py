@@ -81,19 +81,8 @@ class TruthSensors:
     """
     The sensors on one flight.
 
-    Parameters
-    ----------
-    happened : TruthTrajectory
-        The flight.
-    hull : TruthVehicle
-        The vehicle, with its measurement effects.
-    file : VehicleFile
-        Positions of the sensors.
-    instruments : Instruments
-        Noise and resolution.
-    draw : Generator
-        Random generator of the flight.
-
+    `hull`: the vehicle, with its measurement effects. `file`: positions of the sensors.
+    `instruments`: noise and resolution.
     """
 
     def __init__(

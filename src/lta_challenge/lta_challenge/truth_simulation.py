@@ -95,8 +95,6 @@ def simulate_flight(
 
     Parameters
     ----------
-    hull : TruthVehicle
-        The true vehicle.
     pilot : PilotInputs
         Setpoints and excitation.
     nominal : NominalVehicle

@@ -46,8 +46,6 @@ class Launcher:
 
     Parameters
     ----------
-    plan : LaunchPlan
-        The processes.
     on_line : callable
         Called from another thread with the label of a process and each line of its output.
     grace : float

@@ -18,22 +18,8 @@ def write_report(
     """
     Write the results of a study, and return the path of its page.
 
-    Parameters
-    ----------
-    report : Report
-        The results.
-    folder : Path
-        Results folder, which exists.
-    page : bool
-        Whether to write the page.
-    pictures : Path, optional
-        Folder for a PNG of each figure; needs Chromium, and the page.
-
-    Raises
-    ------
-    BadInput
-        If writing fails.
-
+    `folder`: results folder, which exists. `page`: whether to write the page. `pictures`: folder
+    for a PNG of each figure; needs Chromium, and the page. Raise `BadInput` if writing fails.
     """
     name = report.json_name or f'{report.command.split()[-1]}.json'
     write_json(report.data, folder / name)

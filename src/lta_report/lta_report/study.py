@@ -71,8 +71,6 @@ def run_items(
         Not started yet.
     save : callable
         Stores an outcome and returns the word under which the progress bar counts it, or ''.
-    progress : StudyProgress
-        Progress bar.
 
     Returns
     -------
@@ -122,8 +120,6 @@ class Study(Generic[Item, Result]):
             Hash of everything that determines the results, except what the keys tell.
         options : StudyOptions
             Workers or scheduler, and whether to repeat failed items.
-        console : Console
-            Terminal of the progress bar.
         check : callable
             Raises `BadInput` if items that are not stored cannot be run.
 

@@ -125,17 +125,8 @@ class FlightSimulator:
     The times of the states are shifted by the command delay, so that commands take effect exactly
     at a state.
 
-    Parameters
-    ----------
-    truth : VehicleTruth
-        True parameters.
-    air : sequence of MovingAir
-        Sources of air motion.
-    unlisted : UnlistedDisturbance, optional
-        Disturbance outside the library.
-    actuators : callable
-        Builds the actuators: `RotorSet`, or `WrenchActuators` for commanded wrenches.
-
+    `unlisted`: disturbance outside the library. `actuators`: builds the actuators: `RotorSet`, or
+    `WrenchActuators` for commanded wrenches.
     """
 
     def __init__(

@@ -62,21 +62,7 @@ class SampledMotion:
 
 @final
 class SensorSet:
-    """
-    All sensors on one flight.
-
-    Parameters
-    ----------
-    path : SimulatedTrajectory
-        The flight.
-    truth : VehicleTruth
-        Its true parameters.
-    stamps : Stamps
-        Mode of the stamps.
-    draw : Generator
-        Random generator of the noise.
-
-    """
+    """All sensors on one flight."""
 
     def __init__(
         self, path: SimulatedTrajectory, truth: VehicleTruth, stamps: Stamps, draw: Draw

@@ -65,17 +65,8 @@ class WrenchPilot:
     The operator sees the vehicle move and knows what moves it, so what he commands suits the
     true gains; the record has the command.
 
-    Parameters
-    ----------
-    nominal : VehicleTruth
-        Parameters of the vehicle file.
-    gains : six float
-        The true gains.
-    draw : Generator
-        Random generator.
-    steps : bool
-        Whether he flies single steps without dither, with rest between them.
-
+    `nominal`: parameters of the vehicle file. `steps`: whether he flies single steps without
+    dither, with rest between them.
     """
 
     def __init__(self, nominal: VehicleTruth, gains: Six, draw: Draw, steps: bool = False) -> None:

@@ -30,8 +30,6 @@ class FirmwareBench:
 
     Parameters
     ----------
-    body : CrazyflieBody
-        The simulated drone.
     bench_port, port : int
         UDP ports of the firmware on this machine: of its bench, and of its radio link.
 

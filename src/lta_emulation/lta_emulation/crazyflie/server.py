@@ -19,8 +19,6 @@ class CrazyflieServer:
 
     Parameters
     ----------
-    firmware : Firmware
-        The emulated firmware.
     port : int
         0 for any free one.
     up, down : Link, optional

@@ -33,8 +33,6 @@ class SimulatedBody:
 
     Parameters
     ----------
-    world : World
-        The drone in its scene.
     file : CrazyflieFile
         Wiring of motors and rotors. With setpoints, the vehicle's control law replaces the
         firmware's controller.

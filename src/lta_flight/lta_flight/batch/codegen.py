@@ -70,8 +70,6 @@ def build_source(
     ----------
     names : sequence of str
         Effects of the kernel, in registry order.
-    strategy : NavigationStrategy
-        How the drone navigates.
     constants : TupleLayout
         Of `constants_and_tally.FlightConstants`.
     diodes, lamps : int
@@ -117,8 +115,6 @@ def write_flight_source(
         The tuples that the entry builds from arrays.
     target : CompileTarget
         CPU or GPU.
-    diodes : int
-        Number of diodes.
 
     """
     generated = (_write_add_effects(names, extract), *_write_diode_functions(diodes, extract))

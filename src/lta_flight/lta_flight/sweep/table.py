@@ -28,22 +28,9 @@ def write_table(
     """
     Write the rows of a sweep.
 
-    Parameters
-    ----------
-    rows : sequence of SweepRow
-        The flights.
-    units : mapping
-        SI unit of each varied path; '' if it has none.
-    about : mapping
-        Metadata of the file: its provenance.
-    path : Path
-        Parquet file; replaced as a whole.
-
-    Raises
-    ------
-    BadInput
-        If it cannot be written.
-
+    `units`: SI unit of each varied path; '' if it has none. `about`: metadata of the file: its
+    provenance. `path`: parquet file; replaced as a whole. Raise `BadInput` if it cannot be
+    written.
     """
     columns, declared = [], []
     for name, kind, unit, meaning in FIXED:

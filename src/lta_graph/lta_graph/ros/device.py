@@ -17,8 +17,6 @@ class DeviceNode(LifecycleNodeMixin, GraphNode, ABC):
 
     Parameters
     ----------
-    name : str
-        Name of the node.
     device : str
         The device in words, for error messages.
 

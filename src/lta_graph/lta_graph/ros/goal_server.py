@@ -28,10 +28,6 @@ class GoalServer(Generic[Task]):
     ----------
     node : Node
         The node; it calls `update` after each step.
-    action : type
-        Type of the action.
-    name : str
-        Name of the action.
     begin : callable
         Return the task of a goal.
     cancel : callable

@@ -76,23 +76,10 @@ class NodeParameters(Generic[Model]):
     """
     The parameters of one node as a validated, frozen model.
 
-    Parameters
-    ----------
-    node : Node
-        The node that declares them.
-    model : type
-        Pydantic model with a default for every field; nested models become dotted names.
-    changed : callable
-        Called with the new model after an accepted change.
-    check : callable
-        Called with each valid model before it is accepted, also at start-up. It raises ValueError
-        (`BadInput`) if the node cannot work with the values.
-
-    Raises
-    ------
-    BadInput
-        If a value given at start-up is not valid.
-
+    `model`: pydantic model with a default for every field; nested models become dotted names.
+    `changed`: called with the new model after an accepted change. `check`: called with each valid
+    model before it is accepted, also at start-up. It raises ValueError (`BadInput`) if the node
+    cannot work with the values. Raise `BadInput` if a value given at start-up is not valid.
     """
 
     def __init__(

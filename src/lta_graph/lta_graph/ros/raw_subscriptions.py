@@ -31,8 +31,6 @@ class RawSubscription:
 
     Parameters
     ----------
-    node : Node
-        The subscribing node.
     name : str
         Absolute name of the topic.
     kind : type

@@ -103,8 +103,6 @@ class LegPilot:
             State of the power path.
         charge : float
             Charge estimate of the drone. [1]
-        seed : int
-            Random seed of the flight.
 
         """
         state = tuple(pack_state(place, heading)[:RIGID].tolist())
@@ -130,17 +128,8 @@ class LegPilot:
         """
         Return the state after a leg.
 
-        Parameters
-        ----------
-        constants : ndarray
-            From `pack_constants`.
-        leg : LegPlan
-            Leg to fly.
-        memory : LegState
-            State after the leg before, with the outcome reset to `FLYING`.
-        seed : int
-            Random seed of the flight; only 32 bits are used.
-
+        `constants`: from `pack_constants`. `memory`: state after the leg before, with the outcome
+        reset to `FLYING`. `seed`: random seed of the flight; only 32 bits are used.
         """
         if leg.kind == LAND:
             mission = memory.flight.mission._replace(phase=Phase.LAND)

@@ -23,22 +23,9 @@ def record_flight(
     """
     Fly a loop until a condition holds, and record it in a bag.
 
-    Parameters
-    ----------
-    loop : ClosedLoop
-        The flight before its first step.
-    until : callable
-        Called with the loop before each step; ends the flight if true.
-    folder : Path
-        Empty folder for the bag and for the vehicle, scenario and gains files.
-    seed : int
-        Random seed of the loop.
-
-    Raises
-    ------
-    BadInput
-        If the folder is not empty, or the bag cannot be written.
-
+    `loop`: the flight before its first step. `until`: called with the loop before each step; ends
+    the flight if true. `folder`: empty folder for the bag and for the vehicle, scenario and gains
+    files. Raise `BadInput` if the folder is not empty, or the bag cannot be written.
     """
     prepare_empty_folder(folder)
     names = {

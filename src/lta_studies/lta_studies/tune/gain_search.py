@@ -65,8 +65,6 @@ def search_gains(
         Earlier evaluations; new ones are added.
     budget : int
         Number of candidates, including the start.
-    seed : int
-        Random seed of the search.
     tell : callable
         Progress callback: number of candidates flown, lowest cost so far.
 

@@ -62,22 +62,9 @@ def find_tolerable_helium_loss(
     """
     Find the largest helium loss that a set of gains tolerates.
 
-    Parameters
-    ----------
-    vehicle : str
-        Name or file.
-    gains : CascadeGains
-        Gains of the controller.
-    seeds : sequence of int
-        Random seeds; the gains must hold with all of them.
-    tell : callable
-        Progress callback: loss that was tried [kg], whether the gains held.
-
-    Raises
-    ------
-    BadInput
-        If the vehicle cannot hover.
-
+    `vehicle`: name or file. `seeds`: random seeds; the gains must hold with all of them. `tell`:
+    progress callback: loss that was tried [kg], whether the gains held. Raise `BadInput` if the
+    vehicle cannot hover.
     """
     scene = TuningScene(vehicle)
     known = scene.nominal_vehicle

@@ -107,8 +107,6 @@ def find_flyable_wind(
     ----------
     spec : FlightSpec
         The flight, with its altitude.
-    ground : GroundWind
-        Wind profile.
     most : float
         Upper end of the bisection, above the static limit. [m/s]
     airspeeds : sequence of float

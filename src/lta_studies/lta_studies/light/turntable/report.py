@@ -68,19 +68,8 @@ def build_report(
     """
     Return the report of a turn.
 
-    Parameters
-    ----------
-    study, readings, response : RingStudy, TurntableReadings, TurntableResponse
-        Results of the turn.
-    diodes : DiodeArray
-        Diodes of the vehicle file.
-    data : mapping
-        Further content of the JSON file.
-    facts : mapping of str to str
-        Origin of the recording.
-    closing : sequence of str
-        Last lines on the terminal.
-
+    `data`: further content of the JSON file. `facts`: origin of the recording. `closing`: last
+    lines on the terminal.
     """
     # Only claims on rings with as many diodes as this board
     claims = [judge_claim(claim, study) for claim in CLAIMS if claim.count == study.count]

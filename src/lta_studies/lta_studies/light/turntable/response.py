@@ -97,17 +97,8 @@ def fit_response(
     """
     Fit the response to the readings of a whole turn.
 
-    Parameters
-    ----------
-    readings : TurntableReadings
-        Readings of a whole turn.
-    diodes : DiodeArray
-        Provides the axes.
-    zero : float
-        Error of the table's zero. [rad]
-    lamp : float
-        Distance of the lamp from the middle of the diodes. [m]
-
+    `readings`: readings of a whole turn. `zero`: error of the table's zero [rad]. `lamp`: distance
+    of the lamp from the middle of the diodes [m].
     """
     groups = [group for group in group_by_direction(readings.direction) if len(group)]
     basis = build_basis(readings.direction + zero, groups, diodes, lamp)

@@ -103,8 +103,6 @@ def evaluate_turn(
     ----------
     flight : RecordedFlight
         Recording with the topic `photodiodes`.
-    diodes : DiodeArray
-        Diodes of the vehicle file.
     demodulation : DemodulationSettings
         Demodulator for the lamp.
     full_scale : float
