@@ -1,23 +1,30 @@
 """Rows of the paper from the figures that a run kept: docs/paper.md is held to them."""
 
-from lta_studies.reproduce.stored_row import (
-    decode_draws,
-    decode_values,
-    StoredPicture,
-    StoredRow,
-)
+import math
+
+from lta_studies.reproduce.agreement import DrawSummary
+from lta_studies.reproduce.stored_row import StoredPicture, StoredRow
+from lta_studies.reproduce.study_result import MeasuredValue
+
+
+def restored(kind, content):
+    """Return a named tuple from its JSON list, with null as NaN."""
+    return kind(*(math.nan if each is None else each for each in content))
 
 
 def kepts_in(found):
     """Return rows from their figures; the pictures without what is drawn."""
     return {
         name: StoredRow(
-            decode_values(each['values']),
+            {key: restored(MeasuredValue, value) for key, value in each['values'].items()},
             [StoredPicture(**picture, figure='{}') for picture in each['pictures']],
             (),
             each['seeds'],
             each['seconds'],
-            decode_draws(each.get('draws', {})),
+            {
+                claim: {key: restored(DrawSummary, one) for key, one in measures.items()}
+                for claim, measures in each.get('draws', {}).items()
+            },
         )
         for name, each in found['rows'].items()
     }

@@ -5,7 +5,6 @@ import fcntl
 import os
 from pathlib import Path
 import tempfile
-from types import TracebackType
 from typing import final, Self
 
 from lta_config.errors import BadInput
@@ -68,12 +67,7 @@ class DomainLock:
         os.pwrite(self._file, format_holders(self._robots).encode(), 0)
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Release the lock."""
         # Do not remove the file: a process that has opened it would then lock an invisible file
         os.close(self._file)

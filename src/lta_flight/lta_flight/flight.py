@@ -211,11 +211,13 @@ def is_refusal(end: ProcessExit) -> bool:
     return end.status == 2 and bool(end.lines)
 
 
-def parse_final_status(ended: Iterable[ProcessExit]) -> dict[str, str] | None:
-    """Return the simulator's final status; None if it died without one."""
+def parse_final_status(
+    ended: Iterable[ProcessExit], nodes: Collection[str] = SIMULATORS
+) -> dict[str, str] | None:
+    """Return the final status of a node, by default the simulator; None if it died without one."""
     for item in ended:
         # In one process, others may print after it
-        for line in reversed(item.stdout) if item.name in SIMULATORS else ():
+        for line in reversed(item.stdout) if item.name in nodes else ():
             # It may be cut, or not the status at all
             with suppress(ValueError):
                 if isinstance(said := json.loads(line), dict):

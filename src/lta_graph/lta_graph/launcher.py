@@ -14,7 +14,6 @@ from queue import Empty
 import signal
 import threading
 import time
-from types import TracebackType
 from typing import final, Self
 
 from lta_graph.child_process import (
@@ -83,12 +82,7 @@ class Launcher:
         self.start()
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Stop all processes."""
         self.stop()
 

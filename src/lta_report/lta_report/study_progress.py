@@ -2,7 +2,6 @@
 
 from collections import Counter
 import time
-from types import TracebackType
 from typing import Final, final
 
 from lta_report.progress_bar import ProgressBar
@@ -43,15 +42,10 @@ class StudyProgress(ProgressBar):
         self._detail = ''
         self._shown = -LOOK  # in the past, so that the first item is shown at once
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Update the bar a last time and remove it."""
         self._update()
-        super().__exit__(kind, error, trace)
+        super().__exit__()
 
     def skip_items(self, count: int) -> None:
         """Count items as finished before the work begins."""

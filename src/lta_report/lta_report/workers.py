@@ -17,7 +17,6 @@ import os
 from pickle import PicklingError
 import signal
 from threading import Thread
-from types import TracebackType
 from typing import Any, Final, final, Generic, NamedTuple, Protocol, Self, TypeVar
 
 from lta_config.errors import BadInput
@@ -54,12 +53,7 @@ class Workers(Protocol[Item, Outcome]):
         """Start the workers."""
         ...
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Stop the workers."""
         ...
 
@@ -199,12 +193,7 @@ class LocalWorkers(Generic[Item, Result]):
         """Return this object."""
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Kill all workers."""
         while self._workers:
             self._workers.pop().kill()
@@ -326,12 +315,7 @@ class DaskWorkers(Generic[Item, Result]):
         self._there = self._client.scatter(self._function, broadcast=True, hash=False)
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Cancel pending items and disconnect."""
         # The scheduler may have gone already
         with suppress(OSError):

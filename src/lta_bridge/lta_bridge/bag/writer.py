@@ -9,7 +9,6 @@ indexes. Everything up to the last `flush` survives the death of the process.
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from types import TracebackType
 from typing import final, Self
 
 from lta_bridge.bag.chunk import CompressedChunk
@@ -307,11 +306,6 @@ class BagWriter:
         """Return the writer."""
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Finish the bag, also after an error."""
         self.close()

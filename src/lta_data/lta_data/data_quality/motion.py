@@ -24,6 +24,12 @@ class VectorSeries:
     time: Array  # increasing, shape (n,) [s]
     values: Array  # shape (n, 3)
 
+    def differentiate(self) -> tuple[Array, Array]:
+        """Return the times of the derivative between samples, and the derivative."""
+        step = np.diff(self.time)
+        # Between samples: a one-sided difference at the samples would be half a period late
+        return self.time[:-1] + step / 2, np.diff(self.values, axis=0) / step[:, None]
+
 
 @final
 @dataclass(frozen=True, slots=True)

@@ -108,7 +108,7 @@ def pair_velocity(
     place: VectorSeries, attitude: VectorSeries, measured: VectorSeries, limits: QualityLimits
 ) -> MotionPair | None:
     """Pair a velocity with the derivative of position, in the body frame."""
-    times, speeds = _differentiate(place)
+    times, speeds = place.differentiate()
     turn = _interpolate_attitude(attitude, times)
     return _resample_pair(
         'velocity', measured, place.name, times, turn.inv().apply(speeds), limits
@@ -162,13 +162,6 @@ def _pair_height(
     return _resample_pair(
         what, told, place.name, place.time, place.values[:, 2:], limits
     )  # z only
-
-
-def _differentiate(vector: VectorSeries) -> tuple[Array, Array]:
-    """Return the derivative between samples and its times."""
-    step = np.diff(vector.time)
-    # Between samples: a one-sided difference at the samples would be half a period late
-    return vector.time[:-1] + step / 2, np.diff(vector.values, axis=0) / step[:, None]
 
 
 def _interpolate_attitude(attitude: VectorSeries, times: Array) -> Rotation:

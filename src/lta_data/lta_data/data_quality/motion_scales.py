@@ -70,7 +70,7 @@ def fit_velocity(pose: PoseSeries, turn: Array | None = None) -> VectorFit:
     """Compare the body velocity with the derivative of the position."""
     if pose.attitude is None or pose.position is None or pose.velocity is None:
         return UNKNOWN_FIT
-    time, speed = _differentiate(pose.position)
+    time, speed = pose.position.differentiate()
     values = pose.attitude.values if turn is None else turn
     table, _ = interpolate_on_grid(pose.attitude.time, values, time)
     rotation = Rotation.from_quat(table)
@@ -81,15 +81,10 @@ def fit_speed(pose: PoseSeries) -> VectorFit:
     """Compare the sizes of velocity and of the derivative of the position, without an attitude."""
     if pose.position is None or pose.velocity is None:
         return UNKNOWN_FIT
-    time, speed = _differentiate(pose.position)
+    time, speed = pose.position.differentiate()
     lengths = np.linalg.norm(speed, axis=1, keepdims=True)
     told = np.linalg.norm(pose.velocity.values, axis=1, keepdims=True)
     return compare_vectors(time, lengths, VectorSeries('', pose.velocity.time, told))
-
-
-def _differentiate(vector: VectorSeries) -> tuple[Array, Array]:
-    step = np.diff(vector.time)
-    return vector.time[:-1] + step / 2, np.diff(vector.values, axis=0) / step[:, None]
 
 
 def fit_tilt(pose: PoseSeries, turn: Array | None = None) -> VectorFit:

@@ -1,9 +1,6 @@
 """Run one replay: start, supervise and stop its processes."""
 
-from collections.abc import Iterable
-from contextlib import suppress
 from dataclasses import dataclass
-import json
 from pathlib import Path
 from typing import final, Protocol
 
@@ -11,7 +8,7 @@ from lta_bridge.bag.writer import prepare_empty_folder
 from lta_config.errors import BadInput
 from lta_data.bag.recorded_flight import RecordedFlight
 from lta_flight.domain_lock import DomainLock
-from lta_flight.flight import is_refusal
+from lta_flight.flight import is_refusal, parse_final_status
 from lta_flight.replay.replay_request import (
     build_launch_plan,
     check_request,
@@ -19,7 +16,6 @@ from lta_flight.replay.replay_request import (
     select_message_types,
 )
 from lta_flight.stall_monitor import PLAYBACK, StallMonitor
-from lta_graph.child_process import ProcessExit
 from lta_graph.launcher import Launcher
 from lta_graph.ros.listener import DiagnosticsListener
 
@@ -110,14 +106,4 @@ def collect_result(bag: Path, launcher: Launcher, watcher: ReplayObserver) -> Re
         if is_refusal(item):
             raise BadInput(item.lines[-1])
         watcher.show_message('\n'.join((f'{item.sentence}.', *item.lines)))
-    return ReplayRun(bag, None if broken else parse_final_status(launcher.ended))
-
-
-def parse_final_status(ended: Iterable[ProcessExit]) -> dict[str, str] | None:
-    """Return the player's final status; None if it died without one."""
-    for item in ended:
-        if item.name == 'player' and item.stdout:
-            with suppress(ValueError):
-                said = json.loads(item.stdout[-1])
-                return said if isinstance(said, dict) else None
-    return None
+    return ReplayRun(bag, None if broken else parse_final_status(launcher.ended, ('player',)))

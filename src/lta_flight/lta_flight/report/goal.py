@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import final
 
+from lta_data.compare.sampling import wrap_angle
 from lta_model.scenario import Scenario
 from lta_report.curves import Array, FloorPoint, MotionCurve
 from lta_sim.termination import build_goal, is_at_lamp
@@ -132,8 +133,3 @@ class FlightGoal:
             return unknown, unknown
         there = np.array(places)[which]
         return there[:, 0] - motion.x, there[:, 1] - motion.y
-
-
-def wrap_angle(angle: Array) -> Array:
-    """Return angles in [-pi, pi). [rad]"""
-    return (angle + np.pi) % (2.0 * np.pi) - np.pi

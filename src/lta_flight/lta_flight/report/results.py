@@ -12,8 +12,8 @@ import math
 from typing import Any, final, NamedTuple
 
 from lta_config.constants import AIR_TEMPERATURE
+from lta_data.compare.sampling import wrap_angle
 from lta_flight.report.evidence import FlightDataSource
-from lta_flight.report.goal import wrap_angle
 from lta_model.light.view import LightView
 from lta_model.state import DISPLACED
 from lta_model.vehicle import Vehicle

@@ -10,7 +10,6 @@ from collections.abc import Iterable, Iterator
 from itertools import islice
 import math
 import time
-from types import TracebackType
 from typing import Any, final, Self
 
 from lta_config.errors import BadInput
@@ -65,12 +64,7 @@ class BatchWorkers:
         """Return this object."""
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Do nothing; there are no processes to stop."""
 
     def run(self, items: Iterable[SweepJob]) -> Iterator[tuple[SweepJob, SweepRow]]:

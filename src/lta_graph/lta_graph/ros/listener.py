@@ -3,7 +3,6 @@
 from collections.abc import Iterable
 from contextlib import ExitStack
 import time
-from types import TracebackType
 from typing import final, Self
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
@@ -59,12 +58,7 @@ class DiagnosticsListener:
             self._stack = stack.pop_all()
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Leave the graph."""
         self._stack.close()
 

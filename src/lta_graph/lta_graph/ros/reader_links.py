@@ -8,7 +8,6 @@ flight compares that with the graph.
 """
 
 from collections.abc import Collection, Mapping
-from types import TracebackType
 from typing import final, Self
 
 from diagnostic_msgs.msg import DiagnosticArray
@@ -49,12 +48,7 @@ class ReaderLinks:
         """Return this object."""
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Destroy the subscription."""
         self._node.destroy_subscription(self._subscription)
 

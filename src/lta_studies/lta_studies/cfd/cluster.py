@@ -9,7 +9,6 @@ computing a mesh more than once.
 from collections.abc import Generator, Sequence
 from contextlib import suppress
 from pathlib import Path
-from types import TracebackType
 from typing import Any, Final, final, Self
 
 from lta_config.errors import BadInput
@@ -62,12 +61,7 @@ class DaskFlowSolver:
         """Return the cluster."""
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Cancel flows that have not started; running ones finish and stay cached."""
         # The scheduler may have gone already.
         with suppress(OSError):

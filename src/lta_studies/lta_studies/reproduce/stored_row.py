@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 import hashlib
 import json
-import math
 from typing import Any, final, NamedTuple
 
 from lta_config.schema.paper_file import PaperRow
@@ -76,30 +75,7 @@ def summarize_row_draws(
     return {name: each for name, each in found.items() if each}
 
 
-def decode_draws(content: Mapping[str, Any]) -> dict[str, dict[str, DrawSummary]]:
-    """Convert JSON to summaries of draws, with null as NaN."""
-    return {
-        claim: {
-            name: DrawSummary(each[0], *(math.nan if one is None else one for one in each[1:]))
-            for name, each in measures.items()
-        }
-        for claim, measures in content.items()
-    }
-
-
 def encode_values(values: Mapping[str, MeasuredValue]) -> dict[str, list[Any]]:
     """Convert values to JSON, with NaN as null."""
     known: dict[str, list[Any]] = replace_nonfinite(values)
     return known
-
-
-def decode_values(content: Mapping[str, Sequence[Any]]) -> dict[str, MeasuredValue]:
-    """Convert JSON to values."""
-    return {name: decode_value(each) for name, each in content.items()}
-
-
-def decode_value(content: Sequence[Any]) -> MeasuredValue:
-    """Convert a JSON list to a value, with null as NaN."""
-    # Order of the fields: value, low, high, seeds
-    value, low, high = (math.nan if each is None else each for each in content[:3])
-    return MeasuredValue(value, low, high, content[3])

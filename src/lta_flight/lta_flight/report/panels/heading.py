@@ -1,6 +1,6 @@
 """Plot the heading and the direction to the lamp."""
 
-from lta_flight.report.goal import wrap_angle
+from lta_data.compare.sampling import wrap_angle
 from lta_flight.report.time_figure import create_time_figure
 from lta_flight.report.view import FlightView
 from lta_report.curves import interpolate
