@@ -64,47 +64,24 @@ class AgreementRule(StrictModel):
 
 
 class PaperClaim(StrictModel):
-    """
-    One statement of the paper.
+    """One statement of the paper."""
 
-    Attributes
-    ----------
-    says, where, source : str
-        The statement, its section or figure, and whether it is a number or words.
-    value : Quantity or None
-        As printed.
-    measure, rule : str, AgreementRule
-        The measure to compare with, and the rule; None if it cannot be tested here.
-    reading : str
-        How `measure` reads the claim, if there are other readings.
-    readings : mapping of str to str
-        Other readings: the measure of each. A verdict is final only if all agree.
-    construction : str
-        Why the claim holds by construction; '' if it could have failed.
-    vacuous : str or None
-        Measure that is 'yes' if an agreement says nothing, as anything would agree.
-    untested : str
-        Why it cannot be tested.
-    finding : str
-        The result.
-    gap : str
-        What would close a difference.
-
-    """
-
-    says: str
-    where: str
-    source: Source
-    value: Quantity | None = None
+    says: str  # the statement
+    where: str  # its section or figure
+    source: Source  # whether it is a number or words
+    value: Quantity | None = None  # as printed
+    # The measure to compare with, and the rule; None if it cannot be tested here
     measure: str | None = None
     rule: AgreementRule | None = None
-    reading: str = ''
+    reading: str = ''  # how `measure` reads the claim, if there are other readings
+    # Other readings: the measure of each. A verdict is final only if all agree.
     readings: Mapping[str, str] = Field(default_factory=dict)
-    construction: str = ''
+    construction: str = ''  # why the claim holds by construction; '' if it could have failed
+    # Measure that is 'yes' if an agreement says nothing, as anything would agree
     vacuous: str | None = None
-    untested: str = ''
-    finding: str = ''
-    gap: str = ''
+    untested: str = ''  # why it cannot be tested
+    finding: str = ''  # the result
+    gap: str = ''  # what would close a difference
 
     @model_validator(mode='after')
     def _check_tested(self) -> Self:
@@ -147,21 +124,11 @@ class PaperDefect(StrictModel):
 
 
 class PaperSeries(StrictModel):
-    """
-    A figure of the paper as an input for discovery.
-
-    Attributes
-    ----------
-    figure, printed : str
-        The figure, and which of its data are printed as numbers.
-    said : str
-        What follows from these numbers, or why nothing does.
-
-    """
+    """A figure of the paper as an input for discovery."""
 
     figure: str
-    printed: str
-    said: str
+    printed: str  # which of its data are printed as numbers
+    said: str  # what follows from these numbers, or why nothing does
 
 
 class SeedCounts(StrictModel):

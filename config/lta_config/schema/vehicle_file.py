@@ -97,15 +97,7 @@ class SensorPositions(StrictModel):
 
 
 class ValidityBlock(StrictModel):
-    """
-    The region of the flights that the numbers were fitted to, as lowest and highest values.
-
-    Attributes
-    ----------
-    commands : mapping of str to Quantity
-        Duty of each rotor.
-
-    """
+    """The region of the flights that the numbers were fitted to, as lowest and highest values."""
 
     speed: Annotated[Quantity, si_quantity('m/s', low=0.0, length=2, sourced=True)]
     roll: Annotated[Quantity, si_quantity('rad', length=2, sourced=True)]
@@ -113,6 +105,7 @@ class ValidityBlock(StrictModel):
     roll_rate: Annotated[Quantity, si_quantity('rad/s', length=2, sourced=True)]
     pitch_rate: Annotated[Quantity, si_quantity('rad/s', length=2, sourced=True)]
     yaw_rate: Annotated[Quantity, si_quantity('rad/s', length=2, sourced=True)]
+    # Duty of each rotor
     commands: Mapping[
         str, Annotated[Quantity, si_quantity('1', low=-1.0, high=1.0, length=2, sourced=True)]
     ] = Field(default_factory=dict)

@@ -31,40 +31,20 @@ LIMITS: Final[Mapping[str, tuple[str, float, float]]] = {
 @final
 @dataclass(frozen=True, slots=True)
 class VehicleSize:
-    """
-    What is known of a new vehicle, in SI; None where a value is assumed.
+    """What is known of a new vehicle, in SI; None where a value is assumed."""
 
-    Attributes
-    ----------
-    length, height, diameter : float
-        Envelope: a cigar along x has a length, a flattened balloon a height, a sphere neither. [m]
-    mass : float
-        Everything without gas and ballast. [kg]
-    motors, thrust : int, float
-        Number of motors, and thrust of each at full duty. [N]
-    arm, hang : float
-        Distance of the side motors from the middle, and of gondola and motors below the centre of
-        the envelope. [m]
-    envelope : float
-        Mass of the empty envelope. [kg]
-    heaviness : float
-        Weight less lift, with ballast. [kg]
-    battery : float
-        Charge of the battery. [C]
-
-    """
-
+    # Envelope: a cigar along x has a length, a flattened balloon a height, a sphere neither [m]
     diameter: float
-    mass: float
-    motors: int
-    thrust: float
-    arm: float
-    length: float | None = None
-    height: float | None = None
-    hang: float | None = None
-    envelope: float | None = None
-    heaviness: float | None = None
-    battery: float | None = None
+    mass: float  # everything without gas and ballast [kg]
+    motors: int  # number of motors
+    thrust: float  # of each motor at full duty [N]
+    arm: float  # distance of the side motors from the middle [m]
+    length: float | None = None  # [m]
+    height: float | None = None  # [m]
+    hang: float | None = None  # of gondola and motors below the centre of the envelope [m]
+    envelope: float | None = None  # mass of the empty envelope [kg]
+    heaviness: float | None = None  # weight less lift, with ballast [kg]
+    battery: float | None = None  # charge of the battery [C]
 
 
 def parse_size(name: str, text: str) -> float:

@@ -29,106 +29,49 @@ class VehicleTruth:
     True parameters of one flight.
 
     Body axes are x forward, y left, z up, with their origin at the centre of the hull.
-
-    Attributes
-    ----------
-    mass, displaced : float
-        Mass of the vehicle with its gas, and of the displaced air. [kg]
-    cg : triple
-        Centre of gravity. [m]
-    inertia : triple
-        About the centre of gravity. [kg m2]
-    added_mass, added_inertia : triple
-        Added mass and inertia. [kg], [kg m2]
-    yaw_air : float
-        Hidden added inertia in yaw, which grows with the rate. [kg m2]
-    drag, linear_drag, extra_drag : triple
-        Quadratic, linear, and hidden quadratic drag. [N s2/m2], [N s/m]
-    turn_linear, turn_square : triple
-        Damping of rotation. [N m s], [N m s2]
-    plates : tuple of DragPlate
-        Parts that damp rotation by their own drag.
-    munk : float
-        Share of the Munk moment that acts.
-    lift, leak : float
-        Upward force at the hull centre, and its loss per time. [N], [N/s]
-    curve : pair of float
-        a and b of T = a u^2 + b u. [N]
-    columns : tuple of six floats each
-        Force and moment per newton of each rotor. [1], [m]
-    places : tuple of triple
-        Positions of the rotors. [m]
-    thrust : float
-        Factor on the thrust of all rotors.
-    gains : tuple of float
-        Factor on the thrust of each rotor.
-    lag, slow_lag : float
-        Time constant of the motors, and its hidden increase. [s]
-    delay : float
-        Delay from a command to the motors. [s]
-    deadband : float
-        Duty below which a rotor stands still.
-    wind : triple
-        Mean wind in the map. [m/s]
-    draught : float
-        Root mean square of each component of the random air motion. [m/s]
-    tracker : triple
-        Yaw, pitch and roll from the tracker's axes to the map. [rad]
-    tracker_delay : float
-        Age of a pose. [s]
-    marker_turn, marker_arm : triple
-        Yaw, pitch and roll [rad] from the axes of the marker frame to those of the body, and the
-        position of its origin in the body. [m]
-    wrench_gains : tuple of six float
-        Share of a commanded wrench that acts, by axis; of vehicles without duties.
-    imu_bias, gyro_bias, gyro_scale : triple
-        Biases, and relative scale error of the gyroscope. [m/s2], [rad/s], [1]
-    range_offset, pressure_offset : float
-        Biases. [m], [Pa]
-    imu_place, range_place : triple
-        Positions of the sensors. [m]
-
     """
 
-    mass: float
-    displaced: float
-    cg: Triple
-    inertia: Triple
-    added_mass: Triple
-    added_inertia: Triple
-    drag: Triple
-    turn_linear: Triple
-    turn_square: Triple
-    plates: tuple[DragPlate, ...]
-    curve: tuple[float, float]
-    columns: tuple[Six, ...]
-    places: tuple[Triple, ...]
-    gains: tuple[float, ...]
-    imu_place: Triple
-    range_place: Triple
-    lag: float = 0.072
-    yaw_air: float = 0.0
-    linear_drag: Triple = NONE
-    extra_drag: Triple = NONE
-    munk: float = 1.0
-    lift: float = 0.0
-    leak: float = 0.0
-    thrust: float = 1.0
-    slow_lag: float = 0.0
-    delay: float = 0.0
-    deadband: float = 0.0
-    wind: Triple = NONE
-    draught: float = 0.0
-    tracker: Triple = NONE
-    tracker_delay: float = 0.0
+    mass: float  # with its gas [kg]
+    displaced: float  # mass of the displaced air [kg]
+    cg: Triple  # centre of gravity [m]
+    inertia: Triple  # about the centre of gravity [kg m2]
+    added_mass: Triple  # [kg]
+    added_inertia: Triple  # [kg m2]
+    drag: Triple  # quadratic [N s2/m2]
+    turn_linear: Triple  # damping of rotation [N m s]
+    turn_square: Triple  # damping of rotation [N m s2]
+    plates: tuple[DragPlate, ...]  # parts that damp rotation by their own drag
+    curve: tuple[float, float]  # a and b of T = a u^2 + b u [N]
+    columns: tuple[Six, ...]  # force and moment per newton of each rotor [1], [m]
+    places: tuple[Triple, ...]  # positions of the rotors [m]
+    gains: tuple[float, ...]  # factor on the thrust of each rotor
+    imu_place: Triple  # position of the IMU [m]
+    range_place: Triple  # position of the range sensor [m]
+    lag: float = 0.072  # time constant of the motors [s]
+    yaw_air: float = 0.0  # hidden added inertia in yaw, which grows with the rate [kg m2]
+    linear_drag: Triple = NONE  # [N s/m]
+    extra_drag: Triple = NONE  # hidden quadratic drag [N s2/m2]
+    munk: float = 1.0  # share of the Munk moment that acts
+    lift: float = 0.0  # upward force at the hull centre [N]
+    leak: float = 0.0  # loss of lift per time [N/s]
+    thrust: float = 1.0  # factor on the thrust of all rotors
+    slow_lag: float = 0.0  # hidden increase of the motors' time constant [s]
+    delay: float = 0.0  # from a command to the motors [s]
+    deadband: float = 0.0  # duty below which a rotor stands still
+    wind: Triple = NONE  # mean wind in the map [m/s]
+    draught: float = 0.0  # root mean square of each component of the random air motion [m/s]
+    tracker: Triple = NONE  # yaw, pitch and roll from the tracker's axes to the map [rad]
+    tracker_delay: float = 0.0  # age of a pose [s]
+    # Yaw, pitch and roll from the axes of the marker frame to the body's [rad]
     marker_turn: Triple = NONE
-    marker_arm: Triple = NONE
+    marker_arm: Triple = NONE  # position of the marker frame's origin in the body [m]
+    # Share of a commanded wrench that acts, by axis; of vehicles without duties
     wrench_gains: Six = (1.0, 1.0, 1.0, 1.0, 1.0, 1.0)
-    imu_bias: Triple = NONE
-    gyro_bias: Triple = NONE
-    gyro_scale: Triple = NONE
-    range_offset: float = 0.0
-    pressure_offset: float = 0.0
+    imu_bias: Triple = NONE  # [m/s2]
+    gyro_bias: Triple = NONE  # [rad/s]
+    gyro_scale: Triple = NONE  # relative scale error of the gyroscope [1]
+    range_offset: float = 0.0  # bias [m]
+    pressure_offset: float = 0.0  # bias [Pa]
 
 
 def to_triple(values: object) -> Triple:

@@ -37,60 +37,29 @@ class BatchPower(NamedTuple):
 
 
 class FlightConstants(NamedTuple):
-    """
-    Everything that determines a flight except its seed and the model's own numbers.
+    """Everything that determines a flight except its seed and the model's own numbers."""
 
-    Attributes
-    ----------
-    drone : DroneConstants
-        The drone's knowledge of itself.
-    mission : MissionSettings
-        Altitudes and speeds.
-    sensors, listening, goal, power : SensorDatasheets, LightLink, EndConditions, BatchPower
-        The world.
-    array, expected : DiodeFitInputs, DirectionPrior
-        The drone's model of its diodes, and its prior on the lamp.
-    place : tuple of float
-        Hull centre at the start. [m, map]
-    heading, spread : float
-        Middle and half width of the headings at the start. [rad]
-    wind : SteadyWind
-        Of the scene.
-    held : float
-        Time for which a hand holds the drone. [s]
-    lowest : PerRotor
-        Minimum duty of each rotor.
-    route : tuple of int
-        Index of the lamp of each stop, in order; only the first lamp without a route.
-    mass_place : tuple of float
-        Position of the moving mass. [m, body]
-    duties : PerRotor
-        In an open loop.
-    reserve : ReserveRule
-        Action at the energy reserve.
-    diode_scale : float
-        Gain of the photodiodes' resistor relative to one of 100 kohm. [1]
-
-    """
-
-    drone: DroneConstants
-    mission: MissionSettings
+    drone: DroneConstants  # the drone's knowledge of itself
+    mission: MissionSettings  # altitudes and speeds
+    # The world: sensors, light link, end conditions and power
     sensors: SensorDatasheets
     listening: LightLink
-    array: DiodeFitInputs
-    expected: DirectionPrior
+    array: DiodeFitInputs  # the drone's model of its diodes
+    expected: DirectionPrior  # its prior on the lamp
     goal: EndConditions
     power: BatchPower
-    place: Vector
-    heading: float
-    spread: float
+    place: Vector  # hull centre at the start [m, map]
+    heading: float  # middle of the headings at the start [rad]
+    spread: float  # their half width [rad]
     wind: SteadyWind
-    held: float
-    lowest: PerRotor
+    held: float  # time for which a hand holds the drone [s]
+    lowest: PerRotor  # minimum duty of each rotor
+    # Index of the lamp of each stop, in order; only the first lamp without a route
     route: tuple[int, ...]
-    mass_place: Vector
-    duties: PerRotor
-    reserve: ReserveRule
+    mass_place: Vector  # position of the moving mass [m, body]
+    duties: PerRotor  # in an open loop
+    reserve: ReserveRule  # action at the energy reserve
+    # Gain of the photodiodes' resistor relative to one of 100 kohm [1]
     diode_scale: float
 
 

@@ -59,66 +59,31 @@ class PhotodiodeArray(StrictModel):
     A ring of photodiodes under the hull.
 
     The vehicle file describes the ring; defaults are data sheet values of the part, or neutral.
-
-    Attributes
-    ----------
-    axes : tuple of tuple of float
-        Unit axes in the body frame; by default horizontal, evenly spread, the first forward.
-    depth, radius : float
-        Ring below the hull centre, and distance of each diode along its axis. [m]
-    response : float
-        Exponent of the cosine.
-    field_of_view : float
-        Full angle. [rad]
-    gain_spread : float
-        Relative standard deviation of the gains.
-    gains : tuple of float
-        Of each diode, relative to the nominal; all 1 by default.
-    dead : tuple of int
-        Indices of dead diodes, from 0.
-    feedback_resistance : float
-        Feedback resistor. [ohm]
-    area : float
-        Sensitive area of a diode. [m2]
-    responsivity : float
-        Photocurrent by optical power. [A/W]
-    dark_offset : float
-        Output in the dark. [V]
-    bandwidth : float
-        3 dB frequency. [Hz]
-    noise : float
-        Standard deviation of the amplifier's noise with a feedback resistor of 1 Mohm. [V]
-    adc_range : float
-        Voltage at full scale. [V]
-    adc_noise : float
-        Standard deviation of the converter's own noise, in its steps.
-    clock_error : float
-        Relative error of the sampling rate, positive if too fast.
-    jitter : float
-        Standard deviation of the sampling instants, the same for all diodes. [s]
-
     """
 
     count: Annotated[int, Field(ge=1, le=64)]
-    depth: Finite
-    radius: NotNegative
+    depth: Finite  # ring below the hull centre [m]
+    radius: NotNegative  # distance of each diode along its axis [m]
+    # Unit axes in the body frame; by default horizontal, evenly spread, the first forward
     axes: tuple[tuple[Finite, Finite, Finite], ...] = ()
-    response: Positive = 1.0
-    field_of_view: Annotated[Positive, Field(le=math.pi)] = math.pi
-    gain_spread: NotNegative = 0.0
-    gains: tuple[NotNegative, ...] = ()
-    dead: tuple[Annotated[int, Field(ge=0)], ...] = ()
-    feedback_resistance: Positive
-    area: Positive = 5.2e-6
-    responsivity: Positive = 0.45
-    dark_offset: NotNegative = 7.5e-3
-    bandwidth: Positive = 14e3
+    response: Positive = 1.0  # exponent of the cosine
+    field_of_view: Annotated[Positive, Field(le=math.pi)] = math.pi  # full angle [rad]
+    gain_spread: NotNegative = 0.0  # relative standard deviation of the gains
+    gains: tuple[NotNegative, ...] = ()  # of each diode, relative to the nominal; all 1 by default
+    dead: tuple[Annotated[int, Field(ge=0)], ...] = ()  # indices of dead diodes, from 0
+    feedback_resistance: Positive  # feedback resistor [ohm]
+    area: Positive = 5.2e-6  # sensitive area of a diode [m2]
+    responsivity: Positive = 0.45  # photocurrent by optical power [A/W]
+    dark_offset: NotNegative = 7.5e-3  # output in the dark [V]
+    bandwidth: Positive = 14e3  # 3 dB frequency [Hz]
+    # Amplifier's standard deviation with a feedback resistor of 1 Mohm [V]
     noise: NotNegative = 300e-6
     # The converter of the Teensy 4.1.
     adc_bits: Annotated[int, Field(ge=1, le=16)] = 12
-    adc_range: Positive = 3.3
-    adc_noise: NotNegative = 0.0
-    clock_error: Finite = 0.0
+    adc_range: Positive = 3.3  # voltage at full scale [V]
+    adc_noise: NotNegative = 0.0  # standard deviation of the converter's own noise, in its steps
+    clock_error: Finite = 0.0  # relative error of the sampling rate, positive if too fast
+    # Standard deviation of the sampling instants, the same for all diodes [s]
     jitter: NotNegative = 0.0
 
     @cached_property
