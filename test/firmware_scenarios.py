@@ -70,35 +70,16 @@ def hover(begin: float, end: float) -> Stream:
 
 
 class Scenario(NamedTuple):
-    """
-    A script.
+    """A script."""
 
-    Attributes
-    ----------
-    about : str
-        Label on the page.
-    builds : tuple of str
-        Builds that play it.
-    seconds : float
-        Duration. [s]
-    packets : tuple
-        Times [s] and packets.
-    streams : tuple of Stream
-        Packets that repeat.
-    bench : tuple
-        Times [s] with changes of the body: name and value.
-    since : float
-        Start of the outcome: in hover, motors may stop for a moment before. [s]
-
-    """
-
-    about: str
-    builds: tuple[str, ...]
-    seconds: float
-    packets: tuple[tuple[float, Packet], ...] = ()
-    streams: tuple[Stream, ...] = ()
+    about: str  # label on the page
+    builds: tuple[str, ...]  # builds that play it
+    seconds: float  # duration [s]
+    packets: tuple[tuple[float, Packet], ...] = ()  # times [s] and packets
+    streams: tuple[Stream, ...] = ()  # packets that repeat
+    # Times [s] with changes of the body: name and value
     bench: tuple[tuple[float, str, float], ...] = ()
-    since: float = 0.0
+    since: float = 0.0  # start of the outcome: in hover, motors may stop for a moment before [s]
 
 
 class Sample(NamedTuple):

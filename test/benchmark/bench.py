@@ -32,36 +32,17 @@ Choice = Callable[[Iterable[float]], float]
 
 @dataclass(frozen=True, slots=True)
 class Figure:
-    """
-    Something that can be measured.
+    """Something that can be measured."""
 
-    Parameters
-    ----------
-    name : str
-        `group.quantity`.
-    unit : str
-        Of its value.
-    measure : callable
-        Returns one sample; the first may be slow, as it may compile.
-    rounds : int
-        Samples to take.
-    choose : callable
-        Takes the figure from the samples, and the best of peers: `max` for what should be high,
-        `min` for what should be low.
-    of : str
-        LTA's figure that this one is the peer's of; '' for LTA's own.
-    peer : str
-        Program and version of a peer.
-
-    """
-
-    name: str
-    unit: str
-    measure: Callable[[], float]
-    rounds: int = 10
+    name: str  # `group.quantity`
+    unit: str  # of its value
+    measure: Callable[[], float]  # returns one sample; the first may be slow, as it may compile
+    rounds: int = 10  # samples to take
+    # Takes the figure from the samples, and the best of peers: `max` for what should be high,
+    # `min` for what should be low
     choose: Choice = max
-    of: str = ''
-    peer: str = ''
+    of: str = ''  # LTA's figure that this one is the peer's of; '' for LTA's own
+    peer: str = ''  # program and version of a peer
 
 
 @dataclass(frozen=True, slots=True)

@@ -25,20 +25,10 @@ Key = tuple[str, str]  # figure and peer
 
 @dataclass(frozen=True, slots=True)
 class Ratio:
-    """
-    LTA's figure over a peer's.
-
-    Attributes
-    ----------
-    value : float
-        The ratio.
-    unit : str
-        Of the figure itself, which tells whether more is better: a rate, or a cost.
-
-    """
+    """LTA's figure over a peer's."""
 
     value: float
-    unit: str
+    unit: str  # of the figure itself, which tells whether more is better: a rate, or a cost
 
     def loss(self, before: 'Ratio') -> float:
         """Return by what share this is worse than it was; below zero where it is better."""

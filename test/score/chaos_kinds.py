@@ -44,32 +44,14 @@ ORDERLY: Final = LANDS[0] + 0.4  # s: the launcher sees the end, and the bridge 
 
 @dataclass(frozen=True, slots=True)
 class Kind:
-    """
-    One kind of fault.
+    """One kind of fault."""
 
-    Attributes
-    ----------
-    about : str
-        In the words of the table.
-    strike : callable
-        Does it to a trial, and returns what must be told.
-    ends : bool
-        Whether the flight ends by it; otherwise it goes on once it is over.
-    ways : tuple of str
-        How graphs are started that it is done to.
-    silent : bool
-        Whether whoever does it is told by the answer alone.
-    latest : float
-        Until when the flight goes on for long enough. [s of flight]
-
-    """
-
-    about: str
-    strike: Callable[[Any], str]
-    ends: bool = False
-    ways: tuple[str, ...] = ALL
-    silent: bool = False
-    latest: float = math.inf
+    about: str  # in the words of the table
+    strike: Callable[[Any], str]  # does it to a trial, and returns what must be told
+    ends: bool = False  # whether the flight ends by it; otherwise it goes on once it is over
+    ways: tuple[str, ...] = ALL  # how graphs are started that it is done to
+    silent: bool = False  # whether whoever does it is told by the answer alone
+    latest: float = math.inf  # until when the flight goes on for long enough [s of flight]
 
 
 def killed(trial: Any) -> str:

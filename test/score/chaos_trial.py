@@ -28,20 +28,12 @@ LATEST: Final = {'lockstep': 8.0, 'realtime': 12.0, 'hardware': 10.0}  # s of fl
 
 @dataclass(frozen=True, slots=True)
 class Struck(Outcome):
-    """
-    What became of a graph.
+    """What became of a graph."""
 
-    Attributes
-    ----------
-    way, target : str
-        How it was started, and what was struck.
-    told, said : float
-        Until it was named in /diagnostics and on the terminal. [s]
-
-    """
-
+    # How it was started, and what was struck
     way: str = ''
     target: str = ''
+    # Until it was named in /diagnostics and on the terminal [s]
     told: float | None = None
     said: float | None = None
 

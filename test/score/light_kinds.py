@@ -21,33 +21,16 @@ DRIFT: Final = 200e-6  # relative error of its clock, fast
 
 @dataclass(frozen=True, slots=True)
 class LightKind:
-    """
-    One kind of fault.
+    """One kind of fault."""
 
-    Attributes
-    ----------
-    about : str
-        Label in the table.
-    word : str
-        Part of the bridge's message; empty if the light continues.
-    strike, cure : callable
-        Inject the fault into a `LightTrial`, and remove it.
-    spoilt : FrameFaults
-        Disturbance of the frames meanwhile.
-    figure : str
-        The bridge's counter of exactly the disturbed frames; empty for none.
-    drift : float
-        Relative error of the board's clock, fast.
-
-    """
-
-    about: str
-    word: str = ''
+    about: str  # label in the table
+    word: str = ''  # part of the bridge's message; empty if the light continues
+    # Inject the fault into a `LightTrial`, and remove it
     strike: Callable[[Any], object] = lambda trial: None
     cure: Callable[[Any], object] = lambda trial: None
-    spoilt: FrameFaults = SOUND
-    figure: str = ''
-    drift: float = 0.0
+    spoilt: FrameFaults = SOUND  # disturbance of the frames meanwhile
+    figure: str = ''  # the bridge's counter of exactly the disturbed frames; empty for none
+    drift: float = 0.0  # relative error of the board's clock, fast
 
 
 def hushed(silent: bool) -> Callable[[Any], None]:

@@ -41,31 +41,15 @@ SPARE: Final = 30  # s of processor time that a mutant has beyond three times th
 
 
 class Area(NamedTuple):
-    """
-    What is changed, and what ought to see it.
+    """What is changed, and what ought to see it."""
 
-    Attributes
-    ----------
-    package : str
-        Folder of the modules, which may be in several packages.
-    modules : tuple of str
-        Patterns within it.
-    folder : str
-        Where the tests are that count when they import the module.
-    tests : tuple of str
-        Tests that see a module without naming it.
-    compiled : bool
-        Whether numba compiles the kernels; as Python they do not wait for the compiler.
-    left_out : tuple of str
-        Parts of the names of tests that take too long: they fly, draw or discover a whole flight.
-
-    """
-
-    package: str
-    modules: tuple[str, ...]
-    folder: str
-    tests: tuple[str, ...] = ()
+    package: str  # folder of the modules, which may be in several packages
+    modules: tuple[str, ...]  # patterns within it
+    folder: str  # where the tests are that count when they import the module
+    tests: tuple[str, ...] = ()  # tests that see a module without naming it
+    # Whether numba compiles the kernels; as Python they do not wait for the compiler
     compiled: bool = False
+    # Parts of the names of tests that take too long: they fly, draw or discover a whole flight
     left_out: tuple[str, ...] = ()
 
 

@@ -38,26 +38,13 @@ KILLED, SURVIVED, STOPPED, INCOMPETENT = 'killed', 'survived', 'stopped', 'incom
 
 
 class Trial(NamedTuple):
-    """
-    What is to be tried.
+    """What is to be tried."""
 
-    Attributes
-    ----------
-    module : str
-        The changed module, which must import.
-    tests : sequence of str
-        Files of tests from the root of the tree, those first that are likely to fail.
-    limit : int
-        Processor time. [s]
-    compiled : bool
-        Whether numba compiles; without, kernels run as Python.
-
-    """
-
-    module: str
+    module: str  # the changed module, which must import
+    # Files of tests from the root of the tree, those first that are likely to fail
     tests: Sequence[str]
-    limit: int
-    compiled: bool
+    limit: int  # processor time [s]
+    compiled: bool  # whether numba compiles; without, kernels run as Python
 
 
 class Outcome(NamedTuple):

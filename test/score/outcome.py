@@ -18,34 +18,18 @@ Found = TypeVar('Found', bound='Outcome')
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """
-    What became of a flight.
+    """What became of a flight."""
 
-    Attributes
-    ----------
-    took, stated : float
-        From the fault, or from the request to disarm, to motors that stand. [s]
-    flew_on : bool
-        Whether it was flying until it was asked to disarm.
-    phase : str
-        In which it struck.
-    wrong : str
-        What must not be; empty where all is as stated.
-    timing : bool
-        Whether that is a time that was missed or another word that was said, both of which a
-        machine that stands still brings about by itself.
-    late : float
-        By how much the machine woke a sleeper too late at most. [s]
-
-    """
-
+    # From the fault, or from the request to disarm, to motors that stand [s]
     took: float | None = None
     stated: float | None = None
-    flew_on: bool = False
-    phase: str = ''
-    wrong: str = ''
+    flew_on: bool = False  # whether it was flying until it was asked to disarm
+    phase: str = ''  # in which it struck
+    wrong: str = ''  # what must not be; empty where all is as stated
+    # Whether that is a time that was missed or another word that was said, both of which a machine
+    # that stands still brings about by itself
     timing: bool = False
-    late: float = 0.0
+    late: float = 0.0  # by how much the machine woke a sleeper too late at most [s]
 
 
 def tried(fly: Callable[[Path, Peer], Found], broken: type[Found]) -> Found:
