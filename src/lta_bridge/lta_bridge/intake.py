@@ -104,7 +104,7 @@ class MessageIntake:
             when = log_time(row, data)
             if varying:
                 data = clean(data)
-            if not self._has_time():
+            if not any(books.knows_time for books in self._books.values()):
                 if once:
                     self._early.append((name, data))
                     return
@@ -113,10 +113,6 @@ class MessageIntake:
             write(name, data, when)
 
         return receive_message
-
-    def _has_time(self) -> bool:
-        """Return whether the graph time of some robot is known."""
-        return any(books.knows_time for books in self._books.values())
 
     def write_early_messages(self) -> None:
         """Write the messages that were sent once before any stamp, at the present time."""

@@ -54,7 +54,7 @@ def _iterate_sections(path: str, model: type[BaseModel]) -> Iterator[str]:
             place = '.'.join(filter(None, (path, key, *steps)))
             below.append((place, inner))
             kind = f'[block](#{place.lower().replace(".", "")})'
-            text = text or _first_sentence(inner)
+            text = text or inspect.cleandoc(inner.__doc__ or '').splitlines()[0]
         cell = ', '.join(filter(None, (kind, bounds)))
         rows.append(f'| {shown} | {cell} | {text} |\n'.replace('  ', ' '))
     about = inspect.cleandoc(model.__doc__ or '').split('\n\nAttributes\n')[0]
@@ -122,10 +122,6 @@ def _read_comments(model: type[BaseModel]) -> dict[str, str]:
             found[field[1]] = (field[2] or above).replace('|', '\\|')
         above = ''
     return found
-
-
-def _first_sentence(model: type[BaseModel]) -> str:
-    return inspect.cleandoc(model.__doc__ or '').splitlines()[0]
 
 
 def _format_effects() -> str:

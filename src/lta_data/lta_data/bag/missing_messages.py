@@ -3,7 +3,6 @@
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
-from pathlib import Path
 from statistics import median
 from typing import final, Literal, NamedTuple
 
@@ -127,9 +126,8 @@ def estimate_missing(
     log times of periodic topics.
     """
     found: dict[str, MissingMessages] = {}
-    told = {
-        entry.topic: entry.messages for entry in parse_topic_metadata(read_bag_metadata(bag.path))
-    }
+    described = read_metadata(bag.path) if bag.path.is_dir() else {}
+    told = {entry.topic: entry.messages for entry in parse_topic_metadata(described)}
     indexed = count_indexed_losses(bag)
     lost = list_loss_spans(bag)
     for topic, known in bag.topics.items():
@@ -142,11 +140,6 @@ def estimate_missing(
         if topic not in found and topic in beats and (holes := beats[topic].count_missing(lost)):
             found[topic] = MissingMessages(holes, 'rhythm')
     return found
-
-
-def read_bag_metadata(path: Path) -> dict[str, object]:
-    """Return the metadata.yaml of a bag; empty for a single file."""
-    return read_metadata(path) if path.is_dir() else {}
 
 
 def count_indexed_losses(bag: Bag) -> Counter[str]:

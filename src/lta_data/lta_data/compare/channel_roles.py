@@ -58,7 +58,8 @@ class RoleChannel(NamedTuple):
 
 def find_pose_prefix(channels: Sequence[ChannelComparison]) -> str:
     """Return the prefix of the plotted pose's fields, such as 'odom/pose.pose.', or ''."""
-    found = [each.name.removesuffix('position.x') for each in channels if is_x_position(each)]
+    names = [each.name for each in channels if each.name.endswith('position.x')]
+    found = [name.removesuffix('position.x') for name in names]
     for topic in POSES:
         for start in found:
             if start.startswith(f'{topic}/'):
@@ -66,11 +67,6 @@ def find_pose_prefix(channels: Sequence[ChannelComparison]) -> str:
     # Setpoints and lamps have positions too, but are not the vehicle's.
     free = [start for start in found if not start.startswith(('setpoint', 'light'))]
     return (free or found or [''])[0]
-
-
-def is_x_position(each: ChannelComparison) -> bool:
-    """Return whether a channel is the x coordinate of a position."""
-    return each.name.endswith('position.x')
 
 
 def select_panel_channels(channels: Sequence[ChannelComparison]) -> list[RoleChannel]:

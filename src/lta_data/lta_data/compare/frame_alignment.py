@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, final, Literal, NamedTuple
 
-from lta_data.bag.channels import SignalChannel
 from lta_data.compare.channel_pairs import ChannelPair
 from lta_data.compare.compared_flight import ComparedFlight
 from lta_data.compare.frame_fit import fit_frame_transform, FrameTransform
@@ -190,11 +189,7 @@ def transform_triple(
         # Vectors are rotated only; a shift applies to positions.
         x, y = fit.rotate_vectors(given[:, 0], given[:, 1])
         values = np.stack([x, y, given[:, 2]], axis=1)
-
-    def copy_with_values(channel: SignalChannel, column: Array) -> SignalChannel:
-        return replace(channel, values=column)
-
     return {
-        pair.name: pair._replace(b=copy_with_values(pair.b, column))
+        pair.name: pair._replace(b=replace(pair.b, values=column))
         for pair, column in zip(parts, values.T, strict=True)
     }

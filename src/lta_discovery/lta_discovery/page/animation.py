@@ -90,7 +90,7 @@ def draw_piece(finding: StudyResult, piece: PredictedPiece) -> str:
     """Return the animation of one piece."""
     scene = _Scene(piece)
     words = _list_captions(finding, piece)
-    still = _list_still_captions(words)
+    still = [*words[1][2], *words[-1][2]]
     body = [
         _style(),
         f'<title>{escape(" ".join(still))}</title>',
@@ -332,10 +332,6 @@ def _list_captions(
         (NAMED, SNAP, missing),
         (SNAP, LOOP, [*missing, f'With {them}: {after} off']),
     ]
-
-
-def _list_still_captions(captions: Sequence[tuple[float, float, list[str]]]) -> list[str]:
-    return [*captions[1][2], *captions[-1][2]]
 
 
 def _draw_captions(captions: Sequence[tuple[float, float, list[str]]]) -> list[str]:

@@ -76,20 +76,16 @@ def compare_topic(
     # A field that only one run has differs in every row
     for first, second, empty in ((a.numbers, b.numbers, np.nan), (a.texts, b.texts, '')):
         for path in dict.fromkeys((*first, *second)):
-            x, y = (select_column(each, path, len(a.keys), empty) for each in (first, second))
+            x, y = (
+                each[path] if path in each else np.full(len(a.keys), empty)
+                for each in (first, second)
+            )
             differs = find_differences(x, y)
             if differs.any():
                 wrong |= differs
                 channels.append(compare_channel(path, x, y, differs))
     channels.sort(key=lambda each: each.first)
     return TopicComparison(topic, a, b, int(wrong.sum()), unmatched, tuple(channels))
-
-
-def select_column(
-    columns: Mapping[str, NDArray[Any]], path: str, length: int, empty: object
-) -> NDArray[Any]:
-    """Return a column; a missing one is empty in every row."""
-    return columns[path] if path in columns else np.full(length, empty)
 
 
 def find_differences(x: NDArray[Any], y: NDArray[Any]) -> NDArray[np.bool_]:

@@ -55,14 +55,11 @@ def draw_drag(sweep: TunnelSweep, turning: bool) -> Figure:
             )
         )  # fmt: skip
     unit = ('rate [rad/s]', 'moment [N m]') if turning else ('speed [m/s]', 'drag [N]')
-    figure.update_xaxes(type='log', title_text=unit[0], tickvals=_choose_ticks(turning))
+    ticks = [0.3, 1.0, 3.0] if turning else [0.2, 0.5, 1.0, 1.5, 2.0]
+    figure.update_xaxes(type='log', title_text=unit[0], tickvals=ticks)
     figure.update_yaxes(type='log', title_text=unit[1], dtick=1, exponentformat='power')
     add_legend(figure)
     return figure
-
-
-def _choose_ticks(turning: bool) -> list[float]:
-    return [0.3, 1.0, 3.0] if turning else [0.2, 0.5, 1.0, 1.5, 2.0]
 
 
 def draw_slice(plane: FlowSlice) -> Figure:
@@ -104,7 +101,8 @@ def draw_sphere_drag(results: Sequence[SphereComparison]) -> Figure:
             name='Morrison 2013', mode='lines', line={'color': RAW, 'width': 2}, showlegend=True,
         )
     )  # fmt: skip
-    for colour, setting in zip(cycle(SETTINGS), _unique_settings(results), strict=False):
+    settings = dict.fromkeys(each.setting for each in results)
+    for colour, setting in zip(cycle(SETTINGS), settings, strict=False):
         those = [each for each in results if each.setting == setting]
         figure.add_trace(
             Scatter(
@@ -119,7 +117,3 @@ def draw_sphere_drag(results: Sequence[SphereComparison]) -> Figure:
     figure.update_yaxes(title_text='drag coefficient', range=[0.2, 0.54])
     add_legend(figure)
     return figure
-
-
-def _unique_settings(results: Sequence[SphereComparison]) -> list[str]:
-    return list(dict.fromkeys(each.setting for each in results))

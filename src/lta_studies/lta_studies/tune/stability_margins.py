@@ -50,12 +50,6 @@ class LoopMargins:
     why: str = ''  # why there are no margins
 
 
-def frequency_grid(period: float) -> Array:
-    """Return the evaluated frequencies, up to half the control rate. [rad/s]"""
-    # Just below the Nyquist frequency, where z = -1 can be a pole.
-    return np.geomspace(LOWEST, 0.999 * math.pi / period, POINTS)
-
-
 def frequency_response(linear: LinearLoop, loop: Loop, frequency: Array) -> Complex:
     """Return L(jw) of one loop with the others closed."""
     z = np.exp(1j * frequency * linear.period)
@@ -103,7 +97,8 @@ def compute_margins_or_reason(
         why = 'the vertical rotors are stopped'
     found = None
     if not why:
-        w = frequency_grid(linear.period)
+        # Just below the Nyquist frequency, where z = -1 can be a pole [rad/s]
+        w = np.geomspace(LOWEST, 0.999 * math.pi / linear.period, POINTS)
         found = compute_margins(w, frequency_response(linear, loop, w))
     return LoopMargins(
         loop, speed, loss, linear.is_stable, linear.growth_rate, linear.swing, found, why

@@ -81,16 +81,13 @@ def _describe_push(sheet: VehicleSheet) -> Iterator[str]:
     up, rotors = f['push_up'], len(sheet.vehicle.rotors)
     count = MANY[rotors] if rotors < len(MANY) else str(rotors)
     if up.value is not None and up.note:
-        yield f'With its {count} rotor{"s" if rotors != 1 else ""} it {_prepend_verb(up.note)}.'
+        able = up.note if up.note.startswith('could') else f'is {up.note}'
+        yield f'With its {count} rotor{"s" if rotors != 1 else ""} it {able}.'
     level = f['level_speed']
     if level.value:
         climb = f.get('climb_speed')
         more = f' and its top climb rate {climb.value_with_unit}' if climb and climb.value else ''
         yield f'Its top speed in level flight is {level.value_with_unit}{more}.'
-
-
-def _prepend_verb(note: str) -> str:
-    return note if note.startswith('could') else f'is {note}'
 
 
 def _describe_stability(sheet: VehicleSheet) -> Iterator[str]:

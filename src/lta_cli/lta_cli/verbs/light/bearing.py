@@ -1,6 +1,5 @@
 """lta light bearing: compare the bearing errors of the paper's estimator and ours."""
 
-from collections.abc import Sequence
 import math
 from typing import Annotated
 
@@ -115,7 +114,7 @@ def bearing(
         tuple(
             TrueDiodes(exponent, spread)
             for exponent in dict.fromkeys(response or (None,))
-            for spread in dict.fromkeys(_as_shares(gain_spread))
+            for spread in dict.fromkeys(each / 100.0 for each in gain_spread or ()) or (None,)
         ),
         turn,
         math.radians(off_axis),
@@ -128,11 +127,6 @@ def bearing(
     with ProgressBar(run.console, begin='bearing', total=asked.pose_count) as bar:
         results = run_bearing_trials(asked, lambda: bar.update_bar(advance=1))
     return build_report(results, asked)
-
-
-def _as_shares(percent: Sequence[float] | None) -> list[float | None]:
-    """Return percentages as shares; one None without any."""
-    return [None] if not percent else [each / 100.0 for each in percent]
 
 
 def parse_range(text: str) -> float | None:

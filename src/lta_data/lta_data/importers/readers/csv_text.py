@@ -167,7 +167,7 @@ class TextRows:
     ) -> None:
         unread = text.skip + (1 if text.header is None else 0)
         self._lines, delimiter = open_text_lines(
-            stream, text, unread, delimiter_of(text).join(names).encode()
+            stream, text, unread, NAMED.get(text.delimiter, text.delimiter).join(names).encode()
         )
         self._skipped = 0
         self._skipped_bytes = 0  # since the last row that was read
@@ -251,11 +251,6 @@ class TextRows:
         self._skipped_bytes += len(text)
         hopeless = self._skipped > self._rows and self._skipped_bytes > MOST_SKIPPED
         return 'error' if hopeless else 'skip'
-
-
-def delimiter_of(text: TextFormat) -> str:
-    """Return the delimiter of a text as one character."""
-    return NAMED.get(text.delimiter, text.delimiter)
 
 
 def read_column_names(path: Path, text: TextFormat) -> list[str]:

@@ -5,7 +5,6 @@ import math
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 DRAWS: Final = 4000
 SEED: Final = 7
@@ -19,12 +18,6 @@ class BootstrapMean(NamedTuple):
     low: float
     high: float
     flights: int
-
-
-def draw_resamples(count: int) -> NDArray[np.int64]:
-    """Return the resampled indices, shape (DRAWS, count)."""
-    # A fixed seed makes the page reproducible.
-    return np.random.default_rng(SEED).integers(count, size=(DRAWS, count))
 
 
 def bootstrap_mean(values: Sequence[float]) -> BootstrapMean:
@@ -48,6 +41,7 @@ def bootstrap_ratio(above: Sequence[float], below: Sequence[float]) -> Bootstrap
     # Resampling one value would give an interval of zero width.
     if count == 1:
         return BootstrapMean(value, math.nan, math.nan, 1)
-    resamples = draw_resamples(count)
+    # A fixed seed makes the page reproducible.
+    resamples = np.random.default_rng(SEED).integers(count, size=(DRAWS, count))
     low, high = np.percentile(top[resamples].mean(axis=1) / bottom[resamples].mean(axis=1), ENDS)
     return BootstrapMean(value, float(low), float(high), count)

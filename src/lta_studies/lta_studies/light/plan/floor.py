@@ -74,7 +74,8 @@ def build_floor(plan: FloorPlan, vehicle: Vehicle, cell: float) -> FloorGrid:
     x, y = (low[k] + (np.arange(counts[k]) + 0.5) * cell for k in (0, 1))
     points = np.stack(np.meshgrid(x, y), axis=-1)
     free = points_in_polygon(points, corners)
-    radius, lowest = hull_radius(vehicle), plan.altitude.si - vehicle.hull_height_on_floor
+    radius = max(half_axes(vehicle.file.hull)[:2])  # largest horizontal half axis [m]
+    lowest = plan.altitude.si - vehicle.hull_height_on_floor
     in_the_way = [polygon_edges(corners)]
     walls = [_wall_faces(corners, plan.height.si)]
     for obstacle in plan.obstacles.values():
@@ -98,11 +99,6 @@ def build_floor(plan: FloorPlan, vehicle: Vehicle, cell: float) -> FloorGrid:
             'the obstacles, choose smaller cells with --cell, or choose a smaller vehicle.'
         )
     return FloorGrid(x, y, cell, free, wanted, np.vstack(walls), abs(signed_area(corners)))
-
-
-def hull_radius(vehicle: Vehicle) -> float:
-    """Return the largest horizontal half axis of the hull. [m]"""
-    return max(half_axes(vehicle.file.hull)[:2])
 
 
 def _check_height(plan: FloorPlan, vehicle: Vehicle) -> None:
