@@ -30,11 +30,7 @@ class StallDetector:
     A node that hangs falls silent, and is named at once. A node that reports but does not answer
     is identified by what the others wait for, which takes a moment to settle.
 
-    Attributes
-    ----------
-    standing : float
-        Duration of the current stall. [wall s]
-
+    Attribute `standing`: duration of the current stall [wall s].
     """
 
     def __init__(self) -> None:

@@ -12,13 +12,8 @@ class RejectionCount:
     """
     A count of invalid inputs.
 
-    Attributes
-    ----------
-    count : int
-        Number of invalid inputs.
-    why : str
-        The last reason; empty if there was none.
-
+    Attribute `count`: number of invalid inputs. Attribute `why`: the last reason; empty if there
+    was none.
     """
 
     def __init__(self) -> None:

@@ -83,11 +83,7 @@ class Browser:
     """
     A headless browser with one tab; use it as a context manager.
 
-    Attributes
-    ----------
-    events : list of tuple of str and dict
-        All events of the tab so far: method and parameters.
-
+    Attribute `events`: all events of the tab so far: method and parameters.
     """
 
     def __init__(self) -> None:

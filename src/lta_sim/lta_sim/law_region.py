@@ -20,11 +20,8 @@ class LawRegion:
     """
     Compare a flight with the region of the law of a vehicle file.
 
-    Attributes
-    ----------
-    warning : str
-        The first quantity that was clearly out of its range, as a sentence; '' until then.
-
+    Attribute `warning`: the first quantity that was clearly out of its range, as a sentence; ''
+    until then.
     """
 
     def __init__(self, name: str, law: Law | None) -> None:

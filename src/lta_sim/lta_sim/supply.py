@@ -24,11 +24,7 @@ class Supply:
     """
     The electric supply of a vehicle.
 
-    Attributes
-    ----------
-    flow : PowerFlow
-        State of the cell and mean powers of the last control period.
-
+    Attribute `flow`: state of the cell and mean powers of the last control period.
     """
 
     def __init__(

@@ -9,16 +9,8 @@ class BlockSequence:
     """
     The blocks of one array in time order.
 
-    Parameters
-    ----------
-    period_ns : int
-        From the first sample of a block to that of the next. [ns]
-
-    Attributes
-    ----------
-    missing : int
-        Number of missing blocks so far.
-
+    `period_ns`: from the first sample of a block to that of the next [ns]. Attribute `missing`:
+    number of missing blocks so far.
     """
 
     def __init__(self, period_ns: int) -> None:

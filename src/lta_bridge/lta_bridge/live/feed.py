@@ -44,11 +44,7 @@ class TopicThrottle:
     Only periodic topics are thinned. On others, such as /diagnostics, each message may be from
     another node. `clock` returns the wall time. [s]
 
-    Attributes
-    ----------
-    sent, left_out : dict of str to int
-        By topic: forwarded messages, and those dropped between them.
-
+    Attributes `sent`, `left_out`: by topic: forwarded messages, and those dropped between them.
     """
 
     def __init__(self, table: TopicTable, clock: Callable[[], float] = time.monotonic) -> None:

@@ -11,16 +11,8 @@ class PendingAnswers:
     """
     Pending answers of a lockstep replay.
 
-    Parameters
-    ----------
-    due : mapping of str to sequence of int
-        Due times of the answers by topic, in order. [ns]
-
-    Attributes
-    ----------
-    come : dict of str to int
-        Number of received answers by topic.
-
+    `due`: due times of the answers by topic, in order [ns]. Attribute `come`: number of received
+    answers by topic.
     """
 
     def __init__(self, due: Mapping[str, Sequence[int]]) -> None:

@@ -34,12 +34,8 @@ class FrameParser:
     """
     Parse frames and count errors.
 
-    Attributes
-    ----------
-    frames, crc_errors, unknown, stray : int
-        Valid frames, frames with a wrong checksum, messages not in the dialect, and bytes that
-        belong to none of these.
-
+    Attributes `frames`, `crc_errors`, `unknown`, `stray`: valid frames, frames with a wrong
+    checksum, messages not in the dialect, and bytes that belong to none of these.
     """
 
     def __init__(self) -> None:

@@ -14,13 +14,8 @@ class SenderFilter:
     Two boards on one link would mix their rows, and a third party could fake a lamp. The filter
     cannot know the right sender, but it never mixes two.
 
-    Attributes
-    ----------
-    who : hashable or None
-        The accepted sender; None before the first.
-    others : int
-        Number of ignored messages from other senders.
-
+    Attribute `who`: the accepted sender; None before the first. Attribute `others`: number of
+    ignored messages from other senders.
     """
 
     def __init__(self) -> None:

@@ -20,11 +20,7 @@ class JoyDevice:
     """
     Keep the newest Joy message and the buttons pressed since the last reading.
 
-    Attributes
-    ----------
-    unsound : RejectionCount
-        Messages that do not fit the layout, or whose axes are not finite.
-
+    Attribute `unsound`: messages that do not fit the layout, or whose axes are not finite.
     """
 
     def __init__(self, layout: GamepadLayout) -> None:

@@ -41,11 +41,7 @@ class MotionWindow:
     """
     Collect poses and yield them with their motion once it is known.
 
-    Attributes
-    ----------
-    gaps : int
-        Number of gaps longer than `GAP_NS`.
-
+    Attribute `gaps`: number of gaps longer than `GAP_NS`.
     """
 
     def __init__(self) -> None:

@@ -64,13 +64,9 @@ class FlightLinearizer:
     """
     Linearize one flight.
 
-    Attributes
-    ----------
-    index, time : ndarray, shape (S, n)
-        Grid points of each piece, and their times. [s]
-    random, motion : int
-        Number of unknowns of a piece, and of those that affect its motion, which come first.
-
+    Attributes `index`, `time`, shape (S, n): grid points of each piece, and their times [s].
+    Attributes `random`, `motion`: number of unknowns of a piece, and of those that affect its
+    motion, which come first.
     """
 
     def __init__(

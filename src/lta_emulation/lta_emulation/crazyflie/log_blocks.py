@@ -38,11 +38,7 @@ class LogBlocks:
     """
     The log subsystem.
 
-    Attributes
-    ----------
-    refuse : int
-        An errno with which every block is refused; 0 for none. For tests.
-
+    Attribute `refuse`: an errno with which every block is refused; 0 for none. For tests.
     """
 
     def __init__(self, contents: TableOfContents[LogVariable]) -> None:

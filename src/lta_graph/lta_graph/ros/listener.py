@@ -24,16 +24,8 @@ class DiagnosticsListener:
     """
     Collect the newest fact of every task: `with DiagnosticsListener('lta1') as listener: ...`.
 
-    Parameters
-    ----------
-    robots : str
-        Namespaces to listen to; /diagnostics is shared by all robots of a domain.
-
-    Attributes
-    ----------
-    facts : dict of str to HealthFact
-        By 'NODE: TASK', or 'ROBOT/NODE: TASK' with several robots.
-
+    `robots`: namespaces to listen to; /diagnostics is shared by all robots of a domain. Attribute
+    `facts`: by 'NODE: TASK', or 'ROBOT/NODE: TASK' with several robots.
     """
 
     def __init__(self, *robots: str) -> None:

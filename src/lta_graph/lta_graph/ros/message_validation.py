@@ -192,16 +192,8 @@ class MessageValidator:
     A jump in the stamps may come from a changed clock or from a wrong sender. They look alike, so
     a jump is only reported.
 
-    Parameters
-    ----------
-    stamps : bool
-        Whether to check the stamps of periodic topics.
-
-    Attributes
-    ----------
-    unsound : RejectionCount
-        The invalid messages.
-
+    `stamps`: whether to check the stamps of periodic topics. Attribute `unsound`: the invalid
+    messages.
     """
 
     def __init__(self, stamps: bool) -> None:

@@ -21,13 +21,9 @@ class LoadModel(StrictModel):
     """
     Power of each consumer.
 
-    Attributes
-    ----------
-    idle, transmitting : float
-        Electronics without radio, and addition while the radio sends. [W]
-    rotor_offset, rotor_slope : float
-        A turning rotor at vanishing thrust [W], and its power by thrust [W/N].
-
+    Attributes `idle`, `transmitting`: electronics without radio, and addition while the radio
+    sends [W]. Attributes `rotor_offset`, `rotor_slope`: a turning rotor at vanishing thrust [W],
+    and its power by thrust [W/N].
     """
 
     idle: NotNegative

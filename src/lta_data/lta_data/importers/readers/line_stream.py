@@ -68,13 +68,9 @@ class CleanedLines(io.RawIOBase):
     """
     A readable stream of the data lines; without comments it passes large blocks unchanged.
 
-    Attributes
-    ----------
-    headers : int
-        Lines left out so far because they repeat the names of the columns.
-    torn : bool
-        Whether the last line was left out, because it has no end and lacks cells or a number.
-
+    Attribute `headers`: lines left out so far because they repeat the names of the columns.
+    Attribute `torn`: whether the last line was left out, because it has no end and lacks cells or
+    a number.
     """
 
     PIECE = 1 << 20  # bytes

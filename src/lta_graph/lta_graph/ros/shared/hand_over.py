@@ -98,11 +98,8 @@ class LocalPublisher(Publisher):
     """
     A publisher that hands its messages over to the readers of its process.
 
-    Attributes
-    ----------
-    latched : bool
-        Whether the middleware gets every message, for readers outside that come late.
-
+    Attribute `latched`: whether the middleware gets every message, for readers outside that come
+    late.
     """
 
     def __init__(self, hand_over: HandOver, *arguments: Any, **more: Any) -> None:  # noqa: ANN401
