@@ -4,13 +4,15 @@ from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
 from lta_bridge.crazyflie.safety import LEAVE
+from lta_bridge.crazyflie.settings import CrazyflieBridgeSettings
 from lta_config.constants import AIR_DENSITY
 from lta_config.errors import BadInput
 from lta_config.files import parse_yaml, validate_content
+from lta_config.schema.crazyflie_file import find_crazyflie
 from lta_control.laws.onboard_law import check_onboard_law
 from lta_control.strategies import check_route, find_navigation_strategy
 from lta_flight.lamp_frequency import check_lamp_frequency
-from lta_flight.node_checks import check_node
+from lta_flight.node_checks import check_node, validate_settings
 from lta_graph.launch_file import LaunchPlan
 from lta_model.scenario import load_scenario
 from lta_model.start_offset import offset_start
@@ -31,8 +33,8 @@ def check_plan(plan: LaunchPlan) -> None:
     """
     Reject what our nodes would reject: vehicle, scenario, strategy, seed, bag or device.
 
-    Also reject what no node can detect alone: a lamp outside the demodulator's search window, and
-    a bridge that would be stopped before it has landed its drone.
+    Also reject what no node can detect alone: a lamp outside the demodulator's search window, a
+    bridge that would be stopped before it has landed its drone, and two controllers of one drone.
 
     Raises
     ------
@@ -40,6 +42,8 @@ def check_plan(plan: LaunchPlan) -> None:
         The sentence with which the node would exit.
 
     """
+    # First: a vehicle that flies by its own firmware may have no law for our controller
+    check_controllers(plan)
     for process in plan.processes:
         if process.package.startswith(OURS):
             values = parse_parameters(process.arguments)
@@ -64,6 +68,30 @@ def check_landing_time(plan: LaunchPlan) -> None:
                 f'{LANDING:g} s after Ctrl-C; give it at least "sigterm_timeout: {LANDING:.1f}" '
                 'in the launch file.'
             )
+
+
+def check_controllers(plan: LaunchPlan) -> None:
+    """Reject our controller beside a Crazyflie that its own firmware controls, by setpoints."""
+    controllers = {
+        process.namespace: plan.label(process)
+        for process in plan.processes
+        if process.package.startswith(OURS) and process.executable == CONTROLLER
+    }
+    for process in plan.processes:
+        # The controller would never be armed, and a take-off would end as a fault
+        if (process.package, process.executable) != BRIDGE or process.namespace not in controllers:
+            continue
+        if FILE_OPTION not in process.arguments:  # a parameter file is not read here
+            given = parse_parameters(process.arguments)
+            settings = validate_settings(CrazyflieBridgeSettings, process.executable, given)
+            name = load_vehicle(settings.vehicle).file.name
+            file = find_crazyflie(settings.vehicle, name, settings.crazyflie)
+            if (settings.command or file.command) == 'setpoint':
+                raise BadInput(
+                    f'The Crazyflie of {name} is commanded by setpoints, which its own firmware '
+                    f'follows, but {controllers[process.namespace]} is to start too; add '
+                    'command:=setpoint or controller:=false.'
+                )
 
 
 def check_snapshots(plan: LaunchPlan) -> None:

@@ -145,6 +145,29 @@ def test_a_bridge_that_would_be_stopped_before_it_lands_its_drone_is_refused(sec
         check_plan(load_plan(path, given))
 
 
+def test_two_controllers_of_one_drone_are_refused(tmp_path):
+    """The firmware's and ours, which is never armed: a take-off would end as a fault."""
+    (tmp_path / 'mine.yaml').write_text(find_file('vehicle', 'gtmab').read_text())
+    text = find_file('crazyflie', 'gtmab').read_text()
+    beside = tmp_path / 'mine.crazyflie.yaml'
+    beside.write_text(text.replace('command: motors', 'command: setpoint'))
+    mine = {**REAL, 'vehicle': str(tmp_path / 'mine.yaml'), 'bag': str(tmp_path / 'bag')}
+    for name, words in (('gtmab', mine), ('multirotor', {**mine, 'vehicle': 'multirotor'})):
+        with pytest.raises(BadInput) as caught:
+            check_plan(load_plan(FLY, words))
+        assert str(caught.value) == (
+            f'The Crazyflie of {name} is commanded by setpoints, which its own firmware follows, '
+            'but controller is to start too; add command:=setpoint or controller:=false.'
+        )
+        for way_out in ({'command': 'setpoint'}, {'controller': 'false'}):
+            check_plan(load_plan(FLY, words | way_out))
+    # Duties on request, and a drone that only exists in the simulator
+    check_plan(load_plan(FLY, mine | {'command': 'motors'}))
+    check_plan(load_plan(FLY, mine | {'source': 'sim'}))
+    beside.write_text(text)
+    check_plan(load_plan(FLY, mine))
+
+
 @pytest.fixture
 def other(tmp_path):
     """Return the file of a scene whose lamp flickers at 230 Hz."""
