@@ -7,6 +7,7 @@ the same. Times are the drone's own. What locks it comes last.
 
 import itertools
 import os
+from random import random
 
 from lta_bridge.crazyflie import duties_packet
 from lta_bridge.crazyflie.log_table import BLOCKS
@@ -141,7 +142,9 @@ def test_the_bridge_flies_it_and_brings_it_down_unlocked(uri, domain_id, hear):
             for name, publisher in publishers.items():
                 message = find_message_type(TABLE[name])()
                 message.header.stamp = stamp
-                if name == 'setpoint/pose':
+                if name == 'odom':
+                    message.pose.pose.position.z = random()  # no height repeats to the bit
+                elif name == 'setpoint/pose':
                     message.pose.position.z = HEIGHT
                 elif name == 'motors':
                     names = vehicle.rotor_names

@@ -1,4 +1,4 @@
-"""Four faults in flight, side by side: what `make faults` does with every kind, many times."""
+"""Six faults in flight, side by side: what `make faults` does with every kind, many times."""
 
 import json
 from pathlib import Path
@@ -13,6 +13,8 @@ CASES = [
     ('dumb', 1),
     ('killed', 1),
     ('ended', 0),
+    ('hung', 0),
+    ('rises', 0),
 ]  # even by duties, odd by setpoints
 PATIENCE = 240.0  # s; half a minute where nobody else works
 

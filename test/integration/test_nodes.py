@@ -8,6 +8,7 @@ import signal
 
 from builtin_interfaces.msg import Time
 from domain import free_domain
+from lta_config.covariances import UNKNOWN_VARIANCE
 from lta_control.messages import from_duties
 from lta_graph.health import HealthLevel
 from lta_graph.ros.message_validation import find_message_type
@@ -34,7 +35,7 @@ class Pilot(Peer):
     def __init__(self, domain_id: int) -> None:
         super().__init__(domain_id)
         self.motors = []
-        self.step = 0
+        self.step = self.estimates = 0
         self.hear('motors', self.motors.append)
 
 
@@ -80,7 +81,11 @@ def estimate(peer, step, **position):
     """Send an estimate of a drone at rest, level at 0.5 m, and return the duties in answer."""
     odom = find_message_type(TABLE['odom'])()
     odom.header.stamp = to_stamp(TABLE.start_ns + step * STEP)
-    odom.pose.pose.position.z = position.get('z', 0.5)
+    peer.estimates += 1
+    # No height of a flight repeats to the bit
+    noise = position.get('noise', 1e-6) * (peer.estimates % 2)
+    odom.pose.pose.position.z = position.get('z', 0.5) + noise
+    odom.pose.covariance[14] = position.get('variance', 1e-4)
     half = 0.5 * position.get('roll', 0.0)
     odom.pose.pose.orientation.x, odom.pose.pose.orientation.w = math.sin(half), math.cos(half)
     peer.motors.clear()
@@ -219,6 +224,23 @@ def test_not_a_number_stops_the_motors_for_good(controller, hear):
     refused = controller.ask(SetBool, 'arm', data=True)
     assert not refused.success
     assert 'NaN or infinity' in refused.message
+
+
+@pytest.mark.parametrize('lost', [{'noise': 0.0}, {'variance': UNKNOWN_VARIANCE}])
+def test_an_unknown_height_stops_the_motors_for_good(controller, hear, lost):
+    """Its estimate repeats it to the bit for more than 2 s, or says that it is unknown."""
+    step = flying_controller(controller)
+    duties = []
+    for turn in range(1, 230):
+        setpoint(controller, 1.0, step + turn)
+        duties.append(estimate(controller, step + turn, **lost))
+    if 'noise' in lost:
+        assert all(map(any, duties[:190]))
+    assert not any(map(any, duties[-10:]))
+    assert not any(estimate(controller, step + 231))
+    hear(lambda facts: 'the height is unknown' in motors(facts))
+    refused = controller.ask(SetBool, 'arm', data=True)
+    assert not refused.success
 
 
 def test_turned_over_the_motors_stop_for_good(controller, hear):

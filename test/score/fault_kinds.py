@@ -25,6 +25,7 @@ LANDS: Final = (0.7, 5.5)  # commanded immediately
 LOW: Final = (1.1, 5.9)  # after 0.3 s of low voltage, and 0.1 s between two readings
 STALE: Final = (1.1, 5.9)  # after 0.3 s, and the delay of a setpoint
 SILENT: Final = (1.3, 6.0)  # after half a second of silence
+STUCK: Final = (2.8, 7.6)  # after 2 s in which the height repeats
 LATE: Final = (2.3, 7.0)  # the same, and a delay of 1 s
 SLACK: Final = 1.0  # s more, for a machine with other work
 STARTS: Final = (
@@ -56,6 +57,8 @@ class Kind:
         Part of the bridge's message in the bag; empty if there is none.
     flies_on : bool
         Whether the flight continues; the time then counts from the request to disarm.
+    stays : float
+        For how long no motor may turn again. [s]
     firmware : callable
         Make the firmware for a body.
 
@@ -67,6 +70,7 @@ class Kind:
     word: str = ''
     ends: str = 'lands'
     flies_on: bool = False
+    stays: float = 0.0
     firmware: Callable[[SimulatedBody, Random], Firmware] = lambda body, random: made(body)
 
 
@@ -207,6 +211,30 @@ KINDS: Final = {
         STALE,
         lambda trial: trial.command(float('nan')),
         'the newest command is',
+    ),
+    'no estimate': Kind(
+        'position estimates stop', SILENT, lambda trial: trial.lose_estimate(), 'position estimate'
+    ),
+    'stuck height': Kind(
+        'height of the estimate repeats to the bit',
+        STUCK,
+        lambda trial: trial.freeze_height(),
+        'the position of the drone is not known',
+    ),
+    'rises': Kind(
+        'lighter than air, and disarmed in flight',
+        LANDS,
+        lambda trial: trial.disarm_rising(),
+        'lighter than air',
+        stays=6.0,
+    ),
+    'hung': Kind(
+        'SIGSTOP to the bridge, and SIGCONT once the motors stand',
+        CUT_OFF,
+        lambda trial: trial.hang(),
+        '',
+        ALONE,
+        stays=3.0,
     ),
     'emergency': Kind(
         'emergency stop',

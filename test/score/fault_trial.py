@@ -13,6 +13,7 @@ import math
 from pathlib import Path
 from random import Random
 import re
+import signal
 import sys
 import time
 from typing import Any, Final
@@ -45,6 +46,7 @@ ASKED: Final = 0.3  # s between two requests to arm
 HEARD: Final = 5.0  # s for the bridge's word to be heard
 STANDS: Final = 1.5  # s without a motor turning after which they stand
 GOES_ON: Final = 2.0  # s that a flight must go on where it may
+RISE: Final = 0.15  # m/s of a drone that is lighter than air
 WATCHED: Final = 6.0  # s in which a drone that must not arm is asked to
 
 
@@ -72,6 +74,9 @@ class Trial:
             'odom', 'motors')  # fmt: skip
         self._publishers = {name: peer.publisher(name) for name in names}
         self._factor, self._distance, self._silent = 1.0, 0.0, False
+        self._noise = Random(number)
+        self._frozen = self._lost = False
+        self._rises_from = math.inf
         self._commanded = self._turned = self._asked = -math.inf
         self.began = math.inf
 
@@ -93,6 +98,23 @@ class Trial:
     def command(self, factor: float) -> None:
         """Command a multiple of what the pilot wants."""
         self._factor = factor
+
+    def lose_estimate(self) -> None:
+        """Let no more estimates come."""
+        self._lost = True
+
+    def freeze_height(self) -> None:
+        """Let the estimated height repeat to the bit."""
+        self._frozen = True
+
+    def disarm_rising(self) -> None:
+        """Let the estimate rise, and ask to disarm; the pilot commands on."""
+        self._rises_from = time.monotonic()
+        self._peer.ask(SetBool, 'crazyflie_bridge/arm', data=False)
+
+    def hang(self) -> None:
+        """Stop the bridge where it is, as a debugger does."""
+        self.bridge.send_signal(signal.SIGSTOP)
 
     def emergency(self) -> None:
         """Ask for an emergency stop."""
@@ -123,11 +145,14 @@ class Trial:
         self._commanded, phase = now, self.phase if self.began < now else 'climb'
         stamp = self._peer.node.get_clock().now().to_msg()
         for name, publisher in self._publishers.items():
+            if name == 'odom' and self._lost:
+                continue
             message: Any = find_message_type(TABLE[name])()
             message.header.stamp = stamp
             match name:
                 case 'odom':
                     message.pose.pose.position.x = self._distance
+                    message.pose.pose.position.z = self._height(now)
                 case 'motors':
                     duties = tuple(self._factor * duty for duty in DUTIES[phase])
                     message = from_duties(stamp, self._names, duties)
@@ -136,6 +161,11 @@ class Trial:
                 case 'setpoint/velocity':
                     message.twist.linear.x = self._factor * SPEEDS[phase]
             publisher.publish(message)
+
+    def _height(self, now: float) -> float:
+        """Return the estimated height, with the noise of a sensor that works. [m]"""
+        noise = 0.0 if self._frozen else 1e-3 * self._noise.random()
+        return RISE * max(0.0, now - self._rises_from) + noise
 
     def _fly_until(self, condition: Callable[[], object]) -> None:
         """Command and watch the motors until something holds."""
@@ -184,7 +214,16 @@ class Trial:
             wrong = '' if took <= stated else f'turned for {took:.2f} s, stated {stated:.1f} s'
             if self._kind.flies_on and not flew_on:
                 wrong = 'it did not fly on'
+            if self._kind.stays and self._turns_again():
+                wrong = wrong or 'a motor turned again'
             return self._closed(Outcome(took, stated, flew_on, phase, wrong, bool(wrong)))
+
+    def _turns_again(self) -> bool:
+        """Tell whether a motor turns once they stand; a bridge that hung goes on."""
+        since = time.monotonic()
+        self.bridge.send_signal(signal.SIGCONT)
+        self._for(self._kind.stays)
+        return self._turned > since
 
     def _goes_on(self) -> bool:
         """Fly on where the kind lets it; return whether motors turn to the end."""

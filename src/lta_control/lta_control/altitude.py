@@ -6,9 +6,12 @@ offset of the pressure height, which drifts slowly with weather and temperature.
 gives the height while the floor is within its range; beyond that the filter relies on pressure.
 """
 
+import math
 from typing import NamedTuple
 
 from lta_config.settings import setting, Settings
+
+STUCK = 2.0  # s of turning motors without a new reading, after which a sensor is not believed
 
 
 class AltitudeSettings(Settings):
@@ -51,6 +54,38 @@ class AltitudeEstimate(NamedTuple):
     climb: float = 0.0  # [m/s]
     offset: float = 0.0  # [m]
     p: tuple[float, float, float, float, float, float] = (1.0, 0.0, 0.0, 0.01, 0.0, 1.0)
+
+
+class SensorWatch(NamedTuple):
+    """The newest reading of a sensor, and how long motors have turned since it changed. [s]"""
+
+    reading: float = 0.0
+    age: float = 0.0
+
+
+class HeightSensors(NamedTuple):
+    """The two sensors that measure the height."""
+
+    range: SensorWatch = SensorWatch()
+    pressure: SensorWatch = SensorWatch()
+
+
+def watch_sensor(watch: SensorWatch, reading: float, turning: bool, dt: float) -> SensorWatch:
+    """
+    Return what is known about a sensor `dt` seconds later.
+
+    Noise changes every reading of a drone in flight, so one that repeats to the bit is no new
+    one; neither is NaN or infinity. At rest a sensor may be quiet: time counts while motors are
+    `turning`.
+    """
+    if math.isfinite(reading) and reading != watch.reading:
+        return SensorWatch(reading, 0.0)
+    return SensorWatch(watch.reading, watch.age + dt if turning else watch.age)
+
+
+def is_stuck(watch: SensorWatch) -> bool:
+    """Return whether a sensor has given no new reading for too long."""
+    return watch.age > STUCK
 
 
 def predict_altitude(

@@ -5,8 +5,9 @@ At rest on level ground the estimator first calibrates the IMU biases and the fl
 (`rest_time`), and starts again if the drone is moved. It waits while the biases are larger than
 the sensor allows. After `PATIENCE` rest times it accepts a tilt, since an unbalanced drone stands
 tilted, but never a turn: a false yaw bias would turn the estimate for the rest of the flight.
-Then it filters attitude, altitude and airspeed at each step. The position here is dead reckoning
-through the air; that over ground is estimated from it (`ground_motion`).
+Then it filters attitude, altitude and airspeed at each step. A range finder or barometer that
+repeats its reading to the bit is stuck and not used. The position here is dead reckoning through
+the air; that over ground is estimated from it (`ground_motion`).
 """
 
 import math
@@ -19,7 +20,10 @@ from lta_control.altitude import (
     AltitudeEstimate,
     AltitudeSettings,
     correct_altitude,
+    HeightSensors,
+    is_stuck,
     predict_altitude,
+    watch_sensor,
 )
 from lta_control.attitude import attitude_step, Quaternion, up_in_body, Vector, yaw_from_quaternion
 from lta_control.bias_calibration import (
@@ -120,6 +124,7 @@ class MotionEstimate(NamedTuple):
     position: tuple[float, float] = (0.0, 0.0)
     duties: PerRotor = NONE  # reached by the motors
     flown: float = 0.0  # time since the calibration ended [s]
+    sensors: HeightSensors = HeightSensors()
 
 
 class EstimatorInputs(NamedTuple):
@@ -130,6 +135,19 @@ class EstimatorInputs(NamedTuple):
     range: float  # [m]; infinite where nothing is in range
     pressure: float  # [Pa]
     duties: PerRotor  # the newest command
+
+
+def is_height_known(estimate: MotionEstimate) -> bool:
+    """Return whether range finder or barometer still measure the height."""
+    return not (is_stuck(estimate.sensors.range) and is_stuck(estimate.sensors.pressure))
+
+
+def is_any_motor_turning(duties: PerRotor) -> bool:
+    """Return whether any motor is commanded to turn."""
+    total = 0.0
+    for j in range(len(duties)):
+        total += abs(duties[j])
+    return total > 0.0
 
 
 def is_plausible_imu_sample(rates: Vector, force: Vector) -> bool:
@@ -164,6 +182,13 @@ def estimator_step(
         ),
         swing,
     )
+    turning = is_any_motor_turning(inputs.duties)
+    # Beyond 60 degrees of tilt the beam no longer points at the floor
+    distance = inputs.range if up[2] > 0.5 else math.nan
+    sensors = HeightSensors(
+        watch_sensor(state.sensors.range, distance, turning, dt),
+        watch_sensor(state.sensors.pressure, inputs.pressure, turning, dt),
+    )
     # The drag model needs the thrust now, not the commanded one
     duties = _lag_duties(body, state.duties, inputs.duties, dt)
     airspeed = airspeed_step(
@@ -181,13 +206,23 @@ def estimator_step(
         state.biases,
         attitude,
         rates,
-        _update_altitude(settings, body, state, inputs, up, moving, dt),
+        _update_altitude(
+            settings,
+            body,
+            state,
+            math.nan if is_stuck(sensors.range) else distance,
+            math.nan if is_stuck(sensors.pressure) else inputs.pressure,
+            up,
+            moving,
+            dt,
+        ),
         airspeed,
         advance_position(
             state.position, airspeed.surge, airspeed.sway, yaw_from_quaternion(attitude), dt
         ),
         duties,
         state.flown + dt,
+        sensors,
     )
 
 
@@ -228,6 +263,7 @@ def _calibrate_at_rest(
         state.position,
         state.duties,
         state.flown,
+        state.sensors,
     )
 
 
@@ -264,7 +300,8 @@ def _update_altitude(
     settings: EstimatorSettings,
     body: EstimatorModel,
     state: MotionEstimate,
-    inputs: EstimatorInputs,
+    distance: float,
+    pressure: float,
     up: Vector,
     moving: Vector,
     dt: float,
@@ -274,19 +311,16 @@ def _update_altitude(
     altitude = predict_altitude(
         state.altitude, upward, weights.acceleration_noise, weights.offset_walk, dt
     )
-    if math.isfinite(inputs.pressure):
-        drop = state.biases.pressure - inputs.pressure
+    if math.isfinite(pressure):
+        drop = state.biases.pressure - pressure
         # Hydrostatic equation; the density is constant over the height of a room
         height = drop / (settings.air_density * STANDARD_GRAVITY)
         altitude = correct_altitude(altitude, height, weights.pressure_noise, True)
-    # Beyond 60 degrees of tilt the beam no longer points at the floor.
-    if math.isfinite(inputs.range) and up[2] > 0.5:
+    if math.isfinite(distance):
         px, py, pz = body.range_position
         # Height of the sensor above the hull centre; the slant range times cos(tilt) is its height
         below = px * up[0] + py * up[1] + pz * up[2]
-        altitude = correct_altitude(
-            altitude, inputs.range * up[2] - below, weights.range_noise, False
-        )
+        altitude = correct_altitude(altitude, distance * up[2] - below, weights.range_noise, False)
     return altitude
 
 

@@ -13,6 +13,7 @@ from typing import Any, final, NamedTuple
 
 from lta_config.compilation.flat import Array, compile_core, TupleLayout
 from lta_control.allocation import SCRATCH, Scratch
+from lta_control.altitude import is_stuck, SensorWatch, watch_sensor
 from lta_control.attitude import Quaternion, Vector, yaw_from_quaternion
 from lta_control.autopilot import ESTIMATE
 from lta_control.cascade import CascadeMeasurement, Setpoint
@@ -29,6 +30,8 @@ from lta_control.estimator import (
     EstimatorInputs,
     EstimatorModel,
     EstimatorSettings,
+    is_any_motor_turning,
+    is_height_known,
     is_plausible_imu_sample,
     MotionEstimate,
 )
@@ -126,7 +129,7 @@ class LawAutopilot:
     command : LawCommand
         The latest command.
     stopped : bool
-        Stopped for good: the drone has overturned, or a value is not finite.
+        Stopped for good: the drone has overturned, a value is not finite, or the height unknown.
 
     """
 
@@ -162,7 +165,7 @@ class LawAutopilot:
         self._pack_inputs = struct.Struct(f'{INPUTS.size}d').pack_into
         self._pack_heard = struct.Struct(f'{HEARD.size}d').pack_into
         self._setpoint: Setpoint | None = None
-        self._landing = LandingWatch()
+        self._landing, self._height = LandingWatch(), SensorWatch()
         self._truth: tuple[float, ...] = ()
         self._start: tuple[float, ...] = ()
         self.command, self.stopped = self._rest, False
@@ -200,6 +203,12 @@ class LawAutopilot:
         # In the order of `LawInputs`
         numbers = (*motion.position, *motion.attitude, *motion.velocity, *motion.rates, *setpoint)
         if not math.isfinite(sum(numbers)) or has_overturned(motion.attitude, self._upright):
+            self.stopped = True
+        turning = is_any_motor_turning(self.command.duties)
+        self._height = watch_sensor(self._height, motion.position[2], turning, self._dt)
+        # A tracker measures the height too
+        blind = self.law.feedback is Feedback.ESTIMATOR and not is_height_known(self.estimate)
+        if blind or is_stuck(self._height):
             self.stopped = True
         if self.stopped or self._is_landed(_motion_to_measurement(motion), setpoint):
             # Reset the integrals, so that nothing winds up on the ground.

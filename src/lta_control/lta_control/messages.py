@@ -20,7 +20,7 @@ from lta_control import message_rounding
 from lta_control.attitude import Quaternion, up_in_body, Vector, yaw_from_quaternion
 from lta_control.cascade import CascadeMeasurement, Setpoint
 from lta_control.commanded_flight import CommandedFlight, FlightTask, TaskKind, TaskOutcome
-from lta_control.estimator import EstimatorInputs, MotionEstimate
+from lta_control.estimator import EstimatorInputs, is_height_known, MotionEstimate
 from lta_control.laws.protocol import ControlMotion
 from lta_control.odometry.ground_state import GroundMotion, rotate_covariance
 from lta_control.odometry.lamp_sighting import build_sighting, LampSighting
@@ -120,7 +120,8 @@ def from_estimate(stamp: Time, estimate: MotionEstimate, ground: GroundMotion) -
         message.twist.covariance = _unknown_covariance()
         return message
     pose_covariance = _build_covariance(ground.position_covariance)
-    pose_covariance[14] = estimate.altitude.p[0] + RANGE_OFFSET**2
+    known = is_height_known(estimate)
+    pose_covariance[14] = estimate.altitude.p[0] + RANGE_OFFSET**2 if known else UNKNOWN_VARIANCE
     # [rad2] Roll and pitch are bounded by gravity; yaw drifts with the gyroscope
     pose_covariance[21] = pose_covariance[28] = 0.02**2
     pose_covariance[35] = (YAW_DRIFT * estimate.flown) ** 2
@@ -218,14 +219,19 @@ def to_attitude(message: Odometry) -> Quaternion:
 def to_cascade_measurement(
     odom: Odometry, airspeed: TwistWithCovarianceStamped | None = None
 ) -> CascadeMeasurement | None:
-    """Return the input of the cascade, or None while the estimate is unknown."""
-    if not has_estimate(odom.pose.covariance[0]):
+    """Return the input of the cascade, or None while the estimate or its height is unknown."""
+    if not has_estimate(odom.pose.covariance[0]) or is_height_lost(odom):
         return None
     p, q, w = odom.pose.pose.position, odom.pose.pose.orientation, odom.twist.twist.angular
     v = (airspeed or odom).twist.twist.linear
     return message_rounding.build_measurement(
         (q.x, q.y, q.z, q.w), p.z, (v.x, v.y, v.z), (w.x, w.y, w.z)
     )
+
+
+def is_height_lost(odom: Odometry) -> bool:
+    """Return whether an estimate has lost its height."""
+    return not has_estimate(odom.pose.covariance[14])
 
 
 def to_motion(odom: Odometry, airspeed: TwistWithCovarianceStamped | None) -> ControlMotion:

@@ -10,6 +10,7 @@ import math
 from typing import NamedTuple
 
 from lta_control.allocation import Rotors, Scratch
+from lta_control.altitude import is_stuck, SensorWatch, watch_sensor
 from lta_control.attitude import Vector
 from lta_control.cascade import CascadeGains, CascadeMeasurement, Setpoint
 from lta_control.control import (
@@ -27,6 +28,8 @@ from lta_control.estimator import (
     EstimatorInputs,
     EstimatorModel,
     EstimatorSettings,
+    is_any_motor_turning,
+    is_height_known,
     is_plausible_imu_sample,
     MotionEstimate,
 )
@@ -66,8 +69,9 @@ class OnboardMemory(NamedTuple):
     setpoint: Setpoint = Setpoint(0.0, 0.0, 0.0)
     control: ControlMemory = ControlMemory()
     duties: PerRotor = NONE
-    stopped: bool = False  # for good: overturned, or a value is not finite
+    stopped: bool = False  # for good: overturned, a value is not finite, or the height unknown
     landing: LandingWatch = LandingWatch()
+    height: SensorWatch = SensorWatch()
 
 
 def onboard_step(
@@ -80,7 +84,11 @@ def onboard_step(
     `allocate`.
     """
     estimate, measured = estimate_motion(drone, memory, readings)
-    stopped = memory.stopped or _must_stop(drone, memory, estimate, measured)
+    height = watch_sensor(
+        memory.height, measured.altitude, is_any_motor_turning(memory.duties), drone.dt
+    )
+    unknown = is_stuck(height) or not is_height_known(estimate)
+    stopped = memory.stopped or unknown or _must_stop(drone, memory, estimate, measured)
     # The controller restarts from its initial state whenever the motors are off.
     control, duties = drone.fresh, NONE
     floor = drone.body.standing_height
@@ -99,7 +107,15 @@ def onboard_step(
             scratch,
         )
     return OnboardMemory(
-        estimate, measured, memory.guided, memory.setpoint, control, duties, stopped, landing
+        estimate,
+        measured,
+        memory.guided,
+        memory.setpoint,
+        control,
+        duties,
+        stopped,
+        landing,
+        height,
     )
 
 

@@ -6,13 +6,14 @@ import math
 
 from lta_config.files import find_file, load_yaml
 from lta_control import estimator
-from lta_control.altitude import AltitudeEstimate
+from lta_control.altitude import AltitudeEstimate, HeightSensors, STUCK
 from lta_control.bias_calibration import is_tilted, is_turning, MOST_RATE, SensorBiases
 from lta_control.estimator import (
     estimator_step,
     EstimatorInputs,
     EstimatorModel,
     EstimatorSettings,
+    is_height_known,
     MotionEstimate,
     RestSums,
 )
@@ -341,6 +342,55 @@ def test_the_truth_is_out_of_reach():
     assert not any(isinstance(node, ast.Global | ast.Nonlocal) for node in ast.walk(tree))
 
 
+FLYING = STILL._replace(duties=pad_to_slots((0.2, 0.2)))
+STEPS = round(STUCK / DT)
+
+
+def fly(state, steps, *, distance=None, pressure=None, sink=0.002, duties=FLYING.duties):
+    """Return the estimate of a drone that sinks by `sink` a step; given readings are stuck."""
+    for _ in range(steps):
+        down = sink * state.flown / DT
+        inputs = FLYING._replace(
+            range=0.5 - down if distance is None else distance,
+            pressure=101_000.0 + 1.225 * G * down if pressure is None else pressure,
+            duties=duties,
+        )
+        state = estimator_step(SETTINGS, BODY, state, inputs, DT)
+    return state
+
+
+def test_a_range_finder_that_repeats_is_left_to_the_barometer():
+    start = fly(rested(), 1, distance=0.5)
+    before = fly(start, STEPS - 1, distance=0.5)
+    held = before.altitude.height
+    assert held == pytest.approx(0.87, abs=0.05)
+    after = fly(before, 2 * STEPS, distance=0.5)
+    assert after.altitude.height < held - 0.5  # it sank by 0.8 m meanwhile
+    assert is_height_known(after)
+    # Its next reading is a new one
+    again = fly(after, 1, distance=0.1)
+    assert again.sensors.range.age == 0.0
+    assert again.altitude.height == pytest.approx(0.47, abs=0.02)
+    assert abs(after.altitude.height - 0.47) > 0.2
+
+
+@pytest.mark.parametrize('lost', [math.nan, math.inf, 0.5])
+def test_without_both_sensors_the_height_is_unknown(lost):
+    gone = {'distance': lost, 'pressure': math.nan if math.isnan(lost) else 101_000.0}
+    state = fly(rested(), STEPS - 1, **gone)
+    assert is_height_known(state)
+    state = fly(state, 3, **gone)
+    assert not is_height_known(state)
+    assert is_height_known(fly(state, 1, distance=0.4, pressure=math.nan))
+
+
+def test_at_rest_a_sensor_may_be_quiet():
+    still = {'distance': 0.05, 'pressure': 101_000.0}
+    state = fly(rested(), 2 * STEPS, **still, duties=OFF)
+    assert is_height_known(state)
+    assert state.altitude.height == pytest.approx(0.42, abs=0.01)
+
+
 def test_a_fresh_estimate_knows_nothing():
     level = (0.0, 0.0, 0.0, 1.0)
     nothing = (
@@ -352,7 +402,7 @@ def test_a_fresh_estimate_knows_nothing():
         AltitudeEstimate(),
         AirspeedEstimate(),
     )
-    assert MotionEstimate() == (*nothing, (0.0, 0.0), NONE, 0.0)
+    assert MotionEstimate() == (*nothing, (0.0, 0.0), NONE, 0.0, HeightSensors())
     assert AirspeedEstimate() == (0.0,) * 4
 
 

@@ -23,8 +23,10 @@ UP = Setpoint(0.6, 0.5, 0.2)
 
 
 def run(memory, steps, heard=STILL, drone=DRONE):
-    for _ in range(steps):
-        memory = onboard_step(drone, memory, heard, create_working_array())
+    for k in range(steps):
+        # No reading repeats to the bit
+        new = heard._replace(range=heard.range + 1e-9 * (k % 2))
+        memory = onboard_step(drone, memory, new, create_working_array())
     return memory
 
 
@@ -60,6 +62,27 @@ def test_they_stop_where_a_landing_no_longer_sinks():
     assert landed.measured.altitude > DRONE.body.standing_height + 0.03
     assert landed.duties == NONE
     assert any(run(guided(landed), 1, high).duties)
+
+
+def test_they_stop_for_good_where_the_height_is_stuck():
+    """In the air: range finder and barometer repeat, so nobody knows whether it sinks."""
+    memory = run(guided(), 20)
+    for _ in range(210):
+        memory = onboard_step(DRONE, memory, STILL, create_working_array())
+    assert memory.stopped
+    assert not any(run(memory, 20).duties)
+
+
+def test_a_landing_goes_on_by_the_barometer_where_the_range_finder_is_stuck():
+    """For 12 s, where a landing without a descent would end after 6 s."""
+    memory = guided(run(guided(), 20), Setpoint(0.3, 1.0, 0.0))
+    memory = run(memory, 1, STILL._replace(range=2.0))
+    for k in range(1200):
+        heard = STILL._replace(range=2.0, pressure=101_000.0 - 24.0 + 0.016 * k)
+        memory = onboard_step(DRONE, memory, heard, create_working_array())
+        assert any(memory.duties)
+    assert not memory.stopped
+    assert memory.measured.altitude < 1.5  # of 2.4 m
 
 
 def test_turned_over_they_stay_off():

@@ -78,9 +78,17 @@ def test_a_landing_ends_where_it_no_longer_sinks(tracked):
     step, begin = tracked
     pilot = begin()
     pilot.set_setpoint(UP._replace(altitude=0.0))
-    duties = [any(step(0.0, 0.8)) for _ in range(620)]
+    duties = [any(step(0.0, 0.8 + 1e-6 * (k % 2))) for k in range(620)]
     assert all(duties[300:595]) is (pilot.law.name == 'quadrotor')  # whose tilt it controls
     assert not any(duties[605:])
+
+
+def test_a_tracker_that_repeats_its_height_stops_the_motors_for_good(tracked):
+    step, begin = tracked
+    pilot = begin()
+    assert all(any(step(0.0, 0.6)) for _ in range(190))
+    assert not any([any(step(0.0, 0.6)) for _ in range(30)][-10:])
+    assert pilot.stopped
 
 
 def test_turned_over_by_its_own_estimate_it_stops_too():

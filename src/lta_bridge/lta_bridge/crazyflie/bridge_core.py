@@ -17,6 +17,7 @@ from lta_bridge.crazyflie.round_trips import RoundTrips
 from lta_bridge.crazyflie.safety import SafetyStage
 from lta_bridge.crazyflie.supervisor_word import SupervisorBit
 from lta_config.schema.crazyflie_file import CrazyflieFile
+from lta_control.altitude import is_stuck, SensorWatch, watch_sensor
 from lta_control.control import LandingWatch, watch_landing
 from lta_graph.health import stamp_age
 from lta_graph.rejections import RejectionCount
@@ -132,6 +133,7 @@ class BridgeCore:
         self._power_ns: int | None = None
         self._asked: CrazyflieCommand | None = None
         self._estimated = self._tracked = PositionEstimate()
+        self._estimated_height = self._tracked_height = SensorWatch()
         self._blind = blind
         # Of the axes of M1 to M4; 1 is upwards
         rotors = vehicle.file.rotors
@@ -139,7 +141,7 @@ class BridgeCore:
         self.buoyancy = BuoyancyMonitor()
         self.wanted_height = math.inf
         self._floor = vehicle.hull_height_on_floor
-        self._landing, self._watched = LandingWatch(), math.inf
+        self._landing, self._ticked = LandingWatch(), math.inf
         self._sequence = 0
         self.packets = 0
         self._watchdog, self._guarded, self._ticks = watchdog, False, 0
@@ -225,16 +227,22 @@ class BridgeCore:
     def _find_position(self, now_ns: int) -> tuple[PositionEstimate, float]:
         """Return the position to keep the limits by, and its age [s]."""
         both = [
-            (where, stamp_age(where.stamp_ns, now_ns))
-            for where in (self._estimated, self._tracked)
+            (where._replace(height=math.nan if is_stuck(seen) else where.height), age)
+            for where, seen in (
+                (self._estimated, self._estimated_height),
+                (self._tracked, self._tracked_height),
+            )
+            for age in [stamp_age(where.stamp_ns, now_ns)]
         ]
         # Of two that are known, the one that is farther up or away decides
-        known = [where for where, age in both if age <= safety.LOST]
+        known = [
+            where for where, age in both if age <= safety.LOST and not math.isnan(where.height)
+        ]
         if len(known) == len(both):
             height = max(where.height for where in known)
             distance = max(where.distance for where in known)
             return PositionEstimate(height, distance), max(age for _, age in both)
-        return min(both, key=lambda one: one[1])
+        return min(both, key=lambda one: (math.isnan(one[0].height), one[1]))
 
     def collect_safety_inputs(
         self, now_ns: int, linked: bool, active: bool
@@ -283,16 +291,23 @@ class BridgeCore:
         """
         with self._lock:
             inputs = self.collect_safety_inputs(now_ns, linked, active)
-            inputs = inputs._replace(grounded=self._watch_landing(now, inputs))
+            passed, self._ticked = max(now - self._ticked, 0.0), now
+            turning = max(self._read_motor_duties(inputs), default=0.0) > IDLE
+            self._estimated_height, self._tracked_height = (
+                watch_sensor(seen, where.height, turning, passed)
+                for seen, where in (
+                    (self._estimated_height, self._estimated),
+                    (self._tracked_height, self._tracked),
+                )
+            )
+            inputs = inputs._replace(grounded=self._watch_landing(turning, passed, inputs))
             self.state, order = safety.step_state(self.state, now, inputs, request, self.limits)
             self._send_outputs(order)
             self._watch_buoyancy(now, inputs)
             return order
 
-    def _watch_landing(self, now: float, inputs: safety.SafetyInputs) -> float:
+    def _watch_landing(self, turning: bool, passed: float, inputs: safety.SafetyInputs) -> float:
         """Return for how long motors have turned to land without the drone sinking. [s]"""
-        passed, self._watched = max(now - self._watched, 0.0), now
-        turning = max(self._read_motor_duties(inputs), default=0.0) > IDLE
         lands = turning and self.wanted_height <= self._floor
         height = inputs.height if inputs.place_age <= safety.LOST else math.nan
         self._landing = watch_landing(self._landing, height, lands, passed)

@@ -9,7 +9,7 @@ from lta_bridge.crazyflie.bridge_core import CrazyflieCommand, PositionEstimate
 from lta_bridge.crazyflie.readings import AirReading, ImuReading
 from lta_control.attitude import yaw_from_quaternion
 from lta_control.cascade import wrap_angle
-from lta_control.messages import to_attitude, to_setpoint
+from lta_control.messages import is_height_lost, to_attitude, to_setpoint
 from lta_graph.ros.stamps import from_stamp
 from lta_model import messages
 from lta_model.sensors.imu import error_bounds, ImuSettings
@@ -71,6 +71,7 @@ def to_hover_command(
 
 
 def to_position(odom: Odometry) -> PositionEstimate:
-    """Return height and horizontal distance from the start, with the stamp of the estimate."""
+    """Return height and distance from the start with their stamp; NaN for a lost height."""
     p = odom.pose.pose.position
-    return PositionEstimate(p.z, math.hypot(p.x, p.y), from_stamp(odom.header.stamp))
+    height = math.nan if is_height_lost(odom) else p.z
+    return PositionEstimate(height, math.hypot(p.x, p.y), from_stamp(odom.header.stamp))

@@ -38,6 +38,7 @@ from lta_bridge.crazyflie.power_model import CrazyfliePowerModel
 from lta_bridge.crazyflie.safety import LEAVE, SafetyRequest, SafetyStage
 from lta_bridge.crazyflie.settings import CrazyflieBridgeSettings
 from lta_bridge.crazyflie.udp_probe import is_port_closed
+from lta_config.covariances import has_estimate
 from lta_config.errors import BadInput
 from lta_config.schema.crazyflie_file import find_crazyflie
 from lta_config.vehicle_identity import hash_airframe
@@ -252,7 +253,8 @@ class CrazyflieBridge(DeviceNode):
             self._bridge.accept_command(messages.to_duties_command(newest, self._names, stamp))
 
     def _on_odom(self, odom: Any) -> None:  # noqa: ANN401 - a generated class
-        if find_fault(odom):  # invalid: the previous estimate stays, and ages
+        # Invalid: the previous estimate stays, and ages. While it calibrates there is none.
+        if find_fault(odom) or not has_estimate(odom.pose.covariance[0]):
             return
         self._odom = odom
         self._bridge.update_position(messages.to_position(odom))

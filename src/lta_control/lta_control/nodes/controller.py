@@ -12,6 +12,7 @@ from typing import NamedTuple
 from geometry_msgs.msg import PoseStamped, TwistStamped, TwistWithCovarianceStamped
 from lta_config.settings import setting, Settings
 from lta_control.allocation import create_working_array
+from lta_control.altitude import is_stuck, SensorWatch, watch_sensor
 from lta_control.cascade import CascadeGains, CascadeMeasurement, Setpoint
 from lta_control.control import (
     control_step,
@@ -29,6 +30,7 @@ from lta_control.gains_file import load_gains
 from lta_control.laws.onboard_law import CASCADE, OnboardLaw, vehicle_law_name
 from lta_control.messages import (
     from_duties,
+    is_height_lost,
     to_attitude,
     to_cascade_measurement,
     to_motion,
@@ -120,7 +122,8 @@ class Controller(GraphNode):
         name = self._settings.value.law or vehicle_law_name(vehicle)
         self._law = None if name == CASCADE else OnboardLaw(name, vehicle)
         self._memory = ControlMemory()
-        self._landing = LandingWatch()
+        self._landing, self._height = LandingWatch(), SensorWatch()
+        self._turning = False  # whether a motor was commanded to turn
         self._scratch = create_working_array()
         self._airspeed: TwistWithCovarianceStamped | None = None
         self._airspeed_lost = False
@@ -175,7 +178,13 @@ class Controller(GraphNode):
             self._stop_motors(
                 'the drone turned over: the motors are off; restart the controller to fly again'
             )
+        if self._armed and self._is_height_unknown(step.stamp_ns, odom):
+            self._stop_motors(
+                'the height is unknown, as its sensors repeat their readings or send none: the '
+                'motors are off; restart the controller to fly again'
+            )
         duties = self._compute_duties(step.stamp_ns, odom, airspeed, measured)
+        self._turning = any(duties)
         if self._course is not None:
             self._begun_ns = step.stamp_ns if self._begun_ns is None else self._begun_ns
             time = (step.stamp_ns - self._begun_ns) * 1e-9
@@ -183,6 +192,13 @@ class Controller(GraphNode):
             duties = self._course.excite_duties(time, duties, self._reversible)
         self._last_ns = step.stamp_ns
         self._motors.publish(from_duties(odom.header.stamp, self._names, duties, self._kind))
+
+    def _is_height_unknown(self, now_ns: int, odom: Odometry) -> bool:
+        dt = step_duration(self._last_ns, now_ns, self.table.control_ns)
+        height = odom.pose.pose.position.z
+        self._height = watch_sensor(self._height, height, self._turning, dt)
+        # Before the first estimate no motor turns
+        return is_stuck(self._height) or (self._turning and is_height_lost(odom))
 
     def _compute_duties(
         self,

@@ -49,7 +49,7 @@ class Bridged:
         )
         self.turning = (0.0,) * 4  # what the drone says that its motors do
         self.linked = self.active = self.commands = self.logs = True
-        self.height = 1.0
+        self.height, self.noise = 1.0, 1e-6  # no height of a flight repeats to the bit
         self.power = {'pm.vbat': 4.0, 'pm.state': 0}
         self.asked = CrazyflieCommand(0, duties=DUTIES)
 
@@ -74,5 +74,6 @@ class Bridged:
         if self.commands:
             self.bridge.accept_command(self.asked._replace(stamp_ns=self.now))
         if not math.isnan(self.height):
-            self.bridge.update_position(PositionEstimate(self.height, 1.0, self.now))
+            height = self.height + self.noise * (self.now // TICK % 2)
+            self.bridge.update_position(PositionEstimate(height, 1.0, self.now))
         self.bridge.tick(1e-9 * self.now, self.now, self.linked, self.active, asked)

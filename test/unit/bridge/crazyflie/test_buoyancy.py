@@ -2,6 +2,7 @@
 
 import math
 
+from lta_bridge.crazyflie.bridge_core import PositionEstimate
 from lta_bridge.crazyflie.buoyancy import BuoyancyMonitor
 from lta_bridge.crazyflie.duties_packet import unpack_duties
 from lta_bridge.crazyflie.health_diagnostics import describe_health
@@ -158,6 +159,35 @@ def test_a_landing_on_a_floor_that_reads_too_high_ends_and_motors_stop(command, 
         (last,) = flight.kept.of('send_duties')[-1]
         assert unpack_duties(last).duties == (0.0,) * 4
     assert flight.kept.of('hand_over')
+
+
+@pytest.mark.parametrize('command', ['motors', 'setpoint'])
+def test_a_stuck_height_ends_a_flight_before_it_counts_as_the_ground(command):
+    """To land or not: a height that repeats while motors turn is unknown after 2 s."""
+    flight = Bridged(command).fly()
+    flight.noise = 0.0
+    for _ in range(200):
+        flight.tick()  # its motors are still, as those of a drone that coasts
+    assert flight.stage == 'flying'
+    land_on_the_floor(flight, 1.9, 1.0)
+    assert flight.stage == 'flying'
+    land_on_the_floor(flight, 0.2, 1.0)
+    assert (flight.stage, flight.bridge.state.why) == (
+        'landing', 'the position of the drone is not known',
+    )  # fmt: skip
+    land_on_the_floor(flight, 1.0, 1.0)
+    assert flight.kept.of('hand_over')
+
+
+def test_a_tracker_replaces_a_stuck_estimate():
+    flight = Bridged('motors').fly()
+    flight.noise = 0.0
+    flight.turning = (0.0, 0.0, 0.3, 0.0)
+    for turn in range(300):
+        flight.bridge.update_tracked_position(PositionEstimate(0.9 + 1e-6 * turn, 2.0, flight.now))
+        flight.tick()
+    assert flight.stage == 'flying'
+    assert flight.bridge.collect_safety_inputs(flight.now, True, True).distance == 2.0
 
 
 def test_a_descent_and_a_stand_with_still_motors_go_on():

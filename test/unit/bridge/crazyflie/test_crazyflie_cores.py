@@ -9,7 +9,8 @@ from lta_bridge.crazyflie.device_clock import DeviceClock
 from lta_bridge.crazyflie.link import LogPacket
 from lta_bridge.crazyflie.log_table import BLOCKS, check_log_table, LogBlock
 from lta_bridge.crazyflie.round_trips import parse_ping_time, RoundTrips
-from lta_bridge.crazyflie.safety import SafetyLimits
+from lta_bridge.crazyflie.safety import find_missing_position, SafetyLimits
+from lta_config.covariances import UNKNOWN_VARIANCE
 from lta_config.errors import BadInput
 from lta_config.schema.crazyflie_file import load_crazyflie
 from lta_emulation.crazyflie.variables import LOG
@@ -182,6 +183,9 @@ def test_limits_of_height_and_way_age_with_the_estimate_that_they_are_of():
     bridge.update_position(messages.to_position(odom))
     seen = bridge.collect_safety_inputs(10**18 + 2_500 * MS, True, True)
     assert (seen.height, seen.place_age) == pytest.approx((0.4, 2.5))
+    odom.pose.covariance[14] = UNKNOWN_VARIANCE  # both sensors of its height are lost
+    bridge.update_position(messages.to_position(odom))
+    assert find_missing_position(bridge.collect_safety_inputs(10**18, True, True))
 
 
 def test_a_tracker_counts_as_an_estimate_and_the_farther_of_two_decides():
