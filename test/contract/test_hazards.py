@@ -89,6 +89,82 @@ BARRIERS = {
         'if task is not None and not task.driven:', 'if False:',
         'test/unit/control/test_commanded_flight.py',
     ),
+    'stuck range finder': Barrier(
+        'src/lta_control/lta_control/estimator.py',
+        'math.nan if is_stuck(sensors.range) else distance', 'distance',
+        'test/unit/control/test_estimator.py',
+    ),
+    'stuck sensors': Barrier(
+        'src/lta_control/lta_control/estimator.py',
+        'return not (is_stuck(estimate.sensors.range) and is_stuck(estimate.sensors.pressure))',
+        'return True', 'test/unit/control/test_estimator.py',
+    ),
+    'stuck height in one process': Barrier(
+        'src/lta_control/lta_control/onboard.py',
+        'unknown = is_stuck(height) or not is_height_known(estimate)', 'unknown = False',
+        'test/unit/control/test_onboard.py',
+    ),
+    'stuck height by a tracker': Barrier(
+        'src/lta_control/lta_control/law_autopilot.py', 'if blind or is_stuck(self._height):',
+        'if False:', 'test/unit/control/test_pilot.py',
+    ),
+    'stuck height by the controller node': Barrier(
+        'src/lta_control/lta_control/nodes/controller.py',
+        'if self._armed and self._is_height_unknown(step.stamp_ns, odom):', 'if False:',
+        'test/integration/test_nodes.py',
+    ),
+    'stuck height by the bridge': Barrier(
+        f'{BRIDGE}/crazyflie/bridge_core.py', 'math.nan if is_stuck(seen) else where.height',
+        'where.height', f'{UNIT}/test_buoyancy.py',
+    ),
+    'calibrating': Barrier(
+        f'{BRIDGE}/crazyflie/messages.py', 'if not has_estimate(odom.pose.covariance[0]):',
+        'if False:', f'{UNIT}/test_crazyflie_cores.py',
+    ),
+    'a rotor that holds down obeys': Barrier(
+        f'{BRIDGE}/crazyflie/safety.py',
+        "why = 'on request' if request.arm is False else find_landing_reason(state, now, inputs, "
+        'limits)', 'why = find_landing_reason(state, now, inputs, limits)',
+        f'{UNIT}/test_buoyancy.py',
+    ),
+    'armed at rest': Barrier(
+        'src/lta_control/lta_control/nodes/controller.py', 'if not self._flies:', 'if False:',
+        'test/integration/test_nodes.py',
+    ),
+    'armed at rest, by setpoints': Barrier(
+        f'{BRIDGE}/crazyflie/bridge_core.py', ' and self._may_rise(self._asked)', '',
+        f'{UNIT}/test_bridge.py',
+    ),
+    'time stands still': Barrier(
+        f'{BRIDGE}/crazyflie/bridge_core.py', 'elif now - self._graph_at > safety.STALE:',
+        'elif False:', f'{UNIT}/test_bridge.py',
+    ),
+    'two commanders before arming': Barrier(
+        f'{BRIDGE}/crazyflie/safety.py',
+        "return f'{inputs.commanders} nodes command the drone: stop all but one'", 'pass',
+        f'{UNIT}/test_bridge.py',
+    ),
+    'two commanders in flight': Barrier(
+        f'{BRIDGE}/crazyflie/safety.py', "return f'{inputs.commanders} nodes command the drone'\n",
+        'pass\n', f'{UNIT}/test_bridge.py',
+    ),
+    'two controllers': Barrier(
+        'src/lta_flight/lta_flight/preflight.py', '    check_controllers(plan)\n', '',
+        'test/unit/flight/test_preflight.py',
+    ),
+    'two bridges': Barrier(
+        f'{BRIDGE}/crazyflie/drone_lock.py', 'self._socket.bind(name)', "self._socket.bind('')",
+        f'{UNIT}/test_bridge_lock.py',
+    ),
+    'a setpoint beyond the room': Barrier(
+        f'{BRIDGE}/crazyflie/bridge_core.py',
+        'max(0.0, min(self.limits.height, command.height))', 'command.height',
+        f'{UNIT}/test_bridge.py',
+    ),
+    'no number': Barrier(
+        f'{BRIDGE}/crazyflie/bridge_core.py', 'elif not all(map(math.isfinite, numbers)):',
+        'elif False:', f'{UNIT}/test_hostile_packets.py',
+    ),
     'duties expire on board': Barrier(
         'firmware/crazyflie/src/lta_duties.c',
         'return now_ms - duties->since_ms < duties->hold_ms;',

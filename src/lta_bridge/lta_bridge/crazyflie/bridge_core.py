@@ -29,6 +29,7 @@ HOLD_MS: Final = 200  # ms; the drone stops its motors without newer duties afte
 LETTING_GO: Final = 10  # times that the override is released: the drone does not confirm it
 TURN_GAIN: Final = 1.5  # 1/s from heading error to yaw rate: time constant of about 0.7 s
 FASTEST_TURN: Final = 1.0  # rad/s
+FASTEST: Final = 2.0  # m/s; a stick gives no more
 UNTOLD: Final = 2.0  # s; an older voltage counts as unknown
 POWER_OFF: Final = 3  # pm.state of the firmware from which on the cell is low
 
@@ -99,6 +100,8 @@ class BridgeCore:
         Whether the drone is lighter than air.
     wanted_height : float
         Height of the newest setpoint, which says whether the drone is to land. [m]
+    commanders : int
+        How many nodes publish the commands to fly.
     malformed, unasked : RejectionCount
         Unreadable packets and invalid commands.
 
@@ -140,12 +143,15 @@ class BridgeCore:
         self._vertical = [rotors[name].axis.vector[2] for name in file.motors.values()]
         self.buoyancy = BuoyancyMonitor()
         self.wanted_height = math.inf
+        self.commanders = 1
         self._floor = vehicle.hull_height_on_floor
         self._landing, self._ticked = LandingWatch(), math.inf
         self._sequence = 0
         self.packets = 0
         self._watchdog, self._guarded, self._ticks = watchdog, False, 0
         self._flown = False  # whether this drone has flown
+        self._rose = False  # whether a setpoint above the floor was sent since arming
+        self._graph_ns, self._graph_at = -1, -math.inf  # graph time, and when it changed last [s]
         self._held = 0  # how many times the override must still be released
 
     @property
@@ -262,6 +268,7 @@ class BridgeCore:
             distance=where.distance,
             place_age=age,
             blind=self._blind,
+            commanders=self.commanders,
         )
 
     def _safety_voltage(self, now_ns: int) -> float:
@@ -291,6 +298,11 @@ class BridgeCore:
         """
         with self._lock:
             inputs = self.collect_safety_inputs(now_ns, linked, active)
+            if now_ns != self._graph_ns:
+                self._graph_ns, self._graph_at = now_ns, now
+            elif now - self._graph_at > safety.STALE:
+                # Nothing ages where graph time stands still: the clock of a simulation, stopped
+                inputs = inputs._replace(command_age=math.inf)
             passed, self._ticked = max(now - self._ticked, 0.0), now
             turning = max(self._read_motor_duties(inputs), default=0.0) > IDLE
             self._estimated_height, self._tracked_height = (
@@ -342,6 +354,8 @@ class BridgeCore:
     def _send_outputs(self, order: safety.SafetyOutputs) -> None:
         if order.stop:
             self._link.send_emergency_stop()
+        if order.arm is not None:
+            self._rose = False
         # Once fed, the firmware's watchdog must be fed for good, or it stops the motors
         self._guarded |= self._watchdog and bool(order.arm)
         self._ticks += 1
@@ -355,17 +369,23 @@ class BridgeCore:
             self._send_override(order)
         elif self.command == 'motors':
             self._send_duties(order)
-        elif order.drive and self._asked is not None:
+        elif order.drive and self._asked is not None and self._may_rise(self._asked):
             command = self._asked
             rate = max(-FASTEST_TURN, min(FASTEST_TURN, TURN_GAIN * command.turn))
             self._link.send_hover_setpoint(
                 # The ramp of a landing scales speed and turn; the height stays until the hand-over
-                order.drive * command.speed,
+                order.drive * max(-FASTEST, min(FASTEST, command.speed)),
                 order.drive * rate,
-                command.height,
+                max(0.0, min(self.limits.height, command.height)),
             )
         if order.hand_over:
             self._link.hand_over(land=self.command == 'setpoint')
+
+    def _may_rise(self, command: CrazyflieCommand) -> bool:
+        """Return whether a setpoint has been above the floor since arming, as for a take-off."""
+        # Otherwise the firmware's controller would start the motors of a drone that is to rest
+        self._rose = self._rose or command.height > self._floor
+        return self._rose
 
     def _motor_duties(self, order: safety.SafetyOutputs) -> tuple[float, ...]:
         """Return the duties of M1 to M4 to send now; empty if no command is flown."""

@@ -7,6 +7,7 @@ from builtin_interfaces.msg import Time
 from geometry_msgs.msg import PoseStamped, TwistStamped
 from lta_bridge.crazyflie.bridge_core import CrazyflieCommand, PositionEstimate
 from lta_bridge.crazyflie.readings import AirReading, ImuReading
+from lta_config.covariances import has_estimate
 from lta_control.attitude import yaw_from_quaternion
 from lta_control.cascade import wrap_angle
 from lta_control.messages import is_height_lost, to_attitude, to_setpoint
@@ -70,8 +71,10 @@ def to_hover_command(
     return CrazyflieCommand(stamp_ns, speed=setpoint.speed, turn=turn, height=setpoint.altitude)
 
 
-def to_position(odom: Odometry) -> PositionEstimate:
-    """Return height and distance from the start with their stamp; NaN for a lost height."""
+def to_position(odom: Odometry) -> PositionEstimate | None:
+    """Return height and distance from the start; None while calibrating, NaN for a lost height."""
+    if not has_estimate(odom.pose.covariance[0]):
+        return None
     p = odom.pose.pose.position
     height = math.nan if is_height_lost(odom) else p.z
     return PositionEstimate(height, math.hypot(p.x, p.y), from_stamp(odom.header.stamp))

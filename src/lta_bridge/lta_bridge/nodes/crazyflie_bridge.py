@@ -38,7 +38,6 @@ from lta_bridge.crazyflie.power_model import CrazyfliePowerModel
 from lta_bridge.crazyflie.safety import LEAVE, SafetyRequest, SafetyStage
 from lta_bridge.crazyflie.settings import CrazyflieBridgeSettings
 from lta_bridge.crazyflie.udp_probe import is_port_closed
-from lta_config.covariances import has_estimate
 from lta_config.errors import BadInput
 from lta_config.schema.crazyflie_file import find_crazyflie
 from lta_config.vehicle_identity import hash_airframe
@@ -204,6 +203,7 @@ class CrazyflieBridge(DeviceNode):
 
     def _on_arm(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
         """Arm or disarm, and answer with the confirmed state."""
+        self._count_commanders()
         why = self._bridge.find_arming_refusal(self._graph_time_ns(), self._is_linked, self.active)
         if not self._is_linked and self._keeper is not None and self._keeper.why:
             why = self._keeper.why
@@ -220,6 +220,13 @@ class CrazyflieBridge(DeviceNode):
         response.success = armed == request.data
         response.message = stage.value if armed or not why else f'{stage.value}: {why}'
         return response
+
+    def _count_commanders(self) -> None:
+        """Count the nodes that publish what is flown; two would fight each other."""
+        names = (
+            ('motors',) if self._bridge.sends_duties else ('setpoint/pose', 'setpoint/velocity')
+        )
+        self._bridge.commanders = max(map(self.count_publishers, names))
 
     def _wait_for_links(self) -> None:
         """Wait until all topics have their readers, so that no message of a flight is lost."""
@@ -253,11 +260,11 @@ class CrazyflieBridge(DeviceNode):
             self._bridge.accept_command(messages.to_duties_command(newest, self._names, stamp))
 
     def _on_odom(self, odom: Any) -> None:  # noqa: ANN401 - a generated class
-        # Invalid: the previous estimate stays, and ages. While it calibrates there is none.
-        if find_fault(odom) or not has_estimate(odom.pose.covariance[0]):
-            return
-        self._odom = odom
-        self._bridge.update_position(messages.to_position(odom))
+        # Invalid: the previous estimate stays, and ages
+        where = None if find_fault(odom) else messages.to_position(odom)
+        if where is not None:
+            self._odom = odom
+            self._bridge.update_position(where)
 
     def _on_tracked_odom(self, odom: Any) -> None:  # noqa: ANN401 - a generated class
         # Of a tracker, for the limits of height and distance only; nothing is controlled by it
@@ -353,6 +360,7 @@ class CrazyflieBridge(DeviceNode):
 
     def publish_health(self) -> None:
         """Report the health of the link and the drone."""
+        self._count_commanders()
         # Read once: another thread changes it, and log and diagnostics must agree.
         why, attempts = describe_connection(self._keeper)
         if why not in (self._complained, ''):

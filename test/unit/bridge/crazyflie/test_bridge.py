@@ -7,7 +7,7 @@ from lta_bridge.crazyflie.safety import LOW, SafetyStage
 from lta_bridge.crazyflie.safety import SafetyRequest as AskedBy
 import pytest
 
-from .bridged import Bridged, TICK
+from .bridged import Bridged, FILE, NOTHING, TICK
 
 
 @pytest.mark.parametrize(('state', 'low'), [(0, 0), (1, 0), (2, 0), (3, 1), (4, 1)])
@@ -34,6 +34,62 @@ def test_a_heading_is_turned_to_in_proportion_and_never_faster_than_one_radian_a
     flight.asked = CrazyflieCommand(0, speed=0.3, turn=left, height=1.2)
     flight.fly()
     assert flight.kept.of('send_hover_setpoint')[-1] == pytest.approx((0.3, rate, 1.2))
+
+
+@pytest.mark.parametrize(
+    ('speed', 'height', 'sent'),
+    [(5.0, 99.0, (2.0, FILE.limits.height.si)), (-5.0, -1.0, (-2.0, 0.0))],
+)
+def test_a_setpoint_is_sent_within_the_limits(speed, height, sent):
+    flight = Bridged('setpoint')
+    flight.asked = CrazyflieCommand(0, speed=0.0, height=1.0)
+    flight.fly()
+    flight.asked = CrazyflieCommand(0, speed=speed, height=height)
+    flight.tick()
+    assert flight.kept.of('send_hover_setpoint')[-1] == (sent[0], 0.0, sent[1])
+
+
+def test_armed_at_rest_no_setpoint_is_sent_until_one_above_the_floor():
+    """The firmware's controller would start the motors in the hands of who carries the drone."""
+    flight, rest = Bridged('setpoint'), CrazyflieCommand(0, height=0.3)
+    for _ in range(2):
+        before = len(flight.kept.of('send_hover_setpoint'))
+        flight.asked = rest
+        flight.fly()
+        for _ in range(50):
+            flight.tick()
+        assert len(flight.kept.of('send_hover_setpoint')) == before
+        flight.asked = CrazyflieCommand(0, height=1.0)
+        flight.tick()
+        flight.asked = rest
+        flight.tick()
+        assert [height for *_, height in flight.kept.of('send_hover_setpoint')[before:]] == [
+            1.0, 0.3,
+        ]  # fmt: skip
+        flight.tick(AskedBy(arm=False))
+        while flight.stage is not SafetyStage.DISARMED:
+            flight.tick()
+
+
+def test_where_graph_time_stands_still_nothing_is_fresh():
+    """The clock of a simulation that stopped: the last command would be flown for ever."""
+    flight = Bridged().fly()
+    for turn in range(20):
+        flight.bridge.tick(1e-9 * flight.now + 0.02 * turn, flight.now, True, True, NOTHING)
+        assert flight.stage is (SafetyStage.LANDING if turn * 0.02 > 0.3 else SafetyStage.FLYING)
+
+
+def test_two_nodes_that_command_it_neither_arm_nor_fly_it():
+    flight = Bridged()
+    flight.bridge.commanders = 2
+    flight.tick()
+    refusal = flight.bridge.find_arming_refusal(flight.now, True, True)
+    assert refusal == '2 nodes command the drone: stop all but one'
+    flight.bridge.commanders = 1
+    flight.fly()
+    flight.bridge.commanders = 2
+    flight.tick()
+    assert (flight.stage, flight.bridge.state.why) == ('landing', '2 nodes command the drone')
 
 
 def ticks_fed(flight, count):

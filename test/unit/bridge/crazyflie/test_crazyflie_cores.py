@@ -183,6 +183,9 @@ def test_limits_of_height_and_way_age_with_the_estimate_that_they_are_of():
     bridge.update_position(messages.to_position(odom))
     seen = bridge.collect_safety_inputs(10**18 + 2_500 * MS, True, True)
     assert (seen.height, seen.place_age) == pytest.approx((0.4, 2.5))
+    odom.pose.covariance[0] = UNKNOWN_VARIANCE  # calibrating at 0 m
+    assert messages.to_position(odom) is None
+    odom.pose.covariance[0] = 0.0
     odom.pose.covariance[14] = UNKNOWN_VARIANCE  # both sensors of its height are lost
     bridge.update_position(messages.to_position(odom))
     assert find_missing_position(bridge.collect_safety_inputs(10**18, True, True))

@@ -283,7 +283,18 @@ def test_what_lies_beyond_the_reach_of_a_sensor_was_not_measured(block, name, le
 
 def test_at_first_nothing_is_known_asked_or_sent():
     unknown = (pytest.approx(math.nan, nan_ok=True),) * 3  # voltage, height and distance
-    assert SafetyInputs() == (False, False, 0, math.inf, math.inf, *unknown, math.inf, False, 0.0)
+    assert SafetyInputs() == (
+        False,
+        False,
+        0,
+        math.inf,
+        math.inf,
+        *unknown,
+        math.inf,
+        False,
+        0.0,
+        1,
+    )
     assert SafetyRequest() == (None, False)
     assert SafetyState() == ('disarmed', 0.0, 0.0, 'not armed yet', 0, -math.inf, False, math.inf)
 
