@@ -163,7 +163,7 @@ BARRIERS = {
     ),
     'no number': Barrier(
         f'{BRIDGE}/crazyflie/bridge_core.py', 'elif not all(map(math.isfinite, numbers)):',
-        'elif False:', f'{UNIT}/test_hostile_packets.py',
+        'elif False:', f'{UNIT}/test_bridge.py',
     ),
     'duties expire on board': Barrier(
         'firmware/crazyflie/src/lta_duties.c',

@@ -1,6 +1,7 @@
 """What the bridge makes of the drone's battery and of a setpoint, and how it feeds a watchdog."""
 
 from itertools import pairwise
+import math
 
 from lta_bridge.crazyflie.bridge_core import CrazyflieCommand
 from lta_bridge.crazyflie.safety import LOW, SafetyStage
@@ -69,6 +70,23 @@ def test_armed_at_rest_no_setpoint_is_sent_until_one_above_the_floor():
         flight.tick(AskedBy(arm=False))
         while flight.stage is not SafetyStage.DISARMED:
             flight.tick()
+
+
+@pytest.mark.parametrize('bad', [math.nan, math.inf])
+@pytest.mark.parametrize('command', ['motors', 'setpoint'])
+def test_what_is_no_number_is_no_command(command, bad):
+    flight = Bridged(command)
+    flight.asked = CrazyflieCommand(0, duties=(0.1,) * 4, height=1.0)
+    flight.fly()
+    before = flight.bridge.unasked.count
+    if command == 'motors':
+        flight.asked = flight.asked._replace(duties=(0.1, 0.1, bad, 0.1))
+    else:
+        flight.asked = flight.asked._replace(height=bad)
+    for _ in range(17):
+        flight.tick()
+    assert flight.bridge.unasked.count == before + 17
+    assert flight.stage is SafetyStage.LANDING
 
 
 def test_where_graph_time_stands_still_nothing_is_fresh():
