@@ -3,9 +3,12 @@
 from itertools import pairwise
 import math
 
-from lta_bridge.crazyflie.bridge_core import CrazyflieCommand
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from lta_bridge.crazyflie.bridge_core import CrazyflieCommand, PositionEstimate
 from lta_bridge.crazyflie.safety import LOW, SafetyStage
 from lta_bridge.crazyflie.safety import SafetyRequest as AskedBy
+from lta_control.altitude import STUCK
 import pytest
 
 from .bridged import Bridged, FILE, NOTHING, TICK
@@ -95,6 +98,30 @@ def test_where_graph_time_stands_still_nothing_is_fresh():
     for turn in range(20):
         flight.bridge.tick(1e-9 * flight.now + 0.02 * turn, flight.now, True, True, NOTHING)
         assert flight.stage is (SafetyStage.LANDING if turn * 0.02 > 0.3 else SafetyStage.FLYING)
+
+
+@settings(max_examples=25)
+@given(
+    st.lists(
+        st.tuples(st.sampled_from(['new', 'repeats', 'unknown', 'none']), st.integers(5, 140)),
+        min_size=1,
+        max_size=6,
+    )
+)
+def test_no_flight_goes_on_without_a_height(parts):
+    """Whatever comes of the estimate: 2 s after the last new height no drone flies."""
+    flight = Bridged('motors').fly()
+    flight.turning, known = (0.1,) * 4, flight.now
+    for what, ticks in parts:
+        flight.noise = 1e-6 if what == 'new' else 0.0
+        flight.height = 1.0 if what in ('new', 'repeats') else math.nan
+        for _ in range(ticks):
+            if what == 'unknown':
+                flight.bridge.update_position(PositionEstimate(math.nan, 1.0, flight.now + TICK))
+            flight.tick()
+            known = flight.now if what == 'new' else known
+            if flight.stage is SafetyStage.FLYING:
+                assert 1e-9 * (flight.now - known) <= STUCK + 2e-9 * TICK
 
 
 def test_two_nodes_that_command_it_neither_arm_nor_fly_it():
