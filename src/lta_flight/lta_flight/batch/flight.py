@@ -147,7 +147,7 @@ def with_setpoint(memory: OnboardMemory, setpoint: Setpoint) -> OnboardMemory:
     """Return the drone's memory with a new setpoint."""
     return OnboardMemory(
         memory.estimate, memory.measured, True, setpoint, memory.control, memory.duties,
-        memory.stopped, memory.landing,
+        memory.stopped, memory.landing, memory.height,
     )  # fmt: skip
 
 

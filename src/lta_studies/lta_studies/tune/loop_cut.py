@@ -33,6 +33,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 SETTLING = 80.0  # s from take-off until the flight counts as steady
+FLICKER = 1e-12  # m of the range finder, from one period to the next
 REST = 0.5  # s of bias calibration; short because the sensors have no bias here
 
 
@@ -165,7 +166,10 @@ class LoopCut:
             # No setpoint before the bias calibration on the ground has ended.
             if tick * self.period > REST:
                 autopilot.set_setpoint(setpoint)
-            duties = autopilot.step(*self.simulate_sensors(state, past, self._still))
+            sensed = self.simulate_sensors(state, past, self._still)
+            # A range finder that repeats its reading to the bit would count as stuck
+            distance = sensed.range + FLICKER * (tick % 2)
+            duties = autopilot.step(*sensed._replace(range=distance))
             # Every age gets the present command, which removes the delay.
             past[:, : len(duties)] = duties
             state = self.advance_vehicle(state, past, self._still)
