@@ -101,7 +101,7 @@ BARRIERS = {
     ),
     'stuck height in one process': Barrier(
         'src/lta_control/lta_control/onboard.py',
-        'unknown = is_stuck(height) or not is_height_known(estimate)', 'unknown = False',
+        'unknown = is_stuck(height) or not has_height(estimate)', 'unknown = False',
         'test/unit/control/test_onboard.py',
     ),
     'stuck height by a tracker': Barrier(

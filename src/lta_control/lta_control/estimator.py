@@ -137,7 +137,7 @@ class EstimatorInputs(NamedTuple):
     duties: PerRotor  # the newest command
 
 
-def is_height_known(estimate: MotionEstimate) -> bool:
+def has_height(estimate: MotionEstimate) -> bool:
     """Return whether range finder or barometer still measure the height."""
     return not (is_stuck(estimate.sensors.range) and is_stuck(estimate.sensors.pressure))
 

@@ -30,8 +30,8 @@ from lta_control.estimator import (
     EstimatorInputs,
     EstimatorModel,
     EstimatorSettings,
+    has_height,
     is_any_motor_turning,
-    is_height_known,
     is_plausible_imu_sample,
     MotionEstimate,
 )
@@ -207,7 +207,7 @@ class LawAutopilot:
         turning = is_any_motor_turning(self.command.duties)
         self._height = watch_sensor(self._height, motion.position[2], turning, self._dt)
         # A tracker measures the height too
-        blind = self.law.feedback is Feedback.ESTIMATOR and not is_height_known(self.estimate)
+        blind = self.law.feedback is Feedback.ESTIMATOR and not has_height(self.estimate)
         if blind or is_stuck(self._height):
             self.stopped = True
         if self.stopped or self._is_landed(_motion_to_measurement(motion), setpoint):

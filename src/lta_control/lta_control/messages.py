@@ -20,7 +20,7 @@ from lta_control import message_rounding
 from lta_control.attitude import Quaternion, up_in_body, Vector, yaw_from_quaternion
 from lta_control.cascade import CascadeMeasurement, Setpoint
 from lta_control.commanded_flight import CommandedFlight, FlightTask, TaskKind, TaskOutcome
-from lta_control.estimator import EstimatorInputs, is_height_known, MotionEstimate
+from lta_control.estimator import EstimatorInputs, has_height, MotionEstimate
 from lta_control.laws.protocol import ControlMotion
 from lta_control.odometry.ground_state import GroundMotion, rotate_covariance
 from lta_control.odometry.lamp_sighting import build_sighting, LampSighting
@@ -120,7 +120,7 @@ def from_estimate(stamp: Time, estimate: MotionEstimate, ground: GroundMotion) -
         message.twist.covariance = _unknown_covariance()
         return message
     pose_covariance = _build_covariance(ground.position_covariance)
-    known = is_height_known(estimate)
+    known = has_height(estimate)
     pose_covariance[14] = estimate.altitude.p[0] + RANGE_OFFSET**2 if known else UNKNOWN_VARIANCE
     # [rad2] Roll and pitch are bounded by gravity; yaw drifts with the gyroscope
     pose_covariance[21] = pose_covariance[28] = 0.02**2

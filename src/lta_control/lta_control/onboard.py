@@ -28,8 +28,8 @@ from lta_control.estimator import (
     EstimatorInputs,
     EstimatorModel,
     EstimatorSettings,
+    has_height,
     is_any_motor_turning,
-    is_height_known,
     is_plausible_imu_sample,
     MotionEstimate,
 )
@@ -87,7 +87,7 @@ def onboard_step(
     height = watch_sensor(
         memory.height, measured.altitude, is_any_motor_turning(memory.duties), drone.dt
     )
-    unknown = is_stuck(height) or not is_height_known(estimate)
+    unknown = is_stuck(height) or not has_height(estimate)
     stopped = memory.stopped or unknown or _must_stop(drone, memory, estimate, measured)
     # The controller restarts from its initial state whenever the motors are off.
     control, duties = drone.fresh, NONE

@@ -13,7 +13,7 @@ from lta_control.estimator import (
     EstimatorInputs,
     EstimatorModel,
     EstimatorSettings,
-    is_height_known,
+    has_height,
     MotionEstimate,
     RestSums,
 )
@@ -366,7 +366,7 @@ def test_a_range_finder_that_repeats_is_left_to_the_barometer():
     assert held == pytest.approx(0.87, abs=0.05)
     after = fly(before, 2 * STEPS, distance=0.5)
     assert after.altitude.height < held - 0.5  # it sank by 0.8 m meanwhile
-    assert is_height_known(after)
+    assert has_height(after)
     # Its next reading is a new one
     again = fly(after, 1, distance=0.1)
     assert again.sensors.range.age == 0.0
@@ -378,16 +378,16 @@ def test_a_range_finder_that_repeats_is_left_to_the_barometer():
 def test_without_both_sensors_the_height_is_unknown(lost):
     gone = {'distance': lost, 'pressure': math.nan if math.isnan(lost) else 101_000.0}
     state = fly(rested(), STEPS - 1, **gone)
-    assert is_height_known(state)
+    assert has_height(state)
     state = fly(state, 3, **gone)
-    assert not is_height_known(state)
-    assert is_height_known(fly(state, 1, distance=0.4, pressure=math.nan))
+    assert not has_height(state)
+    assert has_height(fly(state, 1, distance=0.4, pressure=math.nan))
 
 
 def test_at_rest_a_sensor_may_be_quiet():
     still = {'distance': 0.05, 'pressure': 101_000.0}
     state = fly(rested(), 2 * STEPS, **still, duties=OFF)
-    assert is_height_known(state)
+    assert has_height(state)
     assert state.altitude.height == pytest.approx(0.42, abs=0.01)
 
 
