@@ -21,8 +21,8 @@ def steps(request, monkeypatch):
 
 
 @cache
-def load_plain_kernel(names, zeros):
+def load_plain_kernel(names, zeros, rotors):
     """Return the kernel of a batch as Python."""
     with pytest.MonkeyPatch.context() as while_loading:
         while_loading.setattr(config, 'DISABLE_JIT', 1)
-        return cpu_batch._load_kernel.__wrapped__(names, zeros)
+        return cpu_batch._load_kernel.__wrapped__(names, zeros, rotors)

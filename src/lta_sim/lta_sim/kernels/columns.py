@@ -108,6 +108,7 @@ class ColumnAccess:
     # Places of parameters that are 0 in all vehicles: written as such, so that the compiler leaves
     # out what an effect skips because of them
     zeros: frozenset[int] = frozenset()
+    rotors: int = ACTUATORS  # those beyond are not computed: their thrust is 0
     loops = True
 
     def format_number(self, name: str, place: int, layout: EffectLayout, each: int = 0) -> str:
@@ -120,6 +121,9 @@ class ColumnAccess:
 
     def format_all_numbers(self, name: str, layout: EffectLayout) -> str:
         """Return the source of all numbers of a name."""
+        if name == 'u':
+            thrusts = (self.format_number('u', k, layout) for k in range(self.rotors))
+            return format_tuple((*thrusts, *['0.0'] * (ACTUATORS - self.rotors)))
         count = (FIXED | VARIABLES)[name]
         return _format_column('block', _row_offset(name, layout), count, self.width)
 
@@ -165,7 +169,7 @@ class ColumnAccess:
                 for k in range(VARIABLES[variable])
             ]
         # Vehicles in the inner loop: neighbouring columns are contiguous in memory
-        rotors = [f'    for j in range({ACTUATORS}):'] if run[0].each else []
+        rotors = [f'    for j in range({self.rotors}):'] if run[0].each else []
         depth = len(rotors) + 1
         columns = '    ' * depth + f'for i in range({self.width}):'
         loop = [*rotors, columns, indent_lines(lines, depth + 1)]

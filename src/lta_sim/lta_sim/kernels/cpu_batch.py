@@ -17,7 +17,7 @@ from lta_config.machine import count_cores
 from lta_model.effects import MODEL_EFFECTS
 from lta_sim.kernels.columns import ColumnAccess
 from lta_sim.kernels.compose import KernelTarget, render_kernel_source
-from lta_sim.kernels.vehicle_batch import pack_used_columns, VehicleBatch
+from lta_sim.kernels.vehicle_batch import pack_blocks, select_used_numbers, VehicleBatch
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -73,32 +73,36 @@ def advance_blocks(blocks, dt, steps):
 '''
 
 
-def render_batch_source(names: Iterable[str], zeros: frozenset[int]) -> str:
-    """Return the source of the kernel of some effects; the parameters at `zeros` are 0."""
+def render_batch_source(names: Iterable[str], zeros: frozenset[int], rotors: int) -> str:
+    """
+    Return the source of the kernel of some effects.
+
+    Parameters
+    ----------
+    names : iterable of str
+        Effects, in registry order.
+    zeros : frozenset of int
+        Places of the parameters that are 0 in all vehicles.
+    rotors : int
+        Number of rotors; those beyond have no thrust.
+
+    """
     form = KernelTarget(
         'from numba import njit\nimport numpy as np\n',
         f'@njit({OWN}, forceinline=True)',
         # No fastmath, which would reorder arithmetic; nogil lets the thread pool run in parallel
         "@njit(error_model='numpy', fastmath=False, nogil=True, cache=True)",
-        ColumnAccess('WIDTH', zeros),
+        ColumnAccess('WIDTH', zeros, rotors),
         Template(ENTRIES),
     )
     return render_kernel_source({name: MODEL_EFFECTS[name] for name in names}, form)
 
 
 @cache
-def _load_kernel(names: tuple[str, ...], zeros: frozenset[int]) -> ModuleType:
+def _load_kernel(names: tuple[str, ...], zeros: frozenset[int], rotors: int) -> ModuleType:
     """Load the kernel of a batch."""
     # One of all effects takes three times as long to compile, so there is none to begin with
-    return load_kernel(render_batch_source(names, zeros))
-
-
-def _pack_blocks(rows: NDArray[np.float64], width: int) -> NDArray[np.float64]:
-    """Split columns into blocks of vehicles; copies of the last vehicle fill the last block."""
-    filled = np.pad(rows, ((0, 0), (0, -rows.shape[1] % width)), mode='edge')
-    # Shape (blocks, numbers, width), each block contiguous
-    blocks = filled.reshape(len(rows), -1, width).swapaxes(0, 1)
-    return np.ascontiguousarray(blocks).reshape(len(blocks), -1)
+    return load_kernel(render_batch_source(names, zeros, rotors))
 
 
 def advance_many(
@@ -134,10 +138,11 @@ def advance_many(
         If an array has the wrong shape.
 
     """
-    used = pack_used_columns(states, vehicles, commands, surroundings)
-    kernel = _load_kernel(used.names, used.zeros)
-    size, count = used.state.shape
-    blocks = _pack_blocks(np.concatenate([used.fixed, used.state]), kernel.WIDTH)
+    used = select_used_numbers(states, vehicles, commands, surroundings)
+    kernel = _load_kernel(used.names, used.zeros, used.rotors)
+    count, size = used.state.shape
+    packed = pack_blocks((*used.fixed, used.state), kernel.WIDTH)
+    blocks = packed.reshape(len(packed), -1)
     cores = count_cores()
     # More pieces than cores, so that a delayed core does not hold up the rest.
     pieces = min(len(blocks), 4 * cores)
@@ -148,6 +153,5 @@ def advance_many(
         )
         # Raises exceptions of the workers
         list(done)
-    later = blocks.reshape(len(blocks), -1, kernel.WIDTH)[:, -size:]
     # Drop the padding of the last block
-    return used.merge_states(later.swapaxes(0, 1).reshape(size, -1)[:, :count])
+    return used.merge_states(packed[:, -size:].swapaxes(1, 2).reshape(-1, size)[:count])

@@ -15,7 +15,7 @@ from lta_config.errors import BadInput
 from lta_model.effects import MODEL_EFFECTS
 from lta_sim.kernels.columns import ThreadAccess
 from lta_sim.kernels.compose import KernelTarget, render_kernel_source
-from lta_sim.kernels.vehicle_batch import pack_used_columns, VehicleBatch
+from lta_sim.kernels.vehicle_batch import pack_blocks, select_used_numbers, VehicleBatch
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -124,12 +124,15 @@ def advance_many(
 
     """
     cuda = require_cuda()
-    used = pack_used_columns(states, vehicles, commands, surroundings)
+    used = select_used_numbers(states, vehicles, commands, surroundings)
     count = len(vehicles)
-    there = cuda.to_device(used.state.ravel())
+    # One block as wide as the batch
+    fixed, there = (
+        cuda.to_device(pack_blocks(parts, count).ravel()) for parts in (used.fixed, [used.state])
+    )
     # Rounded up; surplus threads of the last block do nothing
     blocks = -(-count // THREADS)
     _load_kernel(used.names).advance_many[blocks, THREADS](
-        cuda.to_device(used.fixed.ravel()), there, count, float(dt), int(steps)
+        fixed, there, count, float(dt), int(steps)
     )
-    return used.merge_states(there.copy_to_host().reshape(used.state.shape))
+    return used.merge_states(there.copy_to_host().reshape(-1, count).T)

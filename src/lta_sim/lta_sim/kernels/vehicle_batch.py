@@ -5,8 +5,10 @@ from dataclasses import dataclass
 from typing import final, Self
 
 from lta_config.errors import BadInput
+from lta_model.effects import BUILT_IN, MODEL_EFFECTS
+from lta_model.effects.protocol import ActuatorEffect
 from lta_model.model import VehicleModel
-from lta_model.state import COMMAND, SURROUNDINGS
+from lta_model.state import ACTUATORS, COMMAND, ROTOR, ROTOR_PLACE, SURROUNDINGS
 from lta_sim.kernels.kernel import LAYOUT
 from lta_sim.kernels.layout import FIXED
 import numpy as np
@@ -59,38 +61,75 @@ def _to_padded_array(
         raise ValueError(
             f'The {what} have the shape {array.shape}; it must be ({vehicles}, {count}).'
         )
+    if array.shape[1] == count:
+        return array
     # Missing columns are zero: no moving mass, no noise, no light
     return np.pad(array, ((0, 0), (0, count - array.shape[1])))
 
 
+def pack_blocks(parts: Sequence[Numbers], width: int) -> Numbers:
+    """
+    Return vehicles side by side in blocks, shape (blocks, numbers, width).
+
+    `parts` have a row per vehicle; copies of the last vehicle fill the last block.
+    """
+    missing = -len(parts[0]) % width
+    blocks = (len(parts[0]) + missing) // width
+    packed, first = np.empty((blocks, sum(part.shape[1] for part in parts), width)), 0
+    for part in parts:
+        count = part.shape[1]
+        filled = np.concatenate([part, np.repeat(part[-1:], missing, axis=0)]) if missing else part
+        packed[:, first : first + count] = filled.reshape(blocks, width, count).swapaxes(1, 2)
+        first += count
+    return packed
+
+
 @final
 @dataclass(frozen=True, slots=True, eq=False)
-class UsedColumns:
-    """Input of a kernel of those effects that some vehicle of a batch has on, by columns."""
+class UsedNumbers:
+    """Input of a kernel of those effects that some vehicle has on, a row per vehicle."""
 
     names: tuple[str, ...]  # effects of the kernel, in registry order
-    fixed: Numbers  # constants of each vehicle: parameters, then `layout.FIXED`, shape (rows, V)
-    state: Numbers  # states with the memory of these effects only, shape (N', V)
-    places: list[int]  # of these rows in a whole state
-    whole: Numbers  # whole states, shape (N, V)
+    fixed: tuple[Numbers, ...]  # constants: parameters, then `layout.FIXED`, shapes (V, each)
+    state: Numbers  # states with the memory of these effects only, shape (V, N')
+    places: list[int]  # of these numbers in a whole state
+    whole: Numbers  # whole states, shape (V, N)
 
     @property
     def zeros(self) -> frozenset[int]:
         """Places of the parameters that are 0 in all vehicles."""
-        count = sum(len(LAYOUT.effects[name].parameters) for name in self.names)
-        return frozenset(np.flatnonzero(~self.fixed[:count].any(axis=1)).tolist())
+        return frozenset(np.flatnonzero(~self.fixed[0].any(axis=0)).tolist())
+
+    @property
+    def rotors(self) -> int:
+        """Number of rotors up to the last with an axis, a command or a memory in some vehicle."""
+        actuators = [
+            name for name in self.names if isinstance(MODEL_EFFECTS[name], ActuatorEffect)
+        ]
+        if not set(actuators) <= set(BUILT_IN):
+            return ACTUATORS  # ours have no thrust without a command, which others may have
+        _, body, _, commands, _ = self.fixed
+        axes = body[:, ROTOR_PLACE:].reshape(-1, ACTUATORS, ROTOR)
+        used = (commands[:, :ACTUATORS] != 0.0).any(axis=0) | (axes != 0.0).any(axis=(0, 2))
+        for name in actuators:
+            first = LAYOUT.remembers[name]
+            memory = self.whole[:, first : first + LAYOUT.memory_size(name)]
+            if memory.size:
+                each = memory.reshape(len(memory), ACTUATORS, -1)
+                used |= (each != 0.0).any(axis=(0, 2))
+        return int(np.flatnonzero(used)[-1]) + 1 if used.any() else 1
 
     def merge_states(self, state: Numbers) -> Numbers:
-        """Return whole states, shape (V, N), with new values of the used rows, shape (N', V)."""
+        """Return whole states, shape (V, N), with new values of the used numbers, (V, N')."""
         merged = self.whole.copy()
         # Memory of effects that are off stays unchanged
-        merged[self.places] = state
-        return np.ascontiguousarray(merged.T)
+        merged[:, self.places] = state
+        return merged
 
 
-def pack_used_columns(
+def select_used_numbers(
     states: ArrayLike, vehicles: VehicleBatch, commands: ArrayLike, surroundings: ArrayLike
-) -> UsedColumns:
+) -> UsedNumbers:
     """Return the input of a batched kernel; raise ValueError if an array has the wrong shape."""
     count = len(vehicles)
     names = tuple(name for name in LAYOUT.effects if vehicles.on[:, LAYOUT.flag_index(name)].any())
@@ -103,7 +142,5 @@ def pack_used_columns(
         _to_padded_array('commands', commands, count, COMMAND, fill=True),
         _to_padded_array('surroundings', surroundings, count, SURROUNDINGS, fill=True),
     )
-    whole = _to_padded_array('states', states, count, LAYOUT.size, fill=False).T
-    return UsedColumns(
-        names, np.concatenate([part.T for part in fixed]), whole[places], places, whole
-    )
+    whole = _to_padded_array('states', states, count, LAYOUT.size, fill=False)
+    return UsedNumbers(names, fixed, whole[:, places], places, whole)
