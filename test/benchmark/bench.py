@@ -18,8 +18,10 @@ import json
 import os
 from pathlib import Path
 import sys
+import time
 
 from lta_config.errors import BadInput
+from lta_config.machine import count_cores
 from rich.console import Console
 from rich.table import Table
 
@@ -94,6 +96,11 @@ def gather(modules: Iterable[tuple[str, str]]) -> tuple[list[Figure], list[Absen
         except Exception as error:
             absent.append(Absent(name, f'{type(error).__name__}: {error}', failed=True))
     return figures, absent
+
+
+def pace(count: float, begin: float) -> float:
+    """Return a rate on all cores by the processor time since `begin`. [1/s]"""
+    return count * count_cores() / (time.process_time() - begin)
 
 
 def groups(figures: Sequence[Figure]) -> list[list[Figure]]:

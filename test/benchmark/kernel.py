@@ -2,8 +2,10 @@
 Measure the kernel: one vehicle on one core, many on all, and a program that starts.
 
 With GT-MAB's realistic set on and every other effect one number away, and with every effect on
-(`_all`). `kernel.cold` and `kernel.warm` are whole processes from their first import to their
-first step, without the start of the interpreter and with an empty and a filled cache.
+(`_all`). Rates are by processor time, here and in the peers, so that other work on the machine
+does not spoil the ratios. `kernel.cold` and `kernel.warm` are whole processes from their first
+import to their first step, without the start of the interpreter and with an empty and a filled
+cache.
 """
 
 from functools import partial
@@ -14,7 +16,7 @@ import sys
 import tempfile
 import time
 
-from bench import Figure
+from bench import Figure, pace
 from gtmab import DUTY, scattered, start, STEP, SURROUNDED, vehicle
 from lta_sim.kernels.cpu_batch import advance_many
 from lta_sim.kernels.kernel import advance
@@ -37,10 +39,10 @@ import sys; sys.stdout.write(str(time.perf_counter() - begin))
 def call(every: bool, steps: int, calls: int = 1) -> float:
     """Return the time of a call. [s]"""
     model, state = vehicle(every), start()
-    begin = time.perf_counter()
+    begin = time.process_time()
     for _ in range(calls):
         last = advance(state, model, DUTY, SURROUNDED, STEP, steps)
-    taken = (time.perf_counter() - begin) / calls
+    taken = (time.process_time() - begin) / calls
     if not np.isfinite(last).all():
         raise FloatingPointError('the vehicle left the numbers: what is measured is no flight')
     return taken
@@ -59,12 +61,12 @@ def control_step() -> float:
 def batched(every: bool, count: int = 10_000, steps: int = 500) -> float:
     """Return the pace of many vehicles together, on all cores. [1/s]"""
     states, fleet, duties, surroundings = scattered(count, every)
-    begin = time.perf_counter()
+    begin = time.process_time()
     last = advance_many(states, fleet, duties, surroundings, STEP, steps)
-    taken = time.perf_counter() - begin
+    reached = pace(count * steps, begin)
     if not np.isfinite(last).all():
         raise FloatingPointError('vehicles left the numbers: what is measured is no flight')
-    return count * steps / taken
+    return reached
 
 
 def first_step(cache: Path) -> float:

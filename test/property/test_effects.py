@@ -205,8 +205,12 @@ def test_null_passes_the_duty_on(effect, data):
 @given(data=st.data())
 def test_no_duty_gives_no_thrust(effect, data):
     memory = tuple(initial for _, initial in effect.memory)
-    values = data.draw(parameters(effect))
-    assert effect.output(values, memory, 0.0, data.draw(surroundings)) == 0.0
+    values, around = data.draw(parameters(effect)), data.draw(surroundings)
+    assert effect.output(values, memory, 0.0, around) == 0.0
+    # So that a batch may leave out rotors without a command and a memory
+    still = (0.0,) * len(memory)
+    assert effect.output(values, still, 0.0, around) == 0.0
+    assert effect.rate(values, still, 0.0, around) == still
 
 
 @pytest.mark.parametrize('effect', kind(InertiaEffect), ids=of)

@@ -6,6 +6,8 @@ from lta_sim.kernels import cpu_batch
 from numba.core import config
 import pytest
 
+LOAD = cpu_batch._load_kernel.__wrapped__
+
 
 @pytest.fixture(params=['plain', pytest.param('compiled', marks=pytest.mark.long)])
 def steps(request, monkeypatch):
@@ -25,4 +27,4 @@ def load_plain_kernel(names, zeros, rotors):
     """Return the kernel of a batch as Python."""
     with pytest.MonkeyPatch.context() as while_loading:
         while_loading.setattr(config, 'DISABLE_JIT', 1)
-        return cpu_batch._load_kernel.__wrapped__(names, zeros, rotors)
+        return LOAD(names, zeros, rotors)

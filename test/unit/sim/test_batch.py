@@ -2,8 +2,8 @@
 
 from lta_config.errors import BadInput
 from lta_sim.kernels import kernel
-from lta_sim.kernels.cpu_batch import advance_many
-from lta_sim.kernels.vehicle_batch import VehicleBatch
+from lta_sim.kernels.cpu_batch import advance_many, render_batch_source
+from lta_sim.kernels.vehicle_batch import pack_blocks, select_used_numbers, VehicleBatch
 import numpy as np
 import pytest
 
@@ -97,6 +97,44 @@ def test_wrong_shapes_are_refused(part, shape, words):
     states, duties, winds = arrays
     with pytest.raises(ValueError, match=words):
         advance_many(states, VehicleBatch.from_models(models), duties, winds, STEP, 1)
+
+
+def test_only_what_some_vehicle_has_on_is_compiled():
+    """Effects that are off, absent strips and absent rotors have no code."""
+    models, states, duties, winds = flights(2)
+    models.append(balloon.model({'linear_drag': {'surge': 0.1}}))
+    used = select_used_numbers(
+        states[[0, 1, 1]], VehicleBatch.from_models(models), duties[[0, 1, 1]], winds[[0, 1, 1]]
+    )
+    on = set().union(*(model.given for model in models))
+    assert used.names == tuple(name for name in kernel.LAYOUT.effects if name in on)
+    values = used.fixed[0]
+    assert used.zeros == {k for k in range(values.shape[1]) if not values[:, k].any()}
+    source = render_batch_source(used.names, used.zeros, used.rotors)
+    for name in kernel.LAYOUT.effects:
+        assert (f'def {name}_compute' in source) == (name in on)
+    assert f'for j in range({used.rotors}):' in source
+    few = render_batch_source(('strip_damping',), frozenset({0, 1}), 4)
+    assert 'p = ((0.0, 0.0, block[2 * WIDTH + i], ' in few
+
+
+@pytest.mark.parametrize('has', ['command', 'memory', 'nothing'])
+def test_a_rotor_counts_that_has_a_command_or_a_memory(has):
+    models, states, duties, winds = flights(3)
+    commands = np.zeros((3, 8))
+    commands[:, : duties.shape[1]] = duties
+    states[:, balloon.LAG.stop : balloon.LAG.start + 8] = 0.0
+    if has == 'command':
+        commands[1, 6] = 0.1
+    elif has == 'memory':
+        states[1, balloon.LAG.start + 6] = 0.1
+    used = select_used_numbers(states, VehicleBatch.from_models(models), commands, winds)
+    assert used.rotors == (7 if has != 'nothing' else 4)
+
+
+def test_blocks_are_filled_with_the_last_vehicle():
+    packed = pack_blocks([np.arange(6.0).reshape(3, 2), 10.0 + np.arange(3.0)[:, None]], 2)
+    np.testing.assert_array_equal(packed, [[[0, 2], [1, 3], [10, 11]], [[4, 4], [5, 5], [12, 12]]])
 
 
 def test_no_fleet_of_nobody():
