@@ -37,7 +37,7 @@ LIMITS: Final = {
 
 
 Place = tuple[int, str]  # index of the factor or HIDDEN, and name of a number
-HIDDEN: Final = -1
+HIDDEN: Final = -1  # stands for the hidden state in place of the index of a factor
 
 
 @final

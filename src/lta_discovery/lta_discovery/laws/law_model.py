@@ -26,11 +26,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Chosen = Sequence[tuple[Column, int]]  # columns with their axes
 
-# Prior of a refit about the regression: its deviations, relative to the weight at least, and of
-# numbers, in the logarithm
-WEIGHTS: Final = 3.0
-RELATIVE: Final = 0.3
-NUMBERS: Final = 0.2
+WEIGHTS: Final = 3.0  # deviations of the regression; prior deviation of a weight in a refit
+RELATIVE: Final = 0.3  # of the weight; the least prior deviation
+NUMBERS: Final = 0.2  # prior deviation of the logarithm of a scale, or of a phase
 SMALL: Final = 0.03  # step of the derivative by a number
 
 
