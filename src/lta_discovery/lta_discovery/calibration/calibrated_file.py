@@ -21,7 +21,7 @@ STRIPS: Final = 'strip_damping'  # the effect whose numbers follow from the drag
 
 
 @final
-class VehicleChange(NamedTuple):
+class VehicleUpdate(NamedTuple):
     """A vehicle before and after some of its values were fitted."""
 
     before: NominalVehicle
@@ -49,14 +49,14 @@ def format_calibrated_vehicle(
         effect, _, parameter = one.name.partition('.')
         if not one.flight:
             notes[effect, parameter] = format_value(one)
-    change = VehicleChange(calibration.nominal, calibration.calibrated)
+    change = VehicleUpdate(calibration.nominal, calibration.calibrated)
     return format_changed_vehicle(text, vehicle, change, notes, source)
 
 
 def format_changed_vehicle(
     text: str,
     vehicle: Vehicle,
-    change: VehicleChange,
+    change: VehicleUpdate,
     notes: Mapping[tuple[str, str], str],
     source: str,
 ) -> str:
@@ -90,7 +90,7 @@ def format_changed_vehicle(
     return _set_mass_properties(text, vehicle, change.after, source)
 
 
-def _share_thrusts(vehicle: Vehicle, change: VehicleChange) -> tuple[float, list[float]]:
+def _share_thrusts(vehicle: Vehicle, change: VehicleUpdate) -> tuple[float, list[float]]:
     """
     Return a factor on all thrust curves, and the rest of each rotor's, -1 to 1, on its column.
 
@@ -109,7 +109,7 @@ def _share_thrusts(vehicle: Vehicle, change: VehicleChange) -> tuple[float, list
 
 
 def _list_thrusts(
-    vehicle: Vehicle, change: VehicleChange, source: str
+    vehicle: Vehicle, change: VehicleUpdate, source: str
 ) -> Iterator[tuple[str, Any]]:
     """Yield the places of thrust curves and columns of rotors that changed, with their content."""
     most, shares = _share_thrusts(vehicle, change)
@@ -142,7 +142,7 @@ def _list_thrusts(
 
 
 def _list_part_drags(
-    vehicle: Vehicle, change: VehicleChange, source: str
+    vehicle: Vehicle, change: VehicleUpdate, source: str
 ) -> Iterator[tuple[str, Any]]:
     """Yield the drag coefficients of parts whose rotational damping changed, which scale it."""
     before, after = (one.given.get(STRIPS, {}) for one in change)
@@ -184,7 +184,7 @@ def _encode_column(column: NDArray[np.float64], source: str) -> dict[str, Any]:
     }
 
 
-def _scale_misalignments(vehicle: Vehicle, change: VehicleChange) -> NominalVehicle:
+def _scale_misalignments(vehicle: Vehicle, change: VehicleUpdate) -> NominalVehicle:
     """Return the changed vehicle with misalignments for the thrust curves of the file."""
     out = change.after
     for i, share in enumerate(_share_thrusts(vehicle, change)[1], start=1):

@@ -15,7 +15,7 @@ from lta_discovery.calibration.calibrated_file import (
     CURVE,
     format_changed_vehicle,
     STRIPS,
-    VehicleChange,
+    VehicleUpdate,
 )
 from lta_discovery.finding import FittedTolerance
 from lta_discovery.fit.bounds import apply_parameters
@@ -49,7 +49,7 @@ class FittedFile:
     nominal: NominalVehicle
 
 
-def write_fitted_file(base: BaseFile, study: DiscoveryStudy, values: Array) -> FittedFile:
+def write_tolerance_file(base: BaseFile, study: DiscoveryStudy, values: Array) -> FittedFile:
     """
     Return the vehicle file with named effects and tolerances, without a law.
 
@@ -72,7 +72,7 @@ def write_fitted_file(base: BaseFile, study: DiscoveryStudy, values: Array) -> F
         for one in effect.parameters
     }
     source = f'fitted together with the law by {format_source(finding)}'
-    change = VehicleChange(study.nominal, fitted)
+    change = VehicleUpdate(study.nominal, fitted)
     text = format_changed_vehicle(base.text, base.vehicle, change, notes, source)
     vehicle = parse_vehicle(text, finding.vehicle, base.vehicle.air_density)
     return FittedFile(text, NominalVehicle.from_vehicle(vehicle))
@@ -111,7 +111,7 @@ def list_study_parameters(study: DiscoveryStudy) -> list[FreeParameter]:
     return study.flights[0].flight.knobs
 
 
-def list_fitted_tolerances(study: DiscoveryStudy, values: Array) -> tuple[FittedTolerance, ...]:
+def list_tolerance_changes(study: DiscoveryStudy, values: Array) -> tuple[FittedTolerance, ...]:
     """Return the tolerances that were changed, the one that moved by most deviations first."""
     named = {name for one in study.finding.effects for name in one.knobs}
     out = [

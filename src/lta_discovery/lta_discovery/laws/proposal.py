@@ -33,9 +33,9 @@ from lta_discovery.laws.law_file import (
     add_law_block,
     BaseFile,
     find_unwritable_parameters,
-    list_fitted_tolerances,
     list_study_parameters,
-    write_fitted_file,
+    list_tolerance_changes,
+    write_tolerance_file,
 )
 from lta_discovery.laws.law_model import (
     build_law,
@@ -135,7 +135,7 @@ def _search_law(
     law = build_law(data, terms, fit, _format_source(study.finding), weights)
     prepare = partial(FlightLaw, law)
     try:
-        file = write_fitted_file(base, study, at)
+        file = write_tolerance_file(base, study, at)
     except BadInput as fault:
         return LawFinding(None, f'the vehicle file cannot hold it: {fault}', (), near, law)
     errors = compare_forecasts(study, forecasts, prepare, file.nominal, np.zeros_like(at))
@@ -144,7 +144,7 @@ def _search_law(
         return LawFinding(None, reason, errors, near, law)
     return LawFinding(
         law, '', errors, near, law,
-        add_law_block(file.text, law), list_fitted_tolerances(study, at),
+        add_law_block(file.text, law), list_tolerance_changes(study, at),
     )  # fmt: skip
 
 

@@ -60,15 +60,15 @@ def list_law_sentences(finding: StudyResult) -> list[str]:
     ]
 
 
-def _list_tolerance_sentences(found: LawFinding) -> list[str]:
+def _list_tolerance_sentences(outcome: LawFinding) -> list[str]:
     """Return which values of the file were fitted together with a law; empty if none was."""
-    if not found.tolerances:
+    if not outcome.tolerances:
         return []
     first = [
         f'{one.name} by {_format_change(one)} ({one.deviations:+.1f} standard deviations)'
-        for one in found.tolerances[:LISTED]
+        for one in outcome.tolerances[:LISTED]
     ]
-    rest = len(found.tolerances) - len(first)
+    rest = len(outcome.tolerances) - len(first)
     more = [format_count(rest, 'other')] if rest else []
     return [
         'It belongs to the tolerances that were fitted together with it, which vehicle.yaml '
@@ -120,11 +120,11 @@ def render_law(study: DiscoveryStudy) -> str:
     return text + table + _render_tolerances(found) + _render_figures(study, found)
 
 
-def _render_tolerances(found: LawFinding) -> str:
+def _render_tolerances(outcome: LawFinding) -> str:
     """Return the table of the values that were fitted together with a law; '' without any."""
     rows = [
         (escape(one.name), escape(_format_change(one)), f'{one.deviations:+.2f}')
-        for one in found.tolerances
+        for one in outcome.tolerances
     ]
     title = 'Values of the file that were fitted together with the law'
     return render_table(CHANGED, rows, 'plain', title) if rows else ''

@@ -24,7 +24,7 @@ from lta_discovery.fit.bounds import apply_parameters
 from lta_discovery.fit.evidence import build_prior, FLOOR, PieceReducer, ReducedFlight
 from lta_discovery.flights.usable_flights import UsableFlights
 from lta_discovery.forecast.flight_prediction import best_start_residual, error_to_noise
-from lta_discovery.laws.law_file import add_law_block, BaseFile, write_fitted_file
+from lta_discovery.laws.law_file import add_law_block, BaseFile, write_tolerance_file
 from lta_discovery.laws.proposal import add_law
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
@@ -550,7 +550,7 @@ def test_the_vehicle_file_holds_effects_and_law(found: DiscoveryStudy, tmp_path:
     moved = {'linear_drag.surge': 0.01, 'vehicle.mass': 0.01, 'vehicle.yaw': -0.05,
              'rotor_2.thrust': 0.03, 'cg_height.z': 0.002}  # fmt: skip
     values = np.array([moved.get(knob.name, 0.0) for knob in knobs])
-    file = write_fitted_file(BaseFile(text, vehicle), found, values)
+    file = write_tolerance_file(BaseFile(text, vehicle), found, values)
     given = _with(
         found, verdict='named+unexplained',
         law=LawFinding(law, '', errors, file=add_law_block(file.text, law)),
