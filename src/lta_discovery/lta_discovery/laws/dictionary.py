@@ -192,9 +192,15 @@ def move_number(
     factor = column.factors[k]
     now = getattr(factor, name)
     before = (1.0 if name == 'exponent' else 0.0) if now is None else now
-    value = _move_value(name, before, step, spreads[factor.quantity].size)
+    spread = spreads[factor.quantity]
+    value = _move_value(name, before, step, spread.size)
+    change = {name: value}
+    if name == 'scale' and factor.form in ('sin', 'cos'):
+        # About the mean of the quantity, so that it does not shift the wave there
+        turns = spread.mean / value - spread.mean / before
+        change['phase'] = round_number((factor.phase or 0.0) + 2.0 * math.pi * turns)
     factors = list(column.factors)
-    factors[k] = factor.model_copy(update={name: value})
+    factors[k] = factor.model_copy(update=change)
     return replace(column, factors=tuple(factors))
 
 

@@ -6,7 +6,7 @@ from typing import Any, cast
 from lta_config.schema.vehicle_law import HiddenState, LawFactor
 from lta_discovery.fit.evidence import Prior
 from lta_discovery.forecast.prediction_errors import HORIZONS
-from lta_discovery.laws.dictionary import build_dictionary, Column, move_number
+from lta_discovery.laws.dictionary import Column, move_number
 from lta_discovery.laws.forecast import LawForecaster
 from lta_discovery.laws.forecast_refit import ForecastRefit, LawModel, score_forecasts
 from lta_discovery.laws.law_model import (
@@ -16,6 +16,7 @@ from lta_discovery.laws.law_model import (
     Numbers,
 )
 from lta_discovery.laws.selection import LawFit
+from lta_model.law_arrays import evaluate_factor
 import numpy as np
 from numpy.typing import NDArray
 import pytest
@@ -132,14 +133,13 @@ def test_weights_and_numbers_change_a_law() -> None:
 
 
 def test_a_phase_adds_and_a_scale_multiplies() -> None:
-    """As in the refinement of a column."""
+    """A wave over the height stays where it is at the mean height, as its length changes."""
     spreads = make_law_data(lambda seen: {}).spreads
-    column = next(
-        one for one in build_dictionary(spreads) if one.factors[0].form == 'sin' and one.tier == 0
-    )
-    factor = column.factors[0]
-    moved = move_number(
-        move_number(column, (0, 'phase'), 0.2, spreads), (0, 'scale'), 0.2, spreads
-    )
-    assert moved.factors[0].phase == pytest.approx((factor.phase or 0.0) + 0.2, abs=1e-3)
-    assert moved.factors[0].scale == pytest.approx((factor.scale or 0.0) * np.exp(0.2), rel=1e-3)
+    mean = spreads['height'].mean
+    column = Column((LawFactor(quantity='height', form='sin', scale=2.0, phase=0.5),), 0)
+    shifted = move_number(column, (0, 'phase'), 0.2, spreads).factors[0]
+    assert (shifted.scale, shifted.phase) == (2.0, pytest.approx(0.7))
+    longer = move_number(column, (0, 'scale'), 0.2, spreads).factors[0]
+    assert longer.scale == pytest.approx(2.0 * np.exp(0.2), rel=1e-3)
+    at_mean = [evaluate_factor(one, np.array([mean]))[0] for one in (column.factors[0], longer)]
+    assert at_mean[0] == pytest.approx(at_mean[1], abs=2e-3)
