@@ -10,6 +10,7 @@ import argparse
 from dataclasses import replace
 import json
 from pathlib import Path
+import pickle
 import sys
 import tempfile
 import time
@@ -32,9 +33,11 @@ from lta_discovery.flights.usable_flights import select_usable_flights
 from lta_discovery.forecast.file_comparison import limit_to_file
 from lta_discovery.forecast.held_out import build_model_points
 from lta_discovery.forecast.tolerance_shrinkage import shrink_tolerances
+from lta_discovery.laws.law_file import BaseFile
 from lta_discovery.laws.proposal import add_law
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import list_free_parameters
+from lta_discovery.model.replay_kernel import load_body_kernel
 from lta_discovery.replay.knot_count import count_needed_knots
 from lta_discovery.replay.linearized_flight import LinearizationPoint, zero_unknowns
 from lta_discovery.study import (
@@ -108,12 +111,29 @@ def select_far(errors: tuple[ChannelErrors, ...]) -> dict[str, dict[str, float]]
     }
 
 
-def run_case(kind: str, seed: int, number: int) -> dict[str, Any]:
-    """Return law, errors and those of the oracle for one case."""
+def study_case(
+    kind: str, seed: int, number: int, folder: Path | None
+) -> tuple[Vehicle, DiscoveryStudy, dict[str, Any]]:
+    """Return vehicle, study and answer of a case, stored ones if there are any."""
+    place = folder / f'{kind}_{seed}_{number}.pickle' if folder else None
+    if place and place.exists():
+        # Before threads need it: CPython 3.11 parses no source in several threads at once
+        load_body_kernel()
+        out: tuple[Vehicle, DiscoveryStudy, dict[str, Any]] = pickle.loads(place.read_bytes())
+        return out
     vehicle, flights, answer = make_flights(kind, seed, number)
-    study = fit_tolerances(vehicle, flights)
+    made = vehicle, fit_tolerances(vehicle, flights), answer
+    if place:
+        place.write_bytes(pickle.dumps(made))
+    return made
+
+
+def run_case(kind: str, seed: int, number: int, folder: Path | None = None) -> dict[str, Any]:
+    """Return law, errors and those of the oracle for one case."""
+    vehicle, study, answer = study_case(kind, seed, number, folder)
+    base = BaseFile(read_vehicle_text(), vehicle)
     begun = time.process_time()
-    found = add_law(study, lambda _what, _part: None).finding.law
+    found = add_law(study, base, lambda _what, _part: None).finding.law
     spent, name = time.process_time() - begun, answer['outside']
     oracle = fit_law_oracle(study, name, answer['strange'][name]) if name else ()
     assert found is not None
@@ -131,9 +151,12 @@ def main() -> None:
     parser.add_argument('--seed', type=int, default=3803)
     parser.add_argument('--kinds', nargs='+', default=[*OUTSIDE, *STRUCTURED])
     parser.add_argument('--first', type=int, default=1, help='number of the first case')
+    parser.add_argument('--studies', type=Path, help='folder that keeps the fitted studies')
     asked = parser.parse_args()
+    if asked.studies:
+        asked.studies.mkdir(parents=True, exist_ok=True)
     for number, kind in enumerate(asked.kinds, asked.first):
-        sys.stdout.write(json.dumps(run_case(kind, asked.seed, number)) + '\n')
+        sys.stdout.write(json.dumps(run_case(kind, asked.seed, number, asked.studies)) + '\n')
         sys.stdout.flush()
 
 

@@ -174,6 +174,16 @@ class TransferEvidence:
 
 
 @final
+class FittedTolerance(NamedTuple):
+    """A value of the vehicle file that was fitted together with a law."""
+
+    name: str  # in words
+    unit: str
+    change: float  # from the vehicle file, in its unit; '1' is relative
+    deviations: float  # the same in standard deviations of its tolerance
+
+
+@final
 @dataclass(frozen=True, slots=True)
 class LawFinding:
     """A law for the unexplained force, or why there is none."""
@@ -185,6 +195,9 @@ class LawFinding:
     errors: tuple[ChannelErrors, ...] = ()
     near: tuple[str, ...] = ()  # the nearest library effects, and why they are rejected
     tried: Law | None = None  # also if it is not proposed
+    # Text of the vehicle file with the law, and what else changed in it; with a proposed law only
+    file: str = ''
+    tolerances: tuple[FittedTolerance, ...] = ()
 
 
 @final

@@ -9,7 +9,6 @@ from lta_bridge.bag.storage import StorageFault
 from lta_bridge.provenance import describe_environment, read_commit
 from lta_config.errors import BadInput
 from lta_config.files import find_file
-from lta_config.vehicle_edit import set_yaml_block
 from lta_discovery.calibration.calibrated_file import format_calibration_source
 from lta_discovery.calibration.calibrated_file import NAME as CALIBRATED
 from lta_discovery.calibration.first_step import (
@@ -23,6 +22,7 @@ from lta_discovery.discrepancies.discrepancy_search import BaselineFlight, find_
 from lta_discovery.flights.bags import read_bags, Role
 from lta_discovery.flights.usable_flights import select_usable_flights, UsableFlights
 from lta_discovery.forecast.forecast_warnings import list_forecast_warnings
+from lta_discovery.laws.law_file import BaseFile
 from lta_discovery.laws.proposal import add_law
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.page import animation
@@ -167,8 +167,10 @@ def _study_usable_flights(
         versions={**describe_environment(), **found.finding.versions},
     )
     found = replace(found, finding=finding, calibrated_file=start.text if start else '')
+    text = start.text if start else _read_vehicle_file(request)
+    base = BaseFile(text, start.vehicle if start else vehicle)
     # Last, so that it changes nothing that was found before
-    return add_law(found, tell)
+    return add_law(found, base, tell)
 
 
 def _calibrate_first(
@@ -180,7 +182,7 @@ def _calibrate_first(
     found = calibrate_first(vehicle, request.vehicle, sound.flights, tell)
     if found is None:
         return None, []
-    text = find_file('vehicle', request.vehicle).read_text(encoding='utf-8')
+    text = _read_vehicle_file(request)
     source = format_calibration_source(found.bags['train'], read_commit() or 'unknown')
     try:
         return build_calibrated_start(text, vehicle, found, source), []
@@ -189,6 +191,11 @@ def _calibrate_first(
             f'The vehicle file is off ({"; ".join(list_differences(found))}), but it was studied '
             f'as it is, because the calibrated file cannot be written. {fault}'
         ]
+
+
+def _read_vehicle_file(request: DiscoveryRequest) -> str:
+    """Return the text of the vehicle file."""
+    return find_file('vehicle', request.vehicle).read_text(encoding='utf-8')
 
 
 def _list_baseline_flights(study: DiscoveryStudy, sound: UsableFlights) -> list[BaselineFlight]:
@@ -215,13 +222,11 @@ def write_results(
     if text:
         (part / CALIBRATED).write_text(text, encoding='utf-8')
     else:
-        text = find_file('vehicle', request.vehicle).read_text(encoding='utf-8')
-    law = finding.law.law if finding.law else None
-    if finding.effects or law:
+        text = _read_vehicle_file(request)
+    learned = finding.law.file if finding.law else ''
+    if finding.effects and not learned:
         learned = format_learned_vehicle(text, vehicle, study.nominal, study.learned, finding)
-        if law:
-            block = law.model_dump(exclude_defaults=True)
-            learned = set_yaml_block(learned, 'law', block)
+    if learned:
         (part / VEHICLE).write_text(learned, encoding='utf-8')
     if study.refitted is not None:
         whole = _format_refitted_vehicle(text, vehicle, study, study.refitted)

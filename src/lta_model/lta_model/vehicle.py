@@ -13,7 +13,7 @@ from typing import final
 
 from lta_config.constants import AIR_DENSITY, STANDARD_GRAVITY
 from lta_config.errors import BadInput
-from lta_config.files import find_file
+from lta_config.files import find_file, parse_yaml, validate_content
 from lta_config.schema.vehicle_file import load_vehicle_file, VehicleFile
 from lta_model import effect_parameters, hover, hull, propulsion, stiffness
 from lta_model.electrical.battery import BatteryModel
@@ -307,3 +307,16 @@ def load_vehicle(name: str, air_density: float = AIR_DENSITY) -> Vehicle:
         return Vehicle(file, air_density)
     except BadInput as error:
         raise BadInput(f'{find_file("vehicle", name)}: {error}') from None
+
+
+def parse_vehicle(text: str, where: str, air_density: float = AIR_DENSITY) -> Vehicle:
+    """
+    Return the vehicle of a file's text, or `BadInput`.
+
+    Parameters
+    ----------
+    where : str
+        The file, as the subject of an error message.
+
+    """
+    return Vehicle(validate_content(VehicleFile, parse_yaml(text, where), where), air_density)

@@ -7,12 +7,15 @@ its forecasts are made as those of a law. So it shows what any law could reach.
 
 from collections.abc import Mapping
 from functools import partial
-from typing import final
+from typing import Final, final
 
 from lta_challenge.outside import STRANGE
 from lta_discovery.finding import ChannelErrors
+from lta_discovery.laws.forecast import Prepare
+from lta_discovery.laws.forecast_refit import LawModel
 from lta_discovery.laws.law_data import LawData
 from lta_discovery.laws.proposal import (
+    build_refit,
     choose_parameters,
     collect_law_data,
     compare_forecasts,
@@ -31,6 +34,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+
+SIZE: Final = 0.3  # relative; prior deviation of the size about that of the regression
 
 
 @final
@@ -113,15 +118,27 @@ def fit_law_oracle(
         true = TrueWrench(name, parameters, 1.0, flight, linear.point.nominal)
         wrench = true.compute_wrench(flight.simulate_trajectory(linear.point))
         parts.append(wrench[:, ::STEPS])
-    scale, shared = _regress_size(data, np.concatenate(parts))
-    prepare = partial(TrueWrench, name, parameters, scale)
-    at = choose_parameters(study, taught, forecasts, shared, prepare)
-    return compare_forecasts(study, forecasts, prepare, at)
+    knots = data.project(np.concatenate(parts))
+    scale, shared = _regress_size(data, knots)
+    push = np.swapaxes(knots, 1, 2).reshape(len(knots), -1, 1)
+
+    def prepare(weights: Array) -> Prepare:
+        return partial(TrueWrench, name, parameters, float(weights[0]))
+
+    model = LawModel(
+        np.array([scale]), np.array([SIZE]), prepare, lambda _weights: data.split_flights(push)
+    )
+    free = np.zeros(len(shared), dtype=np.bool_)
+    refit = build_refit(study, taught, joint, forecasts, free)
+    begun = choose_parameters(study, refit, forecasts, shared, prepare(model.start), free)
+    fitted = refit.fit(model, begun)
+    return compare_forecasts(
+        study, forecasts, prepare(fitted.weights), study.nominal, fitted.shared
+    )
 
 
-def _regress_size(data: LawData, wrench: Array) -> tuple[float, Array]:
-    """Return the size of a known wrench (S, n, 6), and the shared parameters that go with it."""
-    knots = data.project(wrench)
+def _regress_size(data: LawData, knots: Array) -> tuple[float, Array]:
+    """Return the size of a known wrench (S, K, 6), and the shared parameters that go with it."""
     best, found = -np.inf, (1.0, data.joint.fitted.mean)
     terms = [(knots[..., axis], axis) for axis in range(6) if np.any(knots[..., axis])]
     for share in (1.0, *SHRUNK, SHRUNK[-1] ** 2):

@@ -1,7 +1,7 @@
 """Write the calibrated vehicle file."""
 
-from collections.abc import Iterator, Sequence
-from typing import Any, Final
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, Final, final, NamedTuple
 
 from lta_config.errors import BadInput
 from lta_config.files import parse_yaml
@@ -16,7 +16,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 NAME: Final = 'calibrated.yaml'
-CURVES: Final = 'effects.thrust_curve'  # which belong to the rotors
+CURVE: Final = 'thrust_curve'  # the effect whose numbers belong to the rotors
+STRIPS: Final = 'strip_damping'  # the effect whose numbers follow from the drag of the parts
+
+
+@final
+class VehicleUpdate(NamedTuple):
+    """A vehicle before and after some of its values were fitted."""
+
+    before: NominalVehicle
+    after: NominalVehicle
 
 
 def format_calibrated_vehicle(
@@ -40,26 +49,48 @@ def format_calibrated_vehicle(
         effect, _, parameter = one.name.partition('.')
         if not one.flight:
             notes[effect, parameter] = format_value(one)
-    for quantity in list_changed_quantities(
-        text,
-        vehicle,
-        calibration.nominal,
-        _scale_misalignments(vehicle, calibration),
-        notes,
-        source,
-    ):
-        if not quantity.place.startswith(CURVES):
+    change = VehicleUpdate(calibration.nominal, calibration.calibrated)
+    return format_changed_vehicle(text, vehicle, change, notes, source)
+
+
+def format_changed_vehicle(
+    text: str,
+    vehicle: Vehicle,
+    change: VehicleUpdate,
+    notes: Mapping[tuple[str, str], str],
+    source: str,
+) -> str:
+    """
+    Return the text of a vehicle file with all changed values, also mass, inertia and thrust.
+
+    Parameters
+    ----------
+    notes : mapping of (str, str) to str
+        Note for the source of a parameter of an effect.
+
+    Raises
+    ------
+    BadInput
+        If the format has no place for a number.
+
+    """
+    straight = change._replace(after=_scale_misalignments(vehicle, change))
+    for quantity in list_changed_quantities(text, vehicle, *straight, notes, source):
+        if not quantity.place.startswith((f'effects.{CURVE}.', f'effects.{STRIPS}.')):
             text = set_yaml_value(text, quantity.place.split('.'), quantity.as_yaml)
-    for place, content in _list_thrusts(vehicle, calibration, source):
+    for place, content in (
+        *_list_thrusts(vehicle, change, source),
+        *_list_part_drags(vehicle, change, source),
+    ):
         text = set_yaml_value(text, place.split('.'), content)
-    if calibration.nominal.mass == calibration.calibrated.mass and np.array_equal(
-        calibration.nominal.inertia, calibration.calibrated.inertia
+    if change.before.mass == change.after.mass and np.array_equal(
+        change.before.inertia, change.after.inertia
     ):
         return text
-    return _set_mass_properties(text, vehicle, calibration, source)
+    return _set_mass_properties(text, vehicle, change.after, source)
 
 
-def _share_thrusts(vehicle: Vehicle, calibration: Calibration) -> tuple[float, list[float]]:
+def _share_thrusts(vehicle: Vehicle, change: VehicleUpdate) -> tuple[float, list[float]]:
     """
     Return a factor on all thrust curves, and the rest of each rotor's, -1 to 1, on its column.
 
@@ -68,8 +99,7 @@ def _share_thrusts(vehicle: Vehicle, calibration: Calibration) -> tuple[float, l
     factors = []
     for i in range(1, len(vehicle.rotors) + 1):
         now, before = (
-            one.parameter_value('thrust_curve', f'b_{i}')
-            for one in (calibration.calibrated, calibration.nominal)
+            one.parameter_value('thrust_curve', f'b_{i}') for one in (change.after, change.before)
         )
         factors.append(now / before if before else 1.0)
     most = max(map(abs, factors), default=0.0)
@@ -79,10 +109,10 @@ def _share_thrusts(vehicle: Vehicle, calibration: Calibration) -> tuple[float, l
 
 
 def _list_thrusts(
-    vehicle: Vehicle, calibration: Calibration, source: str
+    vehicle: Vehicle, change: VehicleUpdate, source: str
 ) -> Iterator[tuple[str, Any]]:
     """Yield the places of thrust curves and columns of rotors that changed, with their content."""
-    most, shares = _share_thrusts(vehicle, calibration)
+    most, shares = _share_thrusts(vehicle, change)
     curves = {
         f'rotors.{name}.thrust_curve' if rotor.thrust_curve else 'thrust_curve': (
             rotor.thrust_curve or vehicle.file.thrust_curve
@@ -109,6 +139,22 @@ def _list_thrusts(
             f'aero.thrust_allocation.{rotor.name}',
             _scale_column(vehicle, rotor, share, source),
         )
+
+
+def _list_part_drags(
+    vehicle: Vehicle, change: VehicleUpdate, source: str
+) -> Iterator[tuple[str, Any]]:
+    """Yield the drag coefficients of parts whose rotational damping changed, which scale it."""
+    before, after = (one.given.get(STRIPS, {}) for one in change)
+    factor = max(
+        (after[name] / value for name, value in before.items() if after[name] != value and value),
+        default=1.0,
+    )
+    for layer, parts in vehicle.file.layers.items() if factor != 1.0 else ():
+        for name, part in parts.items():
+            if part.drag is not None:
+                drag = VehicleFileQuantity('', factor * part.drag.coefficient.si, '1', source)
+                yield f'layers.{layer}.{name}.drag.coefficient', drag.as_yaml
 
 
 def _scale_column(vehicle: Vehicle, rotor: RotorModel, share: float, source: str) -> Any:  # noqa: ANN401 - YAML
@@ -138,10 +184,10 @@ def _encode_column(column: NDArray[np.float64], source: str) -> dict[str, Any]:
     }
 
 
-def _scale_misalignments(vehicle: Vehicle, calibration: Calibration) -> NominalVehicle:
-    """Return the calibrated vehicle with misalignments for the thrust curves of the file."""
-    out = calibration.calibrated
-    for i, share in enumerate(_share_thrusts(vehicle, calibration)[1], start=1):
+def _scale_misalignments(vehicle: Vehicle, change: VehicleUpdate) -> NominalVehicle:
+    """Return the changed vehicle with misalignments for the thrust curves of the file."""
+    out = change.after
+    for i, share in enumerate(_share_thrusts(vehicle, change)[1], start=1):
         for name in (f'first_{i}', f'second_{i}'):
             now = out.parameter_value('rotor_misalignment', name)
             if now != 0.0 and share != 1.0:
@@ -149,11 +195,9 @@ def _scale_misalignments(vehicle: Vehicle, calibration: Calibration) -> NominalV
     return out
 
 
-def _set_mass_properties(
-    text: str, vehicle: Vehicle, calibration: Calibration, source: str
-) -> str:
+def _set_mass_properties(text: str, vehicle: Vehicle, now: NominalVehicle, source: str) -> str:
     """Return the text with the mass properties of the whole vehicle."""
-    now, inertia = calibration.calibrated, calibration.calibrated.inertia
+    inertia = now.inertia
     if vehicle.file.moving_mass is not None:
         raise BadInput(
             f'{vehicle.file.name} has a moving mass, so its calibrated mass cannot be written; '

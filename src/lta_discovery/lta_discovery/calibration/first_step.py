@@ -9,8 +9,6 @@ go on from the calibrated file.
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
-import tempfile
 from typing import Final, final
 
 from lta_discovery.calibration.calibrated_file import format_calibrated_vehicle, NAME
@@ -24,7 +22,7 @@ from lta_discovery.calibration.forecast_score import (
 from lta_discovery.calibration.result import CalibratedValue, Calibration
 from lta_discovery.flights.role_assignment import assign_roles, Role
 from lta_discovery.model.parameters import FreeParameter, NET_LIFT
-from lta_model.vehicle import load_vehicle, Vehicle
+from lta_model.vehicle import parse_vehicle, Vehicle
 
 Progress = Callable[[str, float | None], None]
 
@@ -169,7 +167,4 @@ def build_calibrated_start(
 
     """
     new = format_calibrated_vehicle(text, vehicle, calibration, source)
-    with tempfile.TemporaryDirectory() as place:
-        path = Path(place) / NAME
-        path.write_text(new, encoding='utf-8')
-        return CalibratedStart(load_vehicle(str(path)), new, calibration)
+    return CalibratedStart(parse_vehicle(new, NAME), new, calibration)

@@ -96,15 +96,27 @@ def _piece_spacing(stretches: list[tuple[int, int]], count: int, shortest: int) 
 
 
 def cut_into_pieces(
-    flight: MeasuredFlight, length: float = LENGTH, shift: float = 0.0, knots: int = KNOTS
+    flight: MeasuredFlight,
+    length: float = LENGTH,
+    shift: float = 0.0,
+    knots: int = KNOTS,
+    overlaps: int = 1,
 ) -> Windows:
-    """Cut a flight into pieces; a flight too short for two full pieces gets two shorter ones."""
+    """
+    Cut a flight into pieces; a flight too short for two full pieces gets two shorter ones.
+
+    Parameters
+    ----------
+    overlaps : int
+        Number of pieces that a point belongs to.
+
+    """
     count, shortest = round(length / PERIOD), round(SHORTEST / PERIOD)
     first, start, inside = [], [], []
     runs = find_usable_runs(flight.usable)
     apart = _piece_spacing(runs, count, shortest)
     for begin, end in runs:
-        for index in range(begin, end - shortest, apart):
+        for index in range(begin, end - shortest, max(apart // overlaps, 1)):
             state = fit_state_at(flight, index, shift)
             if state is not None:
                 first.append(index)

@@ -126,8 +126,17 @@ def compute_forecast_residuals(
     point: LinearizationPoint,
     coast: bool = False,
     simulate: Simulate = FlightLinearizer.simulate_forecast,
+    learned: int | None = None,
 ) -> Array:
-    """Return measured minus predicted at each horizon, shape (S, H, 14); NaN where unknown."""
+    """
+    Return measured minus predicted at each horizon, shape (S, H, 14); NaN where unknown.
+
+    Parameters
+    ----------
+    learned : int, optional
+        Number of first pieces that are left out; `count_learning_pieces` by default.
+
+    """
     rows, replay = flight.replay.build_replay_rows(point.nominal), flight.replay
     if coast:
         grid = extrapolate_coast(
@@ -149,7 +158,8 @@ def compute_forecast_residuals(
         with np.errstate(over='ignore', invalid='ignore'):
             left = flight.compute_residual(simulate(flight, point)[:, ::STEPS], point, rows)
     at = [round(horizon / PERIOD) for horizon in HORIZONS]
-    return left[count_learning_pieces(flight) :, [min(k, left.shape[1] - 1) for k in at]]
+    first = count_learning_pieces(flight) if learned is None else learned
+    return left[first:, [min(k, left.shape[1] - 1) for k in at]]
 
 
 def bootstrap_shrinkage(

@@ -36,6 +36,10 @@ LIMITS: Final = {
 }
 
 
+Place = tuple[int, str]  # index of the factor or HIDDEN, and name of a number
+HIDDEN: Final = -1  # stands for the hidden state in place of the index of a factor
+
+
 @final
 @dataclass(frozen=True, slots=True)
 class Column:
@@ -158,8 +162,8 @@ def build_dictionary(spreads: Mapping[str, Spread]) -> list[Column]:
     ]
 
 
-def vary_numbers(column: Column, spreads: Mapping[str, Spread], step: float) -> list[Column]:
-    """Return the column with each of its numbers moved by a step, up and down."""
+def list_numbers(column: Column) -> list[Place]:
+    """Return the numbers of a column that may be refined, also those that it does not have yet."""
     out = []
     for k, factor in enumerate(column.factors):
         names = [*factor.numbers]
@@ -169,36 +173,51 @@ def vary_numbers(column: Column, spreads: Mapping[str, Spread], step: float) -> 
             names = ['threshold']
         if factor.form in ('above', 'sign') or factor.quantity == 'yaw':
             names = [name for name in names if name != 'scale']
-        for name, way in product(names, (1.0, -1.0)):
-            now = getattr(factor, name)
-            before = (1.0 if name == 'exponent' else 0.0) if now is None else now
-            value = _move_number(name, before, way * step, spreads, factor.quantity)
-            factors = list(column.factors)
-            factors[k] = factor.model_copy(update={name: value})
-            out.append(replace(column, factors=tuple(factors)))
+        out += [(k, name) for name in names]
     if column.hidden is not None:
-        for name in ('time_constant', 'frequency', 'damping'):
-            before = getattr(column.hidden, name)
-            if before is not None:
-                out += [
-                    replace(
-                        column,
-                        hidden=column.hidden.model_copy(
-                            update={name: _move_number(name, before, way * step, spreads)}
-                        ),
-                    )
-                    for way in (1.0, -1.0)
-                ]
+        names = ['time_constant', 'frequency', 'damping']
+        out += [(HIDDEN, name) for name in names if getattr(column.hidden, name) is not None]
     return out
 
 
-def _move_number(
-    name: str, value: float, step: float, spreads: Mapping[str, Spread], quantity: str = ''
-) -> float:
-    """Return a number that is moved: thresholds and phases add, others multiply."""
+def move_number(
+    column: Column, place: Place, step: float, spreads: Mapping[str, Spread]
+) -> Column:
+    """Return a column with a number moved: thresholds and phases add, others multiply."""
+    k, name = place
+    if k == HIDDEN:
+        assert column.hidden is not None
+        value = _move_value(name, getattr(column.hidden, name), step, 1.0)
+        return replace(column, hidden=column.hidden.model_copy(update={name: value}))
+    factor = column.factors[k]
+    now = getattr(factor, name)
+    before = (1.0 if name == 'exponent' else 0.0) if now is None else now
+    spread = spreads[factor.quantity]
+    value = _move_value(name, before, step, spread.size)
+    change = {name: value}
+    if name == 'scale' and factor.form in ('sin', 'cos'):
+        # About the mean of the quantity, so that it does not shift the wave there
+        turns = spread.mean / value - spread.mean / before
+        change['phase'] = round_number((factor.phase or 0.0) + 2.0 * math.pi * turns)
+    factors = list(column.factors)
+    factors[k] = factor.model_copy(update=change)
+    return replace(column, factors=tuple(factors))
+
+
+def vary_numbers(column: Column, spreads: Mapping[str, Spread], step: float) -> list[Column]:
+    """Return the column with each of its numbers moved by a step, up and down."""
+    return [
+        move_number(column, place, way * step, spreads)
+        for place in list_numbers(column)
+        for way in (1.0, -1.0)
+    ]
+
+
+def _move_value(name: str, value: float, step: float, size: float) -> float:
+    """Return a moved number; `size` is the usual size of its quantity."""
     low, high = LIMITS.get(name, (-1e4, 1e4))
     if name == 'threshold':
-        moved = value + step * spreads[quantity].size
+        moved = value + step * size
     else:
         moved = value + step if name == 'phase' else value * math.exp(step)
     # Few digits, as in a file

@@ -75,7 +75,8 @@ class LawData:
         self.values = {name: np.concatenate([each[name] for each in pieces]) for name in pieces[0]}
         knots = joint.group.linears[0].knots
         self._nearest = np.asarray(np.linalg.pinv(hat_functions(self.values['u'].shape[1], knots)))
-        offsets = np.cumsum([0, *(len(each['u']) for each in pieces)]).tolist()
+        self._offsets = np.cumsum([0, *(len(each['u']) for each in pieces)])
+        offsets = self._offsets.tolist()
         self._flights: dict[Side, slice[int, int, None]] = {
             'train': slice(0, count),
             'confirm': slice(count, len(pieces)),
@@ -128,6 +129,22 @@ class LawData:
     def knots(self, column: Column) -> Array:
         """Return a column at the knots, shape (S, K)."""
         return self.basis([column])[..., 0]
+
+    def body_knots(self, column: Column, axis: int) -> Array:
+        """Return a column on an axis as a wrench in the body frame, shape (S, 6 K)."""
+        values = self.knots(column)
+        out = np.zeros((len(values), AXES, values.shape[1]))
+        if axis < AXES:
+            out[:, axis] = values
+        else:
+            turns = np.concatenate([each.rotations for each in self._measured])
+            # Row of the rotation: the map axis in the body
+            out[:, :3] = np.swapaxes(turns[:, :, axis - AXES], 1, 2) * values[:, None]
+        return out.reshape(len(values), -1)
+
+    def split_flights(self, values: Array) -> list[Array]:
+        """Return values of all pieces, flight by flight."""
+        return np.split(values, self._offsets[1:-1])
 
     def axis_floor(self, axis: int) -> float:
         """Return the noise floor of an axis of a law."""

@@ -5,12 +5,12 @@ The terms are selected on training and confirming flights. The law is proposed o
 forecasts of held-out flights better; nothing that was named or fitted before changes.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Final
 
-from lta_config.schema.vehicle_law import coefficient_unit, HiddenState, Law, LawTerm
+from lta_config.errors import BadInput
 from lta_discovery.conclusion import FAR, find_law_obstacle
 from lta_discovery.finding import ChannelErrors, LawFinding, StudyResult
 from lta_discovery.fit.evidence import wrench_floor
@@ -20,23 +20,47 @@ from lta_discovery.forecast.held_out import (
     summarize_residuals,
     WHOLE,
 )
-from lta_discovery.laws.dictionary import build_dictionary, Column, round_number
-from lta_discovery.laws.forecast import FlightLaw, LawForecaster, Prepare
+from lta_discovery.laws.dictionary import build_dictionary
+from lta_discovery.laws.forecast import (
+    FlightLaw,
+    LawForecaster,
+    overlap_windows,
+    Prepare,
+)
+from lta_discovery.laws.forecast_refit import ForecastRefit
 from lta_discovery.laws.law_data import FlightQuantities, LawData
-from lta_discovery.laws.regression import LAW_AXES
+from lta_discovery.laws.law_file import (
+    add_law_block,
+    BaseFile,
+    find_unwritable_parameters,
+    list_study_parameters,
+    list_tolerance_changes,
+    write_tolerance_file,
+)
+from lta_discovery.laws.law_model import (
+    build_law,
+    build_law_model,
+    Chosen,
+    draft_law,
+    list_own_numbers,
+    list_terms,
+    Numbers,
+)
 from lta_discovery.laws.selection import LawFit, select_terms
+from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.page.formatting import explain_decision, format_parameter
 from lta_discovery.parallel import map_parallel
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
-from lta_discovery.selection.interval import NORMAL
+from lta_discovery.replay.linearized_flight import zero_unknowns
 from lta_discovery.study import DiscoveryStudy
-from lta_model.law_arrays import OWN
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]  # of the shared parameters, shape (G,)
 
 SHARES: Final = (1.0, 0.5, 0.0)  # of the tolerances fitted with the law
+DROPPED: Final = 1.005  # of the score; a term without which it is not worse than this is dropped
 KEPT: Final = 0.98  # of the score; other tolerances have to be better than this
 # Of the error without the law: position or attitude has to fall below it
 BETTER: Final = 0.95
@@ -44,7 +68,9 @@ WORSE: Final = 1.0  # of the error without the law; neither position nor attitud
 NEAR: Final = 3  # library effects that are listed as the nearest
 
 
-def add_law(study: DiscoveryStudy, tell: Callable[[str, float], None]) -> DiscoveryStudy:
+def add_law(
+    study: DiscoveryStudy, base: BaseFile, tell: Callable[[str, float], None]
+) -> DiscoveryStudy:
     """Return a study with the law of its unexplained force, or the reason why there is none."""
     finding = study.finding
     if 'unexplained' not in finding.verdict:
@@ -53,7 +79,7 @@ def add_law(study: DiscoveryStudy, tell: Callable[[str, float], None]) -> Discov
     if reason or study.joint is None or study.forecasts is None:
         return replace(study, finding=replace(finding, law=LawFinding(None, reason)))
     tell('seeking a law', 0.0)
-    found = _search_law(study, study.joint, study.forecasts)
+    found = _search_law(study, base, study.joint, study.forecasts)
     return replace(study, finding=replace(finding, law=found))
 
 
@@ -86,7 +112,9 @@ def collect_law_data(study: DiscoveryStudy, joint: JointFit) -> LawData:
     return LawData(joint, flights, wrench_floor(study.nominal), count)
 
 
-def _search_law(study: DiscoveryStudy, joint: JointFit, forecasts: JointFit) -> LawFinding:
+def _search_law(
+    study: DiscoveryStudy, base: BaseFile, joint: JointFit, forecasts: JointFit
+) -> LawFinding:
     """Search, refit and test a law."""
     taught, data = list_taught_flights(study), collect_law_data(study, joint)
     chosen, given = select_terms(data, build_dictionary(data.spreads), joint.deviations)
@@ -94,157 +122,129 @@ def _search_law(study: DiscoveryStudy, joint: JointFit, forecasts: JointFit) -> 
     if not chosen:
         return LawFinding(None, 'no term has enough evidence on training and confirming flights',
                           near=near)  # fmt: skip
-    fit = LawFit(data, 'all', given.sides[0].deviations, _list_terms(data, chosen))
-    law = build_law(data, chosen, fit, _format_source(study.finding))
-    at = choose_parameters(study, taught, forecasts, fit.shared, partial(FlightLaw, law))
-    errors = compare_forecasts(study, forecasts, partial(FlightLaw, law), at)
-    written = compare_vehicle_files(study, forecasts, partial(FlightLaw, law))
-    reason = judge_forecasts(errors) or judge_vehicle_file(written)
-    return LawFinding(None if reason else law, reason, errors, near, law)
+    fixed = find_unwritable_parameters(base, study)
+    refit = build_refit(study, taught, joint, forecasts, fixed)
+    terms, fit = prune_terms(refit, data, chosen, given.sides[0].deviations)
+    model = build_law_model(data, terms, fit)
+    start = model.prepare(model.start)
+    begun = choose_parameters(study, refit, forecasts, fit.shared, start, fixed)
+    fitted = refit.fit(model, begun)
+    weights, steps = np.split(fitted.weights, [len(terms)])
+    terms, at = Numbers(terms, list_own_numbers(terms)).move(data, steps), fitted.shared
+    fit = LawFit(data, 'all', fit.deviations, list_terms(data, terms))
+    law = build_law(data, terms, fit, _format_source(study.finding), weights)
+    prepare = partial(FlightLaw, law)
+    try:
+        file = write_tolerance_file(base, study, at)
+    except BadInput as fault:
+        return LawFinding(None, f'the vehicle file cannot hold it: {fault}', (), near, law)
+    errors = compare_forecasts(study, forecasts, prepare, file.nominal, np.zeros_like(at))
+    reason = judge_forecasts(errors)
+    if reason:
+        return LawFinding(None, reason, errors, near, law)
+    return LawFinding(
+        law, '', errors, near, law,
+        add_law_block(file.text, law), list_tolerance_changes(study, at),
+    )  # fmt: skip
 
 
-def _list_terms(data: LawData, chosen: Sequence[tuple[Column, int]]) -> list[tuple[Array, int]]:
-    """Return the values of columns at the knots, with their axes."""
-    return [(data.knots(column), axis) for column, axis in chosen]
+def prune_terms(
+    refit: ForecastRefit, data: LawData, chosen: Chosen, deviations: Array
+) -> tuple[Chosen, LawFit]:
+    """Return the terms without those that do not help to forecast the flights, and their fit."""
+
+    def try_terms(some: Chosen) -> tuple[float, Chosen, LawFit]:
+        fit = LawFit(data, 'all', deviations, list_terms(data, some))
+        law = draft_law(data, some, fit.weights, 'a trial')
+        return refit.score(partial(FlightLaw, law), fit.shared), some, fit
+
+    best = try_terms(chosen)
+    while len(best[1]) > 1:
+        some = best[1]
+        fewer = [try_terms([*some[:k], *some[k + 1 :]]) for k in range(len(some))]
+        least = min(fewer, key=lambda one: one[0])
+        if least[0] > DROPPED * best[0]:
+            break
+        best = least
+    return best[1], best[2]
 
 
-def build_law(
-    data: LawData, chosen: Sequence[tuple[Column, int]], fit: LawFit, source: str
-) -> Law:
-    """Return the selected columns with the weights of a fit to all flights as a law."""
-    hidden = next((column.hidden for column, _ in chosen if column.hidden is not None), None)
-    terms, every = [], _list_terms(data, chosen)
-    for k, (column, axis) in enumerate(chosen):
-        name, factors = LAW_AXES[axis], list(column.factors)
-        others = [*every[:k], *every[k + 1 :]]
-        # Without the term, the wrench that it explains may count as random
-        rest = max(
-            LawFit(data, 'all', deviations, others).evidence
-            for deviations in (fit.deviations, data.joint.deviations)
-        )
-        value, half = float(fit.weights[k]), NORMAL * float(fit.deviation[k])
-        terms.append(
-            LawTerm(
-                axis=name,
-                coefficient=round_number(value),
-                unit=coefficient_unit(name, factors, hidden),
-                factors=factors,
-                interval=[round_number(value - half), round_number(value + half)],
-                evidence=round_number(fit.evidence - rest),
-            )
-        )
-    return Law(source=source, terms=terms, hidden=hidden, region=_find_region(data, terms, hidden))
+def build_refit(
+    study: DiscoveryStudy,
+    taught: Sequence[FlightLinearizer],
+    joint: JointFit,
+    forecasts: JointFit,
+    fixed: Flags,
+) -> ForecastRefit:
+    """Return what refits laws to the forecasts of the training and confirming flights."""
+    named = _find_named_parameters(study, len(forecasts.fitted.mean))
+    knobs, held = list_study_parameters(study), np.ones(len(named), dtype=np.bool_)
+    held[: len(knobs)] = [knob.tolerance == 0.0 for knob in knobs]
+    makers = [LawForecaster(each, study.nominal, forecasts.deviations) for each in taught]
+    count = sum(one.role == 'train' for one in study.flights)
+    return ForecastRefit(makers, count, joint.prior, held | named | fixed)
 
 
-def _find_region(
-    data: LawData, terms: Sequence[LawTerm], hidden: HiddenState | None
-) -> dict[str, list[float]]:
-    """Return the range of each quantity of a law in the flights that it was fitted to."""
-    used = {factor.quantity for term in terms for factor in term.factors}
-    state = data.quantities(hidden)
-    if hidden is not None:
-        used |= {factor.quantity for factor in hidden.drive}
-    ends = {name: (float(np.min(state[name])), float(np.max(state[name]))) for name in used}
-    # A hidden state begins at 0
-    ends |= {name: (min(ends[name][0], 0.0), max(ends[name][1], 0.0)) for name in used & {*OWN}}
-    return {name: [low, max(high, low + 1e-9)] for name, (low, high) in sorted(ends.items())}
+def _find_named_parameters(study: DiscoveryStudy, count: int) -> Flags:
+    """Return which shared parameters are those of named effects, shape (G,)."""
+    names = {name for one in study.finding.effects for name in one.knobs}
+    out = np.zeros(count, dtype=np.bool_)
+    for k, knob in enumerate(list_study_parameters(study)):
+        out[k] = knob.name in names
+    return out
 
 
 def choose_parameters(
     study: DiscoveryStudy,
-    taught: Sequence[FlightLinearizer],
+    refit: ForecastRefit,
     forecasts: JointFit,
     shared: Array,
     prepare: Prepare,
+    fixed: Flags,
 ) -> Array:
     """
     Return the shared parameters with which a law forecasts its own flights best.
 
-    Those without the law, or part of those fitted together with it.
+    Those without the law, or part of those fitted together with it. Named effects keep their
+    values, and `fixed` parameters those of the vehicle file.
     """
-    makers = [LawForecaster(each, study.nominal, forecasts.deviations) for each in taught]
-    best, least = forecasts.fitted.mean, np.inf
-    for at in (forecasts.fitted.mean, *(share * shared for share in SHARES)):
-        parts = [one.compute_residuals(prepare, at) for one in makers]
-        score = _score_residuals(taught, np.concatenate(parts))
+    best, shared = (np.where(fixed, 0.0, each) for each in (forecasts.fitted.mean, shared))
+    least, named = np.inf, _find_named_parameters(study, len(best))
+    for at in (best, *(np.where(named, best, share * shared) for share in SHARES)):
+        score = refit.score(prepare, at)
         if score < (KEPT if np.isfinite(least) else 1.0) * least:
             best, least = at, score
     return best
 
 
-def _score_residuals(flights: Sequence[FlightLinearizer], left: Array) -> float:
-    """Return the geometric mean of position and attitude errors after some seconds."""
-    errors = summarize_residuals(
-        flights, dict.fromkeys(('before', 'tuned', 'after', 'coast'), left), 0, tuple(WHOLE)
-    )
-    return float(np.exp(np.mean([np.log(one.after) for one in errors if one.horizon_s == FAR])))
-
-
 def compare_forecasts(
-    study: DiscoveryStudy, forecasts: JointFit, prepare: Prepare, at: Array
+    study: DiscoveryStudy,
+    forecasts: JointFit,
+    prepare: Prepare,
+    nominal: NominalVehicle,
+    at: Array,
 ) -> tuple[ChannelErrors, ...]:
     """
     Return the errors on held-out flights: `after` with the law, `tuned` without it.
 
-    `before` are those of the vehicle file.
+    `before` are those of the vehicle file. The law acts on `nominal` with the changes `at`. The
+    windows of the forecasts overlap.
     """
-    shown = study.shown
-    makers = [
-        LawForecaster(each.flown.flight, study.nominal, forecasts.deviations) for each in shown
-    ]
-    offs = {
-        'before': [compute_forecast_residuals(e.flown.flight, e.before) for e in shown],
-        'tuned': [compute_forecast_residuals(e.flown.flight, e.after) for e in shown],
-        'after': [one.compute_residuals(prepare, at) for one in makers],
-        'coast': [compute_forecast_residuals(e.flown.flight, e.before, True) for e in shown],
-    }
-    return _summarize_held_out(study, offs)
-
-
-def _summarize_held_out(
-    study: DiscoveryStudy, offs: Mapping[str, Sequence[Array]]
-) -> tuple[ChannelErrors, ...]:
-    """Return the errors of each model from its residuals, an array for each held-out flight."""
-    flights = [each.flown.flight for each in study.shown]
+    offs: dict[str, list[Array]] = {name: [] for name in ('before', 'tuned', 'after', 'coast')}
+    flights = []
+    for each in study.shown:
+        flight = each.flown.flight
+        dense = overlap_windows(flight, study.nominal)
+        random = zero_unknowns(dense.replay.cut)
+        before, tuned = (replace(point, random=random) for point in (each.before, each.after))
+        maker = LawForecaster(flight, nominal, forecasts.deviations)
+        offs['before'].append(compute_forecast_residuals(dense, before, learned=0))
+        offs['tuned'].append(compute_forecast_residuals(dense, tuned, learned=0))
+        offs['after'].append(maker.compute_dense_residuals(dense, prepare, at))
+        offs['coast'].append(compute_forecast_residuals(dense, before, True, learned=0))
+        flights.append(dense)
     together = {kind: np.concatenate(parts) for kind, parts in offs.items()}
     return tuple(summarize_residuals(flights, together, study.finding.seed, tuple(WHOLE)))
-
-
-def compare_vehicle_files(
-    study: DiscoveryStudy, forecasts: JointFit, prepare: Prepare
-) -> tuple[ChannelErrors, ...]:
-    """
-    Return the errors of vehicle.yaml on held-out flights: `after` with the law, `tuned` without.
-
-    It holds the named effects, but no tolerances. `before` are those of the vehicle file.
-    """
-    shown, at = study.shown, np.zeros_like(forecasts.fitted.mean)
-    makers = [
-        LawForecaster(each.flown.flight, study.learned, forecasts.deviations) for each in shown
-    ]
-    before = [compute_forecast_residuals(e.flown.flight, e.before) for e in shown]
-    offs = {
-        'before': before,
-        'tuned': [one.compute_residuals(None, at) for one in makers],
-        'after': [one.compute_residuals(prepare, at) for one in makers],
-        'coast': before,  # not judged here
-    }
-    return _summarize_held_out(study, offs)
-
-
-def judge_vehicle_file(errors: Sequence[ChannelErrors]) -> str:
-    """Return why a law is not proposed: vehicle.yaml forecasts worse with it; '' if not."""
-    worse = [
-        one.channel
-        for one in errors
-        if one.horizon_s == FAR and not one.after <= min(one.before, one.tuned)
-    ]
-    return (
-        f'with the law found in the vehicle file, whose tolerances are not fitted, the '
-        f'{" and ".join(worse)} of held-out flights is predicted worse'
-        if worse
-        else ''
-    )
 
 
 def judge_forecasts(errors: Sequence[ChannelErrors]) -> str:

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from typing import Final, final, NamedTuple
 
 from lta_config.schema.vehicle_law import HIDDEN_RATE, HiddenState, REGION
-from lta_discovery.laws.dictionary import Column, vary_numbers
+from lta_discovery.laws.dictionary import Column, MOTIONS, THRUSTS, vary_numbers
 from lta_discovery.laws.law_data import LawData, Side
 from lta_discovery.laws.regression import LAW_AXES, TermProducts
 from lta_discovery.replay.linearized_flight import AXES
@@ -26,6 +26,8 @@ SIZES: Final = (2.0, 8.0, 30.0)  # noise floors; prior RMS of a term
 MOST: Final = 6  # terms
 WORTH: Final = 4.0  # nats beyond the cost; required of a further term
 SUPPORT: Final = 1.0  # nats; required of a term on each side
+BLIND: Final = 2.0  # nats; a side that expects less of a term cannot support it
+SINGLE: Final = 20.0  # nats; cost of a term that one side supports alone
 SHRUNK: Final = (0.5, 0.25)  # trial factors on the deviations
 FITTED: Final = (0.7, 0.5, 0.35, 0.25, 0.17)  # the same, for the fit after each term
 TRIED: Final = 8  # best columns of a round, whose numbers are refined
@@ -36,6 +38,13 @@ OTHER: Final = 3.0  # nats; the same of any other form
 NUMBER: Final = 3.0  # nats; cost of a number that is fitted in addition
 REPEATED: Final = 0.02  # of its information; a column with less beside the others repeats them
 STEPS: Final = (0.35, 0.15, 0.06, 0.02)  # of numbers, in the logarithm
+# Quantities of one kind, by name
+KINDS: Final = {
+    **dict.fromkeys(MOTIONS, 'motion'),
+    **dict.fromkeys(('roll', 'pitch'), 'tilt'),
+    **dict.fromkeys('xy', 'place'),
+    **dict.fromkeys(THRUSTS, 'thrust'),
+}
 # Axes of the wrench whose deviations shrink together, and the axes of terms tried with them
 GROUPS: Final = (*(((k,), (k,)) for k in range(AXES)), ((0, 1, 2), (6, 7, 8)))
 
@@ -118,8 +127,8 @@ class Candidate(NamedTuple):
     column: Column
     axis: int
     given: 'GivenTerms'
-    cost: float  # [nats]
-    origin: Column  # in the dictionary, before its numbers were refined
+    cost: float  # with what the deviations of `given` lose [nats]
+    price: float  # the cost of the column alone [nats]
 
 
 @final
@@ -153,7 +162,8 @@ class GivenTerms:
         """
         Return the gain of the log evidence by each column as a further term, shape (J,). [nats]
 
-        It is minus infinity for a column that training or confirming flights do not support.
+        It is minus infinity for a column that training or confirming flights do not support. A
+        side that did not fly what it takes, such as slips to one side, need not support it.
         """
         data = self.sides[0].data
         size = np.maximum(np.sqrt(np.mean(basis**2, axis=(0, 1))), 1e-9)
@@ -163,15 +173,21 @@ class GivenTerms:
         known = (inner_a > 0.0) & (inner_b > 0.0)
         # Each side must be better with the weight from the other
         weights = [np.where(known, own / np.where(known, inner, 1.0), 0.0) for own, inner in parts]
-        alone = [
-            2.0 * weight * own - weight**2 * inner
-            for weight, (own, inner) in zip(weights[::-1], parts, strict=True)
-        ]
-        supported = known & (np.minimum(*alone) > 2.0 * SUPPORT)
+        alone, expected = np.array(
+            [
+                (weight * own - 0.5 * weight**2 * inner, 0.5 * weight**2 * inner)
+                for weight, (own, inner) in zip(weights[::-1], parts, strict=True)
+            ]
+        ).swapaxes(0, 1)
+        agreed = (alone > SUPPORT).all(axis=0)
+        # What a side did not fly it cannot support, nor can its weight judge the other side
+        blind = (expected < BLIND) & (alone > -SUPPORT)
+        supported = known & (agreed | (blind[0] ^ blind[1]))
+        single = np.where(agreed, 0.0, SINGLE)
         out = np.full(len(size), -np.inf)
         for s in SIZES:
             both = _gain(a + b, inner_a + inner_b, s * usual)
-            out = np.maximum(out, np.where(supported, both, -np.inf))
+            out = np.maximum(out, np.where(supported, both - single, -np.inf))
         return out
 
 
@@ -185,6 +201,31 @@ def column_costs(columns: Sequence[Column]) -> Array:
         for column, drive in zip(columns, drives, strict=True)
     ]
     return np.asarray(np.log(len(LAW_AXES) * count) + np.array(forms))
+
+
+def price_akin_columns(columns: Sequence[Column], costs: Array, chosen: Sequence[Column]) -> Array:
+    """
+    Return the costs of columns beside chosen ones, which make those akin to them likely. [nats]
+
+    A force has a lever arm, and what acts along one axis often acts along another. So half of the
+    prior is on columns with the same forms of quantities of the same kind, or with the same state.
+    """
+    if not chosen:
+        return costs
+    kinds = {_list_kinds(column) for column in chosen}
+    akin = np.array([_list_kinds(column) in kinds for column in columns])
+    cheap = np.log(2.0 * len(LAW_AXES) * max(int(akin.sum()), 1))
+    return np.where(akin, np.minimum(costs, cheap), costs + np.log(2.0))
+
+
+def _list_kinds(column: Column) -> tuple[tuple[str, str], ...]:
+    """Return the kinds of quantity in a column, each with its form; those of a drive last."""
+    drive = column.hidden.drive if column.hidden is not None else []
+    named = [
+        sorted((KINDS.get(factor.quantity, factor.quantity), factor.form) for factor in factors)
+        for factors in (column.factors, drive)
+    ]
+    return (*named[0], *named[1])
 
 
 def _count_numbers(column: Column) -> int:
@@ -209,7 +250,9 @@ def _scan(
             for axis in axes:
                 worth = there.gains(basis, axis) - dear
                 out += [
-                    Candidate(float(worth[j]), columns[j], axis, there, float(dear[j]), columns[j])
+                    Candidate(
+                        float(worth[j]), columns[j], axis, there, float(dear[j]), float(costs[j])
+                    )
                     for j in np.argsort(-worth)[:TRIED]
                     if np.isfinite(worth[j])
                 ]
@@ -255,8 +298,7 @@ def select_terms(
         best = _choose_column(data, current, chosen, columns, basis, costs)
         if best is None:
             break
-        cost = float(costs[columns.index(best.origin)])
-        chosen.append(Choice(best.column, best.axis, cost))
+        chosen.append(Choice(best.column, best.axis, best.price))
         terms = _list_terms(data, chosen)
         here = GivenTerms.fit(data, best.given.sides[0].deviations, terms)
         current = adapt_deviations(data, here, terms, best.axis)
@@ -279,7 +321,12 @@ def _choose_column(
 ) -> Candidate | None:  # fmt: skip
     """Return the best further column with refined numbers; None if none is worth it."""
     state = next((one.column.hidden for one in chosen if one.column.hidden is not None), None)
-    best = None
+    best, ours = None, [one.column for one in chosen]
+    ours = [column for k, column in enumerate(ours) if column not in ours[:k]]
+    if ours:
+        # The chosen columns as they were refined, for other axes
+        columns, basis = [*columns, *ours], np.concatenate([basis, data.basis(ours)], axis=-1)
+        costs = price_akin_columns(columns, np.concatenate([costs, column_costs(ours)]), ours)
     for each in _scan(data, current, _list_terms(data, chosen), columns, basis, costs)[:TRIED]:
         one = each
         if one.column.hidden is not None and state is not None:
@@ -323,7 +370,7 @@ def _revise(
         k = out.index(one)
         others = GivenTerms.fit(data, deviations, _list_terms(data, [*out[:k], *out[k + 1 :]]))
         worth = float(others.gains(data.basis([one.column]), one.axis)[0]) - one.cost
-        term = Candidate(worth, one.column, one.axis, others, one.cost, one.column)
+        term = Candidate(worth, one.column, one.axis, others, one.cost, one.cost)
         if not (shared and one.column.hidden is not None):
             term = _refine(data, term)
         out[k : k + 1] = [one._replace(column=term.column)] if term.worth > 0.0 else []

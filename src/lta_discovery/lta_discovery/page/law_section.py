@@ -6,7 +6,7 @@ from typing import Final
 from lta_config.schema.vehicle_law import AXES as LAW_AXES
 from lta_config.schema.vehicle_law import QUANTITIES
 from lta_discovery.conclusion import FAR
-from lta_discovery.finding import ChannelErrors, LawFinding, StudyResult
+from lta_discovery.finding import ChannelErrors, FittedTolerance, LawFinding, StudyResult
 from lta_discovery.laws.forecast import FlightLaw
 from lta_discovery.laws.quantities import at_pieces, input_quantities, state_quantities
 from lta_discovery.page import figures
@@ -26,12 +26,15 @@ from lta_discovery.study import DiscoveryStudy
 from lta_model.effects.protocol import AXES as BODY
 from lta_model.law_arrays import OWN
 from lta_model.law_text import describe_term, format_hidden, format_product, format_region
+from lta_report.formatting import format_count
 from lta_report.html_elements import render_section
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+LISTED: Final = 3  # tolerances in the sentence; the table has all
+CHANGED: Final = ('value', 'change from the vehicle file', 'standard deviations of its tolerance')
 HEADS: Final = ('axis', 'times', 'coefficient', '95 % interval', 'evidence')
 
 
@@ -53,7 +56,31 @@ def list_law_sentences(finding: StudyResult) -> list[str]:
         f'A law describes it: {terms}{hidden}.',
         f'On held-out flights, after {FAR:g} s, {_format_errors(found)}.{near}',
         f'It is valid for {format_region(found.law)}; outside, it fades to zero.',
+        *_list_tolerance_sentences(found),
     ]
+
+
+def _list_tolerance_sentences(outcome: LawFinding) -> list[str]:
+    """Return which values of the file were fitted together with a law; empty if none was."""
+    if not outcome.tolerances:
+        return []
+    first = [
+        f'{one.name} by {_format_change(one)} ({one.deviations:+.1f} standard deviations)'
+        for one in outcome.tolerances[:LISTED]
+    ]
+    rest = len(outcome.tolerances) - len(first)
+    more = [format_count(rest, 'other')] if rest else []
+    return [
+        'It belongs to the tolerances that were fitted together with it, which vehicle.yaml '
+        f'therefore holds as well, with their source: {join_words([*first, *more])}.'
+    ]
+
+
+def _format_change(one: FittedTolerance) -> str:
+    """Return the change of a value of the file with its sign; relative ones in percent."""
+    if one.unit == '1':
+        return f'{100.0 * one.change:+.2g} %'
+    return f'{one.change:+.3g} {one.unit}'
 
 
 def _format_errors(outcome: LawFinding) -> str:
@@ -90,7 +117,17 @@ def render_law(study: DiscoveryStudy) -> str:
             )
         )
     table = render_table(HEADS, rows, 'plain law', 'Terms of the law')
-    return text + table + _render_figures(study, found)
+    return text + table + _render_tolerances(found) + _render_figures(study, found)
+
+
+def _render_tolerances(outcome: LawFinding) -> str:
+    """Return the table of the values that were fitted together with a law; '' without any."""
+    rows = [
+        (escape(one.name), escape(_format_change(one)), f'{one.deviations:+.2f}')
+        for one in outcome.tolerances
+    ]
+    title = 'Values of the file that were fitted together with the law'
+    return render_table(CHANGED, rows, 'plain', title) if rows else ''
 
 
 def _render_figures(study: DiscoveryStudy, outcome: LawFinding) -> str:

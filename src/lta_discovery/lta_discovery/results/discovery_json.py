@@ -110,6 +110,7 @@ def _encode_law(finding: StudyResult) -> dict[str, Any] | None:
         'law': law,
         'errors': [_encode_channel_errors(one) for one in found.errors],
         'near': list(found.near),
+        'tolerances': [one._asdict() for one in found.tolerances],
     }
 
 

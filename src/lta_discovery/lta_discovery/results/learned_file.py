@@ -3,7 +3,8 @@ Write the vehicle file with the learned effects.
 
 Quantities that have a block of their own (drag, added mass) are changed there; the other effects
 are switched on. Each source states the interval, the flights, and the value before. Tolerances
-fitted on the way are not written: they belong to the flights, not to the vehicle.
+fitted on the way are not written, as they belong to the flights, except those of a law
+(`laws/law_file.py`).
 """
 
 from collections.abc import Iterator, Mapping, Sequence

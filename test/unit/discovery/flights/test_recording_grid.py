@@ -77,6 +77,16 @@ def test_pieces_begin_in_the_state_of_the_closed_form() -> None:
     np.testing.assert_allclose(cut.start[:, 2], 1.0 + CLIMB * time, atol=0.002)
 
 
+def test_windows_overlap() -> None:
+    """Each moment belongs to three of them; one in three is a piece, and as long."""
+    flight = resample_flight(helix(noise=0.001))
+    cut, dense = cut_into_pieces(flight), cut_into_pieces(flight, overlaps=3)
+    assert (np.diff(dense.first) == 50).all()
+    np.testing.assert_array_equal(dense.first[::3], cut.first)
+    np.testing.assert_array_equal(dense.start[::3], cut.start)
+    np.testing.assert_array_equal(dense.inside[::3], cut.inside)
+
+
 @pytest.mark.parametrize(
     ('seconds', 'pieces', 'longest'),
     [(28.0, 5, 6.0), (15.0, 3, 6.0), (6.5, 2, 3.28), (4.5, 1, 4.5)],

@@ -1,15 +1,27 @@
 """Hidden laws with known coefficients: which terms are selected, and with which numbers."""
 
 import math
+from types import SimpleNamespace
+from typing import cast
 
 from lta_config.schema.vehicle_law import HiddenState, LawFactor
 from lta_discovery.finding import ChannelErrors
 from lta_discovery.fit.evidence import FLOOR
 from lta_discovery.laws.dictionary import build_dictionary, Column, Spread, vary_numbers
 from lta_discovery.laws.law_data import LawData
-from lta_discovery.laws.proposal import build_law, judge_forecasts, judge_vehicle_file
+from lta_discovery.laws.law_model import build_law
+from lta_discovery.laws.proposal import judge_forecasts
 from lta_discovery.laws.quantities import filter_hidden, Quantities
-from lta_discovery.laws.selection import can_follow, count_quantities, LawFit, select_terms
+from lta_discovery.laws.selection import (
+    can_follow,
+    column_costs,
+    count_quantities,
+    GivenTerms,
+    LawFit,
+    price_akin_columns,
+    select_terms,
+    SINGLE,
+)
 import numpy as np
 from numpy.typing import NDArray
 import pytest
@@ -198,15 +210,38 @@ def test_a_law_must_improve_forecasts() -> None:
     assert 'coasting' in judge_forecasts(errors(0.09, 0.05, coast=0.08))
 
 
-def test_the_written_file_may_not_forecast_worse() -> None:
-    """Neither than the file before, nor than the named effects alone."""
+def test_a_side_that_did_not_fly_a_term_cannot_support_it() -> None:
+    """It may not contradict, and the other side has to be worth more alone."""
+    # Pull and information: agreed; not flown; contradicted; neither flown
+    sides = (
+        (np.array([100.0, 100.0, 100.0, 0.5]), np.array([100.0, 100.0, 100.0, 1.0])),
+        (np.array([100.0, -0.3, -50.0, 0.5]), np.array([100.0, 1.0, 100.0, 1.0])),
+    )
+    data = SimpleNamespace(axis_floor=lambda _axis: 1.0)
+    fits = tuple(
+        SimpleNamespace(data=data, residual_products=lambda _basis, _axis, own=own: own)
+        for own in sides
+    )
+    given = GivenTerms(cast('tuple[LawFit, LawFit]', fits))
+    gains = given.gains(np.ones((2, 3, 4)), 0)
+    # Prior sizes of 2, 8 and 30; the weight is 1, or 0.99
+    expected = [
+        max(0.5 * pull**2 / (inner + s**-2.0) - 0.5 * math.log1p(s**2 * inner) for s in (2.0, 8.0))
+        for pull, inner in ((200.0, 200.0), (99.7, 101.0))
+    ]
+    assert gains[:2] == pytest.approx([expected[0], expected[1] - SINGLE])
+    assert np.isneginf(gains[2:]).all()
 
-    def errors(before: float, tuned: float, after: float) -> list[ChannelErrors]:
-        rest = (1.0, 0.0, 0.0, (0.0, 0.0), 9)
-        near = ChannelErrors('position', 'm', 1.0, 0.1, 0.1, 0.2, *rest)
-        return [near, ChannelErrors('position', 'm', 3.0, before, tuned, after, *rest)]
 
-    assert judge_vehicle_file(errors(0.2, 0.1, 0.1)) == ''
-    assert 'the position of held-out flights' in judge_vehicle_file(errors(0.2, 0.1, 0.11))
-    assert 'the position of held-out flights' in judge_vehicle_file(errors(0.1, 0.2, 0.11))
-    assert judge_vehicle_file(errors(0.1, 0.2, math.nan))
+def test_what_is_akin_to_a_chosen_term_costs_less() -> None:
+    """The same forms along another axis of the body, and not those of height."""
+    columns = build_dictionary(make_law_data(lambda seen: {}).spreads)
+    square = [LawFactor(quantity='r'), LawFactor(quantity='r', form='positive')]
+    slip = [LawFactor(quantity='v'), LawFactor(quantity='v', form='positive')]
+    costs = column_costs(columns)
+    priced = price_akin_columns(columns, costs, [Column(tuple(square), 1)])
+    forms = [list(one.factors) for one in columns]
+    akin, other = forms.index(slip), forms.index([LawFactor(quantity='height')])
+    assert priced[akin] < costs[akin] - 3.0
+    assert priced[other] == pytest.approx(costs[other] + math.log(2.0))
+    assert price_akin_columns(columns, costs, []) is costs

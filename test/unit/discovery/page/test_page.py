@@ -8,6 +8,7 @@ import math
 from pathlib import Path
 import re
 
+from lta_config.files import find_file
 from lta_config.schema.vehicle_law import Law, LawFactor, LawTerm
 from lta_discovery.conclusion import FAR
 from lta_discovery.finding import (
@@ -19,9 +20,11 @@ from lta_discovery.finding import (
     StudyResult,
     TransferEvidence,
 )
+from lta_discovery.fit.bounds import apply_parameters
 from lta_discovery.fit.evidence import build_prior, FLOOR, PieceReducer, ReducedFlight
 from lta_discovery.flights.usable_flights import UsableFlights
 from lta_discovery.forecast.flight_prediction import best_start_residual, error_to_noise
+from lta_discovery.laws.law_file import add_law_block, BaseFile, write_tolerance_file
 from lta_discovery.laws.proposal import add_law
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
@@ -42,7 +45,11 @@ from lta_discovery.page.page import write_page
 from lta_discovery.page.verdict_text import build_tiles, format_headline
 from lta_discovery.page.whiteness import autocorrelation, residual_spectrum
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
-from lta_discovery.replay.linearized_flight import LinearizationPoint, unchanged_vehicle_point
+from lta_discovery.replay.linearized_flight import (
+    LinearizationPoint,
+    unchanged_vehicle_point,
+    zero_unknowns,
+)
 from lta_discovery.run import DiscoveryRequest, write_results
 from lta_discovery.selection.candidate_acceptance import CandidateTrial, LARGER
 from lta_discovery.selection.candidate_scan import CandidateScore, scan_candidates
@@ -538,17 +545,38 @@ def test_the_vehicle_file_holds_effects_and_law(found: DiscoveryStudy, tmp_path:
     )  # fmt: skip
     law = Law(source='two flights', terms=[term], region={'speed': [0.0, 0.6], 'r': [-1.0, 1.0]})
     errors = tuple(one for one in found.finding.gaps if one.horizon_s == FAR)
-    given = _with(found, verdict='named+unexplained', law=LawFinding(law, '', errors))
-    # The file holds no tolerances
-    given = replace(given, learned=found.nominal.with_value('linear_drag', 'surge', 0.02))
+    vehicle, text = load_vehicle('gtmab'), find_file('vehicle', 'gtmab').read_text('utf-8')
+    knobs = found.flights[0].flight.knobs
+    moved = {'linear_drag.surge': 0.01, 'vehicle.mass': 0.01, 'vehicle.yaw': -0.05,
+             'rotor_2.thrust': 0.03, 'cg_height.z': 0.002}  # fmt: skip
+    values = np.array([moved.get(knob.name, 0.0) for knob in knobs])
+    file = write_tolerance_file(BaseFile(text, vehicle), found, values)
+    given = _with(
+        found, verdict='named+unexplained',
+        law=LawFinding(law, '', errors, file=add_law_block(file.text, law)),
+    )  # fmt: skip
     request = DiscoveryRequest('gtmab', {role: [Path(role)] for role in ('train', 'confirm')})
-    vehicle = load_vehicle('gtmab')
     write_results(request, vehicle, given, UsableFlights((), (), ()), tmp_path, tmp_path)
     written = load_vehicle(str(tmp_path / 'vehicle.yaml'))
     assert written.file.law == law
     nominal = NominalVehicle.from_vehicle(written)
-    assert nominal.parameter_value('linear_drag', 'surge') == pytest.approx(0.02)
+    fitted = apply_parameters(found.nominal, knobs, values)[0]
+    assert nominal.mass == pytest.approx(1.01005 * found.nominal.mass, rel=1e-5)
+    for name in ('linear_drag.surge', 'cg_height.z'):
+        known = name.split('.')
+        assert nominal.parameter_value(*known) == pytest.approx(fitted.parameter_value(*known))
+    # The thrust of a rotor is in its curve or its column: what counts is the forecast
+    flight = found.flights[0].flight
+    paths = [
+        flight.simulate_forecast(
+            LinearizationPoint(each, np.zeros(len(values)), zero_unknowns(flight.replay.cut))
+        )[:, 150, :3]
+        for each in (file.nominal, fitted, found.nominal)
+    ]
+    assert np.abs(paths[0] - paths[1]).max() < 1e-6 < np.abs(paths[0] - paths[2]).max()
+    source = written.file.measured.mass.source if written.file.measured else ''
+    assert 'fitted together with the law by lta discover' in source
     again = replace(_with(given, law=None), nominal=nominal)
-    refused = add_law(again, lambda _what, _part: None).finding.law
+    refused = add_law(again, BaseFile(text, vehicle), lambda _what, _part: None).finding.law
     assert refused is not None
     assert 'has a law already' in refused.reason

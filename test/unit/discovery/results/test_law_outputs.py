@@ -7,11 +7,13 @@ from lta_config.schema.vehicle_law import Law, LawFactor, LawTerm
 from lta_discovery.conclusion import draw_conclusion, find_law_obstacle
 from lta_discovery.finding import (
     ChannelErrors,
+    FittedTolerance,
     LawFinding,
     NamedEffect,
     ParameterEstimate,
     StudyResult,
 )
+from lta_discovery.laws.law_file import BaseFile
 from lta_discovery.laws.proposal import add_law
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
@@ -21,6 +23,7 @@ from lta_discovery.results.discovery_json import to_dict
 from lta_discovery.study import DiscoveryStudy
 from lta_discovery.unmodeled.unexplained_force import Remainder
 from lta_model.effects.law import list_law_parameters
+from lta_model.vehicle import load_vehicle
 import pytest
 
 LAW = Law(
@@ -52,7 +55,13 @@ UNEXPLAINED = StudyResult(
     'unexplained', (), (), (), errors(0.1, 0.1), True,
     (Remainder('pitch', 4e-4, 10.0, ('yaw rate',), 0.6),), (), 7,
     {'train': ('A',), 'confirm': ('B',), 'holdout': ('C',)}, 'gtmab',
-    law=LawFinding(LAW, '', errors(0.06, 0.02), ('linear drag (3 nats: too little evidence)',)),
+    law=LawFinding(
+        LAW, '', errors(0.06, 0.02), ('linear drag (3 nats: too little evidence)',),
+        file='a file', tolerances=(
+            FittedTolerance('mass', '1', 0.012, 1.2),
+            FittedTolerance('height of the centre of gravity', 'm', -0.0015, -0.5),
+        ),
+    ),
 )  # fmt: skip
 
 
@@ -65,12 +74,17 @@ def test_a_proposed_law_is_said_everywhere() -> None:
     )
     assert 'the position error is 6 cm with it and 10 cm without' in said[1]
     assert 'linear drag (3 nats: too little evidence)' in said[1]
+    assert (
+        'vehicle.yaml therefore holds as well, with their source: mass by +1.2 % (+1.2 ' in said[3]
+    )
+    assert 'height of the centre of gravity by -0.0015 m (-0.5 standard deviations)' in said[3]
     headline = format_headline(UNEXPLAINED)
     assert 'A law of 1 term describes it: with the law, the attitude error' in headline
     assert draw_conclusion(UNEXPLAINED).advice == 'law'
     told = to_dict(UNEXPLAINED)
     assert told['law']['proposed'] is True
     assert told['law']['law']['terms'][0]['coefficient'] == -0.00031
+    assert told['law']['tolerances'][0]['deviations'] == 1.2
     assert 'vehicle.yaml' in told['conclusion']['do']
     assert find_contradictions(UNEXPLAINED) == []
 
@@ -82,7 +96,8 @@ def test_a_law_in_the_vehicle_file_stays(
     given = {**gtmab[0].given, 'law': list_law_parameters(LAW)}
     nominal = replace(gtmab[0], given=given)
     study = DiscoveryStudy(replace(UNEXPLAINED, law=None), nominal, nominal, (), ())
-    found = add_law(study, lambda _what, _part: None).finding.law
+    base = BaseFile('', load_vehicle('gtmab'))
+    found = add_law(study, base, lambda _what, _part: None).finding.law
     assert found is not None
     assert found.law is None
     assert 'has a law already' in found.reason

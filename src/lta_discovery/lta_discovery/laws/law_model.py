@@ -1,0 +1,156 @@
+"""Build a law from selected columns: its terms with intervals, its region, its derivatives."""
+
+from collections.abc import Sequence
+from functools import partial
+from typing import Final, final, NamedTuple
+
+from lta_config.schema.vehicle_law import coefficient_unit, HiddenState, Law, LawTerm
+from lta_discovery.laws.dictionary import (
+    Column,
+    HIDDEN,
+    list_numbers,
+    move_number,
+    Place,
+    round_number,
+)
+from lta_discovery.laws.forecast import FlightLaw, Prepare
+from lta_discovery.laws.forecast_refit import LawModel
+from lta_discovery.laws.law_data import LawData
+from lta_discovery.laws.regression import LAW_AXES
+from lta_discovery.laws.selection import LawFit
+from lta_discovery.selection.interval import NORMAL
+from lta_model.law_arrays import OWN
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Chosen = Sequence[tuple[Column, int]]  # columns with their axes
+
+WEIGHTS: Final = 3.0  # deviations of the regression; prior deviation of a weight in a refit
+RELATIVE: Final = 0.3  # of the weight; the least prior deviation
+NUMBERS: Final = 0.2  # prior deviation of the logarithm of a scale, or of a phase
+SMALL: Final = 0.03  # step of the derivative by a number
+
+
+def list_terms(data: LawData, chosen: Chosen) -> list[tuple[Array, int]]:
+    """Return the values of columns at the knots, with their axes."""
+    return [(data.knots(column), axis) for column, axis in chosen]
+
+
+def draft_law(data: LawData, chosen: Chosen, weights: Array, source: str) -> Law:
+    """Return columns with weights as a law, without intervals and evidence."""
+    hidden = next((column.hidden for column, _ in chosen if column.hidden is not None), None)
+    terms = [
+        LawTerm(
+            axis=LAW_AXES[axis],
+            coefficient=round_number(weight),
+            unit=coefficient_unit(LAW_AXES[axis], column.factors, hidden),
+            factors=list(column.factors),
+        )
+        for (column, axis), weight in zip(chosen, weights.tolist(), strict=True)
+    ]
+    return Law(source=source, terms=terms, hidden=hidden, region=find_region(data, terms, hidden))
+
+
+def build_law(
+    data: LawData, chosen: Chosen, fit: LawFit, source: str, weights: Array | None = None
+) -> Law:
+    """
+    Return columns as a law, with the intervals and the evidence of a fit to all flights.
+
+    Parameters
+    ----------
+    weights : ndarray, shape (T,), optional
+        By a refit, the distance to which widens the intervals; those of the fit by default.
+
+    """
+    refitted = fit.weights if weights is None else weights
+    law, every = draft_law(data, chosen, refitted, source), list_terms(data, chosen)
+    halves = np.hypot(NORMAL * fit.deviation, refitted - fit.weights)
+    terms = []
+    for k, (term, half) in enumerate(zip(law.terms, halves.tolist(), strict=True)):
+        others = [*every[:k], *every[k + 1 :]]
+        # Without the term, the wrench that it explains may count as random
+        rest = max(
+            LawFit(data, 'all', deviations, others).evidence
+            for deviations in (fit.deviations, data.joint.deviations)
+        )
+        ends = [round_number(float(refitted[k]) + way * half) for way in (-1.0, 1.0)]
+        evidence = round_number(fit.evidence - rest)
+        terms.append(term.model_copy(update={'interval': ends, 'evidence': evidence}))
+    return law.model_copy(update={'terms': terms})
+
+
+def find_region(
+    data: LawData, terms: Sequence[LawTerm], hidden: HiddenState | None
+) -> dict[str, list[float]]:
+    """Return the range of each quantity of a law in the flights that it was fitted to."""
+    used = {factor.quantity for term in terms for factor in term.factors}
+    state = data.quantities(hidden)
+    if hidden is not None:
+        used |= {factor.quantity for factor in hidden.drive}
+    ends = {name: (float(np.min(state[name])), float(np.max(state[name]))) for name in used}
+    # A hidden state begins at 0
+    ends |= {name: (min(ends[name][0], 0.0), max(ends[name][1], 0.0)) for name in used & {*OWN}}
+    return {name: [low, max(high, low + 1e-9)] for name, (low, high) in sorted(ends.items())}
+
+
+@final
+class Numbers(NamedTuple):
+    """Selected columns with the numbers that a refit moves: the column, and its number."""
+
+    chosen: Chosen
+    places: Sequence[tuple[int, Place]]
+
+    def move(self, data: LawData, steps: Array) -> Chosen:
+        """Return the columns with their numbers moved; terms share the hidden state."""
+        columns = [column for column, _ in self.chosen]
+        for (k, place), step in zip(self.places, steps.tolist(), strict=True):
+            for j, column in enumerate(columns):
+                if j == k or (place[0] == HIDDEN and column.hidden is not None):
+                    columns[j] = move_number(column, place, step, data.spreads)
+        return [(column, axis) for column, (_, axis) in zip(columns, self.chosen, strict=True)]
+
+
+def list_own_numbers(chosen: Chosen) -> list[tuple[int, Place]]:
+    """Return the numbers that columns have, those of the hidden state once."""
+    out: list[tuple[int, Place]] = []
+    for k, (column, _) in enumerate(chosen):
+        for place in list_numbers(column):
+            if place[0] == HIDDEN:
+                if all(there != place for _, there in out):
+                    out.append((k, place))
+            elif getattr(column.factors[place[0]], place[1]) is not None:
+                out.append((k, place))
+    return out
+
+
+def build_law_model(data: LawData, chosen: Chosen, fit: LawFit) -> LawModel:
+    """Return a law as a function of its weights and numbers."""
+    numbers, count = Numbers(chosen, list_own_numbers(chosen)), len(chosen)
+
+    def prepare(weights: Array) -> Prepare:
+        there = numbers.move(data, weights[count:])
+        return partial(FlightLaw, draft_law(data, there, weights[:count], 'a trial'))
+
+    def evaluate(steps: Array) -> Array:
+        """Return the terms in the body frame, shape (S, 6 K, T)."""
+        there = numbers.move(data, steps)
+        return np.stack([data.body_knots(column, axis) for column, axis in there], axis=-1)
+
+    def differentiate(weights: Array) -> list[Array]:
+        steps = weights[count:]
+        columns = [evaluate(steps)]
+        for small in SMALL * np.eye(len(steps)):
+            change = (evaluate(steps + small) - evaluate(steps - small)) / (2.0 * SMALL)
+            columns.append((change @ weights[:count])[..., None])
+        return data.split_flights(np.concatenate(columns, axis=-1))
+
+    more = len(numbers.places)
+    spread = np.maximum(WEIGHTS * fit.deviation, RELATIVE * np.abs(fit.weights))
+    return LawModel(
+        np.concatenate([fit.weights, np.zeros(more)]),
+        np.concatenate([spread, np.full(more, NUMBERS)]),
+        prepare,
+        differentiate,
+    )
