@@ -125,11 +125,11 @@ def _import_without_scipy() -> None:
     """
     from numba.np import linalg
 
-    ensure_blas, linalg.ensure_blas = linalg.ensure_blas, lambda: None  # type: ignore[attr-defined]
+    ensure_blas, linalg.ensure_blas = linalg.ensure_blas, lambda: None
     try:
         from numba.np import arraymath  # noqa: F401
     finally:
-        linalg.ensure_blas = ensure_blas  # type: ignore[attr-defined]
+        linalg.ensure_blas = ensure_blas
 
 
 def _compile_without_collecting() -> None:
