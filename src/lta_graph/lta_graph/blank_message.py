@@ -11,8 +11,6 @@ from collections.abc import Callable
 from functools import cache
 from typing import Any, TypeVar
 
-import numpy as np
-
 Message = TypeVar('Message')
 
 
@@ -40,7 +38,7 @@ def _add_copy(blank: Any, lines: list[str], space: dict[str, Any]) -> str:  # no
         for name in blank.__slots__:
             lines.append(f'{copy}.{name} = {_add_copy(getattr(blank, name), lines, space)}')
         return copy
-    if isinstance(blank, list | np.ndarray):
+    if hasattr(blank, 'copy'):  # a list or an array of numpy
         space[own] = blank.copy
         return f'{own}()'
     space[own] = blank
