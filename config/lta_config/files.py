@@ -53,7 +53,7 @@ FOLDERS = {
 class StrictModel(BaseModel):
     """Base of everything read from a file: immutable, without unknown keys and type coercion."""
 
-    model_config = ConfigDict(frozen=True, extra='forbid', strict=True)
+    model_config = ConfigDict(frozen=True, extra='forbid', strict=True, defer_build=True)
 
 
 Model = TypeVar('Model', bound=BaseModel)

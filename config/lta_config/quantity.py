@@ -138,7 +138,7 @@ class Quantity(BaseModel):
     `range_source` says where it comes from.
     """
 
-    model_config = ConfigDict(frozen=True, extra='forbid', strict=True)
+    model_config = ConfigDict(frozen=True, extra='forbid', strict=True, defer_build=True)
 
     value: float | tuple[float, ...]
     unit: str

@@ -27,6 +27,7 @@ import re
 from types import FunctionType, ModuleType
 from typing import Any, final, NamedTuple, TypeGuard
 
+from lta_config.compilation.source_file import SourceFile, store_results
 from lta_config.errors import BadInput
 
 TUPLES = 'core'  # prefix of the named tuples
@@ -34,15 +35,10 @@ REPLACE = '_replace'
 
 
 @cache
-def _parse_definitions(path: Path, changed_ns: int, size: int) -> dict[str, ast.FunctionDef]:
-    """Return the top-level functions of a file, without annotations."""
-    # Time and size are only keys of the cache: an edited file is parsed again
-    tree = ast.parse(path.read_text(encoding='utf-8'))
-    return {
-        node.name: _strip_annotations(node)
-        for node in tree.body
-        if isinstance(node, ast.FunctionDef)
-    }
+def _read_source(path: Path, changed_ns: int, size: int) -> SourceFile:
+    """Return a file; time and size are only keys: an edited file is read again."""
+    del changed_ns, size
+    return SourceFile(path.read_bytes(), Path(__file__).read_bytes(), _strip_annotations)
 
 
 def _strip_annotations(node: ast.FunctionDef) -> ast.FunctionDef:
@@ -161,25 +157,25 @@ class GeneratedFunction:
 
 
 class _FunctionSource(NamedTuple):
-    """Where a function is defined: its name, its file and the file's state."""
+    """Where a function is defined."""
 
-    path: Path
-    changed_ns: int
-    size: int
+    file: SourceFile
     name: str
 
     @property
     def node(self) -> ast.FunctionDef:
         """The function's syntax tree, which is shared."""
-        return _parse_definitions(self.path, self.changed_ns, self.size)[self.name]
+        return self.file.definitions[self.name]
 
 
 def _locate_source(function: FunctionType) -> _FunctionSource:
     """Return where a function is defined."""
     path = Path(inspect.getsourcefile(function) or '')
-    file = path.stat()
-    source = _FunctionSource(path, file.st_mtime_ns, file.st_size, function.__qualname__)
-    if source.name in _parse_definitions(path, file.st_mtime_ns, file.st_size):
+    state = path.stat()
+    source = _FunctionSource(
+        _read_source(path, state.st_mtime_ns, state.st_size), function.__qualname__
+    )
+    if source.name in source.file.recall(lambda: list(source.file.definitions), 'functions'):
         return source
     raise BadInput(
         f'{function.__name__} cannot be compiled, because it is not defined at the top level of '
@@ -187,40 +183,42 @@ def _locate_source(function: FunctionType) -> _FunctionSource:
     )
 
 
-@cache
 def _list_globals(source: _FunctionSource, variables: tuple[str, ...]) -> list[str]:
     """Return the sorted names that a function with these variables takes from its module."""
-    names = [item for item in ast.walk(source.node) if isinstance(item, ast.Name)]
-    # Variables of a comprehension are not in co_varnames
-    bound = {item.id for item in names if isinstance(item.ctx, ast.Store)}
-    return sorted({item.id for item in names} - bound - {*variables, REPLACE})
+
+    def find_names() -> list[str]:
+        names = [item for item in ast.walk(source.node) if isinstance(item, ast.Name)]
+        # Variables of a comprehension are not in co_varnames
+        bound = {item.id for item in names if isinstance(item.ctx, ast.Store)}
+        return sorted({item.id for item in names} - bound - {*variables, REPLACE})
+
+    return source.file.recall(find_names, 'globals', source.name, *variables)
 
 
-@cache
 def _list_attributes(source: _FunctionSource, name: str) -> list[str]:
     """Return the attributes of a name that a function uses."""
-    return sorted(
-        {
-            item.attr
-            for item in ast.walk(source.node)
-            if isinstance(item, ast.Attribute) and getattr(item.value, 'id', None) == name
-        }
-    )
+
+    def find_attributes() -> list[str]:
+        return sorted(
+            {
+                item.attr
+                for item in ast.walk(source.node)
+                if isinstance(item, ast.Attribute) and getattr(item.value, 'id', None) == name
+            }
+        )
+
+    return source.file.recall(find_attributes, 'attributes', source.name, name)
 
 
-@cache
-def _render_function(
-    source: _FunctionSource,
-    own: str,
-    names: tuple[tuple[str, str], ...],
-    attributes: tuple[tuple[str, str], ...],
-    fields: tuple[tuple[str, tuple[str, ...]], ...],
-    bound: tuple[str, ...],
-) -> str:
-    """Return the text of a function called `own` whose globals have these names."""
-    node = _Rewriter(dict(names), dict(attributes), dict(fields), bound).copy(source.node)
-    node.name = own
-    return ast.unparse(node)
+def _render_function(source: _FunctionSource, own: str, rewriter: '_Rewriter') -> str:
+    """Return the text of a function called `own` whose globals have the rewriter's names."""
+
+    def rewrite() -> str:
+        node = rewriter.copy(source.node)
+        node.name = own
+        return ast.unparse(node)
+
+    return source.file.recall(rewrite, 'text', source.name, own, *rewriter)
 
 
 def _describe_clash(own: str) -> str:
@@ -285,9 +283,8 @@ class SourceExtract:
                         'variable.'
                     )
                 attributes[f'{name}.{attribute}'] = text
-        self._pieces[own] = _render_function(
-            source, own, (*names.items(),), (*attributes.items(),), (*fields.items(),), (*bound,)
-        )
+        rewriter = _Rewriter(names, attributes, fields, bound)
+        self._pieces[own] = _render_function(source, own, rewriter)
         return own
 
     def _add_bound(self, name: str, attribute: str) -> str:
@@ -371,6 +368,7 @@ class SourceExtract:
 
     def render_pieces(self, decorator: str, entry: str = '', entries: Collection[str] = ()) -> str:
         """Return all pieces, the functions with `decorator`, those in `entries` with `entry`."""
+        store_results()
         return '\n\n\n'.join(
             f'{entry if own in entries else decorator}\n{piece}'
             if piece.startswith('def ')

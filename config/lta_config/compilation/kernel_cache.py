@@ -106,11 +106,32 @@ def load_kernel(source: str, root: Path | None = None) -> ModuleType:
     # numba looks up the functions of a cached kernel by the name of their module
     sys.modules[name] = module
     specification.loader.exec_module(module)
-    _compile_without_collecting()
+    prepare_numba()
     return module
 
 
 @cache
+def prepare_numba() -> None:
+    """Keep numba from what only makes it slow; call it before the first compiled function runs."""
+    _import_without_scipy()
+    _compile_without_collecting()
+
+
+def _import_without_scipy() -> None:
+    """
+    Import what numba imports at the first call of a compiled function, without `scipy.linalg`.
+
+    numba imports that only to see whether it is installed, which takes as long as numba itself.
+    """
+    from numba.np import linalg
+
+    ensure_blas, linalg.ensure_blas = linalg.ensure_blas, lambda: None
+    try:
+        from numba.np import arraymath  # noqa: F401
+    finally:
+        linalg.ensure_blas = ensure_blas
+
+
 def _compile_without_collecting() -> None:
     """
     Disable Python's garbage collector while numba compiles.

@@ -6,6 +6,7 @@ failed, 2 bad input (one sentence on stderr), 130 Ctrl-C, 143 SIGTERM, 129 SIGHU
 shut a flight down cleanly.
 """
 
+import gc
 import os
 import signal
 import sys
@@ -39,6 +40,8 @@ def main() -> NoReturn:
     if (message := describe_wrong_middleware()) is not None:
         sys.stderr.write(f'{message}\n')
         sys.exit(2)
+    # Imports leave no garbage, but their many objects start searches for it
+    gc.disable()
     from lta_cli.app import run_command_line, STOPPED  # imports take a second
 
     caught: list[int] = []
@@ -59,6 +62,9 @@ def main() -> NoReturn:
     sys.unraisablehook = send_again
 
     def heed() -> None:
+        # What was imported stays, so later searches leave it out
+        gc.freeze()
+        gc.enable()
         # Install after the imports: a C extension that is loading may drop a KeyboardInterrupt.
         for number in heeded:
             signal.signal(number, stop)

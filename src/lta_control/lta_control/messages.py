@@ -250,13 +250,13 @@ def to_setpoint(pose: PoseStamped, velocity: TwistStamped) -> Setpoint:
 
 def from_setpoint(stamp: Time, setpoint: Setpoint) -> tuple[PoseStamped, TwistStamped]:
     """Return the messages for heading and altitude, and for forward speed."""
-    pose = PoseStamped()
+    pose = create_message(PoseStamped)
     pose.header.stamp = stamp
     pose.header.frame_id = 'odom'
     pose.pose.position.z = setpoint.altitude
     q = pose.pose.orientation
     q.x, q.y, q.z, q.w = message_rounding.level_quaternion(setpoint.heading)
-    velocity = TwistStamped()
+    velocity = create_message(TwistStamped)
     velocity.header.stamp = stamp
     velocity.header.frame_id = 'base_link'
     velocity.twist.linear.x = setpoint.speed
@@ -274,7 +274,7 @@ def from_duties(
 
     `kind` is the class of the message; by default that of the topic table.
     """
-    message = (kind or find_message_type(load_topic_table()['motors']))()
+    message = create_message(kind or find_message_type(load_topic_table()['motors']))
     message.header.stamp = stamp
     message.header.frame_id = 'base_link'
     message.name = names

@@ -1,11 +1,14 @@
 """Convert attitudes to Euler angles and back."""
 
+import math
 from typing import NamedTuple
-import warnings
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial.transform import Rotation
+
+LOCKED = 1e-7  # rad from straight up or down: only the sum or difference of yaw and roll is known
+# numpy's own arctan2 differs in the last bit from processor to processor
+_atan2 = np.frompyfunc(math.atan2, 2, 1)
 
 
 class EulerAngles(NamedTuple):
@@ -25,16 +28,30 @@ def to_euler_angles(quaternions: ArrayLike) -> EulerAngles:
     pitch is nose down.
     """
     given = np.asarray(quaternions, dtype=np.float64).reshape(-1, 4)
-    result = np.full((len(given), 3), np.nan)
     length = np.linalg.norm(given, axis=1)
-    usable = np.isfinite(length) & (length > 0.0)
-    if usable.any():
-        with warnings.catch_warnings(action='ignore'):  # gimbal lock: roll is 0, yaw the rest
-            # Upper case: intrinsic rotations, each about the axis already turned
-            result[usable] = Rotation.from_quat(given[usable]).as_euler('ZYX')
-    return EulerAngles(*result.T)
+    length[~np.isfinite(length) | (length == 0.0)] = np.nan
+    x, y, z, w = given.T / length
+    # Bernardes and Viollet (2022), https://doi.org/10.1371/journal.pone.0276302, as scipy has it:
+    # importing scipy takes longer than a page
+    half_sum = _atan2(x + z, w - y).astype(np.float64)
+    half_difference = _atan2(z - x, w + y).astype(np.float64)
+    from_top = 2.0 * _atan2(np.hypot(y + w, z - x), np.hypot(w - y, x + z)).astype(np.float64)
+    up, down = from_top <= LOCKED, np.abs(from_top - np.pi) <= LOCKED
+    yaw = np.where(up, 2.0 * half_sum, half_sum + half_difference)
+    yaw = np.where(down, 2.0 * half_difference, yaw)
+    roll = np.where(up | down, 0.0, half_sum - half_difference)
+    return EulerAngles(_wrap(yaw), from_top - np.pi / 2.0, _wrap(roll))
+
+
+def _wrap(angle: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return angles from -2 pi to 2 pi as angles from -pi to pi."""
+    angle = np.where(angle < -np.pi, angle + 2.0 * np.pi, angle)
+    return np.where(angle > np.pi, angle - 2.0 * np.pi, angle)
 
 
 def to_quaternions(angles: EulerAngles) -> NDArray[np.float64]:
     """Return the quaternions x, y, z, w of angles, shape (n, 4): see `to_euler_angles`."""
+    # Imported late: it takes a quarter of a second, and few pages need it
+    from scipy.spatial.transform import Rotation
+
     return Rotation.from_euler('ZYX', np.stack(angles, axis=1)).as_quat()

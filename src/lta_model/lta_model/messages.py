@@ -59,14 +59,13 @@ def build_imu_message(
 
 def build_range_message(stamp: Time, distance: float, settings: RangeSettings) -> Range:
     """Return a downward distance [m]; +Inf is no return (REP-117)."""
-    return Range(
-        header=_build_header(stamp, 'range'),
-        radiation_type=Range.INFRARED,
-        field_of_view=np.deg2rad(settings.field_of_view),
-        min_range=settings.minimum,
-        max_range=settings.maximum,
-        range=distance,
-    )
+    message = create_message(Range)
+    message.header = _build_header(stamp, 'range')
+    message.radiation_type = Range.INFRARED
+    message.field_of_view = np.deg2rad(settings.field_of_view)
+    message.min_range, message.max_range = settings.minimum, settings.maximum
+    message.range = distance
+    return message
 
 
 def build_pressure_message(stamp: Time, value: float, deviation: float) -> FluidPressure:

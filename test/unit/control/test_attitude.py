@@ -1,8 +1,10 @@
 """The attitude filter against exact rotations, and what gravity may correct."""
 
 import math
+import warnings
 
 from lta_control.attitude import attitude_step, up_in_body, yaw_from_quaternion
+from lta_model.attitude import to_euler_angles
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -29,6 +31,19 @@ def test_rates_are_integrated_as_by_scipy(seed):
     bound = 1000 * (math.sqrt(12.0) * DT) ** 3 / 12.0
     assert angle_between(q, exact.as_quat()) < bound
     assert np.linalg.norm(q) == pytest.approx(1.0, rel=1e-12)
+
+
+def test_euler_angles_are_those_of_scipy():
+    generator = np.random.default_rng(1)
+    free = 3.0 * generator.normal(size=(200, 4))
+    yaw, roll = generator.uniform(-3.0, 3.0, (2, 200))
+    nose = 0.5 * np.pi * np.sign(roll)  # straight down or up: only a sum of the others is known
+    locked = Rotation.from_euler('ZYX', np.stack([yaw, nose, roll], axis=1)).as_quat()
+    with warnings.catch_warnings(action='ignore'):
+        for turns in (free, locked):
+            expected = Rotation.from_quat(turns).as_euler('ZYX')
+            np.testing.assert_array_equal(np.stack(to_euler_angles(turns), axis=1), expected)
+    assert np.isnan(to_euler_angles([[0.0, 0.0, 0.0, 0.0], [np.nan, 0.0, 0.0, 1.0]])).all()
 
 
 def test_a_turn_to_the_left_grows_the_heading():

@@ -1,11 +1,14 @@
 """Convert between integer nanoseconds and ROS stamps."""
 
 from builtin_interfaces.msg import Time
+from lta_graph.blank_message import create_message
 
 
 def to_stamp(stamp_ns: int) -> Time:
     """Return integer nanoseconds as a ROS stamp."""
-    return Time(sec=stamp_ns // 1_000_000_000, nanosec=stamp_ns % 1_000_000_000)
+    stamp = create_message(Time)
+    stamp.sec, stamp.nanosec = divmod(stamp_ns, 1_000_000_000)
+    return stamp
 
 
 def from_stamp(stamp: Time) -> int:
