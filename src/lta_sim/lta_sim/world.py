@@ -39,6 +39,7 @@ STILL = np.zeros(RIGID)  # state derivative of a held drone
 STREAMS = (
     'start', 'imu', 'range', 'pressure', 'photodiodes', 'battery', 'panel', 'turbulence', 'diodes',
 )  # fmt: skip
+TREMOR = 1e-9  # of a drone that is held [m]
 SETTLED_NS = 1_000_000_000  # in which motors reach the thrust of their duty
 SENSED = ('pressure', 'photodiodes', 'battery', 'ground_truth/odom', 'illuminance')
 
@@ -399,6 +400,8 @@ class World:
         self._craft.advance(span_ns * 1e-9 / steps, steps)
         if self.is_held:  # motors, gas and turbulence continue while the drone is held
             self.state[:RIGID] = place
+            # No hand is that still: a height that repeats to the bit is that of a stuck tracker
+            self.state[2] += TREMOR if self.steps % 2 else -TREMOR
 
     def _predict_state(self, span_ns: int) -> Array:
         """Return the state after a duration under the present command. [ns]"""

@@ -379,7 +379,8 @@ class BridgeCore:
                 max(0.0, min(self.limits.height, command.height)),
             )
         if order.hand_over:
-            self._link.hand_over(land=self.command == 'setpoint')
+            # A drone that has not risen must not start its motors in order to land
+            self._link.hand_over(land=self.command == 'setpoint' and self._rose)
 
     def _may_rise(self, command: CrazyflieCommand) -> bool:
         """Return whether a setpoint has been above the floor since arming, as for a take-off."""

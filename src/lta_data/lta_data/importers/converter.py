@@ -79,16 +79,18 @@ class TopicConverter:
         numbers: dict[str, Any] = {
             'header.stamp.sec': chosen.stamps // 1_000_000_000,
             'header.stamp.nanosec': chosen.stamps % 1_000_000_000,
-        }
-        if self.plan.target.type_name == JOINTS:
-            numbers |= self._convert_joints(chosen)
-        else:
-            numbers |= self._convert_message_parts(chosen)
+        } | self.compute_numbers(chosen)
         layout = self._ensure_layout()
         data = layout.serialize_messages(len(chosen), numbers)
         # log_times keep the order of logging; the stamps are in the messages.
         order, times = chosen.order, chosen.log_times
         return ConvertedMessages(self.plan.topic, order, times, data, layout.size, kept)
+
+    def compute_numbers(self, table: LogTable) -> dict[str, Any]:
+        """Return the numbers of the messages by path: one for each row, or one for all."""
+        if self.plan.target.type_name == JOINTS:
+            return self._convert_joints(table)
+        return self._convert_message_parts(table)
 
     def _select_rows(self, table: LogTable) -> Any:  # noqa: ANN401 - an array of bool
         """Return which rows become messages."""

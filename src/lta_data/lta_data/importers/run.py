@@ -21,7 +21,12 @@ from lta_data.importers.mapping_choice import (
 )
 from lta_data.importers.progress import ImportProgress
 from lta_data.importers.protocol import Reached
-from lta_data.importers.readers.sensor_folder import list_run_files, list_run_folders
+from lta_data.importers.readers.sensor_folder import (
+    list_data_files,
+    list_run_files,
+    list_run_folders,
+    name_table,
+)
 from lta_report.results_folder import stage_results
 
 BAG = 'bag'  # as in a flight's results folder
@@ -91,8 +96,14 @@ def expand_source(source: Path, mapping: str | None) -> list[Path]:
     log = find_bag(source)
     if not log.is_dir() or detect_format(log) == 'bag':
         return [log]
-    if mapping is not None and load_mapping(mapping)[0].format == 'folder':
-        return list_run_folders(source) or [source]
+    if mapping is not None and (known := load_mapping(mapping)[0]).format == 'folder':
+        runs = list_run_folders(source)
+        inside = (
+            {name_table(runs[0], file) for file in list_data_files(runs[0])} if runs else set()
+        )
+        # The folders of a source may also be parts of one run, which its mapping then names
+        fits = {one.table.partition('.')[0] for one in known.topics if one.table} <= inside
+        return runs if runs and fits else [source]
     return list_run_files(source)
 
 
@@ -115,7 +126,7 @@ def _import_log(order: ImportRequest, source: Path, bag: Path, reached: Reached)
     told = build_provenance(source, format_, mapping, text, order.vehicle)
     clocks: list[str] = []
     if mapping is not None:
-        mapping, clocks = resolve_clocks(source, mapping)
+        mapping, clocks = resolve_clocks(source, mapping, order.robot)
     try:
         log = find_format(format_).opened(source, mapping)
         chosen = choose_entries(source, mapping, log, order.robot)

@@ -30,10 +30,17 @@ class Kept:
     """A link that keeps what was sent."""
 
     def __init__(self):
-        self.said = []
+        self.said, self.options = [], []
 
     def __getattr__(self, name):
-        return lambda *words, **_: self.said.append((name, words))
+        def keep(*words, **options):
+            self.said.append((name, words))
+            self.options.append((name, options))
+
+        return keep
+
+    def options_of(self, name):
+        return [options for said, options in self.options if said == name]
 
     def of(self, name):
         return [words for said, words in self.said if said == name]

@@ -75,6 +75,22 @@ def test_armed_at_rest_no_setpoint_is_sent_until_one_above_the_floor():
             flight.tick()
 
 
+@pytest.mark.parametrize('rises', [False, True])
+def test_a_drone_that_never_rose_is_not_told_to_land(rises):
+    """The firmware would start the motors for it, at the height that it takes for its own."""
+    flight = Bridged('setpoint')
+    flight.asked = CrazyflieCommand(0, height=1.0 if rises else 0.3)
+    flight.fly()
+    for _ in range(50):
+        flight.tick()
+    flight.tick(AskedBy(arm=False))
+    while flight.stage is not SafetyStage.DISARMED:
+        flight.tick()
+    handed = flight.kept.options_of('hand_over')
+    assert handed
+    assert all(one == {'land': rises} for one in handed)
+
+
 @pytest.mark.parametrize('bad', [math.nan, math.inf])
 @pytest.mark.parametrize('command', ['motors', 'setpoint'])
 def test_what_is_no_number_is_no_command(command, bad):

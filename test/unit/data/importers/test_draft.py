@@ -110,6 +110,8 @@ def test_a_heading_alone_is_the_attitude(name, is_heading):
         ('tx ty tz', '', ''),
         ('fz m1 m2 m3 m4', '- - fz', ''),
         ('f1 f2 f3 f4', '', ''),
+        # What is commanded, not what is measured
+        ('fx_meas tz_meas fx_cmd tz_cmd', 'fx_cmd - -', '- - tz_cmd'),
     ],
 )  # fmt: skip
 def test_commanded_forces_and_torques_are_found_by_axis(tmp_path, names, force, torque):
@@ -130,6 +132,29 @@ def test_commanded_forces_and_torques_are_found_by_axis(tmp_path, names, force, 
     }
     found = {k: v['columns'] for one in wrench for k, v in one.items() if k != 'topic'}
     assert found == wanted
+
+
+def test_the_only_place_beside_an_attitude_is_no_torque():
+    names = ['timestamp', 'tx', 'ty', 'tz', 'qx', 'qy', 'qz', 'qw', 'fx', 'fy', 'fz']
+    groups = group_columns({name: np.full(10, 0.5) for name in names})[0]
+    assert {group.kind: group.columns[0] for group in groups} == {
+        'force': 'fx', 'position': 'tx', 'quaternion': 'qx',
+    }  # fmt: skip
+
+
+def test_a_single_marker_is_the_position():
+    names = ['t', 'marker_x', 'marker_y', 'marker_z', 'qx', 'qy', 'qz', 'qw']
+    groups = group_columns({name: np.full(10, 0.5) for name in names})[0]
+    assert {group.kind for group in groups} == {'position', 'quaternion'}
+
+
+def test_angles_named_by_axis_are_no_rotation_vector(tmp_path):
+    f = lab_flight()
+    source = write_csv(tmp_path / 'a.csv', {
+        'time': f['t'] + 100.0, **three('p', f['p']), **three('euler_', f['rpy']),
+    })  # fmt: skip
+    (topic,) = yaml.safe_load(draft_mapping(source, {}).text)['topics']
+    assert 'euler' in topic['orientation']
 
 
 def test_the_file_of_a_tracker_has_its_names_in_several_lines(bring, tmp_path):
@@ -227,6 +252,62 @@ def test_commands_that_move_nothing_are_taken_to_begin_with_the_pose(tmp_path):
     given = draft_mapping(tmp_path / 'a', {'stick.time.start': '1700000007 s'})
     times = {one['table']: one['time'] for one in yaml.safe_load(given.text)['topics']}
     assert times['stick'] == {'column': 't', 'unit': 's', 'start': '1700000007.000 s'}
+
+
+def test_an_offset_is_given_as_a_time(tmp_path):
+    write_run(tmp_path / 'a', 1, 1.7e9, 3.2)
+    for given in ('7', 'soon', '7 m'):
+        with pytest.raises(BadInput, match="must be a time, such as '3"):
+            draft_mapping(tmp_path / 'a', {'stick.time.start': given})
+    given = draft_mapping(tmp_path / 'a', {'stick.time.start': '500 ms'})
+    assert 'start: 0.500 s' in given.text
+
+
+def test_the_table_that_align_names_decides(bring, tmp_path):
+    """An estimate on a clock of its own stands first in the folder; the tracker is named."""
+    write_run(tmp_path / 'a', 1, 1.7e9, 3.2)
+    draft = draft_mapping(tmp_path / 'a', {}).text
+    text = (tmp_path / 'a' / 'mocap.csv').read_text()
+    (tmp_path / 'a' / 'ekf.csv').write_text(text.replace('17000000', '17000900'))
+    truth = draft[draft.index('  - topic: ground_truth/odom') :]
+    estimate = truth.replace('ground_truth/odom', 'odom').replace('mocap', 'ekf')
+    got = bring(tmp_path / 'a', draft.replace('topics:\n', f'topics:\n{estimate.rstrip()}\n'))
+    first = got.stamps('/lta1/wrench_command')[0] * 1e-9
+    assert first == pytest.approx(1.7e9 + 10.0, abs=0.25)
+
+
+def test_a_table_without_a_pose_aligns_nothing(bring, tmp_path):
+    write_run(tmp_path / 'a', 1, 1.7e9, 3.2)
+    draft = draft_mapping(tmp_path / 'a', {}).text
+    with pytest.raises(BadInput, match="'mocup', which has no position and attitude"):
+        bring(tmp_path / 'a', draft.replace('align: mocap', 'align: mocup'))
+
+
+def test_tables_that_overlap_a_little_are_on_one_clock(tmp_path):
+    """Commands from 45 s after the poses began, to 40 s after these ended."""
+    write_run(tmp_path / 'a', 1, 100.0, 145.0)
+    mapping = draft_mapping(tmp_path / 'a', {'stick.time.start': '0 s'}).text
+    assert 'align' not in mapping
+    assert 'align' not in draft_mapping(tmp_path / 'a', {}).text
+
+
+@pytest.mark.parametrize('times', ['nan', '0', 'same'])
+def test_odd_times_of_commands_end_no_draft(tmp_path, times):
+    write_run(tmp_path / 'a', 1, 1.7e9, 3.2)
+    stick = tmp_path / 'a' / 'stick.csv'
+    head, *rows = stick.read_text().splitlines()
+    parts = [row.partition(',') for row in rows]
+    if times == 'nan':
+        rows[-1] = f'nan,{parts[-1][2]}'
+    elif times == '0':
+        rows = [
+            f'0,{parts[0][2]}',
+            *(f'{1.7e9 + float(t):.3f},{rest}' for t, _, rest in parts[1:]),
+        ]
+    else:
+        rows = [f'5,{rest}' for _, _, rest in parts]
+    stick.write_text('\n'.join([head, *rows]) + '\n')
+    assert 'wrench_command' in draft_mapping(tmp_path / 'a', {}).text
 
 
 def test_commands_stamped_seconds_early_on_a_common_clock_are_asked_about(tmp_path):
@@ -379,6 +460,8 @@ def test_truth_estimate_and_command_are_told_apart_by_name(tmp_path):
         # Motors stand in the middle between forward and back
         ([1500.0, 1900.0, 1200.0], '1', {'offset': -1500.0, 'over': 500.0}),
         ([1600.0, 1900.0, 1800.0], '1', {'offset': -1000.0, 'over': 1000.0}),
+        # It hovers about 1500, and never stands
+        ([*range(1100, 1900, 3), *range(1485, 1515)], '?', {}),
         ([30.0, 240.0, 120.0], '1', {'over': 255.0}),
         ([3000.0, 60000.0, 30000.0], '1', {'over': 65535.0}),
     ],
@@ -390,9 +473,10 @@ def test_the_scale_of_motors_follows_from_their_size(tmp_path, values, unit, ext
         tmp_path / 'a.csv', {'time_s': f['t'], 'motor_1': command, 'motor_2': command}
     )
     draft = draft_mapping(source, {})
+    assert bool(draft.choices.questions) == (unit == '?')
     (tmp_path / 'm.yaml').write_text(draft.text)
     effort = load_mapping(str(tmp_path / 'm.yaml'))[0].topics[0].actuators['motor_1'].effort
-    assert effort.unit == unit
+    assert effort.unit == unit.replace('?', '1')
     assert {name: getattr(effort, name) for name in extra} == extra
 
 

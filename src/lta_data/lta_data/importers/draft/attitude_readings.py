@@ -50,7 +50,7 @@ def list_readings(group: ColumnGroup, numbers: Numbers) -> Iterator[AttitudeRead
     if group.kind == 'quaternion':
         yield from _read_quaternions(group, numbers)
     else:
-        if group.axes == ('x', 'y', 'z'):
+        if group.axes == ('x', 'y', 'z') and group.columns[0].lower().startswith('rx'):
             yield from _read_vectors(group, numbers)
         yield from _read_angles(group, numbers)
 

@@ -1,29 +1,40 @@
 """Find how far the clocks of the tables of a log are apart."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, final, NamedTuple
 
+from lta_config.errors import BadInput
 from lta_config.quantity import Quantity
-from lta_config.schema.import_file import AXES, ImportMapping
+from lta_config.schema.import_file import AXES, ImportMapping, TopicMapping
 from lta_data.data_quality.smoothing import hann_kernel, smooth_columns
 from lta_data.importers.axes import signed_permutation
+from lta_data.importers.converter import TopicConverter
 from lta_data.importers.draft.attitude_readings import body_rates_of, differentiate
 from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.column_groups import Columns
-from lta_data.importers.draft.source_tables import read_source
-from lta_data.importers.draft.table_draft import draft_table, list_columns, TableDraft
-from lta_data.importers.log_table import Numbers
+from lta_data.importers.draft.table_draft import list_columns, TableDraft
+from lta_data.importers.entry_plan import plan_entry
+from lta_data.importers.formats import find_format
+from lta_data.importers.log_table import LogTable, Numbers
 import numpy as np
+from pydantic import ValidationError
 from scipy.spatial.transform import Rotation
 
 STEP: Final = 0.1  # of the grid on which motion and commands are compared [s]
 SMOOTH: Final = 0.6  # width of the kernel that smooths the motion before it is derived [s]
 SHARED: Final = 0.5  # of the shorter table, at least, lies in both at any offset tried
+FARTHEST: Final = 150.0  # offset that is tried, from tables that begin together [s]
+LONGEST: Final = 600.0  # of a flight that is looked at [s]
+LEAST: Final = 50  # points of the grid that both tables share
 AROUND: Final = 1.5  # offsets nearer to the best one belong to its peak [s]
 EXPLAINED: Final = 0.15  # of the accelerations by the commands, at least
 CLEAR: Final = 1.5  # times as much as at any offset farther away
 APART: Final = 1.0  # a smaller offset is the delay of a vehicle, not that of a clock [s]
+JUMP: Final = 3600.0  # a longer gap is a clock that was set [s]
+EPOCH: Final = 1e9  # later times count from 1970 [s]
+ONE_DAY: Final = 86_400.0  # times since 1970 that are nearer are those of one clock [s]
 COMMANDS: Final = ('motors', 'wrench_command')
 
 
@@ -34,6 +45,33 @@ class CommandOffset(NamedTuple):
     seconds: float
     explained: float  # share of the accelerations that the commands explain
     is_clear: bool  # no other offset comes near
+
+
+@final
+@dataclass(frozen=True, slots=True, eq=False)
+class TimedTable:
+    """The times of a table, and its commands or poses in our axes."""
+
+    name: str
+    first: float  # time of the first row on the table's clock [s]
+    seconds: Numbers  # since the first row, shape (n,) [s]
+    commands: Numbers | None = None  # in any unit, shape (n, k)
+    position: Numbers | None = None  # [m], shape (n, 3)
+    turn: Rotation | None = None  # from body to world, n
+
+    def shares_clock(self, other: 'TimedTable') -> bool:
+        """Return whether the times of two tables can be those of one clock."""
+        ours, theirs = ((one.first, one.first + float(one.seconds[-1])) for one in (self, other))
+        near = min(ours[0], theirs[0]) > EPOCH and abs(ours[0] - theirs[0]) < ONE_DAY
+        return near or min(ours[1], theirs[1]) > max(ours[0], theirs[0])
+
+    def estimate_offset(self, commanded: 'TimedTable') -> CommandOffset | None:
+        """Return when the commands of another table act in the motion of this one."""
+        if self.position is None or self.turn is None or commanded.commands is None:
+            return None
+        return estimate_clock_offset(
+            self.seconds, self.position, self.turn, commanded.seconds, commanded.commands
+        )
 
 
 @final
@@ -58,104 +96,183 @@ def align_clocks(
     Where the times of two tables do not overlap, they have two clocks. Then the motion says when
     the commands acted; if it does not, both tables are taken to begin together.
     """
-    reference = next((name for name, one in drafts.items() if _has_pose(one)), None)
-    if reference is None:
+    timed = {
+        name: _read_draft(name, one, tables[name]) for name, one in drafts.items() if one.entries
+    }
+    pose = next((one for one in timed.values() if one.position is not None), None)
+    if pose is None:
         return {}
     clocks: dict[str, AlignedClock] = {}
-    pose = drafts[reference]
-    others = [name for name, one in drafts.items() if one.entries and name != reference]
+    others = [one for one in timed.values() if one is not pose]
     # Commands first: a sensor on their clock follows them
-    for name in sorted(others, key=lambda one: not _list_commands(drafts[one])):
-        stamped = drafts[name].time.first - pose.time.first
-        found = _estimate(pose, drafts[name], tables[name])
-        clear = found is not None and found.is_clear
-        key = f'{name}.time.start'
+    for table in sorted(others, key=lambda one: one.commands is None):
+        key = f'{table.name}.time.start'
         given = choices.override(key, '')
-        if _share_clock(pose, drafts[name]) and not given:
-            shift = found.seconds - stamped if found is not None else 0.0
-            if clear and abs(shift) > APART:
-                options = [('0 s', 'as stamped'), (f'{shift:.1f} s', 'as the motion shows')]
-                choices.decide(
-                    key, options, f'The motion follows the commands of {name} {shift:.1f} s later.'
-                )
-            continue
-        friend = next((one for one in clocks if _share_clock(drafts[one], drafts[name])), None)
         if given:
-            seconds, why = float(given.split()[0]), 'as you decided'
-        elif friend is not None:
-            seconds, why = clocks[friend].seconds, f'the clock of {friend}'
-        elif found is not None and clear:
-            seconds = found.seconds - stamped
-            why = f'there, the commands explain {100 * found.explained:.0f} % of the accelerations'
+            clock = AlignedClock(_parse_seconds(key, given), '', 'as you decided')
+        elif pose.shares_clock(table):
+            _ask_for_shift(key, pose, table, choices)
+            continue
         else:
-            seconds = -stamped
-            why = f'another clock than {reference}; taken to begin together: check it'
-        choices.add_reason(f'{name}.time', [], f'{seconds:.2f} s later', why)
-        clocks[name] = AlignedClock(seconds, '' if given else reference, why)
+            friend = next((one for one in clocks if timed[one].shares_clock(table)), '')
+            clock = (
+                clocks[friend]._replace(why=f'the clock of {friend}')
+                if friend
+                else choose_offset(pose, table)
+            )
+        choices.add_reason(f'{table.name}.time', [], f'{clock.seconds:.2f} s later', clock.why)
+        clocks[table.name] = clock
     return clocks
 
 
-def resolve_clocks(path: Path, mapping: ImportMapping) -> tuple[ImportMapping, list[str]]:
+def choose_offset(pose: TimedTable, table: TimedTable) -> AlignedClock:
+    """Return the offset of a table on another clock: by the motion, or as if begun together."""
+    found, stamped = pose.estimate_offset(table), table.first - pose.first
+    if found is not None and found.is_clear:
+        share = f'{100.0 * found.explained:.0f} %'
+        why = f'there, the commands explain {share} of the accelerations'
+        return AlignedClock(found.seconds - stamped, pose.name, why)
+    why = f'another clock than {pose.name}; taken to begin together: check it'
+    return AlignedClock(-stamped, pose.name, why)
+
+
+def _ask_for_shift(key: str, pose: TimedTable, table: TimedTable, choices: DraftChoices) -> None:
+    """Ask about commands on the clock of the pose which the motion follows much later."""
+    found = pose.estimate_offset(table)
+    shift = 0.0 if found is None else found.seconds - (table.first - pose.first)
+    if found is not None and found.is_clear and abs(shift) > APART:
+        options = [('0 s', 'as stamped'), (f'{shift:.1f} s', 'as the motion shows')]
+        said = f'The motion follows the commands of {table.name} {shift:.1f} s later.'
+        choices.decide(key, options, said)
+
+
+def _parse_seconds(key: str, given: str) -> float:
+    """Return a time that the user gave. [s]"""
+    try:
+        time = Quantity.model_validate(given)
+    except ValidationError:
+        time = None
+    if time is None or time.dimension != 's':
+        raise BadInput(f"--set {key} is '{given}', but must be a time, such as '3.2 s'.")
+    return time.si
+
+
+def resolve_clocks(
+    path: Path, mapping: ImportMapping, robot: str
+) -> tuple[ImportMapping, list[str]]:
     """
     Return a mapping with the offset of each clock of one log, and a remark on each.
 
     The mapping is returned as it is, if no time in it has `align`.
+
+    Raises
+    ------
+    BadInput
+        If the table of `align` has no pose.
+
     """
-    names = [one.table for one in mapping.topics if one.time is not None and one.time.align]
-    if not names:
+    wanted = {
+        one.table or '': one.time.align
+        for one in mapping.topics
+        if one.time is not None and one.time.align
+    }
+    if not wanted:
         return mapping, []
-    tables = read_source(path).tables
-    choices = DraftChoices()
-    drafts = {name: draft_table(name, table, choices) for name, table in tables.items()}
-    clocks = align_clocks(tables, drafts, choices)
-    topics = []
-    for one in mapping.topics:
-        time = one.time
-        if time is not None and time.align:
-            clock = clocks.get(one.table or '')
-            seconds = 0.0 if clock is None else clock.seconds
-            start = Quantity(value=round(seconds, 3), unit='s')
-            time = time.model_copy(update={'align': None, 'start': start})
-        topics.append(one.model_copy(update={'time': time}))
-    notes = [
-        f'{clock.seconds:.2f} s are added to the times of {name}: {clock.why}.'
-        for name, clock in clocks.items()
-        if name in names
+    bare = mapping.model_copy(update={'topics': [_set_start(one, None) for one in mapping.topics]})
+    timed = _read_timed_tables(path, bare, robot, {*wanted, *wanted.values()})
+    starts, notes = {}, []
+    for name, align in wanted.items():
+        pose, table = timed.get(align), timed.get(name)
+        if pose is None or pose.position is None:
+            raise BadInput(
+                f"The times of table '{name}' are to be aligned with '{align}', which has no "
+                'position and attitude in the mapping; correct "align".'
+            )
+        if table is None or pose.shares_clock(table):
+            continue
+        clock = choose_offset(pose, table)
+        starts[name] = Quantity(value=round(clock.seconds, 3), unit='s')
+        notes.append(f'{clock.seconds:.2f} s are added to the times of {name}: {clock.why}.')
+    topics = [
+        _set_start(one, starts.get(one.table or '')) if one.table in wanted else one
+        for one in mapping.topics
     ]
     return mapping.model_copy(update={'topics': topics}), notes
 
 
-def _has_pose(draft: TableDraft) -> bool:
-    return draft.motion is not None and draft.motion.evidence.position is not None
+def _set_start(entry: TopicMapping, start: Quantity | None) -> TopicMapping:
+    """Return an entry whose times are not to be aligned, but begin later."""
+    if entry.time is None or not entry.time.align:
+        return entry
+    time = entry.time.model_copy(update={'align': None, 'start': start})
+    return entry.model_copy(update={'time': time})
 
 
-def _list_commands(draft: TableDraft) -> list[str]:
-    """Return the columns of commands."""
-    entries = [entry for entry in draft.entries if entry['topic'] in COMMANDS]
-    return [column for entry in entries for column in list_columns(entry)]
+def _read_timed_tables(
+    path: Path, mapping: ImportMapping, robot: str, names: set[str]
+) -> dict[str, TimedTable]:
+    """Read tables of a log with the poses and commands that a mapping takes from them."""
+    entries = [one for one in mapping.topics if (one.table or '') in names]
+    selection: dict[str, set[str]] = {name: set() for name in names}
+    for entry in entries:
+        selection[entry.table or ''].update(entry.columns)
+    log = find_format(mapping.format).opened(path, mapping)
+    there = {name: columns for name, columns in selection.items() if name in log.columns}
+    read = next(iter(log.iterate_tables(there, lambda _: None)))
+    found = {}
+    for name, table in read.items():
+        numbers: dict[str, Any] = {}
+        for entry in (one for one in entries if (one.table or '') == name):
+            prefix = 'command.' if entry.topic in COMMANDS else ''
+            converted = TopicConverter(plan_entry(entry, mapping, robot)).compute_numbers(table)
+            numbers |= {f'{prefix}{key}': value for key, value in converted.items()}
+        found[name] = _build_timed_table(name, table, numbers)
+    return found
 
 
-def _share_clock(one: TableDraft, other: TableDraft) -> bool:
-    """Return whether the times of two tables overlap as those of one flight."""
-    spans = [(each.time.first, each.time.first + each.time.seconds[-1]) for each in (one, other)]
-    shared = min(end for _, end in spans) - max(begin for begin, _ in spans)
-    return bool(shared > SHARED * min(end - begin for begin, end in spans))
+def _build_timed_table(name: str, table: LogTable, numbers: Mapping[str, Any]) -> TimedTable:
+    """Return a table with what its numbers, by path, say of pose and commands."""
+    seconds = (table.stamps - table.stamps[0]) * 1e-9
+    commands = [
+        value for key, value in numbers.items()
+        if key.startswith('command.') and isinstance(value, np.ndarray)
+    ]  # fmt: skip
+    place = [numbers.get(f'pose.pose.position.{axis}') for axis in 'xyz']
+    turn = [numbers.get(f'pose.pose.orientation.{axis}') for axis in 'xyzw']
+    posed = all(isinstance(one, np.ndarray) for one in (*place, *turn))
+    return TimedTable(
+        name,
+        float(table.stamps[0]) * 1e-9,
+        seconds,
+        np.column_stack(commands) if commands else None,
+        np.column_stack(place) if posed else None,  # type: ignore[arg-type]
+        _read_turns(np.column_stack(turn)) if posed else None,  # type: ignore[arg-type]
+    )
 
 
-def _estimate(pose: TableDraft, draft: TableDraft, table: Columns) -> CommandOffset | None:
-    columns = _list_commands(draft)
-    motion = pose.motion
-    if not columns or motion is None or motion.turn is None or motion.evidence.position is None:
-        return None
-    axes: list[Any] = [None, None] if pose.axes is None else [pose.axes.world, pose.axes.body]
+def _read_turns(quaternions: Numbers) -> Rotation:
+    """Return attitudes; those that are unknown are level."""
+    good = np.isfinite(quaternions).all(axis=1) & (quaternions != 0.0).any(axis=1)
+    return Rotation.from_quat(np.where(good[:, None], quaternions, [0.0, 0.0, 0.0, 1.0]))
+
+
+def _read_draft(name: str, draft: TableDraft, table: Columns) -> TimedTable:
+    """Return the times of a drafted table, and its commands or poses in our axes."""
+    columns = [
+        column for entry in draft.entries if entry['topic'] in COMMANDS
+        for column in list_columns(entry)
+    ]  # fmt: skip
+    commands = np.column_stack([table[one] for one in columns]).astype(float) if columns else None
+    first, seconds, motion = draft.time.first, draft.time.seconds, draft.motion
+    if motion is None or motion.turn is None or motion.evidence.position is None:
+        return TimedTable(name, first, seconds, commands)
+    axes: list[Any] = [None, None] if draft.axes is None else [draft.axes.world, draft.axes.body]
     world, body = (signed_permutation(AXES[one] if isinstance(one, str) else one) for one in axes)
-    rows = motion.turn.as_matrix()
-    count = len(rows)
-    return estimate_clock_offset(
-        motion.evidence.seconds[:count], motion.evidence.position[:count] @ world.T,
-        Rotation.from_matrix(world @ rows @ body.T), draft.time.seconds,
-        np.column_stack([table[column] for column in columns]).astype(np.float64),
-    )  # fmt: skip
+    # A draft looks at the first rows only
+    count = len(motion.turn)
+    turn = Rotation.from_matrix(world @ motion.turn.as_matrix() @ body.T)
+    position = motion.evidence.position[:count] @ world.T
+    return TimedTable(name, first, seconds[:count], commands, position, turn)
 
 
 def estimate_clock_offset(
@@ -175,8 +292,14 @@ def estimate_clock_offset(
         Times since the first row of their table [s], and commands in any unit.
 
     """
-    grid = np.arange(seconds[0], seconds[-1], STEP)
-    if len(grid) < 100 or stamps[-1] < 100 * STEP:
+    good = _find_rising(seconds) & np.isfinite(position).all(axis=1)
+    rising = _find_rising(stamps)
+    if good.sum() < 2 or rising.sum() < 2:
+        return None
+    seconds, position, turn = seconds[good], position[good], turn[good]
+    stamps, commands = stamps[rising], commands[rising]
+    grid = np.arange(seconds[0], min(seconds[-1], seconds[0] + LONGEST), STEP)
+    if len(grid) < 2 * LEAST or stamps[-1] - stamps[0] < 2 * LEAST * STEP:
         return None
     speed, pull = _find_motion(seconds, position, turn, grid)
     scale = np.nanstd(commands, axis=0)
@@ -185,12 +308,27 @@ def estimate_clock_offset(
     if not commands.shape[1]:
         return None
     least = SHARED * min(grid[-1], stamps[-1])
-    offsets = np.arange(np.ceil((least - stamps[-1]) / STEP), (grid[-1] - least) / STEP) * STEP
+    low, high = max(least - stamps[-1], -FARTHEST), min(grid[-1] - least, FARTHEST)
+    offsets = np.arange(np.ceil(low / STEP), high / STEP) * STEP
+    if not len(offsets):
+        return None
     gains = np.array([_explain(grid, speed, pull, stamps + one, commands) for one in offsets])
     best = int(gains.argmax())
     others = gains[np.abs(offsets - offsets[best]) > AROUND]
     clear = gains[best] > EXPLAINED and gains[best] > CLEAR * others.max(initial=0.0)
     return CommandOffset(float(offsets[best]), float(gains[best]), bool(clear))
+
+
+def _find_rising(times: Numbers) -> Any:  # noqa: ANN401 - an array of bool
+    """Return which times are later than all before them, without jumps of an hour."""
+    known = np.isfinite(times)
+    latest = np.maximum.accumulate(np.where(known, times, -np.inf))
+    before = np.concatenate([[-np.inf], latest[:-1]])
+    jumped = np.concatenate([[False], np.diff(np.where(known, times, np.nan)) > JUMP])
+    # What follows a jump is on the clock that the rest of the table has
+    begin = int(np.flatnonzero(jumped)[-1]) if jumped.any() else 0
+    rising: Any = known & (times > before) & (np.arange(len(times)) >= begin)
+    return rising
 
 
 def _find_motion(
@@ -211,6 +349,8 @@ def _explain(
 ) -> float:
     """Return the share of the accelerations that commands at these times explain."""
     inside = (grid >= stamps[0]) & (grid <= stamps[-1])
+    if inside.sum() < LEAST:
+        return 0.0
     held = commands[np.searchsorted(stamps, grid[inside], side='right') - 1]
     base = np.column_stack([speed[inside], np.ones(int(inside.sum()))])
     wanted = pull[inside] / np.maximum(pull.std(axis=0), 1e-9)

@@ -98,8 +98,10 @@ def _is_marker(group: ColumnGroup, groups: Sequence[ColumnGroup]) -> bool:
         frozenset(word for name in each.columns for word in parse_column_name(name).words)
         for each in (group, *(one for one in groups if one.kind == 'quaternion'))
     )
-    return group.kind == 'position' and 'marker' in words and any(
-        body - KINDS['quaternion'] < words and 'marker' not in body for body in bodies
+    names = [body - KINDS['quaternion'] for body in bodies]
+    others = sum(one.kind == 'position' for one in groups) > 1
+    return group.kind == 'position' and 'marker' in words and others and any(
+        body and body < words and 'marker' not in body for body in names
     )  # fmt: skip
 
 
@@ -190,13 +192,14 @@ def _group_wrench(names: Sequence[ColumnName]) -> Iterator[ColumnGroup]:
     """Yield force and torque, also where only some of their components are commanded."""
     # By the words around force and torque: measured and commanded ones differ by them
     parts: dict[frozenset[str], dict[str, dict[str, ColumnName]]] = {}
+    letters_of_torque = TORQUE_LETTERS - ({'t'} if _needs_translation(names) else set())
     for letters in (False, True):
         for name in names:
             rest = name.words - KINDS['force'] - KINDS['torque'] - TORQUE_LETTERS
             axis = ANGLE_AXES.get(name.axis, name.axis)
             kind = match_kind(name.words - rest)
             # tx beside fx is a torque; alone it is a place
-            if letters and name.words & TORQUE_LETTERS and 'force' in parts.get(rest, {}):
+            if letters and name.words & letters_of_torque and 'force' in parts.get(rest, {}):
                 kind = 'torque'
             if kind in ('force', 'torque') and axis in ('x', 'y', 'z'):
                 parts.setdefault(rest, {}).setdefault(kind, {}).setdefault(axis, name)
@@ -206,12 +209,29 @@ def _group_wrench(names: Sequence[ColumnName]) -> Iterator[ColumnGroup]:
             for kind, indices in (('force', six[:3]), ('torque', six[3:])):
                 axes = {axis: tau[i] for axis, i in zip('xyz', indices, strict=True)}
                 parts.setdefault(frozenset(), {}).setdefault(kind, axes)
-    for found in sorted(parts.values(), key=len, reverse=True):
+    # What is commanded before what is measured
+    order_of_words = sorted(
+        parts, key=lambda rest: (match_role(rest) != 'setpoint', -len(parts[rest]))
+    )
+    for found in (parts[rest] for rest in order_of_words):
         for kind, by_axis in found.items():
             order = tuple(axis for axis in 'xyz' if axis in by_axis)
             first = by_axis[order[0]]
             why = f'the name {"_".join(first.stem)}'
             yield _build(kind, match_role(first.words), by_axis, order, first.unit, why)
+
+
+def _needs_translation(names: Sequence[ColumnName]) -> bool:
+    """Return whether tx, ty, tz are the only place beside an attitude, as in TUM's files."""
+    places = [
+        name for name in names
+        if name.axis in ('x', 'n')
+        and (match_kind(name.words) == 'position' or not name.stem)
+        and 't' not in name.words
+    ]  # fmt: skip
+    turned = any(match_kind(name.words) == 'quaternion' or name.axis in ANGLE_AXES
+                 for name in names if not name.words & KINDS['torque'])  # fmt: skip
+    return turned and not places
 
 
 def _group_nameless(

@@ -132,7 +132,7 @@ def _judge_pulses(
     """Return whether motors that get pulses stand at 1000 or at 1500 us, and the reason."""
     values = np.concatenate([table[name.column] for name in motors])
     values = values[np.isfinite(values) & (values > 0.0)]
-    stop, middle = (np.mean(np.abs(values - rest) < RESTING) for rest in (1000.0, 1500.0))
+    stop, middle = (_measure_rest(values, rest) for rest in (1000.0, 1500.0))
     both = min(np.mean(values < 1500.0 - RESTING), np.mean(values > 1500.0 + RESTING))
     if both < BOTH_WAYS or stop > OFTEN:
         return 'pulse', 'pulses of 1000 to 2000 us'
@@ -144,6 +144,14 @@ def _judge_pulses(
     ]
     said = 'Pulses below and above 1500 us can be slow and fast, or back and forth.'
     return choices.decide(key, options, said), choices.explain(key)
+
+
+def _measure_rest(values: Numbers, rest: float) -> float:
+    """Return the share of pulses at which motors stand; 0 where they only pass by."""
+    near = values[np.abs(values - rest) < RESTING]
+    # A motor that stands repeats one pulse, one that hovers there has all around it
+    most = float(np.unique(near, return_counts=True)[1].max()) if len(near) else 0.0
+    return most / len(values) if most > 0.5 * len(near) else 0.0
 
 
 def _judge_actuators(

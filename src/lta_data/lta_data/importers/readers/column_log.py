@@ -83,13 +83,13 @@ class ColumnLog:
                 f"The mapping gives no time for the table '{name}' of '{self._path}'; add "
                 '"time" to the topic that uses it.'
             )
+        start = 0 if time.start is None else round(time.start.si * SECOND)
         if time.column is None:
             rows = np.arange(len(next(iter(table.values()))), dtype=np.int64)
             self.facts[CLOCK] = 'rows counted'
-            return compute_even_times(time, rows)
+            return compute_even_times(time, rows) + start
         if time.column not in table:
             raise missing_columns_error(self._path, [time.column], list(table))
-        start = 0 if time.start is None else round(time.start.si * SECOND)
         return _to_nanoseconds(table[time.column], time) + start
 
     def _choose_time_offset(self, stamps: Mapping[str, Times]) -> int:

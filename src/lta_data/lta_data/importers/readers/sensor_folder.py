@@ -98,11 +98,10 @@ def list_run_folders(path: Path) -> list[Path]:
     return folders if _list_columns(folders[0]) == _list_columns(folders[-1]) else []
 
 
-def _list_columns(folder: Path) -> list[tuple[str, ...]]:
-    tables = [
-        table for file in list_data_files(folder) for table in read_table_file(file)[0].values()
-    ]
-    return [tuple(table) for table in tables]
+def _list_columns(folder: Path) -> list[list[str]]:
+    """Return the names of the columns of all texts in a folder."""
+    texts = [file for file in list_data_files(folder) if _suffix(file) in TEXTS]
+    return [read_column_names(file, detect_text_format(file)) for file in texts]
 
 
 def _list_files(path: Path, suffixes: tuple[str, ...]) -> list[Path]:
