@@ -146,14 +146,14 @@ def _ask_for_shift(key: str, pose: TimedTable, table: TimedTable, choices: Draft
         choices.decide(key, options, said)
 
 
-def _parse_seconds(key: str, given: str) -> float:
+def _parse_seconds(key: str, text: str) -> float:
     """Return a time that the user gave. [s]"""
     try:
-        time = Quantity.model_validate(given)
+        time = Quantity.model_validate(text)
     except ValidationError:
         time = None
     if time is None or time.dimension != 's':
-        raise BadInput(f"--set {key} is '{given}', but must be a time, such as '3.2 s'.")
+        raise BadInput(f"--set {key} is '{text}', but must be a time, such as '3.2 s'.")
     return time.si
 
 
