@@ -322,10 +322,15 @@ def _collect_cases(scores: Sequence[ChallengeScore]) -> list[ScoredCase]:
 def _build_overview_table(rows: Mapping[str, Sequence[ChallengeScore]]) -> TextTable:
     """Return a table of the figures by row, without their intervals."""
     cases = [_collect_cases(own) for own in rows.values()]
-    lines = [
-        [each[0].name, format_target(each[0]), *(_format_brief_share(one.share) for one in each)]
-        for each in zip(*map(compute_score_figures, cases), strict=True)
-    ]
+    figures = [{one.name: one for one in compute_score_figures(own)} for own in cases]
+    # A row has the figures of what its cases hide
+    names = dict.fromkeys(name for own in sorted(figures, key=len, reverse=True) for name in own)
+    lines = []
+    for name in names:
+        found = [own.get(name) for own in figures]
+        target = next(format_target(one) for one in found if one is not None)
+        shares = (MISSING if one is None else _format_brief_share(one.share) for one in found)
+        lines.append([name, target, *shares])
     counts = ['cases', '', *(str(len(own)) for own in cases)]
     return TextTable('All rows', ['figure', 'target', *rows], [counts, *lines])
 

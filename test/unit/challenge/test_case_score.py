@@ -210,6 +210,20 @@ def test_a_page_has_the_challenges_of_a_row_together_and_the_rows_side_by_side()
     ) in text
 
 
+def test_a_figure_that_a_row_lacks_is_a_dash_beside_the_others() -> None:
+    """Laws are sought in one row alone."""
+    outside = case({}, {}, kind='outside', outside='tether', verdict='unexplained')
+    sought = scored([replace(outside, law=True)])
+    text = format_markdown_page([sought, scored([outside], row='pose')])
+    dash = '\N{EN DASH}'
+    row = f'| effect outside the library: a law proposed |  | 1/1 = 100 % | {dash} |'
+    assert row in text
+    assert (
+        f'| 95 % intervals that contain the true value | >= 90 %, <= 98 % | {dash} | {dash} |'
+        in text
+    )
+
+
 def test_pictures_are_of_one_challenge(call: Callable[..., tuple[int, Any]]) -> None:
     status, said = call('challenge', 'score', 'one', 'other', '--pictures', 'figures')
     assert status == 2
