@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from contextlib import ExitStack
 import faulthandler
-import gc
 import os
 import signal
 import sys
@@ -89,8 +88,6 @@ def run_until_stopped(node_class: type[GraphNode], words: list[str], teardown: E
         # Ctrl-C arrived while the node was created
         if held:
             raise KeyboardInterrupt
-        # What start-up has left is not searched for garbage again and again
-        gc.freeze()
         spin_phases(node, node.run())
     # Reported by the caller in one sentence; it is not a crash
     except BadInput:
