@@ -34,7 +34,7 @@ Choice = Callable[[Iterable[float]], float]
 
 @dataclass(frozen=True, slots=True)
 class Figure:
-    """Something that can be measured."""
+    """A figure of a benchmark, and the function that measures it."""
 
     name: str  # `group.quantity`
     unit: str  # of its value

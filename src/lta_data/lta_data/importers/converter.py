@@ -72,7 +72,7 @@ class TopicConverter:
 
         Raise `BadInput` if a time cannot be a stamp, or a value is outside the mapping's bounds.
         """
-        rows = self._select_rows(table)
+        rows = self._find_rows(table)
         kept = np.flatnonzero(rows)
         chosen = table.select_rows(rows)
         _check_stamps(chosen, self.plan.topic)
@@ -92,7 +92,11 @@ class TopicConverter:
             return self._convert_joints(table)
         return self._convert_message_parts(table)
 
-    def _select_rows(self, table: LogTable) -> Any:  # noqa: ANN401 - an array of bool
+    def select_rows(self, table: LogTable) -> LogTable:
+        """Return the rows that become messages."""
+        return table.select_rows(self._find_rows(table))
+
+    def _find_rows(self, table: LogTable) -> Any:  # noqa: ANN401 - an array of bool
         """Return which rows become messages."""
         entry = self.plan.entry
         fits = np.ones(len(table), dtype=np.bool_)

@@ -163,7 +163,7 @@ def build_dictionary(spreads: Mapping[str, Spread]) -> list[Column]:
 
 
 def list_numbers(column: Column) -> list[Place]:
-    """Return the numbers of a column that may be refined, also those that it does not have yet."""
+    """Return the parameters of a column that can be refined, also those it could still get."""
     out = []
     for k, factor in enumerate(column.factors):
         names = [*factor.numbers]

@@ -123,7 +123,7 @@ def simulate_under_law(
 def build_simulation(
     flight: FlightLinearizer, nominal: NominalVehicle, prepare: Prepare | None
 ) -> Simulate:
-    """Return how to simulate the forecasts of a flight under a law; None is no law."""
+    """Return a function that simulates the forecasts of a flight, with a law or without (None)."""
     if prepare is None:
         return FlightLinearizer.simulate_forecast
     return partial(_simulate_prepared, prepare(flight, nominal))
@@ -177,7 +177,7 @@ class LawForecaster:
     def compute_dense_residuals(
         self, dense: FlightLinearizer, prepare: Prepare | None, at: Array
     ) -> Array:
-        """Return the residuals in other windows, of `overlap_windows`, of the same flight."""
+        """Return the residuals of the same flight in overlapping windows (`overlap_windows`)."""
         nominal = self._build_point(prepare, at)[0].nominal
         point = LinearizationPoint(nominal, at, zero_unknowns(dense.replay.cut))
         return compute_forecast_residuals(

@@ -27,7 +27,7 @@ LOOP = f'@njit({OWN})'
 
 
 def _row_offset(name: str, layout: EffectLayout) -> int:
-    """Return the first row of a name in a block: inputs first, then what a step computes."""
+    """Return the first row of a variable in a block: inputs first, then results of a step."""
     counts = {
         'parameters': layout.parameters,
         **FIXED,

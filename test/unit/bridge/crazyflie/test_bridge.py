@@ -125,7 +125,7 @@ def test_where_graph_time_stands_still_nothing_is_fresh():
     )
 )
 def test_no_flight_goes_on_without_a_height(parts):
-    """Whatever comes of the estimate: 2 s after the last new height no drone flies."""
+    """No drone flies 2 s after the last new height, whatever else the estimate says."""
     flight = Bridged('motors').fly()
     flight.turning, known = (0.1,) * 4, flight.now
     for what, ticks in parts:

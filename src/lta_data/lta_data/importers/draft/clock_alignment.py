@@ -1,6 +1,6 @@
 """Find how far the clocks of the tables of a log are apart."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, final, NamedTuple
@@ -15,9 +15,9 @@ from lta_data.importers.draft.attitude_readings import body_rates_of, differenti
 from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.column_groups import Columns
 from lta_data.importers.draft.table_draft import list_columns, TableDraft
-from lta_data.importers.entry_plan import plan_entry
 from lta_data.importers.formats import find_format
-from lta_data.importers.log_table import LogTable, Numbers
+from lta_data.importers.log_table import join_tables, LogTable, Numbers
+from lta_data.importers.mapping_choice import choose_entries
 import numpy as np
 from pydantic import ValidationError
 from scipy.spatial.transform import Rotation
@@ -114,19 +114,19 @@ def align_clocks(
             _ask_for_shift(key, pose, table, choices)
             continue
         else:
-            friend = next((one for one in clocks if timed[one].shares_clock(table)), '')
-            clock = (
-                clocks[friend]._replace(why=f'the clock of {friend}')
-                if friend
-                else choose_offset(pose, table)
-            )
+            clock = _choose_clock(pose, table, [(timed[one], clocks[one]) for one in clocks])
         choices.add_reason(f'{table.name}.time', [], f'{clock.seconds:.2f} s later', clock.why)
         clocks[table.name] = clock
     return clocks
 
 
-def choose_offset(pose: TimedTable, table: TimedTable) -> AlignedClock:
-    """Return the offset of a table on another clock: by the motion, or as if begun together."""
+def _choose_clock(
+    pose: TimedTable, table: TimedTable, aligned: Sequence[tuple[TimedTable, AlignedClock]]
+) -> AlignedClock:
+    """Return the offset of a table: of one on its clock, by the motion, or as begun together."""
+    for other, clock in aligned:
+        if other.shares_clock(table):
+            return clock._replace(why=f'the clock of {other.name}')
     found, stamped = pose.estimate_offset(table), table.first - pose.first
     if found is not None and found.is_clear:
         share = f'{100.0 * found.explained:.0f} %'
@@ -180,24 +180,24 @@ def resolve_clocks(
         return mapping, []
     bare = mapping.model_copy(update={'topics': [_set_start(one, None) for one in mapping.topics]})
     timed = _read_timed_tables(path, bare, robot, {*wanted, *wanted.values()})
-    starts, notes = {}, []
-    for name, align in wanted.items():
-        pose, table = timed.get(align), timed.get(name)
+    aligned: list[tuple[TimedTable, AlignedClock]] = []
+    for name in sorted({*wanted} & {*timed}, key=lambda one: timed[one].commands is None):
+        pose, table = timed.get(wanted[name]), timed[name]
         if pose is None or pose.position is None:
             raise BadInput(
-                f"The times of table '{name}' are to be aligned with '{align}', which has no "
-                'position and attitude in the mapping; correct "align".'
+                f"The times of table '{name}' are to be aligned with '{wanted[name]}', which has "
+                'no position and attitude in the mapping; correct "align".'
             )
-        if table is None or pose.shares_clock(table):
-            continue
-        clock = choose_offset(pose, table)
-        starts[name] = Quantity(value=round(clock.seconds, 3), unit='s')
-        notes.append(f'{clock.seconds:.2f} s are added to the times of {name}: {clock.why}.')
-    topics = [
-        _set_start(one, starts.get(one.table or '')) if one.table in wanted else one
-        for one in mapping.topics
+        if not pose.shares_clock(table):
+            aligned.append((table, _choose_clock(pose, table, aligned)))
+    starts = {
+        table.name: Quantity(value=round(clock.seconds, 3), unit='s') for table, clock in aligned
+    }
+    topics = [_set_start(one, starts.get(one.table or '')) for one in mapping.topics]
+    return mapping.model_copy(update={'topics': topics}), [
+        f'{clock.seconds:.2f} s are added to the times of {table.name}: {clock.why}.'
+        for table, clock in aligned
     ]
-    return mapping.model_copy(update={'topics': topics}), notes
 
 
 def _set_start(entry: TopicMapping, start: Quantity | None) -> TopicMapping:
@@ -211,43 +211,50 @@ def _set_start(entry: TopicMapping, start: Quantity | None) -> TopicMapping:
 def _read_timed_tables(
     path: Path, mapping: ImportMapping, robot: str, names: set[str]
 ) -> dict[str, TimedTable]:
-    """Read tables of a log with the poses and commands that a mapping takes from them."""
-    entries = [one for one in mapping.topics if (one.table or '') in names]
-    selection: dict[str, set[str]] = {name: set() for name in names}
-    for entry in entries:
-        selection[entry.table or ''].update(entry.columns)
+    """Read tables of a log with the pose or the commands that a mapping takes from them."""
     log = find_format(mapping.format).opened(path, mapping)
-    there = {name: columns for name, columns in selection.items() if name in log.columns}
-    read = next(iter(log.iterate_tables(there, lambda _: None)))
-    found = {}
-    for name, table in read.items():
-        numbers: dict[str, Any] = {}
-        for entry in (one for one in entries if (one.table or '') == name):
-            prefix = 'command.' if entry.topic in COMMANDS else ''
-            converted = TopicConverter(plan_entry(entry, mapping, robot)).compute_numbers(table)
-            numbers |= {f'{prefix}{key}': value for key, value in converted.items()}
-        found[name] = _build_timed_table(name, table, numbers)
+    plans = [
+        one
+        for one in choose_entries(path, mapping, log, robot).plans
+        if (one.entry.table or '') in names
+    ]
+    selection: dict[str, set[str]] = {}
+    for plan in plans:
+        selection.setdefault(plan.entry.table or '', set()).update(plan.entry.columns)
+        selection |= {other: set() for other in plan.entry.join if other not in selection}
+    found: dict[str, TimedTable] = {}
+    read = next(iter(log.iterate_tables(selection, lambda _: None))) if selection else {}
+    for plan in plans:
+        name = plan.entry.table or ''
+        joined, _ = join_tables(read[name], {other: read[other] for other in plan.entry.join})
+        converter = TopicConverter(plan)
+        rows = converter.select_rows(joined)
+        known = found.get(name)
+        # A table may have a sensor beside its pose or its commands
+        if len(rows) and (known is None or (known.position is None and known.commands is None)):
+            commands = plan.entry.topic in COMMANDS
+            found[name] = _build_timed_table(name, rows, converter.compute_numbers(rows), commands)
     return found
 
 
-def _build_timed_table(name: str, table: LogTable, numbers: Mapping[str, Any]) -> TimedTable:
-    """Return a table with what its numbers, by path, say of pose and commands."""
-    seconds = (table.stamps - table.stamps[0]) * 1e-9
-    commands = [
-        value for key, value in numbers.items()
-        if key.startswith('command.') and isinstance(value, np.ndarray)
-    ]  # fmt: skip
-    place = [numbers.get(f'pose.pose.position.{axis}') for axis in 'xyz']
-    turn = [numbers.get(f'pose.pose.orientation.{axis}') for axis in 'xyzw']
-    posed = all(isinstance(one, np.ndarray) for one in (*place, *turn))
-    return TimedTable(
-        name,
-        float(table.stamps[0]) * 1e-9,
-        seconds,
-        np.column_stack(commands) if commands else None,
-        np.column_stack(place) if posed else None,  # type: ignore[arg-type]
-        _read_turns(np.column_stack(turn)) if posed else None,  # type: ignore[arg-type]
-    )
+def _build_timed_table(
+    name: str, table: LogTable, numbers: Mapping[str, Any], commanded: bool
+) -> TimedTable:
+    """Return a table with what its numbers, by path, say of pose or commands."""
+    first, seconds = float(table.stamps[0]) * 1e-9, (table.stamps - table.stamps[0]) * 1e-9
+    if commanded:
+        columns = [value for value in numbers.values() if isinstance(value, np.ndarray)]
+        return TimedTable(name, first, seconds, np.column_stack(columns))
+    pose = [
+        numbers.get(f'pose.pose.{part}.{axis}')
+        for part, axes in (('position', 'xyz'), ('orientation', 'xyzw'))
+        for axis in axes
+    ]
+    values = [one for one in pose if isinstance(one, np.ndarray)]
+    if len(values) < len(pose):
+        return TimedTable(name, first, seconds)
+    rows = np.column_stack(values)
+    return TimedTable(name, first, seconds, None, rows[:, :3], _read_turns(rows[:, 3:]))
 
 
 def _read_turns(quaternions: Numbers) -> Rotation:
