@@ -19,7 +19,7 @@ from typing import Any
 from lta_challenge import case as generator
 from lta_challenge.case import CaseGenerator, ROLES
 from lta_challenge.make import load_challenge_vehicle, read_vehicle_text
-from lta_challenge.outside import OUTSIDE, STRUCTURED
+from lta_challenge.outside import STRANGE
 from lta_challenge.outside.law_oracle import fit_law_oracle
 from lta_challenge.recording import write_bag
 from lta_discovery.conclusion import FAR
@@ -149,7 +149,7 @@ def main() -> None:
     """Run the cases that the command line names."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('--seed', type=int, default=3803)
-    parser.add_argument('--kinds', nargs='+', default=[*OUTSIDE, *STRUCTURED])
+    parser.add_argument('--kinds', nargs='+', default=list(STRANGE))
     parser.add_argument('--first', type=int, default=1, help='number of the first case')
     parser.add_argument('--studies', type=Path, help='folder that keeps the fitted studies')
     asked = parser.parse_args()

@@ -6,7 +6,7 @@ from typing import Any, Final, final
 
 from lta_challenge.effect_injection import effect_of
 from lta_challenge.other.unlisted import UNLISTED
-from lta_challenge.outside import OUTSIDE
+from lta_challenge.outside import STRANGE
 from lta_challenge.rows import find_challenge_row, Kind, parse_case_kind
 from lta_discovery.model.candidates import expand_vectors
 from lta_discovery.selection.equivalence_classes import load_class_map
@@ -85,7 +85,7 @@ class ScoredCase:
     @property
     def late(self) -> bool:
         """Whether the kind outside the library was written independently of discovery."""
-        return self.outside in UNLISTED or (self.outside in OUTSIDE and OUTSIDE[self.outside].late)
+        return self.outside in UNLISTED or (self.outside in STRANGE and STRANGE[self.outside].late)
 
     @property
     def exact(self) -> bool:

@@ -13,7 +13,7 @@ from lta_challenge.make import (
     generate_challenge,
     load_challenge_vehicle,
 )
-from lta_challenge.outside import OUTSIDE, STRANGE, STRUCTURED
+from lta_challenge.outside import OUTSIDE, RESERVED, STRANGE, STRUCTURED
 from lta_challenge.rows import find_challenge_row, Kind, KINDS, ROWS
 from lta_challenge.score import score_challenge
 from lta_challenge.truth_vehicle import build_truth_model
@@ -84,7 +84,8 @@ def test_what_is_outside_comes_to_the_strength_that_was_drawn() -> None:
 
 def test_what_is_outside_is_known_to_the_truth_alone() -> None:
     assert len(OUTSIDE) >= 8
-    assert set(STRANGE) == {*OUTSIDE, *STRUCTURED} == set(build_truth_model().strange)
+    assert not set(RESERVED) & {*OUTSIDE, *STRUCTURED}  # no challenge draws them
+    assert set(STRANGE) == {*OUTSIDE, *STRUCTURED, *RESERVED} == set(build_truth_model().strange)
     for name, kind in STRANGE.items():
         assert kind.effect.name == name
         assert kind.effect.parameters[0].name == 'size'

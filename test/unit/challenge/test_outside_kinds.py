@@ -12,7 +12,7 @@ from lta_challenge.effect_injection import (
     scale_unlisted_effect,
 )
 from lta_challenge.make import load_challenge_vehicle
-from lta_challenge.outside import OUTSIDE
+from lta_challenge.outside import OUTSIDE, RESERVED, STRANGE
 from lta_challenge.truth_simulation import simulate_flight, TruthTrajectory
 from lta_challenge.truth_vehicle import build_truth_vehicle
 from lta_model.effects.protocol import Values, VehicleMotion
@@ -45,7 +45,7 @@ def moving(
 
 def pushed(name: str, motion: VehicleMotion, memory: Values = (), **given: float) -> Array:
     """Return the wrench of a kind."""
-    effect = OUTSIDE[name].effect
+    effect = STRANGE[name].effect
     p = tuple(given[each.name] for each in effect.parameters)
     return np.array(effect.wrench(p, memory, motion, THRUST))
 
@@ -58,7 +58,7 @@ def changed(
     **given: float,
 ) -> Array:
     """Return the memory of a kind every 10 ms, by another integrator."""
-    effect = OUTSIDE[name].effect
+    effect = STRANGE[name].effect
     p = tuple(given[each.name] for each in effect.parameters)
     times = np.arange(0.0, seconds, 0.01)
     done = solve_ivp(
@@ -103,13 +103,13 @@ def flight_with(
     return given, fly({name: given}), fly({})
 
 
-@pytest.mark.parametrize('name', LATE)
+@pytest.mark.parametrize('name', [*LATE, *RESERVED])
 def test_each_acts_and_comes_to_what_was_asked_for(name: str) -> None:
     reached = []
     for number in range(3):
         given, happened, without = flight_with(name, number)
         assert np.isfinite(happened.strange).all()
-        assert given['size'] <= OUTSIDE[name].effect.parameters[0].high
+        assert given['size'] <= STRANGE[name].effect.parameters[0].high
         reached.append(wrench_strength(happened.strange))
         # 2 g heavy and with rotors that push one way only: neither lost upwards nor far below.
         assert np.abs(happened.position[:, 2] - without.position[:, 2]).max() < 2.0
