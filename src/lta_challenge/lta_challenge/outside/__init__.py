@@ -71,8 +71,8 @@ OUTSIDE: Final = _index_kinds(
 )
 # Model errors of every flight of the row 'structured', with either sign
 STRUCTURED: Final = _index_kinds(inflow.KIND, coupling.KIND, weathercock.KIND)
-# Written when discovery proposed laws already, by an author who had not seen how; no challenge draws
-# them, so that old seeds repeat their cases. `test/score/laws.py` scores them
+# Written after discovery had begun to propose laws, by an author who had not seen how it does.
+# No challenge draws them, so that old seeds repeat their cases; `test/score/laws.py` scores them
 RESERVED: Final = _index_kinds(
     thermal_lag.KIND,
     dented_nose.KIND,

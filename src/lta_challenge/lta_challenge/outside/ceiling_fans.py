@@ -5,8 +5,8 @@ Fans below the ceiling of a hall: swirling air that sinks below each.
 
 in the map; d is the horizontal displacement from the fan and c its core radius, where the swirl is
 strongest (vortex of Kaufmann and Scully; a round jet is about Gaussian). There is a fan every 5 m:
-d = sin(k x) / k in each direction and |d|^2 = 2 (2 - cos k x - cos k y) / k^2, k = 2 pi / 5 m, which
-are those of the nearest fan close to it.
+d = sin(k x) / k in each direction and |d|^2 = 2 (2 - cos k x - cos k y) / k^2, k = 2 pi / 5 m,
+which close to a fan are the distance from it.
 """
 
 import math

@@ -38,6 +38,6 @@ def rate(p: Values, memory: Values, motion: VehicleMotion) -> Values:
 KIND: Final = OutsideKind(
     WrenchEffect('relief_valve', PARAMETERS, wrench, memory=(('lost', 0.0),), rate=rate),
     'a gas cell that vents above a height',
-    {'size': (0.01, 0.04), 'opens': (1.5, 2.1), 'empties': (3.0, 15.0)},
+    {'size': (0.01, 0.04), 'opens': (1.1, 1.5), 'empties': (3.0, 15.0)},
     late=True,
 )

@@ -4,10 +4,10 @@ Air of a small room that the jets of the forward rotors set in motion.
     F = -size a,   a' = (R e_x (d_3^2 + d_4^2) / 2 - a) / settles   for both horizontal components
 
 in the map; d_3 and d_4 are the duties, and thrust grows with about their square. A jet keeps its
-momentum, which is the thrust, while it draws in the air of the room (turbulent jet; Pope, Turbulent
-Flows, section 5.1); the walls take it up within `settles`. The air moves against the thrust and
-keeps its direction when the vehicle turns. size is the drag in the air that both rotors stir at
-full duty.
+momentum, which is the thrust, while it draws in the air of the room (turbulent jet; Pope,
+Turbulent Flows, section 5.1); the walls take it up within `settles`. The air moves against the
+thrust and keeps its direction when the vehicle turns. size is the drag in the air that both rotors
+stir at full duty.
 """
 
 from typing import Final
