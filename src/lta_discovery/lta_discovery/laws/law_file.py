@@ -22,13 +22,19 @@ from lta_discovery.fit.bounds import apply_parameters
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.page.formatting import format_parameter
-from lta_discovery.results.learned_file import BLOCKS, FOLLOWS, format_interval, format_source
+from lta_discovery.results.learned_file import (
+    BLOCKS,
+    FOLLOWS,
+    format_learned_vehicle,
+    format_source,
+)
 from lta_discovery.study import DiscoveryStudy
 from lta_model.vehicle import parse_vehicle, Vehicle
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]  # of the shared parameters, shape (G,)
 
 
 @final
@@ -64,21 +70,27 @@ def write_tolerance_file(base: BaseFile, study: DiscoveryStudy, values: Array) -
         If the format has no place for a number.
 
     """
-    finding = study.finding
-    fitted = apply_parameters(study.nominal, list_study_parameters(study), values)[0]
-    notes = {
-        (effect.name, one.name): format_interval(one)
-        for effect in finding.effects
-        for one in effect.parameters
-    }
+    finding, knobs = study.finding, list_study_parameters(study)
+    named = find_named_parameters(study, len(values))
+    learned = apply_parameters(study.nominal, knobs, np.where(named, values, 0.0))[0]
+    text = format_learned_vehicle(base.text, base.vehicle, study.nominal, learned, finding)
     source = f'fitted together with the law by {format_source(finding)}'
-    change = VehicleUpdate(study.nominal, fitted)
-    text = format_changed_vehicle(base.text, base.vehicle, change, notes, source)
+    change = VehicleUpdate(learned, apply_parameters(study.nominal, knobs, values)[0])
+    text = format_changed_vehicle(text, base.vehicle, change, {}, source)
     vehicle = parse_vehicle(text, finding.vehicle, base.vehicle.air_density)
     return FittedFile(text, NominalVehicle.from_vehicle(vehicle))
 
 
-def find_unwritable_parameters(base: BaseFile, study: DiscoveryStudy) -> NDArray[np.bool_]:
+def find_named_parameters(study: DiscoveryStudy, count: int) -> Flags:
+    """Return which of the shared parameters are those of named effects, shape (G,)."""
+    names = {name for one in study.finding.effects for name in one.knobs}
+    out = np.zeros(count, dtype=np.bool_)
+    for k, knob in enumerate(list_study_parameters(study)):
+        out[k] = knob.name in names
+    return out
+
+
+def find_unwritable_parameters(base: BaseFile, study: DiscoveryStudy) -> Flags:
     """Return which shared parameters the file has no place for, shape (G,): they stay as it is."""
     assert study.forecasts is not None
     out = np.zeros(len(study.forecasts.fitted.mean), dtype=np.bool_)
@@ -113,12 +125,12 @@ def list_study_parameters(study: DiscoveryStudy) -> list[FreeParameter]:
 
 def list_tolerance_changes(study: DiscoveryStudy, values: Array) -> tuple[FittedTolerance, ...]:
     """Return the tolerances that were changed, the one that moved by most deviations first."""
-    named = {name for one in study.finding.effects for name in one.knobs}
+    named = find_named_parameters(study, len(values))
     out = [
         FittedTolerance(
             format_parameter(knob.name), knob.unit, float(value), float(value) / knob.tolerance
         )
-        for knob, value in zip(list_study_parameters(study), values, strict=False)
-        if knob.tolerance > 0.0 and knob.name not in named and value != 0.0
+        for knob, value, known in zip(list_study_parameters(study), values, named, strict=False)
+        if knob.tolerance > 0.0 and not known and value != 0.0
     ]
     return tuple(sorted(out, key=lambda one: -abs(one.deviations)))

@@ -32,7 +32,9 @@ from lta_discovery.laws.law_data import FlightQuantities, LawData
 from lta_discovery.laws.law_file import (
     add_law_block,
     BaseFile,
+    find_named_parameters,
     find_unwritable_parameters,
+    Flags,
     list_study_parameters,
     list_tolerance_changes,
     write_tolerance_file,
@@ -57,7 +59,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]  # of the shared parameters, shape (G,)
 
 SHARES: Final = (1.0, 0.5, 0.0)  # of the tolerances fitted with the law
 DROPPED: Final = 1.005  # of the score; a term without which it is not worse than this is dropped
@@ -177,21 +178,12 @@ def build_refit(
     fixed: Flags,
 ) -> ForecastRefit:
     """Return what refits laws to the forecasts of the training and confirming flights."""
-    named = _find_named_parameters(study, len(forecasts.fitted.mean))
+    named = find_named_parameters(study, len(forecasts.fitted.mean))
     knobs, held = list_study_parameters(study), np.ones(len(named), dtype=np.bool_)
     held[: len(knobs)] = [knob.tolerance == 0.0 for knob in knobs]
     makers = [LawForecaster(each, study.nominal, forecasts.deviations) for each in taught]
     count = sum(one.role == 'train' for one in study.flights)
     return ForecastRefit(makers, count, joint.prior, held | named | fixed)
-
-
-def _find_named_parameters(study: DiscoveryStudy, count: int) -> Flags:
-    """Return which shared parameters are those of named effects, shape (G,)."""
-    names = {name for one in study.finding.effects for name in one.knobs}
-    out = np.zeros(count, dtype=np.bool_)
-    for k, knob in enumerate(list_study_parameters(study)):
-        out[k] = knob.name in names
-    return out
 
 
 def choose_parameters(
@@ -209,7 +201,7 @@ def choose_parameters(
     values, and `fixed` parameters those of the vehicle file.
     """
     best, shared = (np.where(fixed, 0.0, each) for each in (forecasts.fitted.mean, shared))
-    least, named = np.inf, _find_named_parameters(study, len(best))
+    least, named = np.inf, find_named_parameters(study, len(best))
     for at in (best, *(np.where(named, best, share * shared) for share in SHARES)):
         score = refit.score(prepare, at)
         if score < (KEPT if np.isfinite(least) else 1.0) * least:

@@ -171,6 +171,9 @@ class GivenTerms:
         parts = [side.residual_products(basis, axis) for side in self.sides]
         (a, inner_a), (b, inner_b) = parts
         known = (inner_a > 0.0) & (inner_b > 0.0)
+        # A column that is 0 in all flights of a side, as beyond a threshold that they never reach
+        absent = [(pull == 0.0) & (inner == 0.0) for pull, inner in parts]
+        alone_flown = (absent[0] & (inner_b > 0.0)) | (absent[1] & (inner_a > 0.0))
         # Each side must be better with the weight from the other
         weights = [np.where(known, own / np.where(known, inner, 1.0), 0.0) for own, inner in parts]
         alone, expected = np.array(
@@ -182,7 +185,7 @@ class GivenTerms:
         agreed = (alone > SUPPORT).all(axis=0)
         # What a side did not fly it cannot support, nor can its weight judge the other side
         blind = (expected < BLIND) & (alone > -SUPPORT)
-        supported = known & (agreed | (blind[0] ^ blind[1]))
+        supported = known & (agreed | (blind[0] ^ blind[1])) | alone_flown
         single = np.where(agreed, 0.0, SINGLE)
         out = np.full(len(size), -np.inf)
         for s in SIZES:

@@ -233,6 +233,29 @@ def test_a_side_that_did_not_fly_a_term_cannot_support_it() -> None:
     assert np.isneginf(gains[2:]).all()
 
 
+def test_a_threshold_that_one_flight_never_reaches_does_not_contradict() -> None:
+    """A force above a speed that the confirming flight stays below: the other flight decides."""
+    data = make_law_data(lambda seen: {}, 2)
+    fast, slow = (np.max(data.values['u'][data.rows[side]]) for side in ('train', 'confirm'))
+    # The sum of three waves reaches higher in one flight
+    assert fast > slow + 0.05
+    threshold = float(slow) + 1e-3
+    data = make_law_data(lambda seen: {0: 2.0 * np.maximum(seen['u'] - threshold, 0.0)}, 2)
+    column = Column((LawFactor(quantity='u', form='positive', threshold=threshold),), 0)
+    basis = data.basis([column])
+    given = GivenTerms.fit(data, data.joint.deviations, [])
+    assert not basis[data.rows['confirm']].any()
+    pull, inner = given.sides[0].residual_products(basis, 0)
+    usual = FLOOR[0] / np.sqrt(np.mean(basis**2))
+    alone = max(
+        0.5 * pull[0] ** 2 / (inner[0] + (s * usual) ** -2.0)
+        - 0.5 * math.log1p((s * usual) ** 2 * inner[0])
+        for s in (2.0, 8.0, 30.0)
+    )
+    assert alone > 100.0
+    assert given.gains(basis, 0)[0] == pytest.approx(alone - SINGLE)
+
+
 def test_what_is_akin_to_a_chosen_term_costs_less() -> None:
     """The same forms along another axis of the body, and not those of height."""
     columns = build_dictionary(make_law_data(lambda seen: {}).spreads)

@@ -576,6 +576,11 @@ def test_the_vehicle_file_holds_effects_and_law(found: DiscoveryStudy, tmp_path:
     assert np.abs(paths[0] - paths[1]).max() < 1e-6 < np.abs(paths[0] - paths[2]).max()
     source = written.file.measured.mass.source if written.file.measured else ''
     assert 'fitted together with the law by lta discover' in source
+    aero = written.file.aero.linear_drag
+    named = aero.force.source if aero is not None and aero.force is not None else ''
+    assert named.startswith('surge ')
+    assert 'lta discover from' in named
+    assert 'together with the law' not in named
     again = replace(_with(given, law=None), nominal=nominal)
     refused = add_law(again, BaseFile(text, vehicle), lambda _what, _part: None).finding.law
     assert refused is not None
