@@ -27,8 +27,8 @@ from rich.table import Table
 
 HERE = Path(__file__).resolve().parent
 RESULTS = HERE.parents[1] / 'runs' / 'bench.json'
-# `make flights` takes minutes and has a table of its own.
-NO_BENCHMARKS = ('bench', 'compare', 'flights', 'gtmab')
+# `make flights` and the peers of laws take minutes and have tables of their own.
+NO_BENCHMARKS = ('bench', 'compare', 'flights', 'gtmab', 'law_peers')
 Choice = Callable[[Iterable[float]], float]
 
 
