@@ -10,14 +10,11 @@ from typing import Final
 
 from lta_challenge.outside import (
     blown_fin,
-    ceiling_fans,
     charged,
     coupling,
-    dented_nose,
     desync,
     draught,
     drying,
-    fin_stall,
     flapping,
     gondola,
     inflow,
@@ -26,18 +23,23 @@ from lta_challenge.outside import (
     magnet,
     one_sided,
     plume,
-    relief_valve,
     seam,
     skin,
     sloshing,
     stall,
     sticking,
-    stirred_air,
     tether,
-    thermal_lag,
     tray,
     weathercock,
     wobble,
+)
+from lta_challenge.outside.reserved import (
+    ceiling_fans,
+    dented_nose,
+    fin_stall,
+    relief_valve,
+    stirred_air,
+    thermal_lag,
 )
 from lta_challenge.outside.shared.kind import OutsideKind
 

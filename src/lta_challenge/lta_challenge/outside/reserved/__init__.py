@@ -1,0 +1,1 @@
+"""Forces written after discovery had begun to propose laws; no challenge draws them."""
