@@ -7,6 +7,8 @@ from types import ModuleType
 from typing import NamedTuple
 
 Entries = list[tuple[object, int]]
+# pytest's own; and of threadpoolctl, which scipy.io imports where scikit-learn has brought it
+OTHERS = ('PYTEST_CURRENT_TEST', 'KMP_DUPLICATE_LIB_OK', 'KMP_INIT_AT_FORK')
 _REGISTRIES: dict[str, list[str]] = {}  # by module: the names of its literal dictionaries
 
 
@@ -26,7 +28,7 @@ def state() -> State:
         if module.startswith('lta_')
         for name in _registries_of(module, held)
     }
-    environment = {key: text for key, text in os.environ.items() if key != 'PYTEST_CURRENT_TEST'}
+    environment = {key: text for key, text in os.environ.items() if key not in OTHERS}
     return State(found, environment, Path.cwd())
 
 
