@@ -39,6 +39,9 @@ class Silent:
         """Pass on what happened."""
         sys.stderr.write(sentence + '\n')
 
+    def wait_for(self, what: str) -> None:
+        """Ignore what takes long."""
+
 
 def flight(environment: dict[str, str]) -> float:
     """Return the pace of one flight in a process of its own. [s/s]"""

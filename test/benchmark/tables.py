@@ -17,6 +17,7 @@ from typing import Any
 
 from bench import Figure
 import lta_analysis
+from lta_flight.flight import SilentObserver
 from lta_flight.simulate import simulate_once, SimulationRequest
 import numpy as np
 import pandas
@@ -30,20 +31,13 @@ PATHS = (
 )
 
 
-class Blind:
-    """Watches nothing."""
-
-    def show_position(self, time: float, distance: float, pace: float) -> None:
-        """Take no note."""
-
-
 @cache
 def bag() -> Path:
     """Return the bag of a flight."""
     folder = Path(tempfile.mkdtemp(prefix='lta-bench-'))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     order = SimulationRequest('gtmab', 'lamp_room', 'bag', '', 1, out=folder / 'flight')
-    return simulate_once(order, Blind())[0].bag
+    return simulate_once(order, SilentObserver())[0].bag
 
 
 def ours() -> dict[str, np.ndarray[Any, Any]]:

@@ -50,6 +50,10 @@ class FlightObserver(Protocol):
         """Show a message."""
         ...
 
+    def wait_for(self, what: str) -> None:
+        """Show a long first step."""
+        ...
+
 
 @final
 class SilentObserver:
@@ -59,6 +63,9 @@ class SilentObserver:
         """Do nothing."""
 
     def show_message(self, sentence: str) -> None:
+        """Do nothing."""
+
+    def wait_for(self, what: str) -> None:
         """Do nothing."""
 
 

@@ -29,6 +29,7 @@ from lta_flight.flight_spec import (
 from lta_flight.loop_view import LoopView
 from lta_flight.report.results import compute_results, FlightResults
 from lta_report.results_folder import resolve_folder
+from lta_sim.simulated_vehicle import is_compiled
 from lta_sim.world import World
 import numpy as np
 
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
     from lta_flight.messages import LoopRecorder
     from lta_flight.recorded_commands import RecordedCommands
 
+COMPILING = 'compiling the vehicle model (only the first time, about half a minute)'
 LOOK = 0.1  # wall seconds between two updates of the progress bar
 
 
@@ -76,9 +78,11 @@ def simulate_once(
     """
     spec = load_spec(order.vehicle, order.scenario, order.strategy, order.gains)
     spec = spec.with_values(dict(map(parse_assignment, order.changes)))
-    loop = build_loop(spec, order.seed) if order.commands is None else build_commanded_loop(
-        spec, order.seed, order.commands
-    )  # fmt: skip
+    if order.commands is None:
+        announce_compilation(spec, watcher)
+        loop = build_loop(spec, order.seed)
+    else:
+        loop = build_commanded_loop(spec, order.seed, order.commands, watcher)
     folder = resolve_folder(order.out, f'{loop.world.scenario.name}-{order.seed}')
     try:
         with ExitStack() as closing:
@@ -98,6 +102,14 @@ def simulate_once(
     outcome, sentence = describe_end(loop, view)
     flight = FlightRun(folder, folder / 'bag', outcome, sentence, pace, view.warning)
     return flight, compute_results(view)
+
+
+def announce_compilation(
+    spec: FlightSpec, watcher: FlightObserver, *, commanded: bool = False
+) -> None:
+    """Show that the model will be compiled, which takes long and shows no progress."""
+    if not is_compiled(law=bool(spec.contents['vehicle'].get('law')), commanded=commanded):
+        watcher.wait_for(COMPILING)
 
 
 def simulate_closed_loop(
@@ -126,13 +138,16 @@ def simulate_closed_loop(
     return view, world.elapsed / (time.monotonic() - begun)
 
 
-def build_commanded_loop(spec: FlightSpec, seed: int, order: CommandRequest) -> ClosedLoop:
+def build_commanded_loop(
+    spec: FlightSpec, seed: int, order: CommandRequest, watcher: FlightObserver
+) -> ClosedLoop:
     """Return a flight of recorded commands, on the clock of the recording."""
     # Imported late: it loads scipy, which other flights do without
     from lta_flight.recorded_commands import read_commands
 
     vehicle, scenario, policy = build_vehicle_scenario_stack(spec, hovers=False)
     commands = read_commands(order.bag, vehicle, order.robot, order.begin, order.end)
+    announce_compilation(spec, watcher, commanded=commands.wrenches is not None)
     table = load_topic_table().with_start(commands.begin)
     world = World(
         vehicle, scenario, table, seed, spec.strategy,

@@ -64,9 +64,9 @@ def _load_kernel(*, law: bool, commanded: bool) -> ModuleType:
     return load_kernel(_build_source(law=law, commanded=commanded))
 
 
-def is_compiled() -> bool:
-    """Return whether the kernel of vehicles without a law is compiled."""
-    return is_cached(_build_source(law=False))
+def is_compiled(*, law: bool, commanded: bool) -> bool:
+    """Return whether the kernel of vehicles with or without a law and a command is compiled."""
+    return is_cached(_build_source(law=law, commanded=commanded))
 
 
 @final

@@ -3,10 +3,11 @@
 import json
 
 from lta_bridge import provenance
-from lta_cli.verbs import simulate as verb
 from lta_config.errors import BadInput
 from lta_config.topics import load_topic_table, robot_topic
 from lta_data.bag import open_flight, read_bag
+from lta_flight import simulate as simulation
+from lta_flight.flight_spec import load_spec
 from lta_flight.report.results import compute_results
 from lta_flight.report.view import FlightView
 from lta_flight.simulate import simulate_once, SimulationRequest
@@ -27,6 +28,9 @@ class Silent:
         pass
 
     def show_message(self, sentence):
+        pass
+
+    def wait_for(self, what):
         pass
 
 
@@ -87,9 +91,23 @@ def test_nothing_is_made_for_what_cannot_be_flown(tmp_path):
 
 def test_a_model_that_is_compiled_first_is_told_where_no_bar_shows(call, monkeypatch):
     few = ('--no-bag', '--json', '--set', 'scenario.goal.time_limit=0.1 s')
-    monkeypatch.setattr(verb, 'is_compiled', lambda: False)
+    monkeypatch.setattr(simulation, 'is_compiled', lambda **_: False)
     _, said = call('simulate', *few)
-    assert said.err.splitlines()[0] == f'{verb.COMPILING} ...'
+    assert said.err.splitlines()[0] == f'{simulation.COMPILING} ...'
     assert json.loads(said.out)['outcome'] == 'timeout'
-    monkeypatch.setattr(verb, 'is_compiled', lambda: True)
-    assert verb.COMPILING not in call('simulate', *few)[1].err
+    monkeypatch.setattr(simulation, 'is_compiled', lambda **_: True)
+    assert simulation.COMPILING not in call('simulate', *few)[1].err
+
+
+def test_a_vehicle_with_a_law_has_its_own_kernel(monkeypatch):
+    """With that of other vehicles compiled, its compilation is announced all the same."""
+    monkeypatch.setattr(simulation, 'is_compiled', lambda **kernel: not any(kernel.values()))
+    spec = load_spec('gtmab', 'lamp_room', 'bag', 'gtmab')
+    announced = []
+    watcher = Silent()
+    watcher.wait_for = announced.append
+    simulation.announce_compilation(spec, watcher)
+    assert announced == []
+    spec.contents['vehicle']['law'] = {'terms': []}
+    simulation.announce_compilation(spec, watcher)
+    assert announced == [simulation.COMPILING]

@@ -16,13 +16,11 @@ from lta_flight.flight import ROBOT
 from lta_flight.progress import FlightProgress
 from lta_flight.report.page import write_page
 from lta_flight.simulate import CommandRequest, simulate_once, SimulationRequest
-from lta_sim.simulated_vehicle import is_compiled
 import typer
 
 VEHICLE, SCENARIO = 'gtmab', 'lamp_room'
 HALL = 'hall'  # for recordings of no known scene: no wall is near
 KNOWN = ', '.join(STRATEGIES)
-COMPILING = 'compiling the vehicle model (only the first time, about half a minute)'
 
 
 def simulate(
@@ -103,9 +101,6 @@ def simulate(
         commands=None if commands is None else CommandRequest(commands, robot, begin, end),
     )  # fmt: skip
     with FlightProgress(console, 'loading the world') as progress:
-        # Compilation takes half a minute without visible progress, so announce it
-        if not is_compiled():
-            progress.wait_for(COMPILING)
         flight, figures = simulate_once(order, progress)
     target = flight.folder / 'report.html' if bag else None
     if target is not None:
