@@ -1,4 +1,4 @@
-"""Flows with the nose up beside what the model flies, by hand and as the effects of the library."""
+"""Flows with the nose up, by hand and as the effects of the library."""
 
 import math
 
@@ -30,7 +30,9 @@ def test_the_flow_at_10_degrees_by_hand():
     x, z = x + 0.0943 * c**2, z - 0.323 * s**2
     lift = x * s + z * c
     assert flow.lift == pytest.approx(lift, rel=0.01)
-    assert flow.lift_slope == pytest.approx(lift / (0.6 * math.pi / 4) / math.radians(10), rel=0.01)
+    assert flow.lift_slope == pytest.approx(
+        lift / (0.6 * math.pi / 4) / math.radians(10), rel=0.01
+    )
     # Lamb: 0.134 and 0.342 kg
     munk = -(0.3423 - 0.1335) * s * c
     assert flow.lost == pytest.approx(1.0 - flow.point.moment[1] / munk, abs=0.01)
@@ -66,4 +68,6 @@ def test_a_lost_moment_lets_it_fly_faster_before_it_tumbles():
 
 def test_where_it_rises_does_not_depend_on_whether_it_balances_when_it_has_tumbled():
     """At this density it balances again at the speed of its thrust, on its way over."""
-    assert rise_speed(with_effects({})) == pytest.approx(rise_speed(load_vehicle('gtmab')), abs=0.02)
+    assert rise_speed(with_effects({})) == pytest.approx(
+        rise_speed(load_vehicle('gtmab')), abs=0.02
+    )
