@@ -16,8 +16,8 @@ p; d is the depth of the centre of gravity. Free to heave, it keeps its vertical
 
     u^2 = m g d (m + A_z) / ((A_z - A_x) (m + A_x))
 
-The effect `munk_moment` removes its share of A_z - A_x in the first factor. Drag is neglected: that
-of heave and pitch is quadratic, hence small at small angles.
+The effect `munk_moment` removes its share of A_z - A_x in the first factor. Drag is neglected:
+that of heave and pitch is quadratic, hence small at small angles.
 """
 
 import math
