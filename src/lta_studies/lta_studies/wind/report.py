@@ -130,14 +130,14 @@ def _format_interval(limit: PlatformWindLimits) -> str:
     """Return the interval of a static limit in a sentence, and what it says of the file."""
     assert limit.interval is not None
     low, high = limit.interval
-    drawn = (
-        f'{limit.name}: with the numbers of its file drawn from their ranges, the static limit in '
-        'uniform wind, which is its top speed in level flight, is '
+    numbers = (
+        'the static limit in uniform wind, which is its top speed in level flight, is '
+        f'{low:.2f} to {high:.2f} m/s ({DRAWS} draws, 5 to 95 %).'
     )
-    numbers = f'{low:.2f} to {high:.2f} m/s ({DRAWS} draws, 5 to 95 %).'
+    drawn = f'{limit.name}: with the numbers of its file drawn from their ranges'
     if not limit.inclined:
         return (
-            f'{drawn}{numbers} No flow at incidence is known: the hull has no lift, and the Munk '
+            f'{drawn}, {numbers} No flow at incidence is known: the hull has no lift, and the Munk '
             'moment is that of an ideal fluid.'
         )
     verdict = (
@@ -146,8 +146,8 @@ def _format_interval(limit: PlatformWindLimits) -> str:
         else f' Its file alone gives {limit.static:.2f} m/s, because it has no lift of the hull.'
     )
     return (
-        f'{drawn}with lift and Munk moment of its flows at 10 and 20 degrees of incidence, '
-        f'{numbers}{verdict}'
+        f'{drawn}, and with lift and Munk moment between those of its flows at 10 and 20 degrees '
+        f'of incidence, {numbers}{verdict}'
     )
 
 
