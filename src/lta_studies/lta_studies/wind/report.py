@@ -137,8 +137,8 @@ def _format_interval(limit: PlatformWindLimits) -> str:
     drawn = f'{limit.name}: with the numbers of its file drawn from their ranges'
     if not limit.inclined:
         return (
-            f'{drawn}, {numbers} No flow at incidence is known: the hull has no lift, and the Munk '
-            'moment is that of an ideal fluid.'
+            f'{drawn}, {numbers} No flow at incidence is known: the hull has no lift, and the '
+            'Munk moment is that of an ideal fluid.'
         )
     verdict = (
         ''
