@@ -16,7 +16,8 @@ p; d is the depth of the centre of gravity. Free to heave, it keeps its vertical
 
     u^2 = m g d (m + A_z) / ((A_z - A_x) (m + A_x))
 
-Drag is neglected: that of heave and pitch is quadratic, hence small at small angles.
+The effect `munk_moment` removes its share of A_z - A_x in the first factor. Drag is neglected:
+that of heave and pitch is quadratic, hence small at small angles.
 """
 
 import math
@@ -117,6 +118,7 @@ def tumble_speed(vehicle: Vehicle) -> float:
     if righting <= 0.0:
         return 0.0
     # Unless the added mass upwards is larger, the Munk moment does not pitch the hull up
-    if upright <= along:
+    kept = 1.0 - vehicle.collect_effects().get('munk_moment', {}).get('lost', 0.0)
+    if upright <= along or kept <= 0.0:
         return math.inf
-    return math.sqrt(righting * (m + upright) / ((upright - along) * (m + along)))
+    return math.sqrt(righting * (m + upright) / (kept * (upright - along) * (m + along)))

@@ -148,7 +148,10 @@ def rise_speed(vehicle: Vehicle) -> float:
     def holds(speed: float) -> bool:
         return any(_is_balanced(vehicle, model, speed, lean, free=True) for lean in LEANS)
 
-    return _bisect_speed(holds, 0.0, min(thrust_speed(vehicle), FASTEST), 0.005)
+    # From the slowest up: faster than it tumbles, a hull can balance again on its way over
+    grid = np.linspace(0.0, min(thrust_speed(vehicle), FASTEST), 21).tolist()
+    end = next((k for k in range(1, len(grid)) if not holds(grid[k])), None)
+    return math.inf if end is None else _bisect_speed(holds, grid[end - 1], grid[end], 0.005)
 
 
 def _hanging_moment(vehicle: Vehicle, speed: float, pitch: float) -> float:

@@ -3,8 +3,6 @@
 from collections.abc import Sequence
 import math
 
-from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_model import hull
 from lta_report.report import TextTable
 from lta_sim.cfd.aero_fit import (
     fit_drag_by_axis,
@@ -15,9 +13,9 @@ from lta_sim.cfd.aero_fit import (
     select_fit_points,
     select_solved_points,
 )
+from lta_sim.cfd.incidence import compare_inclined_flows
 from lta_sim.cfd.sweep_table import TunnelSweep
 from lta_sim.cfd.thrust_allocation import linearity_ratio, sum_columns
-from lta_sim.cfd.tunnel import INCIDENCES
 from lta_sim.cfd.validation import SphereComparison
 
 
@@ -85,34 +83,32 @@ def build_rotor_table(sweep: TunnelSweep) -> TextTable:
 
 def build_incidence_table(sweep: TunnelSweep) -> TextTable:
     """Return the table of forward flight with the nose up, beside what the model flies."""
-    fits = fit_drag_by_axis(sweep)
-    added = hull.added_mass(load_vehicle_file(sweep.vehicle).hull, sweep.density)
-    rows = []
-    for name, point in sweep.inclined.items():
-        angle = math.radians(INCIDENCES[name])
-        forward, down = point.speed * math.cos(angle), point.speed * math.sin(angle)
-        # -(v x A v) about y, for v = (forward, 0, -down)
-        munk = (added[0] - added[2]) * forward * down
-        rows.append([
-            f'{INCIDENCES[name]:.0f}',
-            _format_thousandths(point.force[0], 1),
-            _format_thousandths(-fits['surge'].drag_at(forward), 1),
-            _format_thousandths(point.force[2], 1),
-            _format_thousandths(fits['heave'].drag_at(down), 1),
-            _format_thousandths(point.moment[1], 2),
-            _format_thousandths(munk, 2),
-            f'{1.0 - point.moment[1] / munk:.2f}',
-            f'{100 * point.evidence.spread:.1f}',
-        ])  # fmt: skip
+    rows = [
+        [
+            f'{flow.incidence:.0f}',
+            _format_thousandths(flow.point.force[0], 1),
+            _format_thousandths(flow.by_axis[0], 1),
+            _format_thousandths(flow.point.force[2], 1),
+            _format_thousandths(flow.by_axis[1], 1),
+            f'{flow.lift_slope:.2f}',
+            _format_thousandths(flow.point.moment[1], 2),
+            _format_thousandths(flow.munk, 2),
+            f'{flow.lost:.2f}',
+            f'{100 * flow.point.evidence.spread:.1f}',
+        ]
+        for flow in compare_inclined_flows(sweep)
+    ]
     heads = [
-        'incidence [deg]', 'Fx [mN]', 'by axis', 'Fz [mN]', 'by axis', 'My [mN m]', 'Munk',
-        'lost', 'spread [%]',
+        'incidence [deg]', 'Fx [mN]', 'by axis', 'Fz [mN]', 'by axis', 'lift slope', 'My [mN m]',
+        'Munk', 'lost', 'spread [%]',
     ]  # fmt: skip
     note = (
         'Force and moment in body axes about the hull centre at 1 m/s, with the nose up by the '
         'incidence; a negative My raises it further. By axis: the drag of surge and heave, each '
-        'at its part of the speed. Munk: the moment of attached flow. Lost: the share of it '
-        'that is missing, the value of the effect munk_moment.'
+        'at its part of the speed. Lift slope: the force across the air beyond that, as a '
+        'coefficient by radian on the shadow of the hull from above, the value lift_alpha of the '
+        'effect hull_lift. Munk: the moment of attached flow. Lost: the share of it that is '
+        'missing, the value of the effect munk_moment. Spread: of the drag.'
     )
     return TextTable('Nose up', heads, rows, note)
 

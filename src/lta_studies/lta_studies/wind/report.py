@@ -122,15 +122,33 @@ def format_platform_notes(results: Sequence[PlatformWindLimits]) -> list[str]:
         for each in results
         if each.flown is not None
     ]
-    notes += [
-        f'{each.name}: with the numbers of its file drawn from their ranges, the static limit in '
-        f'uniform wind, which is its top speed in level flight, is {each.interval[0]:.2f} to '
-        f'{each.interval[1]:.2f} m/s ({DRAWS} draws, 5 to 95 %). Force and moment at incidence '
-        'were not computed by CFD: the Munk moment is that of an ideal fluid.'
-        for each in results
-        if each.interval is not None
-    ]
+    notes += [_format_interval(each) for each in results if each.interval is not None]
     return notes + [f'{each.name}: {each.note}' for each in results if each.note]
+
+
+def _format_interval(limit: PlatformWindLimits) -> str:
+    """Return the interval of a static limit in a sentence, and what it says of the file."""
+    assert limit.interval is not None
+    low, high = limit.interval
+    numbers = (
+        'the static limit in uniform wind, which is its top speed in level flight, is '
+        f'{low:.2f} to {high:.2f} m/s ({DRAWS} draws, 5 to 95 %).'
+    )
+    drawn = f'{limit.name}: with the numbers of its file drawn from their ranges'
+    if not limit.inclined:
+        return (
+            f'{drawn}, {numbers} No flow at incidence is known: the hull has no lift, and the '
+            'Munk moment is that of an ideal fluid.'
+        )
+    verdict = (
+        ''
+        if low <= limit.static <= high
+        else f' Its file alone gives {limit.static:.2f} m/s, because it has no lift of the hull.'
+    )
+    return (
+        f'{drawn}, and with lift and Munk moment between those of its flows at 10 and 20 degrees '
+        f'of incidence, {numbers}{verdict}'
+    )
 
 
 def format_speed(value: float) -> str:
