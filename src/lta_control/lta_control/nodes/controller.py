@@ -157,13 +157,12 @@ class Controller(GraphNode):
     def publish_health(self) -> None:
         """Land a drone that two nodes steer, and report."""
         # Until it is armed anew: a motor must not start because one of them ends
-        self._contested = self._armed and (
-            self._contested or self._helm.count_commanders() > 1
-        )
+        self._contested = self._armed and (self._contested or self._helm.count_commanders() > 1)
         if self._contested:
             self.health.report(
-                'commanders', HealthLevel.ERROR, 'several nodes sent setpoints: landing; stop all '
-                'but one, and arm again'
+                'commanders',
+                HealthLevel.ERROR,
+                'several nodes sent setpoints: landing; stop all but one, and arm again',
             )
         elif 'commanders' in self.health:
             self.health.report('commanders', HealthLevel.OK, 'one node sends setpoints')
