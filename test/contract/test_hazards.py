@@ -114,7 +114,7 @@ BARRIERS = {
         'test/integration/test_nodes.py',
     ),
     'stuck height by the bridge': Barrier(
-        f'{BRIDGE}/crazyflie/bridge_core.py', 'math.nan if is_stuck(seen) else where.height',
+        f'{BRIDGE}/crazyflie/bridge_core.py', 'math.nan if stuck else where.height',
         'where.height', f'{UNIT}/test_buoyancy.py',
     ),
     'stuck sensor by setpoints': Barrier(
