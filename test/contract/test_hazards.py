@@ -114,8 +114,12 @@ BARRIERS = {
         'test/integration/test_nodes.py',
     ),
     'stuck height by the bridge': Barrier(
-        f'{BRIDGE}/crazyflie/bridge_core.py', 'math.nan if is_stuck(seen) else where.height',
+        f'{BRIDGE}/crazyflie/bridge_core.py', 'math.nan if stuck else where.height',
         'where.height', f'{UNIT}/test_buoyancy.py',
+    ),
+    'stuck sensor by setpoints': Barrier(
+        f'{BRIDGE}/crazyflie/bridge_core.py', ' or bool(self.find_stuck_sensor())', '',
+        f'{UNIT}/test_buoyancy.py',
     ),
     'calibrating': Barrier(
         f'{BRIDGE}/crazyflie/messages.py', 'if not has_estimate(odom.pose.covariance[0]):',
@@ -147,6 +151,20 @@ BARRIERS = {
     'two commanders in flight': Barrier(
         f'{BRIDGE}/crazyflie/safety.py', "return f'{inputs.commanders} nodes command the drone'\n",
         'pass\n', f'{UNIT}/test_bridge.py',
+    ),
+    'two navigators before arming': Barrier(
+        'src/lta_control/lta_control/nodes/controller.py',
+        'refusal = (self._stopped or rivals) if request.data', 'refusal = self._stopped if '
+        'request.data', 'test/integration/test_nodes.py',
+    ),
+    'two navigators in flight': Barrier(
+        'src/lta_control/lta_control/nodes/controller.py',
+        'self._contested or self._helm.count_commanders() > 1', 'False',
+        'test/integration/test_nodes.py',
+    ),
+    'armed by a bridge only': Barrier(
+        'config/launch/fly.launch.yaml', '- let: {name: armed, value: $(var from_sim)}',
+        '- let: {name: armed, value: "true"}', 'test/unit/flight/test_preflight.py',
     ),
     'two controllers': Barrier(
         'src/lta_flight/lta_flight/preflight.py', '    check_controllers(plan)\n', '',

@@ -135,7 +135,7 @@ def test_sensors_come_in_our_units_on_our_clock(peer, drone, bridge):
         peer.hear(name, lambda message, name=name: seen.__setitem__(name, message))
     peer.until(lambda: len(late) > 100 and len(seen) == 4)
     assert seen['imu'].linear_acceleration.z == pytest.approx(9.80665)
-    assert seen['range'].range == pytest.approx(0.45)
+    assert seen['range'].range == pytest.approx(0.45, abs=2e-3)  # 1 mm of noise
     assert seen['pressure'].fluid_pressure == pytest.approx(101325.0)
     assert seen['battery'].voltage == pytest.approx(4.0)
     # On our clock, not on the drone's. How late it is, is the machine's: see docs/hardware.md.

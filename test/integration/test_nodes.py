@@ -191,6 +191,34 @@ def test_a_setpoint_of_the_future_is_as_old_as_none(flown, hear):
     hear(lambda facts: max(estimate(flown, step + 3)) > 0.0)
 
 
+def test_a_drone_that_two_nodes_steer_comes_down_until_it_is_armed_again(controller, hear):
+    later = itertools.count(flying_controller(controller) + 1)
+    name, node = 'setpoint/pose', controller.beside()
+    quality = select_profile(TABLE[name], lockstep=False)
+    rival = node.create_publisher(find_message_type(TABLE[name]), name, quality)
+
+    def fly_on():
+        at = next(later)
+        setpoint(controller, 1.0, at)
+        return estimate(controller, at)
+
+    def comes_down(facts):
+        lift = fly_on()[:2]
+        fact = facts.get('controller: commanders')
+        return fact and 'landing' in fact.message and lift == [0.0, 0.0]
+
+    hear(comes_down)
+    refused = controller.ask(SetBool, 'arm', data=True)
+    assert (refused.success, refused.message) == (
+        False, '2 nodes send setpoints: stop all but one',
+    )  # fmt: skip
+    node.destroy_publisher(rival)
+    controller.until(lambda: controller.node.count_publishers(name) == 1)
+    assert all(fly_on()[:2] == [0.0, 0.0] for _ in range(50))  # whoever is left
+    controller.until(lambda: controller.ask(SetBool, 'arm', data=True).success)
+    controller.until(lambda: max(fly_on()) > 0.0)
+
+
 def airspeed_fact(facts):
     """Return what the controller says of the airspeed."""
     fact = facts.get('controller: airspeed')

@@ -18,6 +18,9 @@
 #define STANDING 0.03f      /* m from the range finder to the ground it stands on */
 #define SEA_LEVEL 1013.25f  /* mbar */
 #define MBAR_PER_METRE 0.12f
+/* No sensor repeats its reading to the bit; the bridge takes one that does for stuck. */
+#define RANGE_NOISE 0.002f     /* m, half of its width */
+#define PRESSURE_NOISE 0.005f  /* mbar */
 
 static bool is_simulated;
 static readings_t simulated;
@@ -52,14 +55,19 @@ void body_step(float dt, const float ratios[MOTORS]) {
   height += dt * speed;
 }
 
+static float noise(float size) {
+  static unsigned int seed = 1;
+  return size * (2.0f * (float)rand_r(&seed) / (float)RAND_MAX - 1.0f);
+}
+
 readings_t body_read(void) {
   if (is_simulated) {
     return simulated;
   }
   return (readings_t){
       .acc = {0.0f, 0.0f, upside_down ? -specific_force : specific_force},
-      .range = STANDING + height,
-      .pressure = SEA_LEVEL - MBAR_PER_METRE * height,
+      .range = STANDING + height + noise(RANGE_NOISE),
+      .pressure = SEA_LEVEL - MBAR_PER_METRE * height + noise(PRESSURE_NOISE),
       .voltage = voltage,
   };
 }

@@ -5,7 +5,7 @@ from dataclasses import replace
 from lta_config.errors import BadInput
 from lta_config.files import find_file, list_shipped_names
 from lta_control.strategies import STRATEGIES
-from lta_flight.preflight import check_plan
+from lta_flight.preflight import check_plan, parse_parameters
 from lta_graph.launch_file import LaunchPlan, load_plan
 from lta_graph.launch_node import LaunchProcess
 import pytest
@@ -166,6 +166,21 @@ def test_two_controllers_of_one_drone_are_refused(tmp_path):
     check_plan(load_plan(FLY, mine | {'source': 'sim'}))
     beside.write_text(text)
     check_plan(load_plan(FLY, mine))
+
+
+@pytest.mark.parametrize(
+    ('words', 'armed'),
+    [
+        ({}, True),
+        ({'source': 'replay', 'replay': 'flown'}, True),  # its motors move nothing
+        ({'simulator': 'false'}, False),  # a bridge of one's own: motors in somebody's hands
+        ({'source': 'crazyflie'}, False),
+    ],
+)
+def test_only_a_simulated_drone_starts_armed(words, armed):
+    processes = load_plan(FLY, words).processes
+    (controller,) = [each for each in processes if each.executable == 'controller']
+    assert parse_parameters(controller.arguments)['armed'] is armed
 
 
 @pytest.fixture

@@ -17,7 +17,7 @@ from lta_bridge.crazyflie.round_trips import RoundTrips
 from lta_bridge.crazyflie.safety import SafetyStage
 from lta_bridge.crazyflie.supervisor_word import SupervisorBit
 from lta_config.schema.crazyflie_file import CrazyflieFile
-from lta_control.altitude import is_stuck, SensorWatch, watch_sensor
+from lta_control.altitude import HeightSensors, is_stuck, SensorWatch, watch_sensor
 from lta_control.control import LandingWatch, watch_landing
 from lta_graph.health import stamp_age
 from lta_graph.rejections import RejectionCount
@@ -137,6 +137,8 @@ class BridgeCore:
         self._asked: CrazyflieCommand | None = None
         self._estimated = self._tracked = PositionEstimate()
         self._estimated_height = self._tracked_height = SensorWatch()
+        self._air: readings.AirReading | None = None
+        self._sensors = HeightSensors()
         self._blind = blind
         # Of the axes of M1 to M4; 1 is upwards
         rotors = vehicle.file.rotors
@@ -178,7 +180,7 @@ class BridgeCore:
         with self._lock:
             self.clock, self.trips = DeviceClock(), RoundTrips()
             self.attitude, self.power, self.motors, self._word_ns = None, None, None, None
-            self._asked = None
+            self._asked = self._air = None
 
     def add_round_trip(self, round_trip: float) -> None:
         """Add a ping's round trip [s]; half of the shortest one corrects the packets' stamps."""
@@ -199,7 +201,8 @@ class BridgeCore:
                 case 'imu':
                     return StampedReading(stamp, readings.convert_imu(values))
                 case 'air':
-                    return StampedReading(stamp, readings.convert_air(values))
+                    self._air = readings.convert_air(values)
+                    return StampedReading(stamp, self._air)
                 case 'attitude':
                     self.attitude = readings.convert_attitude(values)
                 case 'motors':
@@ -232,11 +235,12 @@ class BridgeCore:
 
     def _find_position(self, now_ns: int) -> tuple[PositionEstimate, float]:
         """Return the position to keep the limits by, and its age [s]."""
+        estimate_is_stuck = is_stuck(self._estimated_height) or bool(self.find_stuck_sensor())
         both = [
-            (where._replace(height=math.nan if is_stuck(seen) else where.height), age)
-            for where, seen in (
-                (self._estimated, self._estimated_height),
-                (self._tracked, self._tracked_height),
+            (where._replace(height=math.nan if stuck else where.height), age)
+            for where, stuck in (
+                (self._estimated, estimate_is_stuck),
+                (self._tracked, is_stuck(self._tracked_height)),
             )
             for age in [stamp_age(where.stamp_ns, now_ns)]
         ]
@@ -249,6 +253,20 @@ class BridgeCore:
             distance = max(where.distance for where in known)
             return PositionEstimate(height, distance), max(age for _, age in both)
         return min(both, key=lambda one: (math.isnan(one[0].height), one[1]))
+
+    def find_stuck_sensor(self) -> str:
+        """
+        Return which sensor of the height repeats its reading; empty if none does.
+
+        With duties our estimator finds this by the duties, and flies by the other sensor. With
+        setpoints it sees none, and the firmware's own estimator does not look.
+        """
+        if self.sends_duties or self._air is None:
+            return ''
+        # Out of reach of the floor a range finder gives no reading, and is not used
+        if is_stuck(self._sensors.range) and math.isfinite(self._air.distance):
+            return 'range finder'
+        return 'barometer' if is_stuck(self._sensors.pressure) else ''
 
     def collect_safety_inputs(
         self, now_ns: int, linked: bool, active: bool
@@ -312,6 +330,11 @@ class BridgeCore:
                     (self._tracked_height, self._tracked),
                 )
             )
+            if self._air is not None:
+                self._sensors = HeightSensors(
+                    watch_sensor(self._sensors.range, self._air.distance, turning, passed),
+                    watch_sensor(self._sensors.pressure, self._air.pressure, turning, passed),
+                )
             inputs = inputs._replace(grounded=self._watch_landing(turning, passed, inputs))
             self.state, order = safety.step_state(self.state, now, inputs, request, self.limits)
             self._send_outputs(order)

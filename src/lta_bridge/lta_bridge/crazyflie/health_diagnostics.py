@@ -69,6 +69,8 @@ def _describe_safety(bridge: BridgeCore, inputs: SafetyInputs) -> HealthFact:
     }
     level = HealthLevel.ERROR if state.stage is SafetyStage.STOPPED else HealthLevel.OK
     message = f'{state.stage.value}: {state.why}' if state.why else state.stage.value
+    if sensor := bridge.find_stuck_sensor():
+        level, message = HealthLevel.ERROR, f'{message}; the {sensor} repeats its reading'
     if warning := describe_buoyancy(bridge.buoyancy):
         level, message = HealthLevel.ERROR, f'{message}; {warning}'
     return HealthFact('safety', level, message, figures)

@@ -223,10 +223,10 @@ class CrazyflieBridge(DeviceNode):
 
     def _count_commanders(self) -> None:
         """Count the nodes that publish what is flown; two would fight each other."""
-        names = (
-            ('motors',) if self._bridge.sends_duties else ('setpoint/pose', 'setpoint/velocity')
+        by_duties = self._bridge.sends_duties
+        self._bridge.commanders = (
+            self.count_publishers('motors') if by_duties else self._helm.count_commanders()
         )
-        self._bridge.commanders = max(map(self.count_publishers, names))
 
     def _wait_for_links(self) -> None:
         """Wait until all topics have their readers, so that no message of a flight is lost."""

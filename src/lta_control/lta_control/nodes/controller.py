@@ -133,6 +133,7 @@ class Controller(GraphNode):
         self._last_ns: int | None = None
         self._armed = self._settings.value.armed
         self._flies = False  # whether a setpoint above the floor was followed since arming
+        self._contested = False  # whether two nodes have sent setpoints since arming
         self._stopped = ''
         self.create_service(SetBool, 'arm', self._on_arm)
         self.create_service(Trigger, 'emergency_stop', self._on_emergency_stop)
@@ -142,13 +143,30 @@ class Controller(GraphNode):
         self._helm = CommandMux(self)
 
     def _on_arm(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
-        refused = request.data and bool(self._stopped)
-        self._armed = request.data and not refused
-        # Arming starts with empty integrals
-        self._memory, self._flies = ControlMemory(), False
-        response.success = not refused
-        response.message = self._stopped if refused else 'armed' if self._armed else 'disarmed'
+        count = self._helm.count_commanders()
+        rivals = f'{count} nodes send setpoints: stop all but one' if count > 1 else ''
+        refusal = (self._stopped or rivals) if request.data else ''
+        response.success, response.message = not refusal, refusal
+        if not refusal:
+            # Arming starts with empty integrals
+            self._memory, self._flies, self._contested = ControlMemory(), False, False
+            self._armed = request.data
+            response.message = 'armed' if self._armed else 'disarmed'
         return response
+
+    def publish_health(self) -> None:
+        """Land a drone that two nodes steer, and report."""
+        # Until it is armed anew: a motor must not start because one of them ends
+        self._contested = self._armed and (self._contested or self._helm.count_commanders() > 1)
+        if self._contested:
+            self.health.report(
+                'commanders',
+                HealthLevel.ERROR,
+                'several nodes sent setpoints: landing; stop all but one, and arm again',
+            )
+        elif 'commanders' in self.health:
+            self.health.report('commanders', HealthLevel.OK, 'one node sends setpoints')
+        super().publish_health()
 
     def _on_emergency_stop(
         self, _: Trigger.Request, response: Trigger.Response
@@ -226,6 +244,9 @@ class Controller(GraphNode):
                 'the motors are off; restart the controller to fly again'
             )
             return self._reset_to_zero()
+        if self._contested:
+            descends = True
+            setpoint = Setpoint(measured.altitude - DESCENT, measured.heading, 0.0)
         dt = step_duration(self._last_ns, now_ns, self.table.control_ns)
         descends = descends or setpoint.altitude <= self._standing
         # Arming must not start the motors in the hands of a person, at rest or without a setpoint

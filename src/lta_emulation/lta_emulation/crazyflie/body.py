@@ -31,6 +31,7 @@ class BenchBody:
 
     def __init__(self) -> None:
         self.duties: tuple[float, ...] = STILL
+        self._reads = 0
 
     def advance(self, now: float, wish: BodyCommand) -> None:
         """Turn the motors; hover and landing use half duty."""
@@ -44,4 +45,8 @@ class BenchBody:
     def read_log_values(self) -> Mapping[str, float]:
         """Return the sensor values of a Crazyflie at rest."""
         # Units of the firmware: g, mm, mbar
-        return {'acc.z': 1.0, 'range.zrange': 450.0, 'baro.pressure': 1013.25}
+        self._reads += 1
+        odd = self._reads % 2  # no sensor repeats its reading to the bit
+        return {
+            'acc.z': 1.0, 'range.zrange': 450.0 + odd, 'baro.pressure': 1013.25 + 1e-3 * odd,
+        }  # fmt: skip

@@ -57,6 +57,14 @@ class CommandMux:
         """Return the active pose and velocity, of the teleoperator or as given."""
         return (self._pose, self._velocity) if self.held else (pose, velocity)
 
+    def count_commanders(self) -> int:
+        """Return how many nodes publish setpoints; two would fight each other."""
+        # When the middleware finds a node varies, so a lockstep run could not be repeated
+        if self._node.lockstep:
+            return 1
+        # Those of teleop do not count: one that has crashed may be started again in flight
+        return max(map(self._node.count_publishers, ('setpoint/pose', 'setpoint/velocity')))
+
     def _on_takeover(self, held: Any) -> None:  # noqa: ANN401 - a message
         if held.data != self.held:
             self.held = held.data

@@ -57,6 +57,8 @@ class Bridged:
         self.turning = (0.0,) * 4  # what the drone says that its motors do
         self.linked = self.active = self.commands = self.logs = True
         self.height, self.noise = 1.0, 1e-6  # no height of a flight repeats to the bit
+        # mbar and mm, and the smallest step of each
+        self.air = {'baro.pressure': (1000.0, 1e-3), 'range.zrange': (800.0, 1.0)}
         self.power = {'pm.vbat': 4.0, 'pm.state': 0}
         self.asked = CrazyflieCommand(0, duties=DUTIES)
 
@@ -76,7 +78,9 @@ class Bridged:
         if self.logs:
             values = {f'motor.m{n}': 65535.0 * duty for n, duty in enumerate(self.turning, 1)}
             values['supervisor.info'] = self.word
-            for name, told in (('motors', values), ('power', self.power)):
+            odd = self.now // TICK % 2
+            air = {name: value + odd * step for name, (value, step) in self.air.items()}
+            for name, told in (('motors', values), ('power', self.power), ('air', air)):
                 self.bridge.receive_packet(LogPacket(name, self.now // 1_000_000, told, self.now))
         if self.commands:
             self.bridge.accept_command(self.asked._replace(stamp_ns=self.now))

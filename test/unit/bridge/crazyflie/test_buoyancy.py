@@ -179,6 +179,43 @@ def test_a_stuck_height_ends_a_flight_before_it_counts_as_the_ground(command):
     assert flight.kept.of('hand_over')
 
 
+@pytest.mark.parametrize(
+    ('sensor', 'value', 'word'),
+    [
+        ('baro.pressure', 1000.0, 'the barometer repeats its reading'),
+        ('range.zrange', 800.0, 'the range finder repeats its reading'),
+        ('range.zrange', 32767.0, ''),  # out of reach of the floor: no reading
+    ],
+)
+def test_by_setpoints_a_sensor_that_repeats_ends_the_flight(sensor, value, word):
+    """Our estimator sees no duties there, and the firmware's own does not look."""
+    flight = Bridged('setpoint').fly()
+    flight.air[sensor] = (value, 0.0)
+    for _ in range(200):
+        flight.tick()  # its motors are still
+    assert flight.stage == 'flying'
+    flight.turning = (0.3,) * 4
+    for _ in range(95):  # 1.9 s
+        flight.tick()
+    assert flight.stage == 'flying'
+    for _ in range(10):
+        flight.tick()
+    assert flight.stage == ('landing' if word else 'flying')
+    assert word in describe_safety(flight).message
+    refusal = flight.bridge.find_arming_refusal(flight.now, True, True)
+    assert ('position of the drone is not known' in refusal) == bool(word)
+
+
+def test_by_duties_our_estimator_judges_the_sensors():
+    """It flies on by the barometer, and says that the height is unknown without both."""
+    flight = Bridged('motors').fly()
+    flight.air['range.zrange'] = (800.0, 0.0)
+    flight.turning = (0.3,) * 4
+    for _ in range(300):
+        flight.tick()
+    assert flight.stage == 'flying'
+
+
 def test_a_tracker_replaces_a_stuck_estimate():
     flight = Bridged('motors').fly()
     flight.noise = 0.0
