@@ -354,15 +354,25 @@ def _find_motion(
 def _explain(
     grid: Numbers, speed: Numbers, pull: Numbers, stamps: Numbers, commands: Numbers
 ) -> float:
-    """Return the share of the accelerations that commands at these times explain."""
+    """
+    Return the share of the accelerations that commands at these times explain.
+
+    Those outside of the commands count as unexplained: in a few seconds that overlap, the one end
+    of a step explains anything.
+    """
     inside = (grid >= stamps[0]) & (grid <= stamps[-1])
     if inside.sum() < LEAST:
         return 0.0
     held = commands[np.searchsorted(stamps, grid[inside], side='right') - 1]
-    base = np.column_stack([speed[inside], np.ones(int(inside.sum()))])
-    wanted = pull[inside] / np.maximum(pull.std(axis=0), 1e-9)
-    left = [
-        float(np.square(wanted - each @ np.linalg.lstsq(each, wanted, rcond=None)[0]).sum())
-        for each in (base, np.column_stack([base, held]))
-    ]
-    return 1.0 - left[1] / left[0] if left[0] > 0.0 else 0.0
+    base = np.column_stack([speed, np.ones(len(grid))])
+    wanted = pull / np.maximum(pull.std(axis=0), 1e-9)
+    whole = _sum_residuals(base, wanted)
+    alone = _sum_residuals(base[inside], wanted[inside])
+    told = _sum_residuals(np.column_stack([base[inside], held]), wanted[inside])
+    return (alone - told) / whole if whole > 0.0 else 0.0
+
+
+def _sum_residuals(regressors: Numbers, wanted: Numbers) -> float:
+    """Return the sum of the squared residuals of a regression."""
+    fit = np.linalg.lstsq(regressors, wanted, rcond=None)[0]
+    return float(np.square(wanted - regressors @ fit).sum())
