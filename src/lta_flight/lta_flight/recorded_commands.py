@@ -208,7 +208,7 @@ def _read_wrenches(flight: RecordedFlight, vehicle: Vehicle) -> tuple[Array, Arr
         for axis in 'xyz'
     ]
     times, first = np.unique(named[0].time, return_index=True)
-    wrenches = hold_known(np.column_stack([each.values for each in named])[first])
+    wrenches = fill_with_last(np.column_stack([each.values for each in named])[first])
     most, weight = float(np.abs(wrenches).max(initial=0.0)), GRAVITY * vehicle.mass
     if most > HEAVY * weight:
         raise BadInput(
@@ -219,7 +219,7 @@ def _read_wrenches(flight: RecordedFlight, vehicle: Vehicle) -> tuple[Array, Arr
     return times, wrenches
 
 
-def hold_known(values: Array) -> Array:
+def fill_with_last(values: Array) -> Array:
     """Return columns in which an unknown number is the one before; 0 before the first."""
     known = np.isfinite(values)
     last = np.maximum.accumulate(np.where(known, np.arange(1, len(values) + 1)[:, None], 0), 0)
@@ -248,7 +248,7 @@ def _read_duties(flight: RecordedFlight, vehicle: Vehicle) -> tuple[Array, Array
         )
     times, first = np.unique(channels[names[0]].time, return_index=True)
     # A command that a message lacks is the one before
-    duties = hold_known(np.column_stack([channels[name].values for name in names])[first])
+    duties = fill_with_last(np.column_stack([channels[name].values for name in names])[first])
     if has_newton_commands(flight.provenance):
         duties = np.column_stack([
             [math.copysign(rotor.duty_for_thrust(abs(thrust)), thrust) for thrust in column]

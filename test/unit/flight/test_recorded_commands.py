@@ -8,7 +8,7 @@ from lta_flight.flight import SilentObserver
 from lta_flight.recorded_commands import (
     find_body_poses,
     find_velocity,
-    hold_known,
+    fill_with_last,
     read_commands,
 )
 from lta_flight.simulate import CommandRequest, simulate_once, SimulationRequest
@@ -98,7 +98,7 @@ def test_commanded_forces_act_with_their_gain(tmp_path: Path, call) -> None:
 
 def test_an_unknown_command_is_the_one_before() -> None:
     nan = np.nan
-    held = hold_known(np.array([[nan, 1.0], [2.0, nan], [nan, nan], [3.0, 4.0]]))
+    held = fill_with_last(np.array([[nan, 1.0], [2.0, nan], [nan, nan], [3.0, 4.0]]))
     np.testing.assert_array_equal(held, [[0.0, 1.0], [2.0, 1.0], [2.0, 1.0], [3.0, 4.0]])
 
 

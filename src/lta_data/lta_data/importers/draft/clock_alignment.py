@@ -375,7 +375,7 @@ def _explain(
     return (alone - told) / whole if whole > 0.0 else 0.0
 
 
-def _sum_residuals(regressors: Numbers, wanted: Numbers) -> float:
+def _sum_residuals(regressors: Numbers, values: Numbers) -> float:
     """Return the sum of the squared residuals of a regression."""
-    fit = np.linalg.lstsq(regressors, wanted, rcond=None)[0]
-    return float(np.square(wanted - regressors @ fit).sum())
+    fit = np.linalg.lstsq(regressors, values, rcond=None)[0]
+    return float(np.square(values - regressors @ fit).sum())
