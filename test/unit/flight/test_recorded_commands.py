@@ -6,9 +6,9 @@ from lta_config.errors import BadInput
 from lta_config.quantity import Quantity
 from lta_flight.flight import SilentObserver
 from lta_flight.recorded_commands import (
+    fill_with_last,
     find_body_poses,
     find_velocity,
-    fill_with_last,
     read_commands,
 )
 from lta_flight.simulate import CommandRequest, simulate_once, SimulationRequest
