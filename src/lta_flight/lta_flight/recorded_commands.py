@@ -32,6 +32,8 @@ FITTED: Final = 0.5  # s; poses from which a missing velocity is fitted
 SHORTEST: Final = 1.0  # s
 WRENCH: Final = 'wrench_command'
 SUNK: Final = 0.02  # m below the height at which the vehicle stands
+GRAVITY: Final = 9.81  # m/s2
+HEAVY: Final = 10.0  # times the weight; a larger command is in another unit
 EARLY: Final = 1e-6  # s; a command counts from its stamp, whose float is rounded
 TWIST: Final = tuple(
     f'twist.twist.{kind}.{axis}' for kind in ('linear', 'angular') for axis in 'xyz'
@@ -125,7 +127,7 @@ def read_commands(
     flight = open_flight(find_bag(bag), robot)
     pose_channels, prefix = _read_pose(flight, bag)
     if WRENCH in flight.topics and 'motors' not in flight.topics:
-        times, wrenches = _read_wrenches(flight)
+        times, wrenches = _read_wrenches(flight, vehicle)
         duties, places = np.zeros((len(times), len(vehicle.rotor_names))), None
     else:
         times, duties, places = _read_duties(flight, vehicle)
@@ -148,9 +150,8 @@ def read_commands(
             f"'{bag}' has less than {SHORTEST:g} s with both a tracked pose and commands in this "
             'part; choose another part with --begin and --end, or another recording.'
         )
-    centres, turns = find_body_poses(
-        vehicle, poses[:, :3], Rotation.from_euler('ZYX', poses[:, 3:])
-    )
+    reported = Rotation.from_euler('ZYX', poses[:, 3:])
+    centres, turns = find_body_poses(vehicle, poses[:, :3], reported)
     raised = _find_raise(vehicle, centres[at <= last])
     centres = centres + np.array([0.0, 0.0, raised])
     # As the tracker reports it, in the simulation as well
@@ -158,9 +159,10 @@ def read_commands(
     motion = np.zeros(RIGID)
     motion[POSITION] = centres[0]
     motion[QUATERNION] = turns[0].as_quat()
-    motion[VELOCITY], motion[RATES] = find_velocity(
-        _read_twist(pose_channels, prefix, at[0]), at, centres, turns
-    )
+    # A recorded twist is that of the reported frame, which the file may say is not the body's
+    is_body = turns is reported
+    twist = _read_twist(pose_channels, prefix, at[0]) if is_body else np.full(6, np.nan)
+    motion[VELOCITY], motion[RATES] = find_velocity(twist, at, centres, turns)
     first = at[0]
     return RecordedCommands(
         flight.start * 1e-9 + float(first), float(last - first), motion, times - first, duties,
@@ -197,7 +199,7 @@ def find_body_poses(vehicle: Vehicle, places: Array, turns: Rotation) -> tuple[A
     return frame.inv().apply(places) - body.apply(frame.inv().apply(still[:3])), body
 
 
-def _read_wrenches(flight: RecordedFlight) -> tuple[Array, Array]:
+def _read_wrenches(flight: RecordedFlight, vehicle: Vehicle) -> tuple[Array, Array]:
     """Return times [s] and commanded wrenches, shape (n, 6) [N, N m]."""
     channels = {each.name: each for each in iterate_channels(flight, WRENCH)}
     named = [
@@ -206,7 +208,23 @@ def _read_wrenches(flight: RecordedFlight) -> tuple[Array, Array]:
         for axis in 'xyz'
     ]
     times, first = np.unique(named[0].time, return_index=True)
-    return times, np.nan_to_num(np.column_stack([each.values for each in named])[first])
+    wrenches = fill_with_last(np.column_stack([each.values for each in named])[first])
+    most, weight = float(np.abs(wrenches).max(initial=0.0)), GRAVITY * vehicle.mass
+    if most > HEAVY * weight:
+        raise BadInput(
+            f"The commands in 'wrench_command' reach {most:.3g} N or N m, and "
+            f'{vehicle.file.name} weighs {weight:.3g} N; import the log again with the right '
+            'unit, or give the recorded vehicle with --vehicle.'
+        )
+    return times, wrenches
+
+
+def fill_with_last(values: Array) -> Array:
+    """Return columns in which an unknown number is the one before; 0 before the first."""
+    known = np.isfinite(values)
+    last = np.maximum.accumulate(np.where(known, np.arange(1, len(values) + 1)[:, None], 0), 0)
+    padded = np.vstack([np.zeros((1, values.shape[1])), values])
+    return np.asarray(np.take_along_axis(padded, last, 0))
 
 
 def _read_duties(flight: RecordedFlight, vehicle: Vehicle) -> tuple[Array, Array, Array | None]:
@@ -230,7 +248,7 @@ def _read_duties(flight: RecordedFlight, vehicle: Vehicle) -> tuple[Array, Array
         )
     times, first = np.unique(channels[names[0]].time, return_index=True)
     # A command that a message lacks is the one before
-    duties = np.nan_to_num(np.column_stack([channels[name].values for name in names])[first])
+    duties = fill_with_last(np.column_stack([channels[name].values for name in names])[first])
     if has_newton_commands(flight.provenance):
         duties = np.column_stack([
             [math.copysign(rotor.duty_for_thrust(abs(thrust)), thrust) for thrust in column]

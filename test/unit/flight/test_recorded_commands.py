@@ -6,10 +6,16 @@ from lta_config.errors import BadInput
 from lta_config.quantity import Quantity
 from lta_flight import simulate as simulation
 from lta_flight.flight import SilentObserver
-from lta_flight.recorded_commands import find_body_poses, find_velocity, read_commands
+from lta_flight.recorded_commands import (
+    fill_with_last,
+    find_body_poses,
+    find_velocity,
+    read_commands,
+)
 from lta_flight.simulate import CommandRequest, simulate_once, SimulationRequest
 from lta_model.effects import EFFECTS
 from lta_model.measurement_chain import apply_chain, build_chains
+from lta_model.state import VELOCITY
 from lta_model.vehicle import load_vehicle, Vehicle
 import numpy as np
 import pytest
@@ -92,6 +98,44 @@ def test_commanded_forces_act_with_their_gain(tmp_path: Path, call, monkeypatch)
     assert needed == [{'law': False, 'commanded': True}]
     end = float(sentence.rpartition(' and ')[2].partition(' cm')[0])
     assert end == pytest.approx(100.0 * 0.5 * 0.0196 / 0.758 * 3.0**2, rel=0.08)
+
+
+def test_an_unknown_command_is_the_one_before() -> None:
+    nan = np.nan
+    held = fill_with_last(np.array([[nan, 1.0], [2.0, nan], [nan, nan], [3.0, 4.0]]))
+    np.testing.assert_array_equal(held, [[0.0, 1.0], [2.0, 1.0], [2.0, 1.0], [3.0, 4.0]])
+
+
+def test_forces_far_beyond_the_weight_are_in_another_unit(tmp_path: Path, call) -> None:
+    rows = [f'{5.0 + k / 50.0},0,0,1.5,0,0,0,1,78.5' for k in range(151)]
+    (tmp_path / 'held.csv').write_text('\n'.join(['t,x,y,z,qx,qy,qz,qw,fz', *rows]) + '\n')
+    (tmp_path / 'pushed.yaml').write_text(MAPPING)
+    assert call(
+        'import', str(tmp_path / 'held.csv'), '--mapping', str(tmp_path / 'pushed.yaml'),
+        '--out', str(tmp_path / 'held'),
+    )[0] == 0  # fmt: skip
+    with pytest.raises(BadInput, match=r"'wrench_command' reach 78.5 N or N m, .* right unit"):
+        read_commands(tmp_path / 'held', load_vehicle('gtmab'), None, 0.0, None)
+
+
+def test_a_recorded_twist_of_markers_is_not_that_of_the_body(tmp_path: Path, call) -> None:
+    """Markers turned by 90 degrees: what they report as ahead, is to the left."""
+    rows = [f'{5.0 + k / 50.0},0,{0.2 * k / 50.0},1.5,0,0,0.70710678,0.70710678,0.2,0'
+            for k in range(151)]  # fmt: skip
+    head = 't,x,y,z,qx,qy,qz,qw,vx,fz'
+    (tmp_path / 'held.csv').write_text('\n'.join([head, *rows]) + '\n')
+    part = '    velocity: {columns: [vx, fz, fz], unit: m/s, frame: body}\n  - topic: wrench'
+    (tmp_path / 'pushed.yaml').write_text(MAPPING.replace('  - topic: wrench', part))
+    assert call(
+        'import', str(tmp_path / 'held.csv'), '--mapping', str(tmp_path / 'pushed.yaml'),
+        '--out', str(tmp_path / 'held'),
+    )[0] == 0  # fmt: skip
+    turn = {'marker_offset': {'yaw': read_quantity('90 deg')}}
+    plain = load_vehicle('gtmab')
+    turned = Vehicle(plain.file.model_copy(update={'effects': turn}))
+    for vehicle, along in ((plain, (0.2, 0.0, 0.0)), (turned, (0.0, 0.2, 0.0))):
+        read = read_commands(tmp_path / 'held', vehicle, None, 0.0, None)
+        assert read.motion[VELOCITY] == pytest.approx(along, abs=1e-6)
 
 
 def read_quantity(text: str) -> Quantity:

@@ -108,6 +108,26 @@ def fit_tilt(pose: PoseSeries, turn: Array | None = None) -> VectorFit:
     return VectorFit(1.0 / found.factor if found.factor else float('nan'), found.cosine)
 
 
+def fit_lever(pose: PoseSeries) -> VectorFit:
+    """
+    Compare the horizontal velocity with the rate of the lean of the body's z axis.
+
+    A point above the axis about which a vehicle swings moves by its lever arm [m], the factor.
+    """
+    if pose.attitude is None or pose.position is None or len(pose.position.time) < 5 * WINDOW:
+        return UNKNOWN_FIT
+    time, speed = pose.position.differentiate()
+    speed[:, 2] = 0.0
+    rate = np.gradient(
+        Rotation.from_quat(pose.attitude.values).as_matrix()[:, :, 2], pose.attitude.time, axis=0
+    )
+    rate[:, 2] = 0.0
+    window = np.hanning(WINDOW + 2)[1:-1] / np.hanning(WINDOW + 2).sum()
+    series = VectorSeries('', pose.attitude.time, smooth_columns(rate, window))
+    found = compare_vectors(time, smooth_columns(speed - speed.mean(axis=0), window), series)
+    return VectorFit(1.0 / found.factor if found.factor else float('nan'), found.cosine)
+
+
 def upright_share(turn: Array) -> float:
     """Return the share of the time with the body's z axis within 60 degrees of the map's."""
     return float(np.mean(1.0 - 2.0 * (turn[:, 0] ** 2 + turn[:, 1] ** 2) > 0.5))

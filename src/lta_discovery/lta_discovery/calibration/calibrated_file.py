@@ -7,17 +7,28 @@ from lta_config.errors import BadInput
 from lta_config.files import parse_yaml
 from lta_config.vehicle_edit import set_yaml_value
 from lta_discovery.calibration.result import CalibratedValue, Calibration
+from lta_discovery.calibration.reversed_thrust import split_by_duty
+from lta_discovery.model.calibration_parameters import reversed_column
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.page.formatting import format_with_interval
 from lta_discovery.results.learned_file import list_changed_quantities, VehicleFileQuantity
+from lta_model.effects.protocol import AXES
 from lta_model.propulsion import geometric_column, RotorModel
 from lta_model.vehicle import Vehicle
 import numpy as np
 from numpy.typing import NDArray
 
+Array = NDArray[np.float64]
+
 NAME: Final = 'calibrated.yaml'
 CURVE: Final = 'thrust_curve'  # the effect whose numbers belong to the rotors
 STRIPS: Final = 'strip_damping'  # the effect whose numbers follow from the drag of the parts
+# Beginnings of places whose numbers the file states in other blocks
+ELSEWHERE: Final = (
+    f'effects.{CURVE}.',
+    f'effects.{STRIPS}.',
+    *(f'effects.rotor_envelope_interaction.{axis}_' for axis in AXES),
+)
 
 
 @final
@@ -36,7 +47,8 @@ def format_calibrated_vehicle(
 
     Mass and inertia are written as those of the whole vehicle (`measured`), whose parts then keep
     their places without weight. The net lift is the mean of the flights. A rotor's share of the
-    thrust in the file, which may be negative, scales its column in the thrust allocation.
+    thrust in the file, which may be negative, scales its column in the thrust allocation, and what
+    it pushes in reverse is the reversed one.
 
     Raises
     ------
@@ -76,7 +88,7 @@ def format_changed_vehicle(
     """
     straight = change._replace(after=_scale_misalignments(vehicle, change))
     for quantity in list_changed_quantities(text, vehicle, *straight, notes, source):
-        if not quantity.place.startswith((f'effects.{CURVE}.', f'effects.{STRIPS}.')):
+        if not quantity.place.startswith(ELSEWHERE):
             text = set_yaml_value(text, quantity.place.split('.'), quantity.as_yaml)
     for place, content in (
         *_list_thrusts(vehicle, change, source),
@@ -90,29 +102,47 @@ def format_changed_vehicle(
     return _set_mass_properties(text, vehicle, change.after, source)
 
 
-def _share_thrusts(vehicle: Vehicle, change: VehicleUpdate) -> tuple[float, list[float]]:
-    """
-    Return a factor on all thrust curves, and the rest of each rotor's, -1 to 1, on its column.
+@final
+class _RotorChange(NamedTuple):
+    """What a rotor pushes, by its thrust in the file."""
 
-    Control laws need the same curve for all rotors, and a column can also point backwards.
-    """
-    factors = []
-    for i in range(1, len(vehicle.rotors) + 1):
+    thrust: float  # of the thrust in the file; negative if the rotor is the other way round
+    reverse: float  # of the reversed wrench in the file, in the direction of which it lies
+    backward: Array  # reversed wrench per newton as changed, shape (6,) [1, m]
+
+    @property
+    def forward(self) -> float:
+        """Thrust for positive duties, of that in the file."""
+        return split_by_duty(self.thrust, self.reverse)[0]
+
+
+def _list_rotor_changes(vehicle: Vehicle, change: VehicleUpdate) -> list[_RotorChange]:
+    """Return what each rotor pushes."""
+    out = []
+    for i, rotor in enumerate(vehicle.rotors, start=1):
         now, before = (
-            one.parameter_value('thrust_curve', f'b_{i}') for one in (change.after, change.before)
+            one.parameter_value(CURVE, f'b_{i}') for one in (change.after, change.before)
         )
-        factors.append(now / before if before else 1.0)
-    most = max(map(abs, factors), default=0.0)
-    if most == 0.0:
-        return 1.0, [1.0 for _ in factors]
-    return most, [one / most for one in factors]
+        old, new = (np.array(reversed_column(one, i)) for one in (change.before, change.after))
+        # Without reverse there is nothing to change
+        same = not rotor.reversible or np.array_equal(old, new)
+        reverse = 1.0 if same else float(old @ new / (old @ old))
+        backward = np.array(rotor.reverse) if same else new
+        out.append(_RotorChange(now / before if before else 1.0, reverse, backward))
+    return out
 
 
 def _list_thrusts(
     vehicle: Vehicle, change: VehicleUpdate, source: str
 ) -> Iterator[tuple[str, Any]]:
-    """Yield the places of thrust curves and columns of rotors that changed, with their content."""
-    most, shares = _share_thrusts(vehicle, change)
+    """
+    Yield the places of thrust curves and columns of rotors that changed, with their content.
+
+    Control laws need the same curve for all rotors, and a column can also point backwards. So all
+    curves have the factor of the strongest rotor, and the column of each its share, -1 to 1.
+    """
+    rotors = _list_rotor_changes(vehicle, change)
+    most = _strongest(rotors)
     curves = {
         f'rotors.{name}.thrust_curve' if rotor.thrust_curve else 'thrust_curve': (
             rotor.thrust_curve or vehicle.file.thrust_curve
@@ -126,19 +156,25 @@ def _list_thrusts(
                     thrust = VehicleFileQuantity('', most * value.si, 'N', source)
                     yield f'{place}.{key}', thrust.as_yaml
     coupling = vehicle.file.aero.coupling
-    for rotor, share in zip(vehicle.rotors, shares, strict=True):
-        if share == 1.0:
+    for rotor, now in zip(vehicle.rotors, rotors, strict=True):
+        share = now.forward / most
+        if share == 1.0 and now.reverse == 1.0:
             continue
-        if coupling is not None and rotor.name in coupling.rotors:
+        if share != 1.0 and coupling is not None and rotor.name in coupling.rotors:
             raise BadInput(
-                f'The rotor {rotor.name} has {100.0 * most * share:.0f} % of the thrust in the '
+                f'The rotor {rotor.name} has {100.0 * now.forward:.0f} % of the thrust in the '
                 'file, and aero.coupling holds for the thrust in the file; correct the thrust '
                 'curve, axis and columns of this rotor in the vehicle file, and calibrate again.'
             )
         yield (
             f'aero.thrust_allocation.{rotor.name}',
-            _scale_column(vehicle, rotor, share, source),
+            _encode_rotor(vehicle, rotor, now, most, source),
         )
+
+
+def _strongest(rotors: Sequence[_RotorChange]) -> float:
+    """Return the factor on all thrust curves: that of the strongest rotor; 1 if none pushes."""
+    return max((abs(one.forward) for one in rotors), default=0.0) or 1.0
 
 
 def _list_part_drags(
@@ -157,17 +193,20 @@ def _list_part_drags(
                 yield f'layers.{layer}.{name}.drag.coefficient', drag.as_yaml
 
 
-def _scale_column(vehicle: Vehicle, rotor: RotorModel, share: float, source: str) -> Any:  # noqa: ANN401 - YAML
-    """Return the column of a rotor for a share of its thrust, which may be negative."""
+def _encode_rotor(
+    vehicle: Vehicle, rotor: RotorModel, now: _RotorChange, most: float, source: str
+) -> Any:  # noqa: ANN401 - YAML
+    """Return the column of a rotor by the thrust curve times a factor."""
     entry = vehicle.file.rotors[rotor.name]
     given = vehicle.file.aero.thrust_allocation.get(rotor.name)
     jet = (*given.force.vector, *given.moment.vector) if given else geometric_column(entry)
     # The reader adds the torque of the motor
     torque = np.subtract(rotor.column, jet)
-    ahead, back = np.array(rotor.column), np.array(rotor.reverse)
+    ahead, back = np.array(rotor.column), now.backward
     curve = entry.thrust_curve or vehicle.file.thrust_curve
     # The reader scales the column of reversed thrust by its full thrust
     full = curve.reverse.si / rotor.full_thrust if curve and curve.reverse else 1.0
+    share = now.thrust / most
     if rotor.reversible and share < 0.0:
         ahead, back = back, ahead
     column = _encode_column(share * ahead - torque, source)
@@ -176,7 +215,7 @@ def _scale_column(vehicle: Vehicle, rotor: RotorModel, share: float, source: str
     return {**column, 'reverse': _encode_column(share * back / full - torque, source)}
 
 
-def _encode_column(column: NDArray[np.float64], source: str) -> dict[str, Any]:
+def _encode_column(column: Array, source: str) -> dict[str, Any]:
     """Return force and moment of a column."""
     return {
         'force': {'value': column[:3].tolist(), 'unit': 'N/N', 'source': source},
@@ -186,8 +225,10 @@ def _encode_column(column: NDArray[np.float64], source: str) -> dict[str, Any]:
 
 def _scale_misalignments(vehicle: Vehicle, change: VehicleUpdate) -> NominalVehicle:
     """Return the changed vehicle with misalignments for the thrust curves of the file."""
-    out = change.after
-    for i, share in enumerate(_share_thrusts(vehicle, change)[1], start=1):
+    out, rotors = change.after, _list_rotor_changes(vehicle, change)
+    most = _strongest(rotors)
+    for i, one in enumerate(rotors, start=1):
+        share = one.thrust / most
         for name in (f'first_{i}', f'second_{i}'):
             now = out.parameter_value('rotor_misalignment', name)
             if now != 0.0 and share != 1.0:

@@ -9,12 +9,14 @@ from lta_discovery.calibration.coarse_fit import CoarseCalibration, fit_coarse_c
 from lta_discovery.calibration.forecast_score import relative_error, score_forecasts
 from lta_discovery.calibration.refined_fit import refine_calibration
 from lta_discovery.calibration.result import CalibratedValue, Calibration, ForecastScore, WIDE
+from lta_discovery.calibration.reversed_thrust import state_by_duty
 from lta_discovery.fit.bounds import apply_parameters
 from lta_discovery.flights.role_assignment import Role
 from lta_discovery.model.calibration_parameters import (
     commanded_axes,
     HEADING,
     list_calibration_parameters,
+    list_reversed_rotors,
     ordinary_tolerances,
 )
 from lta_discovery.model.nominal import NominalVehicle
@@ -67,7 +69,12 @@ def prepare_calibration(vehicle: Vehicle, flights: Sequence[Role]) -> PreparedCa
         axis=0,
     )
     knobs = list_calibration_parameters(
-        nominal, commanded.tolist(), all(one.has_only_pose for one in told)
+        nominal,
+        commanded.tolist(),
+        all(one.has_only_pose for one in told),
+        list_reversed_rotors(
+            [one.commands.values for one in told if one.wrench is None], vehicle.reversible
+        ),
     )
     roles: dict[str, list[FlightLinearizer]] = {'train': [], 'confirm': []}
     names: dict[str, list[str]] = {'train': [], 'confirm': []}
@@ -215,9 +222,10 @@ def _list_values(
     usual = ordinary_tolerances(nominal)
     own = [k for k, knob in enumerate(knobs) if knob.per_flight]
     shared = [k for k in range(len(knobs)) if k not in own]
-    out = [
+    of_vehicle = [
         _build_value(nominal, knobs, k, best.shared, best.covariance, '', usual) for k in shared
     ]
+    out = state_by_duty(of_vehicle, knobs, best.shared, best.covariance)
     for name, (values, covariance) in zip(names, best.flights, strict=True):
         out += [_build_value(nominal, knobs, k, values, covariance, name, usual) for k in own]
     return out
@@ -264,7 +272,7 @@ def _to_file_unit(
     if effect == 'vehicle':
         # Logarithms of a factor
         return 1.0, math.exp(change), (math.exp(ends[0]), math.exp(ends[1]))
-    if knob.name.endswith('.thrust'):
+    if knob.name.endswith(('.thrust', '.reverse')):
         return 1.0, 1.0 + change, (1.0 + ends[0], 1.0 + ends[1])
     now = nominal.parameter_value(effect, parameter)
     low, high = (now + rate * end for end in ends)

@@ -36,6 +36,7 @@ def list_differences(calibration: Calibration) -> list[str]:
     """Return what the vehicle file has wrong, one clause each; gains first."""
     return [
         *_gain_clauses(calibration),
+        *_reverse_clauses(calibration),
         *_lift_clauses(calibration),
         *_marker_clauses(calibration),
         *_pendulum_clauses(calibration),
@@ -59,6 +60,16 @@ def _gain_clauses(calibration: Calibration) -> Iterator[str]:
         else:
             side = ', backwards' if one.value < 0.0 else ''
             yield f'{effect.replace("_", " ")}: {percent} % of its thrust arrives{side}'
+
+
+def _reverse_clauses(calibration: Calibration) -> Iterator[str]:
+    """Yield the rotors that push weaker or stronger in reverse than the file says."""
+    for one in calibration.values:
+        rotor, _, part = one.name.partition('.')
+        if part == 'reverse' and one.is_far:
+            word = 'weaker' if one.value < 1.0 else 'stronger'
+            percent = format_number(100.0 * abs(one.value - 1.0), 2)
+            yield f'{rotor.replace("_", " ")} pushes {percent} % {word} in reverse'
 
 
 def _lift_clauses(calibration: Calibration) -> Iterator[str]:

@@ -9,7 +9,12 @@ from lta_config.schema.import_file import load_mapping
 from lta_data.bag.bag_folder import find_bag
 from lta_data.importers.draft.choices import DraftQuestion
 from lta_data.importers.draft.draft_mapping import draft_mapping
-from lta_data.importers.draft.source_tables import COLUMNS, read_source
+from lta_data.importers.draft.source_tables import (
+    COLUMNS,
+    count_changing_columns,
+    measure_size,
+    read_source,
+)
 from lta_data.importers.formats import detect_format, FORMATS
 from lta_data.importers.progress import ImportProgress
 from lta_data.importers.readers.sensor_folder import list_run_files
@@ -100,24 +105,19 @@ def _log_name(log: Path) -> str:
 
 def _draft_mappings(logs: Sequence[Path], answers: Mapping[str, str]) -> dict[Path, str]:
     """Return a drafted mapping for each log, from the one of its columns that decides most."""
-    alike: dict[tuple[object, ...], list[Path]] = {}
+    alike: dict[tuple[object, ...], dict[Path, tuple[int, int]]] = {}
     for log in logs:
         source = read_source(log)
         columns = tuple((name, *table) for name, table in source.tables.items())
-        alike.setdefault((source.format, columns), []).append(log)
+        # A float alone cannot tell up from down, nor how motors rest
+        says = (count_changing_columns(source), measure_size(log))
+        alike.setdefault((source.format, columns), {})[log] = says
     out = {}
-    for same in alike.values():
-        # Long logs show most: a float alone cannot tell up from down
-        same.sort(key=measure_log, reverse=True)
+    for group in alike.values():
+        same = sorted(group, key=lambda log: group[log], reverse=True)
         text = _draft_first(same, answers)
         out.update(dict.fromkeys(same, text))
     return out
-
-
-def measure_log(log: Path) -> int:
-    """Return the size of a log, which may be a folder of files. [bytes]"""
-    files = log.rglob('*') if log.is_dir() else [log]
-    return sum(path.stat().st_size for path in files if path.is_file())
 
 
 def _draft_first(logs: Sequence[Path], answers: Mapping[str, str]) -> str:

@@ -17,8 +17,10 @@ from lta_discovery.model.parameters import (
     list_free_parameters,
     NET_LIFT,
 )
+from lta_discovery.model.step_sizes import STEP
 from lta_model.effects import EFFECTS
 from lta_model.effects.protocol import AirEffect, AXES
+from lta_model.state import ACTUATORS
 import numpy as np
 
 ROTORS: Final = ('rotor_', 'motor_lag')  # of vehicles that are commanded by duties
@@ -28,6 +30,8 @@ GRAVITY: Final = 9.81  # m/s2
 LIFT: Final = 0.01  # of the weight; net lift of a flight
 TREND: Final = 4e-5  # of the weight per second; change of the lift in a flight
 THRUST: Final = 1.0  # relative; each rotor
+REVERSE: Final = 0.5  # relative; share of its thrust that a rotor has in reverse
+REVERSED: Final = -0.05  # duty; a rotor that gets a lower one is flown in reverse
 # Relative, and tolerances in the vehicle file. Added mass follows from the size of the hull.
 FLOWS: Final = {
     'linear_drag': 0.3,
@@ -43,6 +47,7 @@ PER_FLIGHT: Final = frozenset({NET_LIFT, 'helium_leak.rate'})
 POSE_ONLY: Final = frozenset({'clock_offset.offset'})
 FAR: Final = 20.0  # largest gain
 ROTOR: Final = 4.0  # largest relative change of a rotor's thrust, which may turn it around
+BACKWARD: Final = 0.95  # largest relative loss in reverse
 SWING: Final = 0.6  # largest logarithm of a factor on mass and inertia
 
 
@@ -55,6 +60,8 @@ def prior_deviation(knob: FreeParameter, nominal: NominalVehicle) -> float:
         return TREND * weight
     if knob.name.startswith('rotor_') and knob.name.endswith('.thrust'):
         return THRUST
+    if knob.name.endswith('.reverse'):
+        return REVERSE
     if knob.name == HEADING:
         return TURN if has_map_fixed_air(nominal) else 0.0
     if effect == 'rotor_misalignment':
@@ -102,6 +109,7 @@ BY_EYE: Final[dict[str, float]] = {
     'tracker_misalignment.pitch': math.radians(0.5),
     'tracker_misalignment.roll': math.radians(0.5),
     HEADING: math.radians(2.0),
+    **{f'rotor_{i}.reverse': 0.05 for i in range(1, ACTUATORS + 1)},
     'helium_leak.rate': 5e-5,
 }
 
@@ -113,16 +121,24 @@ def ordinary_tolerances(nominal: NominalVehicle) -> dict[str, float]:
 
 
 def list_calibration_parameters(
-    nominal: NominalVehicle, commanded: Sequence[bool], only_pose: bool
+    nominal: NominalVehicle,
+    commanded: Sequence[bool],
+    only_pose: bool,
+    reversed_rotors: Sequence[int] = (),
 ) -> list[FreeParameter]:
     """
     Return the parameters of a calibration, with their deviations before it as tolerances.
 
     `commanded`: axes on which a wrench was commanded; none for vehicles commanded by duties,
-    sequence of 6 bool. `only_pose`: whether nothing but the pose was measured.
+    sequence of 6 bool. `only_pose`: whether nothing but the pose was measured. `reversed_rotors`:
+    numbers, from 1, of the rotors that are flown in reverse.
     """
     out = []
-    for knob in [*list_free_parameters(nominal, any(commanded)), *list_marker_parameters()]:
+    for knob in [
+        *list_free_parameters(nominal, any(commanded)),
+        *list_marker_parameters(),
+        *(build_reverse_parameter(nominal, i) for i in reversed_rotors),
+    ]:
         wide = prior_deviation(knob, nominal)
         effect, _, part = knob.name.partition('.')
         kind = EFFECTS.get(effect)
@@ -139,6 +155,8 @@ def list_calibration_parameters(
             low, high = -FAR, FAR
         elif knob.name.endswith('.thrust'):
             low, high = -ROTOR, ROTOR - 2.0
+        elif knob.name.endswith('.reverse'):
+            low, high = -BACKWARD, ROTOR
         elif effect == 'vehicle':
             low, high = -SWING, SWING
         elif knob.name == 'helium_leak.rate':
@@ -169,6 +187,44 @@ def list_marker_parameters() -> list[FreeParameter]:
             high=known.high,
         )
         for known in EFFECTS['marker_offset'].parameters
+    ]
+
+
+def build_reverse_parameter(nominal: NominalVehicle, rotor: int) -> FreeParameter:
+    """
+    Return the relative change of what a rotor (1 is the first) pushes in reverse.
+
+    The model has the wrench of reversed thrust in `rotor_envelope_interaction`, as what it differs
+    by from that of forward thrust.
+    """
+    moves = {
+        ('rotor_envelope_interaction', f'{axis}_{rotor}'): number
+        for axis, number in zip(AXES, reversed_column(nominal, rotor), strict=True)
+    }
+    return FreeParameter(f'rotor_{rotor}.reverse', '1', moves, STEP, STEP)
+
+
+def reversed_column(nominal: NominalVehicle, rotor: int) -> list[float]:
+    """Return the wrench per newton of reversed thrust of a rotor (1 is the first). [1, m]"""
+    return [
+        nominal.parameter_value('rotor_thrust', f'{axis}_{rotor}')
+        + nominal.parameter_value('rotor_envelope_interaction', f'{axis}_{rotor}')
+        for axis in AXES
+    ]
+
+
+def list_reversed_rotors(
+    duties: Sequence[np.ndarray[tuple[int, int], np.dtype[np.float64]]], reversible: Sequence[bool]
+) -> list[int]:
+    """
+    Return the numbers, from 1, of the rotors that are flown in reverse.
+
+    `duties`: commands of each flight, shape (n, rotors).
+    """
+    return [
+        i + 1
+        for i, both in enumerate(reversible)
+        if both and any(bool((each[:, i] < REVERSED).any()) for each in duties if len(each))
     ]
 
 

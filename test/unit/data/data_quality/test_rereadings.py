@@ -76,6 +76,25 @@ def test_the_cause_is_found_and_nothing_else(factors, channel, sentence):
     assert sentence in finding.evidence
 
 
+@pytest.mark.parametrize('above', [0.4, 0.3, -0.3])
+def test_markers_away_from_the_axis_of_a_swing_are_not_upside_down(above):
+    """A pendulum of 1.4 s: those above accelerate against the lean by 6 or 8 m/s2 per rad."""
+    rng = np.random.default_rng(5)
+    t = np.arange(0.0, 30.0, 0.01)
+    roll = 0.4 * np.exp(-0.05 * t) * np.cos(4.5 * t)
+    turn = Rotation.from_rotvec(np.outer(roll, [1.0, 0.0, 0.0]))
+    centre = np.array([0.0, 0.0, 1.5])
+    place = turn.apply([0.0, 0.0, above]) + centre + rng.normal(0, 3e-4, (len(t), 3))
+    parts = {'position': place, 'orientation': turn.as_quat()}
+    channels = [
+        SignalChannel(f'{TOPIC}/pose.pose.{part}.{axis}', 'm', t, values[:, index].copy())
+        for part, values in parts.items()
+        for index, axis in enumerate('xyzw'[: values.shape[1]])
+    ]
+    recording = ChannelRecording({one.name: one for one in channels}, {'data': 'measured'})
+    assert grave(recording) == []
+
+
 def test_angles_that_turned_many_times_are_followed():
     t = np.arange(0.0, 20.0, 0.01)
     angles = np.stack([0.3 * t, 0.15 * np.sin(t), 0.1 * np.sin(1.7 * t + 0.3)], axis=1)

@@ -4,6 +4,8 @@ from pathlib import Path
 
 from lta_config.errors import BadInput
 from lta_data.bag.reader import read_bag
+from lta_data.importers.draft.draft_mapping import draft_mapping
+from lta_data.importers.draft.draft_report import list_missing_parts
 from lta_data.importers.progress import ImportProgress
 from lta_data.importers.run import import_logs, ImportRequest
 from mcap.reader import make_reader
@@ -15,6 +17,7 @@ from rosbags.rosbag1 import Writer as Writer1
 from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as Writer2
 from rosbags.typesys import get_types_from_msg, get_typestore, Stores
+import yaml
 
 BAG = 'schema: 1\nname: mine\nabout: a test\nformat: bag\n'
 POSE = 'geometry_msgs/msg/PoseStamped'
@@ -262,3 +265,23 @@ def test_what_is_not_of_ros_is_kept_with_its_encoding_and_definition(tmp_path):
     assert (schema.encoding, schema.data) == ('jsonschema', b'{"type": "object"}')
     assert (channel.message_encoding, message.data) == ('json', b'{"x": 1}')
     assert message.log_time == SECOND
+
+
+def test_an_array_that_is_named_after_actuators_is_drafted_as_commands(tmp_path):
+    types = store()
+    array, layout = 'std_msgs/msg/Int32MultiArray', types.types['std_msgs/msg/MultiArrayLayout']
+    pulses = np.array([[1500, 1500], [1500, 1300]], np.int32)
+    messages = [
+        (topic, array, 10 * SECOND + k * SECOND // 20, types.types[array](layout([], 0), row))
+        for k, row in enumerate(np.tile(pulses, (20, 1)))
+        for topic in ('/notes', '/radio/esc_us')
+    ]
+    source = write2(tmp_path / 'bag', StoragePlugin.MCAP, [*flight(types), *messages], types)
+    draft = draft_mapping(source, {})
+    (motors,) = [one for one in yaml.safe_load(draft.text)['topics'] if one['topic'] == 'motors']
+    assert motors['table'] == '/radio/esc_us'
+    assert [*motors['actuators'].values()] == [
+        {'effort': {'column': f'data[{k}]', 'offset': -1500, 'over': 500}} for k in (0, 1)
+    ]
+    # The topic of the pose has position and attitude by its type
+    assert list_missing_parts(draft.text) == []

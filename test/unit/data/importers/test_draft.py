@@ -341,6 +341,8 @@ def test_truth_estimate_and_command_are_told_apart_by_name(tmp_path):
         ([1000.0, 1900.0, 1300.0], '1', {'offset': -1000.0, 'over': 1000.0}),
         # Motors stand in the middle between forward and back
         ([1500.0, 1900.0, 1200.0], '1', {'offset': -1500.0, 'over': 500.0}),
+        # A step in one direction
+        ([1500.0, 1300.0, 1300.0], '1', {'offset': -1500.0, 'over': 500.0}),
         ([1600.0, 1900.0, 1800.0], '1', {'offset': -1000.0, 'over': 1000.0}),
         # It hovers about 1500, and never stands
         ([*range(1100, 1900, 3), *range(1485, 1515)], '?', {}),
@@ -360,6 +362,21 @@ def test_the_scale_of_motors_follows_from_their_size(tmp_path, values, unit, ext
     effort = load_mapping(str(tmp_path / 'm.yaml'))[0].topics[0].actuators['motor_1'].effort
     assert effort.unit == unit.replace('?', '1')
     assert {name: getattr(effort, name) for name in extra} == extra
+
+
+def test_a_folder_is_drafted_from_the_run_that_says_most(tmp_path):
+    """Not from the first, in which nothing is commanded; nor from the longest."""
+    f = lab_flight(10.0)
+    for name, pulses, rows in (('a', [1500.0], 500), ('b', [1500.0, 1300.0], 400)):
+        columns = {'time_s': f['t'], 'esc_l': np.resize(pulses, len(f['t']))}
+        (tmp_path / 'runs').mkdir(exist_ok=True)
+        write_csv(
+            tmp_path / 'runs' / f'{name}.csv', {key: one[:rows] for key, one in columns.items()}
+        )
+    draft = draft_mapping(tmp_path / 'runs', {})
+    assert draft.source.path.name == 'b.csv'
+    assert 'Drafted from b.csv, in which most columns change.' in draft.source.notes
+    assert 'offset: -1500' in draft.text
 
 
 def test_pulses_that_may_reverse_a_motor_are_asked_about(tmp_path):

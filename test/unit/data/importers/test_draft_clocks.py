@@ -45,6 +45,38 @@ def test_commands_on_a_clock_of_their_own_are_moved_to_the_motion(bring, tmp_pat
     assert 'are added to the times of stick: there, the commands explain' in got.notes
 
 
+def write_step(folder, seed):
+    """Write a step of 8 s in a log of 14 s, in gusty air, with two clocks that begin together."""
+    rng = np.random.default_rng(seed)
+    t = np.arange(0.0, 14.0, 0.02)
+    told = np.where((t > 2.0) & (t < 10.0), -0.1, 0.0)
+    gust = np.repeat(rng.normal(0.0, 0.05, (14, 3)), 50, axis=0)
+    speed = np.zeros((len(t), 3))
+    for k in range(1, len(t)):
+        push = gust[k - 1] + [told[k - 1], 0.0, 0.0]
+        speed[k] = speed[k - 1] + 0.02 * (push - 0.3 * speed[k - 1])
+    yaw = 0.02 * np.cumsum(speed[:, 1])
+    along = np.column_stack([speed[:, 0] * np.cos(yaw), speed[:, 0] * np.sin(yaw), speed[:, 2]])
+    place = np.cumsum(along, axis=0) * 0.02 + rng.normal(0.0, 5e-4, (len(t), 3))
+    turn = Rotation.from_rotvec(np.outer(yaw, [0.0, 0.0, 1.0])).as_quat()
+    folder.mkdir(parents=True)
+    poses = {'time': 1.7e9 + t, **three('p', place), **three('q', turn, 'xyzw')}
+    rows = np.column_stack(list(poses.values()))
+    np.savetxt(folder / 'mocap.csv', rows, '%.6f', ',', header=','.join(poses), comments='')
+    rows = np.column_stack([t, told, 0.0 * t])[::3]
+    np.savetxt(folder / 'stick.csv', rows, '%.6f', ',', header='t,fx,tz', comments='')
+
+
+@pytest.mark.parametrize('seed', [2, 10, 11, 14])
+def test_the_end_of_a_step_explains_no_other_acceleration(tmp_path, seed):
+    """A log of one step overlaps by half at far offsets, where its one edge fits any gust."""
+    write_step(tmp_path / 'a', seed)
+    draft = draft_mapping(tmp_path / 'a', {})
+    times = [one.reading for one in draft.choices.reasons if 'later' in one.reading]
+    (later,) = [float(one.split()[0]) for one in times]
+    assert later == pytest.approx(1.7e9, abs=0.5)
+
+
 def test_commands_that_move_nothing_are_taken_to_begin_with_the_pose(tmp_path):
     write_run(tmp_path / 'a', 1, 1.7e9, 3.2)
     stick = tmp_path / 'a' / 'stick.csv'

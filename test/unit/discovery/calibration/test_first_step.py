@@ -9,6 +9,7 @@ from pathlib import Path
 from lta_challenge.other.calibration_case import generate_calibration_case
 from lta_challenge.recording import write_bag
 from lta_config.files import find_file
+from lta_config.vehicle_edit import set_yaml_value
 from lta_discovery.calibration import first_step
 from lta_discovery.calibration.calibrated_file import format_calibrated_vehicle
 from lta_discovery.calibration.calibration import prepare_calibration
@@ -23,11 +24,17 @@ from lta_discovery.calibration.forecast_score import score_forecasts
 from lta_discovery.calibration.priors import apply_calibration
 from lta_discovery.calibration.report import build_report
 from lta_discovery.calibration.result import CalibratedValue, Calibration, ForecastScore
+from lta_discovery.calibration.reversed_thrust import split_by_duty, state_by_duty
 from lta_discovery.calibration.verdict import list_differences
 from lta_discovery.finding import StudyResult
 from lta_discovery.flights.bags import read_bags
 from lta_discovery.flights.role_assignment import restrict_to_interval, Role
 from lta_discovery.flights.usable_flights import select_usable_flights
+from lta_discovery.model.calibration_parameters import (
+    build_reverse_parameter,
+    list_calibration_parameters,
+    list_reversed_rotors,
+)
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import list_free_parameters
 from lta_discovery.page.page import render_calibration
@@ -39,7 +46,7 @@ from lta_discovery.page.verdict_text import (
 from lta_discovery.results.discovery_json import to_dict
 from lta_discovery.results.terminal import print_finding
 from lta_model.effects.protocol import AXES
-from lta_model.vehicle import load_vehicle, Vehicle
+from lta_model.vehicle import load_vehicle, parse_vehicle, Vehicle
 import numpy as np
 import pytest
 from rich.console import Console
@@ -323,8 +330,12 @@ def test_a_calibration_that_confirming_flights_contradict_is_not_advised(vehicle
 
 def rotor_wrench(nominal: NominalVehicle, rotor: int, duty: float) -> np.ndarray:
     a, b = (nominal.parameter_value('thrust_curve', f'{part}_{rotor}') for part in 'ab')
+    thrust = a * duty * abs(duty) + b * duty
     column = [nominal.parameter_value('rotor_thrust', f'{axis}_{rotor}') for axis in AXES]
-    return np.multiply(column, a * duty**2 + b * duty)
+    reverse = [
+        nominal.parameter_value('rotor_envelope_interaction', f'{axis}_{rotor}') for axis in AXES
+    ]
+    return np.multiply(column, thrust) + np.multiply(reverse, min(thrust, 0.0))
 
 
 def test_a_rotor_that_pushes_backwards_has_a_sign_in_the_file(
@@ -351,3 +362,63 @@ def test_a_rotor_that_pushes_backwards_has_a_sign_in_the_file(
             rtol=1e-9,
             atol=1e-12,
         )
+
+
+@pytest.mark.parametrize('turned', [False, True])
+def test_a_rotor_that_pushes_weaker_in_reverse_is_written_as_one(
+    tmp_path: Path, turned: bool
+) -> None:
+    """For duties of either sign the file pushes as the fit, also with a rotor turned around."""
+    text = find_file('vehicle', 'gtmab').read_text(encoding='utf-8')
+    for rotor in ('up_left', 'up_right', 'forward_left', 'forward_right'):
+        text = set_yaml_value(text, ['rotors', rotor, 'reversible'], True)
+    vehicle = parse_vehicle(text, 'gtmab')
+    nominal = NominalVehicle.from_vehicle(vehicle)
+    share, reverse = (-0.5, 1.0 / 0.4) if turned else (0.8, 0.4)
+    wanted = nominal
+    for part in ('a_1', 'b_1'):
+        wanted = wanted.with_value(
+            'thrust_curve', part, share * nominal.parameter_value('thrust_curve', part)
+        )
+    wanted = build_reverse_parameter(nominal, 1).apply_to(wanted, reverse - 1.0)
+    # By hand: forward -0.5 / 0.4 of the file's thrust, and 0.4 of that in reverse
+    assert split_by_duty(share, reverse) == pytest.approx((-1.25 if turned else 0.8, 0.4))
+    found = replace(make_calibration(nominal), calibrated=wanted)
+    path = tmp_path / 'calibrated.yaml'
+    path.write_text(format_calibrated_vehicle(text, vehicle, found, 'a test'))
+    assert 'rotor_envelope_interaction' not in path.read_text()
+    read = NominalVehicle.from_vehicle(load_vehicle(str(path)))
+    for rotor, duty in ((1, 0.4), (1, -0.4), (2, -0.4), (4, -0.4)):
+        np.testing.assert_allclose(
+            rotor_wrench(read, rotor, duty),
+            rotor_wrench(wanted, rotor, duty),
+            rtol=1e-9,
+            atol=1e-12,
+        )
+
+
+def test_reverse_is_calibrated_of_rotors_that_are_flown_in_reverse_alone() -> None:
+    duties = [np.array([[0.5, -0.5, -0.5, -0.04]]), np.zeros((0, 4))]
+    assert list_reversed_rotors(duties, (True, True, False, True)) == [2]
+
+
+def test_weaker_reverse_is_said_and_has_an_interval(vehicle: Vehicle) -> None:
+    nominal = NominalVehicle.from_vehicle(vehicle)
+    found = make_calibration(nominal, make_value('rotor_3.reverse', 1.0, 0.55, 0.03))
+    assert build_report(found, None).headline == 'Rotor 3 pushes 45 % weaker in reverse.'
+
+
+def test_a_rotor_the_wrong_way_round_is_stated_by_duty(vehicle: Vehicle) -> None:
+    nominal = NominalVehicle.from_vehicle(vehicle)
+    knobs = list_calibration_parameters(nominal, [False] * 6, True, [1])
+    names = [knob.name for knob in knobs]
+    pair = [names.index('rotor_1.thrust'), names.index('rotor_1.reverse')]
+    shared, covariance = np.zeros(len(knobs)), np.zeros((len(knobs), len(knobs)))
+    # Fitted: -0.5 of the thrust, 2.5 of it for positive duties, exact to 0.01 for negative ones
+    shared[pair] = -1.5, 1.5
+    covariance[pair[0], pair[0]] = 1e-4
+    values = [make_value(names[k], 1.0, 1.0 + shared[k], 0.01) for k in pair]
+    thrust, reverse = state_by_duty(values, knobs, shared, covariance)
+    assert (thrust.value, reverse.value) == pytest.approx((-1.25, 0.4))
+    assert thrust.deviation == pytest.approx(0.025)
+    assert reverse.deviation == 0.0

@@ -3,7 +3,8 @@
 from pathlib import Path
 
 from lta_config.errors import BadInput
-from lta_discovery.lab_tests.log_folder import LabLogs, measure_log, open_lab_folder
+from lta_data.importers.draft.source_tables import measure_size
+from lta_discovery.lab_tests.log_folder import LabLogs, open_lab_folder
 import numpy as np
 import pytest
 
@@ -54,8 +55,8 @@ def test_a_folder_log_is_as_large_as_its_files(tmp_path: Path) -> None:
     (tmp_path / 'inner').mkdir()
     (tmp_path / 'a.csv').write_text('12345')
     (tmp_path / 'inner/b.csv').write_text('123')
-    assert measure_log(tmp_path) == 8
-    assert measure_log(tmp_path / 'a.csv') == 5
+    assert measure_size(tmp_path) == 8
+    assert measure_size(tmp_path / 'a.csv') == 5
 
 
 def test_names_with_dots_are_different_logs(tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ from lta_data.data_quality.finding import QualityFinding, Severity
 from lta_data.data_quality.motion import PoseSeries, VectorSeries
 from lta_data.data_quality.motion_scales import (
     DEGREES,
+    fit_lever,
     fit_rates,
     fit_speed,
     fit_tilt,
@@ -47,6 +48,7 @@ TURNING: Final = 2.0  # least usual rates at which angles can be 57.3 times too 
 TINY: Final = 0.06  # half a turn, 57.3 times too small [rad]
 CONTRADICTION: Final = 0.4  # cosine below which two vectors are not of one motion
 BELOW: Final = -0.25  # median height at which all of a flight is below the floor [m]
+LEVER: Final = 0.6  # largest distance of markers from the axis of a swing [m]
 TILT: Final = 0.5  # cosine of lean and acceleration that tells up from down
 
 
@@ -302,7 +304,11 @@ def _find_wrong_vertical(pose: PoseSeries, evidence: CheckContext) -> Iterator[Q
     lean = fit_tilt(pose)
     low, high = np.percentile(place.values[:, 2], [50.0, 98.0])
     below = bool(low < BELOW and high < 0.0)
-    against = lean.cosine < -TILT and _is_near(lean.factor / STANDARD_GRAVITY, 1.0)
+    against = (
+        lean.cosine < -TILT
+        and _is_near(lean.factor / STANDARD_GRAVITY, 1.0)
+        and not _swings_with_body(pose)
+    )
     if below or against:
         reasons = [f'z is below zero throughout (median {low:.3g} m)'] if below else []
         if against:
@@ -313,6 +319,12 @@ def _find_wrong_vertical(pose: PoseSeries, evidence: CheckContext) -> Iterator[Q
             place, 'axes',
             f'The z axis points down (NED read as ENU): {" and ".join(reasons)}.', float(low),
         )  # fmt: skip
+
+
+def _swings_with_body(pose: PoseSeries) -> bool:
+    """Return whether the tracked point moves as one above the axis of a swinging body does."""
+    lever = fit_lever(pose)
+    return lever.cosine > TILT and 0.0 < lever.factor < LEVER
 
 
 def remove_explained_findings(findings: list[QualityFinding]) -> list[QualityFinding]:

@@ -29,7 +29,7 @@ FARTHEST: Final = 150.0  # offset that is tried, from tables that begin together
 LONGEST: Final = 600.0  # of a flight that is looked at [s]
 LEAST: Final = 50  # points of the grid that both tables share
 AROUND: Final = 1.5  # offsets nearer to the best one belong to its peak [s]
-EXPLAINED: Final = 0.15  # of the accelerations by the commands, at least
+EXPLAINED: Final = 0.15  # of the accelerations, at least, by commands that change often
 CLEAR: Final = 1.5  # times as much as at any offset farther away
 APART: Final = 1.0  # a smaller offset is the delay of a vehicle, not that of a clock [s]
 JUMP: Final = 3600.0  # a longer gap is a clock that was set [s]
@@ -314,15 +314,18 @@ def estimate_clock_offset(
     commands = commands[:, scale > 0.0]
     if not commands.shape[1]:
         return None
-    least = SHARED * min(grid[-1], stamps[-1])
-    low, high = max(least - stamps[-1], -FARTHEST), min(grid[-1] - least, FARTHEST)
+    shared = SHARED * min(grid[-1], stamps[-1])
+    low, high = max(shared - stamps[-1], -FARTHEST), min(grid[-1] - shared, FARTHEST)
     offsets = np.arange(np.ceil(low / STEP), high / STEP) * STEP
     if not len(offsets):
         return None
     gains = np.array([_explain(grid, speed, pull, stamps + one, commands) for one in offsets])
     best = int(gains.argmax())
     others = gains[np.abs(offsets - offsets[best]) > AROUND]
-    clear = gains[best] > EXPLAINED and gains[best] > CLEAR * others.max(initial=0.0)
+    # A step has two changes, which may fit any two gusts
+    changes = int(np.any(np.diff(commands, axis=0) != 0.0, axis=1).sum())
+    least = max(EXPLAINED, 1.0 / max(changes, 1))
+    clear = gains[best] > least and gains[best] > CLEAR * others.max(initial=0.0)
     return CommandOffset(float(offsets[best]), float(gains[best]), bool(clear))
 
 
@@ -354,15 +357,25 @@ def _find_motion(
 def _explain(
     grid: Numbers, speed: Numbers, pull: Numbers, stamps: Numbers, commands: Numbers
 ) -> float:
-    """Return the share of the accelerations that commands at these times explain."""
+    """
+    Return the share of the accelerations that commands at these times explain.
+
+    Those outside of the commands count as unexplained: in a few seconds that overlap, the one end
+    of a step explains anything.
+    """
     inside = (grid >= stamps[0]) & (grid <= stamps[-1])
     if inside.sum() < LEAST:
         return 0.0
     held = commands[np.searchsorted(stamps, grid[inside], side='right') - 1]
-    base = np.column_stack([speed[inside], np.ones(int(inside.sum()))])
-    wanted = pull[inside] / np.maximum(pull.std(axis=0), 1e-9)
-    left = [
-        float(np.square(wanted - each @ np.linalg.lstsq(each, wanted, rcond=None)[0]).sum())
-        for each in (base, np.column_stack([base, held]))
-    ]
-    return 1.0 - left[1] / left[0] if left[0] > 0.0 else 0.0
+    base = np.column_stack([speed, np.ones(len(grid))])
+    wanted = pull / np.maximum(pull.std(axis=0), 1e-9)
+    whole = _sum_residuals(base, wanted)
+    alone = _sum_residuals(base[inside], wanted[inside])
+    told = _sum_residuals(np.column_stack([base[inside], held]), wanted[inside])
+    return (alone - told) / whole if whole > 0.0 else 0.0
+
+
+def _sum_residuals(regressors: Numbers, values: Numbers) -> float:
+    """Return the sum of the squared residuals of a regression."""
+    fit = np.linalg.lstsq(regressors, values, rcond=None)[0]
+    return float(np.square(values - regressors @ fit).sum())

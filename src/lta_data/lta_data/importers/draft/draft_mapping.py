@@ -8,6 +8,7 @@ from typing import Any, Final, final, NamedTuple
 from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_data.bag.channels import SignalChannel
+from lta_data.importers.draft.bag_commands import draft_bag_commands
 from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.clock_alignment import align_clocks
 from lta_data.importers.draft.name_hints import match_role, parse_column_name
@@ -62,11 +63,14 @@ def draft_bag_topics(path: Path, choices: DraftChoices) -> list[dict[str, Any]]:
         kind = raw[table].definition.type_name if table in raw else ''
         choices.add_reason(ours, [table], kind, 'the message type and the name')
         entries.append({'topic': ours, 'table': table})
+    if 'wrench_command' not in candidates:
+        types = [(name, topic.definition.type_name) for name, topic in sorted(raw.items())]
+        entries += draft_bag_commands(path, types, choices)
     if not entries:
-        types = sorted({topic.definition.type_name for topic in raw.values()})
+        kinds = sorted({topic.definition.type_name for topic in raw.values()})
         raise BadInput(
             f"No topic of '{path}' has a type that becomes one of ours; it has "
-            f'{", ".join(types)}. It can be imported as it is, without a mapping.'
+            f'{", ".join(kinds)}. It can be imported as it is, without a mapping.'
         )
     return entries
 

@@ -64,9 +64,11 @@ def list_missing_parts(mapping: str) -> list[str]:
     """Return what calibration and discovery need and a mapping lacks."""
     topics = yaml.safe_load(mapping)['topics']
     states = [each for each in topics if each['topic'] in ('ground_truth/odom', 'odom')]
+    # A topic of a bag has the parts of its type
+    whole = [each for each in states if {*each} == {'topic', 'table'}]
     there = {
-        'position': any('position' in each for each in states),
-        'attitude': any('orientation' in each for each in states),
+        'position': bool(whole) or any('position' in each for each in states),
+        'attitude': bool(whole) or any('orientation' in each for each in states),
         'commands': any(each['topic'] in ('motors', 'wrench_command') for each in topics),
     }
     return [name for name, is_there in there.items() if not is_there]

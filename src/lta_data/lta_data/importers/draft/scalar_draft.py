@@ -134,10 +134,11 @@ def _judge_pulses(
     values = values[np.isfinite(values) & (values > 0.0)]
     stop, middle = (_measure_rest(values, rest) for rest in (1000.0, 1500.0))
     both = min(np.mean(values < 1500.0 - RESTING), np.mean(values > 1500.0 + RESTING))
+    # A step in one direction has pulses on one side of 1500 us alone
+    if middle > OFTEN >= stop:
+        return 'pulse about 1500', 'pulses about 1500 us, at which the motors often stand'
     if both < BOTH_WAYS or stop > OFTEN:
         return 'pulse', 'pulses of 1000 to 2000 us'
-    if middle > OFTEN:
-        return 'pulse about 1500', 'pulses about 1500 us, at which the motors often stand'
     options = [
         ('pulse', 'motors stand at 1000 us and turn one way'),
         ('pulse about 1500', 'motors stand at 1500 us and turn both ways'),

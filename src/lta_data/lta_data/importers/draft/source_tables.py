@@ -1,5 +1,6 @@
 """Read any source for a draft: its format, its tables, and whether a folder holds runs."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import final, NamedTuple
 
@@ -18,13 +19,14 @@ from lta_data.importers.readers.sensor_folder import (
 from lta_data.importers.readers.text_dialect import detect_text_format
 
 COLUMNS = ('csv', 'mat', 'numpy', 'parquet', 'folder')  # formats without meanings of their own
+LOOKED_AT = 10  # runs of a folder, the longest ones
 
 
 @final
 class SourceTables(NamedTuple):
     """A source."""
 
-    path: Path  # the file that was read: of a folder with runs, the first
+    path: Path  # the file that was read: of a folder with runs, the one that says most
     format: str
     tables: dict[str, dict[str, Column]]  # empty for a format whose names have fixed meanings
     text: TextFormat | None  # how the lines of a text are written
@@ -38,14 +40,12 @@ def read_source(source: Path) -> SourceTables:
     if format_ == 'folder':
         if folders := list_run_folders(path):
             note = f'The {len(folders)} folders of {source.name} are runs with the same tables.'
-            first = read_source(folders[0])
-            return first._replace(notes=[note, *first.notes])
+            return _read_richest_run(folders, note)
         files = list_run_files(path)
         kinds = {detect_format(file) for file in files}
         if len(files) == 1 or (len(kinds) == 1 and _have_same_columns(files)):
             note = f'The {len(files)} files of {source.name} are runs with the same columns.'
-            first = read_source(files[0])
-            return first._replace(notes=[note, *first.notes])
+            return _read_richest_run(files, note)
         if not kinds <= {*COLUMNS}:
             raise BadInput(
                 f"Folder '{source}' has files of different formats ({', '.join(sorted(kinds))}), "
@@ -58,6 +58,31 @@ def read_source(source: Path) -> SourceTables:
         return SourceTables(path, format_, tables, detect_text_format(path), notes)
     tables, notes = read_folder(path) if format_ == 'folder' else read_table_file(path)
     return SourceTables(path, format_, tables, None, notes)
+
+
+def _read_richest_run(runs: Sequence[Path], note: str) -> SourceTables:
+    """Return the run in which most columns change: one without commands says little of them."""
+    longest = sorted(runs, key=measure_size, reverse=True)[:LOOKED_AT]
+    richest = max((read_source(run) for run in longest), key=count_changing_columns)
+    said = [note]
+    if richest.tables:
+        said.append(f'Drafted from {richest.path.name}, in which most columns change.')
+    return richest._replace(notes=[*said, *richest.notes])
+
+
+def count_changing_columns(source: SourceTables) -> int:
+    """Return the number of columns with more than one value."""
+    return sum(
+        bool(len(column) and (column != column[0]).any())
+        for table in source.tables.values()
+        for column in table.values()
+    )
+
+
+def measure_size(path: Path) -> int:
+    """Return the size of a log, which may be a folder of files. [bytes]"""
+    files = path.rglob('*') if path.is_dir() else [path]
+    return sum(file.stat().st_size for file in files if file.is_file())
 
 
 def _have_same_columns(files: list[Path]) -> bool:

@@ -17,7 +17,8 @@ fixed pattern, as momentum-driven jets do; only full thrust was computed.
 
 Source of both: simulated actuator disks below a mylar balloon of 1 m (OpenFOAM 1912, steady
 k-omega SST, 62 to 72 thousand cells; thrust within 1 %, suction within 13 % of a finer mesh). Not
-modelled: flight speed, and the lower thrust of a reversed propeller itself.
+modelled: flight speed. `reverse_i` also has the lower thrust of a reversed propeller itself, from
+`thrust_curve.reverse` of the vehicle file or from a calibration.
 """
 
 from collections.abc import Mapping
