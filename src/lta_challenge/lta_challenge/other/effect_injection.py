@@ -149,7 +149,7 @@ def true_values(
         if effect == 'quadratic_drag':
             # The parameter of the library is the total quadratic drag
             number += truth.drag[hiding.axis or 0]
-        elif effect in ('cg_height', 'cg_offset', 'rotational_drag'):
+        elif effect in ('cg_height', 'cg_offset'):
             number -= begun  # the library defines these relative to the vehicle file
         elif knob in SHARES:
             # Field: remaining share; parameter: lost share

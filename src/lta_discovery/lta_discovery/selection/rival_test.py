@@ -5,7 +5,8 @@ A confirmed candidate may only be the nearest match of an effect outside the lib
 withdrawn if a generic rival explains clearly more (for a motion effect: more at all) and leaves it
 little evidence. At the end of the search it is also withdrawn if large structured forces remain on
 all its axes, or are much larger than a motion effect; and, if anything remains, if its evidence is
-weak, its sides disagree, or it is a motion effect that leaves more than it explains.
+weak, its sides disagree, it is a motion effect that leaves more than it explains, or forces far
+above the noise remain on all its axes and it is not credible beside them.
 """
 
 from collections.abc import Mapping, Sequence
@@ -47,6 +48,9 @@ FAINT: Final = 24.0  # nats; a name with less evidence is withdrawn if anything 
 # Nats; with more, a motion effect may leave more than it explains; another effect may, with more
 # than this on each side, stand beside any remainder.
 SURE: Final = 80.0
+# Noise floors; a name with such remainders on all its axes has to be credible even if they follow
+# nothing, as fast oscillations do.
+DROWNED: Final = 20.0
 AGREED: Final = 2.5  # standard deviations; largest difference of the sides if anything remains
 
 
@@ -172,9 +176,11 @@ class RivalTest:
             return True
         if leaves_larger_remainder(name, acts, floors, final) and sum(gains) < SURE:
             return True
-        aside = leaves_remainder_unchanged(
-            floors, self._relative_deviations(then)
-        ) and is_credible(name, gains, differs)
+        credible = is_credible(name, gains, differs)
+        if acts.any() and final[acts].min() > DROWNED and not credible:
+            return True
+        unchanged = leaves_remainder_unchanged(floors, self._relative_deviations(then))
+        aside = unchanged and credible
         if aside or not structured or self._is_unrivalled(name, before, gains, differs):
             return False
         whole = differs < PART and has_no_remainder(acts, final) and min(gains) > LARGER

@@ -1,9 +1,11 @@
 """
 Describe the force that remains with all named effects: axis, size, and state terms it follows.
 
-An axis counts if the deviation of its latent wrench exceeds the noise floor. The terms it follows
-are learned on one side of the flights and have to hold on the other. A share of variance that
-transfers is structure; without it the force is gusts or noise.
+An axis counts if the deviation of its latent wrench exceeds the noise floor. That deviation is
+the parameter of a random process with a fixed memory, so a force that changes more slowly is
+larger, and a faster one smaller: the reported size is that of the force itself. The terms it
+follows are learned on one side of the flights and have to hold on the other. A share of variance
+that transfers is structure; without it the force is gusts or noise.
 """
 
 from collections.abc import Sequence
@@ -32,7 +34,7 @@ class Remainder(NamedTuple):
     """Unexplained force on one axis."""
 
     axis: str  # 'surge' to 'yaw'
-    # Standard deviation of the latent force [N] or moment [N m]: geometric mean of the flights
+    # Standard deviation of the force [N] or moment [N m] over time: root mean square of flights
     size: float
     floors: float  # the same by the noise floor
     # Generic terms of the measured state, the strongest first; empty if none transfers
@@ -45,6 +47,16 @@ def latent_at_knots(fit: FlightFit) -> Array:
     random = fit.pieces.solve_unknowns(fit.deviations, np.zeros(len(fit.linear.names)))
     latent = random[:, WIDTH:-1].reshape(-1, AXES, fit.linear.knots)
     return np.swapaxes(latent, 1, 2).reshape(-1, AXES)
+
+
+def measure_latent_spread(fit: FlightFit) -> Array:
+    """Return the standard deviation of the latent wrench over a flight, shape (6,). [N, N m]"""
+    inverse = fit.pieces.solve_latent(fit.deviations).inverse
+    unsure = np.diagonal(inverse, axis1=1, axis2=2).reshape(-1, AXES, fit.linear.knots)
+    # The most probable force is smoother than the force: add its mean uncertainty. The mean over
+    # time does not count, as lift and trim errors absorb it.
+    spread: Array = np.sqrt(np.var(latent_at_knots(fit), axis=0) + unsure.mean(axis=(0, 2)))
+    return spread
 
 
 def states_at_knots(flight: FlightLinearizer, fit: FlightFit) -> Array:
@@ -142,15 +154,17 @@ def find_unexplained_forces(
     every = [each.deviations for side in fits for each in side]
     # Geometric mean of the flights
     together = np.exp(np.mean(np.log(every), axis=0))
-    out, known = [], None
+    out: list[Remainder] = []
+    if not np.any(together > clear * floor):
+        return out  # only computed if some axis has a remainder
+    states, knots = _collect_knots(flights, fits)
+    spreads = [measure_latent_spread(each) for side in fits for each in side]
+    sizes = np.sqrt(np.mean(np.square(spreads), axis=0))
     for k, axis in enumerate(NAMES):
-        floors = float(together[k] / floor[k])
-        if floors > clear:
-            # Only computed if some axis has a remainder
-            known = known or _collect_knots(flights, fits)
-            states, knots = known
+        if together[k] > clear * floor[k]:
             follows, share = select_terms(states, [each[:, k] for each in knots])
-            out.append(Remainder(axis, float(together[k]), floors, follows, share))
+            size = float(sizes[k])
+            out.append(Remainder(axis, size, size / float(floor[k]), follows, share))
     return sorted(out, key=lambda one: -one.floors)
 
 

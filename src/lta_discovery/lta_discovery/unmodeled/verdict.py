@@ -15,7 +15,7 @@ from lta_discovery.unmodeled.generic_terms import CONSTANT
 from lta_discovery.unmodeled.oscillation import dominant_oscillations, LatentOscillation
 from lta_discovery.unmodeled.rivals import GenericRival
 from lta_discovery.unmodeled.spectral_line import SpectralLine
-from lta_discovery.unmodeled.unexplained_force import CARRIED, CLEAR, Remainder
+from lta_discovery.unmodeled.unexplained_force import CARRIED, Remainder
 from lta_model.effects.protocol import AXES as NAMES
 import numpy as np
 from numpy.typing import NDArray
@@ -96,11 +96,7 @@ def decide_verdict(
         'none', 'named', 'unexplained' or 'named+unexplained'.
 
     """
-    more = (
-        bool(lines)
-        or bool(select_evident_rivals(rivals))
-        or any(one.floors > CLEAR for one in remains)
-    )
+    more = bool(lines) or bool(select_evident_rivals(rivals)) or bool(remains)
     if named:
         return 'named+unexplained' if more else 'named'
     return 'unexplained' if more else 'none'

@@ -157,6 +157,7 @@ def test_a_name_that_won_little_is_withdrawn_beside_anything(
     assert gone(20.0, 3.0) == ('helium_leak.rate',)
     assert gone(20.0, 2.0) == ()  # nothing remains
     assert gone(28.0, 3.0) == ()  # it won enough
+    assert gone(28.0, 21.0) == ('helium_leak.rate',)  # not beside a force that drowns it
 
     def of_a_sensor(won: float, floors: float) -> tuple[str, ...]:
         then = replace(joint, evidence=joint.evidence + 0.5 * won, deviations=floors * FLOOR)

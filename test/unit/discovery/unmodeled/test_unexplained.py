@@ -11,6 +11,7 @@ from lta_discovery.unmodeled import unexplained_force
 from lta_discovery.unmodeled.unexplained_force import (
     find_unexplained_forces,
     latent_at_knots,
+    measure_latent_spread,
     select_terms,
     state_terms,
     states_at_knots,
@@ -68,7 +69,13 @@ def test_turbulence_remains_on_the_axes_that_it_pushes(gtmab: Known) -> None:
     ]
     left = find_unexplained_forces([[one] for one in flights], [[one] for one in fits])
     assert {'surge', 'sway'} <= {one.axis for one in left}
+    together = {
+        axis: np.exp(np.mean([np.log(each.deviations[k]) for each in fits]))
+        for k, axis in enumerate(AXES)
+    }
     for one in left:
+        # Air with a memory like that of the model: both measures agree
+        assert one.size == pytest.approx(together[one.axis], rel=0.35)
         assert one.size == pytest.approx(one.floors * FLOOR[AXES.index(one.axis)])
 
 
@@ -91,6 +98,28 @@ def test_knots_have_a_row_for_each_knot_of_each_piece_and_a_column_for_each_axis
         assert knots[9 * piece + knot, axis] == RANDOM * piece + 12 + 9 * axis + knot
     assert asked[0][0] == 'these'
     np.testing.assert_array_equal(asked[0][1], np.zeros(3))
+
+
+def test_the_spread_of_a_force_is_that_over_time_and_its_uncertainty(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """
+    The most probable force of an axis k is k, then k + 6: its variance is 9, whatever its mean.
+
+    Two pieces of one knot each have variances of 16 and 16, or 0 and 32 on the last axis.
+    """
+    inverse = np.zeros((2, 6, 6))
+    inverse[:, range(6), range(6)] = 16.0
+    inverse[:, 5, 5] = 0.0, 32.0
+    fitted = SimpleNamespace(
+        pieces=SimpleNamespace(solve_latent=lambda _: SimpleNamespace(inverse=inverse)),
+        deviations=None,
+        linear=SimpleNamespace(knots=1),
+    )
+    monkeypatch.setattr(
+        unexplained_force, 'latent_at_knots', lambda fit: np.arange(12.0).reshape(2, 6)
+    )
+    np.testing.assert_allclose(measure_latent_spread(fitted), np.full(6, 5.0))
 
 
 def test_states_are_taken_at_nine_evenly_spaced_knots_of_each_piece() -> None:
@@ -165,12 +194,22 @@ def test_a_term_that_explains_one_flight_alone_is_not_followed(
 def test_an_axis_counts_if_the_mean_of_all_flights_is_above_2_5_floors(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """The geometric means of the two sides are 2.449, 2.550, 3, 10, 1 and 2.49 floors."""
+    """
+    The geometric means of the two sides are 2.449, 2.550, 3, 10, 1 and 2.49 floors.
+
+    The reported size is the root mean square of the sides' own spread.
+    """
     sizes = ([1.0, 1.3, 9.0, 4.0, 1.0, 2.49], [6.0, 5.0, 1.0, 25.0, 1.0, 2.49])
     fits = [[SimpleNamespace(deviations=np.array(size) * FLOOR)] for size in sizes]
     knots = [np.arange(12.0).reshape(2, 6), np.arange(12.0, 24.0).reshape(2, 6)]
     monkeypatch.setattr(
         unexplained_force, '_collect_knots', lambda flights, fits: (['states'], knots)
+    )
+    # 3 and 4 floors on the two sides: a root mean square of 12.5 ** 0.5
+    monkeypatch.setattr(
+        unexplained_force,
+        'measure_latent_spread',
+        lambda fit: (3.0 if fit is fits[0][0] else 4.0) * np.arange(1.0, 7.0) * FLOOR,
     )
     asked = []
     monkeypatch.setattr(
@@ -180,10 +219,11 @@ def test_an_axis_counts_if_the_mean_of_all_flights_is_above_2_5_floors(
     )
     found = find_unexplained_forces([[], []], fits)
     assert [one.axis for one in found] == ['roll', 'heave', 'sway']
-    np.testing.assert_allclose([one.floors for one in found], [10.0, 3.0, 6.5**0.5])
-    np.testing.assert_allclose([one.size for one in found], [8e-4, 12e-4, 4e-4 * 6.5**0.5])
+    floors = 12.5**0.5 * np.array([4.0, 3.0, 2.0])
+    np.testing.assert_allclose([one.floors for one in found], floors)
+    np.testing.assert_allclose([one.size for one in found], floors * [8e-5, 4e-4, 4e-4])
     assert [[each.tolist() for each in forces] for forces in asked] == [
         [[k, k + 6.0], [k + 12.0, k + 18.0]] for k in (1.0, 2.0, 3.0)
     ]
     lower = find_unexplained_forces([[], []], fits, 0.5 * FLOOR, 4.95)
-    assert [one.axis for one in lower] == ['roll', 'heave', 'sway', 'yaw']
+    assert [one.axis for one in lower] == ['yaw', 'roll', 'heave', 'sway']
