@@ -157,7 +157,7 @@ def light_link(folder, call):
 def evaluate(folder, call):
     (folder / 'near.yaml').write_text(yaml.safe_dump(NEAR))
     near = FlightSet(str(folder / 'near.yaml'), 'Near', 'From close by.')
-    factors = {**NEAR, 'vary': {'strategy': ['bag']}, 'cases': dict.fromkeys(FACTORS, {})}
+    factors = {**NEAR, 'vary': {'strategy': ['bag']}, 'cases': {name: {} for name in FACTORS}}
     (folder / 'factors.yaml').write_text(yaml.safe_dump(factors))
     changed = FlightSet(str(folder / 'factors.yaml'), 'Factors', 'One changed at a time.')
     with pytest.MonkeyPatch.context() as patched:

@@ -62,13 +62,12 @@ def check_plan(plan: LaunchPlan) -> None:
 def check_names(plan: LaunchPlan) -> None:
     """Reject two nodes of one name, which would answer in each other's place."""
     counts = Counter((process.namespace, process.name) for process in plan.processes)
-    (namespace, name), count = counts.most_common(1)[0]
-    if count > 1:
-        full = f'{namespace.rstrip("/")}/{name}'
-        raise BadInput(
-            f"{count} nodes have the name '{full}'; give each robot a namespace of its own, or "
-            'each node another name.'
-        )
+    for (namespace, name), count in counts.items():
+        if count > 1:
+            raise BadInput(
+                f"{count} nodes have the name '{namespace.rstrip('/')}/{name}'; give each robot a "
+                'namespace of its own, or each node another name.'
+            )
 
 
 def check_landing_time(plan: LaunchPlan) -> None:

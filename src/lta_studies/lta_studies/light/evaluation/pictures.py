@@ -208,7 +208,11 @@ def plot_factors(cells: Sequence[EvaluationCell]) -> Figure:
         tickvals=list(range(len(cases))), range=[len(cases) - 0.5, -0.5],
         ticktext=[wrap_text(labels.label_factor(case)) for case in cases],
     )  # fmt: skip
-    return figure.update_layout(template=TEMPLATE).update_layout(LAYOUT)
+    return (
+        figure.update_layout(template=TEMPLATE)
+        .update_layout(LAYOUT)
+        .update_layout(margin={'l': 122})
+    )
 
 
 def lay_down(markers: Scatter) -> Scatter:
