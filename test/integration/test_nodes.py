@@ -364,7 +364,7 @@ def test_a_flight_in_real_time_is_open_to_people(lta, peer, flying, hear, tmp_pa
     # An error that is over before the terminal looks is not told there; in which order is chance.
     # What comes after it is what a slow machine says.
     may = (
-        'simulator: invalid motor command with the duties [1.0, 1.0]', 'Waiting for ',
+        'Bag  ', 'simulator: invalid motor command with the duties [1.0, 1.0]', 'Waiting for ',
         'recorder: the disk is slow', 'No messages arrive from ',
     )  # fmt: skip
     assert {line for line in told if not line.startswith(may)} == {

@@ -23,6 +23,7 @@ from lta_report.screenshots import (
     open_page,
     resize_window,
 )
+from lta_studies.light.evaluation.labels import FACTORS
 from lta_studies.light.evaluation.sets import FlightSet, SETS
 from lta_studies.tune import evaluation, helium_limit
 from lta_studies.tune.lamp_flight import LampFlightResult
@@ -156,9 +157,12 @@ def light_link(folder, call):
 def evaluate(folder, call):
     (folder / 'near.yaml').write_text(yaml.safe_dump(NEAR))
     near = FlightSet(str(folder / 'near.yaml'), 'Near', 'From close by.')
+    factors = {**NEAR, 'vary': {'strategy': ['bag']}, 'cases': {name: {} for name in FACTORS}}
+    (folder / 'factors.yaml').write_text(yaml.safe_dump(factors))
+    changed = FlightSet(str(folder / 'factors.yaml'), 'Factors', 'One changed at a time.')
     with pytest.MonkeyPatch.context() as patched:
-        for name in ('indoors', 'ablations'):
-            patched.setitem(SETS, name, near)
+        patched.setitem(SETS, 'indoors', near)
+        patched.setitem(SETS, 'ablations', changed)
         words = ('--sets', 'indoors', 'ablations', '--seeds', '1', '--workers', '1')
         call('light', 'evaluate', *words, '--out', folder / 'out')
     (folder / 'out' / 'report.html').rename(folder / 'report.html')
@@ -196,7 +200,25 @@ def replay(folder, call):
     write_report(build_report(played, found, order, stored.provenance), folder)
 
 
+def run_quickly(*words):
+    """Return what makes the page of a command that writes it into its folder of results."""
+
+    def make(folder, call):
+        call(*words, '--out', folder / 'out')
+        (folder / 'out' / 'report.html').rename(folder / 'report.html')
+
+    return make
+
+
 PAGES = {
+    'hover': run_quickly('energy', 'hover', '--quick'),
+    'budget': run_quickly('energy', 'budget', '--quick'),
+    'mounting': run_quickly('energy', 'mounting', '--quick', '--mount', 'side'),
+    'cfd': run_quickly('cfd', 'run', '--quick'),
+    'tests_plan': run_quickly('tests', 'plan', 'gtmab'),
+    'mission': run_quickly('mission', '--seeds', '1', '--workers', '1'),
+}
+PAGES |= {
     made.__name__: made
     for made in (
         flight, plot, vehicle, sweep, wind, light_plan, light_link, bearing, study, platforms,
@@ -214,6 +236,12 @@ def typed(*words):
 
 # What takes long to make; the report that all share is looked at on the other pages.
 LONG = (
+    'hover',
+    'budget',
+    'mounting',
+    'cfd',
+    'tests_plan',
+    'mission',
     'sweep',
     'wind',
     'light_link',

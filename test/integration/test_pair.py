@@ -50,6 +50,11 @@ def pair(lta, scenario, tmp_path):
     result = lta.run('launch', 'pair', f'scenario:={scenario(**GOALS)}', f'bag:={bag}', *words)
     assert result.returncode == 0, result.stderr
     assert 'Traceback' not in result.stderr
+    assert f'\nBag  {bag}  (its messages: ' in result.stdout
+    for robot in ('lta1', 'lta2'):
+        page = tmp_path / f'report-{robot}.html'
+        assert f'\nPage {page}  (' in result.stdout
+        assert page.is_file()
     return bag, verdicts(result.stdout)
 
 

@@ -1,5 +1,6 @@
 """Check the nodes of a launch plan before any of them starts."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
@@ -52,9 +53,21 @@ def check_plan(plan: LaunchPlan) -> None:
             # A parameter file, which is not read here, may set others
             if FILE_OPTION not in process.arguments:
                 check_node(process.executable, process.namespace.strip('/'), values)
+    check_names(plan)
     check_launched_demodulators(plan)
     check_landing_time(plan)
     check_snapshots(plan)
+
+
+def check_names(plan: LaunchPlan) -> None:
+    """Reject two nodes of one name, which would answer in each other's place."""
+    counts = Counter((process.namespace, process.name) for process in plan.processes)
+    for (namespace, name), count in counts.items():
+        if count > 1:
+            raise BadInput(
+                f"{count} nodes have the name '{namespace.rstrip('/')}/{name}'; give each robot a "
+                'namespace of its own, or each node another name.'
+            )
 
 
 def check_landing_time(plan: LaunchPlan) -> None:

@@ -16,6 +16,11 @@ def offset_start(scenario: Scenario, x: float, y: float) -> Scenario:
     """
     if x == 0.0 and y == 0.0:
         return scenario
+    if not (abs(x) <= FAR and abs(y) <= FAR):  # false for NaN too
+        raise BadInput(
+            f'The start offset is {x:g}, {y:g} m; give an offset_x and an offset_y from '
+            f'{-FAR:g} to {FAR:g}.'
+        )
     before = scenario.start.position.vector
     place = before[0] + x, before[1] + y
     start = scenario.start.model_copy(

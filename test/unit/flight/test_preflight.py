@@ -55,6 +55,10 @@ REAL = {'source': 'crazyflie', 'robot': 'lta1'}
             'folder.',
         ),
         (
+            {'offset_x': 'nan'},
+            'The start offset is nan, 0 m; give an offset_x and an offset_y from -1000 to 1000.',
+        ),
+        (
             {'split_size': '-1.0'},
             'recorder: parameter split_size is -1.0, but must be at least 0.',
         ),
@@ -214,3 +218,11 @@ def test_a_demodulator_that_is_set_to_the_lamp_hears_it(other):
             continue
         with pytest.raises(BadInput, match='flickers at 230 Hz'):
             check_plan(plan)
+
+
+def test_two_nodes_of_one_name_are_refused():
+    pair = find_file('launch file', 'pair', '.launch.yaml')
+    check_plan(load_plan(pair, {}))
+    with pytest.raises(BadInput) as caught:
+        check_plan(load_plan(pair, {'robot2': 'lta1'}))
+    assert str(caught.value).startswith("2 nodes have the name '/lta1/simulator'; give each robot")

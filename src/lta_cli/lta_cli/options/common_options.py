@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 import json
+import os
 from pathlib import Path
 import sys
 from typing import Annotated, Any
@@ -17,6 +18,7 @@ VehicleName = Annotated[
         metavar='VEHICLE', help='Name of a shipped vehicle, or path of a vehicle file.'
     ),
 ]
+UNLIMITED = 10_000  # columns; wider than any table
 # JSON goes to stdout, tables then go to stderr
 Json = Annotated[bool, typer.Option('--json', help='Print the results as JSON.')]
 
@@ -90,6 +92,9 @@ def plain_console(stderr: bool = False) -> Console:
     Return a console that does not interpret markup.
 
     Names in recordings and files may contain text that rich takes for a style, and an unknown
-    style raises an error.
+    style raises an error. Into a file or a pipe, a table takes the width that it needs.
     """
-    return Console(stderr=stderr, markup=False, emoji=False)
+    console = Console(stderr=stderr, markup=False, emoji=False)
+    if not console.is_terminal and 'COLUMNS' not in os.environ:
+        console.width = UNLIMITED
+    return console

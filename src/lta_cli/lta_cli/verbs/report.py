@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Annotated
 
 from lta_cli.options.common_options import check_picture_output, Pictures, plain_console
+from lta_config.errors import BadInput
 from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.reader import read_bag
 from lta_data.bag.recorded_flight import select_robot
@@ -33,7 +34,10 @@ def report(
     Example: lta report pair/bag --robot lta2
     """
     bag = find_bag(bag)
-    select_robot(read_bag(bag), robot)  # raises BadInput before any folder is created
+    stored = read_bag(bag)
+    select_robot(stored, robot)  # raises BadInput before any folder is created
+    if next(stored.iterate_messages(), None) is None:
+        raise BadInput(f"'{bag}' contains no message to report on; choose another bag.")
     # Several robots of a bag must not overwrite each other's page
     name = 'report.html' if robot is None else f'report-{robot}.html'
     page = (out or bag.absolute().parent / name).absolute()

@@ -252,11 +252,16 @@ class GraphNode(SharingNode):
             self.publish_health()
 
     def _warn_missing_inputs(self, now: float) -> None:
-        """Log once which inputs have never arrived, for a user who started this node alone."""
+        """Log once which inputs nobody publishes, for a user who started this node alone."""
         if self._lonely_from is None or now < self._lonely_from:
             return
         self._lonely_from = None
-        absent = [name for name in self._inputs if name not in self._heard]
+        # Who publishes is there, and only slow: a vehicle that compiles, a busy machine
+        absent = [
+            name
+            for name in self._inputs
+            if name not in self._heard and not self.count_publishers(name)
+        ]
         if absent:
             sources = sorted({self.table[name].source for name in absent})
             self.get_logger().warning(

@@ -3,7 +3,7 @@
 import math
 from typing import Final
 
-from lta_energy.break_even_illuminance import LAMPS
+from lta_energy.break_even_illuminance import LAMPS, MOST
 from lta_report.drawing import add_legend, create_figure
 from lta_report.formatting import Tile
 from lta_report.palette import ESTIMATE, GOOD, LAMP, TRUTH, WALL
@@ -11,6 +11,7 @@ from lta_report.report import Picture, Report, TextSection, TextTable
 from lta_studies.energy.break_even.study import BreakEvenMap, format_klux
 from plotly.graph_objects import Figure, Scatter
 
+LIGHTS: Final = ('steady white LED light', 'flickering white LED light', 'sunlight')  # of LAMPS
 COLOURS: Final = (TRUTH, ESTIMATE, LAMP, GOOD)
 ABOUT: Final = (
     'Power of the solar array and its charger, from 300 lx in a warehouse to full sun, '
@@ -54,11 +55,14 @@ def build_report(result: BreakEvenMap) -> Report:
 def format_headline(result: BreakEvenMap) -> str:
     """Return the headline."""
     lux = [result.break_even_lux(result.arrays[0], lamp, result.loads['idle']) for lamp in LAMPS]
-    return (
-        f'{result.vehicle} can idle indefinitely at {format_klux(lux[0])} klx of steady '
-        f'white LED light, {format_klux(lux[1])} klx of flickering white LED light, or '
-        f'{format_klux(lux[2])} klx of sunlight.'
-    )
+    needed = [
+        f'{format_klux(each)} klx of {name}'
+        for each, name in zip(lux, LIGHTS, strict=True)
+        if math.isfinite(each) and each <= MOST
+    ]
+    if not needed:
+        return f'{result.vehicle} cannot idle indefinitely at any illuminance.'
+    return f'{result.vehicle} can idle indefinitely at {", or at ".join(needed)}.'
 
 
 def build_tiles(result: BreakEvenMap) -> list[Tile]:

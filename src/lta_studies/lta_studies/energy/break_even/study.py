@@ -116,5 +116,5 @@ def compute_break_even_map(vehicle: Vehicle, cells: Sequence[str], budget: float
 
 
 def format_klux(lux: float) -> str:
-    """Format an illuminance [lx] in klx, or 'never'."""
+    """Format an illuminance [lx] in klx, without the unit, or 'never'."""
     return 'never' if lux > MOST else f'{lux / 1e3:.1f}'

@@ -6,13 +6,14 @@ import math
 from typing import Any, Final
 
 from lta_flight.sweep.statistics import ShareInterval
-from lta_report.drawing import create_figure
+from lta_report.drawing import create_figure, TEMPLATE
 from lta_report.palette import ESTIMATE, GOOD, INK, LAMP, PAPER, SOFT, TIME, TRUTH
 from lta_studies.light.evaluation import labels, paper, pilot
 from lta_studies.light.evaluation.cells import EvaluationCell, select_pilot_cells
 from lta_studies.light.evaluation.intervals import BootstrapMean
 from lta_studies.light.evaluation.sets import EvaluationAxis
 from plotly.graph_objects import Figure, Scatter
+from plotly.subplots import make_subplots
 
 COLOURS: Final[Mapping[str, str]] = {
     'bag': TRUTH, 'dga': LAMP, 'des': ESTIMATE, 'homing': GOOD, pilot.NAME: SOFT,
@@ -188,22 +189,39 @@ def offset_marker_positions(
 
 
 def plot_factors(cells: Sequence[EvaluationCell]) -> Figure:
-    """Plot the mean path of each strategy with one factor changed at a time."""
-    figure = create_figure(2, [0.62, 0.38])
+    """Plot the mean path of each strategy with one factor changed at a time, a line for each."""
+    figure = make_subplots(rows=1, cols=2, shared_yaxes=True, column_widths=[0.62, 0.38])
     cases = list(dict.fromkeys(cell.case for cell in cells))
     for name, line in group_by_strategy(cells).items():
-        x = [cases.index(cell.case) + 0.09 * strategy_offset(name) for cell in line]
-        paths = [cell.mean('path_length') for cell in line]
-        figure.add_trace(build_markers(name, x, paths, joined=False, legend=True), row=1, col=1)
-        shares = [cell.reached_share for cell in line]
-        figure.add_trace(build_markers(name, x, shares, joined=False, legend=False), row=2, col=1)
-    figure.update_yaxes(title_text='path [m]', rangemode='tozero', row=1)
-    set_share_axis(figure, 2)
+        places = [cases.index(cell.case) + 0.09 * strategy_offset(name) for cell in line]
+        for column, values in enumerate(
+            ([cell.mean('path_length') for cell in line], [cell.reached_share for cell in line]),
+            start=1,
+        ):
+            markers = build_markers(name, places, values, joined=False, legend=column == 1)
+            figure.add_trace(lay_down(markers), row=1, col=column)
+    figure.update_xaxes(title_text='path [m]', rangemode='tozero', col=1)
     figure.update_xaxes(
-        tickvals=list(range(len(cases))), range=[-0.5, len(cases) - 0.5],
+        title_text='reached', range=[-0.06, 1.06], tickvals=[0, 0.5, 1], tickformat='.0%', col=2
+    )
+    figure.update_yaxes(
+        tickvals=list(range(len(cases))), range=[len(cases) - 0.5, -0.5],
         ticktext=[wrap_text(labels.label_factor(case)) for case in cases],
     )  # fmt: skip
-    return figure.update_layout(LAYOUT).update_layout(margin={'b': 64})
+    return (
+        figure.update_layout(template=TEMPLATE)
+        .update_layout(LAYOUT)
+        .update_layout(margin={'l': 122})
+    )
+
+
+def lay_down(markers: Scatter) -> Scatter:
+    """Return markers with x and y exchanged."""
+    across = markers.to_plotly_json()
+    across['x'], across['y'] = across['y'], across['x']
+    across['error_x'] = across.pop('error_y')
+    across['hovertemplate'] = '%{x:.3~g}'
+    return Scatter(across)
 
 
 def wrap_text(text: str, width: int = 16) -> str:

@@ -208,7 +208,9 @@ def draw_set(name: str, cells: Sequence[EvaluationCell]) -> Picture:
         pictures.plot_factors(cells) if part.axis is None
         else pictures.plot_along_axis(cells, part.axis)
     )  # fmt: skip
-    return Picture(name, part.title, part.about, figure, height=640 if name == UNIFORM else 430)
+    return Picture(
+        name, part.title, part.about, figure, height=640 if name in {UNIFORM, ABLATIONS} else 430
+    )
 
 
 def build_tables(

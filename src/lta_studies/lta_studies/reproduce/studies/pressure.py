@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 import math
+import textwrap
 from typing import Final
 
 from lta_config.command_line import format_lta_command
@@ -109,16 +110,24 @@ def plot_pressures(values: Mapping[str, MeasuredValue]) -> Figure:
         ('Paper: BEAVIS', PAPER['BEAVIS'], ESTIMATE),
         ('Paper: GT-MAB', PAPER['GT-MAB'], ESTIMATE),
     ]
-    names, sizes, colours = zip(*rows, strict=True)
+    titles, sizes, colours = zip(*rows, strict=True)
+    names = [wrap_label(title) for title in titles]
     figure = create_figure()
     figure.add_trace(
         Bar(x=sizes, y=names, orientation='h', marker={'color': colours},
             text=[f'{each:.3g} Pa' for each in sizes], textposition='outside',
             cliponaxis=False, hovertemplate='%{x:.3g} Pa<extra></extra>')
     )  # fmt: skip
-    figure.update_xaxes(type='log', title_text='pressure [Pa]', dtick=1, range=[-1.2, 3.2])
+    figure.update_xaxes(
+        type='log', title_text='pressure [Pa]', dtick=1, tickangle=0, range=[-1.2, 3.2]
+    )
     figure.update_yaxes(autorange='reversed', automargin=True, showgrid=False, ticksuffix=' ')
     return figure.update_layout(hovermode='closest', margin={'r': 40})
+
+
+def wrap_label(text: str) -> str:
+    """Return a label in short lines, so that a phone shows it beside its bar."""
+    return '<br>'.join(textwrap.wrap(text, 20))
 
 
 def plot_underside(hull: SurfacePressure) -> Figure:

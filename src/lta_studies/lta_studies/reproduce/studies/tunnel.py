@@ -22,7 +22,7 @@ POINTS: Final = (
     'fitted linear and quadratic terms. Dotted: analytical estimate.'
 )
 MATRIX: Final = (
-    'Matrix B of the vehicle files, one column per rotor: force and moment about the hull '
+    'Matrix B of the vehicle files, one row per rotor: force and moment about the hull '
     'centre per newton of thrust, including jets on the hull.'
 )
 
@@ -59,24 +59,24 @@ def plot_drag_and_matrices(
 
 
 def plot_matrices(vehicles: Mapping[str, Vehicle]) -> Figure:
-    """Plot B of each vehicle side by side, with the numbers in the cells."""
+    """Plot B of each vehicle, a row for each rotor, with the numbers in the cells."""
     names: list[str] = []
-    columns: list[Sequence[float]] = []
+    rows: list[Sequence[float]] = []
     for title, vehicle in vehicles.items():
-        names += [f'{title}<br>{name.replace("_", "<br>")}' for name in vehicle.rotor_names]
-        columns += vehicle.allocation
-    # Shape (6, rotors), as B is written in the paper
-    values = np.array(columns).T
+        names += [f'{title} {name.replace("_", " ")}' for name in vehicle.rotor_names]
+        rows += vehicle.allocation
+    # Shape (rotors, 6): the transpose of B as the paper writes it, as names need a row each
+    values = np.array(rows)
     # Cells that round to zero stay empty.
     written = [[f'{each:.2f}' if round(abs(each), 2) else '' for each in row] for row in values]
     figure = create_figure()
     figure.add_trace(
         Heatmap(
-            x=names, y=list(WRENCH), z=values.tolist(), zmin=-1.0, zmax=1.0, showscale=False,
+            x=list(WRENCH), y=names, z=values.tolist(), zmin=-1.0, zmax=1.0, showscale=False,
             colorscale=[[0.0, ESTIMATE], [0.5, PAPER], [1.0, TRUTH]], xgap=2, ygap=2,
             text=written, texttemplate='%{text}',
-            hovertemplate='%{x}: %{y} %{z:.3f}<extra></extra>',
+            hovertemplate='%{y}: %{x} %{z:.3f}<extra></extra>',
         )
     )  # fmt: skip
-    figure.update_xaxes(tickangle=0, automargin=True)
-    return figure.update_yaxes(autorange='reversed')
+    figure.update_xaxes(tickangle=0)
+    return figure.update_yaxes(autorange='reversed', automargin=True)
