@@ -194,11 +194,12 @@ def plot_factors(cells: Sequence[EvaluationCell]) -> Figure:
     cases = list(dict.fromkeys(cell.case for cell in cells))
     for name, line in group_by_strategy(cells).items():
         places = [cases.index(cell.case) + 0.09 * strategy_offset(name) for cell in line]
-        for column, values in enumerate(
-            ([cell.mean('path_length') for cell in line], [cell.reached_share for cell in line]),
-            start=1,
+        lengths = [cell.mean('path_length') for cell in line]
+        shares = [cell.reached_share for cell in line]
+        for column, markers in (
+            (1, build_markers(name, places, lengths, joined=False, legend=True)),
+            (2, build_markers(name, places, shares, joined=False, legend=False)),
         ):
-            markers = build_markers(name, places, values, joined=False, legend=column == 1)
             figure.add_trace(lay_down(markers), row=1, col=column)
     figure.update_xaxes(title_text='path [m]', rangemode='tozero', col=1)
     figure.update_xaxes(
@@ -208,11 +209,8 @@ def plot_factors(cells: Sequence[EvaluationCell]) -> Figure:
         tickvals=list(range(len(cases))), range=[len(cases) - 0.5, -0.5],
         ticktext=[wrap_text(labels.label_factor(case)) for case in cases],
     )  # fmt: skip
-    return (
-        figure.update_layout(template=TEMPLATE)
-        .update_layout(LAYOUT)
-        .update_layout(margin={'l': 122})
-    )
+    figure.update_layout(template=TEMPLATE).update_layout(LAYOUT)
+    return figure.update_layout(margin={'l': 122})
 
 
 def lay_down(markers: Scatter) -> Scatter:
