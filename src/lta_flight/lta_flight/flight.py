@@ -225,11 +225,24 @@ def parse_final_status(
     for item in ended:
         # In one process, others may print after it
         for line in reversed(item.stdout) if item.name in nodes else ():
-            # It may be cut, or not the status at all
-            with suppress(ValueError):
-                if isinstance(said := json.loads(line), dict):
-                    return said
+            if (status := parse_status(line)) is not None:
+                return status
     return None
+
+
+def parse_status(line: str) -> dict[str, str] | None:
+    """Return the final status of a flight in a line that a simulator printed; None in others."""
+    # It may be cut, or not the status at all
+    with suppress(ValueError):
+        if isinstance(said := json.loads(line), dict) and 'outcome' in said:
+            return said
+    return None
+
+
+def describe_status(status: Mapping[str, str]) -> str:
+    """Return a final status in words, to be put after the name of the drone."""
+    place = f'{status["distance_m"]} m from the lamp'
+    return f'{status["sentence"]} after {status["time_s"]} s, {place}'
 
 
 def collect_result(

@@ -1,6 +1,6 @@
 """How a flight went is the simulator's own last word, whatever /diagnostics carried."""
 
-from lta_flight.flight import FLIGHT, parse_final_status, show_status
+from lta_flight.flight import describe_status, FLIGHT, parse_final_status, show_status
 from lta_flight.stall_monitor import GOING, is_flying
 from lta_graph.child_process import ProcessExit
 from lta_graph.health import HealthFact, HealthLevel
@@ -26,6 +26,11 @@ def test_a_simulator_that_died_has_said_nothing():
     )
     assert parse_final_status([ended('simulator', 'Traceback (most recent call last):')]) is None
     assert parse_final_status([ended('simulator', '[1, 2]')]) is None
+
+
+def test_a_launch_prints_the_last_line_in_words():
+    status = {'sentence': 'ran out of time', 'time_s': '5.00', 'distance_m': '6.1'}
+    assert describe_status(status) == 'ran out of time after 5.00 s, 6.1 m from the lamp'
 
 
 @pytest.mark.parametrize(
