@@ -14,10 +14,10 @@ export VEHICLE
 enter := root='$(CURDIR)' && . tools/workspace.sh
 sources := config src test examples tools conftest.py
 
-.PHONY: help demo build contract test test-fast test-long test-packages bench bench-compare flights hops trust wrong-imports calibration-trials same sensitivity classes plan rgblimp crazyflie odometry faults real-firmware firmware rehearsal end-to-end mutation chaos soak docs reference pictures lock check format clean
+.PHONY: help demo build contract test test-fast test-long test-packages bench bench-compare flights hops trust wrong-imports calibration-trials same sensitivity classes plan rgblimp crazyflie odometry faults real-firmware ros2 firmware rehearsal end-to-end mutation chaos soak docs reference pictures lock check format clean
 
 help:  ## show this list
-	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1|\2/p' Makefile | awk -F '|' '{ printf "%-18s %s\n", $$1, $$2 }'
+	@sed -n 's/^\([a-z0-9-]*\):[^#]*## \(.*\)/  make \1|\2/p' Makefile | awk -F '|' '{ printf "%-18s %s\n", $$1, $$2 }'
 
 demo: build  ## fly to the lamp; the last line gives the paths of bag and page
 	@# Robots on a domain share a clock: take the first domain on which nobody of this user flies
@@ -87,6 +87,9 @@ faults: test-environment  ## inject faults into flights of emulated hardware, 20
 
 real-firmware: test-environment  ## run the bridge against the real Crazyflie firmware (FIRMWARE=/path; ARGS='--steps record suite': minutes)
 	@$(enter) && .venv/bin/python test/score/real_firmware.py '$(FIRMWARE)' $(ARGS)
+
+ros2: build  ## install the ros2 command, which the wheels lack: ./ros2 topic echo ... (FROM=where the repositories of ROS 2 are)
+	@tools/ros2cli.sh $(FROM)
 
 firmware: test-environment  ## build both firmware images (FIRMWARE=/path/to/crazyflie-firmware CORES=... ADC=... VEHICLE=gtmab)
 	@$(enter) && .venv/bin/python tools/firmware.py $(ARGS)

@@ -11,7 +11,7 @@ import pytest
 from typer.main import get_command
 
 BLOCKS = blocks()
-TARGETS = set(re.findall(r'^([a-z-]+):', (ROOT / 'Makefile').read_text(), re.MULTILINE))
+TARGETS = set(re.findall(r'^([a-z0-9-]+):', (ROOT / 'Makefile').read_text(), re.MULTILINE))
 LEFT_OUT = re.compile(r'\.\.\.|\$')
 SUFFIX = '.launch.yaml'
 

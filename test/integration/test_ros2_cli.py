@@ -10,6 +10,7 @@ from contextlib import contextmanager
 import os
 from pathlib import Path
 import re
+import shutil
 import subprocess
 from xml.etree import ElementTree
 
@@ -271,6 +272,18 @@ def test_the_commands_of_the_page(ros, tmp_path):
             rate.said('average rate')
         assert 'reached' in ros.run(*run, '--no-bag')
     assert (tmp_path / 'bag/metadata.yaml').exists()
+
+
+def test_make_ros2_installs_the_command(tmp_path, domain_id):
+    for name in ('.venv', 'config', 'install', 'tools'):
+        (tmp_path / name).symlink_to(ROOT / name)
+    command = shutil.copy(ROOT / 'ros2', tmp_path)
+    place = Path(CHECKOUTS).resolve().as_uri()
+    subprocess.run([tmp_path / 'tools/ros2cli.sh', place], check=True)
+    words = (command, 'topic', 'list', '--no-daemon')
+    environment = {**os.environ, 'ROS_DOMAIN_ID': str(domain_id)}
+    done = subprocess.run(words, capture_output=True, text=True, env=environment, check=True)
+    assert '/rosout' in done.stdout.split()
 
 
 @pytest.mark.skipif(

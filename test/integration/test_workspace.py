@@ -229,6 +229,13 @@ def test_node_starts_and_stops(package, executable, installed, environment, watc
     assert 'Traceback' not in log.read_text()
 
 
+def test_the_ros2_command_says_how_to_install_it(tmp_path):
+    command = shutil.copy(Path(__file__).resolve().parents[2] / 'ros2', tmp_path)
+    done = subprocess.run([command, 'topic', 'list'], capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert done.stderr == f"The ros2 command is not installed; run 'make ros2' in {tmp_path}.\n"
+
+
 def test_command_explains_itself(installed, environment, tmp_path):
     command = [installed / 'lta_cli' / 'lib' / 'lta_cli' / 'lta', '--help']
     result = subprocess.run(
