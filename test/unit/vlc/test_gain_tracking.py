@@ -1,5 +1,6 @@
-"""Gains that a turn in front of a lamp teaches, against those that were simulated."""
+"""Gains and exponent that a turn before a lamp teaches, against those that were simulated."""
 
+from dataclasses import replace
 import math
 
 from lta_vlc.demodulation import Peaks
@@ -19,9 +20,9 @@ def array(spread=0.05, gains=(1.0,) * COUNT):
     return DiodeArray(AXES, ((0.0, 0.0, 0.0),) * COUNT, 1.2, gains, spread)
 
 
-def block(angle, spoilt=()):
+def block(angle, spoilt=(), response=1.2):
     """Return the readings of a lamp of 100 counts on 5 of pedestal, and its direction."""
-    facing = np.maximum(np.cos(ANGLES - angle), 0.0) ** 1.2
+    facing = np.maximum(np.cos(ANGLES - angle), 0.0) ** response
     snr = np.full(COUNT, 50.0)
     snr[list(spoilt)] = 0.0
     quiet = np.ones(COUNT)
@@ -39,6 +40,24 @@ def test_a_turn_teaches_all_gains_but_their_mean():
     # A quarter of the prior is left: 5 % against 6 % a block, a diode faces the lamp in a third
     assert np.abs(learnt / relative - 1.0).max() < 0.02
     assert tracker.diodes.spread < 0.025
+
+
+def test_a_turn_teaches_the_exponent_too():
+    tracker = GainTracker(replace(array(), response_deviation=0.5))
+    for k in range(64):
+        tracker.update_gains(*block((k + 0.5) * math.tau / 64, response=2.0))
+    learnt = tracker.diodes
+    # By the readings of oblique diodes, which are known to a tenth and less
+    assert learnt.response == pytest.approx(2.0, abs=0.05)
+    assert 0.01 < learnt.response_deviation < 0.1
+    relative = TRUE / np.exp(np.log(TRUE).mean())
+    assert np.abs(np.array(learnt.gains) / relative - 1.0).max() < 0.02
+
+
+def test_a_file_that_is_sure_of_its_exponent_keeps_it():
+    tracker = GainTracker(array())
+    tracker.update_gains(*block(0.1, response=2.0))
+    assert (tracker.diodes.response, tracker.diodes.response_deviation) == (1.2, 0.0)
 
 
 def test_a_straight_flight_teaches_only_the_diodes_ahead():
