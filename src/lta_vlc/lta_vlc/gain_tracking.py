@@ -38,7 +38,7 @@ class GainTracker:
     """
     Gains and response of an array, as learnt so far.
 
-    `diodes`: the array by the vehicle file: its gains, exponent and their deviations are the prior.
+    `diodes`: the array by the vehicle file, whose gains, exponent and deviations are the prior.
     """
 
     def __init__(self, diodes: DiodeArray) -> None:

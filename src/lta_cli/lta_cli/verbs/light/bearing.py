@@ -80,7 +80,7 @@ def bearing(
         int,
         typer.Option(
             help='Number of light blocks of a turn in place, before each pose, from which the '
-            'drone learns the gains of its photodiodes.',
+            'drone learns gains and response of its photodiodes.',
             min=0,
             max=1000,
         ),
