@@ -1,12 +1,16 @@
 """lta energy budget: measure the power of each task and compare it with the paper."""
 
+from collections.abc import Sequence
 from typing import Annotated
 
 from lta_cli.options.study_command import study_command, StudyRun
+from lta_flight.flight_spec import load_spec
 from lta_report.report import Report
-from lta_report.study_progress import StudyProgress
+from lta_report.study import hash_inputs, Study
 from lta_studies.energy.budget.report import build_report
-from lta_studies.energy.budget.run import count_flights, measure_budget
+from lta_studies.energy.budget.run import measure_budget
+from lta_studies.energy.budget.tasks import BudgetFlight, fly_task, LAMP_SCENE, SCENE, STORE
+from lta_studies.energy.course_flight import FlightTrack
 import typer
 
 
@@ -34,6 +38,12 @@ def budget(
 
     Example: lta energy budget --seeds 1
     """
-    with StudyProgress(run.console, count_flights(seeds), unit='flights') as progress:
-        result = measure_budget(vehicle, multirotor, seeds, progress.count_item)
-    return build_report(result)
+    scenes = [load_spec(vehicle, scene, 'bag', '') for scene in (SCENE, LAMP_SCENE)]
+    specs = [*scenes, load_spec(multirotor, SCENE, 'bag', '')]
+    identity = hash_inputs(*(spec.contents for spec in specs))
+    study = Study(fly_task, str, STORE, 'flights')
+
+    def fly_all(flights: Sequence[BudgetFlight]) -> list[FlightTrack]:
+        return run.run_study(study, flights, identity).require_all()
+
+    return build_report(measure_budget(vehicle, multirotor, seeds, fly_all))
