@@ -11,8 +11,8 @@ OUTPUT = {'--out', '--json', '--no-page', '--pictures'}
 COMPUTING = {'--workers', '--scheduler', '--quick', '--retry-failed'}
 # Each computes one thing in seconds, so there is nothing to share out, shorten or resume
 REPORTS = {
-    'calibrate', 'cells', 'energy breakeven', 'hardware light', 'light calibrate', 'light link',
-    'replay', 'tests plan', 'tests read',
+    'calibrate', 'cells', 'compare', 'energy breakeven', 'hardware light', 'light calibrate',
+    'light link', 'replay', 'tests plan', 'tests read',
 }  # fmt: skip
 
 
