@@ -139,4 +139,4 @@ def transpose_table(table: TextTable) -> TextTable:
         for place, head in enumerate(table.heads[1:], start=1)
     ]
     heads = [table.heads[0], *(row[0] for row in table.rows)]
-    return TextTable(table.heading, heads, rows, table.note)
+    return TextTable(table.heading, heads, rows, table.note, colors=table.colors)

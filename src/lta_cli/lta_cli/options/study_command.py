@@ -35,7 +35,7 @@ from lta_report.results_folder import (
     resolve_folder,
     stage_results,
 )
-from lta_report.study import Study, StudyOptions, StudyOutcome
+from lta_report.study import Study, StudyOptions
 from rich.console import Console
 import typer
 
@@ -74,10 +74,10 @@ class StudyRun:
         return self.folder
 
     def run_study(
-        self, study: Study[Item, Result], items: Sequence[Item], identity: str
-    ) -> StudyOutcome[Result]:
-        """Run the items of a study that its folder does not hold, and return all outcomes."""
-        return study.run(items, self.folder, identity, self.options, self.console)
+        self, study: Study[Item, Result], identity: str, items: Sequence[Item]
+    ) -> list[Result]:
+        """Run the items of a study that its folder does not hold, and return all results."""
+        return study.run(items, self.folder, identity, self.options, self.console).require_all()
 
 
 def report_command(name: str) -> Callable[[Callable[..., Report]], Callable[..., None]]:

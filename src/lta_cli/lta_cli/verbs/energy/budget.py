@@ -1,6 +1,6 @@
 """lta energy budget: measure the power of each task and compare it with the paper."""
 
-from collections.abc import Sequence
+from functools import partial
 from typing import Annotated
 
 from lta_cli.options.study_command import study_command, StudyRun
@@ -9,8 +9,7 @@ from lta_report.report import Report
 from lta_report.study import hash_inputs, Study
 from lta_studies.energy.budget.report import build_report
 from lta_studies.energy.budget.run import measure_budget
-from lta_studies.energy.budget.tasks import BudgetFlight, fly_task, LAMP_SCENE, SCENE, STORE
-from lta_studies.energy.course_flight import FlightTrack
+from lta_studies.energy.budget.tasks import fly_task, LAMP_SCENE, SCENE, STORE
 import typer
 
 
@@ -42,8 +41,5 @@ def budget(
     specs = [*scenes, load_spec(multirotor, SCENE, 'bag', '')]
     identity = hash_inputs(*(spec.contents for spec in specs))
     study = Study(fly_task, str, STORE, 'flights')
-
-    def fly_all(flights: Sequence[BudgetFlight]) -> list[FlightTrack]:
-        return run.run_study(study, flights, identity).require_all()
-
+    fly_all = partial(run.run_study, study, identity)
     return build_report(measure_budget(vehicle, multirotor, seeds, fly_all))

@@ -38,5 +38,5 @@ def hover(
     """
     request = HoverRequest(vehicle, multirotor, seconds)
     identity = hash_inputs(seconds, *(spec.contents for spec in request.build_specs()))
-    found = run.run_study(Study(request.fly, str, STORE, 'flights'), range(2), identity)
-    return build_report(request.compare(found.require_all()))
+    hovers = run.run_study(Study(request.fly, str, STORE, 'flights'), identity, range(2))
+    return build_report(request.compare(hovers))

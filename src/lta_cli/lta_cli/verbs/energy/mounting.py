@@ -1,6 +1,6 @@
 """lta energy mounting: compare positions of the solar panels."""
 
-from collections.abc import Sequence
+from functools import partial
 from itertools import chain
 from operator import attrgetter
 from typing import Annotated
@@ -14,11 +14,10 @@ from lta_studies.energy.mounting.report import build_report
 from lta_studies.energy.mounting.run import (
     compare_mounts,
     fly_mount,
-    MountFlight,
     MountingRequest,
     STORE,
 )
-from lta_studies.energy.mounting.straight_flight import SCENE, StraightFlightResult
+from lta_studies.energy.mounting.straight_flight import SCENE
 from lta_studies.energy.mounting.verdict import find_best_mount
 import typer
 
@@ -72,11 +71,7 @@ def mounting(
     scene = load_yaml(find_file('scenario', SCENE))
     identity = hash_inputs(scene, *(each.content for each in vehicles))
     flying = Study(fly_mount, attrgetter('key'), STORE, 'flights')
-
-    def fly_all(flights: Sequence[MountFlight]) -> list[StraightFlightResult]:
-        return run.run_study(flying, flights, identity).require_all()
-
-    study = compare_mounts(request, fly_all)
+    study = compare_mounts(request, partial(run.run_study, flying, identity))
     best = relative_path(run.folder / f'{find_best_mount(study)}.yaml')
     commands = {
         'Compare with the vehicle': format_lta_command('vehicle', 'diff', vehicle, best),

@@ -126,8 +126,8 @@ def bearing(
     specs = [build_flight_spec(PLACES[name], vehicle, 1) for name in asked.places]
     inputs = (poses, seed, turn, off_axis, *(spec.contents for spec in specs))
     study = Study(asked.evaluate, str, STORE, 'combinations')
-    found = run.run_study(study, asked.list_cases(), hash_inputs(*inputs))
-    return build_report(found.require_all(), asked)
+    found = run.run_study(study, hash_inputs(*inputs), asked.list_cases())
+    return build_report(found, asked)
 
 
 def parse_range(text: str) -> float | None:

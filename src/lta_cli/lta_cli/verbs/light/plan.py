@@ -87,7 +87,7 @@ def plan(
         study = Study(compute, str, STORE, 'groups of lamps')
         inputs = (content, receiver.vehicle.file, receiver.demodulation, cell, faintest)
         groups = range(0, len(mounts), GROUP)
-        return np.concatenate(run.run_study(study, groups, hash_inputs(*inputs)).require_all())
+        return np.concatenate(run.run_study(study, hash_inputs(*inputs), groups))
 
     layout = plan_layout(content, receiver, floor, mounts, overlap, lamps, measure_light)
     # Needs the whole layout: each lamp must be received where the flight to the last one ends
