@@ -57,7 +57,7 @@ def test_a_second_run_only_counts(scored: tuple[ChallengeScore, Path]) -> None:
     assert store.read_bytes() == before
     assert len(before.splitlines()) == 1 + len(first.cases)
     assert again.cases == first.cases
-    page = write_report(build_report(again, folder), folder)
+    page = write_report(build_report([again], [folder]), folder)
     told = json.loads((folder / 'score.json').read_text(encoding='utf-8'))
     assert sum(cells for kind in told['matrix'].values() for cells in kind.values()) == len(
         first.cases

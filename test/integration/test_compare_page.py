@@ -2,7 +2,8 @@
 
 from lta_data.bag import open_flight
 from lta_data.compare.comparison import compare_flights, ComparisonRequest
-from lta_data.compare.page import write_page
+from lta_data.compare.report import build_report
+from lta_report.report_output import write_report
 from lta_report.screenshots import (
     collect_errors,
     COUNT_PANELS,
@@ -29,7 +30,7 @@ def page(browser, tmp_path_factory):
         ),
     ]  # fmt: skip
     found = compare_flights(*map(open_flight, bags), ComparisonRequest())
-    return write_page(found, folder / 'compare.html')
+    return write_report(build_report(found), folder)
 
 
 @pytest.mark.parametrize(

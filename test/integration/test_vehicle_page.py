@@ -2,9 +2,11 @@
 
 from lta_config.files import list_shipped_names
 from lta_model.vehicle import load_vehicle
+from lta_report.page_frame import write_file
+from lta_report.report_page import render_report
 from lta_report.screenshots import collect_errors, list_requests, open_page
 from lta_vehicle.figures.sheet import build_sheet
-from lta_vehicle.views.page import write_page
+from lta_vehicle.views.report import build_report
 import pytest
 
 WARNING = 'Only 0.3 g of ballast is left to take off.'
@@ -16,7 +18,8 @@ BOX = """(() => { const { x, y, width, height } = document.querySelector('%s').g
 def pages(browser, tmp_path_factory):
     folder = tmp_path_factory.mktemp('vehicles')
     for name in list_shipped_names('vehicles'):
-        write_page(build_sheet(load_vehicle(name)), [WARNING], name, folder / f'{name}.html')
+        report = build_report(build_sheet(load_vehicle(name)), [WARNING], name)
+        write_file(render_report(report), folder / f'{name}.html')
     return folder
 
 
@@ -55,7 +58,7 @@ def test_dark_paper_has_its_own_colours(browser, pages):
 
 
 def test_only_what_is_assumed_is_left_on_demand(browser, pages):
-    rows = """[...document.querySelectorAll('table.numbers tbody tr')].filter(
+    rows = """[...document.querySelectorAll('.filter + .panel tbody tr')].filter(
       (row) => row.checkVisibility()).length"""
     sheet = build_sheet(load_vehicle('gtmab'))
     assumed = sum('assumed' in entry.source for entry in sheet.numbers)

@@ -2,8 +2,8 @@
 
 import sys
 
+from leg_validation import compare_leg_with_loop
 from lta_config.schema.mission_file import load_mission
-from lta_studies.mission.leg_validation import compare_leg_with_loop
 from lta_studies.mission.scene import MissionScene
 import numpy as np
 

@@ -91,34 +91,55 @@ discovery was finished (`drying` has been examined since). The *oracle* knows th
 structure, not its size."""
 
 
-def build_report(scored: ChallengeScore, folder: Path) -> Report:
-    """Return the report of one challenge."""
-    about, cases = scored.about, scored.cases
+def build_report(scores: Sequence[ChallengeScore], folders: Sequence[Path]) -> Report:
+    """Return the report of challenges, of all their cases together."""
+    about, cases = scores[0].about, _collect_cases(scores)
+    rows = _group_by_row(scores)
+    rough = {ROWS[name].rough for name in rows}
+    targets = {**(SHOWN if False in rough else {}), **(ROUGH if True in rough else {})}
+    data = [score_to_dict(each) for each in scores]
     shares = {each.name: each.share for each in compute_score_figures(cases)}
     return Report(
         command='challenge score',
-        subject=f'challenge {about["seed"]} \N{MIDDLE DOT} {about["row"]}',
+        subject=f'challenge {_join(scores, "seed")} \N{MIDDLE DOT} {", ".join(rows)}',
         headline=format_headline(cases),
-        introduction=f'Flights: {ROWS[about["row"]].about}.',
+        introduction=f'Flights: {"; ".join(ROWS[name].about for name in rows)}.',
         tiles=[
             Tile(name, f'{shares[name].hits}/{shares[name].of}', '', f'target: {wanted}')
-            for name, wanted in (ROUGH if ROWS[about['row']].rough else SHOWN).items()
+            for name, wanted in targets.items()
         ],
-        blocks=[*build_pictures(cases), *build_score_blocks(cases)],
-        data=score_to_dict(scored),
+        blocks=[
+            *build_pictures(cases),
+            *([_build_overview_table(rows)] if len(rows) > 1 else []),
+            *build_score_blocks(cases),
+        ],
+        data=data[0] if len(data) == 1 else data,
         facts={
-            'challenge': str(folder), 'seed': str(about['seed']), 'cases': str(len(cases)),
-            'row': about['row'], 'effects': about['registry'],
-            'vehicle': f'{about["vehicle"]} {about["vehicle_digest"]}', 'commit': about['commit'],
+            'challenge': ', '.join(map(str, folders)), 'seed': _join(scores, 'seed'),
+            'cases': str(len(cases)), 'row': ', '.join(rows), 'effects': about['registry'],
+            'vehicle': f'{about["vehicle"]} {about["vehicle_digest"]}',
+            'commit': _join(scores, 'commit'),
         },
         commands={
-            'make it again': format_lta_command(
-                'challenge', 'make', '--seed', str(about['seed']), '--n', str(about['cases']),
-                '--row', about['row'], *format_case_options(about), '--out', 'DIR',
-            ),
-            'score it': format_lta_command('challenge', 'score', 'DIR'),
+            f'make {folder.name} again': format_lta_command(
+                'challenge', 'make', '--seed', str(each.about['seed']),
+                '--n', str(each.about['cases']), '--row', each.about['row'],
+                *format_case_options(each.about), '--out', 'DIR',
+            )
+            for folder, each in zip(folders, scores, strict=True)
         },
     )  # fmt: skip
+
+
+def _join(scores: Sequence[ChallengeScore], key: str) -> str:
+    """Return what challenges say about themselves, without repetitions."""
+    return ', '.join(dict.fromkeys(str(each.about[key]) for each in scores))
+
+
+def _group_by_row(scores: Sequence[ChallengeScore]) -> dict[str, list[ChallengeScore]]:
+    """Return the challenges of each row, in the order of `ROWS`."""
+    rows = {name: [one for one in scores if one.about['row'] == name] for name in ROWS}
+    return {name: own for name, own in rows.items() if own}
 
 
 def format_case_options(about: Mapping[str, Any]) -> list[str]:
@@ -296,10 +317,7 @@ def format_markdown_page(scores: Sequence[ChallengeScore]) -> str:
         f'Scored: effects `{first["registry"]}`, vehicle `{first["vehicle"]}` '
         f'`{first["vehicle_digest"]}`, commit {_format_commits(each.about for each in scores)}.'
     )
-    # In the order of `ROWS`, whatever the order of the folders
-    rows = {
-        name: own for name in ROWS if (own := [one for one in scores if one.about['row'] == name])
-    }
+    rows = _group_by_row(scores)
     blocks: list[Block] = [TextSection('', [*HEAD, scored, METHOD])]
     if len(rows) > 1:
         blocks.append(_build_overview_table(rows))

@@ -1,14 +1,36 @@
 """Make results valid JSON, which has neither NaN nor infinity."""
 
+from base64 import b64decode, b64encode
 from collections.abc import Mapping
 from dataclasses import asdict, is_dataclass
 import math
 from typing import Annotated, Any
+import zlib
 
 import numpy as np
-from pydantic import BeforeValidator, PlainSerializer
+from numpy.typing import NDArray
+from pydantic import BeforeValidator, PlainSerializer, PlainValidator
 
-# A field of a stored result that holds an array in single precision, or None
+
+def pack_array(array: NDArray[np.float64]) -> dict[str, Any]:
+    """Return an array in double precision as compressed JSON data."""
+    data = zlib.compress(np.ascontiguousarray(array, np.float64).tobytes())
+    return {'shape': list(array.shape), 'data': b64encode(data).decode()}
+
+
+def unpack_array(content: Any) -> NDArray[np.float64]:  # noqa: ANN401 - what JSON holds
+    """Return the array of `pack_array`; an array as it is."""
+    if isinstance(content, np.ndarray):
+        return content
+    flat = np.frombuffer(zlib.decompress(b64decode(content['data'])))
+    return flat.reshape(content['shape'])
+
+
+# A field of a stored result that holds an array exactly
+ExactArray = Annotated[
+    NDArray[np.float64], PlainValidator(unpack_array), PlainSerializer(pack_array)
+]
+# One that holds an array in single precision, or None
 StoredArray = Annotated[
     Any,
     BeforeValidator(lambda value: None if value is None else np.array(value, np.float32)),

@@ -92,7 +92,15 @@ class ReportSection:
     folded: bool = False
 
 
-Block = Picture | TextTable | TextSection | Grid | ReportSection
+@final
+@dataclass(frozen=True, slots=True)
+class HtmlBlock:
+    """Ready HTML, such as a menu or a drawing; the terminal shows nothing of it."""
+
+    html: str
+
+
+Block = Picture | TextTable | TextSection | Grid | ReportSection | HtmlBlock
 
 
 @final
@@ -117,6 +125,11 @@ class Report:
     # Further files of the results folder: name and content
     outputs: Mapping[str, str] = field(default_factory=dict)
     status: int = 0  # exit status of the command
+    # 3-D view above all blocks and its time bar, as HTML, and the curves of its cursor
+    scene: str = ''
+    time_bar: str = ''
+    track: object = None
+    asset: str = ''  # a file in `assets` with further styles and scripts of the page
 
 
 def transpose_table(table: TextTable) -> TextTable:
@@ -126,4 +139,4 @@ def transpose_table(table: TextTable) -> TextTable:
         for place, head in enumerate(table.heads[1:], start=1)
     ]
     heads = [table.heads[0], *(row[0] for row in table.rows)]
-    return TextTable(table.heading, heads, rows, table.note)
+    return TextTable(table.heading, heads, rows, table.note, colors=table.colors)

@@ -7,12 +7,13 @@ from typing import Final
 
 from lta_report.formatting import MISSING, Tile
 from lta_report.html_elements import render_section, render_tile
-from lta_report.page_frame import assemble_page
+from lta_report.page_frame import assemble_page, read_asset, split_template
 from lta_report.report import (
     Block,
     CellColor,
     Emphasis,
     Grid,
+    HtmlBlock,
     Picture,
     Report,
     ReportSection,
@@ -31,6 +32,7 @@ TAGS: Final = ('b', 'i', 'code')
 def render_report(report: Report) -> str:
     """Return the HTML of a report's page."""
     subject = f' · {report.subject}' if report.subject else ''
+    style, script = split_template(read_asset(report.asset)) if report.asset else ('', '')
     return assemble_page(
         'report.html',
         title=escape(report.headline),
@@ -40,6 +42,12 @@ def render_report(report: Report) -> str:
         tile_width=f'{choose_tile_width(report.tiles)}',
         has_plots=has_pictures(report.blocks),
         blocks='\n'.join(map(render_block, report.blocks)),
+        scene=report.scene,
+        has_scene=bool(report.scene),
+        bar=report.time_bar,
+        track=report.track,
+        more_style=style,
+        more=script.rstrip(),
         facts=report.facts,
         commands=report.commands,
         files=report.files,
@@ -76,6 +84,8 @@ def render_block(block: Block) -> str:
             return render_table_section(block)
         case TextSection():
             return render_text_section(block)
+        case HtmlBlock():
+            return block.html
         case Grid():
             inside = '\n'.join(map(render_block, block.blocks))
             style = f'grid-template-columns: repeat({block.columns}, minmax(0, 1fr))'

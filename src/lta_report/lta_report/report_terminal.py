@@ -1,9 +1,12 @@
 """Print a report on a terminal."""
 
 from collections.abc import Sequence
+from dataclasses import replace
+from typing import Final
 
 from lta_report.report import (
     Block,
+    CellColor,
     Emphasis,
     Grid,
     Report,
@@ -18,6 +21,7 @@ from rich.table import Table
 from rich.text import Text
 
 GAP = 2  # spaces between columns; 1 if the terminal is narrow
+STYLES: Final[dict[CellColor, str]] = {'good': 'green', 'bad': 'yellow', 'soft': 'dim'}
 NAME = 24  # characters to which long names wrap before a table is printed in parts
 
 
@@ -81,7 +85,7 @@ def draw_table(table: TextTable, gap: int, *, wraps: bool) -> Table:
             no_wrap=not (wraps and words),
         )  # fmt: skip
     for row in table.rows:
-        drawn.add_row(*map(style_cell, row))
+        drawn.add_row(*(style_cell(cell, table.colors.get(cell)) for cell in row))
     return drawn
 
 
@@ -100,6 +104,7 @@ def split_table(table: TextTable, width: int, gap: int) -> list[TextTable]:
             '' if number else table.heading,
             [table.heads[place] for place in part],
             [[row[place] for place in part] for row in table.rows],
+            colors=table.colors,
         )
         for number, part in enumerate(parts)
     ]
@@ -123,9 +128,10 @@ def measure_lines(cells: Sequence[str]) -> int:
     return max((len(line) for cell in cells for line in cell.split('\n')), default=0)
 
 
-def style_cell(cell: str) -> Text:
+def style_cell(cell: str, color: CellColor | None = None) -> Text:
     """Return the text of a cell."""
-    return Text(cell, style='bold' if isinstance(cell, Emphasis) else '')
+    bold = 'bold' if isinstance(cell, Emphasis) else ''
+    return Text(cell, style=STYLES[color] if color else bold)
 
 
 def merge_groups(table: TextTable) -> TextTable:
@@ -134,7 +140,7 @@ def merge_groups(table: TextTable) -> TextTable:
     if not names:
         return table
     heads = [f'{name} {head}'.strip() for name, head in zip(names, table.heads, strict=True)]
-    return TextTable(table.heading, heads, table.rows, table.note)
+    return replace(table, heads=heads, groups=())
 
 
 def split_heads(table: TextTable) -> list[str]:

@@ -7,6 +7,7 @@ that failed count as done until the study is repeated with --retry-failed.
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+import hashlib
 from pathlib import Path
 from typing import final, Generic, TypeVar
 
@@ -20,6 +21,11 @@ Item = TypeVar('Item')
 Result = TypeVar('Result')
 
 
+def hash_inputs(*parts: object) -> str:
+    """Return a hash of the text of everything that determines the results of a study."""
+    return hashlib.sha256('\n'.join(map(str, parts)).encode()).hexdigest()
+
+
 @final
 @dataclass(frozen=True, slots=True)
 class StudyOptions:
@@ -28,6 +34,14 @@ class StudyOptions:
     workers: int | None = None
     scheduler: str | None = None
     retry_failed: bool = False
+
+    def open_workers(
+        self,
+        function: Callable[[Item], Result],
+        on_progress: Callable[[float], None] | None = None,
+    ) -> Workers[Item, Result]:
+        """Return the workers that apply a function; they start as a context manager."""
+        return open_workers(function, self.workers, self.scheduler, on_progress)
 
 
 @final
@@ -43,9 +57,12 @@ class StudyOutcome(Generic[Result]):
     lost: int
     unit: str  # what the items are, such as 'flights'
     folder: Path  # folder of the store
+    stopped: bool = False  # whether Ctrl-C ended this run early
 
     def require_all(self) -> list[Result]:
-        """Return all results; raise `BadInput` if an item failed."""
+        """Return all results; raise `BadInput` if an item failed, KeyboardInterrupt if stopped."""
+        if self.stopped:
+            raise KeyboardInterrupt
         if self.failures:
             key, failure = next(iter(self.failures.items()))
             raise BadInput(
@@ -61,7 +78,7 @@ def run_items(
     workers: Workers[Item, Result],
     save: Callable[[Item, Result | ItemFailure], str],
     progress: StudyProgress,
-) -> int:
+) -> None:
     """
     Run items and save each outcome at once, so that Ctrl-C loses only what is running.
 
@@ -72,18 +89,10 @@ def run_items(
     save : callable
         Stores an outcome and returns the word under which the progress bar counts it, or ''.
 
-    Returns
-    -------
-    int
-        Number of items.
-
     """
-    count = 0
     with progress, workers:
         for item, outcome in workers.run(items):
             progress.count_item(save(item, outcome), workers.lost)
-            count += 1
-    return count
 
 
 @final
@@ -110,6 +119,8 @@ class Study(Generic[Item, Result]):
         """
         Run the items that are not stored yet, and return the outcome of all.
 
+        After Ctrl-C, return the outcome of the finished items.
+
         Parameters
         ----------
         items : sequence
@@ -127,13 +138,13 @@ class Study(Generic[Item, Result]):
         ------
         BadInput
             If the folder belongs to something else, or the workers cannot start.
+        KeyboardInterrupt
+            After Ctrl-C before anything is finished.
 
         """
         progress = StudyProgress(console, len(items), unit=self.unit)
         # Before the folder is created: the scheduler may not answer
-        workers = open_workers(
-            self.function, options.workers, options.scheduler, progress.show_part
-        )
+        workers = options.open_workers(self.function, progress.show_part)
         keys = [self.find_key(item) for item in items]
         with StudyStore(folder, self.form, identity, options.retry_failed) as store:
             todo = [item for item, key in zip(items, keys, strict=True) if key not in store]
@@ -149,12 +160,19 @@ class Study(Generic[Item, Result]):
                     progress.show_message(self.describe(item, outcome))
                 return ''
 
-            finished = run_items(todo, workers, save, progress)
+            stopped = False
+            try:
+                run_items(todo, workers, save, progress)
+            except KeyboardInterrupt:
+                if not store.results:
+                    raise
+                stopped = True
         return StudyOutcome(
             {key: store.results[key] for key in keys if key in store.results},
             {key: store.failures[key] for key in keys if key in store.failures},
-            finished,
+            sum(self.find_key(item) in store for item in todo),
             workers.lost,
             self.unit,
             folder,
+            stopped,
         )

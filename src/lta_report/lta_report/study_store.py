@@ -51,7 +51,9 @@ class StoreFormat(Generic[Result]):
 
         """
         if content.keys() == {KEY, FAILED}:
-            return content[KEY], ItemFailure(content[FAILED])
+            key = content[KEY]
+            # JSON has no tuples
+            return tuple(key) if isinstance(key, list) else key, ItemFailure(content[FAILED])
         try:
             result = self.adapter.validate_python(
                 content if self.find_key is not None else content[RESULT]

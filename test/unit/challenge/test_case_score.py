@@ -1,6 +1,5 @@
 """Cases are judged by hand-made answers and findings, and counted."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -163,7 +162,7 @@ def test_kinds_that_were_kept_from_discovery_have_lines_of_their_own() -> None:
         'leash': ['late', '1', '1', '0'],
         'tray': ['late', '1', '0', '1'],
     }
-    report = build_report(scored(cases), Path('somewhere'))
+    report = build_report([scored(cases)], [Path('somewhere')])
     assert [tile.value for tile in report.tiles] == ['1/1', '0/1', '0/0', '4/5', '1/2', '3/3']
     refused = [replace(each, refused='too short') for each in cases[:2]]
     assert format_headline(refused + cases[2:]) == (
@@ -224,10 +223,16 @@ def test_a_figure_that_a_row_lacks_is_a_dash_beside_the_others() -> None:
     )
 
 
-def test_pictures_are_of_one_challenge(call: Callable[..., tuple[int, Any]]) -> None:
-    status, said = call('challenge', 'score', 'one', 'other', '--pictures', 'figures')
-    assert status == 2
-    assert '--pictures needs one challenge folder' in said.err
+def test_several_challenges_make_one_report_of_all_their_cases() -> None:
+    wrong = scored([case({'motor_lag': 0.1}, {'linear_drag.surge': 0.03})], row='pose')
+    clean = scored([case({}, {}, kind='clean', verdict='none')] * 3, seed=7)
+    report = build_report([wrong, clean], [Path('a'), Path('b')])
+    assert report.headline == 'Discovery results for 4 cases with hidden effects'
+    assert report.facts['challenge'] == 'a, b'
+    assert report.facts['seed'] == '1, 7'
+    assert [len(each['cases']) for each in report.data] == [1, 3]
+    assert 'All rows' in [each.heading for each in report.blocks]
+    assert report.commands.keys() == {'make a again', 'make b again'}
 
 
 def test_errors_are_compared_with_the_oracle_that_knows_the_equation() -> None:

@@ -14,7 +14,6 @@ from lta_discovery.finding import (
 from lta_discovery.fit.bounds import apply_parameters
 from lta_discovery.fit.evidence import build_prior
 from lta_discovery.fit.joint_fit import fit_flight, FlightFit
-from lta_discovery.forecast.prediction_errors import compute_prediction_errors
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
@@ -22,6 +21,7 @@ from lta_discovery.replay.linearized_flight import LinearizationPoint, unchanged
 from lta_discovery.study import DiscoveryStudy, StudyFlight, ThreeModelComparison
 
 from .hidden_flight import flown, prepared
+from .point_errors import compute_prediction_errors
 
 DRAG = 'linear_drag.surge'
 PLACES = (

@@ -47,7 +47,11 @@ def test_ctrl_c_loses_only_what_is_running(tmp_path):
         return item
 
     with pytest.raises(KeyboardInterrupt):
-        count(tmp_path, interrupt, [0, 1, 2, 3], workers=1)
+        count(tmp_path.with_name('other'), interrupt, [2], workers=1)  # nothing is finished
+    stopped = count(tmp_path, interrupt, [0, 1, 2, 3], workers=1)
+    assert (stopped.finished, stopped.results) == (2, {'0': 0, '1': 1})
+    with pytest.raises(KeyboardInterrupt):
+        stopped.require_all()
     again = count(tmp_path, abs, [0, 1, 2, 3], workers=1)
     assert (again.finished, again.require_all()) == (2, [0, 1, 2, 3])
 

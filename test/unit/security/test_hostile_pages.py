@@ -105,7 +105,7 @@ def test_pages_of_channels_and_of_two_recordings(tmp_path, lta, evil):
     page = inert((tmp_path / 'plot.html').read_text(encoding='utf-8'))
     assert MARK in page.words
     lta('compare', one, other, '--out', tmp_path / 'compared')
-    page = inert((tmp_path / 'compared/compare.html').read_text(encoding='utf-8'))
+    page = inert((tmp_path / 'compared/report.html').read_text(encoding='utf-8'))
     assert MARK in page.words
 
 

@@ -1,8 +1,7 @@
-"""Analytic against finite differences: rates against flights, regressors, power against energy."""
+"""Analytic against finite differences: rates against flights, power against energy."""
 
 from lta_model.effects import EFFECTS
-from lta_model.effects.protocol import KernelEffect, VehicleMotion, WrenchEffect
-from lta_model.effects.regressors import compute_regressors
+from lta_model.effects.protocol import KernelEffect, VehicleMotion
 from lta_model.mass_matrix import rigid_mass_matrix
 from lta_model.state import MEMORY, RIGID
 from lta_sim.kernels import kernel
@@ -12,7 +11,6 @@ from scipy.spatial.transform import Rotation
 
 from . import crowded
 
-LINEAR = [e for e in EFFECTS.values() if isinstance(e, WrenchEffect) and e.linear_in]
 # Loads that jump where they are first touched, and duties that jump by a threshold.
 JUMPING = {'walls', 'floor_contact'}
 BLOCKS = (slice(0, 3), slice(3, 7), slice(7, 10), slice(10, 13), MEMORY)
@@ -56,26 +54,6 @@ def seen(generator, model):
     arrays = (state[:3], turn.ravel(), state[7:10], state[10:13], airspeed, model.body, command)
     motion = VehicleMotion(*(tuple(array.tolist()) for array in (*arrays, around)))
     return motion, tuple(generator.uniform(-1.0, 1.0, 8).tolist())
-
-
-@pytest.mark.parametrize('effect', LINEAR, ids=lambda effect: effect.name)
-@pytest.mark.parametrize('seed', range(5))
-def test_the_basis_is_the_slope_in_the_parameters(effect, seed):
-    generator = np.random.default_rng(seed)
-    given, _, model = crowded.vehicle(generator)
-    motion, thrusts = seen(generator, model)
-    values = given[effect.name]
-    memory = tuple(generator.normal(size=len(effect.memory)).tolist())
-    columns = compute_regressors(effect, values, motion, thrusts, memory)
-    scale = np.max(abs(columns)) * (1.0 + max(abs(values[name]) for name in effect.linear_in))
-
-    def wrench(name, change):
-        moved = [x + change * (key == name) for key, x in values.items()]
-        return np.array(effect.wrench(tuple(moved), memory, motion, thrusts))
-
-    for name, column in zip(effect.linear_in, columns.T, strict=True):
-        by_hand = wrench(name, 0.5) - wrench(name, -0.5)
-        np.testing.assert_allclose(column, by_hand, rtol=0.0, atol=1e-13 * scale)
 
 
 def energy(state, body, given):

@@ -4,7 +4,6 @@ from lta_cli.reference.effects_page import render_page
 from lta_config.errors import BadInput
 from lta_model import effects
 from lta_model.effects.protocol import EffectParameter, VehicleMotion, WrenchEffect
-from lta_model.effects.regressors import compute_regressors
 from lta_model.effects.weight import weight_and_buoyancy
 from lta_model.state import BODY, COMMAND, DISPLACED, MASS, MASS_MOMENT, SURROUNDINGS
 import pytest
@@ -20,16 +19,6 @@ def still(position=NO, rotation=LEVEL, velocity=NO, rates=NO):
     return VehicleMotion(
         position, rotation, velocity, rates, velocity, tuple(body), command, surroundings
     )
-
-
-def test_basis_holds_the_other_parameters():
-    effect = effects.EFFECTS['floor_contact']
-    given = {'relaxation': 0.05, 'friction': 0.5, 'z': -0.3, 'stiffness': 7.0}
-    column = compute_regressors(
-        effect, given, still((0.0, 0.0, 0.29), velocity=(1.0, 0.0, -0.1)), (0.0,) * 8
-    )
-    assert column.shape == (6, 1)
-    assert column[2, 0] == pytest.approx(0.015, rel=1e-12)
 
 
 POUNDS = EffectParameter('pull', 'lbf', 0.0, 0.0, 1.0, 0.1, 'nobody: a unit that no file knows')

@@ -1,12 +1,14 @@
-"""Turn a function that returns a report into a command with the output options of all studies."""
+"""Turn a function that returns a report into a command; all studies have the same options."""
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
-from dataclasses import dataclass, replace
-from functools import wraps
+from dataclasses import dataclass, field, replace
+from functools import partial, wraps
 import inspect
+from itertools import chain
 from pathlib import Path
-from typing import Annotated, Any, Final, final, get_type_hints
+import shlex
+from typing import Annotated, Any, Final, final, get_type_hints, TypeVar
 
 from lta_bridge.provenance import read_commit
 from lta_cli.app import WORDS
@@ -18,6 +20,9 @@ from lta_cli.options.common_options import (
     plain_console,
     print_json,
     ResumedOut,
+    RetryFailed,
+    Scheduler,
+    WorkerCount,
 )
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
@@ -30,16 +35,24 @@ from lta_report.results_folder import (
     resolve_folder,
     stage_results,
 )
+from lta_report.study import Study, StudyOptions
 from rich.console import Console
 import typer
 
+Item = TypeVar('Item')
+Result = TypeVar('Result')
+
 Page = Annotated[bool, typer.Option('--page/--no-page', help='Write an HTML report.')]
-OPTIONS = {'out': Out, 'page': Page, 'pictures': Pictures, 'json': Json}
-QUICK = 'quick'
+OUTPUT: Final[Mapping[str, object]] = {
+    'out': Out, 'page': Page, 'pictures': Pictures, 'json': Json,
+}  # fmt: skip
+COMPUTING: Final[Mapping[str, object]] = {
+    'workers': WorkerCount, 'scheduler': Scheduler, 'retry_failed': RetryFailed,
+}  # fmt: skip
+QUICK: Final = 'quick'
 FLAGS = ('--json', '--page', '--no-page')
 FOLDERS = ('--out', '--pictures')
-DEFAULTS = {QUICK: False, 'out': None, 'page': True, 'pictures': None, 'json': False}
-NOTHING: Final[Mapping[str, object]] = {}
+DEFAULTS = {'out': None, 'page': True, 'pictures': None, 'workers': None, 'scheduler': None}
 
 
 @final
@@ -52,84 +65,115 @@ class StudyRun:
     folder: Path
     out: Path | None  # the folder that the user has chosen
     page: bool  # whether a page is written; a study may then skip what only the page shows
+    options: StudyOptions = field(default_factory=StudyOptions)
+    quick: bool = False
 
     def open_folder(self, default: Path) -> Path:
         """Set and return the results folder: the user's, or a default one."""
         self.folder = (self.out or default).absolute()
         return self.folder
 
+    def run_study(
+        self, study: Study[Item, Result], identity: str, items: Sequence[Item]
+    ) -> list[Result]:
+        """Run the items of a study that its folder does not hold, and return all results."""
+        return study.run(items, self.folder, identity, self.options, self.console).require_all()
 
-def study_command(
-    name: str, *, resumes: bool = False, quick: Mapping[str, object] = NOTHING
-) -> Callable[[Callable[..., Report]], Callable[..., None]]:
+
+def report_command(name: str) -> Callable[[Callable[..., Report]], Callable[..., None]]:
     """
     Give a function that returns a report the options --out, --no-page, --pictures and --json.
 
-    The function may have an argument `run`, a `StudyRun`. Nothing is written before it returns,
-    unless it resumes.
-
-    `name`: name of the results folder, runs/<time>-<name>. `resumes`: whether the study stores
-    finished work in its folder, which may therefore exist. `quick`: options of the study that
-    --quick sets, unless the user gives them. Without any, the command has no --quick.
+    The function may have an argument `run`, a `StudyRun`. Nothing is written before it returns.
+    `name`: name of the results folder, runs/<time>-<name>.
     """
+    return partial(build_command, name, OUTPUT, {}, False)
 
-    def decorate(study: Callable[..., Report]) -> Callable[..., None]:
-        signature = inspect.signature(study)
-        added = {**OPTIONS, 'out': ResumedOut} if resumes else dict(OPTIONS)
+
+def study_command(
+    name: str, *, quick: str | Mapping[str, object], resumes: bool = True
+) -> Callable[[Callable[..., Report]], Callable[..., None]]:
+    """
+    Like `report_command`, with the options --quick, --workers, --scheduler and --retry-failed.
+
+    `quick`: options of the study that --quick sets, unless the user gives them, or the help of a
+    --quick that the study reads from `run`. `resumes`: whether the study stores finished work in
+    its folder, which may therefore exist.
+    """
+    out = {'out': ResumedOut} if resumes else {}
+    options = {QUICK: build_quick_option(quick), **COMPUTING, **OUTPUT, **out}
+    preset = {} if isinstance(quick, str) else quick
+    return partial(build_command, name, options, preset, resumes)
+
+
+def build_command(
+    name: str,
+    added: Mapping[str, object],
+    preset: Mapping[str, object],
+    resumes: bool,
+    study: Callable[..., Report],
+) -> Callable[..., None]:
+    """Return the command of a study, with some options added, and some preset by --quick."""
+    signature = inspect.signature(study)
+
+    @wraps(study)
+    def command(
+        context: typer.Context,
+        *args: Any,  # noqa: ANN401 - the study's own options
+        out: Path | None,
+        page: bool,
+        pictures: Path | None,
+        json: bool,
+        quick: bool = False,
+        workers: int | None = None,
+        scheduler: str | None = None,
+        retry_failed: bool = False,
+        **options: Any,  # noqa: ANN401
+    ) -> None:
+        if pictures is not None and not page:
+            raise BadInput('--pictures needs the page; remove --no-page.')
+        run = StudyRun(
+            plain_console(stderr=json), resolve_folder(out, name), out, page,
+            StudyOptions(workers, scheduler, retry_failed), quick,
+        )  # fmt: skip
+        check_picture_output(pictures)
+        if not resumes:
+            check_creatable(run.folder)
+        own = {'run': run} if 'run' in signature.parameters else {}
         if quick:
-            added = {QUICK: build_quick_option(quick), **added}
+            options |= {key: value for key, value in preset.items() if is_unset(context, key)}
+        words = context.meta.get(WORDS, ())
+        try:
+            report = study(*args, **own, **options)
+        except KeyboardInterrupt:
+            if resumes:
+                show_resume_command(words, run)
+            raise
+        report = add_origin(report, words, run.folder if resumes else None)
+        with nullcontext(run.folder) if resumes else stage_results(run.folder, PAGE) as folder:
+            write_report(report, folder, page=page, pictures=pictures)
+        show_report(report, run, json)
+        if report.status:
+            raise typer.Exit(report.status)
 
-        @wraps(study)
-        def command(
-            context: typer.Context,
-            *args: Any,  # noqa: ANN401 - the study's own options
-            out: Path | None,
-            page: bool,
-            pictures: Path | None,
-            json: bool,
-            **options: Any,  # noqa: ANN401
-        ) -> None:
-            if pictures is not None and not page:
-                raise BadInput('--pictures needs the page; remove --no-page.')
-            run = StudyRun(plain_console(stderr=json), resolve_folder(out, name), out, page)
-            check_picture_output(pictures)
-            if not resumes:
-                check_creatable(run.folder)
-            own = {'run': run} if 'run' in signature.parameters else {}
-            if quick and options.pop(QUICK):
-                options |= {key: value for key, value in quick.items() if is_unset(context, key)}
-            words = context.meta.get(WORDS, ())
-            try:
-                report = study(*args, **own, **options)
-            except KeyboardInterrupt:
-                if resumes:
-                    show_resume_command(words, run)
-                raise
-            report = add_origin(report, words, run.folder if resumes else None)
-            with nullcontext(run.folder) if resumes else stage_results(run.folder, PAGE) as folder:
-                write_report(report, folder, page=page, pictures=pictures)
-            show_report(report, run, json)
-            if report.status:
-                raise typer.Exit(report.status)
-
-        hints = {
-            'context': typer.Context, **get_type_hints(study, include_extras=True), **added,
-            'return': None,
-        }  # fmt: skip
-        hints.pop('run', None)
-        command.__annotations__ = hints
-        command.__signature__ = add_options(signature, added)  # type: ignore[attr-defined]
-        # Typer would otherwise read the annotations of the study
-        del command.__wrapped__
-        return command
-
-    return decorate
+    hints = {
+        'context': typer.Context, **get_type_hints(study, include_extras=True), **added,
+        'return': None,
+    }  # fmt: skip
+    hints.pop('run', None)
+    command.__annotations__ = hints
+    command.__signature__ = add_options(signature, added)  # type: ignore[attr-defined]
+    # Typer would otherwise read the annotations of the study
+    del command.__wrapped__
+    return command
 
 
-def build_quick_option(quick: Mapping[str, object]) -> object:
+def build_quick_option(quick: str | Mapping[str, object]) -> object:
     """Return the declaration of --quick, whose help names the options that it sets."""
-    parts = ' '.join(f'--{name} {value}' for name, value in quick.items())
-    return Annotated[bool, typer.Option(f'--{QUICK}', help=f'The same as {parts}.')]
+    if not isinstance(quick, str):
+        words = [(f'--{name}', str(value)) for name, value in quick.items()]
+        quick = f'The same as {shlex.join(chain(*words))}.'
+    return Annotated[bool, typer.Option(f'--{QUICK}', help=quick)]
 
 
 def is_unset(context: typer.Context, name: str) -> bool:
@@ -144,10 +188,9 @@ def add_options(signature: inspect.Signature, options: Mapping[str, object]) -> 
         'context', inspect.Parameter.POSITIONAL_OR_KEYWORD, annotation=typer.Context
     )
     own = [each for each in signature.parameters.values() if each.name != 'run']
+    only = inspect.Parameter.KEYWORD_ONLY
     added = [
-        inspect.Parameter(
-            name, inspect.Parameter.KEYWORD_ONLY, default=DEFAULTS[name], annotation=kind
-        )
+        inspect.Parameter(name, only, default=DEFAULTS.get(name, False), annotation=kind)
         for name, kind in options.items()
     ]
     return signature.replace(parameters=[first, *own, *added], return_annotation=None)

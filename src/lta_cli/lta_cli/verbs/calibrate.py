@@ -3,14 +3,14 @@
 from pathlib import Path
 from typing import Annotated
 
-from lta_cli.options.study_command import study_command, StudyRun
+from lta_cli.options.study_command import report_command, StudyRun
 from lta_discovery.calibration.run import calibrate_vehicle
 from lta_discovery.progress import DiscoverProgress
 from lta_report.report import Report
 import typer
 
 
-@study_command('calibrate')
+@report_command('calibrate')
 def calibrate(
     run: StudyRun,
     vehicle: Annotated[str, typer.Option(help='Vehicle to calibrate, name or file.')],

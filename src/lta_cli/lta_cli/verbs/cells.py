@@ -2,7 +2,7 @@
 
 from typing import Annotated
 
-from lta_cli.options.study_command import study_command
+from lta_cli.options.study_command import report_command
 from lta_config.errors import BadInput
 from lta_config.quantity import describe_misfit, Quantity
 from lta_config.schema.cell_table import load_cell_table
@@ -13,7 +13,7 @@ from pydantic import ValidationError
 import typer
 
 
-@study_command('cells')
+@report_command('cells')
 def cells(
     table: Annotated[
         str,

@@ -1,20 +1,14 @@
 """lta compare: compare two recorded flights."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from fnmatch import fnmatchcase
 import math
 from pathlib import Path
 import re
 from typing import Annotated
 
-from lta_bridge.bag.writer import prepare_empty_folder
-from lta_cli.options.common_options import (
-    check_picture_output,
-    parse_folder,
-    Pictures,
-    plain_console,
-    print_json,
-)
+from lta_cli.options.study_command import report_command, StudyRun
 from lta_config.errors import BadInput
 from lta_config.quantity import UNITS
 from lta_data.bag.bag_folder import find_bag
@@ -22,13 +16,10 @@ from lta_data.bag.recorded_flight import open_flight, RecordedFlight
 from lta_data.compare.channel_comparison import ChannelComparison
 from lta_data.compare.comparison import compare_flights, ComparisonRequest, count_ticks
 from lta_data.compare.frame_alignment import Frames
-from lta_data.compare.json_data import comparison_to_dict
-from lta_data.compare.page import NAME, write_page
-from lta_data.compare.terminal import print_comparison
+from lta_data.compare.report import build_report
 from lta_data.compare.time_alignment import Align
 from lta_report.progress_bar import ProgressBar
-from lta_report.results_folder import format_page_line, resolve_folder, write_json
-from lta_report.screenshots import write_pictures
+from lta_report.report import Report
 from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
 import typer
 
@@ -36,6 +27,7 @@ import typer
 QUANTITY = re.compile(r'\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*?)?\s*')
 
 
+@report_command('compare')
 def compare(
     a: Annotated[Path, typer.Argument(help='Bag folder, results folder or .mcap file.')],
     b: Annotated[
@@ -92,18 +84,9 @@ def compare(
     same: Annotated[
         bool, typer.Option('--same', help='Exit with status 1 if the flights differ.')
     ] = False,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            help='Folder of the results; runs/<time>-compare by default.',
-            parser=parse_folder,
-            metavar='FOLDER',
-        ),
-    ] = None,
-    page: Annotated[bool, typer.Option(help='Write the HTML report.')] = True,
-    pictures: Pictures = None,
-    json: Annotated[bool, typer.Option('--json', help='Print all results as JSON.')] = False,
-) -> None:
+    *,
+    run: StudyRun,
+) -> Report:
     """
     Compare two flights, simulated or measured: where, when and by how much they differ.
 
@@ -117,7 +100,6 @@ def compare(
 
     Example: lta compare BAG BAG --pair odom=ground_truth/odom
     """
-    console = plain_console(stderr=json)
     asked = ComparisonRequest(
         tuple(pair or ()), tuple(topic or ()), align,
         None if offset is None else parse_quantity(offset, '--offset', 's'),
@@ -127,36 +109,16 @@ def compare(
     robots = (robot or '').partition(':')
     one = open_comparison_flight(a, robots[0], 'A')
     other = open_comparison_flight(b, robots[2] or robots[0], 'B')
-    # The pictures are rendered from the page
-    if pictures is not None and not page:
-        raise BadInput('--pictures needs the HTML report; remove --no-page.')
-    check_picture_output(pictures)
-    # A default folder has the time in its name and is always new
-    if out is not None and out.exists():
-        prepare_empty_folder(out.absolute())  # fail before the work, not after
     columns = (TextColumn('{task.description}'), BarColumn(), TimeRemainingColumn())
     total = count_ticks(one, other, asked)
-    with ProgressBar(console, *columns, begin='opening', total=total) as bar:
+    with ProgressBar(run.console, *columns, begin='opening', total=total) as bar:
         found = compare_flights(
             one, other, asked, lambda step: bar.update_bar(description=step, advance=1)
         )
     # Units of channels are known only after the comparison
     check_units(tolerance or (), found.channels)
-    target = prepare_empty_folder(resolve_folder(out, 'compare'))
-    content = comparison_to_dict(found)
-    write_json(content, target / 'compare.json')
-    written = write_page(found, target / NAME) if page else None
-    if written is not None and pictures is not None:
-        write_pictures(written, pictures)
-    if json:
-        made = {} if written is None else {'page': str(written)}
-        print_json({**content, **made})
-    print_comparison(found, console)
-    if written is not None:
-        console.print(format_page_line(written), highlight=False, markup=False, soft_wrap=True)
-    # Files and page are written first, so that the difference can be inspected
-    if same and not (found.is_identical or found.is_within_bands):
-        raise typer.Exit(1)
+    differ = same and not (found.is_identical or found.is_within_bands)
+    return replace(build_report(found), status=int(differ))
 
 
 def open_comparison_flight(path: Path, robot: str, label: str) -> RecordedFlight:

@@ -2,17 +2,15 @@
 
 from typing import Annotated, Literal
 
-from lta_cli.options.common_options import RetryFailed, Scheduler, WorkerCount
 from lta_cli.options.study_command import study_command, StudyRun
 from lta_report.report import Report
 from lta_report.results_folder import resolve_folder
-from lta_report.study import StudyOptions
 from lta_studies.mission.report import build_report
 from lta_studies.mission.run import load_request, run_missions, SCHEDULES
 import typer
 
 
-@study_command('mission', resumes=True)
+@study_command('mission', quick={'days': 1, 'seeds': 1, 'schedule': 'by light'})
 def mission(
     name: Annotated[str, typer.Argument(help='Mission: a shipped name or a file.')] = 'greenhouse',
     days: Annotated[int, typer.Option(help='Days to simulate.', min=1, max=365)] = 1,
@@ -28,9 +26,6 @@ def mission(
             'between flights. all: simulate all three.'
         ),
     ] = 'all',
-    workers: WorkerCount = None,
-    scheduler: Scheduler = None,
-    retry: RetryFailed = False,
     *,
     run: StudyRun,
 ) -> Report:
@@ -53,5 +48,4 @@ def mission(
     # Consecutive seeds, each with its own clouds
     request = load_request(name, days, range(seed, seed + seeds), schedules)
     folder = run.open_folder(resolve_folder(None, f'mission-{request.mission.name}'))
-    results = run_missions(request, folder, StudyOptions(workers, scheduler, retry), run.console)
-    return build_report(request, results)
+    return build_report(request, run_missions(request, folder, run.options, run.console))

@@ -3,18 +3,16 @@
 from datetime import datetime
 from typing import Annotated
 
-from lta_cli.options.common_options import RetryFailed, Scheduler, WorkerCount
 from lta_cli.options.study_command import study_command, StudyRun
 from lta_config.schema.comparison_file import load_comparison
 from lta_report.report import Report
 from lta_report.results_folder import resolve_folder
-from lta_report.study import StudyOptions
 from lta_studies.platforms.report import build_report
 from lta_studies.platforms.run import build_entries, fly_jobs, list_jobs
 import typer
 
 
-@study_command('platforms', resumes=True, quick={'seeds': 1})
+@study_command('platforms', quick={'seeds': 1})
 def platforms(
     file: Annotated[
         str, typer.Argument(help='Comparison file, or the name platforms for the shipped file.')
@@ -25,9 +23,6 @@ def platforms(
             help='Number of flights of each platform; by default as in the comparison file.', min=1
         ),
     ] = None,
-    workers: WorkerCount = None,
-    scheduler: Scheduler = None,
-    retry: RetryFailed = False,
     *,
     run: StudyRun,
 ) -> Report:
@@ -54,9 +49,8 @@ def platforms(
     count = seeds or comparison.seeds
     todo = list_jobs(file, comparison, count)
     created = datetime.now().astimezone().isoformat(timespec='seconds')
-    options = StudyOptions(workers, scheduler, retry)
     folder = run.open_folder(resolve_folder(None, comparison.name))
-    rows = fly_jobs(entries, todo, folder, options, run.console)
+    rows = fly_jobs(entries, todo, folder, run.options, run.console)
     facts = {
         'comparison': file, 'seeds': str(count), 'flights': str(len(rows)),
         'created': created,

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Annotated
 
 from lta_bridge.playback.settings import FOREVER
-from lta_cli.options.study_command import study_command, StudyRun
+from lta_cli.options.study_command import report_command, StudyRun
 from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.recorded_flight import open_flight
 from lta_flight.replay.node_settings import parse_settings
@@ -17,7 +17,7 @@ from lta_report.report import Report
 import typer
 
 
-@study_command('replay')
+@report_command('replay')
 def replay(
     bag: Annotated[Path, typer.Argument(help='Bag folder, results folder or .mcap file.')],
     nodes: Annotated[

@@ -5,12 +5,11 @@ from pathlib import Path
 import sys
 from typing import Annotated
 
-from lta_cli.options.common_options import plain_console, RetryFailed, WorkerCount
+from lta_cli.options.common_options import plain_console
 from lta_cli.options.study_command import study_command, StudyRun
 from lta_config.schema.paper_file import PaperRow
 from lta_report.report import Report, TextTable
 from lta_report.report_terminal import print_table
-from lta_report.study import StudyOptions
 from lta_studies.reproduce.report import build_report, format_markdown_page
 from lta_studies.reproduce.run import (
     reproduce_rows,
@@ -23,7 +22,7 @@ import typer
 LIST_HEADS = ('name', 'row', 'seeds', 'quick', 'claims', 'defects')
 
 
-@study_command('paper', resumes=True)
+@study_command('paper', quick='Use few seeds and skip long experiments; takes under 3 minutes.')
 def reproduce(
     names: Annotated[
         list[str] | None,
@@ -32,12 +31,6 @@ def reproduce(
         ),
     ] = None,
     listed: Annotated[bool, typer.Option('--list', help='List the experiments and exit.')] = False,
-    quick: Annotated[
-        bool,
-        typer.Option(
-            '--quick', help='Use few seeds and skip long experiments; takes under 3 minutes.'
-        ),
-    ] = False,
     draws: Annotated[
         int | None,
         typer.Option(
@@ -46,8 +39,6 @@ def reproduce(
             max=10_000,
         ),
     ] = None,
-    workers: WorkerCount = None,
-    retry: RetryFailed = False,
     as_markdown: Annotated[bool, typer.Option('--markdown', help='Print docs/paper.md.')] = False,
     *,
     run: StudyRun,
@@ -62,7 +53,8 @@ def reproduce(
 
     Finished rows are stored in the folder of the results, runs/paper (with --quick
     runs/paper-quick) by default, and repeating the command resumes. A change of the code or of a
-    row's file reruns the rows that it affects.
+    row's file reruns the rows that it affects. With --scheduler, the workers write the bags of
+    the plotted flights into this folder, so all machines must share it.
 
     Writes a page, paper.json (SI units) and bags of the plotted flights.
 
@@ -78,9 +70,9 @@ def reproduce(
         print_table(build_row_table(rows), run.console)
         raise typer.Exit
     # No time in the name, so that repeating the command resumes
-    folder = run.open_folder(Path('runs') / ('paper-quick' if quick else 'paper'))
-    options = StudyOptions(workers, retry_failed=retry)
-    order = ReproductionRequest(tuple(row.name for row in rows), quick, folder, options, draws)
+    folder = run.open_folder(Path('runs') / ('paper-quick' if run.quick else 'paper'))
+    names = [row.name for row in rows]
+    order = ReproductionRequest(tuple(names), run.quick, folder, run.options, draws)
     report = build_report(rows, reproduce_rows(order, rows, run.console))
     if as_markdown:
         sys.stdout.write(format_markdown_page(report))

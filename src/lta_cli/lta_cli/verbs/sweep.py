@@ -3,24 +3,22 @@
 import math
 from typing import Annotated
 
-from lta_cli.options.common_options import RetryFailed, Scheduler, WorkerCount
 from lta_cli.options.study_command import study_command, StudyRun
 from lta_config.errors import BadInput
 from lta_flight.batch.fly import Device
 from lta_flight.sweep.report import build_report
 from lta_flight.sweep.run import sweep_once, SweepRequest
 from lta_report.report import Report
+from lta_report.study import StudyOptions
 import typer
 
 
-@study_command('sweep', resumes=True)
+@study_command('sweep', quick='Fly only the first seed or sample of each case.')
 def sweep(
     file: Annotated[
         str,
         typer.Argument(help='Sweep file, or the name of a shipped one, such as heaviness.'),
     ],
-    workers: WorkerCount = None,
-    scheduler: Scheduler = None,
     device: Annotated[
         Device | None,
         typer.Option(
@@ -34,10 +32,6 @@ def sweep(
             help='With --device: fly open loop with a constant duty from -1 to 1 for each rotor.',
         ),
     ] = None,
-    retry: RetryFailed = False,
-    quick: Annotated[
-        bool, typer.Option('--quick', help='Fly only the first seed or sample of each case.')
-    ] = False,
     *,
     run: StudyRun,
 ) -> Report:
@@ -67,8 +61,8 @@ def sweep(
     Example: lta sweep heaviness --workers 2
     """
     asked = parse_duties(duties)
-    check_exclusive_options(device, asked, workers, scheduler)
-    order = SweepRequest(file, run.out, workers, scheduler, retry, device, asked, quick)
+    check_exclusive_options(device, asked, run.options)
+    order = SweepRequest(file, run.out, run.options, device, asked, run.quick)
     done = sweep_once(order, run.console)
     run.open_folder(done.folder)
     return build_report(done)
@@ -89,12 +83,12 @@ def parse_duties(text: str | None) -> tuple[float, ...]:
 
 
 def check_exclusive_options(
-    device: Device | None, duties: tuple[float, ...], workers: int | None, scheduler: str | None
+    device: Device | None, duties: tuple[float, ...], options: StudyOptions
 ) -> None:
     """Refuse options that exclude each other."""
     if duties and device is None:
         raise BadInput('--duties needs batch mode; add --device cpu-batch or --device gpu.')
-    if device is not None and (workers is not None or scheduler is not None):
+    if device is not None and (options.workers, options.scheduler) != (None, None):
         raise BadInput(
             '--device cannot be combined with --workers or --scheduler; remove one of them.'
         )

@@ -2,7 +2,6 @@
 
 from typing import Annotated
 
-from lta_cli.options.common_options import WorkerCount
 from lta_cli.options.study_command import study_command, StudyRun
 from lta_config.command_line import format_lta_command
 from lta_config.parameter_override import parse_quantity
@@ -25,7 +24,7 @@ def parse_mass(text: str) -> float:
     return float(found['value']) * factor
 
 
-@study_command('tune', resumes=True, quick={'cases': 2, 'budget': 20, 'draws': 4})
+@study_command('tune', quick={'cases': 2, 'budget': 20, 'draws': 4})
 def tune(
     vehicle: Annotated[str, typer.Argument(help='Vehicle name or file.')] = 'gtmab',
     gains: Annotated[
@@ -78,7 +77,6 @@ def tune(
         ),
     ] = None,
     seed: Annotated[int, typer.Option(help='Random seed.', min=0, max=2**31 - 1)] = 1,
-    workers: WorkerCount = None,
     *,
     run: StudyRun,
 ) -> Report:
@@ -111,7 +109,7 @@ def tune(
     asked += [f'--budget={budget}', f'--seed={seed}', *(f'--number={n}' for n in numbers or ())]
     start = [] if gains is None else ['--gains', gains]
     order = TuningRequest(
-        vehicle, gains, least, most, cases, budget, draws, seed, tuple(numbers or ()), workers,
+        vehicle, gains, least, most, cases, budget, draws, seed, tuple(numbers or ()), run.options,
         run.out, format_lta_command('tune', vehicle, *start, *asked),
     )  # fmt: skip
     done = tune_once(order, run.console)

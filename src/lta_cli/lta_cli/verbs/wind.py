@@ -4,24 +4,15 @@ from typing import Annotated
 
 from lta_cli.options.study_command import study_command, StudyRun
 from lta_config.files import list_shipped_names
-from lta_model.scenario import load_scenario
-from lta_model.vehicle import load_vehicle
-from lta_report.progress_bar import ProgressBar
 from lta_report.report import Report
-from lta_studies.wind.limits import (
-    count_ticks,
-    measure_limits,
-    PlatformWindLimits,
-    WindStudyRequest,
-)
+from lta_studies.wind.limits import find_limits, WindStudyRequest
 from lta_studies.wind.report import build_report
-from rich.console import Console
 import typer
 
 ROUGHNESS = [0.03, 0.1, 0.3]  # m: grass, crops, bushes and low houses (unverified, from memory)
 
 
-@study_command('wind')
+@study_command('wind', quick='One seed, three airspeeds, coarse steps of the wind.')
 def wind(
     vehicles: Annotated[
         list[str] | None,
@@ -63,12 +54,6 @@ def wind(
             max=1000,
         ),
     ] = 3,
-    quick: Annotated[
-        bool,
-        typer.Option(
-            '--quick', help='Run a shorter study: one seed, three airspeeds, coarse wind steps.'
-        ),
-    ] = False,
     fly: Annotated[
         bool, typer.Option(help='Simulate flights; --no-fly computes only the static limits.')
     ] = True,
@@ -97,31 +82,6 @@ def wind(
         # Remove duplicates and keep the order
         tuple(dict.fromkeys(vehicles or list_shipped_names('vehicles'))),
         tuple(sorted(set(roughness or ROUGHNESS))),
-        height, reference, scenario, 1 if quick else seeds, quick, fly,
+        height, reference, scenario, 1 if run.quick else seeds, run.quick, fly,
     )  # fmt: skip
-    for name in asked.vehicles:
-        # Check all files before the first flight
-        load_vehicle(name)
-    load_scenario(asked.scenario)
-    return build_report(find_limits(asked, run.console), asked)
-
-
-def find_limits(request: WindStudyRequest, console: Console) -> list[PlatformWindLimits]:
-    """
-    Return the limits of all platforms, with a progress bar.
-
-    After Ctrl-C, return those of the finished platforms; raise KeyboardInterrupt if there is none.
-    """
-    # The ticks of the search, and one for each finished platform
-    total = count_ticks(request) + len(request.vehicles)
-    found: list[PlatformWindLimits] = []
-    try:
-        with ProgressBar(console, begin='wind', total=total) as bar:
-            for name in request.vehicles:
-                bar.update_bar(description=name)
-                found.append(measure_limits(request, name, lambda: bar.update_bar(advance=1)))
-                bar.update_bar(advance=1)
-    except KeyboardInterrupt:
-        if not found:
-            raise
-    return found
+    return build_report(find_limits(asked, run.folder, run.options, run.console), asked)

@@ -65,7 +65,7 @@ class WrenchRegression:
         floor: Array,
     ) -> None:
         group = LinearizedGroup(tuple(pieces), joint.group.at, joint.group.variance)
-        self.deviations, self._group, self._joint = deviations, group, joint
+        self.deviations, self._group = deviations, group
         self._own = np.flatnonzero(group.variance)
         self._free = np.flatnonzero(joint.prior.free)
         parts = map_parallel(self._reduce_flight, list(zip(pieces, rotations, strict=True)))

@@ -82,7 +82,6 @@ class Commander:
         self._hover: HoverSetpoint | None = None
         self._said: float | None = None  # arrival of the active low-level setpoint
         self._land = False
-        self.thrust_packets = 0
 
     def receive_generic_setpoint(self, channel: int, data: bytes, size: int, now: float) -> None:
         """
@@ -118,7 +117,6 @@ class Commander:
 
     def receive_attitude(self, now: float) -> None:
         """Receive a packet of roll, pitch, yaw rate and thrust at a time. [s]"""
-        self.thrust_packets += 1
         self._set_hover(None, now)
 
     def set_zero_thrust(self, now: float) -> None:

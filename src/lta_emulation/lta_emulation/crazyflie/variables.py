@@ -15,7 +15,7 @@ from lta_emulation.crazyflie.table_of_contents import (
     READ_ONLY,
 )
 
-FLOAT, U8, U16, I8, I16 = 7, 1, 2, 4, 5
+FLOAT, U8, U16, I8 = 7, 1, 2, 4
 BYTE, WORD, LONG, REAL = 0x08, 0x09, 0x0A, 0x06  # of parameters
 ATTITUDE_GAINS = {'roll': (6.0, 3.0, 0.0), 'pitch': (6.0, 3.0, 0.0), 'yaw': (6.0, 1.0, 0.35)}
 ANGLES = ('roll', 'pitch', 'yaw')

@@ -1,7 +1,6 @@
 """Write the page of a flight as one HTML file."""
 
 from collections.abc import Mapping
-from html import escape
 import math
 from pathlib import Path
 import shlex
@@ -22,8 +21,9 @@ from lta_flight.report.scene import render_flight_scene
 from lta_flight.report.track import build_track
 from lta_flight.report.view import FlightView
 from lta_report.flight_scene import render_time_bar
-from lta_report.html_elements import render_section, render_tile
-from lta_report.page_frame import assemble_page, write_file
+from lta_report.page_frame import write_file
+from lta_report.report import Grid, Picture, Report, TextSection, TextTable
+from lta_report.report_page import render_report
 
 FILES: Final = ('vehicle_file', 'scenario_file', 'gains_file', 'strategy_file')
 CHOSEN: Final = ('vehicle', 'scenario', 'strategy', 'seed', 'time')
@@ -48,6 +48,12 @@ PAPER_NOTE: Final = (
     'the straight 6.0 m would need 0.71 m/s. Neither path nor time is tuned to the paper here. '
     'The paper prints power for its three strategies together. '
 )
+CRUISE: Final = (
+    '“Cruise” starts when the true forward airspeed first reaches 90 % of the commanded one.'
+)
+HEIGHTS: Final = {
+    'heading': 340, 'light': 340, 'duty': 340, 'power': 340, 'samples': 300, 'spectrum': 300,
+}  # fmt: skip
 MEASURED: Final = (
     'The recording has no scenario. "Truth" is its recorded ground truth; "estimate" is what '
     'the drone computed from its sensors.'
@@ -65,29 +71,27 @@ def write_page(bag: Path, out: Path, robot: str | None = None) -> FlightResults:
     flight = open_flight(bag, robot)
     view = FlightView(flight)
     results = compute_results(view)
-    write_file(render_page(view, results, bag), out)
+    write_file(render_report(build_report(view, results, bag)), out)
     return results
 
 
-def render_page(view: FlightView, results: FlightResults, bag: Path) -> str:
-    """Return the whole page of a flight in a bag."""
-    sections = {panel.name: render_panel(panel, view) for panel in PANELS}
-    scene = render_flight_scene(view)
-    return assemble_page(
-        'flight.html',
-        title=f'{escape(describe_outcome(results))}.',
-        kicker=escape(format_line_above_title(view.provenance)),
-        about=escape(explain_truth_and_estimate(view)),
-        tiles='\n'.join(render_tile(*tile) for tile in build_tiles(results)),
-        track=build_track(view),
-        has_scene=bool(scene),
-        scene=scene,
-        bar=render_time_bar(READOUT, 'flight'),
-        table=render_table(results, with_paper=is_paper_scene(view)),
-        note=escape(explain_shade(results)) + (PAPER_NOTE if is_paper_scene(view) else ''),
-        # The path gets its own place next to the table
-        hero=sections.pop('path'),
-        panels='\n'.join(sections.values()),
+def build_report(view: FlightView, results: FlightResults, bag: Path) -> Report:
+    """Return the report of a flight in a bag."""
+    path, *panels = (build_panel(panel, view) for panel in PANELS)
+    scene, paper = render_flight_scene(view), is_paper_scene(view)
+    note = f'{explain_shade(results)}{PAPER_NOTE if paper else ""}{CRUISE}'
+    return Report(
+        command='flight',
+        subject=describe_setup(view.provenance),
+        headline=f'{describe_outcome(results)}.',
+        introduction=explain_truth_and_estimate(view),
+        tiles=build_tiles(results),
+        blocks=[
+            Grid([path, build_result_table(results, with_paper=paper)]),
+            TextSection('', [note]),
+            Grid(panels),
+        ],
+        data={},
         facts=describe_provenance(view.flight),
         commands=suggest_commands(view, relative_path(bag)),
         files={
@@ -95,21 +99,24 @@ def render_page(view: FlightView, results: FlightResults, bag: Path) -> str:
             for key in FILES
             if key in view.provenance
         },
+        scene=scene,
+        time_bar=render_time_bar(READOUT, 'flight'),
+        track=build_track(view),
+        asset='flight.html',
     )
 
 
-def render_panel(panel: FlightPanel, view: FlightView) -> str:
+def build_panel(panel: FlightPanel, view: FlightView) -> Picture | TextSection:
     """Return one figure with heading and caption, or a sentence on what is missing."""
     # A recording of other robots may lack topics
-    missing = [topic for topic in panel.needs if not view.has_topics(topic)]
-    names = ' and '.join(f'<code>{escape(topic)}</code>' for topic in missing)
-    absent = f'<p class="absent">The recording has nothing on {names}.</p>'
-    picture = absent if missing else panel.picture(view)
-    return render_section(panel.name, panel.title, panel.caption, picture, timed=panel.timed)
+    if missing := [topic for topic in panel.needs if not view.has_topics(topic)]:
+        return TextSection(panel.title, [f'The recording has nothing on {" and ".join(missing)}.'])
+    drawn, height = panel.picture(view), HEIGHTS.get(panel.name, 270)
+    return Picture(panel.name, panel.title, panel.caption, drawn, height, timed=panel.timed)
 
 
-def format_line_above_title(provenance: Mapping[str, str]) -> str:
-    """Return the line above the title."""
+def describe_setup(provenance: Mapping[str, str]) -> str:
+    """Return vehicle, scenario, strategy and seed in one line."""
     names = [provenance.get(key, '') for key in ('vehicle', 'scenario', 'strategy')]
     seed = provenance.get('seed')
     return ' · '.join([name for name in names if name] + ([f'seed {seed}'] if seed else []))
@@ -134,20 +141,11 @@ def is_paper_scene(view: FlightView) -> bool:
     return named and math.isclose(away, PAPER_DISTANCE, abs_tol=0.05)
 
 
-def render_table(results: FlightResults, *, with_paper: bool) -> str:
+def build_result_table(results: FlightResults, *, with_paper: bool) -> TextTable:
     """Return the table of the results, with the paper's values in its own scene."""
-    heads = ('Quantity', 'This flight', *(('Paper',) if with_paper else ()))
-    lines = ''.join(f'<th scope="col">{head}</th>' for head in heads)
-    body = '\n'.join(
-        render_row(*row[: len(heads)]) for row in build_table(results, with_paper=with_paper)
-    )
-    return f'<thead><tr>{lines}</tr></thead>\n<tbody>\n{body}\n</tbody>'
-
-
-def render_row(name: str, *cells: str) -> str:
-    """Return one line of the table."""
-    parts = ''.join(f'<td>{escape(each)}</td>' for each in cells)
-    return f'<tr><th scope="row">{escape(name)}</th>{parts}</tr>'
+    heads = ('quantity', 'this flight', *(('paper',) if with_paper else ()))
+    rows = [row[: len(heads)] for row in build_table(results, with_paper=with_paper)]
+    return TextTable('In numbers', heads, rows)
 
 
 def describe_provenance(flight: RecordedFlight) -> dict[str, str]:

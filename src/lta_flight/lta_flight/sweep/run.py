@@ -1,6 +1,6 @@
 """Run a sweep: check it, fly it, and write its table."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 import hashlib
 from pathlib import Path
@@ -16,10 +16,10 @@ from lta_flight.sweep import table
 from lta_flight.sweep.batch_workers import BatchWorkers
 from lta_flight.sweep.job_runner import fly_job, STORE, store_row, SweepRow
 from lta_flight.sweep.plan import SweepJob, SweepPlan
-from lta_report.study import run_items
+from lta_report.study import run_items, StudyOptions
 from lta_report.study_progress import StudyProgress
 from lta_report.study_store import StudyStore
-from lta_report.workers import open_workers, Workers
+from lta_report.workers import Workers
 from rich.console import Console
 
 
@@ -30,9 +30,7 @@ class SweepRequest:
 
     file: str
     out: Path | None = None
-    workers: int | None = None
-    scheduler: str | None = None
-    retry: bool = False
+    computing: StudyOptions = field(default_factory=StudyOptions)
     device: Device | None = None
     duties: tuple[float, ...] = ()
     quick: bool = False
@@ -86,7 +84,7 @@ def sweep_once(order: SweepRequest, console: Console) -> SweepRun:
     folder = (order.out or Path('runs') / f'sweep-{file.name}-{identity[:8]}').absolute()
     # Before the folder is created: a batch or a cluster may not be usable
     workers = create_workers(order, plan)
-    with StudyStore(folder, STORE, identity, order.retry) as store:
+    with StudyStore(folder, STORE, identity, order.computing.retry_failed) as store:
         done = set(store.results)
         progress = StudyProgress(console, plan.count, len(done), 'flights')
         begun, failure = time.monotonic(), None
@@ -106,7 +104,7 @@ def sweep_once(order: SweepRequest, console: Console) -> SweepRun:
 def create_workers(order: SweepRequest, plan: SweepPlan) -> Workers[SweepJob, SweepRow]:
     """Return the workers that fly a sweep; a batch checks all values of the sweep."""
     if order.device is None:
-        return open_workers(partial(fly_job, plan.base), order.workers, order.scheduler)
+        return order.computing.open_workers(partial(fly_job, plan.base))
     batch = BatchWorkers(plan.base, order.device, order.duties)
     # Before the first flight: a batch supports fewer features than a single flight
     batch.check(plan)

@@ -49,12 +49,14 @@ class ThreadedFlowSolver:
     Solve flows on this machine.
 
     `folder`: cache of the solved cases. `jobs`: number of parallel flows. `tell`: called with the
-    progress of each case.
+    progress of each case. `retry_failed`: whether to repeat cases that failed in an earlier run.
     """
 
-    def __init__(self, folder: Path, jobs: int, tell: Progress) -> None:
+    def __init__(
+        self, folder: Path, jobs: int, tell: Progress, retry_failed: bool = False
+    ) -> None:
         self._programs = FoamPrograms()
-        self._stages = CaseRunner(folder, self._programs, tell)
+        self._stages = CaseRunner(folder, self._programs, tell, retry_failed)
         self._jobs = jobs
 
     def solver_version(self) -> str:

@@ -34,6 +34,8 @@ from lta_sim.cfd.tunnel_model import TunnelModel
 
 REMEDY: Final = 'start its workers with fewer threads or more memory, or use a coarser --fidelity'
 
+CasePlace = tuple[Path | None, bool]  # cache of cases, and whether to repeat failed ones
+
 
 @final
 class DaskFlowSolver:
@@ -42,13 +44,16 @@ class DaskFlowSolver:
 
     `address`: address of the scheduler, such as tcp://10.0.0.1:8786. `folder`: cache of solved
     cases on every machine; by default the machine's own cache. `tell`: progress callback for
-    solved cases. Raise `BadInput` if dask.distributed is not installed, the scheduler does not
-    answer, or a worker has no OpenFOAM.
+    solved cases. `retry_failed`: whether to repeat cases that diverged in an earlier run. Raise
+    `BadInput` if dask.distributed is not installed, the scheduler does not answer, or a worker has
+    no OpenFOAM.
     """
 
-    def __init__(self, address: str, folder: Path | None, tell: Progress) -> None:
+    def __init__(
+        self, address: str, folder: Path | None, tell: Progress, retry_failed: bool = False
+    ) -> None:
         _, self._client = connect_cluster(address)
-        self._folder, self._tell = folder, tell
+        self._where, self._tell = (folder, retry_failed), tell
         self._engines: dict[str, str] = self._client.run(find_worker_openfoam_version)
         if lacking := [worker for worker, engine in self._engines.items() if not engine]:
             self._client.close()
@@ -113,7 +118,7 @@ class DaskFlowSolver:
 
     def _submit(self, case: FoamCase, work: Any, *given: Any) -> Any:  # noqa: ANN401 - Dask has no types
         # pure=False: Dask must not reuse the result of an earlier call with equal arguments.
-        future = self._client.submit(work, self._folder, *given, pure=False)
+        future = self._client.submit(work, self._where, *given, pure=False)
         future.add_done_callback(lambda _: self._tell(case, case.steps[-1], 1.0, float('nan')))
         return future
 
@@ -123,17 +128,18 @@ def find_worker_openfoam_version() -> str:
     return find_openfoam_version() if has_openfoam() else ''
 
 
-def build_mesh_on_worker(folder: Path | None, mesh: FoamCase) -> None:
+def build_mesh_on_worker(where: CasePlace, mesh: FoamCase) -> None:
     """Build a mesh on this machine."""
-    solve_mesh(_build_worker_stages(folder), mesh)
+    solve_mesh(_build_worker_stages(where), mesh)
 
 
 def solve_flow_on_worker(
-    folder: Path | None, model: TunnelModel, flow: TunnelFlow, density: float, _: None
+    where: CasePlace, model: TunnelModel, flow: TunnelFlow, density: float, _: None
 ) -> Found:
     """Solve and evaluate a flow on this machine; the last argument waits for its mesh."""
-    return solve_flow(_build_worker_stages(folder), model, flow, density)
+    return solve_flow(_build_worker_stages(where), model, flow, density)
 
 
-def _build_worker_stages(folder: Path | None) -> CaseRunner:
-    return CaseRunner(folder or cache_folder(), FoamPrograms(), lambda *_: None)
+def _build_worker_stages(where: CasePlace) -> CaseRunner:
+    folder, retry_failed = where
+    return CaseRunner(folder or cache_folder(), FoamPrograms(), lambda *_: None, retry_failed)

@@ -7,6 +7,7 @@ from typing import Annotated
 
 from lta_config.errors import BadInput
 from lta_config.machine import count_cores
+from lta_report.study import StudyOptions
 from lta_sim.cfd.flow_plan import TunnelFlow
 from lta_sim.cfd.flow_solvers import FlowSolver, ThreadedFlowSolver
 from lta_sim.cfd.openfoam.case_runner import cache_folder, CaseRunner
@@ -27,11 +28,20 @@ Cache = Annotated[
 ]
 
 
-def check_solver_options(workers: int | None, scheduler: str | None) -> None:
+def refuse_solver_options(options: StudyOptions) -> None:
+    """Raise `BadInput` for options of a solver where none runs."""
+    if options != StudyOptions():
+        raise BadInput(
+            '--fidelity analytic solves no flow; leave --workers, --scheduler and --retry-failed '
+            'out, or choose the fidelity preview or reference.'
+        )
+
+
+def check_solver_options(options: StudyOptions) -> None:
     """Raise `BadInput` for options that cannot solve a flow."""
-    if scheduler is None:
+    if options.scheduler is None:
         require_openfoam()
-    elif workers is not None:
+    elif options.workers is not None:
         # An ignored option would be misleading.
         raise BadInput(
             '--workers has no effect with --scheduler, where the threads of the Dask workers '
@@ -41,8 +51,8 @@ def check_solver_options(workers: int | None, scheduler: str | None) -> None:
 
 @contextmanager
 def open_solver(
-    flows: Sequence[TunnelFlow], bar: TunnelProgress, workers: int | None, cache: Path | None,
-    scheduler: str | None, limit: float | None = None,
+    flows: Sequence[TunnelFlow], bar: TunnelProgress, options: StudyOptions, cache: Path | None,
+    limit: float | None = None,
 ) -> Iterator[FlowSolver]:  # fmt: skip
     """
     Open the solver for some flows; raise `BadInput` if their meshes do not fit in memory.
@@ -51,29 +61,27 @@ def open_solver(
     ----------
     flows : sequence of TunnelFlow
         All flows of the command.
-    workers : int, optional
-        Flows at a time on this machine.
+    options : StudyOptions
+        Flows at a time on this machine, or the scheduler of a cluster; whether to repeat failures.
     cache : Path, optional
         Cache folder of solved flows.
-    scheduler : str, optional
-        Address of a Dask scheduler.
     limit : float, optional
         Memory of this machine. [GB]
 
     """
-    if scheduler is not None:
+    tell, retry = bar.update_case_progress, options.retry_failed
+    if options.scheduler is not None:
         # The workers have other working directories, so the path must be absolute.
-        with DaskFlowSolver(
-            scheduler, cache and cache.absolute(), bar.update_case_progress
-        ) as cluster:
+        absolute = cache and cache.absolute()
+        with DaskFlowSolver(options.scheduler, absolute, tell, retry) as cluster:
             cluster.check_memory(flows)
             yield cluster
         return
-    folder, side_by_side = resolve_cache_folder(cache), workers or count_cores()
+    folder, side_by_side = resolve_cache_folder(cache), options.workers or count_cores()
     # The limit is an option in GB; memory is counted in bytes.
     check_memory(flows, side_by_side, 1e9 * limit if limit else machine_memory())
-    bar.skip_solved(CaseRunner(folder, FoamPrograms(), bar.update_case_progress))
-    yield ThreadedFlowSolver(folder, side_by_side, bar.update_case_progress)
+    bar.skip_solved(CaseRunner(folder, FoamPrograms(), tell))
+    yield ThreadedFlowSolver(folder, side_by_side, tell, retry)
 
 
 def resolve_cache_folder(cache: Path | None) -> Path:

@@ -12,11 +12,10 @@ from lta_control.laws.frames import to_world
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec
 from lta_model.electrical.loads import rotor_power
+from lta_report.json_value import ExactArray
 from lta_sim.world import World
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
 Course = Callable[[float], Setpoint]
 
 
@@ -25,14 +24,14 @@ Course = Callable[[float], Setpoint]
 class FlightTrack:
     """Recorded flight; every array has one value per control step."""
 
-    time: Array  # time since the start [s]
-    height: Array  # height of the hull centre [m]
-    speed: Array  # horizontal ground speed [m/s]
-    pitch: Array  # pitch, nose up positive [rad]
-    rotors: Array  # electrical power of all rotors [W]
+    time: ExactArray  # time since the start [s]
+    height: ExactArray  # height of the hull centre [m]
+    speed: ExactArray  # horizontal ground speed [m/s]
+    pitch: ExactArray  # pitch, nose up positive [rad]
+    rotors: ExactArray  # electrical power of all rotors [W]
     # Terminal voltage of the cell [V], and its state of charge [1]
-    voltage: Array
-    charge: Array
+    voltage: ExactArray
+    charge: ExactArray
 
     def crop(self, begin: float, end: float) -> 'FlightTrack':
         """Return the part of the flight in [begin, end). [s]"""

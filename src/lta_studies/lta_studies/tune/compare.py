@@ -8,7 +8,7 @@ from typing import final
 from lta_control.cascade import CascadeGains
 from lta_flight.sweep.statistics import ShareInterval, wilson_interval
 from lta_report.workers import Workers
-from lta_studies.tune.evaluation import evaluate_jobs, EvaluationJob
+from lta_studies.tune.evaluation import evaluate_jobs, EvaluationJob, refuse_failure
 from lta_studies.tune.metrics import ResponseMetrics
 from lta_studies.tune.step_response import SetpointStep, STEPS, TuningCase, TuningScene
 import numpy as np
@@ -114,7 +114,7 @@ def fly_comparison(
     """Fly the old and the new gains in the same cases."""
     # One task list for both sides, so that no worker waits between them.
     tasks = [EvaluationJob(scene, gains, case) for gains in both for case in cases]
-    reports = evaluate_jobs(tasks, workers)
+    reports = refuse_failure(evaluate_jobs(tasks, workers))
     losses = tuple(case.loss for case in cases)
     count = len(cases)
     return GainEvaluation(losses, tuple(reports[:count])), GainEvaluation(

@@ -6,7 +6,7 @@ import hashlib
 import json
 import math
 from operator import attrgetter
-from typing import Any, Final, final, NamedTuple
+from typing import Any, Final, final, NamedTuple, TypeVar
 
 from lta_config.errors import BadInput
 from lta_control.cascade import CascadeGains, Setpoint
@@ -21,6 +21,7 @@ from lta_studies.tune.stability_margins import ALTITUDE, CRUISE
 from lta_studies.tune.step_response import fly_steps, STEPS, TuningCase, TuningScene
 from pydantic import TypeAdapter
 
+Result = TypeVar('Result')
 CRUISING = Setpoint(ALTITUDE, 0.0, CRUISE)
 WORST = StepMetrics(math.inf, 1.0, 1.0, 1.0)
 BROKEN = ResponseMetrics(
@@ -58,18 +59,25 @@ def evaluate_gains(task: EvaluationJob) -> ResponseMetrics:
 
 def evaluate_jobs(
     jobs: Sequence[EvaluationJob], workers: Workers[EvaluationJob, ResponseMetrics]
-) -> list[ResponseMetrics]:
-    """Return the metrics in the order of the jobs; raise `BadInput` if a flight failed."""
+) -> list[ResponseMetrics] | ItemFailure:
+    """Return the metrics in the order of the jobs, or the first failure of a flight."""
     found: dict[int, ResponseMetrics] = {}
     for job, outcome in workers.run(jobs):
         if isinstance(outcome, ItemFailure):
-            raise BadInput(
-                f'A test flight failed. {outcome.reason} Finished candidates are stored; run the '
-                'same command again to continue.'
-            )
+            return outcome
         # Jobs come back as the same objects.
         found[id(job)] = outcome
     return [found[id(job)] for job in jobs]
+
+
+def refuse_failure(outcome: Result | ItemFailure) -> Result:
+    """Return an outcome; raise `BadInput` if it is a failure."""
+    if isinstance(outcome, ItemFailure):
+        raise BadInput(
+            f'A test flight failed. {outcome.reason} Finished candidates are stored; run the same '
+            'command again with --retry-failed to continue.'
+        )
+    return outcome
 
 
 @final

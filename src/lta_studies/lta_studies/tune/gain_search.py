@@ -13,7 +13,8 @@ from typing import final
 
 from cmaes import CMA
 from lta_report.study_store import StudyStore
-from lta_studies.tune.evaluation import CandidateCosts
+from lta_report.workers import ItemFailure
+from lta_studies.tune.evaluation import CandidateCosts, refuse_failure
 from lta_studies.tune.parameters import TunableParameter
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +23,7 @@ STEP = 0.35  # of log(gain): the first generation changes gains by a factor of a
 OUTSIDE = 0.1  # penalty per squared unit of log(gain) beyond a bound
 
 Numbers = Mapping[str, float]
-Fly = Callable[[Numbers], list[float]]
+Fly = Callable[[Numbers], list[float] | ItemFailure]
 Vector = NDArray[np.float64]
 
 
@@ -60,7 +61,7 @@ def search_gains(
     numbers : sequence of TunableParameter
         Parameters to search, with their start values.
     fly : callable
-        Returns the cost of each test flight of a candidate.
+        Returns the cost of each test flight of a candidate, or the failure of one.
     store : StudyStore
         Earlier evaluations; new ones are added.
     budget : int
@@ -135,6 +136,10 @@ def _fly_candidates(
     for value in values:
         numbers = tuple(value.values())
         if numbers not in store:
+            costs = fly(value)
             # Stored before the next is flown, so that an interrupt loses one.
-            store.add(numbers, CandidateCosts(numbers, fly(value)))
-        yield store.results[numbers].costs
+            store.add(
+                numbers,
+                costs if isinstance(costs, ItemFailure) else CandidateCosts(numbers, costs),
+            )
+        yield refuse_failure(store.failures.get(numbers) or store.results[numbers]).costs

@@ -1,7 +1,7 @@
 """Run a tuning: search, comparison, stability margins, helium limits and gains file."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import final
@@ -13,9 +13,10 @@ from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_control.cascade import CascadeGains
 from lta_control.gains_file import load_gains
 from lta_report.formatting import format_count
+from lta_report.study import StudyOptions
 from lta_report.study_progress import StudyProgress
 from lta_report.study_store import StudyStore
-from lta_report.workers import open_workers, Workers
+from lta_report.workers import ItemFailure, Workers
 from lta_studies.tune import step_response
 from lta_studies.tune.compare import draw_cases, fly_comparison, GainEvaluation
 from lta_studies.tune.evaluation import (
@@ -58,7 +59,7 @@ class TuningRequest:
     draws: int = 20
     seed: int = 1
     numbers: tuple[str, ...] = ()
-    workers: int | None = None
+    options: StudyOptions = field(default_factory=StudyOptions)
     folder: Path | None = None
     command: str = 'lta tune'
 
@@ -160,9 +161,9 @@ def tune_once(order: TuningRequest, console: Console) -> TuningResult:
         highlight=False,
     )
     with (
-        StudyStore(folder, STORE, hash_search(about)) as store,
+        StudyStore(folder, STORE, hash_search(about), order.options.retry_failed) as store,
         StudyProgress(console, order.budget, unit='candidates') as progress,
-        open_workers(evaluate_gains, order.workers) as workers,
+        order.options.open_workers(evaluate_gains) as workers,
     ):
 
         def show_candidate(count: int, best: float) -> None:
@@ -203,11 +204,12 @@ def evaluate_candidate(
     cases: Sequence[TuningCase],
     workers: Workers[EvaluationJob, ResponseMetrics],
     candidate: Mapping[str, float],
-) -> list[float]:
-    """Return the cost of each test flight of a candidate."""
+) -> list[float] | ItemFailure:
+    """Return the cost of each test flight of a candidate, or the failure of one."""
     gains = replace_parameters(start, candidate)
     tasks = [EvaluationJob(scene, gains, case) for case in cases]
-    return [report.cost for report in evaluate_jobs(tasks, workers)]
+    reports = evaluate_jobs(tasks, workers)
+    return reports if isinstance(reports, ItemFailure) else [each.cost for each in reports]
 
 
 def evaluate_gain_set(

@@ -7,7 +7,7 @@ limit at which its motors stop. Several airspeed commands are tried and the best
 limit is found by bisection, which assumes that a drone that flies in a wind also flies in less.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 import math
 from typing import Any, final
@@ -98,7 +98,6 @@ def find_flyable_wind(
     airspeeds: Sequence[float],
     seeds: Sequence[int],
     steps: int,
-    tick: Callable[[], None],
 ) -> FlyableWind:
     """
     Find the largest flyable wind.
@@ -115,8 +114,6 @@ def find_flyable_wind(
         Random seeds; the drone must make headway with all of them.
     steps : int
         Steps of each bisection.
-    tick : callable
-        Progress callback, called `steps + 1` times for each airspeed.
 
     """
     best = FlyableWind(0.0, airspeeds[0], most)
@@ -132,13 +129,11 @@ def find_flyable_wind(
         low, high = best.wind, most
         # Skip the bisection if this airspeed cannot beat the best one by one step.
         worth = is_flyable(low + fine if low else 0.0, airspeed)
-        tick()
         for _ in range(steps):
-            # A bracket with a raised lower end is narrow earlier; `tick` still completes the bar.
+            # A bracket with a raised lower end is narrow earlier
             if worth and high - low > fine:
                 middle = 0.5 * (low + high)
                 low, high = (middle, high) if is_flyable(middle, airspeed) else (low, middle)
-            tick()
         # `best.fine == most` marks that no airspeed has flown yet, so 0 m/s counts as well.
         if worth and (low > best.wind or best.fine == most):
             best = FlyableWind(low, airspeed, high - low)

@@ -1,9 +1,11 @@
 """Compute the static and flown wind limits of each platform over each ground."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 import math
-from typing import Any, final
+from pathlib import Path
+from typing import Any, Final, final
 
 from lta_config.errors import BadInput
 from lta_config.files import find_file, list_shipped_names, load_yaml, validate_content
@@ -14,10 +16,16 @@ from lta_model import limits
 from lta_model.scenario import load_scenario, VERTICAL_TOLERANCE
 from lta_model.vehicle import load_vehicle, Vehicle
 from lta_report.json_value import replace_nonfinite
+from lta_report.line_log import LogKind
+from lta_report.study import hash_inputs, Study, StudyOptions
+from lta_report.study_store import StoreFormat
+from lta_report.workers import report_progress
 from lta_sim import wind_limits
 from lta_sim.cfd.incidence import find_inclined_flows, InclinedFlow
 from lta_studies.wind.flyable_wind import find_flyable_wind, FlyableWind, GroundWind, SHARES
 import numpy as np
+from pydantic import TypeAdapter
+from rich.console import Console
 
 STRATEGY = 'bag'
 FASTEST = 3.0  # m/s; upper limit of the parameter mission.speed
@@ -75,13 +83,6 @@ class PlatformWindLimits:
     inclined: bool = False
 
 
-def count_ticks(request: WindStudyRequest) -> int:
-    """Return the largest number of ticks of `measure_limits`, for all vehicles."""
-    # Airspeeds, times bisection steps and first try, times uniform wind and each ground.
-    each = (len(SHARES) + 1) * (_bisection_steps(request) + 1) * (1 + len(request.roughness))
-    return sum(each for name in request.vehicles if request.fly and _find_gains_name(name))
-
-
 def _bisection_steps(request: WindStudyRequest) -> int:
     return 4 if request.quick else 6
 
@@ -94,13 +95,45 @@ def _find_gains_name(vehicle: str) -> str | None:
     return vehicle if vehicle in list_shipped_names('control') else None
 
 
-def measure_limits(
-    request: WindStudyRequest, name: str, tick: Callable[[], None]
-) -> PlatformWindLimits:
+STORE: Final = StoreFormat(
+    LogKind('limits.jsonl', 'wind', 'study of wind limits', '--out'),
+    TypeAdapter(PlatformWindLimits),
+)
+
+
+def find_limits(
+    request: WindStudyRequest, folder: Path, options: StudyOptions, console: Console
+) -> list[PlatformWindLimits]:
+    """
+    Return the limits of all platforms; after Ctrl-C those of the finished ones.
+
+    `folder`: where each is stored. Raise `BadInput` if a file is invalid, KeyboardInterrupt if
+    none was finished.
+    """
+    scene = load_scenario(request.scenario)
+    vehicles = [load_vehicle(name, scene.air.density) for name in request.vehicles]
+    # Before the first flight: ground over which there is no wind
+    for vehicle in vehicles:
+        height = _flight_height(request, vehicle)
+        for z in request.roughness:
+            _hull_wind_share(vehicle, height, request, z)
+    # Which vehicles are compared does not change the limits of one
+    asked = replace(request, vehicles=())
+    keys = {
+        name: f'{name} {hash_inputs(vehicle.file.model_dump_json())}'
+        for name, vehicle in zip(request.vehicles, vehicles, strict=True)
+    }
+    study = Study(partial(measure_limits, request), keys.__getitem__, STORE, 'platforms')
+    identity = hash_inputs(asked, scene.model_dump_json())
+    outcome = study.run(list(keys), folder, identity, options, console)
+    return list(outcome.results.values()) if outcome.stopped else outcome.require_all()
+
+
+def measure_limits(request: WindStudyRequest, name: str) -> PlatformWindLimits:
     """Compute the limits of one platform; raise `BadInput` for an invalid file."""
     density = load_scenario(request.scenario).air.density
     vehicle = load_vehicle(name, density)
-    height = max(request.height, vehicle.hull_height_on_floor + CLEARANCE)
+    height = _flight_height(request, vehicle)
     try:
         thrust = wind_limits.thrust_speed(vehicle)
     # No thrusts hold height and heading, so there are no limits; report why.
@@ -124,18 +157,21 @@ def measure_limits(
         words = ' Not flown, as its file names no gains (control.gains; lta tune finds some).'
         note = (note + words).strip()
 
-    def find_wind_over_ground(ground: GroundWind, share: float) -> FlyableWind | None:
+    grounds = 1 + len(request.roughness)
+
+    def find_wind_over_ground(place: int, ground: GroundWind, share: float) -> FlyableWind | None:
+        report_progress(place / grounds)
         if flight is None:
             return None
         # 10 % above the static limit, so that the bisection can end above it.
         return find_flyable_wind(
             flight, ground, 1.1 * min(thrust, FASTEST) / share,
             _list_airspeeds(request, flight, thrust), range(1, request.seeds + 1),
-            _bisection_steps(request), tick,
+            _bisection_steps(request),
         )  # fmt: skip
 
     over = []
-    for z in request.roughness:
+    for place, z in enumerate(request.roughness):
         share = _hull_wind_share(vehicle, height, request, z)
         over.append(
             GroundWindLimits(
@@ -143,11 +179,11 @@ def measure_limits(
                 z,
                 share,
                 static / share,
-                find_wind_over_ground(GroundWind(z, request.reference), share),
+                find_wind_over_ground(place, GroundWind(z, request.reference), share),
             )
         )
     # Uniform wind: the hull gets all of it.
-    even = find_wind_over_ground(GroundWind(None), 1.0)
+    even = find_wind_over_ground(grounds - 1, GroundWind(None), 1.0)
     return PlatformWindLimits(
         name, height, thrust, tumble, rise, static, even, tuple(over), note,
         None if request.quick else draw_static_limit(name, density),
@@ -195,6 +231,11 @@ def draw_incidence(flows: Sequence[InclinedFlow], seed: int) -> dict[str, dict[s
             'lift_alpha': quantity(draw([flow.lift_slope for flow in flows]), '1'),
         },
     }
+
+
+def _flight_height(request: WindStudyRequest, vehicle: Vehicle) -> float:
+    """Return the height of the hull centre in flight; a large hull flies higher. [m]"""
+    return max(request.height, vehicle.hull_height_on_floor + CLEARANCE)
 
 
 def _hull_wind_share(

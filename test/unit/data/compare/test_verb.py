@@ -34,24 +34,27 @@ def test_the_command_writes_page_and_figures_and_tells_by_its_status(
     assert printed['channels'][0]['parting']['at'] == pytest.approx(10.0, abs=0.05)
     kept = json.loads((out / 'compare.json').read_text())
     assert kept == {key: value for key, value in printed.items() if key != 'page'}
-    page = (out / 'compare.html').read_text(encoding='utf-8')
+    page = (out / 'report.html').read_text(encoding='utf-8')
     assert 'altitude of odom' in page
     assert 'http' not in page.split('<script>')[0]
     again = ['--no-page', '--topic', 'odom']
     assert run(monkeypatch, a, b, '--out', tmp_path / '1', '--same', *again) == 1
     wide = ['--tolerance', 'odom/*=40 cm', '--offset', '123.4ms']
     assert run(monkeypatch, a, b, '--out', tmp_path / '2', '--same', *again, *wide) == 0
-    assert not (tmp_path / '2' / 'compare.html').exists()
+    assert not (tmp_path / '2' / 'report.html').exists()
     assert run(monkeypatch, a, a, '--out', tmp_path / '3', '--same', '--no-page') == 0
 
 
 def test_the_pictures_of_the_page_are_taken_if_asked_for(tmp_path, monkeypatch, capsys):
     taken = []
     monkeypatch.setattr('lta_cli.options.common_options.find_chromium', lambda: 'chromium')
-    monkeypatch.setattr('lta_cli.verbs.compare.write_pictures', lambda *given: taken.append(given))
+    monkeypatch.setattr(
+        'lta_report.report_output.write_pictures', lambda *given: taken.append(given)
+    )
     bag, out, pictures = write_motion(tmp_path / 'a', until=5.0), tmp_path / 'out', tmp_path / 'p'
     assert run(monkeypatch, bag, bag, '--out', out, '--pictures', pictures) == 0
-    assert taken == [(out / 'compare.html', pictures)]
+    ((page, folder),) = taken
+    assert (page.name, folder) == ('report.html', pictures)
     (pictures / 'mine').mkdir(parents=True)
     assert run(monkeypatch, bag, bag, '--out', tmp_path / '2', '--pictures', pictures) == 2
     assert 'is not empty' in capsys.readouterr().err
@@ -78,7 +81,7 @@ def test_the_pictures_of_the_page_are_taken_if_asked_for(tmp_path, monkeypatch, 
         (['--align', 'motion'], 'No start of motion or commands was found'),
         (
             ['--pictures', 'p', '--no-page'],
-            '--pictures needs the HTML report; remove --no-page.',
+            '--pictures needs the page; remove --no-page.',
         ),
     ],
 )

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 from lta_discovery.fit.evidence import build_prior, build_shared_prior
 from lta_discovery.fit.joint_fit import fit_flight
-from lta_discovery.forecast.prediction_errors import compute_prediction_errors
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.replay.linearized_flight import unchanged_vehicle_point
@@ -14,6 +13,7 @@ import pytest
 
 from ..hidden_cases import CASES, Changes, off_by_tolerance  # noqa: TID252 - `test` is Python's own
 from ..hidden_flight import flown, prepared  # noqa: TID252 - `test` is Python's own
+from ..point_errors import compute_prediction_errors  # noqa: TID252 - `test` is Python's own
 
 Known = tuple[NominalVehicle, list[FreeParameter]]
 LENGTH = 40.0  # s

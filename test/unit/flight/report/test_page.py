@@ -1,8 +1,10 @@
 """The page of a flight: whole, self-contained, and honest about what is missing."""
 
+import base64
 from html.parser import HTMLParser
 import json
 import re
+import zlib
 
 from lta_config.command_line import relative_path
 from lta_config.errors import BadInput
@@ -46,6 +48,8 @@ class Reading(HTMLParser):
     def handle_data(self, data):
         tag, attributes = self.open[-1] if self.open else ('', {})
         if tag == 'script' and attributes.get('type') == 'application/json':
+            if size := int(attributes.get('data-size', 0)):
+                data = zlib.decompress(base64.b85decode(data)[:size])
             self.data[attributes['id']] = json.loads(data)
         elif tag not in ('script', 'style'):
             self.text += data

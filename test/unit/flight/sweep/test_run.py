@@ -20,6 +20,7 @@ from lta_flight.sweep.report import build_report
 from lta_flight.sweep.run import sweep_once, SweepRequest
 from lta_flight.sweep.statistics import group_by_parameter, wilson_interval
 from lta_report.report import Picture
+from lta_report.study import StudyOptions
 from lta_report.study_store import StudyStore
 from lta_report.workers import DaskWorkers, ItemFailure
 from pyarrow import parquet
@@ -51,7 +52,9 @@ def sweep(tmp_path):
 
 
 def run(file, folder, **options):
-    return sweep_once(SweepRequest(file, folder, workers=1, **options), QUIET)
+    return sweep_once(
+        SweepRequest(file, folder, **{'computing': StudyOptions(1), **options}), QUIET
+    )
 
 
 def test_a_sweep_is_flown_kept_and_not_flown_again(sweep, tmp_path):
@@ -111,7 +114,7 @@ def test_a_flight_that_cannot_be_flown_is_kept_with_its_reason(sweep, tmp_path):
     assert [row.outcome for row in done.rows] == ['timeout'] * 3 + ['failed']
     assert 'outside the room' in done.rows[3].sentence
     assert run(file, folder).flown == 0
-    assert run(file, folder, retry=True).flown == 1
+    assert run(file, folder, computing=StudyOptions(1, retry_failed=True)).flown == 1
     report = build_report(done)
     first, *others = report.blocks[-1].rows
     assert (first[0], first[-2]) == ('3', 'failed')
@@ -151,9 +154,10 @@ from pathlib import Path
 sys.path[:0] = sys.argv[3:]
 from lta_flight.sweep.report import find_status
 from lta_flight.sweep.run import sweep_once, SweepRequest
+from lta_report.study import StudyOptions
 from rich.console import Console
 if __name__ == '__main__':
-    order = SweepRequest(sys.argv[1], Path(sys.argv[2]), workers=2)
+    order = SweepRequest(sys.argv[1], Path(sys.argv[2]), StudyOptions(2))
     sys.exit(find_status(sweep_once(order, Console())))
 """
 
@@ -321,7 +325,9 @@ def test_a_cluster_that_is_not_there_leaves_no_folder(monkeypatch, tmp_path, swe
     monkeypatch.setitem(sys.modules, 'distributed', None)
     out = tmp_path / 'out'
     with pytest.raises(BadInput):
-        sweep_once(SweepRequest(sweep(2), out, scheduler='tcp://127.0.0.1:1'), Console())
+        sweep_once(
+            SweepRequest(sweep(2), out, StudyOptions(scheduler='tcp://127.0.0.1:1')), Console()
+        )
     assert not out.exists()
 
 

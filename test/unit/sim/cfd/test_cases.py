@@ -143,6 +143,21 @@ def test_a_run_goes_on_where_it_failed(tmp_path):
     assert (stages.case_folder(one) / 'count').read_text() == 'x\n'
 
 
+def test_a_case_that_diverged_is_repeated_only_if_the_user_asks(tmp_path):
+    one = case('echo x >> count; kill -FPE $$')
+    first, again, repeated = (
+        CaseRunner(tmp_path, FoamPrograms(), lambda *_: None, retry)
+        for retry in (False, False, True)
+    )
+    with pytest.raises(CaseFailed, match=r'sh diverged \(floating point error\)'):
+        first.solve(one)
+    with pytest.raises(CaseFailed, match=r'diverged .* failed in an earlier run; --retry-failed'):
+        again.solve(one)
+    with pytest.raises(CaseFailed, match='diverged'):
+        repeated.solve(one)
+    assert (first.case_folder(one) / 'count').read_text() == 'x\nx\n'
+
+
 def test_half_a_mesh_is_begun_again(tmp_path):
     stages = CaseRunner(tmp_path, FoamPrograms(), lambda *_: None)
     steps = [

@@ -26,7 +26,7 @@ SHORT = {'GO': 5.0, 'SETTLED': 24.0, 'AWAY': 30.0, 'CRUISING': 35.0, 'END': 39.0
 def found(tmp_path_factory, plain_laws):
     """Return what the verb finds in flights that are shorter than its own."""
     folder = tmp_path_factory.mktemp('budget') / 'found'
-    words = ['lta', 'energy', 'budget', '--seeds', '1', '--out', str(folder)]
+    words = ['lta', 'energy', 'budget', '--seeds', '1', '--workers', '1', '--out', str(folder)]
     with pytest.MonkeyPatch.context() as patch, redirect_stdout(StringIO()) as told:
         for name, value in SHORT.items():
             patch.setattr(tasks, name, value)

@@ -55,6 +55,4 @@ def laid_out(plan, cell=0.5, overlap=1, most=None, listener=None):
     """Return the layout of a hall."""
     who = listener or ear()
     floor = build_floor(plan, who.vehicle, cell)
-    return plan_layout(
-        plan, who, floor, list_mounts(plan), overlap, most, lambda: None, lambda words: None
-    )
+    return plan_layout(plan, who, floor, list_mounts(plan), overlap, most)

@@ -18,7 +18,6 @@ from lta_studies.light.bearing.report import build_report
 from lta_studies.light.bearing.run import (
     BearingTrialRequest,
     BearingTrialResult,
-    run_bearing_trials,
 )
 from lta_studies.light.bearing.score import BearingScore, score_readings
 from lta_studies.light.bearing.study import DISTANCE, list_directions, pose_for_lamp_direction
@@ -85,7 +84,7 @@ def test_the_study_turns_the_ring_and_not_the_lamp(bench, direction):
 
 def test_the_fit_is_better_than_the_papers_mean_where_walls_reflect_and_knows_how_good_it_is():
     asked = BearingTrialRequest('gtmab', ('indoor',), (8,), (3.0,), 150, 5)
-    (found,) = run_bearing_trials(asked, lambda: None)
+    (found,) = map(asked.evaluate, asked.list_cases())
     assert found.score.ours < math.radians(1.0)
     assert found.score.ours < 0.7 * found.score.paper
     # 150 readings know a share of 90 % to 2.4 %.
@@ -106,7 +105,7 @@ def test_the_fit_is_better_than_the_papers_mean_where_walls_reflect_and_knows_ho
 )
 def test_the_fit_is_no_worse_than_the_mean_with_diodes_other_than_the_file_says(diodes, share):
     asked = BearingTrialRequest('gtmab', ('indoor',), (8,), (None,), 200, 6, (diodes,))
-    (found,) = run_bearing_trials(asked, lambda: None)
+    (found,) = map(asked.evaluate, asked.list_cases())
     assert found.score.ours < share * found.score.paper
     assert found.score.ours_most < share * found.score.paper_most
     # 200 readings know a share of 95 % to 1.5 %.
@@ -165,7 +164,8 @@ def test_headline_tile_and_tables_of_a_score():
 
 def test_one_seed_is_one_result(bench):
     asked = BearingTrialRequest('gtmab', ('indoor',), (4,), (None,), 3, 2)
-    assert run_bearing_trials(asked, lambda: None) == run_bearing_trials(asked, lambda: None)
+    (case,) = asked.list_cases()
+    assert asked.evaluate(case) == asked.evaluate(case)
 
 
 def lta(*words, monkeypatch):

@@ -250,7 +250,7 @@ def test_what_was_flown_is_not_flown_again_and_more_seeds_only_add(done, monkeyp
                 if len(flown) == 4:
                     raise KeyboardInterrupt
 
-    monkeypatch.setattr('lta_studies.light.evaluation.run.open_workers', lambda *_: Here())
+    monkeypatch.setattr('lta_report.study.open_workers', lambda *_: Here())
     more = EvaluationRequest(done.order.sets, 3, done.order.folder, ONE)
     stopped = run_evaluation(more, QUIET)
     assert stopped.stopped

@@ -31,7 +31,7 @@ BETWEEN = math.cos(math.pi / 8) ** RESPONSE  # what two of eight read of a lamp 
 def light(plan, mount, faintest=0.0, cell=0.5):
     who = ear()
     floor = build_floor(plan, who.vehicle, cell)
-    return floor, compute_lamp_light(plan, who, floor, [mount], faintest, lambda: None)[0]
+    return floor, compute_lamp_light(plan, who, floor, [mount], faintest)[0]
 
 
 def test_one_lamp_lights_by_the_inverse_square_at_the_heading_between_two_diodes():

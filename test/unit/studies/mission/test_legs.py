@@ -1,5 +1,6 @@
 """Legs of a mission: gone on with they are one flight, and they cost what the full loop costs."""
 
+from leg_validation import compare_leg_with_loop
 from lta_config.schema.mission_file import load_mission
 from lta_energy.circuit import total_stored_energy
 from lta_energy.irradiance import DARK
@@ -16,7 +17,6 @@ from lta_studies.mission.leg_state import (
     LegPlan,
     RESERVE,
 )
-from lta_studies.mission.leg_validation import compare_leg_with_loop
 from lta_studies.mission.legs import LegPilot
 from lta_studies.mission.scene import lamp_brightness, MissionScene
 import numpy as np

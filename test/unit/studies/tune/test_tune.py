@@ -8,8 +8,9 @@ from lta_config.constants import STANDARD_GRAVITY
 from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
 from lta_control.gains_file import load_gains
+from lta_report.study import StudyOptions
 from lta_report.study_store import StudyStore
-from lta_report.workers import LocalWorkers
+from lta_report.workers import ItemFailure, LocalWorkers
 from lta_studies.tune import evaluation, helium_limit
 from lta_studies.tune import run as tuning
 from lta_studies.tune.compare import compare_costs, compute_quartiles, GainEvaluation
@@ -132,7 +133,7 @@ def test_a_stopped_tuning_writes_the_best_gains_and_compares_nothing(tmp_path, m
 
     monkeypatch.setattr(tuning, 'search_gains', search)
     told = StringIO()
-    order = tuning.TuningRequest('gtmab', workers=1, folder=tmp_path / 'out')
+    order = tuning.TuningRequest('gtmab', options=StudyOptions(1), folder=tmp_path / 'out')
     with pytest.raises(KeyboardInterrupt):
         tuning.tune_once(order, Console(file=told))
     gains = tmp_path / 'out' / 'gains.yaml'
@@ -143,11 +144,19 @@ def test_a_stopped_tuning_writes_the_best_gains_and_compares_nothing(tmp_path, m
 def test_metrics_come_in_the_order_of_the_jobs_and_a_failure_stops_the_search():
     with LocalWorkers(worker_functions.square_late, 2) as workers:
         assert evaluate_jobs([0, 3, 1, 2], workers) == [0, 9, 1, 4]
-    with (
-        LocalWorkers(worker_functions.fail_at_odd, 1) as workers,
-        pytest.raises(BadInput, match=r'^A test flight failed\. 3 is not even\. Finished'),
-    ):
-        evaluate_jobs([2, 3], workers)
+    with LocalWorkers(worker_functions.fail_at_odd, 1) as workers:
+        assert evaluate_jobs([2, 3], workers) == ItemFailure('3 is not even.')
+
+
+def test_a_failed_candidate_is_stored_until_it_is_repeated(tmp_path):
+    def fail(numbers):
+        return ItemFailure('It crashed.')
+
+    for fly in (fail, toy_costs):  # the second run does not fly it again
+        with pytest.raises(BadInput, match=r'^A test flight failed\. It crashed\. .*--retry-'):
+            tuned(tmp_path, fly=fly)
+    with StudyStore(tmp_path, STORE, 'toy', retry_failed=True) as store:
+        assert not store.failures
 
 
 def test_the_worst_counts_as_much_as_the_mean():

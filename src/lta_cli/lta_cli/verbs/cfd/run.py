@@ -5,7 +5,6 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
-from lta_cli.options.common_options import Scheduler, WorkerCount
 from lta_cli.options.study_command import study_command, StudyRun
 from lta_config.errors import unknown_name_error
 from lta_config.schema.mount_file import load_mount
@@ -26,6 +25,7 @@ from lta_studies.cfd.solvers import (
     Cache,
     check_solver_options,
     open_solver,
+    refuse_solver_options,
     resolve_cache_folder,
 )
 import typer
@@ -41,7 +41,7 @@ class Fidelity(StrEnum):
     reference = 'reference'
 
 
-@study_command('cfd', quick={'fidelity': Fidelity.analytic})
+@study_command('cfd', quick={'fidelity': Fidelity.analytic}, resumes=False)
 def run(
     name: Annotated[
         str,
@@ -71,9 +71,7 @@ def run(
             'file, or a file of your own.'
         ),
     ] = None,
-    workers: WorkerCount = None,
     cache: Cache = None,
-    scheduler: Scheduler = None,
     limit: Annotated[
         float | None,
         typer.Option('--memory', help='Memory limit in GB; all memory by default.', min=0.1),
@@ -86,7 +84,8 @@ def run(
 
     A tunnel file in config/tunnels defines the geometry: hull and rotors of a vehicle file,
     attached bodies, or STL files. OpenFOAM solves the cases in parallel. Solved cases are cached,
-    so a stopped run resumes. --fidelity analytic needs no OpenFOAM; preview is steady and takes
+    so a stopped run resumes; failed cases are stored, too, and repeated with --retry-failed.
+    --fidelity analytic needs no OpenFOAM; preview is steady and takes
     minutes; reference is transient and takes about an hour.
 
     Writes a page; NAME.sweep.json with all solutions; NAME.aero.yaml with the fitted coefficients,
@@ -102,13 +101,15 @@ def run(
     model = load_tunnel_model(name, load_mount(mount) if mount else None)
     run.open_folder(resolve_folder(None, f'{model.name}-cfd'))
     flows: list[TunnelFlow] = []
-    if fidelity is not Fidelity.analytic:
-        check_solver_options(workers, scheduler)
+    if fidelity is Fidelity.analytic:
+        refuse_solver_options(run.options)
+    else:
+        check_solver_options(run.options)
         flows = select_flows(model, fidelity, only or ())
     if flows:
         with (
             TunnelProgress(run.console, flows) as bar,
-            open_solver(flows, bar, workers, cache, scheduler, limit) as crew,
+            open_solver(flows, bar, run.options, cache, limit) as crew,
         ):
             found = solve_sweep(crew, model, flows, AIR, bar.show_message)
             sweep = build_sweep(

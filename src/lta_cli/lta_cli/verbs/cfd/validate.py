@@ -2,7 +2,6 @@
 
 from typing import Annotated
 
-from lta_cli.options.common_options import Scheduler, WorkerCount
 from lta_cli.options.study_command import study_command, StudyRun
 from lta_cli.verbs.cfd.run import Fidelity
 from lta_config.errors import BadInput
@@ -19,7 +18,9 @@ from lta_studies.cfd.sphere_report import build_report
 import typer
 
 
-@study_command('cfd-sphere')
+@study_command(
+    'cfd-sphere', quick='Solve only the coarser of the two steady meshes.', resumes=False
+)
 def validate(
     fidelity: Annotated[
         Fidelity,
@@ -28,9 +29,7 @@ def validate(
             'transient solver.'
         ),
     ] = Fidelity.preview,
-    workers: WorkerCount = None,
     cache: Cache = None,
-    scheduler: Scheduler = None,
     *,
     run: StudyRun,
 ) -> Report:
@@ -50,14 +49,16 @@ def validate(
             '--fidelity analytic solves no flow to validate; choose preview or reference.'
         )
     # Fail before any work if OpenFOAM or the scheduler is missing
-    check_solver_options(workers, scheduler)
+    check_solver_options(run.options)
     # The reference includes the preview, to show the effect of the model
     levels = ('preview',) if fidelity is Fidelity.preview else ('preview', 'reference')
     model = build_sphere_model()
     flows = [flow for level in levels for flow in plan_validation_flows(model, level, AIR)]
+    if run.quick:
+        flows = [min(flows, key=lambda flow: flow.case.cells)]
     with (
         TunnelProgress(run.console, flows) as bar,
-        open_solver(flows, bar, workers, cache, scheduler) as crew,
+        open_solver(flows, bar, run.options, cache) as crew,
     ):
         results = compare_with_measurements(crew, model, flows, AIR, bar.show_message)
     # Every case failed; the progress display has listed the reasons

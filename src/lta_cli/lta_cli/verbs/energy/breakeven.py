@@ -2,7 +2,7 @@
 
 from typing import Annotated
 
-from lta_cli.options.study_command import study_command
+from lta_cli.options.study_command import report_command
 from lta_model.vehicle import load_vehicle
 from lta_report.report import Report
 from lta_studies.energy.break_even.report import build_report
@@ -13,7 +13,7 @@ BUDGET = 48.8  # g: the seed paper's array of two ANYSOLAR panels
 CELLS = ['powerfilm_large', 'anysolar', 'adafruit', 'dracula']  # cells that fit into this budget
 
 
-@study_command('breakeven')
+@report_command('breakeven')
 def breakeven(
     vehicle: Annotated[
         str, typer.Option(help='Vehicle whose electrical loads, solar array and charger are used.')

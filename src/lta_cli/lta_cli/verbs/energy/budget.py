@@ -1,12 +1,15 @@
 """lta energy budget: measure the power of each task and compare it with the paper."""
 
+from functools import partial
 from typing import Annotated
 
 from lta_cli.options.study_command import study_command, StudyRun
+from lta_flight.flight_spec import load_spec
 from lta_report.report import Report
-from lta_report.study_progress import StudyProgress
+from lta_report.study import hash_inputs, Study
 from lta_studies.energy.budget.report import build_report
-from lta_studies.energy.budget.run import count_flights, measure_budget
+from lta_studies.energy.budget.run import measure_budget
+from lta_studies.energy.budget.tasks import fly_task, LAMP_SCENE, SCENE, STORE
 import typer
 
 
@@ -34,6 +37,9 @@ def budget(
 
     Example: lta energy budget --seeds 1
     """
-    with StudyProgress(run.console, count_flights(seeds), unit='flights') as progress:
-        result = measure_budget(vehicle, multirotor, seeds, progress.count_item)
-    return build_report(result)
+    scenes = [load_spec(vehicle, scene, 'bag', '') for scene in (SCENE, LAMP_SCENE)]
+    specs = [*scenes, load_spec(multirotor, SCENE, 'bag', '')]
+    identity = hash_inputs(*(spec.contents for spec in specs))
+    study = Study(fly_task, str, STORE, 'flights')
+    fly_all = partial(run.run_study, study, identity)
+    return build_report(measure_budget(vehicle, multirotor, seeds, fly_all))

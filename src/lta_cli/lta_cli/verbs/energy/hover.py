@@ -3,11 +3,11 @@
 from typing import Annotated
 
 from lta_cli.options.study_command import study_command, StudyRun
-from lta_report.progress_bar import ProgressBar
 from lta_report.report import Report
+from lta_report.study import hash_inputs, Study
 from lta_studies.energy import paper
 from lta_studies.energy.hover.report import build_report
-from lta_studies.energy.hover.run import compare_hovering
+from lta_studies.energy.hover.run import HoverRequest, STORE
 import typer
 
 
@@ -36,9 +36,7 @@ def hover(
 
     Example: lta energy hover --seconds 60
     """
-    # Two flights of the same length, one after the other
-    with ProgressBar(run.console, total=2.0 * seconds) as bar:
-        result = compare_hovering(
-            vehicle, multirotor, seconds, lambda s: bar.update_bar(advance=s)
-        )
-    return build_report(result)
+    request = HoverRequest(vehicle, multirotor, seconds)
+    identity = hash_inputs(seconds, *(spec.contents for spec in request.build_specs()))
+    hovers = run.run_study(Study(request.fly, str, STORE, 'flights'), identity, range(2))
+    return build_report(request.compare(hovers))

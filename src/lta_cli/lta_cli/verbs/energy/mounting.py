@@ -1,14 +1,23 @@
 """lta energy mounting: compare positions of the solar panels."""
 
+from functools import partial
+from itertools import chain
+from operator import attrgetter
 from typing import Annotated
 
 from lta_cli.options.study_command import study_command, StudyRun
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.files import find_file, load_yaml
 from lta_report.report import Report
-from lta_report.study_progress import StudyProgress
+from lta_report.study import hash_inputs, Study
 from lta_studies.energy.mounting.report import build_report
-from lta_studies.energy.mounting.run import compare_mounts, MountingRequest
+from lta_studies.energy.mounting.run import (
+    compare_mounts,
+    fly_mount,
+    MountingRequest,
+    STORE,
+)
+from lta_studies.energy.mounting.straight_flight import SCENE
 from lta_studies.energy.mounting.verdict import find_best_mount
 import typer
 
@@ -58,10 +67,11 @@ def mounting(
     # cm to m; the raw file, because mounts replace one of its layers
     content = load_yaml(find_file('vehicle', vehicle))
     request = MountingRequest(content, names, misplaced / 100.0, seeds)
-    # Number of flights, for the progress bar
-    todo = seeds * sum(map(len, request.build_vehicles().values()))
-    with StudyProgress(run.console, todo, unit='flights') as progress:
-        study = compare_mounts(request, progress.count_item)
+    vehicles = chain(*request.build_vehicles().values())
+    scene = load_yaml(find_file('scenario', SCENE))
+    identity = hash_inputs(scene, *(each.content for each in vehicles))
+    flying = Study(fly_mount, attrgetter('key'), STORE, 'flights')
+    study = compare_mounts(request, partial(run.run_study, flying, identity))
     best = relative_path(run.folder / f'{find_best_mount(study)}.yaml')
     commands = {
         'Compare with the vehicle': format_lta_command('vehicle', 'diff', vehicle, best),

@@ -4,7 +4,7 @@ import math
 from pathlib import Path
 from typing import Annotated
 
-from lta_cli.options.study_command import study_command, StudyRun
+from lta_cli.options.study_command import report_command, StudyRun
 from lta_config.errors import BadInput
 from lta_report.report import Report
 from lta_studies.light.turntable.report import build_report, format_vehicle_lines
@@ -19,7 +19,7 @@ from lta_vlc.settings import DemodulationSettings
 import typer
 
 
-@study_command('turntable')
+@report_command('turntable')
 def light(
     bag: Annotated[
         Path, typer.Argument(help='Bag recorded from the light board, with photodiode readings.')

@@ -5,11 +5,11 @@ from typing import Annotated
 
 from lta_cli.options.study_command import study_command, StudyRun
 from lta_config.errors import BadInput, unknown_name_error
-from lta_report.progress_bar import ProgressBar
 from lta_report.report import Report
+from lta_report.study import hash_inputs, Study
 from lta_studies.light.bearing.places import build_flight_spec, PLACES, TrueDiodes
 from lta_studies.light.bearing.report import build_report, format_range
-from lta_studies.light.bearing.run import BearingTrialRequest, run_bearing_trials
+from lta_studies.light.bearing.run import BearingTrialRequest, STORE
 import typer
 
 ANY = 'any'
@@ -122,11 +122,12 @@ def bearing(
     for name in asked.places:
         if name not in PLACES:
             raise unknown_name_error('place', name, list(PLACES))
-        # Check that the vehicle fits the scene before any work
-        build_flight_spec(PLACES[name], vehicle, 1)
-    with ProgressBar(run.console, begin='bearing', total=asked.pose_count) as bar:
-        results = run_bearing_trials(asked, lambda: bar.update_bar(advance=1))
-    return build_report(results, asked)
+    # Also checks that the vehicle fits the scenes before any work
+    specs = [build_flight_spec(PLACES[name], vehicle, 1) for name in asked.places]
+    inputs = (poses, seed, turn, off_axis, *(spec.contents for spec in specs))
+    study = Study(asked.evaluate, str, STORE, 'combinations')
+    found = run.run_study(study, hash_inputs(*inputs), asked.list_cases())
+    return build_report(found, asked)
 
 
 def parse_range(text: str) -> float | None:

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Annotated
 
-from lta_cli.options.study_command import study_command, StudyRun
+from lta_cli.options.study_command import report_command, StudyRun
 from lta_report.report import Report
 from lta_studies.light.turntable.report import build_calibration_report
 from lta_studies.light.turntable.response import fit_response
@@ -17,7 +17,7 @@ from lta_vlc.settings import DemodulationSettings
 import typer
 
 
-@study_command('calibrate')
+@report_command('calibrate')
 def calibrate(
     bag: Annotated[Path, typer.Argument(help='Bag of a turn in place in front of the lamp.')],
     vehicle: Annotated[

@@ -4,10 +4,9 @@ from pathlib import Path
 import sys
 from typing import Annotated
 
-from lta_cli.options.common_options import plain_console, RetryFailed, Scheduler, WorkerCount
+from lta_cli.options.common_options import plain_console
 from lta_cli.options.study_command import study_command, StudyRun
 from lta_report.report import Report
-from lta_report.study import StudyOptions
 from lta_studies.light.evaluation.flights import MOST
 from lta_studies.light.evaluation.report import build_report
 from lta_studies.light.evaluation.run import EvaluationRequest, run_evaluation
@@ -16,7 +15,7 @@ from lta_studies.light.evaluation.sets import SETS
 import typer
 
 
-@study_command('light-evaluate', resumes=True, quick={'seeds': 2})
+@study_command('light-evaluate', quick={'seeds': 2})
 def evaluate(
     seeds: Annotated[
         int, typer.Option(help='Number of flights of each strategy in each case.', min=1, max=MOST)
@@ -27,9 +26,6 @@ def evaluate(
             metavar='A B', help=f'Sets of cases to fly: {", ".join(SETS)}; all by default.'
         ),
     ] = None,
-    workers: WorkerCount = None,
-    scheduler: Scheduler = None,
-    retry: RetryFailed = False,
     markdown: Annotated[
         bool,
         typer.Option('--markdown', help='Also print the Markdown page docs/navigation_scores.md.'),
@@ -61,9 +57,7 @@ def evaluate(
         run.console = plain_console(stderr=True)
     # No time in the name, so that repeating the command resumes
     folder = run.open_folder(Path('runs') / 'light-evaluate')
-    request = EvaluationRequest(
-        tuple(sets or SETS), seeds, folder, StudyOptions(workers, scheduler, retry)
-    )
+    request = EvaluationRequest(tuple(sets or SETS), seeds, folder, run.options)
     status = run_evaluation(request, run.console)
     if markdown:
         sys.stdout.write(format_scores_page(status))

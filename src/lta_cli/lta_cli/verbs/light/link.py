@@ -2,7 +2,7 @@
 
 from typing import Annotated
 
-from lta_cli.options.study_command import study_command, StudyRun
+from lta_cli.options.study_command import report_command, StudyRun
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
 from lta_report.report import Report
@@ -15,7 +15,7 @@ SCENES = ['lamp_room', 'sunny_field']
 DISTANCES = [0.5, 1.0, 2.0, 3.0, 5.0, 7.0, 10.0, 15.0]  # m
 
 
-@study_command('link')
+@report_command('link')
 def link(
     scenario: Annotated[
         list[str] | None,

@@ -1,22 +1,26 @@
 """lta light plan: place lamps on a floor plan, assign frequencies and compute coverage."""
 
+from functools import partial
 from typing import Annotated
 
 from lta_cli.options.study_command import study_command, StudyRun
 from lta_config.command_line import format_lta_command, relative_path
-from lta_report.progress_bar import ProgressBar
 from lta_report.report import Report
 from lta_report.results_folder import resolve_folder
+from lta_report.study import hash_inputs, Study
 from lta_studies.light.plan.floor import build_floor
 from lta_studies.light.plan.handover import plan_handover
 from lta_studies.light.plan.inputs import load_inputs
 from lta_studies.light.plan.mounts import list_mounts
 from lta_studies.light.plan.planner import plan_layout
+from lta_studies.light.plan.polygon import Array
+from lta_studies.light.plan.reception import compute_group_light, GROUP, STORE
 from lta_studies.light.plan.report import build_report, SCENARIO
+import numpy as np
 import typer
 
 
-@study_command('plan')
+@study_command('plan', quick={'cell': 1.0})
 def plan(
     name: Annotated[
         str, typer.Argument(metavar='PLAN', help='Floor plan: a shipped name or a file.')
@@ -77,14 +81,17 @@ def plan(
     floor = build_floor(content, receiver.vehicle, cell)
     # All possible lamp positions; the light of each is computed once
     mounts = list_mounts(content)
-    with ProgressBar(run.console, begin='light of each place', total=len(mounts)) as bar:
-        layout = plan_layout(
-            content, receiver, floor, mounts, overlap, lamps,
-            lambda: bar.update_bar(advance=1), lambda words: bar.update_bar(description=words),
-        )  # fmt: skip
-        bar.update_bar(description='hand-overs')
-        # Needs the whole layout: each lamp must be received where the flight to the last one ends
-        handover = plan_handover(layout)
+
+    def measure_light(faintest: float) -> Array:
+        compute = partial(compute_group_light, content, receiver, floor, mounts, faintest)
+        study = Study(compute, str, STORE, 'groups of lamps')
+        inputs = (content, receiver.vehicle.file, receiver.demodulation, cell, faintest)
+        groups = range(0, len(mounts), GROUP)
+        return np.concatenate(run.run_study(study, hash_inputs(*inputs), groups))
+
+    layout = plan_layout(content, receiver, floor, mounts, overlap, lamps, measure_light)
+    # Needs the whole layout: each lamp must be received where the flight to the last one ends
+    handover = plan_handover(layout)
     fly = format_lta_command(
         'fly', '--vehicle', vehicle, '--scenario', str(relative_path(folder / SCENARIO))
     )

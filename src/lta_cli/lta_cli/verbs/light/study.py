@@ -1,18 +1,20 @@
 """lta light study: repeat the paper's study of the number of photodiodes."""
 
+from functools import partial
+from itertools import product
 import math
 from typing import Annotated
 
 from lta_cli.options.study_command import study_command, StudyRun
-from lta_report.progress_bar import ProgressBar
 from lta_report.report import Report
+from lta_report.study import hash_inputs, Study
 from lta_studies.light.bearing.places import build_flight_spec, PLACES
 from lta_studies.light.bearing.study import (
     ASIDE,
     COUNTS,
-    DIRECTIONS,
     READINGS,
-    study_rings,
+    STORE,
+    study_case,
 )
 from lta_studies.light.bearing.study_report import build_report
 import typer
@@ -46,12 +48,11 @@ def light_study(
 
     Example: lta light study --seed 7
     """
-    for place in PLACES.values():
-        # Check that the vehicle fits the scenes before any work
-        build_flight_spec(place, vehicle, 1)
-    # Steps of the progress bar
-    total = len(PLACES) * len(COUNTS) * DIRECTIONS
-    with ProgressBar(run.console, begin='study', total=total) as bar:
-        turned = math.radians(aside)
-        rings = study_rings(vehicle, readings, seed, lambda: bar.update_bar(advance=1), turned)
-    return build_report(rings, vehicle, readings, seed, turned)
+    # Also checks that the vehicle fits the scenes before any work
+    specs = [build_flight_spec(place, vehicle, 1) for place in PLACES.values()]
+    cases = list(product(PLACES, COUNTS))
+    turned = math.radians(aside)
+    study = Study(partial(study_case, vehicle, readings, seed, turned), str, STORE, 'rings')
+    inputs = (readings, seed, turned, *(spec.contents for spec in specs))
+    found = run.run_study(study, hash_inputs(*inputs), cases)
+    return build_report(found, vehicle, readings, seed, turned)

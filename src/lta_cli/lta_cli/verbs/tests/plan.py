@@ -2,7 +2,7 @@
 
 from typing import Annotated
 
-from lta_cli.options.study_command import study_command
+from lta_cli.options.study_command import report_command
 from lta_discovery.lab_tests.design import ROOM
 from lta_discovery.lab_tests.plan import plan_lab_tests
 from lta_discovery.lab_tests.plan_report import build_plan_report
@@ -11,7 +11,7 @@ from lta_report.report import Report
 import typer
 
 
-@study_command('tests-plan')
+@report_command('tests-plan')
 def plan(
     vehicle: Annotated[str, typer.Argument(help='Vehicle, name or file.')],
     wrench: Annotated[

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Annotated
 
 from lta_cli.options.draft_command import parse_settings
-from lta_cli.options.study_command import study_command, StudyRun
+from lta_cli.options.study_command import report_command, StudyRun
 from lta_discovery.lab_tests.reading import read_lab_tests
 from lta_discovery.lab_tests.reading_report import build_reading_report
 from lta_discovery.progress import DiscoverProgress
@@ -12,7 +12,7 @@ from lta_report.report import Report
 import typer
 
 
-@study_command('tests-read')
+@report_command('tests-read')
 def read(
     run: StudyRun,
     folder: Annotated[Path, typer.Argument(help='Folder with the logs: one for each test.')],

@@ -6,13 +6,14 @@ from typing import Annotated
 from lta_cli.options.common_options import Json, plain_console, print_json, VehicleName
 from lta_control.gains_file import load_gains
 from lta_model.vehicle import load_vehicle
+from lta_report.page_frame import write_file
+from lta_report.report_page import render_report
 from lta_studies.tune.helium_limit import find_tolerable_helium_loss
 from lta_studies.tune.run import select_start_gains
 from lta_vehicle.figures.sheet import build_sheet
 from lta_vehicle.validation import find_warnings
 from lta_vehicle.views import terminal
-from lta_vehicle.views.json_output import encode_sheet
-from lta_vehicle.views.page import write_page
+from lta_vehicle.views.report import build_report
 from rich.console import Console
 import typer
 
@@ -50,12 +51,13 @@ def show(
     sheet = build_sheet(found, held)
     # Without the note on assumed numbers, which the sheet shows anyway
     noted = find_warnings(sheet)
+    report = build_report(sheet, noted, name, sources)
     if out is not None:
-        write_page(sheet, noted, name, out)
+        write_file(render_report(report), out)
     if json:
-        print_json(encode_sheet(sheet, noted))
+        print_json(report.data)
     else:
-        terminal.show_sheet(sheet, noted, console, sources)
+        terminal.show_sheet(sheet, report, console)
     if out is not None:
         console.print(f'Page {out}', highlight=False, soft_wrap=True)
 

@@ -18,6 +18,7 @@ from lta_sim.cfd.openfoam.case import FoamCase, ProgramStep
 from lta_sim.cfd.openfoam.engine import CaseFailed, FoamPrograms
 
 DONE: Final = 'done.'
+FAILURE: Final = 'failure'  # file with the reason why a case failed
 EXECUTION: Final = re.compile(r'ExecutionTime = ([\d.]+) s')
 Progress = Callable[[FoamCase, ProgramStep, float, float], None]  # share of the step, residual
 
@@ -32,11 +33,15 @@ class CaseRunner:
     """
     Solve cases in a folder.
 
-    `folder`: cache of all cases. `tell`: called with the progress of each case.
+    `folder`: cache of all cases. `tell`: called with the progress of each case. `retry_failed`:
+    whether to repeat cases that diverged in an earlier run.
     """
 
-    def __init__(self, folder: Path, programs: FoamPrograms, tell: Progress) -> None:
+    def __init__(
+        self, folder: Path, programs: FoamPrograms, tell: Progress, retry_failed: bool = False
+    ) -> None:
         self._folder, self._programs, self._tell = folder, programs, tell
+        self._retry_failed = retry_failed
 
     def case_folder(self, case: FoamCase) -> Path:
         """Return the folder of a case."""
@@ -55,12 +60,12 @@ class CaseRunner:
         Raises
         ------
         CaseFailed
-            If a program fails or the disk is full.
+            If a program fails or the disk is full, or failed in an earlier run.
 
         """
         try:
             with self._lock_case(case):
-                return self._solve(case)
+                return self._solve_unless_failed(case)
         except OSError as error:
             raise CaseFailed(
                 f'Cannot use the case folder {self.case_folder(case)} '
@@ -76,6 +81,20 @@ class CaseRunner:
             # Released when the file is closed, even after a crash.
             fcntl.flock(lock, fcntl.LOCK_EX)
             yield
+
+    def _solve_unless_failed(self, case: FoamCase) -> Path:
+        failure = self.case_folder(case) / FAILURE
+        if self._retry_failed:
+            failure.unlink(missing_ok=True)
+        if failure.is_file():
+            raise CaseFailed(failure.read_text(encoding='utf-8'))
+        try:
+            return self._solve(case)
+        except CaseFailed as error:
+            if error.diverged:
+                words = f'{error} It failed in an earlier run; --retry-failed repeats it.'
+                failure.write_text(words, encoding='utf-8')
+            raise
 
     def _solve(self, case: FoamCase) -> Path:
         place = self.case_folder(case)

@@ -35,7 +35,15 @@ Tell = Callable[[float, float], None]  # time reached, residual of the pressure
 
 @final
 class CaseFailed(Exception):
-    """A case that failed; the text gives reason and remedy. Other cases continue."""
+    """
+    A case that failed; the text gives reason and remedy. Other cases continue.
+
+    `diverged`: whether the same numbers would fail again, unlike a full disk or Ctrl-C.
+    """
+
+    def __init__(self, reason: str, diverged: bool = False) -> None:
+        super().__init__(reason)
+        self.diverged = diverged
 
 
 def has_openfoam() -> bool:
@@ -119,15 +127,22 @@ class FoamPrograms:
                         tell(time, residual)
             self._running.discard(process)
         if process.returncode != 0:
-            raise CaseFailed(self._explain_failure(command[0], process.returncode, log))
+            raise self._build_failure(command[0], process.returncode, log)
 
-    def _explain_failure(self, program: str, code: int, log: Path) -> str:
+    def _build_failure(self, program: str, code: int, log: Path) -> CaseFailed:
         if self._stopped:
-            return 'The computation was stopped; start it again to resume.'
+            return CaseFailed('The computation was stopped; start it again to resume.')
         lines = log.read_text(encoding='utf-8').splitlines()
         # The first fatal error is the cause; the end of the log shows signals
         fatal = next((k for k, line in enumerate(lines) if FATAL in line), len(lines))
-        return explain_failure(program, code, lines[fatal : fatal + TAIL] + lines[-TAIL:])
+        tail = lines[fatal : fatal + TAIL] + lines[-TAIL:]
+        return CaseFailed(explain_failure(program, code, tail), has_diverged(code, tail))
+
+
+def has_diverged(code: int, tail: Sequence[str]) -> bool:
+    """Return whether a program ended with a floating point error; parameters as below."""
+    # 8 is SIGFPE; a shell reports it as 128 + 8.
+    return code in (-8, 136) or any('sigFpe::' in line for line in tail)
 
 
 def explain_failure(program: str, code: int, tail: Sequence[str]) -> str:
@@ -143,8 +158,7 @@ def explain_failure(program: str, code: int, tail: Sequence[str]) -> str:
             f'{program} failed because the disk is full; free disk space or choose another '
             'folder with --cache, then start again.'
         )
-    # 8 is SIGFPE; a shell reports it as 128 + 8.
-    if code in (-8, 136) or 'sigFpe::' in text:
+    if has_diverged(code, tail):
         return f'{program} diverged (floating point error); check that the shape is valid.'
     # 9 is SIGKILL, which the kernel sends when memory runs out.
     if 'bad_alloc' in text or code in (-9, 137):

@@ -1,8 +1,9 @@
 """Measure the power budget of a drone, and the hover of a multirotor for comparison."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any, final
+from functools import partial
+from typing import Any, Final, final
 
 from lta_model.electrical.loads import LoadModel
 from lta_model.vehicle import load_vehicle
@@ -10,12 +11,15 @@ from lta_studies.energy import paper
 from lta_studies.energy.budget.power_causes import explain_hover_power, PowerCauses
 from lta_studies.energy.budget.tasks import (
     average_flight_tasks,
-    fly_course,
+    average_navigation,
+    BudgetFlight,
+    COURSE,
+    fly_task,
     list_ground_tasks,
-    measure_navigation,
     STRATEGIES,
     TaskPower,
 )
+from lta_studies.energy.course_flight import FlightTrack
 
 
 @final
@@ -37,27 +41,31 @@ class PowerBudget:
         return self.tasks['hovering'].power / self.hover.power
 
 
+FLY_HERE: Final = partial(map, fly_task)
+
+
 def measure_budget(
-    vehicle: str, standard: str, seeds: int, tick: Callable[[], None]
+    vehicle: str,
+    standard: str,
+    seeds: int,
+    fly_all: Callable[[Sequence[BudgetFlight]], Iterable[FlightTrack]] = FLY_HERE,
 ) -> PowerBudget:
-    """Measure the budget with some seeds per task; call `tick` after each flight."""
+    """Measure the budget with some seeds per task, by flights that `fly_all` may share out."""
     body, other = load_vehicle(vehicle), load_vehicle(standard)
-    tasks = [
-        *list_ground_tasks(body.loads),
-        *average_flight_tasks(body.loads, fly_course(vehicle, seeds, tick)),
+    kinds = [(vehicle, COURSE), *((vehicle, name) for name in STRATEGIES), (standard, COURSE)]
+    flights = [BudgetFlight(*kind, seed) for kind in kinds for seed in range(1, seeds + 1)]
+    flown = list(fly_all(flights))
+    course, *navigated, multirotor = (flown[k : k + seeds] for k in range(0, len(flown), seeds))
+    tasks = [*list_ground_tasks(body.loads), *average_flight_tasks(body.loads, course)]
+    tasks += [
+        average_navigation(body, name, tracks)
+        for name, tracks in zip(STRATEGIES, navigated, strict=True)
     ]
-    tasks += [measure_navigation(vehicle, name, seeds, tick) for name in STRATEGIES]
     named = {task.name: task for task in tasks}
     # Index 1 is the hover, between take-off and flying.
-    hovering = average_flight_tasks(other.loads, fly_course(standard, seeds, tick))[1]
+    hovering = average_flight_tasks(other.loads, multirotor)[1]
     found = explain_hover_power(body, named['hovering'].power, paper.HOVER)
     return PowerBudget(body.file.name, other.file.name, named, hovering, found, body.loads)
-
-
-def count_flights(seeds: int) -> int:
-    """Return the number of flights of a budget."""
-    # One course flight of each of the two vehicles, and one navigation flight per strategy
-    return seeds * (2 + len(STRATEGIES))
 
 
 def format_paper_values(task: TaskPower) -> list[str]:

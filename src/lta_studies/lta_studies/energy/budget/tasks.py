@@ -6,16 +6,19 @@ Other flights navigate to a lamp with each strategy. The power of the electronic
 vehicle file: the radio always, the light board while navigating.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 import math
-from typing import final
+from typing import Final, final, NamedTuple
 
 from lta_config.topics import load_topic_table
 from lta_control.cascade import Setpoint
 from lta_flight.closed_loop import ClosedLoop
-from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec, load_spec
+from lta_flight.flight_spec import build_vehicle_scenario_stack, load_spec
 from lta_model.electrical.loads import LoadModel, navigation_power
+from lta_model.vehicle import Vehicle
+from lta_report.line_log import LogKind
+from lta_report.study_store import StoreFormat
 from lta_sim.readings import FlightOutcome
 from lta_sim.termination import LIFT_OFF
 from lta_studies.energy.course_flight import (
@@ -25,8 +28,10 @@ from lta_studies.energy.course_flight import (
     fly_until,
     stop_after,
 )
+from pydantic import TypeAdapter
 
 SCENE, LAMP_SCENE = 'hall', 'lamp_room'
+COURSE = 'course'
 STRATEGIES = ('bag', 'des', 'dga')
 RISE = 0.5  # m, seed paper
 SPEED = 0.5  # m/s, seed paper
@@ -69,13 +74,28 @@ def build_course(base: float) -> Course:
     return setpoint_at
 
 
-def fly_course(vehicle: str, seeds: int, tick: Callable[[], None]) -> list[FlightTrack]:
-    """Fly a vehicle along the course, once per seed."""
-    flown = []
-    for seed in range(1, seeds + 1):
-        flown.append(fly_until(prepare_flight(vehicle, seed), stop_after(END)))
-        tick()
-    return flown
+class BudgetFlight(NamedTuple):
+    """One flight of a budget; its text is its key."""
+
+    vehicle: str
+    task: str  # `COURSE`, or the strategy by which it navigates to a lamp
+    seed: int
+
+
+STORE: Final = StoreFormat(
+    LogKind('flights.jsonl', 'budget', 'power budget', '--out'), TypeAdapter(FlightTrack)
+)
+
+
+def fly_task(flight: BudgetFlight) -> FlightTrack:
+    """Fly the course, or to a lamp."""
+    if flight.task == COURSE:
+        return fly_until(prepare_flight(flight.vehicle, flight.seed), stop_after(END))
+    made_of = load_spec(flight.vehicle, LAMP_SCENE, flight.task, '')
+    whole = fly_until(build_closed_loop(made_of, None, flight.seed), is_flight_over)
+    # Leave out the rest on the floor, in which the rotors stand still.
+    up = whole.time[whole.height > whole.height[0] + LIFT_OFF]
+    return whole.crop(float(up[0]) if len(up) else 0.0, math.inf)
 
 
 def prepare_flight(vehicle: str, seed: int) -> ClosedLoop:
@@ -112,22 +132,14 @@ def average_task_power(name: str, electronics: float, tracks: Sequence[FlightTra
     return TaskPower(name, electronics, mean, max(abs(one - mean) for one in means), seconds)
 
 
-def measure_navigation(
-    vehicle: str, strategy: str, seeds: int, tick: Callable[[], None]
+def average_navigation(
+    vehicle: Vehicle, strategy: str, tracks: Sequence[FlightTrack]
 ) -> TaskPower:
     """Return the power of navigating to a lamp with a strategy, from lift-off to the end."""
-    made_of: FlightSpec = load_spec(vehicle, LAMP_SCENE, strategy, '')
-    flown, electronics = [], 0.0
-    for seed in range(1, seeds + 1):
-        loop = build_closed_loop(made_of, None, seed)
-        loads, energy = loop.world.vehicle.loads, loop.world.vehicle.file.energy
-        electronics = loads.idle + loads.transmitting + navigation_power(energy, strategy)
-        whole = fly_until(loop, is_flight_over)
-        # Leave out the rest on the floor, in which the rotors stand still.
-        up = whole.time[whole.height > whole.height[0] + LIFT_OFF]
-        flown.append(whole.crop(float(up[0]) if len(up) else 0.0, math.inf))
-        tick()
-    return average_task_power(f'navigating, {strategy.upper()}', electronics, flown)
+    loads = vehicle.loads
+    electronics = loads.idle + loads.transmitting
+    electronics += navigation_power(vehicle.file.energy, strategy)
+    return average_task_power(f'navigating, {strategy.upper()}', electronics, tracks)
 
 
 def is_flight_over(loop: ClosedLoop) -> bool:

@@ -5,10 +5,9 @@ from typing import final
 
 from lta_model.electrical.battery import BatteryModel
 from lta_model.electrical.charger import advance_power_path, ChargerModel, resting_flow
+from lta_report.json_value import ExactArray
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
 STEP = 0.1  # s
 DARK = ChargerModel(tracking=0.0, conversion=0.0, idle=0.0)  # no charging
 
@@ -18,9 +17,9 @@ DARK = ChargerModel(tracking=0.0, conversion=0.0, idle=0.0)  # no charging
 class DischargeTrace:
     """Voltage [V] and state of charge [1] of a cell over time [s], up to its failure."""
 
-    time: Array
-    voltage: Array
-    charge: Array
+    time: ExactArray
+    voltage: ExactArray
+    charge: ExactArray
     failed: float | None
 
     @property

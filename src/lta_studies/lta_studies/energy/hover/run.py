@@ -5,21 +5,25 @@ The cell is that of the first vehicle's file, full at the start. A drone drops o
 fails and its motors stop.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 import math
-from typing import Any, final
+from typing import Any, Final, final
 
 from lta_control.cascade import Setpoint
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec, load_spec
 from lta_model.electrical.battery import BatteryModel
 from lta_model.electrical.loads import LoadModel, power_demand
+from lta_report.line_log import LogKind
+from lta_report.study_store import StoreFormat
+from lta_report.workers import report_progress
 from lta_studies.energy import paper
 from lta_studies.energy.course_flight import build_closed_loop, FlightTrack, fly_until
 from lta_studies.energy.hover.discharge import DischargeTrace, simulate_discharge
 from lta_vehicle.figures.thrust_envelope import hover_thrust, NOMINAL
 import numpy as np
+from pydantic import TypeAdapter
 
 SCENE = 'hall'
 RISE = 0.5  # m, seed paper's altitude
@@ -76,24 +80,36 @@ def build_hover_spec(vehicle: str, battery: Any | None = None) -> FlightSpec:  #
     return replace(made_of, contents=contents)
 
 
-def compare_hovering(
-    first: str, second: str, seconds: float, tick: Callable[[float], None]
-) -> HoverComparison:
-    """
-    Hover two drones on the same cell.
+STORE: Final = StoreFormat(
+    LogKind('hovers.jsonl', 'hover', 'comparison of hovering', '--out'), TypeAdapter(HoverResult)
+)
 
-    `first`, `second`: names or files of the vehicles; both use the cell of the first. `seconds`:
-    duration [s]. `tick`: progress callback: simulated seconds since its last call.
-    """
-    own = build_hover_spec(first)
-    battery = own.contents['vehicle']['energy']['battery']
-    cell = build_vehicle_scenario_stack(own)[0].battery
-    return HoverComparison(
-        seconds=seconds,
-        first=fly_hover(own, seconds, tick),
-        second=fly_hover(build_hover_spec(second, battery), seconds, tick),
-        paper=simulate_paper_hover(cell, seconds),
-    )
+
+@final
+@dataclass(frozen=True, slots=True)
+class HoverRequest:
+    """Two vehicles, name or file, that hover for a time [s]; both use the cell of the first."""
+
+    first: str
+    second: str
+    seconds: float
+
+    def build_specs(self) -> list[FlightSpec]:
+        """Return the specs of both hovers."""
+        own = build_hover_spec(self.first)
+        battery = own.contents['vehicle']['energy']['battery']
+        return [own, build_hover_spec(self.second, battery)]
+
+    def fly(self, drone: int) -> HoverResult:
+        """Hover the first drone (0) or the second (1); workers call this."""
+        return fly_hover(self.build_specs()[drone], self.seconds, report_progress)
+
+    def compare(self, hovers: Sequence[HoverResult]) -> HoverComparison:
+        """Compare both hovers with each other and with the paper's powers."""
+        cell = build_vehicle_scenario_stack(self.build_specs()[0])[0].battery
+        first, second = hovers
+        paper_traces = simulate_paper_hover(cell, self.seconds)
+        return HoverComparison(self.seconds, first, second, paper_traces)
 
 
 def simulate_paper_hover(cell: BatteryModel, seconds: float) -> dict[str, DischargeTrace]:
@@ -114,8 +130,10 @@ def prepare_hover(spec: FlightSpec) -> ClosedLoop:
     return build_closed_loop(spec, setpoint_at, 1)
 
 
-def fly_hover(spec: FlightSpec, seconds: float, tick: Callable[[float], None]) -> HoverResult:
-    """Hover until the time [s] is over or the supply fails."""
+def fly_hover(
+    spec: FlightSpec, seconds: float, report: Callable[[float], None] = lambda share: None
+) -> HoverResult:
+    """Hover until the time [s] is over or the supply fails; report the share that is over."""
     reported = 0.0
 
     def is_over(loop: ClosedLoop) -> bool:
@@ -123,15 +141,13 @@ def fly_hover(spec: FlightSpec, seconds: float, tick: Callable[[float], None]) -
         elapsed = loop.world.elapsed
         # Report once per simulated second, as a call per step would slow the flight.
         if elapsed - reported >= 1.0:
-            tick(elapsed - reported)
+            report(elapsed / seconds)
             reported = elapsed
         # Before the first step the supply has not been computed yet.
         return elapsed >= seconds - 1e-9 or (elapsed > 0.0 and not loop.world.supply.flow.fed)
 
     loop = prepare_hover(spec)
     flown = fly_until(loop, is_over)
-    # Complete the progress bar also after an early failure.
-    tick(seconds - reported)
     failed = None if loop.world.supply.flow.fed else float(flown.time[-1])
     loads = loop.world.vehicle.loads
     each, count = hover_thrust(loop.world.vehicle)

@@ -1,10 +1,14 @@
 """Compare panel mounts: weight, swing, flight and light."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
+from itertools import islice
 import math
-from typing import Any, final
+from typing import Any, Final, final, NamedTuple
 
+from lta_report.line_log import LogKind
+from lta_report.study_store import StoreFormat
 from lta_studies.energy.mounting.mounted_vehicle import (
     build_mounted_vehicle,
     lift_deficit,
@@ -20,6 +24,7 @@ from lta_studies.energy.mounting.panel_light import (
 from lta_studies.energy.mounting.straight_flight import fly_straight, StraightFlightResult
 from lta_studies.energy.mounting.tilt_release import Release, simulate_release, tilt_growth_rate
 from lta_vehicle.figures.pendulum import compute_pendulum_mode, PendulumMode
+from pydantic import TypeAdapter
 
 TILT = math.radians(5.0)  # at the release
 LOOK = 20.0  # s simulated after a release
@@ -103,12 +108,32 @@ class MountingRequest:
         }
 
 
-def evaluate_mount(mounted: MountedVehicle, seeds: range, tick: Callable[[], None]) -> MountTrial:
+class MountFlight(NamedTuple):
+    """One flight of a mount in a hull; `group` as in `MountingRequest.build_vehicles`."""
+
+    group: str
+    mounted: MountedVehicle
+    seed: int
+
+    @property
+    def key(self) -> str:
+        """Name in the store."""
+        return f'{self.group} {self.mounted.mount.name}, seed {self.seed}'
+
+
+STORE: Final = StoreFormat(
+    LogKind('flights.jsonl', 'mounting', 'comparison of mounts', '--out'),
+    TypeAdapter(StraightFlightResult),
+)
+
+
+def fly_mount(flight: MountFlight) -> StraightFlightResult:
+    """Fly a mount straight ahead."""
+    return fly_straight(flight.mounted, find_gains_name(flight.mounted), flight.seed)
+
+
+def evaluate_mount(mounted: MountedVehicle, flights: Sequence[StraightFlightResult]) -> MountTrial:
     """Evaluate a mount: analytical swing, release, and flights."""
-    flights = []
-    for seed in seeds:
-        flights.append(fly_straight(mounted, find_gains_name(mounted), seed))
-        tick()
     body = mounted.vehicle
     return MountTrial(
         mounted, compute_pendulum_mode(body, 'pitch'), simulate_release(body, TILT, LOOK), flights
@@ -140,12 +165,26 @@ def compute_panel_light(
     }
 
 
-def compare_mounts(request: MountingRequest, tick: Callable[[], None]) -> MountingStudy:
-    """Compare the mounts; call `tick` after each flight."""
+FLY_HERE: Final = partial(map, fly_mount)
+
+
+def compare_mounts(
+    request: MountingRequest,
+    fly_all: Callable[[Sequence[MountFlight]], Iterable[StraightFlightResult]] = FLY_HERE,
+) -> MountingStudy:
+    """Compare the mounts, by flights that `fly_all` may share out."""
     fits = request.build_vehicles()
     seeds = range(request.first, request.first + request.seeds)
+    flights = [
+        MountFlight(group, each, seed)
+        for group, vehicles in fits.items() for each in vehicles for seed in seeds
+    ]  # fmt: skip
+    flown = iter(fly_all(flights))
     own, shared, misplaced = (
-        {each.mount.name: evaluate_mount(each, seeds, tick) for each in fits[group]}
+        {
+            each.mount.name: evaluate_mount(each, list(islice(flown, request.seeds)))
+            for each in fits[group]
+        }
         for group in ('own', 'shared', 'misplaced')
     )
     # If the hull carries no mount, use the larger hull.

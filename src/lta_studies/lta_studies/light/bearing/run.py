@@ -1,14 +1,28 @@
 """Evaluate bearings at random poses for places, numbers of diodes and ranges."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, final
+from itertools import product
+from typing import Any, Final, final, NamedTuple
 
+from lta_report.line_log import LogKind
+from lta_report.study_store import StoreFormat
+from lta_report.workers import report_progress
 from lta_studies.light.bearing.bench import BearingBench, BearingReading
 from lta_studies.light.bearing.places import build_flight_spec, PLACES, TrueDiodes
 from lta_studies.light.bearing.poses import BESIDE, draw_pose
 from lta_studies.light.bearing.score import BearingScore, score_readings
 import numpy as np
+from pydantic import TypeAdapter
+
+
+class BearingCase(NamedTuple):
+    """A place, number of diodes, kind of diodes and range [m]; its text is its key."""
+
+    place: str
+    ring: int
+    diodes: TrueDiodes
+    range: float | None
 
 
 @final
@@ -32,8 +46,28 @@ class BearingTrialRequest:
     @property
     def pose_count(self) -> int:
         """Total number of poses."""
-        cases = len(self.places) * len(self.counts) * len(self.ranges) * len(self.diodes)
-        return cases * self.poses
+        return len(self.list_cases()) * self.poses
+
+    def list_cases(self) -> list[BearingCase]:
+        """Return all combinations."""
+        every = product(self.places, self.counts, self.diodes, self.ranges)
+        return [BearingCase(*each) for each in every]
+
+    def evaluate(self, case: BearingCase) -> 'BearingTrialResult':
+        """
+        Evaluate the bearings of a combination.
+
+        Each starts its own random stream, so that rings of different size see the same poses.
+        """
+        place = PLACES[case.place]
+        bench = BearingBench(
+            build_flight_spec(place, self.vehicle, case.ring),
+            build_flight_spec(place, self.vehicle, case.ring, case.diodes),
+        )
+        readings = tuple(simulate_random_poses(bench, case.range, self))
+        return BearingTrialResult(
+            case.place, case.ring, case.range, case.diodes, readings, score_readings(readings)
+        )
 
 
 @final
@@ -60,48 +94,25 @@ class BearingTrialResult:
         }
 
 
-def run_bearing_trials(
-    request: BearingTrialRequest, tick: Callable[[], None]
-) -> list[BearingTrialResult]:
-    """
-    Evaluate the bearings for all combinations; call `tick` after each pose.
-
-    Every combination starts its own random stream, so that rings of different size see the same
-    poses.
-
-    """
-    found = []
-    for place in request.places:
-        for count in request.counts:
-            assumed = build_flight_spec(PLACES[place], request.vehicle, count)
-            for diodes in request.diodes:
-                truth = build_flight_spec(PLACES[place], request.vehicle, count, diodes)
-                bench = BearingBench(assumed, truth)
-                for distance in request.ranges:
-                    readings = tuple(simulate_random_poses(bench, distance, request, tick))
-                    score = score_readings(readings)
-                    found.append(
-                        BearingTrialResult(place, count, distance, diodes, readings, score)
-                    )
-    return found
+STORE: Final = StoreFormat(
+    LogKind('bearings.jsonl', 'bearing', 'study of bearings', '--out'),
+    TypeAdapter(BearingTrialResult),
+)
 
 
 def simulate_random_poses(
-    bench: BearingBench,
-    distance: float | None,
-    request: BearingTrialRequest,
-    tick: Callable[[], None],
+    bench: BearingBench, distance: float | None, request: BearingTrialRequest
 ) -> list[BearingReading]:
     """Return the readings at random poses, each with its own diode gains."""
     # Separate streams for poses and noise keep the poses independent of the number of diodes.
     where, what = (np.random.default_rng([request.seed, k]) for k in range(2))
     readings = []
-    for _ in range(request.poses):
+    for k in range(request.poses):
         pose = draw_pose(bench.scenario, distance, where, request.off_axis)
         diodes = bench.sample_diode_gains(what)
         finder = bench.learn_gains(pose, diodes, request.turn, what)
         readings.append(bench.estimate_block_bearing(pose, diodes, what, finder))
-        tick()
+        report_progress((k + 1) / request.poses)
     return readings
 
 

@@ -14,16 +14,19 @@ the lamp's frequency: "all worse from sunlight" is noise or saturation, and "4 b
 is due to missing reflections.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 import math
 from typing import Any, Final, final
 
+from lta_report.line_log import LogKind
+from lta_report.study_store import StoreFormat
 from lta_studies.light.bearing.bench import BearingBench
 from lta_studies.light.bearing.places import build_flight_spec, PLACES
 from lta_studies.light.bearing.poses import Pose
 from lta_studies.light.bearing.score import error_quantile, extract_column
 import numpy as np
+from pydantic import TypeAdapter
 
 DIRECTIONS: Final = 16
 DISTANCE: Final = 3.0  # m
@@ -79,33 +82,22 @@ def list_directions() -> list[float]:
     return [math.tau * k / DIRECTIONS for k in range(DIRECTIONS)]
 
 
-def study_rings(
-    vehicle: str, readings: int, seed: int, tick: Callable[[], None], aside: float = ASIDE
-) -> list[RingStudy]:
-    """Study all rings, `aside` of the lamp's axis [rad]; call `tick` after each direction."""
-    return [
-        study_ring(
-            BearingBench(build_flight_spec(PLACES[place], vehicle, count)),
-            place,
-            count,
-            readings,
-            seed,
-            tick,
-            aside,
-        )
-        for place in PLACES
-        for count in COUNTS
-    ]
+STORE: Final = StoreFormat(
+    LogKind('rings.jsonl', 'study', 'study of photodiodes', '--out'), TypeAdapter(RingStudy)
+)
+
+
+def study_case(
+    vehicle: str, readings: int, seed: int, aside: float, ring: tuple[str, int]
+) -> RingStudy:
+    """Study a ring (place, number of diodes) of a vehicle, `aside` of the lamp's axis. [rad]"""
+    place, count = ring
+    bench = BearingBench(build_flight_spec(PLACES[place], vehicle, count))
+    return study_ring(bench, place, count, readings, seed, aside)
 
 
 def study_ring(
-    bench: BearingBench,
-    place: str,
-    count: int,
-    readings: int,
-    seed: int,
-    tick: Callable[[], None],
-    aside: float = ASIDE,
+    bench: BearingBench, place: str, count: int, readings: int, seed: int, aside: float = ASIDE
 ) -> RingStudy:
     """Study one ring in all directions, `aside` of the lamp's axis. [rad]"""
     # The same draws indoors and outdoors: only the place differs.
@@ -118,7 +110,6 @@ def study_ring(
         paper.append(error_quantile(extract_column(blocks, 'paper'), 50.0))
         ours.append(error_quantile(extract_column(blocks, 'ours'), 50.0))
         snrs.append(float(np.median(extract_column(blocks, 'snr'))))
-        tick()
     return RingStudy(place, count, tuple(paper), tuple(ours), float(np.median(snrs)))
 
 

@@ -12,7 +12,7 @@ from lta_flight.sweep.plan import SweepPlan
 from lta_report.study import run_items, StudyOptions
 from lta_report.study_progress import StudyProgress
 from lta_report.study_store import refuse_foreign_folder, StudyStore
-from lta_report.workers import ItemFailure, open_workers
+from lta_report.workers import ItemFailure
 from lta_studies.light.evaluation.cells import build_cells, EvaluationCell
 from lta_studies.light.evaluation.flights import (
     build_standalone_job,
@@ -93,7 +93,7 @@ def run_evaluation(order: EvaluationRequest, console: Console) -> EvaluationStat
                     replace(task, job=build_standalone_job(plans[task.part], task.job))
                     for task in todo
                 ),
-                open_workers(fly_task, options.workers, options.scheduler),
+                options.open_workers(fly_task),
                 save,
                 StudyProgress(console, total, total - len(todo), 'flights'),
             )

@@ -1,6 +1,7 @@
 """Plan a layout: minimise the lamps, assign frequencies, then compute the joint reception."""
 
 from collections.abc import Callable
+from functools import partial
 import math
 from typing import Final
 
@@ -10,6 +11,7 @@ from lta_studies.light.plan.floor_plan import FloorPlan
 from lta_studies.light.plan.frequencies import build_band, choose_frequencies, FrequencyBand
 from lta_studies.light.plan.layout import LampLayout, LayoutLamp
 from lta_studies.light.plan.mounts import LampMount
+from lta_studies.light.plan.polygon import Array
 from lta_studies.light.plan.receiver import LightReceiver
 from lta_studies.light.plan.reception import (
     ambient_shares,
@@ -29,8 +31,6 @@ import numpy as np
 
 SEED: Final = 1  # random seed of the search for fewer lamps
 
-Say = Callable[[str], None]
-
 
 def plan_layout(
     plan: FloorPlan,
@@ -39,8 +39,7 @@ def plan_layout(
     mounts: list[LampMount],
     overlap: int,
     most: int | None,
-    tick: Callable[[], None],
-    say: Say,
+    measure_light: Callable[[float], Array] | None = None,
 ) -> LampLayout:
     """
     Plan the positions and frequencies of lamps.
@@ -53,10 +52,8 @@ def plan_layout(
         Number of lamps that each cell should receive.
     most : int or None
         Maximum number of lamps.
-    tick : callable
-        Progress callback, called once per candidate position.
-    say : callable
-        Called with the name of the next stage.
+    measure_light : callable, optional
+        `compute_lamp_light` as a function of the faintest light that counts.
 
     Raises
     ------
@@ -82,12 +79,12 @@ def plan_layout(
         float(ambient_shares(plan, ear).mean()),
     )
     least = solve_required_light(link, share, ear.required_snr)
-    light = compute_lamp_light(plan, ear, floor, mounts, least, tick)
+    measure = measure_light or partial(compute_lamp_light, plan, ear, floor, mounts)
+    light = measure(least)
     # Index 0 is the light at the worst heading.
     alone = light[:, 0] >= least
     if not alone.any():
         raise BadInput(_explain_no_reception(plan, ear, least))
-    say('choosing positions')
     # Cells that receive the same lamps are one constraint, which shrinks the problem.
     cells, needed = merge_duplicate_cells(alone, coverage_demand(alone, overlap))
     bound = solve_lower_bound(cells, needed, existing)
@@ -95,7 +92,6 @@ def plan_layout(
     chosen = improve_cover(cells, needed, chosen, existing, bound, np.random.default_rng(SEED))
     # Number the lamps from top left to bottom right.
     chosen.sort(key=lambda k: (-round(mounts[k].position[1], 3), mounts[k].position[0]))
-    say('computing joint reception')
     lamps, order = _assign_frequencies([mounts[k] for k in chosen], band)
     chosen_mounts, tones = [lamp.mount for lamp in lamps], [lamp.frequency for lamp in lamps]
     # Index 1 is the light at the best heading: 0 where the lamp is hidden.

@@ -4,8 +4,9 @@ Compute light and SNR of each lamp over each cell.
 Light, diodes, amplifier, ADC and demodulation are those of the simulator (`lta_sim.light_link`).
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 import math
+from typing import Final
 
 from lta_config.compilation.compiler import compile_functions
 from lta_model.hull import half_axes
@@ -14,6 +15,9 @@ from lta_model.light.lambertian import build_beam, DiodeResponse
 from lta_model.light.lamp import BeaconLamp
 from lta_model.light.modulation import SquareWave
 from lta_model.light.ray_bundles import LAMPS, scratch_size, SHARE
+from lta_report.json_value import ExactArray
+from lta_report.line_log import LogKind
+from lta_report.study_store import StoreFormat
 from lta_sim.light_link import build_light_link, expected_magnitude, LightLink, write_ring_light
 from lta_studies.light.plan.crosstalk import compute_crosstalk
 from lta_studies.light.plan.floor import FloorGrid
@@ -25,9 +29,14 @@ from lta_studies.light.plan.polygon import Array, Mask
 from lta_studies.light.plan.rays import compute_cell_light
 from lta_studies.light.plan.receiver import LightReceiver
 import numpy as np
+from pydantic import TypeAdapter
 
 NEARLY = 1.0 - 1e-9  # just below saturation of the ADC
 HEADINGS = 64  # per full turn, 5.6 degrees apart
+GROUP = 64  # lamps whose light one worker computes at a time
+STORE: Final[StoreFormat[Array]] = StoreFormat(
+    LogKind('light.jsonl', 'plan', 'plan of lamps', '--out'), TypeAdapter(ExactArray)
+)
 
 
 def build_light_field(plan: FloorPlan, mount: LampMount, frequency: float) -> LightField:
@@ -115,15 +124,13 @@ def compute_lamp_light(
     floor: FloorGrid,
     mounts: Sequence[LampMount],
     faintest: float,
-    tick: Callable[[], None],
 ) -> Array:
     """
     Compute the light of every lamp over every wanted cell.
 
     `plan`, `ear`, `floor`, `mounts`: hall, receiver, cells and positions of lamps. `faintest`:
-    light below which a lamp is ignored [lx]. `tick`: progress callback, called once per lamp. The
-    result has shape (lamps, 2, cells): light on the brightest diode at the worst and the best
-    heading [lx].
+    light below which a lamp is ignored [lx]. The result has shape (lamps, 2, cells): light on the
+    brightest diode at the worst and the best heading [lx].
     """
     (kernel,) = compile_functions(compute_cell_light)
     cells, planes, hull = _prepare_cells(plan, ear, floor)
@@ -133,8 +140,15 @@ def compute_lamp_light(
         # The geometry of the beam does not depend on its frequency (1 Hz here).
         lamp = build_beam(build_light_field(plan, mount, 1.0).first_lamp)
         kernel(lamp, eye, cells, floor.walls, planes, hull, headings, faintest, light[k])
-        tick()
     return light
+
+
+def compute_group_light(
+    plan: FloorPlan, ear: LightReceiver, floor: FloorGrid, mounts: Sequence[LampMount],
+    faintest: float, begin: int,
+) -> Array:  # fmt: skip
+    """Compute the light of one group of lamps, from a place in their list on."""
+    return compute_lamp_light(plan, ear, floor, mounts[begin : begin + GROUP], faintest)
 
 
 def compute_simultaneous_snr(

@@ -86,8 +86,7 @@ def measure_bearings(seeds: int) -> dict[str, MeasuredValue]:
     """Return the error of both bearing estimators in the worst direction, indoors. [rad]"""
     bench = BearingBench(build_flight_spec(PLACES['indoor'], 'gtmab', DIODES))
     rings: list[RingStudy] = [
-        study_ring(bench, 'indoor', DIODES, READINGS, seed, lambda: None)
-        for seed in range(1, seeds + 1)
+        study_ring(bench, 'indoor', DIODES, READINGS, seed) for seed in range(1, seeds + 1)
     ]
     return {
         'bearing_paper': average_over_seeds([max(ring.paper) for ring in rings]),

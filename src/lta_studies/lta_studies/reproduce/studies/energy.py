@@ -33,8 +33,9 @@ from lta_studies.energy.course_flight import build_closed_loop, fly_until, stop_
 from lta_studies.energy.hover.report import CAPTION, draw_traces
 from lta_studies.energy.hover.run import (
     build_hover_spec,
-    compare_hovering,
+    fly_hover,
     HoverComparison,
+    HoverRequest,
     prepare_hover,
 )
 from lta_studies.reproduce.flights import fly_draws
@@ -61,7 +62,7 @@ TASK: Final = {
 
 def run_study(request: RowStudyRequest) -> RowStudyResult:
     """Measure power budget, cell voltage and charging."""
-    found = measure_budget(VEHICLE, STANDARD, request.seeds, lambda: None)
+    found = measure_budget(VEHICLE, STANDARD, request.seeds)
     values = {**measure_task_power(found, request.seeds), **measure_causes(found)}
     body = load_vehicle(VEHICLE)
     harvest = HarvestCurve.of_energy(body.file.energy)
@@ -77,7 +78,8 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
         return RowStudyResult(
             values, pictures, [build_task_table(found), build_cause_table(found)], draws
         )
-    comparison = compare_hovering(VEHICLE, STANDARD, paper.HOVER_TIME, lambda _: None)
+    hover = HoverRequest(VEHICLE, STANDARD, paper.HOVER_TIME)
+    comparison = hover.compare([fly_hover(spec, hover.seconds) for spec in hover.build_specs()])
     values |= measure_hover(comparison)
     place = request.folder / 'voltage'
     record_flight(

@@ -138,7 +138,7 @@ def floor_area_per_lamp() -> float:
     plan, ear = load_inputs('warehouse', VEHICLE, 2.0, ())
     # 0.5 m cells
     floor = build_floor(plan, ear.vehicle, 0.5)
-    found = plan_layout(plan, ear, floor, list_mounts(plan), 1, None, lambda: None, lambda _: None)
+    found = plan_layout(plan, ear, floor, list_mounts(plan), 1, None)
     return float(found.floor.area / len(found.lamps))
 
 

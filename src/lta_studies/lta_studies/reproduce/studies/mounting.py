@@ -42,7 +42,7 @@ AHEAD: Final = 0.03  # m, misplacement of the panels along the hull
 def run_study(request: RowStudyRequest) -> RowStudyResult:
     """Fly each mount straight ahead, and release the hull with three heights of the weight."""
     order = MountingRequest(load_yaml(find_file('vehicle', 'gtmab')), MOUNTS, AHEAD, request.seeds)
-    found = compare_mounts(order, lambda: None)
+    found = compare_mounts(order)
     values = {**measure_mounts(found, request.seeds), **measure_tilt_by_height(found)}
     command = format_lta_command('energy', 'mounting', '--seeds', str(request.seeds))
     pictures = [
@@ -61,7 +61,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
 def measure_draw(seed: int) -> dict[str, float | str]:
     """Return the measures of a draw of what is assumed in the vehicle."""
     content = draw_content(load_yaml(find_file('vehicle', 'gtmab')), seed, 'vehicle')
-    found = compare_mounts(MountingRequest(content, MOUNTS, AHEAD, 1, seed), lambda: None)
+    found = compare_mounts(MountingRequest(content, MOUNTS, AHEAD, 1, seed))
     values = {**measure_mounts(found, 1), **measure_tilt_by_height(found)}
     return {name: each.value for name, each in values.items()}
 

@@ -119,7 +119,7 @@ def study_count(
     spec = build_flight_spec(PLACES[place], 'gtmab', count).with_values(own)
     # A draw of the vehicle's own resistor does not change the one that is mounted for the sun
     spec = spec.with_values(PLACES[place].mounted)
-    return study_ring(BearingBench(spec), place, count, readings, seed, lambda: None, aside)
+    return study_ring(BearingBench(spec), place, count, readings, seed, aside)
 
 
 def measure_readings(studies: VehicleStudies) -> dict[str, float]:

@@ -1,11 +1,9 @@
-"""Write a comparison as one self-contained HTML page."""
+"""Build the report of a comparison."""
 
-from collections.abc import Mapping
 from html import escape
 from pathlib import Path
 from typing import Final
 
-from lta_bridge.provenance import read_commit
 from lta_config.command_line import format_lta_command, relative_path
 from lta_data.compare import figures
 from lta_data.compare.channel_comparison import ChannelComparison
@@ -15,88 +13,68 @@ from lta_data.compare.channel_roles import (
     select_panel_channels,
 )
 from lta_data.compare.comparison import ComparisonResult
+from lta_data.compare.json_data import comparison_to_dict
+from lta_data.compare.report_tables import (
+    build_alignment_table,
+    build_channel_table,
+    build_fault_table,
+    build_ranking,
+    list_alignment_lines,
+)
 from lta_data.compare.scene import READOUT, render_comparison_scene
 from lta_data.compare.sentences import (
-    BASIS,
     describe_comparison,
-    describe_frames,
     find_earliest_divergence,
     format_channel_name,
-    format_offset,
     format_offset_and_interval,
     format_quantity,
     format_verdict,
     MISSING,
 )
 from lta_data.compare.spectra import average_log_bands
-from lta_data.compare.tables import (
-    format_channel_table,
-    format_fault_table,
-    format_short_row,
-    is_worth_plotting,
-)
 from lta_data.compare.traces import encode_channel, encode_floats
 from lta_report.flight_scene import render_time_bar
 from lta_report.formatting import Tile
-from lta_report.html_elements import (
-    embed_data,
-    render_definition_list,
-    render_section,
-    render_tile,
-)
-from lta_report.page_frame import assemble_page, write_file
+from lta_report.html_elements import embed_data
+from lta_report.report import Block, Grid, HtmlBlock, Picture, Report
 import numpy as np
 
-NAME: Final = 'compare.html'
 # All channels are embedded in the page for the picker
 PICKED: Final = 320  # points of a line in the channel picker; limits the page's size
-LEGEND: Final = (
-    '<b class="key-a">Blue: A</b>, <b class="key-b">orange: B</b>, '
-    '<b class="key-d">grey: B - A</b>. Shaded: the noise band '
-    'or the tolerance. Gaps are not bridged.'
+HEIGHT: Final = 330  # of a figure [px]
+COLOURS: Final = (
+    'Blue: A, orange: B, grey: B - A. Shaded: the noise band or the tolerance. Gaps are not '
+    'bridged.'
 )
 ABOVE: Final = "Both paths from above, in A's frame. Open circle: start. Filled circle: end."
 
 
-def write_page(comparison: ComparisonResult, out: Path) -> Path:
-    """Write the page and return its path; raise `BadInput` if it cannot be written."""
-    return write_file(render_page(comparison), out)
-
-
-def render_page(comparison: ComparisonResult) -> str:
-    """Return the page's HTML."""
-    shown, time = select_panel_channels(comparison.channels), find_total_span(comparison)
+def build_report(comparison: ComparisonResult) -> Report:
+    """Return the report of a comparison."""
+    time = find_total_span(comparison)
     scene, track = render_comparison_scene(comparison, time)
-    first = next((each for each in comparison.channels if is_worth_plotting(each)), None)
-    return assemble_page(
-        'compare.html',
-        title=escape(format_verdict(comparison)),
-        kicker=escape(f'compare · A {shorten_path(comparison.a.path)} · B '
-        f'{shorten_path(comparison.b.path)}'),
-        about=escape(describe_comparison(comparison)),
-        tiles='\n'.join(render_tile(*each) for each in build_tiles(comparison)),
-        track=track,
-        has_scene=bool(scene),
-        scene=scene,
-        bar=render_time_bar(READOUT, 'flights') if scene else '',
-        hero=render_overview(comparison),
-        panels='\n'.join(
-            render_section(
-                each.role.name, format_title(each), f'{each.channel.name}. '
-                f'{summarize_channel(each.channel)}',
-                figures.plot_overlay(each.channel, time),
-                timed=True,
-            )
-            for each in shown
-        ),
-        picker='' if first is None else render_channel_picker(comparison, first),
-        channels=format_channel_table(comparison),
-        faults=format_fault_table(comparison),
-        applied=render_definition_list(describe_alignment(comparison)),
-        remarks=''.join(f'<p class="note">{escape(text)}</p>' for text in comparison.remarks),
+    return Report(
+        command='compare',
+        subject=f'A {shorten_path(comparison.a.path)} · B {shorten_path(comparison.b.path)}',
+        headline=format_verdict(comparison),
+        introduction=f'{describe_comparison(comparison)} {COLOURS}',
+        tiles=build_tiles(comparison),
+        blocks=[
+            Grid([*build_path_picture(comparison), build_ranking(comparison)]),
+            Grid([build_panel(each, time) for each in select_panel_channels(comparison.channels)]),
+            *build_channel_picker(comparison),
+            build_channel_table(comparison),
+            Grid([build_alignment_table(comparison), build_fault_table(comparison)]),
+        ],
+        data=comparison_to_dict(comparison),
         facts=describe_sources(comparison),
         commands=suggest_commands(comparison),
-    )  # fmt: skip
+        closing=list_alignment_lines(comparison),
+        scene=scene,
+        time_bar=render_time_bar(READOUT, 'flights') if scene else '',
+        track=track,
+        asset='compare.html',
+    )
 
 
 def find_total_span(comparison: ComparisonResult) -> tuple[float, float]:
@@ -181,47 +159,51 @@ def build_tiles(comparison: ComparisonResult) -> list[Tile]:
     return made
 
 
-def render_overview(comparison: ComparisonResult) -> str:
-    """Return the path seen from above, if there is one, and the top of the ranking."""
+def build_path_picture(comparison: ComparisonResult) -> list[Picture]:
+    """Return the path seen from above, if there is one."""
     above = figures.plot_path(comparison.channels)
-    drawn = '' if above is None else render_section('path', 'From above', ABOVE, above)
-    heads = ''.join(
-        f'<th scope="col">{head}</th>' for head in ('channel', 'diverges at', 'RMS', 'NRMSE')
-    )
-    moving = [each for each in comparison.channels if is_worth_plotting(each)][:12]
-    rows = ''.join(format_short_row(each) for each in moving)
-    return (
-        f'{drawn}<section class="panel ranking" aria-labelledby="title-ranking">'
-        '<h2 id="title-ranking">Largest and earliest divergences</h2><table><thead><tr>'
-        f'{heads}</tr></thead><tbody>{rows}</tbody></table>'
-        f'<p class="note">{LEGEND} Times are on A\'s clock. NRMSE is the RMS difference '
-        'divided by the standard deviation of A at the same times.</p></section>'
-    )
+    return [] if above is None else [Picture('path', 'From above', ABOVE, above, HEIGHT)]
 
 
-def render_channel_picker(comparison: ComparisonResult, first: ChannelComparison) -> str:
+def build_panel(entry: RoleChannel, time: tuple[float, float]) -> Picture:
+    """Return the overlay of a channel of both flights."""
+    about = f'{entry.channel.name}. {summarize_channel(entry.channel)}'
+    drawn = figures.plot_overlay(entry.channel, time)
+    return Picture(entry.role.name, format_title(entry), about, drawn, HEIGHT, timed=True)
+
+
+def is_worth_plotting(each: ChannelComparison) -> bool:
+    """Return whether a channel is worth plotting."""
+    return each.measures is not None and not each.both_constant
+
+
+def build_channel_picker(comparison: ComparisonResult) -> list[Block]:
     """Return the channel picker with the overlay and spectra of the chosen channel."""
     known = [each for each in comparison.channels if is_worth_plotting(each)]
+    if not known:
+        return []
+    first, time = known[0], find_total_span(comparison)
     options = ''.join(f'<option>{escape(each.name)}</option>' for each in known)
     content = {each.name: build_picker_data(each) for each in known}
-    about = f'{first.name}. {summarize_channel(first)}'
     by_frequency = (
         "Power spectral density by Welch's method, in the channel's unit squared per hertz; "
         "coherence is the share of B's power that depends linearly on A."
     )
-    return (
-        '<p class="choice"><label for="channel">Any channel</label> '
-        f'<select id="channel">{options}</select></p><div class="grid">'
-        + render_section(
-            'channel',
-            'Over time',
-            about,
-            figures.plot_overlay(first, find_total_span(comparison)),
-            timed=True,
-        )
-        + render_section('spectrum', 'By frequency', by_frequency, figures.plot_spectrum(first))
-        + f'</div>{embed_data("channels", content)}'
-    )
+    return [
+        HtmlBlock(
+            '<p class="choice"><label for="channel">Any channel</label> '
+            f'<select id="channel">{options}</select></p>{embed_data("channels", content)}'
+        ),
+        Grid([
+            Picture(
+                'channel', 'Over time', f'{first.name}. {summarize_channel(first)}',
+                figures.plot_overlay(first, time), HEIGHT, timed=True,
+            ),
+            Picture(
+                'spectrum', 'By frequency', by_frequency, figures.plot_spectrum(first), HEIGHT
+            ),
+        ]),
+    ]  # fmt: skip
 
 
 def build_picker_data(each: ChannelComparison) -> dict[str, object]:
@@ -239,32 +221,6 @@ def build_picker_data(each: ChannelComparison) -> dict[str, object]:
     return content
 
 
-def describe_alignment(comparison: ComparisonResult) -> Mapping[str, str]:
-    """Return how time and frames were aligned."""
-    timing = comparison.timing
-    terms = {'time': timing.reason}
-    if timing.how != 'none':
-        terms['offset'] = f"B's time {format_offset(timing)}"
-        terms['estimated from'] = ', '.join(timing.used) or 'the given value'
-    # An infinite deviation means that the drift was not estimated
-    if timing.found is not None and timing.found.drift_sigma < 1.0:
-        low, high = (
-            # 1.96 standard deviations: 95 % of a normal distribution
-            BASIS * (timing.found.drift + s * 1.96 * timing.found.drift_sigma)
-            for s in (-1, 1)
-        )
-        what = 'applied' if timing.drift else 'not applied'
-        terms["drift of B's clock"] = f'{low:+.0f} to {high:+.0f} ppm (95 % confidence); {what}'
-    terms['reference of offsets'] = (
-        'the time stamps of both flights'
-        if timing.on_stamps
-        else 'time since the start of each flight, because the time stamps do not overlap'
-    )
-    for each in comparison.frames:
-        terms[f'{each.topic}'] = describe_frames(each)
-    return terms
-
-
 def describe_sources(comparison: ComparisonResult) -> dict[str, str]:
     """Return the origin of both flights."""
     terms = {}
@@ -280,7 +236,6 @@ def describe_sources(comparison: ComparisonResult) -> dict[str, str]:
         if only:
             terms[f'only in {label}'] = ', '.join(only)
     terms['identical byte for byte'] = ', '.join(comparison.identical_topics) or 'no topic'
-    terms['commit'] = read_commit()
     return terms
 
 
@@ -288,7 +243,6 @@ def suggest_commands(comparison: ComparisonResult) -> dict[str, str]:
     """Return commands for further analysis."""
     a, b = relative_path(Path(comparison.a.path)), relative_path(Path(comparison.b.path))
     return {
-        'Compare again': format_lta_command('compare', a, b),
         'Compare in a script: exit status 1 if they differ': format_lta_command(
             'compare', a, b, '--same'
         ),
