@@ -27,6 +27,7 @@ SMOOTH: Final = 0.6  # width of the kernel that smooths the motion before it is 
 SHARED: Final = 0.5  # of the shorter table, at least, lies in both at any offset tried
 FARTHEST: Final = 150.0  # offset that is tried, from tables that begin together [s]
 LONGEST: Final = 600.0  # of a flight that is looked at [s]
+GLITCH: Final = 6.0  # times its median size, an acceleration is clipped
 LEAST: Final = 50  # points of the grid that both tables share
 AROUND: Final = 1.5  # offsets nearer to the best one belong to its peak [s]
 EXPLAINED: Final = 0.15  # of the accelerations, at least, by commands that change often
@@ -308,7 +309,7 @@ def estimate_clock_offset(
     grid = np.arange(seconds[0], min(seconds[-1], seconds[0] + LONGEST), STEP)
     if len(grid) < 2 * LEAST or stamps[-1] - stamps[0] < 2 * LEAST * STEP:
         return None
-    speed, pull = _find_motion(seconds, position, turn, grid)
+    speed, pull = find_motion(seconds, position, turn, grid)
     scale = np.nanstd(commands, axis=0)
     commands = np.nan_to_num((commands - np.nanmean(commands, axis=0)) / np.where(scale, scale, 1))
     commands = commands[:, scale > 0.0]
@@ -341,7 +342,7 @@ def _find_rising(times: Numbers) -> Any:  # noqa: ANN401 - an array of bool
     return rising
 
 
-def _find_motion(
+def find_motion(
     seconds: Numbers, position: Numbers, turn: Rotation, grid: Numbers
 ) -> tuple[Numbers, Numbers]:
     """Return velocities and accelerations on a grid: forward, up, yaw; shape (n, 3)."""
@@ -351,7 +352,10 @@ def _find_motion(
     weights = hann_kernel(SMOOTH, float(np.median(np.diff(seconds))))
     smooth = smooth_columns(np.column_stack([body[:, 0], up, yaw]), weights)
     speed = np.column_stack([np.interp(grid, seconds, one) for one in smooth.T])
-    return speed, np.gradient(speed, STEP, axis=0)
+    pull = np.gradient(speed, STEP, axis=0)
+    # A marker that was lost jumps, and must not decide
+    most = GLITCH * np.median(np.abs(pull), axis=0)
+    return speed, np.clip(pull, -most, most)
 
 
 def _explain(
@@ -369,13 +373,13 @@ def _explain(
     held = commands[np.searchsorted(stamps, grid[inside], side='right') - 1]
     base = np.column_stack([speed, np.ones(len(grid))])
     wanted = pull / np.maximum(pull.std(axis=0), 1e-9)
-    whole = _sum_residuals(base, wanted)
-    alone = _sum_residuals(base[inside], wanted[inside])
-    told = _sum_residuals(np.column_stack([base[inside], held]), wanted[inside])
+    whole = sum_residuals(base, wanted)
+    alone = sum_residuals(base[inside], wanted[inside])
+    told = sum_residuals(np.column_stack([base[inside], held]), wanted[inside])
     return (alone - told) / whole if whole > 0.0 else 0.0
 
 
-def _sum_residuals(regressors: Numbers, values: Numbers) -> float:
+def sum_residuals(regressors: Numbers, values: Numbers) -> float:
     """Return the sum of the squared residuals of a regression."""
     fit = np.linalg.lstsq(regressors, values, rcond=None)[0]
     return float(np.square(values - regressors @ fit).sum())

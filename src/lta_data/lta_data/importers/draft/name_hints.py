@@ -53,6 +53,8 @@ ANGLES: Final = {
     'phi': 'roll', 'theta': 'pitch', 'psi': 'yaw',
 }  # fmt: skip
 COMPASS: Final = {'north': 'n', 'east': 'e', 'down': 'd'}
+# An element of an array, whose name says nothing
+NUMBERED: Final = re.compile(r'(data|axes|buttons|channels|values)\[\d+\]')
 JOINED: Final = re.compile(
     r'(pos|vel|acc|accel|gyr|gyro|omega|euler|quat|force|torque|tau|moment|[pvqwtagfrobe]'
     r'|m(?=[xyz]))([xyzwned]|\d)'
