@@ -42,7 +42,9 @@ def find_tracker_jumps(time: Array, poses: Array) -> Any:  # noqa: ANN401 - an a
         if begin < done or not len(later):
             continue
         size = far[begin].max() * np.maximum(CLEAR * usual, LEAST)
-        expected = whole[begin] + slope[begin] * (at[later + 1] - at[begin])[:, None]
+        # By the speeds on both sides, which a curve needs
+        speed = 0.5 * (slope[begin] + slope[later])
+        expected = whole[begin] + speed * (at[later + 1] - at[begin])[:, None]
         back = later[(np.abs(whole[later + 1] - expected) < RETURNS * size).all(axis=1)]
         if len(back):
             done = int(back[0])

@@ -12,7 +12,9 @@ from lta_config.quantity import Quantity
 from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.draft_vehicle import BODY_AXES
 from lta_data.importers.draft.name_hints import (
+    ACTUATORS,
     ColumnName,
+    COMMANDS,
     KINDS,
     match_kind,
     match_role,
@@ -26,6 +28,7 @@ from pydantic import ValidationError
 LINEAR: Final = frozenset(BODY_AXES[:3])
 MOTIONS: Final = ('velocity', 'position', 'rates', 'acceleration', 'euler')
 WANTED: Final = ROLES['setpoint'] - {'cmd', 'command', 'commanded'}  # a state, no force
+COMMANDING: Final = COMMANDS | ACTUATORS | KINDS['force'] | KINDS['torque']
 FRACTION: Final = 1.05  # largest number of a fraction
 SMALL: Final = 0.3  # a fraction that never exceeds it can be a force of a blimp [N]
 UNITS: Final = {'N': 1.0, 'mN': 1e-3, 'N m': 1.0, 'mN m': 1e-3, '%': 0.01}
@@ -36,34 +39,44 @@ Columns = Mapping[str, Numbers]
 def find_axis_commands(
     names: Sequence[ColumnName], choices: DraftChoices
 ) -> dict[str, ColumnName]:
-    """
-    Return the columns that command a body axis, by axis: by answers, else by their names.
-
-    Roll, pitch and yaw are commands only beside surge, sway or heave, as they may be angles.
-    """
+    """Return the columns that command a body axis, by axis: by answers, else by their names."""
     told = {
         axis: name
         for name in names
         if (axis := choices.find_answer(f'{name.column}.command')) in BODY_AXES
     }
-    if told:
-        return told
+    return told or find_named_axes(names)
+
+
+def find_named_axes(names: Sequence[ColumnName]) -> dict[str, ColumnName]:
+    """
+    Return the columns whose names say that they command a body axis, by axis.
+
+    Roll, pitch and yaw may be angles: they are commands only beside surge, sway or heave, and with
+    a word for a command or the other words of these.
+    """
     found: dict[str, ColumnName] = {}
-    for name in names:
-        axis = _read_axis(name)
-        if axis:
-            found.setdefault(axis, name)
-    return found if LINEAR & {*found} else {}
+    alike: list[frozenset[str]] = []
+    for linear in (True, False):
+        for name in names:
+            axis, rest = _read_axis(name)
+            known = bool(rest & COMMANDING) or rest in alike
+            if axis and (axis in LINEAR) is linear and (linear or known):
+                found.setdefault(axis, name)
+                alike += [rest] if linear else []
+    angles = [found[axis].words for axis in BODY_AXES[3:] if axis in found]
+    if not LINEAR & {*found} or angles == [frozenset()] * 3:
+        return {}
+    return found
 
 
-def _read_axis(name: ColumnName) -> str:
-    """Return the body axis in a name; '' if there is none, or it names a motion along it."""
-    words = [*name.stem, name.axis]
-    axis = next((word for word in words if word in BODY_AXES), '')
+def _read_axis(name: ColumnName) -> tuple[str, frozenset[str]]:
+    """Return the body axis in a name, '' if it is of a motion, and the other words."""
+    axis = next((word for word in (*name.stem, name.axis) if word in BODY_AXES), '')
     rest = name.words - {axis}
     measured = match_kind(rest) in MOTIONS or match_role(rest) in ('truth', 'estimate')
     moved = UNIT_WORDS.get(name.unit, ('',))[0] in ('m', 'm/s', 'm/s2', 'rad', 'deg', 'rad/s')
-    return '' if measured or moved or rest & WANTED else axis
+    return ('' if measured or moved or rest & WANTED else axis), rest
 
 
 def draft_axis_commands(

@@ -31,13 +31,13 @@ SCALARS: Final = (
     ('pressure baro press', 'pressure', 'pressure',
      {'Pa': (3e4, 1.1e5), 'hPa': (300.0, 1100.0)}),
 )  # fmt: skip
-FORCES: Final = frozenset(['f', 'force', 'fl', 'fr', 'thrust', 'forces'])
+CORNERS: Final = frozenset(['rl', 'rr', 'bl', 'br'])  # of a quadrotor, beside fl and fr
+FORCES: Final = frozenset(['f', 'force', 'fl', 'fr', 'thrust', 'forces']) | CORNERS
 UPSTREAM: Final = frozenset(['pid', 'controller', 'cmd', 'setpoint', 'sp', 'ref', 'mixer'])
 FULL: Final = {'l': 'left', 'r': 'right'}
 RESTING: Final = 15.0  # a motor stands at a pulse nearer to its rest [us]
 OFTEN: Final = 0.05  # share of the pulses at which motors stand, in a log with pauses
 BOTH_WAYS: Final = 0.1  # share of the pulses on each side of 1500 us of a motor that may reverse
-CORNERS: Final = frozenset(['rl', 'rr', 'bl', 'br'])  # of a quadrotor, beside fl and fr
 NAME: Final = re.compile(r'[a-z][a-z0-9_]*')
 SPEEDS: Final = frozenset(['rpm', 'speed', 'rotorspeed', 'omega'])
 
@@ -59,13 +59,12 @@ def draft_scalars(
                     choices.add_reason(f'{topic}: {part}', [name.column], unit, why)
     axes = find_axis_commands([name for name in names if name.column not in taken], choices)
     taken |= {name.column for name in axes.values()}
-    told = [name for name in names if name.column not in taken and _is_told(name, choices)]
+    rest = [name for name in names if name.column not in taken]
+    told = [one for one in rest if choices.find_answer(f'{one.column}.topic') == 'motors']
     motors = told or [
         name
-        for name in names
-        if name.column not in taken
-        and (name.words & (ACTUATORS | FORCES | SPEEDS) or is_placed_command(name.column))
-        and np.isfinite(table[name.column]).any()
+        for name in rest
+        if _commands_rotor(name, choices) and np.isfinite(table[name.column]).any()
     ]
     # What a controller asks of a mixer is no actuator, where the actuators are there
     motors = told or [name for name in motors if not name.words & UPSTREAM] or motors
@@ -78,11 +77,11 @@ def draft_scalars(
     return [entry | ({'table': prefix} if prefix else {}) for entry in entries]
 
 
-def _is_told(name: ColumnName, choices: DraftChoices) -> bool:
-    """Return whether the user said that a column commands an actuator."""
-    rotor = choices.find_answer(f'{name.column}.command')
-    told = choices.find_answer(f'{name.column}.topic') == 'motors'
-    return told or rotor not in ('', 'none', *BODY_AXES)
+def _commands_rotor(name: ColumnName, choices: DraftChoices) -> bool:
+    """Return whether a column commands an actuator: as the user says, else by its name."""
+    if answer := choices.find_answer(f'{name.column}.command'):
+        return answer not in ('none', *BODY_AXES)
+    return bool(name.words & (ACTUATORS | FORCES | SPEEDS) or is_placed_command(name.column))
 
 
 def _choose_unit(
@@ -208,7 +207,9 @@ def _name_actuators(motors: Sequence[ColumnName], choices: DraftChoices) -> list
                 f"--set {key}: '{answer}' is no name of an actuator; use small letters, digits "
                 'and _.'
             )
-        rotors = None if choices.vehicle is None else choices.vehicle.rotors
+        rotors = () if choices.vehicle is None else choices.vehicle.rotors
+        if places[index] in rotors:
+            called[index] = places[index]
         if answer and rotors and answer not in rotors:
             raise unknown_name_error(f'rotor for {key}', answer, [*rotors])
         if answer:
