@@ -8,7 +8,7 @@ from lta_config.errors import BadInput
 from lta_config.schema.import_file import load_mapping
 from lta_data.bag.bag_folder import find_bag
 from lta_data.importers.draft.choices import DraftQuestion
-from lta_data.importers.draft.draft_mapping import draft_mapping
+from lta_data.importers.draft.draft_mapping import draft_mapping, MappingDraft
 from lta_data.importers.draft.draft_vehicle import DraftVehicle
 from lta_data.importers.draft.source_tables import (
     COLUMNS,
@@ -135,13 +135,24 @@ def _draft_mappings(
 
 
 def _draft_first(logs: Sequence[Path], answers: Mapping[str, str], vehicle: DraftVehicle) -> str:
-    """Return the first draft without an open question; raise `BadInput` with one otherwise."""
-    for log in logs:
+    """
+    Return the first draft without an open question; raise `BadInput` with one otherwise.
+
+    A log in which nothing is commanded has fewer topics, and answers no question about commands.
+    """
+    first = draft_mapping(logs[0], answers, vehicle)
+    if not first.choices.questions:
+        return first.text
+    for log in logs[1:]:
         draft = draft_mapping(log, answers, vehicle)
-        if not draft.choices.questions:
+        if not draft.choices.questions and count_topics(draft) >= count_topics(first):
             return draft.text
-    questions = draft_mapping(logs[0], answers, vehicle).choices.questions
-    raise BadInput(_format_question(logs[0], questions[0]))
+    raise BadInput(_format_question(logs[0], first.choices.questions[0]))
+
+
+def count_topics(draft: MappingDraft) -> int:
+    """Return the number of topics that a draft fills."""
+    return draft.text.count('- topic:')
 
 
 def _format_question(log: Path, question: DraftQuestion) -> str:

@@ -46,6 +46,7 @@ POSES: Final = (
 )
 ROLES: Final = {'truth': 'ground_truth/odom', 'estimate': 'odom', 'setpoint': 'setpoint/pose'}
 JOYSTICKS: Final = frozenset(['joy', 'joystick', 'gamepad', 'stick', 'sticks'])
+ARRAY: Final = 'data['  # in the columns of an array
 NO_NUMBERS: Final = ('header.', 'layout.')  # beginnings of columns that command nothing
 KINDS: Final = {'position': 'position', 'orientation': 'attitude'}
 
@@ -97,6 +98,16 @@ def draft_bag_topics(path: Path, choices: DraftChoices) -> BagDraft:
             'mapping.'
         )
     return BagDraft(entries, groups, tables)
+
+
+def count_changing_commands(path: Path) -> int:
+    """Return the number of columns with more than one value in the topics of commands."""
+    raw = FORMATS['bag'].opened(path, None).raw
+    types = {name: topic.definition.type_name for name, topic in raw.items()}
+    wrenches = [name for name, kind in types.items() if BY_TYPE.get(kind) == 'wrench_command']
+    tables = _read_tables(path, [*wrenches, *_list_command_topics(types)])
+    return sum(_changes(column) for table in tables.values() for name, column in
+               table.columns.items() if not name.startswith(NO_NUMBERS))  # fmt: skip
 
 
 def _choose_topics(types: Mapping[str, str], choices: DraftChoices) -> dict[str, str]:
@@ -222,7 +233,8 @@ def _draft_commands(
         topic: {
             name: one
             for name, one in table.columns.items()
-            if not name.startswith(NO_NUMBERS) and np.nan_to_num(one).any()
+            # A stick has axes that nobody moves; an array has none that nothing needs
+            if not name.startswith(NO_NUMBERS) and (ARRAY in name or np.nan_to_num(one).any())
         }
         for topic, table in tables.items()
     }
