@@ -67,7 +67,6 @@ class _InUnit(StrictModel):
     """A number as logged: SI = (number + offset) * scale / over, in `unit`."""
 
     unit: str = '1'
-    scale: float = 1.0
     over: Annotated[float, Field(gt=0.0)] = 1.0
     offset: float = 0.0
     missing: float | None = None  # the number that means "no value"
@@ -89,6 +88,7 @@ class _InUnit(StrictModel):
 class ScalarField(_InUnit):
     """One number: from a column, or constant."""
 
+    scale: float = 1.0
     column: Column | None = None
     value: Quantity | None = None
 
@@ -103,12 +103,24 @@ class VectorField(_InUnit):
     """
     Three numbers in the axes of `frame`; by default the frame of the message type.
 
-    A force or torque may lack columns, which are then null: these components are zero.
+    A force or torque may lack columns, which are then null: these components are zero. `scale` may
+    be a list, with the factor of each column.
     """
 
+    scale: float | tuple[float, float, float] = 1.0
     columns: Annotated[list[Column | None], Field(min_length=3, max_length=3)] | None = None
     value: Quantity | None = None
     frame: Literal['world', 'body'] | None = None
+
+    @field_validator('scale', mode='before')
+    @classmethod
+    def _parse_scale(cls, value: object) -> object:
+        return tuple(map(float, value)) if isinstance(value, list) else value
+
+    @property
+    def scales(self) -> tuple[float, float, float]:
+        """The factor of each column."""
+        return self.scale if isinstance(self.scale, tuple) else (self.scale,) * 3
 
     @model_validator(mode='after')
     def _check_source(self) -> Self:

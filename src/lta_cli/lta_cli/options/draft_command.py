@@ -16,6 +16,7 @@ from lta_data.importers.draft.draft_report import (
     group_channels,
     MAPPING,
 )
+from lta_data.importers.draft.draft_vehicle import DraftVehicle
 from lta_data.plot.terminal import draw_curves
 from lta_report.report_output import PAGE, write_report
 from lta_report.report_terminal import print_report, print_table
@@ -32,12 +33,15 @@ import typer
 def run_draft(
     sources: Sequence[Path],
     settings: Sequence[str],
+    vehicle: str | None,
     out: Path | None,
     console: Console,
     json: bool,
 ) -> None:
     """
     Draft the mapping of one log or folder, and write it with its page.
+
+    `vehicle`: name or file of the one that flew, after whose rotors commands are named.
 
     Raise `BadInput` if several sources are named, a setting is malformed, or nothing is
     recognised.
@@ -48,7 +52,8 @@ def run_draft(
     folder = resolve_folder(out, f'{source.name.split(".")[0] or "log"}-draft')
     check_creatable(folder)
     answers = parse_settings(settings)
-    draft = draft_mapping(source, answers)
+    flown = None if vehicle is None else DraftVehicle.load(vehicle)
+    draft = draft_mapping(source, answers, flown)
     while draft.choices.questions:
         if not (console.is_terminal and sys.stdin.isatty()):
             print_questions(draft, console)
@@ -56,9 +61,10 @@ def run_draft(
         print_table(build_reason_table(draft), console)
         question = draft.choices.questions[0]
         answers[question.key] = ask_user(question, console)
-        draft = draft_mapping(source, answers)
+        draft = draft_mapping(source, answers, flown)
+    named = [] if vehicle is None else ['--vehicle', vehicle]
     command = format_lta_command(
-        'import', relative_path(source), '--mapping', relative_path(folder / MAPPING)
+        'import', relative_path(source), '--mapping', relative_path(folder / MAPPING), *named
     )
     report = build_draft_report(source, draft, {'Import with it': command})
     with stage_results(folder, PAGE) as staged:

@@ -38,7 +38,11 @@ def import_(
     out: Out = None,
     robot: Annotated[str, typer.Option(help='Namespace of the topics in the new bag.')] = 'lta1',
     vehicle: Annotated[
-        str | None, typer.Option(help='Flown vehicle, name or file; stored in the bag.')
+        str | None,
+        typer.Option(
+            help='Flown vehicle, name or file; stored in the bag. A draft names commands after '
+            'its rotors.'
+        ),
     ] = None,
     draft: Annotated[
         bool,
@@ -88,7 +92,7 @@ def import_(
         # Import here: drafting needs the whole importer and the report.
         from lta_cli.options.draft_command import run_draft
 
-        run_draft(sources, set or [], out, console, json)
+        run_draft(sources, set or [], vehicle, out, console, json)
         return
     if set:
         raise BadInput('--set decides a question of --draft; add --draft, or remove --set.')

@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterator, Mapping
 from functools import partial
 from itertools import islice
 from pathlib import Path
-from typing import Any, final, NamedTuple
+from typing import Any, Final, final, NamedTuple
 
 from lta_bridge.provenance import extract_robot_origin
 from lta_config.errors import BadInput, unknown_name_error
@@ -244,6 +244,10 @@ def find_flight_origin(bag: Bag, topics: list[str]) -> FlightOrigin:
     return FlightOrigin(first, first)
 
 
+# Topics that only a robot has
+FLOWN: Final = ('ground_truth/odom', 'odom', 'motors', 'wrench_command')
+
+
 def list_robots(bag: Bag) -> list[str]:
     """Return the robots in a bag: the first parts of names such as /lta1/odom."""
     return sorted({name.split('/')[1] for name in bag.topics if name.count('/') > 1})
@@ -267,6 +271,10 @@ def select_robot(bag: Bag, robot: str | None) -> str:
     robot = None if robot is None else robot.strip('/')
     if robot is not None and robot not in found:
         raise unknown_name_error('robot', robot, found)
+    if robot is None and len(found) > 1:
+        # An imported bag keeps the topics of others: /joy/set_feedback is of no robot
+        flown = [one for one in found if any(f'/{one}/{topic}' in bag.topics for topic in FLOWN)]
+        found = flown or found
     if robot is None and len(found) > 1:
         raise BadInput(
             f"'{bag.path}' contains several robots ({', '.join(found)}); choose one, as in "

@@ -218,7 +218,8 @@ def _convert_number(scalar: ScalarField, table: LogTable, share: float) -> Numbe
     if scalar.value is not None or scalar.column is None:
         constant = scalar.value.si if scalar.value is not None else np.nan
         return np.full(len(table), constant * share)
-    return scale_column(scalar, table.columns[scalar.column], scalar.column, table.first) * share
+    column = table.columns[scalar.column]
+    return scale_column(scalar, scalar.scale, column, scalar.column, table.first) * share
 
 
 def _convert_vector(
@@ -237,10 +238,10 @@ def _convert_vector(
     else:
         # A component without a column is never commanded
         scaled_columns = [
-            scale_column(vector, table.columns[name], name, table.first)
+            scale_column(vector, scale, table.columns[name], name, table.first)
             if name is not None
             else np.zeros(len(table))
-            for name in vector.columns
+            for name, scale in zip(vector.columns, vector.scales, strict=True)
         ]
         values = np.stack(scaled_columns, axis=1)
     found = convert_to_lta_axes(values, plan.find_axes(frame), axial=part.kind == 'axial')
@@ -251,7 +252,7 @@ def _convert_vector(
 
 
 def scale_column(
-    source: ScalarField | VectorField, raw: Numbers, column: str, first: int
+    source: ScalarField | VectorField, scale: float, raw: Numbers, column: str, first: int
 ) -> Numbers:
     """
     Convert a column to SI: (number + offset) * scale / over, times its unit.
@@ -277,7 +278,7 @@ def scale_column(
             )
     if source.offset:
         values = values + source.offset
-    factor = source.scale * UNITS[source.unit][1]
+    factor = scale * UNITS[source.unit][1]
     # Skipping a factor of one keeps every bit and saves a copy.
     if factor != 1.0:
         values = values * factor

@@ -10,7 +10,7 @@ from lta_bridge.bag.writer import prepare_empty_folder
 from lta_config.errors import BadInput, to_one_line
 from lta_config.schema.import_file import load_mapping
 from lta_data.bag.bag_folder import find_bag
-from lta_data.importers.draft.clock_alignment import resolve_clocks
+from lta_data.importers.draft.log_clocks import Clocks, estimate_clocks, set_clocks, share_clocks
 from lta_data.importers.formats import detect_format, find_format
 from lta_data.importers.log_provenance import build_provenance
 from lta_data.importers.log_to_bag import write_log_bag
@@ -72,12 +72,15 @@ def import_logs(order: ImportRequest, out: Path, progress: ImportProgress) -> li
     # Refuse before any work, rather than after a long import.
     if out.exists():
         prepare_empty_folder(out)
+    clocks = share_clocks([_estimate_clocks(order, source) for source in sources])
     # Written beside the target and moved at the end: all logs or none
     with stage_results(out, BAG) as folder:
-        for source, name in zip(sources, _name_folders(sources), strict=True):
+        for source, name, times in zip(sources, _name_folders(sources), clocks, strict=True):
             progress.begin_log(source.name)
             inside = Path(name) / BAG if len(sources) > 1 else Path(BAG)
-            found = _import_log(order, source, folder / inside, progress.show_fraction)
+            found = _import_log(
+                order, source, times, len(sources) == 1, folder / inside, progress.show_fraction
+            )
             found.bag = str(out / inside)
             done.append(found)
             progress.end_log()
@@ -118,7 +121,17 @@ def _name_folders(sources: Sequence[Path]) -> list[str]:
     return found
 
 
-def _import_log(order: ImportRequest, source: Path, bag: Path, reached: Reached) -> ImportedLog:
+def _estimate_clocks(order: ImportRequest, source: Path) -> Clocks:
+    """Return the clocks of the tables of a log that its mapping wants to be aligned."""
+    format_ = detect_format(source) if order.format is None else order.format
+    find_format(format_)
+    mapping, _ = select_mapping(source, format_, order.mapping)
+    return {} if mapping is None else estimate_clocks(source, mapping, order.robot)
+
+
+def _import_log(
+    order: ImportRequest, source: Path, times: Clocks, alone: bool, bag: Path, reached: Reached
+) -> ImportedLog:
     format_ = detect_format(source) if order.format is None else order.format
     # Raises for an unknown --format, before any mapping is loaded
     find_format(format_)
@@ -126,7 +139,7 @@ def _import_log(order: ImportRequest, source: Path, bag: Path, reached: Reached)
     told = build_provenance(source, format_, mapping, text, order.vehicle)
     clocks: list[str] = []
     if mapping is not None:
-        mapping, clocks = resolve_clocks(source, mapping, order.robot)
+        mapping, clocks = set_clocks(mapping, times, alone)
     try:
         log = find_format(format_).opened(source, mapping)
         chosen = choose_entries(source, mapping, log, order.robot)

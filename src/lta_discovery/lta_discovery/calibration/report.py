@@ -63,7 +63,7 @@ def build_report(calibration: Calibration, calibrated_file: str | None) -> Repor
         tiles=_build_tiles(calibration),
         blocks=(
             _build_value_table('Vehicle', [one for one in calibration.values if not one.flight]),
-            _build_flight_table(calibration),
+            *_build_flight_tables(calibration),
             _build_score_table(calibration.scores),
             *_build_pictures(calibration),
             TextSection('What no flight separates', limits, bullets=True, printed=True),
@@ -147,15 +147,15 @@ def build_first_step_table(calibration: Calibration) -> TextTable:
     return TextTable(FIRST_STEP, HEADS[:-1], rows)
 
 
-def _build_flight_table(calibration: Calibration) -> TextTable:
-    """Return the table of what each flight has of its own."""
+def _build_flight_tables(calibration: Calibration) -> list[TextTable]:
+    """Return the table of what each flight has of its own; none if the flights do not tell it."""
     rows = []
     for one in calibration.values:
         if one.flight and one.is_known:
             before, now, interval = _format_in_unit(one)
             rows.append([one.flight, _format_name(one), before, now, interval])
     heads = ('flight', 'value', 'vehicle file', 'calibrated', '95 % interval')
-    return TextTable('Each flight', heads, rows)
+    return [TextTable('Each flight', heads, rows)] if rows else []
 
 
 def _build_score_table(scores: Mapping[str, Sequence[ForecastScore]]) -> TextTable:

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final, final
 
+from lta_data.data_quality.tracker_jumps import find_tracker_jumps
 from lta_discovery.flights.noise import estimate_noise, estimate_pose_noise, LEAST
 from lta_discovery.flights.tracker_outliers import find_tracker_outliers
 import numpy as np
@@ -185,6 +186,7 @@ def resample_flight(streams: FlightStreams) -> MeasuredFlight:
         np.column_stack([streams.pose.values[:, :3], _align_signs(streams.pose.values[:, 3:7])]),
     )
     wrong = find_tracker_outliers(pose.values)
+    wrong |= find_tracker_jumps(pose.time, np.where(wrong[:, None], np.nan, pose.values))
     pose = Stream(pose.time[~wrong], pose.values[~wrong])
     # Grid points at multiples of the period, within the recorded poses
     begin = np.ceil(pose.time[0] / PERIOD) * PERIOD

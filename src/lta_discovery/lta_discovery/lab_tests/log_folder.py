@@ -8,7 +8,8 @@ from lta_config.errors import BadInput
 from lta_config.schema.import_file import load_mapping
 from lta_data.bag.bag_folder import find_bag
 from lta_data.importers.draft.choices import DraftQuestion
-from lta_data.importers.draft.draft_mapping import draft_mapping
+from lta_data.importers.draft.draft_mapping import draft_mapping, MappingDraft
+from lta_data.importers.draft.draft_vehicle import DraftVehicle
 from lta_data.importers.draft.source_tables import (
     COLUMNS,
     count_changing_columns,
@@ -23,6 +24,7 @@ from rich.console import Console
 
 MAPPING: Final = 'mapping.yaml'  # in the folder: for all its logs
 MCAP: Final = '.mcap'
+OURS: Final = ('/ground_truth/odom', '/motors', '/wrench_command')  # ends of topics
 
 
 @final
@@ -37,6 +39,7 @@ def open_lab_folder(
     folder: Path,
     mapping: str | None,
     answers: Mapping[str, str],
+    vehicle: str,
     scratch: Path,
     tell: Callable[[str], None],
 ) -> LabLogs:
@@ -46,8 +49,8 @@ def open_lab_folder(
     The mapping of a log is the given one, NAME.yaml beside it, or mapping.yaml in the folder.
     Without any of them it is drafted, once for all logs with the same columns.
 
-    `answers`: decisions for drafts, by key. Raise `BadInput` if there is no log, or one cannot be
-    imported.
+    `answers`: decisions for drafts, by key. `vehicle`: name or file of the one that flew. Raise
+    `BadInput` if there is no log, or one cannot be imported.
     """
     if not folder.is_dir():
         raise BadInput(f"'{folder}' is not a folder; name the folder that holds the logs.")
@@ -57,7 +60,8 @@ def open_lab_folder(
             f"'{folder}' holds no bag and no log file; put the logs of the tests there."
         )
     mappings = {log: _find_mapping(log, folder, mapping) for log in logs}
-    drafts = _draft_mappings([log for log in logs if mappings[log] == ''], answers)
+    flown = DraftVehicle.load(vehicle)
+    drafts = _draft_mappings([log for log in logs if mappings[log] == ''], answers, flown)
     written: dict[str, str] = {}
     for log, text in drafts.items():
         if text not in written.values():
@@ -93,9 +97,17 @@ def _find_mapping(log: Path, folder: Path, requested: str | None) -> str | None:
     format_ = detect_format(find_bag(log))
     if format_ in COLUMNS:
         return requested or ''
+    if format_ == 'bag' and requested is None and not _has_our_topics(find_bag(log)):
+        return ''
     # Bags of ours need no mapping; other formats have a shipped one
     fits = requested is not None and load_mapping(requested)[0].format == format_
     return requested if fits else FORMATS[format_].mapping
+
+
+def _has_our_topics(bag: Path) -> bool:
+    """Return whether a bag has a tracked pose or commands under our names."""
+    names = FORMATS['bag'].opened(bag, None).raw
+    return any(f'/{name.lstrip("/")}'.endswith(OURS) for name in names)
 
 
 def _log_name(log: Path) -> str:
@@ -103,7 +115,9 @@ def _log_name(log: Path) -> str:
     return log.name if log.is_dir() else log.name.removesuffix('.gz').rpartition('.')[0]
 
 
-def _draft_mappings(logs: Sequence[Path], answers: Mapping[str, str]) -> dict[Path, str]:
+def _draft_mappings(
+    logs: Sequence[Path], answers: Mapping[str, str], vehicle: DraftVehicle
+) -> dict[Path, str]:
     """Return a drafted mapping for each log, from the one of its columns that decides most."""
     alike: dict[tuple[object, ...], dict[Path, tuple[int, int]]] = {}
     for log in logs:
@@ -115,18 +129,30 @@ def _draft_mappings(logs: Sequence[Path], answers: Mapping[str, str]) -> dict[Pa
     out = {}
     for group in alike.values():
         same = sorted(group, key=lambda log: group[log], reverse=True)
-        text = _draft_first(same, answers)
+        text = _draft_first(same, answers, vehicle)
         out.update(dict.fromkeys(same, text))
     return out
 
 
-def _draft_first(logs: Sequence[Path], answers: Mapping[str, str]) -> str:
-    """Return the first draft without an open question; raise `BadInput` with one otherwise."""
-    for log in logs:
-        draft = draft_mapping(log, answers)
-        if not draft.choices.questions:
+def _draft_first(logs: Sequence[Path], answers: Mapping[str, str], vehicle: DraftVehicle) -> str:
+    """
+    Return the first draft without an open question; raise `BadInput` with one otherwise.
+
+    A log in which nothing is commanded has fewer topics, and answers no question about commands.
+    """
+    first = draft_mapping(logs[0], answers, vehicle)
+    if not first.choices.questions:
+        return first.text
+    for log in logs[1:]:
+        draft = draft_mapping(log, answers, vehicle)
+        if not draft.choices.questions and count_topics(draft) >= count_topics(first):
             return draft.text
-    raise BadInput(_format_question(logs[0], draft_mapping(logs[0], answers).choices.questions[0]))
+    raise BadInput(_format_question(logs[0], first.choices.questions[0]))
+
+
+def count_topics(draft: MappingDraft) -> int:
+    """Return the number of topics that a draft fills."""
+    return draft.text.count('- topic:')
 
 
 def _format_question(log: Path, question: DraftQuestion) -> str:

@@ -56,7 +56,7 @@ def read_lab_tests(
     vehicle = load_vehicle(name)
     with TemporaryDirectory(prefix='lta-tests-') as scratch:
         logs = open_lab_folder(
-            folder, mapping, answers, Path(scratch), lambda what: tell(what, None)
+            folder, mapping, answers, name, Path(scratch), lambda what: tell(what, None)
         )
         recordings = read_bags(
             {'train': logs.bags}, robot, lambda bag: tell(f'reading {bag}', None)

@@ -288,6 +288,20 @@ def test_stamps_that_go_back_or_leave_out_are_found():
     assert (gap.from_s, gap.to_s) == pytest.approx((2.99, 3.6))
 
 
+@pytest.mark.parametrize(('every', 'is_wrong'), [(40, False), (8, True)])
+def test_a_few_messages_that_a_network_delivered_late_are_a_warning(every, is_wrong):
+    order = np.arange(1000)
+    # Each of them after the next one
+    late = np.arange(100, 900, every)
+    order[late], order[late + 1] = late + 1, late
+    data = {n: (t[order], v[order]) for n, (t, v) in resting().items()}
+    found = [f for f in run_checks(recording(**data)).findings if f.kind == 'stamps']
+    assert (Severity.ERROR in {f.severity for f in found}) is is_wrong
+    assert [f.values['late'] for f in found if 'late' in f.values][:1] == (
+        [] if is_wrong else [len(late)]
+    )
+
+
 def test_log_times_that_part_from_stamps_are_found():
     flight = recording(**resting())
     arrived = np.arange(1000) * 0.01

@@ -55,3 +55,12 @@ def test_a_drop_is_free(speed: float) -> None:
 def test_a_push_is_free() -> None:
     ahead = np.log1p(np.maximum(TIME - 1.0, 0.0))
     assert not judged(np.column_stack([ahead, 0.0 * TIME, 1.5 - 0.02 * TIME]))
+
+
+def test_a_swing_with_lost_markers_is_free() -> None:
+    """A tracker that takes one marker for another jumps by 10 cm, for up to 0.4 s."""
+    turn = 0.4 * np.exp(-TIME / 6.0) * np.cos(np.sqrt(9.81) * TIME)
+    place = np.column_stack([np.sin(turn), 0.05 * TIME, -np.cos(turn)])
+    for begin, length in ((100, 5), (240, 20), (360, 12), (480, 18)):
+        place[begin : begin + length] += (0.1, -0.05, 0.12)
+    assert not judged(place)

@@ -97,6 +97,16 @@ def test_a_force_without_a_column_on_an_axis_is_zero_there(bring, tmp_path):
     assert (wrench.torque.x, wrench.torque.y, wrench.torque.z) == (0.0, 0.0, 0.02)
 
 
+def test_each_column_of_a_force_may_have_its_own_scale(bring, tmp_path):
+    mapping = POSE + (
+        '  - topic: wrench_command\n'
+        '    force: {columns: [u, null, w], unit: N, scale: [0.12, 0, 0.05]}\n'
+    )
+    found = bring(text(tmp_path / 'a.csv', 't,x,y,z,u,w', '5,1,2,3,0.5,-1'), mapping)
+    (wrench,) = (one.wrench for one in found.messages['/lta1/wrench_command'])
+    assert (wrench.force.x, wrench.force.y, wrench.force.z) == (0.06, 0.0, -0.05)
+
+
 @pytest.mark.parametrize(
     ('columns', 'sentence'),
     [

@@ -1,5 +1,7 @@
 """Commands and poses that two computers recorded are brought onto one clock by the motion."""
 
+import json
+
 from lta_config.errors import BadInput
 from lta_data.importers.draft.draft_mapping import draft_mapping
 import numpy as np
@@ -173,3 +175,28 @@ def test_a_sensor_on_the_clock_of_the_commands_moves_with_them(bring, tmp_path):
     begun = [got.stamps(f'/lta1/{name}')[0] * 1e-9 for name in ('wrench_command', 'imu')]
     assert begun == pytest.approx([1.7e9 + 10.0] * 2, abs=0.25)
     assert 'added to the times of imu: the clock of stick.' in got.notes
+
+
+@pytest.mark.parametrize('anew', [0.0, 40.0])
+def test_logs_of_two_computers_that_stay_on_share_one_offset(call, tmp_path, anew):
+    """The stick's clock counts on for all runs, or begins anew with the second."""
+    runs = tmp_path / 'runs'
+    for name, later in (('a', 0.0), ('b', 600.0), ('c', 1200.0)):
+        pressed = 3.2 + later + (anew if name == 'b' else 0.0)
+        write_run(runs / name, 1 + len(name) + int(later), 1.7e9 + later, pressed)
+    # Nobody could tell from the last one
+    stick = runs / 'c' / 'stick.csv'
+    head, *rows = stick.read_text().splitlines()
+    stick.write_text('\n'.join([head, *(f'{row.split(",")[0]},0,0' for row in rows)]) + '\n')
+    (tmp_path / 'm.yaml').write_text(draft_mapping(runs, {}).text)
+    status, told = call('import', runs, '--mapping', tmp_path / 'm.yaml', '--out',
+                        tmp_path / 'out', '--json')  # fmt: skip
+    assert status == 0
+    notes = [' '.join(one['notes']) for one in json.loads(told.out)]
+    if anew:
+        assert sum('The logs do not agree on it' in note for note in notes) == 2
+        return
+    offsets = [note[: note.index(' s are added')].split()[-1] for note in notes]
+    assert len({*offsets}) == 1
+    assert float(offsets[0]) == pytest.approx(1.7e9 + 10.0 - 3.2, abs=0.25)
+    assert all('that of 2 logs, which agree within' in note for note in notes)

@@ -21,7 +21,7 @@ def write_log(path: Path, height: float = 1.5, head: str = HEAD) -> None:
 
 def opened(folder: Path, scratch: Path, mapping: str | None = None) -> LabLogs:
     scratch.mkdir()
-    return open_lab_folder(folder, mapping, {}, scratch, lambda _: None)
+    return open_lab_folder(folder, mapping, {}, 'gtmab', scratch, lambda _: None)
 
 
 def test_logs_with_the_same_columns_share_one_draft(tmp_path: Path) -> None:

@@ -24,6 +24,7 @@ from lta_data.data_quality.smoothing import (
     median_period,
     smooth_columns,
 )
+from lta_data.data_quality.tracker_jumps import find_tracker_jumps
 from lta_data.even_grid import build_uniform_time_grid
 import numpy as np
 from numpy.typing import NDArray
@@ -192,7 +193,9 @@ def find_idle_motion(
     grid = build_uniform_time_grid(place.time[0], place.time[-1], step, len(place.time))
     if len(grid) < limits.least_samples:
         return
-    table, known = interpolate_on_grid(place.time, place.values, grid)
+    # A tracker that loses a marker moves nothing
+    good = ~find_tracker_jumps(place.time, place.values)
+    table, known = interpolate_on_grid(place.time[good], place.values[good], grid)
     calm = smooth_columns(table, hann_kernel(WIDE, step))
     speed = np.gradient(calm, step, axis=0)
     pull = np.linalg.norm(np.gradient(speed, step, axis=0), axis=1)

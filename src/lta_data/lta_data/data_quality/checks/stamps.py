@@ -1,6 +1,7 @@
 """Detect stamps that run backwards, repeat or jump, missing messages, and log-time mismatch."""
 
 from collections.abc import Iterator
+from typing import Any
 
 from lta_data.bag.channels import SignalChannel
 from lta_data.data_quality.check_context import CheckContext
@@ -13,6 +14,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 KIND = 'stamps'
 TWICE = 0.001  # share of repeated stamps from which they are reported
+IN_A_ROW = 3  # messages that a network may deliver late together
+LATE = 0.05  # share of late messages beyond which the time stamps are wrong
 SHOWN = 5  # findings of one kind per topic, at most
 
 
@@ -35,7 +38,18 @@ def find_stamp_errors(evidence: CheckContext) -> CheckVerdict:
 
 def find_backward_stamps(topic: str, time: Array) -> Iterator[QualityFinding]:
     """Yield where time runs backwards or repeats."""
-    step = np.diff(time)
+    late = find_late_messages(time)
+    if late.any():
+        at = np.flatnonzero(late)
+        behind = float((np.maximum.accumulate(time) - time)[late].max())
+        yield QualityFinding(
+            KIND, topic, float(time[at[0]]), float(time[at[-1]]),
+            f'{len(at)} of {len(time)} messages were recorded after later ones, by up to '
+            f'{behind:.3f} s; their time stamps put them in order.',
+            Severity.WARNING, {'late': float(len(at))},
+        )  # fmt: skip
+    step = np.diff(time[~late])
+    time = time[~late]
     back = np.flatnonzero(step < 0.0)
     for index in back[:SHOWN].tolist():
         begin, end = float(time[index + 1]), float(time[index])
@@ -52,6 +66,19 @@ def find_backward_stamps(topic: str, time: Array) -> Iterator[QualityFinding]:
             f'{len(twice)} of {len(time)} messages repeat the previous time stamp.',
             Severity.SUSPICIOUS, {'messages': float(len(twice))},
         )  # fmt: skip
+
+
+def find_late_messages(time: Array) -> Any:  # noqa: ANN401 - an array of bool
+    """
+    Return which messages arrived after later ones, as on a network without order.
+
+    Where a clock is set back, all messages are behind until it has caught up; here, a few are.
+    """
+    behind = time < np.maximum.accumulate(time)
+    late = np.zeros(len(time), dtype=bool)
+    for begin, end in find_runs(behind).tolist():
+        late[begin:end] = end - begin <= IN_A_ROW
+    return late if late.mean() <= LATE else np.zeros(len(time), dtype=bool)
 
 
 def find_gaps(topic: str, time: Array, limits: QualityLimits) -> Iterator[QualityFinding]:

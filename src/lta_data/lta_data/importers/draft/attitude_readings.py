@@ -66,7 +66,7 @@ def _read_quaternions(group: ColumnGroup, numbers: Numbers) -> Iterator[Attitude
         turn = Rotation.from_quat(_fill_rows(rows, [0.0, 0.0, 0.0, 1.0]))
         for direction in ('body to world', 'world to body'):
             entry: dict[str, Any] = {'quaternion': listed, 'order': order, 'direction': direction}
-            label = f'{order if not named else "w, x, y, z by name"}, {direction}'
+            label = f'quaternion {order if not named else "".join(group.axes)}, {direction}'
             yield AttitudeReading(
                 label, entry, turn if direction == 'body to world' else turn.inv()
             )

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import final, NamedTuple
 
 from lta_config.errors import BadInput, unknown_name_error
+from lta_data.importers.draft.draft_vehicle import DraftVehicle
 
 
 @final
@@ -36,6 +37,7 @@ class DraftChoices:
     questions: list[DraftQuestion] = field(default_factory=list)  # those without an answer
     used: set[str] = field(default_factory=set)
     settled: dict[str, str] = field(default_factory=dict)  # by the first topic, for the others
+    vehicle: DraftVehicle | None = None  # that flew
 
     def add_reason(self, part: str, columns: Sequence[str], reading: str, reason: str) -> None:
         """Add a row to the table of reasons."""
@@ -45,6 +47,12 @@ class DraftChoices:
         """Return the user's value of a key, or the default."""
         self.used.add(key)
         return self.answers.get(key, value)
+
+    def find_answer(self, key: str) -> str:
+        """Return the user's value of a key that many columns have; '' without one."""
+        if key in self.answers:
+            self.used.add(key)
+        return self.answers.get(key, '')
 
     def decide(self, key: str, options: Sequence[tuple[str, str]], reason: str) -> str:
         """

@@ -2,22 +2,18 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Final, final, NamedTuple
 
 from lta_config.errors import BadInput
 from lta_config.quantity import Quantity
-from lta_config.schema.import_file import AXES, ImportMapping, TopicMapping
+from lta_config.schema.import_file import AXES
 from lta_data.data_quality.smoothing import hann_kernel, smooth_columns
 from lta_data.importers.axes import signed_permutation
-from lta_data.importers.converter import TopicConverter
 from lta_data.importers.draft.attitude_readings import body_rates_of, differentiate
 from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.column_groups import Columns
 from lta_data.importers.draft.table_draft import list_columns, TableDraft
-from lta_data.importers.formats import find_format
-from lta_data.importers.log_table import join_tables, LogTable, Numbers
-from lta_data.importers.mapping_choice import choose_entries
+from lta_data.importers.log_table import Numbers
 import numpy as np
 from pydantic import ValidationError
 from scipy.spatial.transform import Rotation
@@ -27,6 +23,7 @@ SMOOTH: Final = 0.6  # width of the kernel that smooths the motion before it is 
 SHARED: Final = 0.5  # of the shorter table, at least, lies in both at any offset tried
 FARTHEST: Final = 150.0  # offset that is tried, from tables that begin together [s]
 LONGEST: Final = 600.0  # of a flight that is looked at [s]
+GLITCH: Final = 6.0  # times its median size, an acceleration is clipped
 LEAST: Final = 50  # points of the grid that both tables share
 AROUND: Final = 1.5  # offsets nearer to the best one belong to its peak [s]
 EXPLAINED: Final = 0.15  # of the accelerations, at least, by commands that change often
@@ -81,6 +78,7 @@ class AlignedClock(NamedTuple):
     seconds: float  # to add to the times of the table
     align: str  # table of the pose if each log has its own offset, '' if the user gave it
     why: str
+    is_clear: bool = False  # the motion of the log tells it
 
     def list_keys(self) -> dict[str, str]:
         """Return what a mapping says of it."""
@@ -114,13 +112,13 @@ def align_clocks(
             _ask_for_shift(key, pose, table, choices)
             continue
         else:
-            clock = _choose_clock(pose, table, [(timed[one], clocks[one]) for one in clocks])
+            clock = choose_clock(pose, table, [(timed[one], clocks[one]) for one in clocks])
         choices.add_reason(f'{table.name}.time', [], f'{clock.seconds:.2f} s later', clock.why)
         clocks[table.name] = clock
     return clocks
 
 
-def _choose_clock(
+def choose_clock(
     pose: TimedTable, table: TimedTable, aligned: Sequence[tuple[TimedTable, AlignedClock]]
 ) -> AlignedClock:
     """Return the offset of a table: of one on its clock, by the motion, or as begun together."""
@@ -131,7 +129,7 @@ def _choose_clock(
     if found is not None and found.is_clear:
         share = f'{100.0 * found.explained:.0f} %'
         why = f'there, the commands explain {share} of the accelerations'
-        return AlignedClock(found.seconds - stamped, pose.name, why)
+        return AlignedClock(found.seconds - stamped, pose.name, why, True)
     why = f'another clock than {pose.name}; taken to begin together: check it'
     return AlignedClock(-stamped, pose.name, why)
 
@@ -155,112 +153,6 @@ def _parse_seconds(key: str, text: str) -> float:
     if time is None or time.dimension != 's':
         raise BadInput(f"--set {key} is '{text}', but must be a time, such as '3.2 s'.")
     return time.si
-
-
-def resolve_clocks(
-    path: Path, mapping: ImportMapping, robot: str
-) -> tuple[ImportMapping, list[str]]:
-    """
-    Return a mapping with the offset of each clock of one log, and a remark on each.
-
-    The mapping is returned as it is, if no time in it has `align`.
-
-    Raises
-    ------
-    BadInput
-        If the table of `align` has no pose.
-
-    """
-    wanted = {
-        one.table or '': one.time.align
-        for one in mapping.topics
-        if one.time is not None and one.time.align
-    }
-    if not wanted:
-        return mapping, []
-    bare = mapping.model_copy(update={'topics': [_set_start(one, None) for one in mapping.topics]})
-    timed = _read_timed_tables(path, bare, robot, {*wanted, *wanted.values()})
-    aligned: list[tuple[TimedTable, AlignedClock]] = []
-    for name in sorted({*wanted} & {*timed}, key=lambda one: timed[one].commands is None):
-        pose, table = timed.get(wanted[name]), timed[name]
-        if pose is None or pose.position is None:
-            raise BadInput(
-                f"The times of table '{name}' are to be aligned with '{wanted[name]}', which has "
-                'no position and attitude in the mapping; correct "align".'
-            )
-        if not pose.shares_clock(table):
-            aligned.append((table, _choose_clock(pose, table, aligned)))
-    starts = {
-        table.name: Quantity(value=round(clock.seconds, 3), unit='s') for table, clock in aligned
-    }
-    topics = [_set_start(one, starts.get(one.table or '')) for one in mapping.topics]
-    return mapping.model_copy(update={'topics': topics}), [
-        f'{clock.seconds:.2f} s are added to the times of {table.name}: {clock.why}.'
-        for table, clock in aligned
-    ]
-
-
-def _set_start(entry: TopicMapping, start: Quantity | None) -> TopicMapping:
-    """Return an entry whose times are not to be aligned, but begin later."""
-    if entry.time is None or not entry.time.align:
-        return entry
-    time = entry.time.model_copy(update={'align': None, 'start': start})
-    return entry.model_copy(update={'time': time})
-
-
-def _read_timed_tables(
-    path: Path, mapping: ImportMapping, robot: str, names: set[str]
-) -> dict[str, TimedTable]:
-    """Read tables of a log with the pose or the commands that a mapping takes from them."""
-    log = find_format(mapping.format).opened(path, mapping)
-    plans = [
-        one
-        for one in choose_entries(path, mapping, log, robot).plans
-        if (one.entry.table or '') in names
-    ]
-    selection: dict[str, set[str]] = {}
-    for plan in plans:
-        selection.setdefault(plan.entry.table or '', set()).update(plan.entry.columns)
-        selection |= {other: set() for other in plan.entry.join if other not in selection}
-    found: dict[str, TimedTable] = {}
-    read = next(iter(log.iterate_tables(selection, lambda _: None))) if selection else {}
-    for plan in plans:
-        name = plan.entry.table or ''
-        joined, _ = join_tables(read[name], {other: read[other] for other in plan.entry.join})
-        converter = TopicConverter(plan)
-        rows = converter.select_rows(joined)
-        known = found.get(name)
-        # A table may have a sensor beside its pose or its commands
-        if len(rows) and (known is None or (known.position is None and known.commands is None)):
-            commands = plan.entry.topic in COMMANDS
-            found[name] = _build_timed_table(name, rows, converter.compute_numbers(rows), commands)
-    return found
-
-
-def _build_timed_table(
-    name: str, table: LogTable, numbers: Mapping[str, Any], commanded: bool
-) -> TimedTable:
-    """Return a table with what its numbers, by path, say of pose or commands."""
-    first, seconds = float(table.stamps[0]) * 1e-9, (table.stamps - table.stamps[0]) * 1e-9
-    if commanded:
-        columns = [value for value in numbers.values() if isinstance(value, np.ndarray)]
-        return TimedTable(name, first, seconds, np.column_stack(columns))
-    pose = [
-        numbers.get(f'pose.pose.{part}.{axis}')
-        for part, axes in (('position', 'xyz'), ('orientation', 'xyzw'))
-        for axis in axes
-    ]
-    values = [one for one in pose if isinstance(one, np.ndarray)]
-    if len(values) < len(pose):
-        return TimedTable(name, first, seconds)
-    rows = np.column_stack(values)
-    return TimedTable(name, first, seconds, None, rows[:, :3], _read_turns(rows[:, 3:]))
-
-
-def _read_turns(quaternions: Numbers) -> Rotation:
-    """Return attitudes; those that are unknown are level."""
-    good = np.isfinite(quaternions).all(axis=1) & (quaternions != 0.0).any(axis=1)
-    return Rotation.from_quat(np.where(good[:, None], quaternions, [0.0, 0.0, 0.0, 1.0]))
 
 
 def _read_draft(name: str, draft: TableDraft, table: Columns) -> TimedTable:
@@ -308,7 +200,7 @@ def estimate_clock_offset(
     grid = np.arange(seconds[0], min(seconds[-1], seconds[0] + LONGEST), STEP)
     if len(grid) < 2 * LEAST or stamps[-1] - stamps[0] < 2 * LEAST * STEP:
         return None
-    speed, pull = _find_motion(seconds, position, turn, grid)
+    speed, pull = find_motion(seconds, position, turn, grid)
     scale = np.nanstd(commands, axis=0)
     commands = np.nan_to_num((commands - np.nanmean(commands, axis=0)) / np.where(scale, scale, 1))
     commands = commands[:, scale > 0.0]
@@ -341,7 +233,7 @@ def _find_rising(times: Numbers) -> Any:  # noqa: ANN401 - an array of bool
     return rising
 
 
-def _find_motion(
+def find_motion(
     seconds: Numbers, position: Numbers, turn: Rotation, grid: Numbers
 ) -> tuple[Numbers, Numbers]:
     """Return velocities and accelerations on a grid: forward, up, yaw; shape (n, 3)."""
@@ -351,7 +243,10 @@ def _find_motion(
     weights = hann_kernel(SMOOTH, float(np.median(np.diff(seconds))))
     smooth = smooth_columns(np.column_stack([body[:, 0], up, yaw]), weights)
     speed = np.column_stack([np.interp(grid, seconds, one) for one in smooth.T])
-    return speed, np.gradient(speed, STEP, axis=0)
+    pull = np.gradient(speed, STEP, axis=0)
+    # A marker that was lost jumps, and must not decide
+    most = GLITCH * np.median(np.abs(pull), axis=0)
+    return speed, np.clip(pull, -most, most)
 
 
 def _explain(
@@ -369,13 +264,13 @@ def _explain(
     held = commands[np.searchsorted(stamps, grid[inside], side='right') - 1]
     base = np.column_stack([speed, np.ones(len(grid))])
     wanted = pull / np.maximum(pull.std(axis=0), 1e-9)
-    whole = _sum_residuals(base, wanted)
-    alone = _sum_residuals(base[inside], wanted[inside])
-    told = _sum_residuals(np.column_stack([base[inside], held]), wanted[inside])
+    whole = sum_residuals(base, wanted)
+    alone = sum_residuals(base[inside], wanted[inside])
+    told = sum_residuals(np.column_stack([base[inside], held]), wanted[inside])
     return (alone - told) / whole if whole > 0.0 else 0.0
 
 
-def _sum_residuals(regressors: Numbers, values: Numbers) -> float:
+def sum_residuals(regressors: Numbers, values: Numbers) -> float:
     """Return the sum of the squared residuals of a regression."""
     fit = np.linalg.lstsq(regressors, values, rcond=None)[0]
     return float(np.square(values - regressors @ fit).sum())

@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Final, final, NamedTuple
 
+from lta_data.importers.draft.axis_commands import find_named_axes
 from lta_data.importers.draft.name_hints import (
     ANGLES,
     ColumnName,
@@ -45,7 +46,9 @@ class ColumnGroup(NamedTuple):
 
 def group_columns(table: Columns) -> tuple[list[ColumnGroup], list[ColumnName]]:
     """Return the groups of a table, and the names of the other columns."""
-    names = [parse_column_name(column) for column in table]
+    named = [parse_column_name(column) for column in table]
+    commands = [*find_named_axes(named).values()]
+    names = [name for name in named if name not in commands]
     stems: dict[tuple[tuple[str, ...], str], dict[str, ColumnName]] = {}
     for name in names:
         if name.axis:
@@ -61,7 +64,7 @@ def group_columns(table: Columns) -> tuple[list[ColumnGroup], list[ColumnName]]:
                 grouped |= {*found.columns}
     groups += _group_nameless(table, names, grouped)
     grouped |= {column for group in groups for column in group.columns}
-    rest = [name for name in names if name.column not in grouped]
+    rest = [name for name in named if name.column not in grouped]
     groups = [group for group in groups if not _is_marker(group, groups)]
     heading = _group_heading(rest, groups)
     if heading is not None:

@@ -3,77 +3,20 @@
 from collections.abc import Mapping
 from pathlib import Path
 import re
-from typing import Any, Final, final, NamedTuple
+from typing import Any, final, NamedTuple
 
 from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_data.bag.channels import SignalChannel
-from lta_data.importers.draft.bag_commands import draft_bag_commands
+from lta_data.importers.draft.bag_topics import BagDraft, draft_bag_topics
 from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.clock_alignment import align_clocks
-from lta_data.importers.draft.name_hints import match_role, parse_column_name
+from lta_data.importers.draft.draft_vehicle import DraftVehicle
 from lta_data.importers.draft.source_tables import read_source, SourceTables
 from lta_data.importers.draft.table_draft import draft_table, TableDraft
 from lta_data.importers.formats import FORMATS
 import numpy as np
 import yaml
-
-# Message type -> topic; a pose or odometry is truth, estimate or setpoint by its name
-BY_TYPE: Final[Mapping[str, str]] = {
-    'sensor_msgs/msg/Imu': 'imu',
-    'sensor_msgs/msg/BatteryState': 'battery',
-    'sensor_msgs/msg/Range': 'range',
-    'sensor_msgs/msg/FluidPressure': 'pressure',
-    'sensor_msgs/msg/Illuminance': 'illuminance',
-    'geometry_msgs/msg/WrenchStamped': 'wrench_command',
-}
-POSES: Final = (
-    'nav_msgs/msg/Odometry',
-    'geometry_msgs/msg/PoseStamped',
-    'geometry_msgs/msg/TransformStamped',
-    'geometry_msgs/msg/PoseWithCovarianceStamped',
-)
-ROLES: Final = {'truth': 'ground_truth/odom', 'estimate': 'odom', 'setpoint': 'setpoint/pose'}
-
-
-def draft_bag_topics(path: Path, choices: DraftChoices) -> list[dict[str, Any]]:
-    """
-    Return the topics of a bag that become ours.
-
-    Raise `BadInput` if no topic has a type that an import can convert.
-    """
-    raw = FORMATS['bag'].opened(path, None).raw
-    candidates: dict[str, list[tuple[str, str]]] = {}
-    for name, topic in sorted(raw.items()):
-        kind = topic.definition.type_name
-        if kind in POSES:
-            role = match_role(parse_column_name(name).words)
-            ours = ROLES[role] if role else ('odom' if 'Odometry' in kind else ROLES['truth'])
-            candidates.setdefault(ours, []).append((name, kind))
-        elif kind in BY_TYPE:
-            candidates.setdefault(BY_TYPE[kind], []).append((name, kind))
-    entries = []
-    for ours, fitting in candidates.items():
-        table = fitting[0][0]
-        if len(fitting) > 1:
-            table = choices.decide(
-                f'{ours}.table', fitting, f'Several topics of the bag can be {ours}.'
-            )
-        table = choices.override(f'{ours}.table', table)
-        kind = raw[table].definition.type_name if table in raw else ''
-        choices.add_reason(ours, [table], kind, 'the message type and the name')
-        entries.append({'topic': ours, 'table': table})
-    if 'wrench_command' not in candidates:
-        types = [(name, topic.definition.type_name) for name, topic in sorted(raw.items())]
-        entries += draft_bag_commands(path, types, choices)
-    if not entries:
-        kinds = sorted({topic.definition.type_name for topic in raw.values()})
-        raise BadInput(
-            f"No topic of '{path}' has a type that becomes one of ours; it has "
-            f'{", ".join(kinds)}. It can be imported as it is, without a mapping.'
-        )
-    return entries
-
 
 FIRST_SECONDS = 10.0  # that the picture shows [s]
 
@@ -90,15 +33,18 @@ class MappingDraft(NamedTuple):
     unused: list[str]  # columns without a meaning
 
 
-def draft_mapping(path: Path, answers: Mapping[str, str]) -> MappingDraft:
+def draft_mapping(
+    path: Path, answers: Mapping[str, str], vehicle: DraftVehicle | None = None
+) -> MappingDraft:
     """
     Draft the mapping of a log or folder.
 
-    `path`: the log. `answers`: decisions of the user by key, as the questions name them. Raise
-    `BadInput` if the source cannot be read, nothing in it is recognised, or an answer is unknown.
+    `path`: the log. `answers`: decisions of the user by key, as the questions name them.
+    `vehicle`: that flew, whose rotors commands are named after. Raise `BadInput` if the source
+    cannot be read, nothing in it is recognised, or an answer is unknown.
     """
     source = read_source(path)
-    choices = DraftChoices(answers)
+    choices = DraftChoices(answers, vehicle=vehicle)
     if not source.tables:
         return _draft_shipped_format(source, choices)
     drafts = {name: draft_table(name, table, choices) for name, table in source.tables.items()}
@@ -125,10 +71,11 @@ def _draft_shipped_format(source: SourceTables, choices: DraftChoices) -> Mappin
         )
         choices.refuse_unused()
         return MappingDraft(text, source, choices, [], [])
-    topics = draft_bag_topics(source.path, choices)
+    bag = draft_bag_topics(source.path, choices)
     choices.refuse_unused()
-    content = _build_head(source, source.path) | {'topics': topics}
-    return MappingDraft(_format_mapping(content, source.path), source, choices, [], [])
+    content = _build_head(source, source.path) | {'topics': bag.entries}
+    text = _format_mapping(content, source.path)
+    return MappingDraft(text, source, choices, _list_bag_channels(bag), [])
 
 
 def _build_head(source: SourceTables, path: Path) -> dict[str, Any]:
@@ -177,6 +124,9 @@ def _build_content(
             body = {}
             if draft.axes is not None and axes is not None and draft.axes.body != axes.body:
                 body = {'body': draft.axes.body}
+            if entry['topic'] == 'wrench_command' and axes is not None and axes.body == 'Y_UP':
+                # Only the tracker has y up
+                body = {'body': 'FLU'}
             if entry['topic'] not in filled:
                 content['topics'].append(entry | own | body)
                 filled.add(entry['topic'])
@@ -207,6 +157,22 @@ def _format_value(value: Any) -> str:  # noqa: ANN401 - plain data
     """Return a value in one line of YAML."""
     text = yaml.safe_dump(value, default_flow_style=True, width=10_000, sort_keys=False)
     return text.removesuffix('...\n').strip()
+
+
+def _list_bag_channels(bag: BagDraft) -> list[SignalChannel]:
+    """Return the first seconds of the poses, in the numbers of the bag."""
+    channels = []
+    for name, groups in bag.groups.items():
+        table = bag.tables[name]
+        seconds = (table.stamps - table.stamps[0]) * 1e-9
+        shown = seconds <= FIRST_SECONDS
+        for group in groups:
+            channels += [
+                SignalChannel(f'{group.kind}.{column}', group.kind, seconds[shown],
+                              table.columns[column][shown])
+                for column in group.columns
+            ]  # fmt: skip
+    return channels
 
 
 def _list_channels(source: SourceTables, drafts: Mapping[str, TableDraft]) -> list[SignalChannel]:

@@ -65,7 +65,9 @@ def list_missing_parts(mapping: str) -> list[str]:
     topics = yaml.safe_load(mapping)['topics']
     states = [each for each in topics if each['topic'] in ('ground_truth/odom', 'odom')]
     # A topic of a bag has the parts of its type
-    whole = [each for each in states if {*each} == {'topic', 'table'}]
+    whole = [
+        each for each in states if 'table' in each and not {'position', 'orientation'} & {*each}
+    ]
     there = {
         'position': bool(whole) or any('position' in each for each in states),
         'attitude': bool(whole) or any('orientation' in each for each in states),

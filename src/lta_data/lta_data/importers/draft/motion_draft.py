@@ -254,7 +254,8 @@ def _draft_position(
         fitting = [u for u in fitting if 0.3 <= extent * LENGTHS[u] <= 30.0] or fitting or ['m']
         unit, why = fitting[0], f'moves over {extent:.3g} at {fast:.3g} per second'
         if len(fitting) > 1 and choices.settled.get('position.unit') in fitting:
-            unit, why = choices.settled['position.unit'], 'as of the other positions'
+            unit = choices.settled['position.unit']
+            why = 'as other positions, or messages of ROS, have it'
         elif len(fitting) > 1 and key not in choices.answers:
             options = [(u, f'{extent * LENGTHS[u]:.3g} m at {fast * LENGTHS[u]:.3g} m/s')
                        for u in fitting]  # fmt: skip

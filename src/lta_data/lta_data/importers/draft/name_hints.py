@@ -16,7 +16,8 @@ UNIT_WORDS: Final[dict[str, tuple[str, float]]] = {
     'm/s2': ('m/s2', 1.0), 'm/s^2': ('m/s2', 1.0), 'm s^-2': ('m/s2', 1.0),
     'mss': ('m/s2', 1.0), 'g': ('m/s2', 9.80665), 'gs': ('m/s2', 9.80665),
     'n': ('N', 1.0), 'mn': ('mN', 1.0), 'nm': ('N m', 1.0),
-    'n m': ('N m', 1.0), 'mnm': ('mN m', 1.0), 'v': ('V', 1.0), 'mv': ('mV', 1.0),
+    'n m': ('N m', 1.0), 'mnm': ('mN m', 1.0), 'mn m': ('mN m', 1.0),
+    'v': ('V', 1.0), 'mv': ('mV', 1.0),
     'volts': ('V', 1.0), 'a': ('A', 1.0), 'ma': ('mA', 1.0), 'pa': ('Pa', 1.0),
     'hpa': ('hPa', 1.0), 'mbar': ('hPa', 1.0), '%': ('%', 1.0), 'percent': ('%', 1.0),
 }  # fmt: skip
@@ -53,6 +54,8 @@ ANGLES: Final = {
     'phi': 'roll', 'theta': 'pitch', 'psi': 'yaw',
 }  # fmt: skip
 COMPASS: Final = {'north': 'n', 'east': 'e', 'down': 'd'}
+# An element of an array, whose name says nothing
+NUMBERED: Final = re.compile(r'(data|axes|buttons|channels|values)\[\d+\]')
 JOINED: Final = re.compile(
     r'(pos|vel|acc|accel|gyr|gyro|omega|euler|quat|force|torque|tau|moment|[pvqwtagfrobe]'
     r'|m(?=[xyz]))([xyzwned]|\d)'

@@ -4,12 +4,16 @@ from collections.abc import Mapping, Sequence
 import re
 from typing import Any, Final
 
+from lta_config.errors import BadInput, unknown_name_error
+from lta_data.importers.draft.axis_commands import draft_axis_commands, find_axis_commands
 from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.column_groups import Columns
+from lta_data.importers.draft.draft_vehicle import BODY_AXES
 from lta_data.importers.draft.name_hints import (
     ACTUATORS,
     ColumnName,
     is_placed_command,
+    NUMBERED,
     PLACES,
     UNIT_WORDS,
     WORDS,
@@ -27,12 +31,14 @@ SCALARS: Final = (
     ('pressure baro press', 'pressure', 'pressure',
      {'Pa': (3e4, 1.1e5), 'hPa': (300.0, 1100.0)}),
 )  # fmt: skip
-FORCES: Final = frozenset(['f', 'force', 'fl', 'fr', 'thrust', 'forces'])
+CORNERS: Final = frozenset(['rl', 'rr', 'bl', 'br'])  # of a quadrotor, beside fl and fr
+FORCES: Final = frozenset(['f', 'force', 'fl', 'fr', 'thrust', 'forces']) | CORNERS
 UPSTREAM: Final = frozenset(['pid', 'controller', 'cmd', 'setpoint', 'sp', 'ref', 'mixer'])
 FULL: Final = {'l': 'left', 'r': 'right'}
 RESTING: Final = 15.0  # a motor stands at a pulse nearer to its rest [us]
 OFTEN: Final = 0.05  # share of the pulses at which motors stand, in a log with pauses
 BOTH_WAYS: Final = 0.1  # share of the pulses on each side of 1500 us of a motor that may reverse
+NAME: Final = re.compile(r'[a-z][a-z0-9_]*')
 SPEEDS: Final = frozenset(['rpm', 'speed', 'rotorspeed', 'omega'])
 
 
@@ -51,26 +57,31 @@ def draft_scalars(
                     topics.setdefault(topic, {})[part] = {'column': name.column, 'unit': unit}
                     taken.add(name.column)
                     choices.add_reason(f'{topic}: {part}', [name.column], unit, why)
-    told = [
-        name
-        for name in names
-        if (key := f'{name.column}.topic') in choices.answers
-        and choices.override(key, '') == 'motors'
-        and name.column not in taken
-    ]
+    axes = find_axis_commands([name for name in names if name.column not in taken], choices)
+    taken |= {name.column for name in axes.values()}
+    rest = [name for name in names if name.column not in taken]
+    told = [one for one in rest if choices.find_answer(f'{one.column}.topic') == 'motors']
     motors = told or [
         name
-        for name in names
-        if name.column not in taken
-        and (name.words & (ACTUATORS | FORCES | SPEEDS) or is_placed_command(name.column))
-        and np.isfinite(table[name.column]).any()
+        for name in rest
+        if _commands_rotor(name, choices) and np.isfinite(table[name.column]).any()
     ]
     # What a controller asks of a mixer is no actuator, where the actuators are there
     motors = told or [name for name in motors if not name.words & UPSTREAM] or motors
     entries: list[dict[str, Any]] = [{'topic': topic} | parts for topic, parts in topics.items()]
-    if motors:
+    told_axes = any(choices.find_answer(f'{name.column}.command') for name in axes.values())
+    if axes and (told_axes or not motors):
+        entries.append(draft_axis_commands(axes, table, choices))
+    elif motors:
         entries.append({'topic': 'motors', 'actuators': _draft_actuators(motors, table, choices)})
     return [entry | ({'table': prefix} if prefix else {}) for entry in entries]
+
+
+def _commands_rotor(name: ColumnName, choices: DraftChoices) -> bool:
+    """Return whether a column commands an actuator: as the user says, else by its name."""
+    if answer := choices.find_answer(f'{name.column}.command'):
+        return answer not in ('none', *BODY_AXES)
+    return bool(name.words & (ACTUATORS | FORCES | SPEEDS) or is_placed_command(name.column))
 
 
 def _choose_unit(
@@ -115,11 +126,7 @@ def _draft_actuators(
         'of 65535': {'over': 65535}, 'rpm': {'unit': 'rpm'}, 'rad/s': {'unit': 'rad/s'},
     }  # fmt: skip
     extra = scales.get(kind, {})
-    called = [_name_actuator(name, index) for index, name in enumerate(motors)]
-    places = [_name_place(name) for name in motors]
-    if all(places) and len({*places}) == len(places):
-        # As rotors are called in vehicle files
-        called = places
+    called = _name_actuators(motors, choices)
     return {
         called[index]: {field: {'column': name.column} | extra}
         for index, name in enumerate(motors)
@@ -185,13 +192,49 @@ def _judge_actuators(
     return 'duty', 'effort', f'99 % are below {size:.4g}, which is no usual scale'
 
 
-def _name_place(name: ColumnName) -> str:
-    """Return the words of a column that say where its actuator is: 'left' of pwm_left."""
-    words = [word.lower() for word in WORDS.findall(name.column)]
-    return '_'.join(FULL.get(word, word) for word in words if word in PLACES)
+def _name_actuators(motors: Sequence[ColumnName], choices: DraftChoices) -> list[str]:
+    """Return the names of actuators: as the user or the vehicle file calls them, else by place."""
+    places = _list_places(motors)
+    # As rotors are called in vehicle files
+    called = places if all(places) and len({*places}) == len(places) else [
+        _name_actuator(name, index) for index, name in enumerate(motors)
+    ]  # fmt: skip
+    for index, name in enumerate(motors):
+        key = f'{name.column}.command'
+        answer = choices.find_answer(key)
+        if answer and not NAME.fullmatch(answer):
+            raise BadInput(
+                f"--set {key}: '{answer}' is no name of an actuator; use small letters, digits "
+                'and _.'
+            )
+        rotors = () if choices.vehicle is None else choices.vehicle.rotors
+        if places[index] in rotors:
+            called[index] = places[index]
+        if answer and rotors and answer not in rotors:
+            raise unknown_name_error(f'rotor for {key}', answer, [*rotors])
+        if answer:
+            called[index] = answer
+        # The numbers of an array were asked for
+        elif rotors and called[index] not in rotors and not NUMBERED.fullmatch(name.column):
+            options = [(rotor, 'a rotor') for rotor in rotors]
+            said = f'Which rotor of the vehicle file does {name.column} command?'
+            called[index] = choices.decide(key, options, said)
+    return called
+
+
+def _list_places(motors: Sequence[ColumnName]) -> list[str]:
+    """Return where each actuator is by the words of its column: 'left' of pwm_left or Fl."""
+    split = [[word.lower() for word in WORDS.findall(name.column)] for name in motors]
+    there = {word for words in split for word in words}
+    if there >= {'fl', 'fr'} and not there & CORNERS:
+        # The forces left and right, of no quadrotor
+        split = [[{'fl': 'left', 'fr': 'right'}.get(word, word) for word in words]
+                 for words in split]  # fmt: skip
+    return ['_'.join(FULL.get(word, word) for word in words if word in PLACES) for words in split]
 
 
 def _name_actuator(name: ColumnName, index: int) -> str:
-    """Return a name for an actuator, of the words of its column."""
+    """Return a name for an actuator, of the words of its column; an index alone says nothing."""
     words = re.sub(r'[^a-z0-9]+', '_', name.column.lower()).strip('_')
-    return words if words[:1].isalpha() else f'motor_{index + 1}'
+    nameless = not words[:1].isalpha() or NUMBERED.fullmatch(name.column)
+    return f'motor_{index + 1}' if nameless else words

@@ -7,6 +7,7 @@ from typing import final, NamedTuple
 from lta_config.errors import BadInput
 from lta_config.schema.import_file import TextFormat
 from lta_data.bag.bag_folder import find_bag
+from lta_data.importers.draft.bag_topics import count_changing_commands
 from lta_data.importers.formats import detect_format
 from lta_data.importers.readers.column_log import Column
 from lta_data.importers.readers.sensor_folder import (
@@ -71,7 +72,9 @@ def _read_richest_run(runs: Sequence[Path], note: str) -> SourceTables:
 
 
 def count_changing_columns(source: SourceTables) -> int:
-    """Return the number of columns with more than one value."""
+    """Return the number of columns with more than one value; of a bag, those of its commands."""
+    if source.format == 'bag':
+        return count_changing_commands(source.path)
     return sum(
         bool(len(column) and (column != column[0]).any())
         for table in source.tables.values()

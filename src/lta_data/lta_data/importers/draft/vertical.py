@@ -52,6 +52,9 @@ def find_axes(
         return VerticalAxes('Y_UP', 'Y_UP', 'y up')
     same = float(np.mean(turn.as_matrix()[:, 2, 2])) > 0.0
     sign, why = _vote_up(evidence, turn, axis_names, same)
+    usual = choices.settled.get(CONFLICT, '')
+    if not sign and usual:
+        sign, why = (1 if usual == 'up' else -1), f'z {usual}, as messages of ROS have it'
     if not sign:
         options = [('up', 'z of the world points up'), ('down', 'z of the world points down')]
         answer = choices.decide(CONFLICT, options, why)

@@ -172,7 +172,7 @@ def complete_entry(entry: TopicMapping, type_name: str, target: str) -> TopicMap
     Raise `BadInput` if no standard conversion is known.
     """
     # An explicit mapping takes precedence.
-    if entry.parts or entry.actuators:
+    if entry.parts or entry.actuators or entry.forces:
         return entry
     theirs = FURTHER.get(type_name) or SHAPES.get(type_name, {})
     shared = {name: part for name, part in theirs.items() if name in SHAPES[target]}
@@ -197,7 +197,9 @@ def _build_mapping_part(part: MessagePart) -> Any:  # noqa: ANN401 - one of thre
 
 def can_pass_unchanged(entry: TopicMapping, mapping: MappingFile, theirs: str, ours: str) -> bool:
     """Return whether a topic's messages can be passed on unchanged, under a new name."""
-    told = entry.parts or entry.actuators or entry.where or entry.world or entry.body
+    told = (
+        entry.parts or entry.actuators or entry.forces or entry.where or entry.world or entry.body
+    )
     return theirs == ours and not told and mapping.world is None and mapping.body is None
 
 

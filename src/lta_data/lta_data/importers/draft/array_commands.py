@@ -1,0 +1,119 @@
+"""Ask what the numbers of an array or a stick command, and show which motion follows each."""
+
+from collections.abc import Mapping, Sequence
+from typing import Final
+
+from lta_data.importers.draft.choices import DraftChoices
+from lta_data.importers.draft.clock_alignment import find_motion, STEP, sum_residuals, TimedTable
+from lta_data.importers.draft.draft_vehicle import BODY_AXES
+from lta_data.importers.draft.name_hints import ColumnName, NUMBERED
+from lta_data.importers.log_table import LogTable, Numbers
+import numpy as np
+
+# A twist or a force in a message: linear.x is surge
+PARTS: Final = {
+    f'{part}.{axis}': BODY_AXES[k + offset]
+    for offset, parts in ((0, ('linear', 'force')), (3, ('angular', 'torque')))
+    for part in parts
+    for k, axis in enumerate('xyz')
+}
+MEANINGS: Final = {
+    'surge': 'the force forward', 'sway': 'the force to the left', 'heave': 'the force up',
+    'roll': 'the moment about x', 'pitch': 'the moment about y', 'yaw': 'the moment about z',
+}  # fmt: skip
+BOTH_WAYS: Final = 1.05  # a command that has both signs and stays below it is that of a stick
+DELAYS: Final = (0.0, 0.2, 0.4, 0.6)  # of a reaction, that are tried [s]
+FOLLOWS: Final = 0.03  # share of an acceleration that is worth telling
+LEAST: Final = 100  # points of the grid
+MOTIONS: Final = ('forward', 'up', 'yaw')
+
+
+def ask_for_columns(
+    topic: str,
+    names: Sequence[ColumnName],
+    table: LogTable,
+    columns: Mapping[str, Numbers],
+    tracked: TimedTable | None,
+    choices: DraftChoices,
+) -> list[ColumnName]:
+    """
+    Return the names of the numbers of a topic that command something, as far as they are known.
+
+    An array says nothing of its numbers: they are asked for, if the vehicle is known or if they
+    can be those of a stick.
+    """
+    known = [_name_part(name) for name in names]
+    nameless = [one for one in names if NUMBERED.fullmatch(one.column)]
+    values = np.concatenate([columns[one.column] for one in nameless]) if nameless else np.zeros(1)
+    stick = float(np.nanmin(values)) < 0.0 and float(np.nanmax(np.abs(values))) <= BOTH_WAYS
+    if nameless and (stick or choices.vehicle is not None):
+        follows = find_motion_of(table, columns, tracked)
+        rotors = () if choices.vehicle is None else choices.vehicle.rotors
+        options = [*MEANINGS.items()]
+        options += [(rotor, 'a rotor') for rotor in rotors] or [('NAME', 'of a rotor')]
+        options.append(('none', 'nothing that moves the vehicle'))
+        for one in nameless:
+            if not choices.find_answer(f'{one.column}.command'):
+                said = f'What does {one.column} of {topic} command?{follows.get(one.column, "")}'
+                choices.decide(f'{one.column}.command', options, said)
+    return [one for one in known if choices.find_answer(f'{one.column}.command') != 'none']
+
+
+def _name_part(name: ColumnName) -> ColumnName:
+    """Return the name of a part of a twist or a force with its body axis."""
+    end = '.'.join(name.column.split('.')[-2:])
+    return name._replace(stem=(PARTS[end],), axis='') if end in PARTS else name
+
+
+def find_motion_of(
+    table: LogTable, columns: Mapping[str, Numbers], tracked: TimedTable | None
+) -> dict[str, str]:
+    """
+    Return for each command the accelerations that it explains, as a sentence.
+
+    The accelerations (forward, vertical, yaw) are regressed on all commands, the velocities and a
+    constant; the share of a command is what the fit loses without it.
+    """
+    if tracked is None or tracked.position is None or tracked.turn is None:
+        return {}
+    begin, seconds = tracked.first, tracked.seconds
+    grid = np.arange(seconds[0], seconds[-1], STEP)
+    if len(grid) < LEAST:
+        return {}
+    speed, pull = find_motion(seconds, tracked.position, tracked.turn, grid)
+    wanted = pull / np.maximum(pull.std(axis=0), 1e-9)
+    stamps = table.stamps * 1e-9 - begin
+    values = np.nan_to_num(np.column_stack([*columns.values()]))
+    base = np.column_stack([speed, np.ones(len(grid))])
+    best: tuple[float, Numbers] = (-np.inf, np.zeros((len(columns), len(MOTIONS))))
+    for delay in DELAYS:
+        rows = np.clip(np.searchsorted(stamps + delay, grid, side='right') - 1, 0, None)
+        held = values[rows]
+        shares = np.array([
+            [
+                _lose_without(base, held, column, wanted[:, axis : axis + 1])
+                for axis in range(len(MOTIONS))
+            ]
+            for column in range(held.shape[1])
+        ])  # fmt: skip
+        if shares.sum() > best[0]:
+            best = float(shares.sum()), shares
+    return {name: _tell(row) for name, row in zip(columns, best[1], strict=True)}
+
+
+def _lose_without(base: Numbers, held: Numbers, column: int, wanted: Numbers) -> float:
+    """Return the share of an acceleration that only one command explains."""
+    alone = sum_residuals(base, wanted)
+    whole = sum_residuals(np.column_stack([base, held]), wanted)
+    others = sum_residuals(np.column_stack([base, np.delete(held, column, axis=1)]), wanted)
+    return (others - whole) / alone if alone > 0.0 else 0.0
+
+
+def _tell(shares: Numbers) -> str:
+    """Return which accelerations a command explains, as a sentence; '' if none."""
+    told = [
+        f'{100.0 * share:.0f} % of the {word} acceleration'
+        for share, word in sorted(zip(shares, MOTIONS, strict=True), reverse=True)
+        if share > FOLLOWS
+    ]
+    return f' It alone explains {" and ".join(told)}.' if told else ''

@@ -1,0 +1,161 @@
+"""
+Draft commands of body axes, such as `u_surge` and `u_yaw`: forces, or fractions of the largest.
+
+A mixer on board turns them into duties, so they are a wrench, and no actuators.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Final
+
+from lta_config.errors import BadInput
+from lta_config.quantity import Quantity
+from lta_data.importers.draft.choices import DraftChoices
+from lta_data.importers.draft.draft_vehicle import BODY_AXES
+from lta_data.importers.draft.name_hints import (
+    ACTUATORS,
+    ColumnName,
+    COMMANDS,
+    KINDS,
+    match_kind,
+    match_role,
+    ROLES,
+    UNIT_WORDS,
+)
+from lta_data.importers.log_table import Numbers
+import numpy as np
+from pydantic import ValidationError
+
+LINEAR: Final = frozenset(BODY_AXES[:3])
+MOTIONS: Final = ('velocity', 'position', 'rates', 'acceleration', 'euler')
+WANTED: Final = ROLES['setpoint'] - {'cmd', 'command', 'commanded'}  # a state, no force
+COMMANDING: Final = COMMANDS | ACTUATORS | KINDS['force'] | KINDS['torque']
+FRACTION: Final = 1.05  # largest number of a fraction
+SMALL: Final = 0.3  # a fraction that never exceeds it can be a force of a blimp [N]
+UNITS: Final = {'N': 1.0, 'mN': 1e-3, 'N m': 1.0, 'mN m': 1e-3, '%': 0.01}
+KEY: Final = 'wrench_command.unit'
+Columns = Mapping[str, Numbers]
+
+
+def find_axis_commands(
+    names: Sequence[ColumnName], choices: DraftChoices
+) -> dict[str, ColumnName]:
+    """Return the columns that command a body axis, by axis: by answers, else by their names."""
+    told = {
+        axis: name
+        for name in names
+        if (axis := choices.find_answer(f'{name.column}.command')) in BODY_AXES
+    }
+    return told or find_named_axes(names)
+
+
+def find_named_axes(names: Sequence[ColumnName]) -> dict[str, ColumnName]:
+    """
+    Return the columns whose names say that they command a body axis, by axis.
+
+    Roll, pitch and yaw may be angles: they are commands only beside surge, sway or heave, and with
+    a word for a command or the other words of these.
+    """
+    found: dict[str, ColumnName] = {}
+    alike: list[frozenset[str]] = []
+    for linear in (True, False):
+        for name in names:
+            axis, rest = _read_axis(name)
+            known = bool(rest & COMMANDING) or rest in alike
+            if axis and (axis in LINEAR) is linear and (linear or known):
+                found.setdefault(axis, name)
+                alike += [rest] if linear else []
+    angles = [found[axis].words for axis in BODY_AXES[3:] if axis in found]
+    if not LINEAR & {*found} or angles == [frozenset()] * 3:
+        return {}
+    return found
+
+
+def _read_axis(name: ColumnName) -> tuple[str, frozenset[str]]:
+    """Return the body axis in a name, '' if it is of a motion, and the other words."""
+    axis = next((word for word in (*name.stem, name.axis) if word in BODY_AXES), '')
+    rest = name.words - {axis}
+    measured = match_kind(rest) in MOTIONS or match_role(rest) in ('truth', 'estimate')
+    moved = UNIT_WORDS.get(name.unit, ('',))[0] in ('m', 'm/s', 'm/s2', 'rad', 'deg', 'rad/s')
+    return ('' if measured or moved or rest & WANTED else axis), rest
+
+
+def draft_axis_commands(
+    found: Mapping[str, ColumnName], table: Columns, choices: DraftChoices
+) -> dict[str, Any]:
+    """Return the entry of the wrench; its axes are forward, left and up, or those of the log."""
+    unit, why = _judge_unit(found, table, choices)
+    entry: dict[str, Any] = {'topic': 'wrench_command'}
+    for part, axes, si in (('force', BODY_AXES[:3], 'N'), ('torque', BODY_AXES[3:], 'N m')):
+        there = [axis for axis in axes if axis in found]
+        if not there:
+            continue
+        columns = [found[axis].column if axis in found else None for axis in axes]
+        entry[part] = {'columns': columns, 'unit': si}
+        if unit in ('N', 'mN'):
+            scale: Any = UNITS[unit]
+            reading = ', '.join(f'{axis} [{unit if si == "N" else unit + " m"}]' for axis in there)
+        else:
+            full = {axis: _find_largest(axis, si, choices) for axis in there}
+            share = UNITS.get(unit, 1.0)
+            scale = [float(f'{share * full.get(axis, 0.0):.4g}') for axis in axes]
+            reading = ', '.join(f'{axis} of {full[axis]:.3g} {si}' for axis in there)
+        if scale != 1.0:
+            entry[part]['scale'] = scale
+        choices.add_reason(
+            f'wrench_command: {part}', [one for one in columns if one], reading, why
+        )
+    return entry
+
+
+def _judge_unit(
+    found: Mapping[str, ColumnName], table: Columns, choices: DraftChoices
+) -> tuple[str, str]:
+    """Return the unit of axis commands, or 'fraction', and the reason."""
+    named = {UNIT_WORDS.get(name.unit, ('',))[0] for name in found.values()} & {*UNITS}
+    values = np.concatenate([np.abs(table[name.column]) for name in found.values()])
+    size = float(np.nanmax(values, initial=0.0))
+    forces = KINDS['force'] | KINDS['torque']
+    if named:
+        unit, why = min(named).removesuffix(' m'), 'the unit in the names'
+    elif any(name.words & forces for name in found.values()):
+        unit, why = 'N', 'a word for force in the names'
+    elif SMALL < size <= FRACTION:
+        unit, why = 'fraction', f'up to {size:.3g}: fractions of the largest force of each axis'
+    elif FRACTION < size <= 100.0 * FRACTION:
+        unit, why = '%', f'up to {size:.3g}: per cent of the largest force of each axis'
+    else:
+        options = [('fraction', 'of the largest force of each axis'), ('N', 'N, and N m')]
+        said = f'Commands of body axes up to {size:.3g} can be fractions or forces.'
+        return choices.decide(KEY, options, said), choices.explain(KEY)
+    answer = choices.override(KEY, unit)
+    if answer not in ('fraction', *UNITS):
+        raise BadInput(f"--set {KEY} is '{answer}', but must be fraction, %, N or mN.")
+    return answer, why if answer == unit else choices.explain(KEY)
+
+
+def _find_largest(axis: str, unit: str, choices: DraftChoices) -> float:
+    """Return the force or moment of a command of 1: the user's, else that of the vehicle file."""
+    key = f'{axis}.largest'
+    text = choices.override(key, '')
+    if text:
+        return _parse_force(key, text, unit)
+    if choices.vehicle is not None and axis in choices.vehicle.largest:
+        return choices.vehicle.largest[axis]
+    option = f'0.1 {unit}' if unit == 'N' else f'0.01 {unit}'
+    where = 'a vehicle file (--vehicle)' if choices.vehicle is None else 'its vehicle file'
+    said = f'No force of {axis} is known at full command. A guess is enough for a calibration'
+    said += f', which fits it; {where} states it where rotors push along this axis.'
+    return _parse_force(key, choices.decide(key, [(option, 'for example')], said), unit)
+
+
+def _parse_force(key: str, text: str, unit: str) -> float:
+    """Return a force or moment that the user gave. [N, N m]"""
+    try:
+        force = Quantity.model_validate(text)
+    except ValidationError:
+        force = None
+    if force is None or force.dimension != unit or not force.si > 0.0:
+        raise BadInput(
+            f"--set {key} is '{text}', but must be above 0 {unit}, such as '0.1 {unit}'."
+        )
+    return force.si

@@ -1,0 +1,257 @@
+"""Draft the topics of a bag: poses by type and physics, commands by name and by the user."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, Final, final, NamedTuple
+
+from lta_config.errors import BadInput
+from lta_config.schema.import_file import AXES, ImportMapping
+from lta_data.importers.axes import signed_permutation
+from lta_data.importers.draft.array_commands import ask_for_columns
+from lta_data.importers.draft.choices import DraftChoices
+from lta_data.importers.draft.clock_alignment import TimedTable
+from lta_data.importers.draft.column_groups import ColumnGroup
+from lta_data.importers.draft.motion_draft import draft_motion, MotionDraft
+from lta_data.importers.draft.name_hints import (
+    ACTUATORS,
+    COMMANDS,
+    match_role,
+    parse_column_name,
+)
+from lta_data.importers.draft.scalar_draft import draft_scalars
+from lta_data.importers.draft.vertical import CONFLICT, find_axes, VerticalAxes
+from lta_data.importers.formats import FORMATS
+from lta_data.importers.log_table import LogTable, Numbers
+from lta_data.importers.message_parts import SHAPES
+from lta_data.importers.readers.bag_tables import FURTHER
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+# Message type -> topic; a pose or odometry is truth, estimate or setpoint by its name
+BY_TYPE: Final[Mapping[str, str]] = {
+    'sensor_msgs/msg/Imu': 'imu',
+    'sensor_msgs/msg/BatteryState': 'battery',
+    'sensor_msgs/msg/Range': 'range',
+    'sensor_msgs/msg/FluidPressure': 'pressure',
+    'sensor_msgs/msg/Illuminance': 'illuminance',
+    'geometry_msgs/msg/WrenchStamped': 'wrench_command',
+    'geometry_msgs/msg/Wrench': 'wrench_command',
+}
+POSES: Final = (
+    'nav_msgs/msg/Odometry',
+    'geometry_msgs/msg/PoseStamped',
+    'geometry_msgs/msg/Pose',
+    'geometry_msgs/msg/TransformStamped',
+    'geometry_msgs/msg/PoseWithCovarianceStamped',
+)
+ROLES: Final = {'truth': 'ground_truth/odom', 'estimate': 'odom', 'setpoint': 'setpoint/pose'}
+JOYSTICKS: Final = frozenset(['joy', 'joystick', 'gamepad', 'stick', 'sticks'])
+ARRAY: Final = 'data['  # in the columns of an array
+NO_NUMBERS: Final = ('header.', 'layout.')  # beginnings of columns that command nothing
+KINDS: Final = {'position': 'position', 'orientation': 'attitude'}
+
+
+@final
+class BagDraft(NamedTuple):
+    """The entries of a bag, and its tables of poses and commands."""
+
+    entries: list[dict[str, Any]]
+    groups: dict[str, list[ColumnGroup]]  # by topic of the bag
+    tables: Mapping[str, LogTable]
+
+
+def draft_bag_topics(path: Path, choices: DraftChoices) -> BagDraft:
+    """
+    Return the topics of a bag that become ours.
+
+    Raise `BadInput` if no topic has a type that an import can convert.
+    """
+    types = {
+        name: topic.definition.type_name
+        for name, topic in sorted(FORMATS['bag'].opened(path, None).raw.items())
+    }
+    chosen = _choose_topics(types, choices)
+    commands = [] if 'wrench_command' in chosen else _list_command_topics(types)
+    poses = {ours: name for ours, name in chosen.items() if ours in ROLES.values()}
+    tables = _read_tables(path, [*poses.values(), *commands])
+    entries, groups, tracked = [], dict[str, list[ColumnGroup]](), None
+    # ROS states metres and z up; a log shows where that is not so
+    choices.settled.setdefault('position.unit', 'm')
+    choices.settled.setdefault(CONFLICT, 'up')
+    for ours, name in chosen.items():
+        choices.add_reason(ours, [name], types[name], 'the message type and the name')
+        entry = {'topic': ours, 'table': name}
+        if ours in poses and name in tables:
+            found = _group_pose(types[name], tables[name])
+            groups[name] = [*found.values()]
+            drafted, axes = _draft_pose(ours, found, tables[name], choices)
+            entry |= _list_differences(drafted, axes)
+            if tracked is None and ours != ROLES['setpoint']:
+                tracked = _place_in_our_axes(name, tables[name], drafted, axes)
+        entries.append(entry)
+    entries += _draft_commands({one: tables[one] for one in commands if one in tables},
+                               tracked, choices)  # fmt: skip
+    if not entries:
+        raise BadInput(
+            f"No topic of '{path}' has a type that becomes one of ours; it has "
+            f'{", ".join(sorted({*types.values()}))}. It can be imported as it is, without a '
+            'mapping.'
+        )
+    return BagDraft(entries, groups, tables)
+
+
+def count_changing_commands(path: Path) -> int:
+    """Return the number of columns with more than one value in the topics of commands."""
+    raw = FORMATS['bag'].opened(path, None).raw
+    types = {name: topic.definition.type_name for name, topic in raw.items()}
+    wrenches = [name for name, kind in types.items() if BY_TYPE.get(kind) == 'wrench_command']
+    tables = _read_tables(path, [*wrenches, *_list_command_topics(types)])
+    return sum(_changes(column) for table in tables.values() for name, column in
+               table.columns.items() if not name.startswith(NO_NUMBERS))  # fmt: skip
+
+
+def _choose_topics(types: Mapping[str, str], choices: DraftChoices) -> dict[str, str]:
+    """Return the topics whose types say what they are, by our topic."""
+    candidates: dict[str, list[tuple[str, str]]] = {}
+    for name, kind in types.items():
+        if kind in POSES:
+            role = match_role(parse_column_name(name).words)
+            ours = ROLES[role] if role else ('odom' if 'Odometry' in kind else ROLES['truth'])
+            candidates.setdefault(ours, []).append((name, kind))
+        elif kind in BY_TYPE:
+            candidates.setdefault(BY_TYPE[kind], []).append((name, kind))
+    chosen = {}
+    for ours, fitting in candidates.items():
+        table = fitting[0][0]
+        if len(fitting) > 1:
+            said = f'Several topics of the bag can be {ours}.'
+            table = choices.decide(f'{ours}.table', fitting, said)
+        chosen[ours] = choices.override(f'{ours}.table', table)
+    return {ours: name for ours, name in chosen.items() if name in types}
+
+
+def _list_command_topics(types: Mapping[str, str]) -> list[str]:
+    """Return the topics of other types that are named after commands, actuators or a stick."""
+    return [
+        name
+        for name, kind in types.items()
+        if kind not in POSES and kind not in BY_TYPE
+        and parse_column_name(name).words & (ACTUATORS | COMMANDS | JOYSTICKS)
+    ]  # fmt: skip
+
+
+def _read_tables(path: Path, names: Sequence[str]) -> Mapping[str, LogTable]:
+    """Return topics as tables, with a column for each number; those without a message lack."""
+    if not names:
+        return {}
+    number = {'effort': {'column': '-'}}
+    topics = [{'topic': 'motors', 'table': one, 'actuators': {'any': number}} for one in names]
+    head = {'schema': 1, 'name': 'draft', 'about': 'A draft.', 'format': 'bag', 'data': 'measured'}
+    log = FORMATS['bag'].opened(path, ImportMapping.model_validate({**head, 'topics': topics}))
+    there = {name: set[str]() for name in names if name in log.columns}
+    return next(iter(log.iterate_tables(there, lambda _: None)))
+
+
+def _group_pose(kind: str, table: LogTable) -> dict[str, ColumnGroup]:
+    """Return the parts of a pose or odometry message; a twist of zeros was never filled in."""
+    found = {}
+    for name, part in (FURTHER.get(kind) or SHAPES[kind]).items():
+        letters = 'xyzw' if part.kind == 'attitude' else 'xyz'
+        columns = tuple(f'{part.place}.{axis}' for axis in letters)
+        filled = any(np.any(table.columns[one]) for one in columns if one in table.columns)
+        if filled or name in KINDS:
+            group = 'quaternion' if part.kind == 'attitude' else name
+            found[KINDS.get(name, name)] = ColumnGroup(
+                group, '', columns, tuple(letters), '', 'the message type'
+            )
+    return found
+
+
+def _draft_pose(
+    ours: str, groups: Mapping[str, ColumnGroup], table: LogTable, choices: DraftChoices
+) -> tuple[MotionDraft, VerticalAxes | None]:
+    """Return units, directions and axes of a pose, by the physics of its numbers."""
+    seconds = _count_seconds(table)
+    numbers = {kind: group.stack(table.columns) for kind, group in groups.items()}
+    drafted = draft_motion(ours, seconds, groups, numbers, choices)
+    if drafted.turn is None and drafted.evidence.position is None:
+        return drafted, None
+    return drafted, find_axes(drafted.evidence, drafted.turn, '', choices)
+
+
+def _count_seconds(table: LogTable) -> Numbers:
+    """Return the stamps since the first. [s]"""
+    return np.asarray((table.stamps - table.stamps[0]) * 1e-9)
+
+
+def _list_differences(drafted: MotionDraft, axes: VerticalAxes | None) -> dict[str, Any]:
+    """Return what an entry must say of a pose that is not in m, ENU and FLU."""
+    usual = {
+        'position': {'unit': 'm'}, 'orientation': {'direction': 'body to world'},
+        'velocity': {'unit': 'm/s'}, 'rates': {'unit': 'rad/s'},
+    }  # fmt: skip
+    fixed = ('columns', 'quaternion', 'order')
+    differs = any(
+        {key: value for key, value in part.items() if key not in fixed} != usual[name]
+        for name, part in drafted.parts.items()
+    )
+    found = dict(drafted.parts) if differs else {}
+    if axes is not None and axes.world != 'ENU':
+        found['world'] = axes.world
+    if axes is not None and axes.body != 'FLU':
+        found['body'] = axes.body
+    return found
+
+
+def _place_in_our_axes(
+    name: str, table: LogTable, drafted: MotionDraft, axes: VerticalAxes | None
+) -> TimedTable | None:
+    """Return the poses in our axes; None without place or attitude."""
+    place, turn = drafted.evidence.position, drafted.turn
+    if place is None or turn is None or axes is None:
+        return None
+    world, body = (
+        signed_permutation(AXES[one] if isinstance(one, str) else one)
+        for one in (axes.world, axes.body)
+    )
+    count = min(len(place), len(turn))
+    ours = Rotation.from_matrix(world @ turn.as_matrix()[:count] @ body.T)
+    seconds = _count_seconds(table)[:count]
+    return TimedTable(name, float(table.stamps[0]) * 1e-9, seconds, None, place[:count] @ world.T,
+                      ours)  # fmt: skip
+
+
+def _changes(values: Numbers) -> bool:
+    return bool(np.nanmin(values) < np.nanmax(values))
+
+
+def _draft_commands(
+    tables: Mapping[str, LogTable], tracked: TimedTable | None, choices: DraftChoices
+) -> list[dict[str, Any]]:
+    """Return the entry of the commands, of the one topic that the user or the names choose."""
+    columns = {
+        topic: {
+            name: one
+            for name, one in table.columns.items()
+            # A stick has axes that nobody moves; an array has none that nothing needs
+            if not name.startswith(NO_NUMBERS) and (ARRAY in name or np.nan_to_num(one).any())
+        }
+        for topic, table in tables.items()
+    }
+    changing = [
+        topic for topic, numbers in columns.items() if any(map(_changes, numbers.values()))
+    ]
+    if not changing:
+        return []
+    topic = changing[0]
+    if len(changing) > 1:
+        options = [(one, f'{len(columns[one])} numbers that change') for one in changing]
+        said = 'Several topics of the bag can be the commands.'
+        topic = choices.decide('commands.table', options, said)
+    names = [parse_column_name(column) for column in columns[topic]]
+    words = parse_column_name(topic).words
+    names = ask_for_columns(topic, names, tables[topic], columns[topic], tracked, choices)
+    # What the topic is called, its numbers are
+    named = [one._replace(stem=(*one.stem, 'motor', *words)) for one in names]
+    entries = draft_scalars(topic, columns[topic], named, choices)
+    return [one for one in entries if one['topic'] in ('motors', 'wrench_command')][:1]
