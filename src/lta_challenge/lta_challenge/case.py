@@ -35,6 +35,7 @@ Draw = np.random.Generator
 FlightChange = Callable[[NominalVehicle, int], NominalVehicle]
 
 ROLES: Final[tuple[Role, ...]] = ('train', 'confirm', 'holdout')
+LEARNED: Final = (0, 1)  # indices of the flights from which discovery learns
 SECONDS: Final = (60.0, 180.0)  # s; range of flight lengths
 TRIALS: Final = 4  # draws of an effect outside the library, and flights that scale each of them
 TILT: Final = 0.05  # rad; standard deviation of the initial tilt
@@ -143,6 +144,7 @@ class CaseGenerator:
             # Scale the effect in the flights in which it will act
             name, given, floors = self._draw_detectable_effect(nominal, outside)
             outside[name] = given
+        size = self._measure_outside_effect(nominal, outside, name) if name else 0.0
         flights = tuple(
             self._record_flight(change(nominal, index), outside, index, role)
             for index, role in enumerate(roles)
@@ -153,6 +155,7 @@ class CaseGenerator:
             'hidden': [one._asdict() for one in hidden],
             'outside': name,
             'floors': floors,
+            'size': size,
             'strange': outside,
             'courses': {flight.name: flight.course for flight in flights},
             'nominal': vehicle_to_dict(nominal),
@@ -190,6 +193,18 @@ class CaseGenerator:
             # Limit the step: far from the solution, strength and size are not proportional
             given = scale_unlisted_effect(name, given, min(max(aim / reached, 0.05), 20.0))
         return given, reached
+
+    def _measure_outside_effect(
+        self, nominal: NominalVehicle, outside: dict[str, Any], name: str
+    ) -> float:
+        """Return the strength of an effect in the flights that discovery learns from."""
+        rest = {each: given for each, given in outside.items() if each != name}
+        both = [
+            self._simulate_flight(nominal, outside, index)[0].strange
+            - (self._simulate_flight(nominal, rest, index)[0].strange if rest else 0.0)
+            for index in LEARNED
+        ]
+        return wrench_strength(*both)
 
     def _simulate_flight(
         self, nominal: NominalVehicle, outside: dict[str, Any], index: int
@@ -238,10 +253,15 @@ class CaseGenerator:
         return CaseFlight(name, role, course, streams)
 
 
-def wrench_strength(forces: Array) -> float:
-    """Return the largest standard deviation of a wrench over its axes, in noise floors."""
-    # The standard deviation ignores the mean, which trim and lift errors absorb
-    return float(np.max(np.std(forces, axis=0) / FLOOR))
+def wrench_strength(*flights: Array) -> float:
+    """
+    Return the largest standard deviation of a wrench over its axes, in noise floors.
+
+    Root mean square of flights, each of shape (n, 6).
+    """
+    # The variance ignores the mean, which trim and lift errors absorb
+    variances = [np.var(forces, axis=0) for forces in flights]
+    return float(np.max(np.sqrt(np.mean(variances, axis=0)) / FLOOR))
 
 
 def vehicle_to_dict(nominal: NominalVehicle) -> dict[str, Any]:

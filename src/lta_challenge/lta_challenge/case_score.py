@@ -54,7 +54,7 @@ class ScoredCase:
     missed: tuple[str, ...]
     wrong: tuple[str, ...]
     outside: str  # hidden kind outside the library, or ''
-    floors: float  # its strength in noise floors
+    floors: float  # its strength in the flights that discovery learns from, in noise floors
     verdict: str  # verdict of the study
     refused: str  # reason why there is no result, or ''
     sigma: Mapping[str, float]  # strength of each hidden parameter in standard deviations
@@ -139,7 +139,8 @@ def score_case(number: int, answer: Mapping[str, Any], result: Mapping[str, Any]
         missed,
         tuple(knob for knob in named if name_of(knob) not in true and knob not in beside),
         answer['outside'],
-        float(answer['floors']),
+        # Challenges of earlier versions have the strength in the training flight only
+        float(answer.get('size', answer['floors'])),
         result['verdict'],
         result['refused'],
         oracle.get('sigma', {}),

@@ -53,7 +53,7 @@ def test_kinds_hide_what_they_say() -> None:
         answer = drawn(1, kind).answer  # type: ignore[arg-type]
         assert len(answer['hidden']) == count
         assert bool(answer['outside']) == outside
-        assert (answer['floors'] > 0.0) == outside
+        assert (answer['floors'] > 0.0) == (answer['size'] > 0.0) == outside
     assert sum(KINDS.values()) == pytest.approx(1.0)
 
 
@@ -80,6 +80,13 @@ def test_what_is_outside_comes_to_the_strength_that_was_drawn() -> None:
     assert wrench_strength(np.outer(np.sin(np.arange(6283) * 1e-3), [4e-3, 0, 0, 0, 0, 0])) == (
         pytest.approx(10.0 / np.sqrt(2.0), rel=1e-3)
     )
+
+
+def test_the_strength_in_several_flights_is_their_root_mean_square() -> None:
+    wave = np.outer(np.sin(np.arange(6283) * 1e-3), [4e-3, 0, 0, 0, 0, 0])
+    # 10 and 20 noise floors of 0.4 mN, and a mean that does not count
+    together = wrench_strength(wave + 1e-3, 2.0 * wave)
+    assert together == pytest.approx(np.sqrt((50.0 + 200.0) / 2.0), rel=1e-3)
 
 
 def test_what_is_outside_is_known_to_the_truth_alone() -> None:

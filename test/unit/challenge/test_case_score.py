@@ -253,6 +253,8 @@ def test_errors_are_compared_with_the_oracle_that_knows_the_equation() -> None:
     }  # fmt: skip
     one = score_case(0, answer, found)
     assert one.law is True
+    assert one.floors == 9.0
+    assert score_case(0, {**answer, 'size': 12.0}, found).floors == 12.0
     assert one.oracle_ratios == pytest.approx({'before': 8.0, 'tuned': 3.0, 'law': 1.2})
     none = score_case(1, answer, {**found, 'law': {'proposed': False, 'errors': with_law}})
     assert none.oracle_ratios['law'] == pytest.approx(3.0)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import math
 from typing import Any, Final, final
 
-from lta_challenge.case import CaseFlight, ChallengeCase, ROLES, SECONDS
+from lta_challenge.case import CaseFlight, ChallengeCase, LEARNED, ROLES, SECONDS
 from lta_challenge.other.air import MovingAir, RoomAirMotion, UnsteadyWind
 from lta_challenge.other.effect_injection import draw_hidden_effects, inject_effects, true_values
 from lta_challenge.other.flight import FlightSimulator, SimulatedTrajectory
@@ -77,9 +77,11 @@ class OtherCaseGenerator:
         )
         stamps, draught = self._draw_conditions()
         truth = replace(truth, draught=draught)
-        name, numbers, floors = '', dict[str, float](), 0.0
+        name, numbers, floors, size = '', dict[str, float](), 0.0, 0.0
         if self.kind in ('outside', 'mixed'):
             name, numbers, floors = self._draw_detectable_disturbance(truth)
+            both = [self._simulate_flight(truth, index, name, numbers)[0] for index in LEARNED]
+            size = wrench_strength(*(path.unlisted for path in both))
         flights = tuple(
             self._record_flight(truth, index, role, stamps, name, numbers)
             for index, role in enumerate(roles)
@@ -90,6 +92,7 @@ class OtherCaseGenerator:
             'hidden': [{'knob': knob, 'value': value} for knob, value in hidden.items()],
             'outside': name,
             'floors': floors,
+            'size': size,
             'strange': {name: numbers} if name else {},
             'courses': {flight.name: flight.course for flight in flights},
             'nominal': self._truth_to_dict(truth, hidden),

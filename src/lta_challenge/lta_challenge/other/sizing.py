@@ -36,6 +36,11 @@ def scale_unlisted(name: str, numbers: Mapping[str, float], factor: float) -> di
     return {**numbers, 'size': size}
 
 
-def wrench_strength(wrench: Array) -> float:
-    """Return the largest standard deviation of a wrench over its axes, in noise floors."""
-    return float(np.max(np.std(wrench, axis=0) / np.array(FLOORS)))
+def wrench_strength(*flights: Array) -> float:
+    """
+    Return the largest standard deviation of a wrench over its axes, in noise floors.
+
+    Root mean square of flights, each of shape (n, 6).
+    """
+    variances = [np.var(wrench, axis=0) for wrench in flights]
+    return float(np.max(np.sqrt(np.mean(variances, axis=0)) / np.array(FLOORS)))
