@@ -8,6 +8,7 @@ import re
 from typing import Final
 import zlib
 
+from lta_report.palette import DARK
 from plotly.graph_objects import Figure
 
 OWN: Final = 'br|/?(b|i|sub|sup|extra)|span style="color:#[0-9a-f]{6}"|/span'  # tags we use
@@ -38,6 +39,15 @@ def embed_json(name: str, text: str) -> str:
     # The same character to a JSON parser, but "</script>" no longer occurs
     safe = text.replace('<', '\\u003c')
     return f'<script type="{JSON}" id="{name}">{safe}</script>'
+
+
+def render_colors(colors: Mapping[str, str]) -> str:
+    """Return the style that defines colours, by name without its dashes, in both themes."""
+    light, dark = (
+        ' '.join(f'--{name}: {each(color)};' for name, color in colors.items())
+        for each in (str, DARK.__getitem__)
+    )
+    return f"<style>:root {{ {light} }} :root[data-theme='dark'] {{ {dark} }}</style>"
 
 
 def render_tile(name: str, value: str, unit: str, note: str) -> str:
