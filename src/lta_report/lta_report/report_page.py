@@ -68,9 +68,7 @@ def render_report(report: Report) -> str:
         dark=embed_data('dark', DARK),
         track=embed_data('track', report.track or {}),
         plotly=embed_plotly() if has_plots else '',
-        three=f'{embed_three()}\n<script>{read_asset("scene.js")}</script>'
-        if report.scene
-        else '',
+        three=three if report.scene else '',
         js=read_asset('page.js'),
     )
 
