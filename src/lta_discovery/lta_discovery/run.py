@@ -27,8 +27,8 @@ from lta_discovery.laws.proposal import add_law
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.page import animation
 from lta_discovery.page.flight_views import build_flight_views
+from lta_discovery.page.page import build_report
 from lta_discovery.page.page import NAME as PAGE
-from lta_discovery.page.page import render_page
 from lta_discovery.planning.next_flight import (
     add_confusable,
     format_next_step,
@@ -48,6 +48,7 @@ from lta_discovery.transfer.forecast_identification import add_forecast_effects
 from lta_discovery.transfer.regimes import format_regime_warning
 from lta_model.vehicle import load_vehicle, Vehicle
 from lta_report.page_frame import write_file
+from lta_report.report_page import render_report
 from lta_report.results_folder import stage_results, write_json
 import numpy as np
 
@@ -243,7 +244,8 @@ def write_results(
     }
     views = build_flight_views(study)
     drawing = animation.draw_animation(finding, views, vehicle)
-    write_file(render_page(study, views, folder, bags, vehicle, drawing), part / PAGE)
+    report = build_report(study, views, folder, bags, vehicle, drawing)
+    write_file(render_report(report), part / PAGE)
     if drawing:
         (part / animation.NAME).write_text(drawing, encoding='utf-8')
     return DiscoveryResult(study, told, folder / PAGE)

@@ -8,6 +8,7 @@ import re
 from typing import Final
 import zlib
 
+from lta_report.palette import DARK
 from plotly.graph_objects import Figure
 
 OWN: Final = 'br|/?(b|i|sub|sup|extra)|span style="color:#[0-9a-f]{6}"|/span'  # tags we use
@@ -40,6 +41,15 @@ def embed_json(name: str, text: str) -> str:
     return f'<script type="{JSON}" id="{name}">{safe}</script>'
 
 
+def render_colors(colors: Mapping[str, str]) -> str:
+    """Return the style that defines colours, by name without its dashes, in both themes."""
+    light, dark = (
+        ' '.join(f'--{name}: {each(color)};' for name, color in colors.items())
+        for each in (str, DARK.__getitem__)
+    )
+    return f"<style>:root {{ {light} }} :root[data-theme='dark'] {{ {dark} }}</style>"
+
+
 def render_tile(name: str, value: str, unit: str, note: str) -> str:
     """Return one large number as HTML."""
     return (
@@ -52,7 +62,7 @@ def render_section(
     name: str,
     heading: str,
     caption: str,
-    picture: Figure | str,
+    picture: Figure,
     *,
     timed: bool = False,
     height: int | None = None,
@@ -60,7 +70,7 @@ def render_section(
     packed: bool = False,
 ) -> str:
     """
-    Return one figure with heading and caption.
+    Return one figure with heading, caption and data.
 
     Parameters
     ----------
@@ -68,8 +78,6 @@ def render_section(
         Id of the figure on its page.
     heading, caption : str
         Plain text.
-    picture : Figure or str
-        The figure, or as HTML the reason why there is none.
     timed : bool
         Whether x is time: such figures share a cursor and zoom together.
     height : int, optional
@@ -81,14 +89,15 @@ def render_section(
 
     """
     words, about = escape(heading), escape(caption)
-    body = (
-        picture
-        if isinstance(picture, str)
-        else embed_picture(name, words, about, picture, timed, height, packed=packed)
-    )
+    style = '' if height is None else f'style="height: {height}px" '
+    below = f'<figcaption>{about}</figcaption>' if about else ''
+    text, place = format_json(sanitize_figure(picture)), f'figure-{name}'
+    data = pack_text(place, text, JSON) if packed else embed_json(place, text)
     return (
         f'<figure class="panel" id="panel-{name}" aria-labelledby="title-{name}">'
-        f'<h2 id="title-{name}">{words}</h2>{body}{more}</figure>'
+        f'<h2 id="title-{name}">{words}</h2><div class="plot" data-panel="{name}" '
+        f'data-timed="{str(timed).lower()}" {style}role="img" aria-label="{words}. {about}"></div>'
+        f'{below}{data}{more}</figure>'
     )
 
 
@@ -109,28 +118,6 @@ def _sanitize_part(part: object) -> object:
     if isinstance(part, dict):
         return {key: _sanitize_part(each) for key, each in part.items()}
     return part
-
-
-def embed_picture(
-    name: str,
-    words: str,
-    about: str,
-    picture: Figure,
-    timed: bool,
-    height: int | None = None,
-    *,
-    packed: bool = False,
-) -> str:
-    """Return the place of a figure, its caption and its data; the texts are already HTML."""
-    style = '' if height is None else f'style="height: {height}px" '
-    caption = f'<figcaption>{about}</figcaption>' if about else ''
-    text, place = format_json(sanitize_figure(picture)), f'figure-{name}'
-    data = pack_text(place, text, JSON) if packed else embed_json(place, text)
-    return (
-        f'<div class="plot" data-panel="{name}" data-timed="{str(timed).lower()}" {style}'
-        f'role="img" aria-label="{words}. {about}"></div>'
-        f'{caption}{data}'
-    )
 
 
 def render_definition_list(content: Mapping[str, str], code: bool = False) -> str:

@@ -95,9 +95,10 @@ class ReportSection:
 @final
 @dataclass(frozen=True, slots=True)
 class HtmlBlock:
-    """Ready HTML, such as a menu or a drawing; the terminal shows nothing of it."""
+    """Ready HTML, such as a menu or a drawing, in a panel if it has a heading; page only."""
 
     html: str
+    heading: str = ''
 
 
 Block = Picture | TextTable | TextSection | Grid | ReportSection | HtmlBlock

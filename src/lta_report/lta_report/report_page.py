@@ -3,11 +3,13 @@
 from collections.abc import Mapping, Sequence
 from html import escape
 import re
+from string import Template
 from typing import Final
 
 from lta_report.formatting import MISSING, Tile
-from lta_report.html_elements import render_section, render_tile
-from lta_report.page_frame import assemble_page, read_asset, split_template
+from lta_report.html_elements import embed_data, render_footer, render_section, render_tile
+from lta_report.page_frame import read_asset, split_template
+from lta_report.palette import DARK
 from lta_report.report import (
     Block,
     CellColor,
@@ -20,12 +22,16 @@ from lta_report.report import (
     TextSection,
     TextTable,
 )
+from lta_report.script_libraries import embed_plotly, embed_three
 
 # A cell that starts like a number (but not like a heading, '1. Title'), or is a dash or empty
 NUMBER: Final = re.compile(
     rf'(?!\d+\. )[-+\N{{MINUS SIGN}}<>≤≥±~]?\s?(?:\.?\d|[∞{MISSING}])|-?$|none$|never\b'
 )
 MARKS: Final = re.compile(r'\*\*(.+?)\*\*|\*(.+?)\*|`(.+?)`')  # strong, emphasis, code
+NOSCRIPT: Final = (
+    '<noscript><p class="absent">The figures need JavaScript; the tables do not.</p></noscript>\n'
+)
 TAGS: Final = ('b', 'i', 'code')
 
 
@@ -33,24 +39,37 @@ def render_report(report: Report) -> str:
     """Return the HTML of a report's page."""
     subject = f' · {report.subject}' if report.subject else ''
     style, script = split_template(read_asset(report.asset)) if report.asset else ('', '')
-    return assemble_page(
-        'report.html',
+    parts = {
+        'tile_width': f'{choose_tile_width(report.tiles)}',
+        'blocks': '\n'.join(map(render_block, report.blocks)),
+        'scene': report.scene,
+        'bar': report.time_bar,
+        'more_style': style,
+        'more': script.rstrip(),
+        'ending': render_footer(report.facts, report.commands, report.files),
+    }
+    three = f'{embed_three()}\n<script>{read_asset("scene.js")}</script>'
+    # Plotly is most of a page's size
+    has_plots = 'class="plot"' in parts['blocks']
+    # Two steps: values are not searched for placeholders of the frame
+    style, main = (
+        Template(text).substitute(parts) for text in split_template(read_asset('report.html'))
+    )
+    return Template(read_asset('frame.html')).substitute(
         title=escape(report.headline),
         kicker=escape(report.command + subject),
         about=escape(report.introduction),
         tiles='\n'.join(render_tile(*each) for each in report.tiles),
-        tile_width=f'{choose_tile_width(report.tiles)}',
-        has_plots=has_pictures(report.blocks),
-        blocks='\n'.join(map(render_block, report.blocks)),
-        scene=report.scene,
-        has_scene=bool(report.scene),
-        bar=report.time_bar,
-        track=report.track,
-        more_style=style,
-        more=script.rstrip(),
-        facts=report.facts,
-        commands=report.commands,
-        files=report.files,
+        style=style,
+        noscript=NOSCRIPT if has_plots else '',
+        main=main.rstrip(),
+        css=read_asset('page.css'),
+        # Colours of the dark theme, for page.js
+        dark=embed_data('dark', DARK),
+        track=embed_data('track', report.track or {}),
+        plotly=embed_plotly() if has_plots else '',
+        three=three if report.scene else '',
+        js=read_asset('page.js'),
     )
 
 
@@ -60,15 +79,6 @@ def choose_tile_width(tiles: Sequence[Tile]) -> int:
     usual = 140 if len(tiles) <= 8 else 118
     longest = max((len(word) for each in tiles for word in each.name.split()), default=0)
     return max(usual, min(28 + 6 * longest, 200))
-
-
-def has_pictures(blocks: Sequence[Block]) -> bool:
-    """Return whether there is a picture among blocks."""
-    return any(
-        isinstance(each, Picture)
-        or (isinstance(each, Grid | ReportSection) and has_pictures(each.blocks))
-        for each in blocks
-    )
 
 
 def render_block(block: Block) -> str:
@@ -85,7 +95,7 @@ def render_block(block: Block) -> str:
         case TextSection():
             return render_text_section(block)
         case HtmlBlock():
-            return block.html
+            return render_panel(block.heading, block.html) if block.heading else block.html
         case Grid():
             inside = '\n'.join(map(render_block, block.blocks))
             style = f'grid-template-columns: repeat({block.columns}, minmax(0, 1fr))'

@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from lta_discovery.finding import (
-    ChannelErrors,
     Discrepancy,
     NamedEffect,
     ParameterEstimate,
@@ -14,6 +13,7 @@ from lta_discovery.finding import (
 from lta_discovery.fit.bounds import apply_parameters
 from lta_discovery.fit.evidence import build_prior
 from lta_discovery.fit.joint_fit import fit_flight, FlightFit
+from lta_discovery.forecast.held_out import compute_model_errors, FlightUnderModels, WHOLE
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
@@ -21,7 +21,6 @@ from lta_discovery.replay.linearized_flight import LinearizationPoint, unchanged
 from lta_discovery.study import DiscoveryStudy, StudyFlight, ThreeModelComparison
 
 from .hidden_flight import flown, prepared
-from .point_errors import compute_prediction_errors
 
 DRAG = 'linear_drag.surge'
 PLACES = (
@@ -61,26 +60,6 @@ def carried(
     return replace(unchanged_vehicle_point(after, knobs, flight.replay.cut), values=within)
 
 
-def gaps_of(shown: ThreeModelComparison) -> tuple[ChannelErrors, ...]:
-    """Return the gaps of one flight, as `compute_prediction_errors` has them."""
-    three = [
-        compute_prediction_errors(shown.flown.flight, point)
-        for point in (shown.before, shown.tuned, shown.after)
-    ]
-    out = []
-    for (what, horizon), before in three[0].model.items():
-        tuned, after = (each.model[what, horizon].mean for each in three[1:])
-        shrink = 1.0 - after / before.mean
-        out.append(
-            ChannelErrors(
-                what, {'position': 'm', 'attitude': 'rad'}[what], horizon, before.mean, tuned,
-                after, three[0].coast[what, horizon].mean, three[0].noise[what], shrink,
-                (shrink - 0.08, shrink + 0.06), before.pieces,
-            )
-        )  # fmt: skip
-    return tuple(out)
-
-
 def study(
     known: tuple[NominalVehicle, Sequence[FreeParameter]],
     changes: Mapping[str, object],
@@ -99,15 +78,14 @@ def study(
     plain, full = (fitted(known, flights[0], chosen) for chosen in ((), names))
     last = flights[2]
     start = unchanged_vehicle_point(nominal, knobs, last.replay.cut)
-    shown = ThreeModelComparison(
-        named[2], start, carried(known, last, plain), carried(known, last, full)
-    )
+    models = FlightUnderModels(start, carried(known, last, plain), carried(known, last, full))
+    shown = ThreeModelComparison(named[2], *models)
     finding = StudyResult(
         verdict='named',
         effects=tuple(effect(name, full, knobs) for name in names),
         ladder=LADDER,
         where=PLACES,
-        gaps=gaps_of(shown),
+        gaps=tuple(compute_model_errors([last], [models], 7, tuple(WHOLE))),
         held_out=True,
         remains=(),
         warnings=WARNINGS,

@@ -80,11 +80,8 @@ def render_channel_errors(finding: StudyResult) -> str:
     inside = render_table(
         ('channel', 'horizon', *HEADS), rows, 'plain', 'Errors of single channels'
     )
-    return (
-        '<section class="panel section" aria-labelledby="title-channels">'
-        '<h2 id="title-channels">Channel by channel</h2><details><summary>'
-        f'Every channel that was measured, at every horizon</summary>{inside}</details></section>'
-    )
+    summary = '<summary>Every channel that was measured, at every horizon</summary>'
+    return f'<details>{summary}{inside}</details>'
 
 
 def _format_scope(finding: StudyResult) -> str:

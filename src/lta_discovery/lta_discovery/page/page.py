@@ -35,9 +35,11 @@ from lta_model.effects.protocol import AXES
 from lta_model.vehicle import Vehicle
 from lta_report.flight_scene import pack_column, render_time_bar
 from lta_report.formatting import format_count
-from lta_report.html_elements import embed_data, render_section, render_tile
-from lta_report.page_frame import assemble_page, write_file
-from lta_report.palette import DARK, ESTIMATE, FILL, GOOD, LAMP, TRUTH, WALL
+from lta_report.html_elements import embed_data, render_colors, render_section
+from lta_report.page_frame import write_file
+from lta_report.palette import ESTIMATE, FILL, GOOD, LAMP, TRUTH, WALL
+from lta_report.report import HtmlBlock, Report
+from lta_report.report_page import render_panel, render_report
 import numpy as np
 from numpy.typing import NDArray
 
@@ -79,6 +81,12 @@ AGAIN: Final = (
     'Numbers that any vehicle file must have come before effects that a model may lack. Below, '
     'the vehicle file is the calibrated one.'
 )
+EVIDENCE: Final = (
+    '<p class="note"><i class="key one"></i>evidence from the training flights <i class="key two">'
+    '</i>evidence from the confirming flights, fitted alone or with the value from the training '
+    'flights, whichever is larger <i class="key mark"></i>evidence required to name an effect. '
+    'The unit is the nat: one more nat is 2.7 times as likely.</p>'
+)
 GLANCE: Final = (
     'Animation: a flight in 3-D beside the prediction of the vehicle file, which drifts off, and '
     'then the prediction with the learned effects, which follows it'
@@ -93,85 +101,90 @@ def write_page(study: DiscoveryStudy, folder: Path, bags: Bags = NONE) -> Path:
     `bags`: as on the command line, for the command that repeats the study; the names of the
     flights by default. Raise `BadInput` if the page cannot be written.
     """
-    page = render_page(study, build_flight_views(study), folder, bags)
-    return write_file(page, folder / NAME)
+    report = build_report(study, build_flight_views(study), folder, bags)
+    return write_file(render_report(report), folder / NAME)
 
 
-def render_page(
+def build_report(
     study: DiscoveryStudy,
     flights: Sequence[StudyFlightView],
     folder: Path,
     bags: Bags = NONE,
     vehicle: Vehicle | None = None,
     drawing: str = '',
-) -> str:
-    """Return the whole page; the vehicle is that of the 3-D view, the drawing the animation."""
+) -> Report:
+    """Return the report; the vehicle is that of the 3-D view, the drawing the animation."""
     found = study.finding
     drawn = [
         build_overlay(one, sum(each.shown for each in flights)) for one in flights if one.shown
     ]
     names = [one.flown.name for one in flights if one.shown]
     scene, track = render_study_scene(drawn, vehicle)
-    colours = COLOURS | {f'{key}_dark': DARK[colour] for key, colour in COLOURS.items()}
-    return assemble_page(
-        'discover.html',
-        title=escape(format_headline(found)),
-        kicker=escape(
-            f'lta discover · {found.vehicle} · {format_count(len(study.flights), "flight")}'
+    whiteness = f'<div class="grid">{render_whiteness(flights)}</div>'
+    panels = (
+        (FIRST_STEP, render_calibration(found)),
+        ('', render_story(found, drawing)),
+        ('Prediction errors', error_tables.render_pose_errors(found)),
+        ('', f'<div class="grid pair">{render_discrepancies(found, flights)}</div>'),
+        ('Largest disagreements', tables.render_discrepancies(found)),
+        (
+            'Evidence of each candidate effect',
+            EVIDENCE + render_transfer(found) + tables.render_search_rounds(found),
         ),
-        about=escape(format_flight_roles(found)),
-        tiles='\n'.join(render_tile(*each) for each in build_tiles(found)),
-        calibration=render_calibration(found),
-        effects=tables.render_effects(found),
-        glance=render_glance(drawing),
-        gaps=error_tables.render_pose_errors(found),
-        channels=error_tables.render_channel_errors(found),
-        where=render_discrepancies(found, flights),
-        places=tables.render_discrepancies(found),
-        ladder=render_transfer(found) + tables.render_search_rounds(found),
-        overlays=render_overlays(names, drawn),
-        white=render_whiteness(flights),
-        remains=render_remainders(study) + render_law(study),
-        following=tables.render_next_steps(found),
-        seen=tables.render_flight_information(found) + tables.render_detection_limits(found),
-        warnings=tables.render_warnings(found),
+        ('', render_overlays(names, drawn) + whiteness),
+        ('Unexplained forces and moments', render_remainders(study) + render_law(study)),
+        ('Which flight informs which number', tables.render_flight_information(found)),
+        ('Detection limits of the effects', tables.render_detection_limits(found)),
+        ('Channel by channel', error_tables.render_channel_errors(found)),
+    )
+    return Report(
+        command='discover',
+        subject=f'{found.vehicle} · {format_count(len(study.flights), "flight")}',
+        headline=format_headline(found),
+        introduction=format_flight_roles(found),
+        tiles=build_tiles(found),
+        blocks=[HtmlBlock(html, heading) for heading, html in panels if html],
+        data={},
         facts=list_provenance(found),
         commands=list_commands(found, folder, bags or found.bags),
-        files={},
-        track=track,
-        has_plots=True,
-        has_scene=bool(scene),
         scene=scene,
-        bar=render_time_bar(READOUT, 'flight') if scene else '',
-        **colours,
+        time_bar=render_time_bar(READOUT, 'flight') if scene else '',
+        track=track,
+        asset='discover.html',
     )
 
 
+def render_story(finding: StudyResult, drawing: str) -> str:
+    """Return what was found, what to do next, and the warnings, in columns."""
+    parts = {
+        'Missing effects': tables.render_effects(finding),
+        'What to do next': tables.render_next_steps(finding),
+        'Warnings': tables.render_warnings(finding),
+        'At a glance': render_glance(drawing),
+    }
+    panels = (render_panel(heading, body) for heading, body in parts.items() if body)
+    return f'{render_colors(COLOURS)}<div class="column">{"".join(panels)}</div>'
+
+
 def render_calibration(finding: StudyResult) -> str:
-    """Return the section of a calibration before the search; '' if there was none."""
+    """Return the content of the section of a calibration before the search; '' without one."""
     if finding.calibration is None:
         return ''
     table = build_first_step_table(finding.calibration)
     rows = [[escape(str(cell)) for cell in row] for row in table.rows]
     return (
-        '<section class="panel section" aria-labelledby="title-calibration">'
-        f'<h2 id="title-calibration">{escape(FIRST_STEP)}</h2>'
         f'<p class="note">{escape(format_forecast_sentence(finding.calibration))} {AGAIN}</p>'
-        f'{tables.render_table(table.heads, rows, "calibration", FIRST_STEP)}</section>'
+        f'{tables.render_table(table.heads, rows, "calibration", FIRST_STEP)}'
     )
 
 
 def render_glance(drawing: str) -> str:
-    """Return the section with the animation, or nothing if there is none."""
+    """Return the animation, or nothing if there is none."""
     if not drawing:
         return ''
     # An image of its own: its styles do not reach the page
     content = base64.b64encode(drawing.encode()).decode()
-    image = f'<img class="glance" alt="{GLANCE}" src="data:image/svg+xml;base64,{content}">'
-    return (
-        '      <section class="panel" aria-labelledby="title-glance">\n'
-        f'        <h2 id="title-glance">At a glance</h2>\n{image}\n      </section>'
-    )
+    return f'<img class="glance" alt="{GLANCE}" src="data:image/svg+xml;base64,{content}">'
 
 
 def render_discrepancies(finding: StudyResult, flights: Sequence[StudyFlightView]) -> str:

@@ -105,14 +105,12 @@ def render_detection_limits(finding: StudyResult) -> str:
         for one in ordered
     )
     return (
-        '<section class="panel section" aria-labelledby="title-seen">'
-        '<h2 id="title-seen">Detection limits of the effects</h2>'
         f'<details{"" if finding.effects else " open"}><summary>{len(ordered)} '
         f'candidates</summary>'
         f'<p class="note">An effect of this size is named in 19 of 20 cases if nothing '
         f'else is missing. {clear} of {len(ordered)} are detectable below their typical '
         'size; the others (in italics) only if they are larger than usual.</p>'
-        f'<ul class="seen">{rows}</ul></details></section>'
+        f'<ul class="seen">{rows}</ul></details>'
     )
 
 
@@ -130,11 +128,9 @@ def render_flight_information(finding: StudyResult) -> str:
     ]
     heads = ('number', 'deviation left', 'flights, with their share of the information')
     return (
-        '<section class="panel section" aria-labelledby="title-informs">'
-        '<h2 id="title-informs">Which flight informs which number</h2>'
         '<p class="note">The standard deviation that is left of the one before the flights, for '
         'the numbers of the vehicle that these flights inform best.</p>'
-        f'{render_table(heads, rows, "plain", "Information of each flight")}</section>'
+        f'{render_table(heads, rows, "plain", "Information of each flight")}'
     )
 
 
@@ -294,11 +290,7 @@ def render_unexplained(finding: StudyResult) -> str:
 def render_next_steps(finding: StudyResult) -> str:
     """Return the advice on the vehicle file, and the next flight or measurement."""
     said = f'{format_advice(finding)} {finding.next_flight}'.strip()
-    return (
-        '<section class="panel" aria-labelledby="title-following">'
-        f'<h2 id="title-following">What to do next</h2>'
-        f'<p class="what">{escape(said)}</p></section>'
-    )
+    return f'<p class="what">{escape(said)}</p>'
 
 
 def render_warnings(finding: StudyResult) -> str:

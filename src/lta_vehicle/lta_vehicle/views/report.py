@@ -5,7 +5,8 @@ from typing import Final
 
 from lta_config.command_line import format_lta_command
 from lta_report.formatting import Tile
-from lta_report.palette import DARK, ESTIMATE, FILL, GOOD, TIME, TRUTH
+from lta_report.html_elements import render_colors
+from lta_report.palette import ESTIMATE, FILL, GOOD, TIME, TRUTH
 from lta_report.report import (
     CellColor,
     Grid,
@@ -83,12 +84,9 @@ def build_report(
 def render_drawing(sheet: VehicleSheet) -> str:
     """Return the figure with the views, and the colours of its parts in both themes."""
     colours = COLOURS | {f'l{k}': colour for k, colour in enumerate(TIME)}
-    light = ' '.join(f'--{name}: {colour};' for name, colour in colours.items())
-    dark = ' '.join(f'--{name}: {DARK[colour]};' for name, colour in colours.items())
     views = draw_three_views(sheet.vehicle, pressure_center_offset(sheet))
     return (
-        f"<style>:root {{ {light} }} :root[data-theme='dark'] {{ {dark} }}</style>"
-        '<figure class="panel" id="views" aria-labelledby="title-views">'
+        f'{render_colors(colours)}<figure class="panel" id="views" aria-labelledby="title-views">'
         f'<h2 id="title-views">Views</h2><div class="drawing" tabindex="0">{views}'
         f'{draw_gondola(sheet.vehicle)}</div><figcaption>To scale, with parts as boxes. Point at '
         'a part for its name and mass. Dashed: rotor mounts, if the file has no parts.'

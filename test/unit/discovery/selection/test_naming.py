@@ -4,6 +4,7 @@ from dataclasses import replace
 
 from lta_discovery.fit.evidence import build_prior, build_shared_prior
 from lta_discovery.fit.joint_fit import fit_flight
+from lta_discovery.forecast.held_out import compute_model_errors, FlightUnderModels
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.replay.linearized_flight import unchanged_vehicle_point
@@ -13,7 +14,6 @@ import pytest
 
 from ..hidden_cases import CASES, Changes, off_by_tolerance  # noqa: TID252 - `test` is Python's own
 from ..hidden_flight import flown, prepared  # noqa: TID252 - `test` is Python's own
-from ..point_errors import compute_prediction_errors  # noqa: TID252 - `test` is Python's own
 
 Known = tuple[NominalVehicle, list[FreeParameter]]
 LENGTH = 40.0  # s
@@ -64,18 +64,16 @@ def test_the_gap_goes_from_nominal_over_tuned_to_named(gtmab: Known) -> None:
     nominal, knobs = gtmab
     flight = prepared(flown(CASES['linear_drag.surge'], 70, LENGTH), knobs)
     start = unchanged_vehicle_point(nominal, knobs, flight.replay.cut)
-    before = compute_prediction_errors(flight, start)
     tuned, named = (
-        compute_prediction_errors(
-            flight, fit_flight(flight, nominal, build_prior(knobs, names), start).linear.point
-        )
+        fit_flight(flight, nominal, build_prior(knobs, names), start).linear.point
         for names in ((), ('linear_drag.surge',))
     )
-    far = 'position', 5.0
-    errors = [found.model[far].mean for found in (before, tuned, named)]
-    assert errors[0] > 1.5 * errors[1] > 2.25 * errors[2]
-    assert before.coast[far].mean > 5.0 * before.model[far].mean
-    assert before.noise['position'] == pytest.approx(1e-3 * 3**0.5, rel=0.1)
+    models = FlightUnderModels(start, tuned, named)
+    far = compute_model_errors([flight], [models], 1, ('position',))[-1]
+    assert far.horizon_s == 5.0
+    assert far.before > 1.5 * far.tuned > 2.25 * far.after
+    assert far.coast > 5.0 * far.before
+    assert far.noise_floor == pytest.approx(1e-3 * 3**0.5, rel=0.1)
 
 
 def test_one_flight_alone_names_nothing() -> None:

@@ -18,6 +18,7 @@ from lta_flight.sweep.plan import SweepPlan
 from lta_flight.sweep.report import build_report, format_headline
 from lta_flight.sweep.run import sweep_once, SweepRequest
 from lta_flight.sweep.statistics import group_by_parameter, reached_share
+from lta_report.study import StudyOptions
 from pyarrow import parquet
 import pytest
 from rich.console import Console
@@ -162,11 +163,11 @@ def test_a_sweep_over_few_values_is_no_map(sweep):
 
 def test_options_that_exclude_each_other_are_refused():
     with pytest.raises(BadInput, match='--duties needs batch mode'):
-        check_exclusive_options(None, (0.1,), None, None)
+        check_exclusive_options(None, (0.1,), StudyOptions())
     with pytest.raises(
         BadInput, match=r'--device cannot be combined with --workers or --scheduler'
     ):
-        check_exclusive_options('gpu', (), 2, None)
+        check_exclusive_options('gpu', (), StudyOptions(2))
     with pytest.raises(BadInput, match=r"--duties '1,x' is invalid; give numbers from -1 to 1"):
         parse_duties('1,x')
     assert parse_duties('0.1,-0.5') == (0.1, -0.5)

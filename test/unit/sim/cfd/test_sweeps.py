@@ -11,9 +11,9 @@ AIR = (1.2, 1.5e-5)
 GTMAB = load_tunnel_model('gtmab')
 
 
-def swept(folder, *only):
+def swept(folder, *only, retry=False):
     said = []
-    crew = ThreadedFlowSolver(folder, 2, lambda *_: None)
+    crew = ThreadedFlowSolver(folder, 2, lambda *_: None, retry)
     found = solve_sweep(crew, GTMAB, plan_flows(GTMAB, 'preview', AIR, only), AIR, said.append)
     return build_sweep(GTMAB, 'gtmab', 'preview', AIR, *found), said
 
@@ -60,14 +60,15 @@ def test_what_befell_a_flow_is_said(fake, monkeypatch, fault, reason):
     assert reason in sweep.refused['up_left']
 
 
-def test_a_case_that_dies_is_named_and_only_it_is_solved_again(fake, monkeypatch):
+def test_a_case_that_diverged_is_named_and_only_it_is_repeated_if_the_user_asks(fake, monkeypatch):
     monkeypatch.setenv('FAKE_FAULT', 'surge:diverges')
     sweep, said = swept(fake, 'heave', 'surge')
     assert 'simpleFoam diverged' in sweep.refused['surge']
     assert said == [f'surge: {sweep.refused["surge"]}']
     assert list(sweep.axes) == ['heave']
     monkeypatch.delenv('FAKE_FAULT')
-    sweep, said = swept(fake, 'heave', 'surge')
+    assert '--retry-failed repeats it' in swept(fake, 'surge')[0].refused['surge']
+    sweep, said = swept(fake, 'heave', 'surge', retry=True)
     assert (sorted(sweep.axes), sweep.refused, said) == (['heave', 'surge'], {}, [])
     assert calls(fake, 'heave') == 5  # a program a speed, none of them twice
     assert calls(fake, 'surge') == 6

@@ -16,7 +16,6 @@ from lta_studies.light.plan.planner import plan_layout
 from lta_studies.light.plan.polygon import Array
 from lta_studies.light.plan.reception import compute_group_light, GROUP, STORE
 from lta_studies.light.plan.report import build_report, SCENARIO
-import numpy as np
 import typer
 
 
@@ -82,12 +81,12 @@ def plan(
     # All possible lamp positions; the light of each is computed once
     mounts = list_mounts(content)
 
-    def measure_light(faintest: float) -> Array:
+    def measure_light(faintest: float) -> list[Array]:
         compute = partial(compute_group_light, content, receiver, floor, mounts, faintest)
         study = Study(compute, str, STORE, 'groups of lamps')
         inputs = (content, receiver.vehicle.file, receiver.demodulation, cell, faintest)
         groups = range(0, len(mounts), GROUP)
-        return np.concatenate(run.run_study(study, hash_inputs(*inputs), groups))
+        return run.run_study(study, hash_inputs(*inputs), groups)
 
     layout = plan_layout(content, receiver, floor, mounts, overlap, lamps, measure_light)
     # Needs the whole layout: each lamp must be received where the flight to the last one ends

@@ -136,10 +136,10 @@ class FoamPrograms:
         # The first fatal error is the cause; the end of the log shows signals
         fatal = next((k for k, line in enumerate(lines) if FATAL in line), len(lines))
         tail = lines[fatal : fatal + TAIL] + lines[-TAIL:]
-        return CaseFailed(explain_failure(program, code, tail), has_diverged(code, tail))
+        return CaseFailed(explain_failure(program, code, tail), is_float_error(code, tail))
 
 
-def has_diverged(code: int, tail: Sequence[str]) -> bool:
+def is_float_error(code: int, tail: Sequence[str]) -> bool:
     """Return whether a program ended with a floating point error; parameters as below."""
     # 8 is SIGFPE; a shell reports it as 128 + 8.
     return code in (-8, 136) or any('sigFpe::' in line for line in tail)
@@ -158,7 +158,7 @@ def explain_failure(program: str, code: int, tail: Sequence[str]) -> str:
             f'{program} failed because the disk is full; free disk space or choose another '
             'folder with --cache, then start again.'
         )
-    if has_diverged(code, tail):
+    if is_float_error(code, tail):
         return f'{program} diverged (floating point error); check that the shape is valid.'
     # 9 is SIGKILL, which the kernel sends when memory runs out.
     if 'bad_alloc' in text or code in (-9, 137):

@@ -1,7 +1,6 @@
 """Plan a layout: minimise the lamps, assign frequencies, then compute the joint reception."""
 
-from collections.abc import Callable
-from functools import partial
+from collections.abc import Callable, Sequence
 import math
 from typing import Final
 
@@ -39,7 +38,7 @@ def plan_layout(
     mounts: list[LampMount],
     overlap: int,
     most: int | None,
-    measure_light: Callable[[float], Array] | None = None,
+    measure_light: Callable[[float], Sequence[Array]] | None = None,
 ) -> LampLayout:
     """
     Plan the positions and frequencies of lamps.
@@ -53,7 +52,7 @@ def plan_layout(
     most : int or None
         Maximum number of lamps.
     measure_light : callable, optional
-        `compute_lamp_light` as a function of the faintest light that counts.
+        `compute_lamp_light`, in groups of lamps, as a function of the faintest light that counts.
 
     Raises
     ------
@@ -79,8 +78,11 @@ def plan_layout(
         float(ambient_shares(plan, ear).mean()),
     )
     least = solve_required_light(link, share, ear.required_snr)
-    measure = measure_light or partial(compute_lamp_light, plan, ear, floor, mounts)
-    light = measure(least)
+    light = (
+        compute_lamp_light(plan, ear, floor, mounts, least)
+        if measure_light is None
+        else np.concatenate(measure_light(least))
+    )
     # Index 0 is the light at the worst heading.
     alone = light[:, 0] >= least
     if not alone.any():
