@@ -1,7 +1,7 @@
 """Calibrate a vehicle file from flights: values with intervals, and what cannot be separated."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import math
 from typing import Final, final
 
@@ -34,6 +34,9 @@ KNOWN: Final = 0.7  # of the deviation before; a value with a larger one was not
 ALIKE: Final = 0.85  # correlation; values above it cannot be separated
 FAR: Final = 3.0  # tolerances; a value further from the file is reported first
 BETTER: Final = 0.9  # of the refined fit's forecast error; the coarse fit needs less
+MARKER_HEADING: Final = 'marker_offset.yaw'
+TURNED: Final = 2.0  # tolerances; a marker frame further off may have any heading
+ANY_HEADING: Final = 1.6  # standard deviation of such a heading [rad]
 MAP: Final = 'the direction of the axes of the map'
 
 
@@ -60,8 +63,14 @@ class PreparedCalibration:
     names: Mapping[str, list[str]]
 
 
-def prepare_calibration(vehicle: Vehicle, flights: Sequence[Role]) -> PreparedCalibration:
-    """Return the flights of a calibration with what can be calibrated with them."""
+def prepare_calibration(
+    vehicle: Vehicle, flights: Sequence[Role], any_heading: bool = False
+) -> PreparedCalibration:
+    """
+    Return the flights of a calibration with what can be calibrated with them.
+
+    `any_heading`: whether the marker frame may have any heading on the vehicle.
+    """
     nominal = NominalVehicle.from_vehicle(vehicle)
     told = [flight for _, _, flight in flights]
     commanded = np.any(
@@ -76,6 +85,9 @@ def prepare_calibration(vehicle: Vehicle, flights: Sequence[Role]) -> PreparedCa
             [one.commands.values for one in told if one.wrench is None], vehicle.reversible
         ),
     )
+    if any_heading:
+        heading = _index(knobs, MARKER_HEADING)
+        knobs[heading] = replace(knobs[heading], tolerance=ANY_HEADING)
     roles: dict[str, list[FlightLinearizer]] = {'train': [], 'confirm': []}
     names: dict[str, list[str]] = {'train': [], 'confirm': []}
     for title, role, flight in flights:
@@ -100,9 +112,14 @@ def calibrate_flights(
     """
     tell('preparing', 0.0)
     prepared = prepare_calibration(vehicle, flights)
-    nominal, knobs, roles = prepared.nominal, prepared.knobs, prepared.flights
     tell('fitting forecasts', 0.1)
-    coarse = fit_coarse_calibration(nominal, roles['train'])
+    coarse = fit_coarse_calibration(prepared.nominal, prepared.flights['train'])
+    heading = _index(prepared.knobs, MARKER_HEADING)
+    if abs(coarse.values[heading]) > TURNED * prepared.knobs[heading].tolerance:
+        # The frame was defined without regard to the nose: the assumption must not hold it back
+        prepared = prepare_calibration(vehicle, flights, any_heading=True)
+        coarse = fit_coarse_calibration(prepared.nominal, prepared.flights['train'])
+    nominal, knobs, roles = prepared.nominal, prepared.knobs, prepared.flights
     tell('fitting readings', 0.5)
     estimates = _list_estimates(nominal, roles['train'], coarse, knobs)
     tell('forecasting', 0.8)
