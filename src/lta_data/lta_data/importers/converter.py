@@ -174,10 +174,12 @@ class TopicConverter:
             else:
                 numbers[part.place] = _convert_number(given, table, part.share)
         if plan.entry.forces:
-            force, torque = _sum_forces(plan.entry.forces, plan, table)
-            parts_there = plan.target_parts
-            numbers |= _split_columns(parts_there['force'], force, 'xyz')
-            numbers |= _split_columns(parts_there['torque'], torque, 'xyz')
+            for name, total in zip(
+                ('force', 'torque'), _sum_forces(plan.entry.forces, plan, table), strict=True
+            ):
+                # Beside a force or torque without a point
+                for path, values in _split_columns(plan.target_parts[name], total, 'xyz').items():
+                    numbers[path] = values + (numbers[path] if name in parts else 0.0)
         return numbers
 
 

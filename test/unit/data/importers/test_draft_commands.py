@@ -3,6 +3,7 @@
 from lta_config.errors import BadInput
 from lta_data.importers.draft.draft_mapping import draft_mapping
 from lta_data.importers.draft.draft_vehicle import DraftVehicle
+from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
 from rosbags.rosbag1 import Writer
@@ -13,7 +14,8 @@ import yaml
 from .lab_flights import lab_flight, three, write_csv
 
 POSE, ARRAY = 'geometry_msgs/msg/PoseStamped', 'std_msgs/msg/Float32MultiArray'
-WHALE = DraftVehicle('whale', ('left', 'right', 'up'), {'surge': 0.12, 'heave': 0.06, 'yaw': 0.02})
+LARGEST = {'surge': 0.12, 'heave': 0.06, 'yaw': 0.02}
+WHALE = DraftVehicle('whale', ('left', 'right', 'up'), LARGEST, {})
 SHARES = ('u_surge', 'u_heave', 'u_yaw')
 
 
@@ -42,6 +44,19 @@ def test_shares_of_body_axes_are_forces_by_the_vehicle_file(tmp_path):
     }  # fmt: skip
     assert wrench['torque']['columns'] == [None, None, 'u_yaw']
     assert wrench['torque']['scale'] == [0.0, 0.0, 0.02]
+
+
+def test_forces_act_where_the_rotors_of_the_vehicle_file_push(tmp_path, bring):
+    whale = WHALE._replace(centres={'surge': (0.0, 0.0, -0.34), 'heave': (0.02, 0.0, -0.3)})
+    source = write_commands(tmp_path / 'a.csv', SHARES)
+    draft = draft_mapping(source, {}, whale)
+    assert draft.unused == []
+    (wrench,) = bring(source, draft.text).messages['/lta1/wrench_command'][:1]
+    u, w, r = np.loadtxt(source, delimiter=',', skiprows=1)[0, 8:]
+    force, torque = wrench.wrench.force, wrench.wrench.torque
+    assert (force.x, force.y, force.z) == pytest.approx((0.12 * u, 0.0, 0.06 * w))
+    pitch = -0.34 * 0.12 * u - 0.02 * 0.06 * w  # z Fx - x Fz
+    assert (torque.x, torque.y, torque.z) == pytest.approx((0.0, pitch, 0.02 * r))
 
 
 def test_without_a_vehicle_the_largest_force_of_each_axis_is_asked(tmp_path):
@@ -173,3 +188,16 @@ def test_the_numbers_of_an_array_are_rotors_if_the_user_says_so(tmp_path, vehicl
     }
     draft = draft_mapping(source, {**answers, 'data[1].command': 'none'}, vehicle)
     assert [*find_topic(draft, 'motors')['actuators']] == ['left']
+
+
+def test_what_a_vehicle_file_says_of_its_rotors():
+    gtmab = DraftVehicle.load('gtmab')
+    rotors = load_vehicle('gtmab').rotors
+    assert gtmab.rotors == tuple(rotor.name for rotor in rotors)
+    ahead = [rotor for rotor in rotors if abs(rotor.column[0]) > 0.9]
+    assert gtmab.largest['surge'] == pytest.approx(
+        sum(rotor.full_thrust for rotor in ahead), rel=0.02
+    )
+    assert gtmab.centres['surge'][2] == pytest.approx(
+        np.mean([rotor.place[2] for rotor in ahead]), abs=0.01
+    )
