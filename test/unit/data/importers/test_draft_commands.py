@@ -7,6 +7,8 @@ from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
 from rosbags.rosbag1 import Writer
+from rosbags.rosbag2 import StoragePlugin
+from rosbags.rosbag2 import Writer as Writer2
 from rosbags.typesys import get_typestore, Stores
 from scipy.spatial.transform import Rotation
 import yaml
@@ -114,7 +116,7 @@ def test_a_rotor_that_the_vehicle_file_calls_otherwise_is_asked(tmp_path):
     source = write_commands(tmp_path / 'a.csv', ('pwm_left', 'pwm_right', 'pwm_z'))
     (question,) = draft_mapping(source, {}, WHALE).choices.questions
     assert question.key == 'pwm_z.command'
-    assert [name for name, _ in question.options] == ['left', 'right', 'up']
+    assert [name for name, _ in question.options] == ['left', 'right', 'up', 'none']
     draft = draft_mapping(source, {'pwm_z.command': 'up'}, WHALE)
     assert [*find_topic(draft, 'motors')['actuators']] == ['left', 'right', 'up']
     with pytest.raises(BadInput, match=r"Unknown rotor for pwm_z\.command 'top'"):
@@ -201,3 +203,47 @@ def test_what_a_vehicle_file_says_of_its_rotors():
     assert gtmab.centres['surge'][2] == pytest.approx(
         np.mean([rotor.place[2] for rotor in ahead]), abs=0.01
     )
+
+
+def write_plain_bag(path):
+    """Write an odometry of OptiTrack, a pose without stamps, and the twist of a stick."""
+    types = get_typestore(Stores.ROS2_JAZZY)
+    kind = {name.rpartition('/')[2]: one for name, one in types.types.items()}
+    rng = np.random.default_rng(6)
+    turn, place = kind['Quaternion'](0.0, 0.0, 0.0, 1.0), kind['Point'](1.0, 2.0, 1.5)
+    pose = kind['Pose'](place, turn)
+    zero = kind['Vector3'](0.0, 0.0, 0.0)
+    still = kind['TwistWithCovariance'](kind['Twist'](zero, zero), np.zeros(36))
+    with Writer2(path, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        open_ = {}
+        for k in range(60):
+            x, z, r = rng.uniform(-1.0, 1.0, 3).tolist()
+            head = kind['Header'](kind['Time'](100 + k, 0), 'world')
+            twist = kind['Twist'](kind['Vector3'](x, 0.0, z), kind['Vector3'](0.0, 0.0, r))
+            for topic, message in (
+                ('/optitrack/odom', kind['Odometry'](
+                    head, 'b', kind['PoseWithCovariance'](pose, np.zeros(36)), still)),
+                ('/ekf/pose', pose),
+                ('/cmd_vel', twist),
+            ):  # fmt: skip
+                name = message.__msgtype__
+                if topic not in open_:
+                    open_[topic] = writer.add_connection(topic, name, typestore=types)
+                data = types.serialize_cdr(message, name)
+                writer.write(open_[topic], (100 + k) * 10**9, data)
+    return path
+
+
+def test_a_twist_of_a_stick_is_a_wrench_and_a_tracker_is_no_estimate(tmp_path, bring):
+    source = write_plain_bag(tmp_path / 'bag')
+    draft = draft_mapping(source, {}, WHALE)
+    assert draft.choices.questions == []
+    tables = {one['topic']: one['table'] for one in yaml.safe_load(draft.text)['topics']}
+    assert tables == {
+        'ground_truth/odom': '/optitrack/odom', 'odom': '/ekf/pose', 'wrench_command': '/cmd_vel',
+    }  # fmt: skip
+    wrench = find_topic(draft, 'wrench_command')
+    assert wrench['force']['columns'] == ['linear.x', None, 'linear.z']
+    assert wrench['torque']['columns'] == [None, None, 'angular.z']
+    got = bring(source, draft.text)
+    assert got.messages['/lta1/odom'][0].pose.pose.position.z == 1.5

@@ -11,6 +11,7 @@ from lta_data.importers.draft.array_commands import ask_for_columns
 from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.clock_alignment import TimedTable
 from lta_data.importers.draft.column_groups import ColumnGroup
+from lta_data.importers.draft.draft_vehicle import BODY_AXES
 from lta_data.importers.draft.motion_draft import draft_motion, MotionDraft
 from lta_data.importers.draft.name_hints import (
     ACTUATORS,
@@ -115,7 +116,9 @@ def _choose_topics(types: Mapping[str, str], choices: DraftChoices) -> dict[str,
     candidates: dict[str, list[tuple[str, str]]] = {}
     for name, kind in types.items():
         if kind in POSES:
-            role = match_role(parse_column_name(name).words)
+            words = parse_column_name(name).words
+            # /optitrack/odom is no estimate
+            role = match_role(words - {'odom'}) or match_role(words)
             ours = ROLES[role] if role else ('odom' if 'Odometry' in kind else ROLES['truth'])
             candidates.setdefault(ours, []).append((name, kind))
         elif kind in BY_TYPE:
@@ -252,6 +255,10 @@ def _draft_commands(
     words = parse_column_name(topic).words
     names = ask_for_columns(topic, names, tables[topic], columns[topic], tracked, choices)
     # What the topic is called, its numbers are
-    named = [one._replace(stem=(*one.stem, 'motor', *words)) for one in names]
+    named = [
+        one if one.stem[:1] and one.stem[0] in BODY_AXES
+        else one._replace(stem=(*one.stem, 'motor', *words))
+        for one in names
+    ]  # fmt: skip
     entries = draft_scalars(topic, columns[topic], named, choices)
     return [one for one in entries if one['topic'] in ('motors', 'wrench_command')][:1]

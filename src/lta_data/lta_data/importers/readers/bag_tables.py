@@ -46,6 +46,11 @@ FURTHER: Mapping[str, Mapping[str, MessagePart]] = {
     'geometry_msgs/msg/TransformStamped': _pose_parts(
         'transform.translation', 'transform.rotation'
     ),
+    'geometry_msgs/msg/Pose': _pose_parts('position', 'orientation'),
+    'geometry_msgs/msg/Wrench': {
+        'force': MessagePart('force', 'N', 'vector', 'body'),
+        'torque': MessagePart('torque', 'N m', 'axial', 'body'),
+    },
     TRANSFORMS: _pose_parts('transform.translation', 'transform.rotation'),
     'geometry_msgs/msg/TwistWithCovarianceStamped': {
         'velocity': MessagePart('twist.twist.linear', 'm/s', 'vector', 'body'),
