@@ -80,16 +80,16 @@ def _read_axis(name: ColumnName) -> tuple[str, frozenset[str]]:
 
 
 def draft_axis_commands(
-    found: Mapping[str, ColumnName], table: Columns, choices: DraftChoices
+    commands: Mapping[str, ColumnName], table: Columns, choices: DraftChoices
 ) -> dict[str, Any]:
     """Return the entry of the wrench; its axes are forward, left and up, or those of the log."""
-    unit, why = _judge_unit(found, table, choices)
+    unit, why = _judge_unit(commands, table, choices)
     entry: dict[str, Any] = {'topic': 'wrench_command'}
     for part, axes, si in (('force', BODY_AXES[:3], 'N'), ('torque', BODY_AXES[3:], 'N m')):
-        there = [axis for axis in axes if axis in found]
+        there = [axis for axis in axes if axis in commands]
         if not there:
             continue
-        columns = [found[axis].column if axis in found else None for axis in axes]
+        columns = [commands[axis].column if axis in commands else None for axis in axes]
         vector: dict[str, Any] = {'columns': columns, 'unit': si}
         if unit in ('N', 'mN'):
             scale: Any = UNITS[unit]
@@ -132,16 +132,16 @@ def _place_forces(entry: dict[str, Any], choices: DraftChoices) -> dict[str, Any
 
 
 def _judge_unit(
-    found: Mapping[str, ColumnName], table: Columns, choices: DraftChoices
+    commands: Mapping[str, ColumnName], table: Columns, choices: DraftChoices
 ) -> tuple[str, str]:
     """Return the unit of axis commands, or 'fraction', and the reason."""
-    named = {UNIT_WORDS.get(name.unit, ('',))[0] for name in found.values()} & {*UNITS}
-    values = np.concatenate([np.abs(table[name.column]) for name in found.values()])
+    named = {UNIT_WORDS.get(name.unit, ('',))[0] for name in commands.values()} & {*UNITS}
+    values = np.concatenate([np.abs(table[name.column]) for name in commands.values()])
     size = float(np.nanmax(values, initial=0.0))
     forces = KINDS['force'] | KINDS['torque']
     if named:
         unit, why = min(named).removesuffix(' m'), 'the unit in the names'
-    elif any(name.words & forces for name in found.values()):
+    elif any(name.words & forces for name in commands.values()):
         unit, why = 'N', 'a word for force in the names'
     elif SMALL < size <= FRACTION:
         unit, why = 'fraction', f'up to {size:.3g}: fractions of the largest force of each axis'
