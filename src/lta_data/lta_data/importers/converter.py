@@ -1,6 +1,7 @@
 """Convert rows of a log to messages of one topic: units, axes and fields."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, final, NamedTuple
 
 from lta_config.errors import BadInput
@@ -75,6 +76,8 @@ class TopicConverter:
         rows = self._find_rows(table)
         kept = np.flatnonzero(rows)
         chosen = table.select_rows(rows)
+        if self.plan.entry.stamps == 'log':
+            chosen = replace(chosen, stamps=chosen.log_times)
         _check_stamps(chosen, self.plan.topic)
         numbers: dict[str, Any] = {
             'header.stamp.sec': chosen.stamps // 1_000_000_000,

@@ -123,11 +123,11 @@ def test_a_rotor_that_the_vehicle_file_calls_otherwise_is_asked(tmp_path):
         draft_mapping(source, {'pwm_z.command': 'top'}, WHALE)
 
 
-def write_bag(path, seconds=40.0):
+def write_bag(path, seconds=40.0, ahead=0):
     """
     Write a bag of ROS 1 with poses in mm and y up, and a stick that pushes forward and turns.
 
-    The vehicle accelerates as its stick says, 0.1 s later.
+    The vehicle accelerates as its stick says, 0.1 s later. `ahead`: of the tracker's clock [ns].
     """
     types = get_typestore(Stores.ROS1_NOETIC)
     kind = types.types
@@ -149,7 +149,7 @@ def write_bag(path, seconds=40.0):
             x, y, z = 1e3 * up.apply(place + np.array([0.0, 0.0, 1.5]))
             stamp = int((1e9 + now) * 1e9)
             head = kind['std_msgs/msg/Header'](
-                k, kind['builtin_interfaces/msg/Time'](*divmod(stamp, 10**9)), 'world'
+                k, kind['builtin_interfaces/msg/Time'](*divmod(stamp + ahead, 10**9)), 'world'
             )
             pose = kind['geometry_msgs/msg/Pose'](
                 kind['geometry_msgs/msg/Point'](x, y, z),
@@ -247,3 +247,17 @@ def test_a_twist_of_a_stick_is_a_wrench_and_a_tracker_is_no_estimate(tmp_path, b
     assert wrench['torque']['columns'] == [None, None, 'angular.z']
     got = bring(source, draft.text)
     assert got.messages['/lta1/odom'][0].pose.pose.position.z == 1.5
+
+
+def test_poses_with_the_stamps_of_another_computer_get_the_times_of_the_log(tmp_path, bring):
+    answers = {'data[0].command': 'surge', 'data[1].command': 'yaw', 'data[2].command': 'none'}
+    source = write_bag(tmp_path / 'a.bag', ahead=37 * 10**9)
+    draft = draft_mapping(source, answers, WHALE)
+    assert find_topic(draft, 'ground_truth/odom')['stamps'] == 'log'
+    assert 'stamps' not in find_topic(draft, 'wrench_command')
+    got = bring(source, draft.text)
+    first = [got.stamps(f'/lta1/{name}')[0] for name in ('ground_truth/odom', 'wrench_command')]
+    assert abs(first[0] - first[1]) < 10**7
+    # A delay of transport is none
+    late = draft_mapping(write_bag(tmp_path / 'b.bag', ahead=-5 * 10**7), answers, WHALE)
+    assert 'stamps' not in find_topic(late, 'ground_truth/odom')

@@ -205,7 +205,8 @@ def can_pass_unchanged(entry: TopicMapping, mapping: MappingFile, theirs: str, o
     told = (
         entry.parts or entry.actuators or entry.forces or entry.where or entry.world or entry.body
     )
-    return theirs == ours and not told and mapping.world is None and mapping.body is None
+    moved = entry.stamps == 'log' or mapping.world is not None or mapping.body is not None
+    return theirs == ours and not told and not moved
 
 
 class BagTableLog:
