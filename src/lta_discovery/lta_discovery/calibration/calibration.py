@@ -1,28 +1,25 @@
 """Calibrate a vehicle file from flights: values with intervals, and what cannot be separated."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 import math
 from typing import Final, final
 
-from lta_discovery.calibration.coarse_fit import CoarseCalibration, fit_coarse_calibration
+from lta_discovery.calibration.coarse_fit import CoarseCalibration
 from lta_discovery.calibration.forecast_score import relative_error, score_forecasts
+from lta_discovery.calibration.prepared_flights import find_index, fit_coarsely
 from lta_discovery.calibration.refined_fit import refine_calibration
 from lta_discovery.calibration.result import CalibratedValue, Calibration, ForecastScore, WIDE
 from lta_discovery.calibration.reversed_thrust import state_by_duty
 from lta_discovery.fit.bounds import apply_parameters
 from lta_discovery.flights.role_assignment import Role
 from lta_discovery.model.calibration_parameters import (
-    commanded_axes,
     HEADING,
-    list_calibration_parameters,
-    list_reversed_rotors,
     ordinary_tolerances,
 )
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter, NET_LIFT
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
-from lta_discovery.study import prepare_flight
 from lta_model.vehicle import Vehicle
 import numpy as np
 from numpy.typing import NDArray
@@ -34,9 +31,6 @@ KNOWN: Final = 0.7  # of the deviation before; a value with a larger one was not
 ALIKE: Final = 0.85  # correlation; values above it cannot be separated
 FAR: Final = 3.0  # tolerances; a value further from the file is reported first
 BETTER: Final = 0.9  # of the refined fit's forecast error; the coarse fit needs less
-MARKER_HEADING: Final = 'marker_offset.yaw'
-TURNED: Final = 2.0  # tolerances; a marker frame further off may have any heading
-ANY_HEADING: Final = 1.6  # standard deviation of such a heading [rad]
 MAP: Final = 'the direction of the axes of the map'
 
 
@@ -49,52 +43,6 @@ class _Estimate:
     shared: Array
     covariance: Array
     flights: Sequence[tuple[Array, Array]]
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class PreparedCalibration:
-    """What a calibration works on."""
-
-    nominal: NominalVehicle
-    knobs: list[FreeParameter]  # the calibrated numbers
-    # Role 'train' or 'confirm'
-    flights: Mapping[str, list[FlightLinearizer]]
-    names: Mapping[str, list[str]]
-
-
-def prepare_calibration(
-    vehicle: Vehicle, flights: Sequence[Role], any_heading: bool = False
-) -> PreparedCalibration:
-    """
-    Return the flights of a calibration with what can be calibrated with them.
-
-    `any_heading`: whether the marker frame may have any heading on the vehicle.
-    """
-    nominal = NominalVehicle.from_vehicle(vehicle)
-    told = [flight for _, _, flight in flights]
-    commanded = np.any(
-        [commanded_axes(one.wrench.values) for one in told if one.wrench is not None] or [[False]],
-        axis=0,
-    )
-    knobs = list_calibration_parameters(
-        nominal,
-        commanded.tolist(),
-        all(one.has_only_pose for one in told),
-        list_reversed_rotors(
-            [one.commands.values for one in told if one.wrench is None], vehicle.reversible
-        ),
-    )
-    if any_heading:
-        heading = _index(knobs, MARKER_HEADING)
-        knobs[heading] = replace(knobs[heading], tolerance=ANY_HEADING)
-    roles: dict[str, list[FlightLinearizer]] = {'train': [], 'confirm': []}
-    names: dict[str, list[str]] = {'train': [], 'confirm': []}
-    for title, role, flight in flights:
-        side = role if role in roles else 'confirm'
-        roles[side].append(prepare_flight(vehicle, flight, knobs))
-        names[side].append(title)
-    return PreparedCalibration(nominal, knobs, roles, names)
 
 
 def calibrate_flights(
@@ -110,15 +58,7 @@ def calibrate_flights(
     `with_flows`: whether the calibrated vehicle has the fitted drag and added mass, too, which a
     discovery names as effects.
     """
-    tell('preparing', 0.0)
-    prepared = prepare_calibration(vehicle, flights)
-    tell('fitting forecasts', 0.1)
-    coarse = fit_coarse_calibration(prepared.nominal, prepared.flights['train'])
-    heading = _index(prepared.knobs, MARKER_HEADING)
-    if abs(coarse.values[heading]) > TURNED * prepared.knobs[heading].tolerance:
-        # The frame was defined without regard to the nose: the assumption must not hold it back
-        prepared = prepare_calibration(vehicle, flights, any_heading=True)
-        coarse = fit_coarse_calibration(prepared.nominal, prepared.flights['train'])
+    prepared, coarse = fit_coarsely(vehicle, flights, tell)
     nominal, knobs, roles = prepared.nominal, prepared.knobs, prepared.flights
     tell('fitting readings', 0.5)
     estimates = _list_estimates(nominal, roles['train'], coarse, knobs)
@@ -128,7 +68,7 @@ def calibrate_flights(
     if roles['confirm']:
         shared = _without_lift(best.shared, knobs)
         # As in the calibrated file; what a flight differs by, its own earlier forecasts tell
-        shared[_index(knobs, NET_LIFT)] = _mean_lift(best, knobs)
+        shared[find_index(knobs, NET_LIFT)] = _mean_lift(best, knobs)
         told_scores['confirm'] = score_forecasts(nominal, roles['confirm'], shared, None)
     tell('done', 1.0)
     return Calibration(
@@ -150,7 +90,7 @@ def _build_calibrated_vehicle(
 ) -> NominalVehicle:
     """Return the vehicle with the calibrated values and the mean net lift of the flights."""
     mean = best.shared[: len(knobs)].copy()
-    lift = _index(knobs, NET_LIFT)
+    lift = find_index(knobs, NET_LIFT)
     mean[lift] = _mean_lift(best, knobs)
     for k, knob in enumerate(knobs):
         # What a flight has of its own, apart from the mean of the lift, is not of the vehicle
@@ -161,13 +101,8 @@ def _build_calibrated_vehicle(
 
 def _mean_lift(best: _Estimate, knobs: Sequence[FreeParameter]) -> float:
     """Return the mean net lift of the flights. [N]"""
-    lift = _index(knobs, NET_LIFT)
+    lift = find_index(knobs, NET_LIFT)
     return float(np.mean([values[lift] for values, _ in best.flights]))
-
-
-def _index(knobs: Sequence[FreeParameter], name: str) -> int:
-    """Return the place of a parameter."""
-    return next(k for k, knob in enumerate(knobs) if knob.name == name)
 
 
 def _without_lift(values: Array, knobs: Sequence[FreeParameter]) -> Array:
@@ -183,7 +118,7 @@ def _list_estimates(
     knobs: Sequence[FreeParameter],
 ) -> list[_Estimate]:
     """Return the estimates in the order of preference; that of the file is the last."""
-    out, lift, count = [], _index(knobs, NET_LIFT), len(knobs)
+    out, lift, count = [], find_index(knobs, NET_LIFT), len(knobs)
     fit = refine_calibration(nominal, flights, coarse)
     if fit is not None and np.isfinite(fit.fitted.covariance).all():
         members = [
@@ -215,7 +150,7 @@ def _choose_estimate(
 
     None is returned that forecasts them worse than the vehicle file.
     """
-    lift = _index(knobs, NET_LIFT)
+    lift = find_index(knobs, NET_LIFT)
     best, error = estimates[-1], math.inf
     told: tuple[ForecastScore, ...] = ()
     for one in estimates:

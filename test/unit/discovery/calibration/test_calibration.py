@@ -10,8 +10,9 @@ from lta_challenge.recording import write_bag
 from lta_config.files import find_file
 from lta_config.vehicle_edit import set_yaml_value
 from lta_discovery.calibration.calibrated_file import format_calibrated_vehicle
-from lta_discovery.calibration.calibration import calibrate_flights, prepare_calibration
+from lta_discovery.calibration.calibration import calibrate_flights
 from lta_discovery.calibration.coarse_fit import find_calibration_start
+from lta_discovery.calibration.prepared_flights import prepare_calibration
 from lta_discovery.calibration.report import build_report
 from lta_discovery.calibration.result import Calibration
 from lta_discovery.calibration.verdict import format_inseparable
