@@ -272,6 +272,8 @@ class TopicMapping(_WithAxes):
     optional: bool = False
     drop_empty: bool = False
     time: TimeColumn | None = None  # of its table, if it differs from that of the mapping
+    # Of a bag: times of the messages, or 'log', where another computer's clock set these
+    stamps: Literal['message', 'log'] = 'message'
     actuators: dict[str, ActuatorFields] | None = None
     position: VectorField | None = None
     orientation: OrientationField | None = None

@@ -1,6 +1,7 @@
 """Convert rows of a log to messages of one topic: units, axes and fields."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, final, NamedTuple
 
 from lta_config.errors import BadInput
@@ -75,6 +76,8 @@ class TopicConverter:
         rows = self._find_rows(table)
         kept = np.flatnonzero(rows)
         chosen = table.select_rows(rows)
+        if self.plan.entry.stamps == 'log':
+            chosen = replace(chosen, stamps=chosen.log_times)
         _check_stamps(chosen, self.plan.topic)
         numbers: dict[str, Any] = {
             'header.stamp.sec': chosen.stamps // 1_000_000_000,
@@ -174,10 +177,12 @@ class TopicConverter:
             else:
                 numbers[part.place] = _convert_number(given, table, part.share)
         if plan.entry.forces:
-            force, torque = _sum_forces(plan.entry.forces, plan, table)
-            parts_there = plan.target_parts
-            numbers |= _split_columns(parts_there['force'], force, 'xyz')
-            numbers |= _split_columns(parts_there['torque'], torque, 'xyz')
+            for name, total in zip(
+                ('force', 'torque'), _sum_forces(plan.entry.forces, plan, table), strict=True
+            ):
+                # Beside a force or torque without a point
+                for path, values in _split_columns(plan.target_parts[name], total, 'xyz').items():
+                    numbers[path] = values + (numbers[path] if name in parts else 0.0)
         return numbers
 
 

@@ -113,12 +113,12 @@ def _check_parts(candidate: EntryPlan) -> None:
 
 
 def _check_forces(candidate: EntryPlan, forces: Sequence[AppliedForce]) -> None:
-    """Raise BadInput for forces of a message without them, or beside a total."""
+    """Raise BadInput for forces of a message without them, or beside their sum."""
     entry = candidate.entry
-    if 'force' not in candidate.target_parts or entry.force or entry.torque:
+    if 'force' not in candidate.target_parts or entry.force:
         raise BadInput(
             f'In the mapping, topic \'{entry.topic}\' cannot have "forces": only wrench_command '
-            'can, and without "force" and "torque", which follow from them.'
+            'can, and without "force", which is their sum.'
         )
     for one in forces:
         _check_unit(f'{entry.topic}: forces', one, ['N'])

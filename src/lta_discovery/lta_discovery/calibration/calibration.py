@@ -5,24 +5,21 @@ from dataclasses import dataclass
 import math
 from typing import Final, final
 
-from lta_discovery.calibration.coarse_fit import CoarseCalibration, fit_coarse_calibration
+from lta_discovery.calibration.coarse_fit import CoarseCalibration
 from lta_discovery.calibration.forecast_score import relative_error, score_forecasts
+from lta_discovery.calibration.prepared_flights import find_index, fit_coarsely
 from lta_discovery.calibration.refined_fit import refine_calibration
 from lta_discovery.calibration.result import CalibratedValue, Calibration, ForecastScore, WIDE
 from lta_discovery.calibration.reversed_thrust import state_by_duty
 from lta_discovery.fit.bounds import apply_parameters
 from lta_discovery.flights.role_assignment import Role
 from lta_discovery.model.calibration_parameters import (
-    commanded_axes,
     HEADING,
-    list_calibration_parameters,
-    list_reversed_rotors,
     ordinary_tolerances,
 )
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter, NET_LIFT
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
-from lta_discovery.study import prepare_flight
 from lta_model.vehicle import Vehicle
 import numpy as np
 from numpy.typing import NDArray
@@ -48,43 +45,6 @@ class _Estimate:
     flights: Sequence[tuple[Array, Array]]
 
 
-@final
-@dataclass(frozen=True, slots=True)
-class PreparedCalibration:
-    """What a calibration works on."""
-
-    nominal: NominalVehicle
-    knobs: list[FreeParameter]  # the calibrated numbers
-    # Role 'train' or 'confirm'
-    flights: Mapping[str, list[FlightLinearizer]]
-    names: Mapping[str, list[str]]
-
-
-def prepare_calibration(vehicle: Vehicle, flights: Sequence[Role]) -> PreparedCalibration:
-    """Return the flights of a calibration with what can be calibrated with them."""
-    nominal = NominalVehicle.from_vehicle(vehicle)
-    told = [flight for _, _, flight in flights]
-    commanded = np.any(
-        [commanded_axes(one.wrench.values) for one in told if one.wrench is not None] or [[False]],
-        axis=0,
-    )
-    knobs = list_calibration_parameters(
-        nominal,
-        commanded.tolist(),
-        all(one.has_only_pose for one in told),
-        list_reversed_rotors(
-            [one.commands.values for one in told if one.wrench is None], vehicle.reversible
-        ),
-    )
-    roles: dict[str, list[FlightLinearizer]] = {'train': [], 'confirm': []}
-    names: dict[str, list[str]] = {'train': [], 'confirm': []}
-    for title, role, flight in flights:
-        side = role if role in roles else 'confirm'
-        roles[side].append(prepare_flight(vehicle, flight, knobs))
-        names[side].append(title)
-    return PreparedCalibration(nominal, knobs, roles, names)
-
-
 def calibrate_flights(
     vehicle: Vehicle,
     name: str,
@@ -98,11 +58,8 @@ def calibrate_flights(
     `with_flows`: whether the calibrated vehicle has the fitted drag and added mass, too, which a
     discovery names as effects.
     """
-    tell('preparing', 0.0)
-    prepared = prepare_calibration(vehicle, flights)
+    prepared, coarse = fit_coarsely(vehicle, flights, tell)
     nominal, knobs, roles = prepared.nominal, prepared.knobs, prepared.flights
-    tell('fitting forecasts', 0.1)
-    coarse = fit_coarse_calibration(nominal, roles['train'])
     tell('fitting readings', 0.5)
     estimates = _list_estimates(nominal, roles['train'], coarse, knobs)
     tell('forecasting', 0.8)
@@ -111,7 +68,7 @@ def calibrate_flights(
     if roles['confirm']:
         shared = _without_lift(best.shared, knobs)
         # As in the calibrated file; what a flight differs by, its own earlier forecasts tell
-        shared[_index(knobs, NET_LIFT)] = _mean_lift(best, knobs)
+        shared[find_index(knobs, NET_LIFT)] = _mean_lift(best, knobs)
         told_scores['confirm'] = score_forecasts(nominal, roles['confirm'], shared, None)
     tell('done', 1.0)
     return Calibration(
@@ -133,7 +90,7 @@ def _build_calibrated_vehicle(
 ) -> NominalVehicle:
     """Return the vehicle with the calibrated values and the mean net lift of the flights."""
     mean = best.shared[: len(knobs)].copy()
-    lift = _index(knobs, NET_LIFT)
+    lift = find_index(knobs, NET_LIFT)
     mean[lift] = _mean_lift(best, knobs)
     for k, knob in enumerate(knobs):
         # What a flight has of its own, apart from the mean of the lift, is not of the vehicle
@@ -144,13 +101,8 @@ def _build_calibrated_vehicle(
 
 def _mean_lift(best: _Estimate, knobs: Sequence[FreeParameter]) -> float:
     """Return the mean net lift of the flights. [N]"""
-    lift = _index(knobs, NET_LIFT)
+    lift = find_index(knobs, NET_LIFT)
     return float(np.mean([values[lift] for values, _ in best.flights]))
-
-
-def _index(knobs: Sequence[FreeParameter], name: str) -> int:
-    """Return the place of a parameter."""
-    return next(k for k, knob in enumerate(knobs) if knob.name == name)
 
 
 def _without_lift(values: Array, knobs: Sequence[FreeParameter]) -> Array:
@@ -166,7 +118,7 @@ def _list_estimates(
     knobs: Sequence[FreeParameter],
 ) -> list[_Estimate]:
     """Return the estimates in the order of preference; that of the file is the last."""
-    out, lift, count = [], _index(knobs, NET_LIFT), len(knobs)
+    out, lift, count = [], find_index(knobs, NET_LIFT), len(knobs)
     fit = refine_calibration(nominal, flights, coarse)
     if fit is not None and np.isfinite(fit.fitted.covariance).all():
         members = [
@@ -198,7 +150,7 @@ def _choose_estimate(
 
     None is returned that forecasts them worse than the vehicle file.
     """
-    lift = _index(knobs, NET_LIFT)
+    lift = find_index(knobs, NET_LIFT)
     best, error = estimates[-1], math.inf
     told: tuple[ForecastScore, ...] = ()
     for one in estimates:

@@ -12,13 +12,14 @@ from dataclasses import dataclass, replace
 from typing import Final, final
 
 from lta_discovery.calibration.calibrated_file import format_calibrated_vehicle, NAME
-from lta_discovery.calibration.calibration import calibrate_flights, prepare_calibration
+from lta_discovery.calibration.calibration import calibrate_flights
 from lta_discovery.calibration.coarse_fit import find_calibration_start, QuickFit
 from lta_discovery.calibration.forecast_score import (
     is_contradicted,
     relative_error,
     relative_position_error,
 )
+from lta_discovery.calibration.prepared_flights import prepare_calibration
 from lta_discovery.calibration.result import CalibratedValue, Calibration
 from lta_discovery.flights.role_assignment import assign_roles, Role
 from lta_discovery.model.parameters import FreeParameter, NET_LIFT

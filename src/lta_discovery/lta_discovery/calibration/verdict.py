@@ -87,12 +87,14 @@ def _marker_clauses(calibration: Calibration) -> Iterator[str]:
     """Yield rotation and lever arm of the marker frame."""
     turns = [one for s in SIDES if (one := calibration.find(f'marker_offset.{s}'))]
     arms = [one for a in 'xyz' if (one := calibration.find(f'marker_offset.{a}'))]
-    if any(one.is_far for one in turns):
+    turned = any(one.is_far for one in turns)
+    if turned:
         size = DEGREES * math.sqrt(sum(one.value**2 for one in turns))
         yield f'the marker frame is turned by {format_number(size, 2)}\N{DEGREE SIGN}'
     if any(one.is_far for one in arms):
         size = 100.0 * math.sqrt(sum(one.value**2 for one in arms if one.is_known))
-        yield f'its origin is {format_number(size, 2)} cm from the hull centre'
+        whose = 'its' if turned else "the marker frame's"
+        yield f'{whose} origin is {format_number(size, 2)} cm from the hull centre'
 
 
 def _pendulum_clauses(calibration: Calibration) -> Iterator[str]:

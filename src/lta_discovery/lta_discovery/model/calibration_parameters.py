@@ -89,17 +89,18 @@ def has_map_fixed_air(nominal: NominalVehicle) -> bool:
 
 def _damping_deviation(name: str, nominal: NominalVehicle) -> float:
     """
-    Return the deviation of a damping of rotation: the whole damping of its axis.
+    Return the deviation of a damping of rotation: the whole damping of the most damped axis.
 
     Swings show how it divides into a linear and a quadratic part, one of which the file may lack.
+    An estimate from the hull alone has hardly any damping in roll, where fins and gondola give it.
     """
-    axis = name.removesuffix('_2')
     linear, square = (
-        abs(nominal.parameter_value('rotational_drag', f'{axis}{end}')) for end in ('', '_2')
+        max(abs(nominal.parameter_value('rotational_drag', f'{axis}{end}')) for axis in AXES[3:])
+        for end in ('', '_2')
     )
-    if name == axis:
-        return max(linear, TURNING * square)
-    return max(square, linear / TURNING)
+    if name.endswith('_2'):
+        return max(square, linear / TURNING)
+    return max(linear, TURNING * square)
 
 
 # Tolerances of calibrated numbers that have none in discovery: a frame set by eye.

@@ -3,9 +3,12 @@
 from lta_config.errors import BadInput
 from lta_data.importers.draft.draft_mapping import draft_mapping
 from lta_data.importers.draft.draft_vehicle import DraftVehicle
+from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
 from rosbags.rosbag1 import Writer
+from rosbags.rosbag2 import StoragePlugin
+from rosbags.rosbag2 import Writer as Writer2
 from rosbags.typesys import get_typestore, Stores
 from scipy.spatial.transform import Rotation
 import yaml
@@ -13,7 +16,8 @@ import yaml
 from .lab_flights import lab_flight, three, write_csv
 
 POSE, ARRAY = 'geometry_msgs/msg/PoseStamped', 'std_msgs/msg/Float32MultiArray'
-WHALE = DraftVehicle('whale', ('left', 'right', 'up'), {'surge': 0.12, 'heave': 0.06, 'yaw': 0.02})
+LARGEST = {'surge': 0.12, 'heave': 0.06, 'yaw': 0.02}
+WHALE = DraftVehicle('whale', ('left', 'right', 'up'), LARGEST, {})
 SHARES = ('u_surge', 'u_heave', 'u_yaw')
 
 
@@ -42,6 +46,19 @@ def test_shares_of_body_axes_are_forces_by_the_vehicle_file(tmp_path):
     }  # fmt: skip
     assert wrench['torque']['columns'] == [None, None, 'u_yaw']
     assert wrench['torque']['scale'] == [0.0, 0.0, 0.02]
+
+
+def test_forces_act_where_the_rotors_of_the_vehicle_file_push(tmp_path, bring):
+    whale = WHALE._replace(centres={'surge': (0.0, 0.0, -0.34), 'heave': (0.02, 0.0, -0.3)})
+    source = write_commands(tmp_path / 'a.csv', SHARES)
+    draft = draft_mapping(source, {}, whale)
+    assert draft.unused == []
+    (wrench,) = bring(source, draft.text).messages['/lta1/wrench_command'][:1]
+    u, w, r = np.loadtxt(source, delimiter=',', skiprows=1)[0, 8:]
+    force, torque = wrench.wrench.force, wrench.wrench.torque
+    assert (force.x, force.y, force.z) == pytest.approx((0.12 * u, 0.0, 0.06 * w))
+    pitch = -0.34 * 0.12 * u - 0.02 * 0.06 * w  # z Fx - x Fz
+    assert (torque.x, torque.y, torque.z) == pytest.approx((0.0, pitch, 0.02 * r))
 
 
 def test_without_a_vehicle_the_largest_force_of_each_axis_is_asked(tmp_path):
@@ -99,18 +116,18 @@ def test_a_rotor_that_the_vehicle_file_calls_otherwise_is_asked(tmp_path):
     source = write_commands(tmp_path / 'a.csv', ('pwm_left', 'pwm_right', 'pwm_z'))
     (question,) = draft_mapping(source, {}, WHALE).choices.questions
     assert question.key == 'pwm_z.command'
-    assert [name for name, _ in question.options] == ['left', 'right', 'up']
+    assert [name for name, _ in question.options] == ['left', 'right', 'up', 'none']
     draft = draft_mapping(source, {'pwm_z.command': 'up'}, WHALE)
     assert [*find_topic(draft, 'motors')['actuators']] == ['left', 'right', 'up']
     with pytest.raises(BadInput, match=r"Unknown rotor for pwm_z\.command 'top'"):
         draft_mapping(source, {'pwm_z.command': 'top'}, WHALE)
 
 
-def write_bag(path, seconds=40.0):
+def write_bag(path, seconds=40.0, ahead=0):
     """
     Write a bag of ROS 1 with poses in mm and y up, and a stick that pushes forward and turns.
 
-    The vehicle accelerates as its stick says, 0.1 s later.
+    The vehicle accelerates as its stick says, 0.1 s later. `ahead`: of the tracker's clock [ns].
     """
     types = get_typestore(Stores.ROS1_NOETIC)
     kind = types.types
@@ -132,7 +149,7 @@ def write_bag(path, seconds=40.0):
             x, y, z = 1e3 * up.apply(place + np.array([0.0, 0.0, 1.5]))
             stamp = int((1e9 + now) * 1e9)
             head = kind['std_msgs/msg/Header'](
-                k, kind['builtin_interfaces/msg/Time'](*divmod(stamp, 10**9)), 'world'
+                k, kind['builtin_interfaces/msg/Time'](*divmod(stamp + ahead, 10**9)), 'world'
             )
             pose = kind['geometry_msgs/msg/Pose'](
                 kind['geometry_msgs/msg/Point'](x, y, z),
@@ -173,3 +190,74 @@ def test_the_numbers_of_an_array_are_rotors_if_the_user_says_so(tmp_path, vehicl
     }
     draft = draft_mapping(source, {**answers, 'data[1].command': 'none'}, vehicle)
     assert [*find_topic(draft, 'motors')['actuators']] == ['left']
+
+
+def test_what_a_vehicle_file_says_of_its_rotors():
+    gtmab = DraftVehicle.load('gtmab')
+    rotors = load_vehicle('gtmab').rotors
+    assert gtmab.rotors == tuple(rotor.name for rotor in rotors)
+    ahead = [rotor for rotor in rotors if abs(rotor.column[0]) > 0.9]
+    assert gtmab.largest['surge'] == pytest.approx(
+        sum(rotor.full_thrust for rotor in ahead), rel=0.02
+    )
+    assert gtmab.centres['surge'][2] == pytest.approx(
+        np.mean([rotor.place[2] for rotor in ahead]), abs=0.01
+    )
+
+
+def write_plain_bag(path):
+    """Write an odometry of OptiTrack, a pose without stamps, and the twist of a stick."""
+    types = get_typestore(Stores.ROS2_JAZZY)
+    kind = {name.rpartition('/')[2]: one for name, one in types.types.items()}
+    rng = np.random.default_rng(6)
+    turn, place = kind['Quaternion'](0.0, 0.0, 0.0, 1.0), kind['Point'](1.0, 2.0, 1.5)
+    pose = kind['Pose'](place, turn)
+    zero = kind['Vector3'](0.0, 0.0, 0.0)
+    still = kind['TwistWithCovariance'](kind['Twist'](zero, zero), np.zeros(36))
+    with Writer2(path, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        open_ = {}
+        for k in range(60):
+            x, z, r = rng.uniform(-1.0, 1.0, 3).tolist()
+            head = kind['Header'](kind['Time'](100 + k, 0), 'world')
+            twist = kind['Twist'](kind['Vector3'](x, 0.0, z), kind['Vector3'](0.0, 0.0, r))
+            for topic, message in (
+                ('/optitrack/odom', kind['Odometry'](
+                    head, 'b', kind['PoseWithCovariance'](pose, np.zeros(36)), still)),
+                ('/ekf/pose', pose),
+                ('/cmd_vel', twist),
+            ):  # fmt: skip
+                name = message.__msgtype__
+                if topic not in open_:
+                    open_[topic] = writer.add_connection(topic, name, typestore=types)
+                data = types.serialize_cdr(message, name)
+                writer.write(open_[topic], (100 + k) * 10**9, data)
+    return path
+
+
+def test_a_twist_of_a_stick_is_a_wrench_and_a_tracker_is_no_estimate(tmp_path, bring):
+    source = write_plain_bag(tmp_path / 'bag')
+    draft = draft_mapping(source, {}, WHALE)
+    assert draft.choices.questions == []
+    tables = {one['topic']: one['table'] for one in yaml.safe_load(draft.text)['topics']}
+    assert tables == {
+        'ground_truth/odom': '/optitrack/odom', 'odom': '/ekf/pose', 'wrench_command': '/cmd_vel',
+    }  # fmt: skip
+    wrench = find_topic(draft, 'wrench_command')
+    assert wrench['force']['columns'] == ['linear.x', None, 'linear.z']
+    assert wrench['torque']['columns'] == [None, None, 'angular.z']
+    got = bring(source, draft.text)
+    assert got.messages['/lta1/odom'][0].pose.pose.position.z == 1.5
+
+
+def test_poses_with_the_stamps_of_another_computer_get_the_times_of_the_log(tmp_path, bring):
+    answers = {'data[0].command': 'surge', 'data[1].command': 'yaw', 'data[2].command': 'none'}
+    source = write_bag(tmp_path / 'a.bag', ahead=37 * 10**9)
+    draft = draft_mapping(source, answers, WHALE)
+    assert find_topic(draft, 'ground_truth/odom')['stamps'] == 'log'
+    assert 'stamps' not in find_topic(draft, 'wrench_command')
+    got = bring(source, draft.text)
+    first = [got.stamps(f'/lta1/{name}')[0] for name in ('ground_truth/odom', 'wrench_command')]
+    assert abs(first[0] - first[1]) < 10**7
+    # A delay of transport is none
+    late = draft_mapping(write_bag(tmp_path / 'b.bag', ahead=-5 * 10**7), answers, WHALE)
+    assert 'stamps' not in find_topic(late, 'ground_truth/odom')

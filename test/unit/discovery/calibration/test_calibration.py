@@ -10,8 +10,9 @@ from lta_challenge.recording import write_bag
 from lta_config.files import find_file
 from lta_config.vehicle_edit import set_yaml_value
 from lta_discovery.calibration.calibrated_file import format_calibrated_vehicle
-from lta_discovery.calibration.calibration import calibrate_flights, prepare_calibration
+from lta_discovery.calibration.calibration import calibrate_flights
 from lta_discovery.calibration.coarse_fit import find_calibration_start
+from lta_discovery.calibration.prepared_flights import prepare_calibration
 from lta_discovery.calibration.report import build_report
 from lta_discovery.calibration.result import Calibration
 from lta_discovery.calibration.verdict import format_inseparable
@@ -23,6 +24,7 @@ from lta_discovery.run import DiscoveryRequest, study_usable_flights
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 ROLES = ('train', 'train', 'confirm')
 SECONDS = (35.0, 45.0)
@@ -34,14 +36,17 @@ def calibrate_case(
     name: str = 'gtmab',
     effects: Mapping[str, float] | None = None,
     course: Course | None = None,
+    heading: float = 0.0,
 ) -> tuple[CalibrationCase, Calibration]:
-    """Return a case and its calibration, through bags."""
+    """Return a case and its calibration, through bags; the markers are turned by a heading."""
     vehicle = load_vehicle(name)
     case = generate_calibration_case(
         load_vehicle('gtmab'), seed, 0, ROLES, SECONDS, effects=effects, course=course
     )
     bags: dict[Role, list[Path]] = {'train': [], 'confirm': []}
     for flight in case.flights:
+        turns = flight.streams['ground_truth/odom'][1][:, 3:7]
+        turns[:] = (Rotation.from_quat(turns) * Rotation.from_euler('z', heading)).as_quat()
         write_bag(folder / flight.name, flight.streams, vehicle.rotor_names, {})
         bags['train' if flight.role == 'train' else 'confirm'].append(folder / flight.name)
     usable = select_usable_flights(read_bags(bags), vehicle)
@@ -89,6 +94,21 @@ def test_the_first_line_says_what_is_wrong(
     assert report.headline.startswith('Surge: ')
     assert ('backwards' in report.headline.partition(';')[0]) == (case.truth.wrench_gains[0] < 0.0)
     assert 'delay of the commands cannot be separated from the clock' in str(report.blocks)
+
+
+@pytest.mark.long
+def test_a_marker_frame_without_regard_to_the_nose_is_found(tmp_path: Path) -> None:
+    """Rigid bodies of a tracker are often defined while the vehicle points anywhere."""
+    case, found = calibrate_case(3, tmp_path, heading=math.radians(100.0))
+    true = Rotation.from_euler(
+        'ZYX', [case.list_true_values(load_vehicle('gtmab'))[f'marker_offset.{angle}']
+                for angle in ('yaw', 'pitch', 'roll')]
+    ) * Rotation.from_euler('z', 100.0, degrees=True)  # fmt: skip
+    angles = [found.find(f'marker_offset.{angle}') for angle in ('yaw', 'pitch', 'roll')]
+    fitted = Rotation.from_euler('ZYX', [one.value for one in angles if one is not None])
+    assert (true.inv() * fitted).magnitude() < math.radians(3.0)
+    last = found.scores['confirm'][-1]
+    assert last.after[0] < 0.5 * min(last.before[0], last.coast[0])
 
 
 @pytest.mark.long

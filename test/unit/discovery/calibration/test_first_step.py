@@ -12,7 +12,6 @@ from lta_config.files import find_file
 from lta_config.vehicle_edit import set_yaml_value
 from lta_discovery.calibration import first_step
 from lta_discovery.calibration.calibrated_file import format_calibrated_vehicle
-from lta_discovery.calibration.calibration import prepare_calibration
 from lta_discovery.calibration.coarse_fit import (
     build_forecast_fitter,
     fit_coarse_calibration,
@@ -21,6 +20,7 @@ from lta_discovery.calibration.coarse_fit import (
 )
 from lta_discovery.calibration.first_step import calibrate_first
 from lta_discovery.calibration.forecast_score import score_forecasts
+from lta_discovery.calibration.prepared_flights import prepare_calibration
 from lta_discovery.calibration.priors import apply_calibration
 from lta_discovery.calibration.report import build_report
 from lta_discovery.calibration.result import CalibratedValue, Calibration, ForecastScore

@@ -101,11 +101,11 @@ def find_motion_of(
     return {name: _tell(row) for name, row in zip(columns, best[1], strict=True)}
 
 
-def _lose_without(base: Numbers, held: Numbers, column: int, wanted: Numbers) -> float:
+def _lose_without(base: Numbers, held: Numbers, column: int, pull: Numbers) -> float:
     """Return the share of an acceleration that only one command explains."""
-    alone = sum_residuals(base, wanted)
-    whole = sum_residuals(np.column_stack([base, held]), wanted)
-    others = sum_residuals(np.column_stack([base, np.delete(held, column, axis=1)]), wanted)
+    alone = sum_residuals(base, pull)
+    whole = sum_residuals(np.column_stack([base, held]), pull)
+    others = sum_residuals(np.column_stack([base, np.delete(held, column, axis=1)]), pull)
     return (others - whole) / alone if alone > 0.0 else 0.0
 
 

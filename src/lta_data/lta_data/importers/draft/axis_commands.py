@@ -80,17 +80,17 @@ def _read_axis(name: ColumnName) -> tuple[str, frozenset[str]]:
 
 
 def draft_axis_commands(
-    found: Mapping[str, ColumnName], table: Columns, choices: DraftChoices
+    commands: Mapping[str, ColumnName], table: Columns, choices: DraftChoices
 ) -> dict[str, Any]:
     """Return the entry of the wrench; its axes are forward, left and up, or those of the log."""
-    unit, why = _judge_unit(found, table, choices)
+    unit, why = _judge_unit(commands, table, choices)
     entry: dict[str, Any] = {'topic': 'wrench_command'}
     for part, axes, si in (('force', BODY_AXES[:3], 'N'), ('torque', BODY_AXES[3:], 'N m')):
-        there = [axis for axis in axes if axis in found]
+        there = [axis for axis in axes if axis in commands]
         if not there:
             continue
-        columns = [found[axis].column if axis in found else None for axis in axes]
-        entry[part] = {'columns': columns, 'unit': si}
+        columns = [commands[axis].column if axis in commands else None for axis in axes]
+        vector: dict[str, Any] = {'columns': columns, 'unit': si}
         if unit in ('N', 'mN'):
             scale: Any = UNITS[unit]
             reading = ', '.join(f'{axis} [{unit if si == "N" else unit + " m"}]' for axis in there)
@@ -100,24 +100,48 @@ def draft_axis_commands(
             scale = [float(f'{share * full.get(axis, 0.0):.4g}') for axis in axes]
             reading = ', '.join(f'{axis} of {full[axis]:.3g} {si}' for axis in there)
         if scale != 1.0:
-            entry[part]['scale'] = scale
+            vector['scale'] = scale
+        entry[part] = vector
         choices.add_reason(
             f'wrench_command: {part}', [one for one in columns if one], reading, why
         )
-    return entry
+    return _place_forces(entry, choices)
+
+
+def _place_forces(entry: dict[str, Any], choices: DraftChoices) -> dict[str, Any]:
+    """Return an entry whose forces act where the rotors of the vehicle file push."""
+    centres = {} if choices.vehicle is None else choices.vehicle.centres
+    force = entry.get('force', {'columns': []})
+    pushed = [axis for axis, column in zip(BODY_AXES, force['columns'], strict=False) if column]
+    if not pushed or not {*pushed} <= {*centres}:
+        return entry
+    # Motors below the hull also turn it, however well their mixer holds the axes apart
+    forces = []
+    for centre in dict.fromkeys(centres[axis] for axis in pushed):
+        columns = [
+            column if centres.get(axis) == centre else None
+            for axis, column in zip(BODY_AXES, force['columns'], strict=False)
+        ]
+        at = {'value': [float(f'{x:.3g}') for x in centre], 'unit': 'm'}
+        one = {**force, 'columns': columns, 'at': at}
+        # Lists of their own, which YAML writes without references
+        forces.append({k: [*v] if isinstance(v, list) else v for k, v in one.items()})
+    return {'topic': entry['topic'], 'body': 'FLU', 'forces': forces} | {
+        name: part for name, part in entry.items() if name == 'torque'
+    }
 
 
 def _judge_unit(
-    found: Mapping[str, ColumnName], table: Columns, choices: DraftChoices
+    commands: Mapping[str, ColumnName], table: Columns, choices: DraftChoices
 ) -> tuple[str, str]:
     """Return the unit of axis commands, or 'fraction', and the reason."""
-    named = {UNIT_WORDS.get(name.unit, ('',))[0] for name in found.values()} & {*UNITS}
-    values = np.concatenate([np.abs(table[name.column]) for name in found.values()])
+    named = {UNIT_WORDS.get(name.unit, ('',))[0] for name in commands.values()} & {*UNITS}
+    values = np.concatenate([np.abs(table[name.column]) for name in commands.values()])
     size = float(np.nanmax(values, initial=0.0))
     forces = KINDS['force'] | KINDS['torque']
     if named:
         unit, why = min(named).removesuffix(' m'), 'the unit in the names'
-    elif any(name.words & forces for name in found.values()):
+    elif any(name.words & forces for name in commands.values()):
         unit, why = 'N', 'a word for force in the names'
     elif SMALL < size <= FRACTION:
         unit, why = 'fraction', f'up to {size:.3g}: fractions of the largest force of each axis'

@@ -1,6 +1,7 @@
 """Draft the topics of a bag: poses by type and physics, commands by name and by the user."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final, final, NamedTuple
 
@@ -11,6 +12,7 @@ from lta_data.importers.draft.array_commands import ask_for_columns
 from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.clock_alignment import TimedTable
 from lta_data.importers.draft.column_groups import ColumnGroup
+from lta_data.importers.draft.draft_vehicle import BODY_AXES
 from lta_data.importers.draft.motion_draft import draft_motion, MotionDraft
 from lta_data.importers.draft.name_hints import (
     ACTUATORS,
@@ -46,6 +48,7 @@ POSES: Final = (
 )
 ROLES: Final = {'truth': 'ground_truth/odom', 'estimate': 'odom', 'setpoint': 'setpoint/pose'}
 JOYSTICKS: Final = frozenset(['joy', 'joystick', 'gamepad', 'stick', 'sticks'])
+CLOCK: Final = 1.0  # between stamp and log time; more is another clock, not a delay [s]
 ARRAY: Final = 'data['  # in the columns of an array
 NO_NUMBERS: Final = ('header.', 'layout.')  # beginnings of columns that command nothing
 KINDS: Final = {'position': 'position', 'orientation': 'attitude'}
@@ -73,7 +76,8 @@ def draft_bag_topics(path: Path, choices: DraftChoices) -> BagDraft:
     chosen = _choose_topics(types, choices)
     commands = [] if 'wrench_command' in chosen else _list_command_topics(types)
     poses = {ours: name for ours, name in chosen.items() if ours in ROLES.values()}
-    tables = _read_tables(path, [*poses.values(), *commands])
+    read = [name for ours, name in chosen.items() if ours in (*poses, 'wrench_command')]
+    tables, foreign = _replace_foreign_stamps(_read_tables(path, [*read, *commands]), choices)
     entries, groups, tracked = [], dict[str, list[ColumnGroup]](), None
     # ROS states metres and z up; a log shows where that is not so
     choices.settled.setdefault('position.unit', 'm')
@@ -91,6 +95,9 @@ def draft_bag_topics(path: Path, choices: DraftChoices) -> BagDraft:
         entries.append(entry)
     entries += _draft_commands({one: tables[one] for one in commands if one in tables},
                                tracked, choices)  # fmt: skip
+    entries = [
+        entry | ({'stamps': 'log'} if entry['table'] in foreign else {}) for entry in entries
+    ]
     if not entries:
         raise BadInput(
             f"No topic of '{path}' has a type that becomes one of ours; it has "
@@ -98,6 +105,24 @@ def draft_bag_topics(path: Path, choices: DraftChoices) -> BagDraft:
             'mapping.'
         )
     return BagDraft(entries, groups, tables)
+
+
+def _replace_foreign_stamps(
+    tables: Mapping[str, LogTable], choices: DraftChoices
+) -> tuple[Mapping[str, LogTable], set[str]]:
+    """Return tables whose stamps are of one clock, and those that got the times of the log."""
+    late = {
+        name: float(np.median(one.log_times - one.stamps)) * 1e-9 for name, one in tables.items()
+    }
+    if not late or max(late.values()) - min(late.values()) < CLOCK:
+        return tables, set()
+    foreign = {name: seconds for name, seconds in late.items() if abs(seconds) > CLOCK}
+    for name, seconds in foreign.items():
+        side = 'before' if seconds > 0.0 else 'after'
+        why = f'its stamps are {abs(seconds):.1f} s {side} the log, and those of others are not'
+        choices.add_reason('times', [name], 'as logged', why)
+    moved = {name: replace(tables[name], stamps=tables[name].log_times) for name in foreign}
+    return {**tables, **moved}, {*foreign}
 
 
 def count_changing_commands(path: Path) -> int:
@@ -115,7 +140,9 @@ def _choose_topics(types: Mapping[str, str], choices: DraftChoices) -> dict[str,
     candidates: dict[str, list[tuple[str, str]]] = {}
     for name, kind in types.items():
         if kind in POSES:
-            role = match_role(parse_column_name(name).words)
+            words = parse_column_name(name).words
+            # /optitrack/odom is no estimate
+            role = match_role(words - {'odom'}) or match_role(words)
             ours = ROLES[role] if role else ('odom' if 'Odometry' in kind else ROLES['truth'])
             candidates.setdefault(ours, []).append((name, kind))
         elif kind in BY_TYPE:
@@ -252,6 +279,10 @@ def _draft_commands(
     words = parse_column_name(topic).words
     names = ask_for_columns(topic, names, tables[topic], columns[topic], tracked, choices)
     # What the topic is called, its numbers are
-    named = [one._replace(stem=(*one.stem, 'motor', *words)) for one in names]
+    named = [
+        one if one.stem[:1] and one.stem[0] in BODY_AXES
+        else one._replace(stem=(*one.stem, 'motor', *words))
+        for one in names
+    ]  # fmt: skip
     entries = draft_scalars(topic, columns[topic], named, choices)
     return [one for one in entries if one['topic'] in ('motors', 'wrench_command')][:1]

@@ -1,8 +1,9 @@
-"""What a draft takes from a vehicle file: names of rotors, and the largest force on each axis."""
+"""What a draft takes from a vehicle file: names of rotors, what they push at most, and where."""
 
 from typing import Final, final, NamedTuple, Self
 
 from lta_model.vehicle import load_vehicle
+import numpy as np
 
 # Body axes that a lab commands, in the order of a wrench
 BODY_AXES: Final = ('surge', 'sway', 'heave', 'roll', 'pitch', 'yaw')
@@ -16,6 +17,8 @@ class DraftVehicle(NamedTuple):
     name: str
     rotors: tuple[str, ...]  # in the order of `motors`
     largest: dict[str, float]  # force or moment by all rotors, by axis [N, N m]
+    # Where they push, on average, in body axes from the hull centre, by axis of a force [m]
+    centres: dict[str, tuple[float, ...]]
 
     @classmethod
     def load(cls, name: str) -> Self:
@@ -26,4 +29,10 @@ class DraftVehicle(NamedTuple):
             for k, axis in enumerate(BODY_AXES)
         }
         pushed = {axis: most for axis, most in largest.items() if most > NOTHING}
-        return cls(vehicle.file.name, tuple(vehicle.rotor_names), pushed)
+        centres = {}
+        for k, axis in enumerate(BODY_AXES[:3]):
+            weights = [abs(rotor.column[k]) * rotor.full_thrust for rotor in vehicle.rotors]
+            if axis in pushed:
+                places = np.array([rotor.place for rotor in vehicle.rotors])
+                centres[axis] = tuple(np.average(places, axis=0, weights=weights).tolist())
+        return cls(vehicle.file.name, tuple(vehicle.rotor_names), pushed, centres)

@@ -216,7 +216,7 @@ def _name_actuators(motors: Sequence[ColumnName], choices: DraftChoices) -> list
             called[index] = answer
         # The numbers of an array were asked for
         elif rotors and called[index] not in rotors and not NUMBERED.fullmatch(name.column):
-            options = [(rotor, 'a rotor') for rotor in rotors]
+            options = [*((rotor, 'a rotor') for rotor in rotors), ('none', 'none of them')]
             said = f'Which rotor of the vehicle file does {name.column} command?'
             called[index] = choices.decide(key, options, said)
     return called

@@ -214,4 +214,7 @@ def list_columns(part: Any) -> list[str]:  # noqa: ANN401 - a mapping as plain d
             if key != 'topic'
             for column in ([value] if key == 'column' else list_columns(value))
         ]
-    return [one for one in part if isinstance(one, str)] if isinstance(part, list) else []
+    if isinstance(part, list):
+        inside = [column for one in part if isinstance(one, dict) for column in list_columns(one)]
+        return [one for one in part if isinstance(one, str)] + inside
+    return []

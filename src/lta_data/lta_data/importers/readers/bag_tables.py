@@ -46,6 +46,11 @@ FURTHER: Mapping[str, Mapping[str, MessagePart]] = {
     'geometry_msgs/msg/TransformStamped': _pose_parts(
         'transform.translation', 'transform.rotation'
     ),
+    'geometry_msgs/msg/Pose': _pose_parts('position', 'orientation'),
+    'geometry_msgs/msg/Wrench': {
+        'force': MessagePart('force', 'N', 'vector', 'body'),
+        'torque': MessagePart('torque', 'N m', 'axial', 'body'),
+    },
     TRANSFORMS: _pose_parts('transform.translation', 'transform.rotation'),
     'geometry_msgs/msg/TwistWithCovarianceStamped': {
         'velocity': MessagePart('twist.twist.linear', 'm/s', 'vector', 'body'),
@@ -200,7 +205,8 @@ def can_pass_unchanged(entry: TopicMapping, mapping: MappingFile, theirs: str, o
     told = (
         entry.parts or entry.actuators or entry.forces or entry.where or entry.world or entry.body
     )
-    return theirs == ours and not told and mapping.world is None and mapping.body is None
+    moved = entry.stamps == 'log' or mapping.world is not None or mapping.body is not None
+    return theirs == ours and not told and not moved
 
 
 class BagTableLog:
