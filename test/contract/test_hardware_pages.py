@@ -26,11 +26,16 @@ def test_a_page_is_that_of_the_stored_rows_or_called_stale(page):
         assert '\n**Stale:** ' in text
 
 
-def test_the_part_on_the_light_link_is_that_of_its_rows():
-    if not hardware_pages.is_stored(faults.PAGE):
-        stored = read_stored(faults.LIGHT_RECORD)
-        text = faults.PAGE.read_text(encoding='utf-8')
-        assert text.endswith('\n' + faults.compose_light_part(stored))
+def test_a_campaign_of_the_light_link_replaces_its_rows_only():
+    case = campaign.Case('light lost', 0)
+    row = {'wrong': 'a stamp is off'}
+    facts, before = read_stored(faults.RECORD)
+    replaced = faults.replace_light_rows({case: row})
+    assert replaced.facts == facts
+    assert replaced.rows[case] == row
+    flights = {key: each for key, each in before.items() if key.kind not in faults.LIGHT_KINDS}
+    assert len(replaced.rows) == len(flights) + 1
+    assert flights.items() <= replaced.rows.items()
 
 
 def test_the_tables_of_the_firmware_are_those_that_were_recorded():

@@ -21,6 +21,7 @@ from campaign import (
     count_flights,
     describe_lateness,
     list_flown_files,
+    read_stored,
     Row,
     STALLED,
     store,
@@ -39,7 +40,6 @@ from slow_clock import slow_down
 HERE: Final = Path(__file__).resolve().parent
 PAGE: Final = HERE.parents[1] / 'docs/hardware_faults.md'
 RECORD: Final = HERE.parents[1] / 'test/golden/hardware_faults.json'
-LIGHT_RECORD: Final = HERE.parents[1] / 'test/golden/hardware_light_faults.json'
 FIRMWARE: Final = HERE.parents[1] / 'test/golden/crazyflie_firmware.json'
 HUNG: Final = 240.0  # s after which a flight hangs
 EACH: Final = 20
@@ -160,30 +160,11 @@ def compose_page(stored: StoredCampaign) -> str:
     return head + '\n'.join(lines).rstrip('\n') + '\n'
 
 
-def compose_light_part(stored: StoredCampaign) -> str:
-    """Return the page's part on the link of the light board, of a campaign of it alone."""
-    outcomes = stored.rows
-    wrong = [
-        f'- {about(case.kind)}, trial {case.number}: {row["wrong"]}.'
-        for case, row in outcomes.items()
-        if row['wrong']
-    ]
-    lines = [
-        LIGHT_HEAD.format(told=TOLD, again=AGAIN, slack=SLACK),
-        *light_rows(outcomes),
-        '',
-        f'{count_flights(outcomes)} ({codes(outcomes)}). {describe_lateness(outcomes.values())} '
-        'The rows are in `test/golden/hardware_light_faults.json`.',
-        *(['', 'Not as stated:', '', *wrong] if wrong else []),
-    ]
-    return '\n'.join(lines).lstrip('\n') + '\n'
-
-
-def write_light_part(stored: StoredCampaign) -> None:
-    """Write the part on the light board's link, and leave the rest of the page as it is."""
-    text = PAGE.read_text(encoding='utf-8')
-    place = text.index(LIGHT_HEAD.split('\n')[1])
-    PAGE.write_text(text[:place] + compose_light_part(stored), encoding='utf-8')
+def replace_light_rows(outcomes: dict[Case, Row]) -> StoredCampaign:
+    """Return the stored campaign with other rows of the light link."""
+    facts, stored = read_stored(RECORD)
+    flights = {case: row for case, row in stored.items() if case.kind not in LIGHT_KINDS}
+    return StoredCampaign(facts, flights | outcomes)
 
 
 def fate(kind: Kind) -> str:
@@ -200,13 +181,16 @@ def main() -> int:
     slow_down(told.slower, told.out)
     outcomes = campaign(turn_about(told.kinds, told.each), path, told.side, flown)
     status = printed([*rows(outcomes), *light_rows(outcomes)], path, outcomes)
-    if {case.kind for case in outcomes} == set(ALL):
+    kinds = {case.kind for case in outcomes}
+    if kinds == set(ALL):
         # The commit that the emulator is held to
         commit = json.loads(FIRMWARE.read_text())['builds'][APP]['commit']
-        stored = store(RECORD, StoredCampaign({'firmware': commit}, outcomes))
-        PAGE.write_text(compose_page(stored), encoding='utf-8')
-    elif {case.kind for case in outcomes} == set(LIGHT_KINDS):
-        write_light_part(store(LIGHT_RECORD, StoredCampaign({}, outcomes)))
+        campaigned = StoredCampaign({'firmware': commit}, outcomes)
+    elif kinds == set(LIGHT_KINDS):
+        campaigned = replace_light_rows(outcomes)
+    else:
+        return status
+    PAGE.write_text(compose_page(store(RECORD, campaigned)), encoding='utf-8')
     return status
 
 
