@@ -302,10 +302,12 @@ def _find_wrong_vertical(pose: PoseSeries, evidence: CheckContext) -> Iterator[Q
     if any(fit.cosine < CONTRADICTION for fit in turns if np.isfinite(fit.factor)):
         return
     lean = fit_tilt(pose)
-    low, high = np.percentile(place.values[:, 2], [50.0, 98.0])
+    least, low, high = np.percentile(place.values[:, 2], [2.0, 50.0, 98.0])
     below = bool(low < BELOW and high < 0.0)
+    # With z down, heights that are all above zero would be below the floor
     against = (
         lean.cosine < -TILT
+        and least < 0.0
         and _is_near(lean.factor / STANDARD_GRAVITY, 1.0)
         and not _swings_with_body(pose)
     )
