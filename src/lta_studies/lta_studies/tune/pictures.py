@@ -105,4 +105,9 @@ def plot_search(history: Sequence[float], cases: int) -> Figure:
     figure.add_hline(y=history[0], line={'color': SOFT, 'width': 1, 'dash': 'dot'})
     figure.update_layout(margin={'r': 24})
     figure.update_xaxes(title_text='flights')
-    return figure.update_yaxes(title_text='lowest cost so far')
+    # Where nothing better is found, ticks would differ in the ninth digit
+    low, high = min(history), max(history)
+    room = max(0.1 * (high - low), 0.01 * abs(high))
+    return figure.update_yaxes(
+        title_text='lowest cost so far', range=[low - room, high + room], tickformat='.3~g'
+    )

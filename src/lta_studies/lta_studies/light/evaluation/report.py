@@ -208,9 +208,10 @@ def draw_set(name: str, cells: Sequence[EvaluationCell]) -> Picture:
         pictures.plot_factors(cells) if part.axis is None
         else pictures.plot_along_axis(cells, part.axis)
     )  # fmt: skip
-    return Picture(
-        name, part.title, part.about, figure, height=640 if name in {UNIFORM, ABLATIONS} else 430
-    )
+    # A factor has up to four lines of text
+    factors = len({cell.case for cell in cells})
+    height = 120 + 62 * factors if part.axis is None else 640 if name == UNIFORM else 430
+    return Picture(name, part.title, part.about, figure, height=height)
 
 
 def build_tables(
