@@ -239,8 +239,11 @@ def parse_status(line: str) -> dict[str, str] | None:
     return None
 
 
-def describe_status(status: Mapping[str, str]) -> str:
-    """Return a final status in words, to be put after the name of the drone."""
+def describe_line(line: str) -> str:
+    """Return a line that a node printed; the final status of a flight in words."""
+    status = parse_status(line)
+    if status is None or not {'sentence', 'time_s', 'distance_m'} <= status.keys():
+        return line
     place = f'{status["distance_m"]} m from the lamp'
     return f'{status["sentence"]} after {status["time_s"]} s, {place}'
 

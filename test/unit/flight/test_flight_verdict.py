@@ -1,6 +1,6 @@
 """How a flight went is the simulator's own last word, whatever /diagnostics carried."""
 
-from lta_flight.flight import describe_status, FLIGHT, parse_final_status, show_status
+from lta_flight.flight import describe_line, FLIGHT, parse_final_status, show_status
 from lta_flight.stall_monitor import GOING, is_flying
 from lta_graph.child_process import ProcessExit
 from lta_graph.health import HealthFact, HealthLevel
@@ -28,9 +28,17 @@ def test_a_simulator_that_died_has_said_nothing():
     assert parse_final_status([ended('simulator', '[1, 2]')]) is None
 
 
-def test_a_launch_prints_the_last_line_in_words():
-    status = {'sentence': 'ran out of time', 'time_s': '5.00', 'distance_m': '6.1'}
-    assert describe_status(status) == 'ran out of time after 5.00 s, 6.1 m from the lamp'
+def test_a_person_reads_the_last_line_in_words():
+    status = '{"outcome": "timeout", "sentence": "ran out of time", "time_s": "5.00"'
+    line = f'{status}, "distance_m": "6.1"}}'
+    assert describe_line(line) == 'ran out of time after 5.00 s, 6.1 m from the lamp'
+
+
+@pytest.mark.parametrize(
+    'line', ['', 'something else', '[1, 2]', '{"outcome": "played", "unanswered": "0"}']
+)
+def test_any_other_line_is_printed_as_it_is(line):
+    assert describe_line(line) == line
 
 
 @pytest.mark.parametrize(

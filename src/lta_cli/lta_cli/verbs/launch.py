@@ -12,7 +12,7 @@ from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_data.bag.reader import read_bag
 from lta_data.bag.recorded_flight import list_robots
-from lta_flight.flight import describe_status, is_refusal, parse_status
+from lta_flight.flight import describe_line, is_refusal
 from lta_flight.graph import list_bags, run_graph
 from lta_flight.preflight import check_plan
 from lta_flight.report.page import write_page
@@ -99,8 +99,9 @@ def print_event(sentence: str) -> None:
 
 def print_node_line(node: str, line: str) -> None:
     """Print one output line of a node, prefixed with its name."""
-    status = parse_status(line)
-    sys.stdout.write(f'[{node}] {line if status is None else describe_status(status)}\n')
+    # Programs that read a pipe get the line as it is
+    text = describe_line(line) if sys.stdout.isatty() else line
+    sys.stdout.write(f'[{node}] {text}\n')
 
 
 def print_arguments(path: Path) -> None:
