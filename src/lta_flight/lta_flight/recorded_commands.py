@@ -12,6 +12,7 @@ import math
 from pathlib import Path
 from typing import Final, final
 
+from lta_config.constants import STANDARD_GRAVITY
 from lta_config.errors import BadInput
 from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.channels import iterate_channels, SignalChannel
@@ -32,7 +33,6 @@ FITTED: Final = 0.5  # s; poses from which a missing velocity is fitted
 SHORTEST: Final = 1.0  # s
 WRENCH: Final = 'wrench_command'
 SUNK: Final = 0.02  # m below the height at which the vehicle stands
-GRAVITY: Final = 9.81  # m/s2
 HEAVY: Final = 10.0  # times the weight; a larger command is in another unit
 EARLY: Final = 1e-6  # s; a command counts from its stamp, whose float is rounded
 TWIST: Final = tuple(
@@ -209,7 +209,7 @@ def _read_wrenches(flight: RecordedFlight, vehicle: Vehicle) -> tuple[Array, Arr
     ]
     times, first = np.unique(named[0].time, return_index=True)
     wrenches = fill_with_last(np.column_stack([each.values for each in named])[first])
-    most, weight = float(np.abs(wrenches).max(initial=0.0)), GRAVITY * vehicle.mass
+    most, weight = float(np.abs(wrenches).max(initial=0.0)), STANDARD_GRAVITY * vehicle.mass
     if most > HEAVY * weight:
         raise BadInput(
             f"The commands in 'wrench_command' reach {most:.3g} N or N m, and "

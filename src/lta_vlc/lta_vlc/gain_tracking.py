@@ -24,13 +24,13 @@ from typing import Final, final
 from lta_vlc.demodulation import Peaks
 from lta_vlc.diodes import DiodeArray
 from lta_vlc.direction import Direction
+from lta_vlc.direction_fit import WIDEST
 import numpy as np
 
 PATTERN, OBLIQUE = 0.06, 0.3  # relative standard deviation of a reading by reflections
 LEVEL: Final = 0.1  # relative standard deviation of the fitted strength
 FACING: Final = 0.3  # least cosine to the lamp of a diode that is learnt from
 SMALLEST: Final = 0.01  # spread that remains, however long the turn
-WIDEST: Final = 0.3  # smallest exponent
 
 
 @final

@@ -88,5 +88,5 @@ def fit_coarsely(
 
 
 def find_index(knobs: Sequence[FreeParameter], name: str) -> int:
-    """Return the place of a parameter."""
+    """Return the index of the parameter with a name."""
     return next(k for k, knob in enumerate(knobs) if knob.name == name)

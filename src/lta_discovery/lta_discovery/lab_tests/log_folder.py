@@ -105,7 +105,7 @@ def _find_mapping(log: Path, folder: Path, requested: str | None) -> str | None:
 
 
 def _has_our_topics(bag: Path) -> bool:
-    """Return whether a bag has a tracked pose or commands under our names."""
+    """Return whether a bag has a pose or commands on topics with the names of LTA."""
     names = FORMATS['bag'].opened(bag, None).raw
     return any(f'/{name.lstrip("/")}'.endswith(OURS) for name in names)
 

@@ -71,7 +71,11 @@ def write_step(folder, seed):
 
 @pytest.mark.parametrize('seed', [2, 10, 11, 14])
 def test_the_end_of_a_step_explains_no_other_acceleration(tmp_path, seed):
-    """A log of one step overlaps by half at far offsets, where its one edge fits any gust."""
+    """
+    A wrong offset of several seconds leaves half of the log without commands.
+
+    There, the one edge of a step can coincide with a gust.
+    """
     write_step(tmp_path / 'a', seed)
     draft = draft_mapping(tmp_path / 'a', {})
     times = [one.reading for one in draft.choices.reasons if 'later' in one.reading]

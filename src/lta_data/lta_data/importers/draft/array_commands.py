@@ -102,7 +102,7 @@ def find_motion_of(
 
 
 def _lose_without(base: Numbers, held: Numbers, column: int, pull: Numbers) -> float:
-    """Return the share of an acceleration that only one command explains."""
+    """Return the share of the variance of an acceleration that only one command explains."""
     alone = sum_residuals(base, pull)
     whole = sum_residuals(np.column_stack([base, held]), pull)
     others = sum_residuals(np.column_stack([base, np.delete(held, column, axis=1)]), pull)
@@ -110,7 +110,7 @@ def _lose_without(base: Numbers, held: Numbers, column: int, pull: Numbers) -> f
 
 
 def _tell(shares: Numbers) -> str:
-    """Return which accelerations a command explains, as a sentence; '' if none."""
+    """Return a sentence on the accelerations that follow a command; '' if none does."""
     told = [
         f'{100.0 * share:.0f} % of the {word} acceleration'
         for share, word in sorted(zip(shares, MOTIONS, strict=True), reverse=True)

@@ -158,7 +158,7 @@ def _judge_unit(
 
 
 def _find_largest(axis: str, unit: str, choices: DraftChoices) -> float:
-    """Return the force or moment of a command of 1: the user's, else that of the vehicle file."""
+    """Return the force or moment at a command of 1, by the user or by the vehicle file."""
     key = f'{axis}.largest'
     text = choices.override(key, '')
     if text:

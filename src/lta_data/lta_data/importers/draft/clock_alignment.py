@@ -79,6 +79,7 @@ class AlignedClock(NamedTuple):
     align: str  # table of the pose if each log has its own offset, '' if the user gave it
     why: str
     is_clear: bool = False  # the motion of the log tells it
+    is_shared: bool = False  # several logs agree on it
 
     def list_keys(self) -> dict[str, str]:
         """Return what a mapping says of it."""

@@ -73,7 +73,7 @@ def share_clocks(logs: Sequence[Clocks]) -> list[Clocks]:
         middle = float(np.median(offsets))
         if span <= ALIKE:
             why = f'that of {len(told)} logs, which agree within {max(span, 0.01):.2f} s'
-            shared[name] = told[0]._replace(seconds=middle, why=why)
+            shared[name] = told[0]._replace(seconds=middle, why=why, is_shared=True)
     return [{name: shared.get(name, clock) for name, clock in log.items()} for log in logs]
 
 
@@ -97,7 +97,7 @@ def set_clocks(
     topics = [_set_start(one, starts.get(one.table or '')) for one in mapping.topics]
     return mapping.model_copy(update={'topics': topics}), [
         f'{clock.seconds:.2f} s are added to the times of {name}: {clock.why}.'
-        + (own if clock.is_clear and not clock.why.startswith('that of') else '')
+        + (own if clock.is_clear and not clock.is_shared else '')
         for name, clock in clocks.items()
     ]
 

@@ -50,7 +50,7 @@ def measure_budget(
     seeds: int,
     fly_all: Callable[[Sequence[BudgetFlight]], Iterable[FlightTrack]] = FLY_HERE,
 ) -> PowerBudget:
-    """Measure the budget with some seeds per task, by flights that `fly_all` may share out."""
+    """Measure the budget; `fly_all` flies all flights, in this process or in workers."""
     body, other = load_vehicle(vehicle), load_vehicle(standard)
     kinds = [(vehicle, COURSE), *((vehicle, name) for name in STRATEGIES), (standard, COURSE)]
     flights = [BudgetFlight(*kind, seed) for kind in kinds for seed in range(1, seeds + 1)]

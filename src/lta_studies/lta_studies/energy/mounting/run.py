@@ -172,7 +172,7 @@ def compare_mounts(
     request: MountingRequest,
     fly_all: Callable[[Sequence[MountFlight]], Iterable[StraightFlightResult]] = FLY_HERE,
 ) -> MountingStudy:
-    """Compare the mounts, by flights that `fly_all` may share out."""
+    """Compare the mounts; `fly_all` flies all flights, in this process or in workers."""
     fits = request.build_vehicles()
     seeds = range(request.first, request.first + request.seeds)
     flights = [
