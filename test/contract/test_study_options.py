@@ -25,8 +25,8 @@ def list_verbs():
 
 
 @pytest.fixture(scope='module')
-def options():
-    """Return the options of every command by its words."""
+def commands():
+    """Return every command by its words."""
     app = get_command(build_app())
     found = {}
     for words, _ in list_verbs():
@@ -34,10 +34,26 @@ def options():
         if command is None:
             group, word = words.split()
             command = app.commands[group].commands[word]
-        found[words] = {
-            text for each in command.params for text in (*each.opts, *each.secondary_opts)
-        }
+        found[words] = command
     return found
+
+
+@pytest.fixture(scope='module')
+def options(commands):
+    """Return the options of every command by its words."""
+    return {
+        words: {text for each in command.params for text in (*each.opts, *each.secondary_opts)}
+        for words, command in commands.items()
+    }
+
+
+def test_out_is_a_folder_and_file_a_file_in_every_command(commands):
+    for words, command in commands.items():
+        for each in command.params:
+            if '--out' in each.opts:
+                assert each.help.startswith('Folder '), words
+            if '--file' in each.opts:
+                assert ' file to write' in each.help, words
 
 
 def list_files(decorator):

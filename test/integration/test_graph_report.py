@@ -15,8 +15,8 @@ def test_the_page_comes_again_from_the_bag(lta, call, tmp_path):
     page = tmp_path / 'run' / 'report.html'
     assert result.stdout == f'Page {page}\n'
     assert 'reached it in 12.0 s' in page.read_text()
-    assert call('report', bag / 'bag_0.mcap', '--out', tmp_path / 'x.html')[0] == 0
-    assert (tmp_path / 'x.html').stat().st_size > 1_000_000
+    assert call('report', bag / 'bag_0.mcap', '--out', tmp_path / 'x')[0] == 0
+    assert (tmp_path / 'x' / 'report.html').stat().st_size > 1_000_000
 
 
 def test_what_cannot_be_is_one_sentence_and_makes_nothing(call, tmp_path):
@@ -26,7 +26,7 @@ def test_what_cannot_be_is_one_sentence_and_makes_nothing(call, tmp_path):
     for words, sentence in (
         ((tmp_path / 'none', '--pictures', tmp_path / 'new'), 'does not exist'),
         ((bag, '--pictures', tmp_path / 'mine'), 'is not empty'),
-        ((bag, '--out', tmp_path / 'no' / 'x.html'), 'cannot be written'),
+        ((bag, '--out', bag / 'metadata.yaml' / 'x'), 'cannot be created'),
     ):
         status, said = call('report', *words)
         assert status == 2

@@ -90,7 +90,8 @@ def plot(folder, call):
 
 
 def vehicle(folder, call):
-    call('vehicle', 'show', 'gtmab', '--out', folder / 'report.html')
+    call('vehicle', 'show', 'gtmab', '--out', folder / 'out')
+    (folder / 'out' / 'report.html').rename(folder / 'report.html')
 
 
 def sweep(folder, call):

@@ -29,7 +29,7 @@ FLIGHTS = {
 }
 COMMANDS = {
     'vehicle show': 'vehicle show gtmab --json',
-    'vehicle page': 'vehicle show gtmab --out {out}.html',
+    'vehicle page': 'vehicle show gtmab --out {out}',
     'vehicle check': 'vehicle check skye --json',
     'vehicle diff': 'vehicle diff gtmab skye --json',
     'vehicle trim': 'vehicle trim {flight} --json',
@@ -50,7 +50,7 @@ COMMANDS = {
     'bag info': 'bag info {flight}/bag --json',
     'bag check': 'bag check {flight}/bag --json',
     'bag export': 'bag export {flight}/bag --format csv --json --out {out}',
-    'report': 'report {flight}/bag --out {out}.html',
+    'report': 'report {flight}/bag --out {out}',
     'compare': 'compare {flight} {other} --json --out {out}',
     'replay': 'replay {flight}/bag --json --out {out}',
 }
@@ -132,7 +132,7 @@ def run_command(name: str, line: str, folder: Path) -> dict[str, str]:
         rows |= {f'{name} / {path}': value for path, value in found}
     except ValueError:
         rows[f'{name} / status'] += ', no JSON'
-    for page in sorted([*out.rglob('*.html'), *folder.glob(f'{out.name}.html')]):
+    for page in sorted(out.rglob('*.html')):
         rows |= {f'{name} / {table}': value for table, value in read_tables(page)}
     return rows
 

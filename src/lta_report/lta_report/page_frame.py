@@ -33,7 +33,6 @@ def write_file(content: str | bytes, out: Path) -> Path:
             part.write_bytes(content.encode() if isinstance(content, str) else content)
     except OSError as error:
         raise BadInput(
-            f"'{out}' cannot be written ({error.strerror}); free disk space, or choose another "
-            'folder with --out.'
+            f"'{out}' cannot be written ({error.strerror}); free disk space, or write elsewhere."
         ) from error
     return out

@@ -63,8 +63,8 @@ def write_new_file(out: Path, text: str) -> None:
         with out.open('x', encoding='utf-8') as stream:
             stream.write(text)
     except FileExistsError:
-        raise BadInput(f'{out} already exists; choose another file with --out.') from None
+        raise BadInput(f'{out} already exists; choose another one with --file.') from None
     except OSError as error:
         raise BadInput(
-            f'{out} cannot be written ({error.strerror}); choose another file.'
+            f'{out} cannot be written ({error.strerror}); choose another one with --file.'
         ) from None

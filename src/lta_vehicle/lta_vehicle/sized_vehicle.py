@@ -34,7 +34,7 @@ def write_sized_vehicle(name: str, size: VehicleSize, out: Path) -> tuple[Vehicl
     vehicle = Vehicle(validate_content(VehicleFile, blocks, f'The vehicle {name}'))
     _ = vehicle.hover_duty  # raises BadInput if the motors cannot lift it
     if gains.exists() or gains == out:
-        raise BadInput(f'{gains} already exists; choose another file with --out.')
+        raise BadInput(f'{gains} already exists; choose another one with --file.')
     texts = format_vehicle_file(blocks, vehicle, size), format_gains(vehicle)
     write_new_file(out, texts[0])
     try:

@@ -127,7 +127,7 @@ def test_every_command_reads_a_bag_of_either_kind(call, bag, tmp_path):
         ('bag', 'plot', bag, 'light/peaks/snr*', 'energy/status/power_out', 'photodiodes/mean*'),
         ('bag', 'export', bag, '--format', 'parquet', '--out', tmp_path / 'export'),
         ('compare', bag, bag, '--json', '--out', tmp_path / 'compare'),
-        ('report', bag, '--out', tmp_path / 'page.html'),
+        ('report', bag, '--out', tmp_path / 'page'),
     ):
         status, said = call(*words)
         # 1: the check has findings, as of a flight of seconds

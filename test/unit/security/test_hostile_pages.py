@@ -150,13 +150,13 @@ def test_the_page_of_a_vehicle(tmp_path, monkeypatch, capsys, evil, changes):
     """A name must be a word, or the file is refused; the rest may be anything."""
     data = yaml.safe_load(find_file('vehicle', 'gtmab').read_text(encoding='utf-8'))
     changes(data, evil)
-    file, out = tmp_path / 'v.yaml', tmp_path / 'vehicle.html'
+    file, out = tmp_path / 'v.yaml', tmp_path / 'page'
     file.write_text(yaml.safe_dump(data))
     monkeypatch.setattr(sys, 'argv', ['lta', 'vehicle', 'show', str(file), '--out', str(out)])
     status = app.run_command_line()
     assert status == 0 or changes is not tells
     if status == 0:
-        assert MARK in inert(out.read_text(encoding='utf-8')).words
+        assert MARK in inert((out / 'report.html').read_text(encoding='utf-8')).words
     else:
         assert len(capsys.readouterr().err.splitlines()) == 1
 

@@ -136,11 +136,11 @@ def test_capacities_are_written_as_usual() -> None:
 
 def test_the_command_says_what_it_wrote_and_what_next(call, tmp_path: Path) -> None:
     path = tmp_path / 'mine.yaml'
-    status, said = call('vehicle', 'new', 'mine', *CIGAR, '--out', str(path))
+    status, said = call('vehicle', 'new', 'mine', *CIGAR, '--file', str(path))
     assert status == 0
     assert '34 g of ballast leave it 2 g heavier' in said.out
     assert 'tests plan' in said.out
-    assert call('vehicle', 'new', 'mine', *CIGAR, '--out', str(path))[0] == 2
+    assert call('vehicle', 'new', 'mine', *CIGAR, '--file', str(path))[0] == 2
     status, said = call('vehicle', 'new', 'other', '--mass', '3 g')
     assert status == 2
     assert '--diameter, --thrust, --arm is missing' in said.err

@@ -52,7 +52,7 @@ def test_nothing_is_overwritten(call, tmp_path):
     (tmp_path / 'a.yaml').write_text('mine')
     status, said = call('new', 'a')
     assert status == 2
-    assert said.err == 'a.yaml already exists; choose another file with --out.\n'
+    assert said.err == 'a.yaml already exists; choose another one with --file.\n'
     assert (tmp_path / 'a.yaml').read_text() == 'mine'
 
 
@@ -61,10 +61,10 @@ def test_nothing_is_overwritten(call, tmp_path):
     [
         (('new', 'My-Blimp'), "Invalid vehicle name 'My-Blimp'"),
         (('new', 'a', '--from', 'nope'), "Unknown vehicle 'nope'; known: "),
-        (('new', 'a', '--out', 'no/such/a.yaml'), 'cannot be written'),
+        (('new', 'a', '--file', 'no/such/a.yaml'), 'cannot be written'),
         (('show', 'nope'), "Unknown vehicle 'nope'"),
         (('diff', 'gtmab'), 'There is nothing to compare with'),
-        (('show', 'gtmab', '--out', 'no/such/page.html'), 'cannot be written'),
+        (('show', 'gtmab', '--out', '/proc/no/such'), 'cannot be created'),
         (('show', 'rgblimp', '--gains'), 'rgblimp uses the control law glide'),
         (('trim', 'no_bag'), 'no_bag'),
     ],

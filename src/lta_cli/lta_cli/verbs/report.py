@@ -3,12 +3,18 @@
 from pathlib import Path
 from typing import Annotated
 
-from lta_cli.options.common_options import check_picture_output, Pictures, plain_console
+from lta_cli.options.common_options import (
+    check_picture_output,
+    parse_folder,
+    Pictures,
+    plain_console,
+)
 from lta_config.errors import BadInput
 from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.reader import read_bag
 from lta_data.bag.recorded_flight import select_robot
 from lta_flight.report.page import write_page
+from lta_report.results_folder import stage_results
 from lta_report.screenshots import write_pictures
 import typer
 
@@ -18,7 +24,9 @@ def report(
     out: Annotated[
         Path | None,
         typer.Option(
-            help='HTML file to write; by default report.html or report-ROBOT.html next to the bag.'
+            help='Folder of report.html or report-ROBOT.html; that of the bag by default.',
+            parser=parse_folder,
+            metavar='FOLDER',
         ),
     ] = None,
     robot: Annotated[
@@ -40,9 +48,11 @@ def report(
         raise BadInput(f"'{bag}' contains no message to report on; choose another bag.")
     # Several robots of a bag must not overwrite each other's page
     name = 'report.html' if robot is None else f'report-{robot}.html'
-    page = (out or bag.absolute().parent / name).absolute()
+    folder = (out or bag.absolute().parent).absolute()
     check_picture_output(pictures)
-    write_page(bag, page, robot)
+    with stage_results(folder, name) as part:
+        write_page(bag, part / name, robot)
+    page = folder / name
     console = plain_console()
     console.print(f'Page {page}', highlight=False, soft_wrap=True)
     if pictures is not None:

@@ -186,7 +186,7 @@ def test_data_for_the_script_cannot_end_their_element():
 def test_page_that_cannot_be_written_is_one_sentence(bag, tmp_path):
     with pytest.raises(
         BadInput,
-        match=r'cannot be written \(.+\); free disk space, or choose another folder with --out\.$',
+        match=r'cannot be written \(.+\); free disk space, or write elsewhere\.$',
     ):
         write_page(bag, tmp_path / 'no' / 'such' / 'page.html')
 

@@ -20,7 +20,7 @@ def refit(
             help='CFD results to fit: a .sweep.json file, or the name of one in config/aero.',
         ),
     ],
-    out: Annotated[
+    file: Annotated[
         Path | None, typer.Option(help='Aero file to write; printed by default.', metavar='FILE')
     ] = None,
 ) -> None:
@@ -36,14 +36,14 @@ def refit(
     if '/' not in sweep and not sweep.endswith('.json'):
         path = share_folder() / 'aero' / f'{sweep}.sweep.json'
     text = format_aero_file(read_sweep(path))
-    if out is None:
+    if file is None:
         sys.stdout.write(text)
         return
     try:
         # An interrupted write must not leave half a file that a vehicle refers to
-        with replace_atomically(out) as part:
+        with replace_atomically(file) as part:
             part.write_text(text, encoding='utf-8')
     except OSError as error:
         raise BadInput(
-            f"'{out}' cannot be written ({error.strerror}); choose another file with --out."
+            f"'{file}' cannot be written ({error.strerror}); choose another one with --file."
         ) from error

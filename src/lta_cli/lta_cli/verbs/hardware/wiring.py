@@ -13,7 +13,7 @@ import typer
 
 def wiring(
     vehicle: VehicleName,
-    out: Annotated[
+    file: Annotated[
         Path,
         typer.Option(help='SVG file to write.', metavar='FILE'),
     ] = Path('wiring.svg'),
@@ -23,9 +23,9 @@ def wiring(
 
     Motor numbers are those of the vehicle's Crazyflie file.
 
-    Example: lta hardware wiring gtmab --out wiring.svg
+    Example: lta hardware wiring gtmab --file wiring.svg
     """
     craft = load_vehicle(vehicle)
     text = draw_wiring(craft, find_crazyflie(vehicle, craft.file.name))
-    write_file(text, out)
-    plain_console().print(f'Drawing {out}', highlight=False, markup=False, soft_wrap=True)
+    write_file(text, file)
+    plain_console().print(f'Drawing {file}', highlight=False, markup=False, soft_wrap=True)

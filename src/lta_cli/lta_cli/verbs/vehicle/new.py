@@ -58,8 +58,9 @@ def new(
     battery: Annotated[
         Text, typer.Option(help="Capacity of the battery, one cell; '250 mA h' by default.")
     ] = None,
-    out: Annotated[
-        Path | None, typer.Option(help='Vehicle file to write; NAME.yaml by default.')
+    file: Annotated[
+        Path | None,
+        typer.Option(help='Vehicle file to write; NAME.yaml by default.', metavar='FILE'),
     ] = None,
 ) -> None:
     """
@@ -76,7 +77,7 @@ def new(
     Example: lta vehicle new my_blimp --length 1.2m --diameter 0.5m --mass 120g --motors 3 --thrust
     0.1N --arm 0.2m
     """
-    path = out or Path(f'{name}.yaml')
+    path = file or Path(f'{name}.yaml')
     texts = {
         'diameter': diameter, 'length': length, 'height': height, 'mass': mass, 'thrust': thrust,
         'arm': arm, 'hang': hang, 'envelope': envelope, 'heaviness': heaviness,

@@ -3,11 +3,20 @@
 from pathlib import Path
 from typing import Annotated
 
-from lta_cli.options.common_options import Json, plain_console, print_json, VehicleName
+from lta_cli.options.common_options import (
+    check_picture_output,
+    Json,
+    parse_folder,
+    Pictures,
+    plain_console,
+    print_json,
+    VehicleName,
+)
+from lta_config.errors import BadInput
 from lta_control.gains_file import load_gains
 from lta_model.vehicle import load_vehicle
-from lta_report.page_frame import write_file
-from lta_report.report_page import render_report
+from lta_report.report_output import PAGE, write_report
+from lta_report.results_folder import format_page_line, stage_results
 from lta_studies.tune.helium_limit import find_tolerable_helium_loss
 from lta_studies.tune.run import select_start_gains
 from lta_vehicle.figures.sheet import build_sheet
@@ -20,7 +29,14 @@ import typer
 
 def show(
     name: VehicleName,
-    out: Annotated[Path | None, typer.Option(help='HTML page to write.')] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            help='Folder of the page and of vehicle.json; nothing is written by default.',
+            parser=parse_folder,
+            metavar='FOLDER',
+        ),
+    ] = None,
     gains: Annotated[
         bool,
         typer.Option(
@@ -32,6 +48,7 @@ def show(
         bool,
         typer.Option('--sources', help='List every number of the vehicle file with its source.'),
     ] = False,
+    pictures: Pictures = None,
     json: Json = False,
 ) -> None:
     """
@@ -42,8 +59,11 @@ def show(
     (about ten flights), at which its gains fail. Numbers that were neither measured nor published
     are marked as assumed. The page (--out) adds three views and works offline.
 
-    Example: lta vehicle show gtmab --out gtmab.html
+    Example: lta vehicle show gtmab --out gtmab
     """
+    if pictures is not None and out is None:
+        raise BadInput('--pictures needs the page; give its folder with --out.')
+    check_picture_output(pictures)
     console = plain_console(stderr=json)
     found = load_vehicle(name)
     # Only on request, since it takes about ten flights
@@ -53,13 +73,14 @@ def show(
     noted = find_warnings(sheet)
     report = build_report(sheet, noted, name, sources)
     if out is not None:
-        write_file(render_report(report), out)
+        with stage_results(out.absolute(), PAGE) as part:
+            write_report(report, part, pictures=pictures)
     if json:
         print_json(report.data)
     else:
         terminal.show_sheet(sheet, report, console)
     if out is not None:
-        console.print(f'Page {out}', highlight=False, soft_wrap=True)
+        console.print(format_page_line(out.absolute() / PAGE), highlight=False, soft_wrap=True)
 
 
 def _find_helium_limit(name: str, console: Console) -> float:

@@ -13,8 +13,8 @@ import typer
 
 def urdf(
     name: VehicleName,
-    out: Annotated[
-        Path | None, typer.Option(help='URDF file to write; printed by default.')
+    file: Annotated[
+        Path | None, typer.Option(help='URDF file to write; printed by default.', metavar='FILE')
     ] = None,
 ) -> None:
     """
@@ -23,12 +23,12 @@ def urdf(
     Links match the message frames: base_link at the hull centre with mass, inertia and visuals,
     the sensors, and rotor_NAME for each rotor. Aerodynamic added mass is not included.
 
-    Example: lta vehicle urdf gtmab --out gtmab.urdf
+    Example: lta vehicle urdf gtmab --file gtmab.urdf
     """
     text = build_urdf(load_vehicle(name))
     # stdout may be piped to robot_state_publisher
-    if out is None:
+    if file is None:
         sys.stdout.write(text)
         return
-    write_file(text, out)
-    plain_console().print(f'File {out}', highlight=False, markup=False, soft_wrap=True)
+    write_file(text, file)
+    plain_console().print(f'File {file}', highlight=False, markup=False, soft_wrap=True)
