@@ -160,10 +160,11 @@ class LeftOutKind(NamedTuple):
 @final
 @dataclass(frozen=True, slots=True)
 class TransferEvidence:
-    """Evidence for effects that forecasts identified."""
+    """Evidence of forecasts: for the effects that they identified, or for a refit alone."""
 
-    names: tuple[IdentifiedGroup, ...]  # in the order of selection
-    regimes: tuple[LeftOutRegime, ...]  # the worst first
+    names: tuple[IdentifiedGroup, ...]  # in the order of selection; none if only all was refitted
+    # Regimes left out of the fit of the names, or of everything; the worst first
+    regimes: tuple[LeftOutRegime, ...]
     # Groups that improve forecasts only in the regimes that they were fitted to
     interpolates: tuple[str, ...] = ()
     numbers: int = 0  # number of parameters in the fit of everything; 0 where that was not done

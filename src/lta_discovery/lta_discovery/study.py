@@ -32,6 +32,7 @@ from lta_discovery.forecast.tolerance_shrinkage import shrink_tolerances
 from lta_discovery.model.candidates import expand_vectors
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter, list_free_parameters
+from lta_discovery.page.formatting import format_parameter
 from lta_discovery.replay.diverging_pieces import drop_diverging_pieces
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.replay.knot_count import count_needed_knots
@@ -144,7 +145,7 @@ def study_flights(
             'confirming flights, which were also used for the fit, and may be too small.'
         )
     strained = find_exceeded_tolerances(known, proven.full.prior, proven.full.fitted.mean)
-    warnings.extend(format_bounds_warning(strained))
+    warnings.extend(format_bounds_warning([format_parameter(name) for name in strained]))
     offsets = list_calibration_offsets(
         nominal,
         known,

@@ -1,11 +1,13 @@
 """Find calibration numbers that a discovery had to move far from the vehicle file."""
 
 from collections.abc import Sequence
+import math
 from typing import Final
 
 from lta_discovery.fit.joint_fit import JointFit
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter, NET_LIFT
+from lta_discovery.page.formatting import append_unit, format_parameter
 
 FAR: Final = 3.5  # tolerances; one in two thousand values of a correct file is further off
 KINDS: Final = {True: 'force', False: 'moment'}
@@ -54,8 +56,11 @@ def _format_offset(nominal: NominalVehicle, knob: FreeParameter, change: float) 
     if effect == 'wrench_gain':
         share = 100.0 * (nominal.parameter_value(effect, part) + change)
         return f'{part}: {share:.0f} % of the commanded {KINDS[part in FORCES]} arrives'
-    unit = '' if knob.unit == '1' else f' {knob.unit}'
-    return f'{knob.name.replace("_", " ")}: {change:+.3g}{unit} from the vehicle file'
+    if effect == 'vehicle':  # the logarithm of a factor
+        size = f'{100.0 * math.expm1(change):+.0f} %'
+    else:
+        size = append_unit(f'{change:+.3g}', knob.unit)
+    return f'{format_parameter(knob.name)}: {size} from the vehicle file'
 
 
 def format_calibration_warning(offsets: Sequence[str]) -> list[str]:

@@ -87,7 +87,7 @@ def add_law(
 def _find_obstacle(study: DiscoveryStudy) -> str:
     """Return why no law is sought; '' if one is."""
     finding = study.finding
-    if finding.carried is not None:
+    if finding.carried is not None and finding.carried.names:
         return 'the effects were identified by forecasts alone'
     if not finding.held_out:
         return 'a law has to be tested on a held-out flight (--holdout)'

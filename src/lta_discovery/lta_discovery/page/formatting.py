@@ -33,6 +33,8 @@ FORCES: Final = ('surge', 'sway', 'heave')
 def format_parameter(knob: str) -> str:
     """Return a parameter's readable name: 'linear drag (surge)', 'net lift'."""
     effect, _, rest = knob.partition('.')
+    if effect == 'vehicle':
+        return rest if rest == 'mass' else f'inertia ({rest})'
     words, known = effect.replace('_', ' '), EFFECTS.get(effect)
     if not rest or (known is not None and len(known.parameters) == 1):
         return words

@@ -5,7 +5,7 @@ from html import escape
 import math
 from typing import Final
 
-from lta_discovery.finding import LeftOutKind, StudyResult
+from lta_discovery.finding import LeftOutKind, StudyResult, TransferEvidence
 from lta_discovery.page import strips
 from lta_discovery.page.formatting import (
     format_number,
@@ -20,10 +20,25 @@ HEADS: Final = ('error', 'vehicle file', 'named effects', 'all parameters fitted
 
 
 def render_transfer(finding: StudyResult) -> str:
-    """Return the forecast evidence; '' where the sensor readings identified the effects."""
+    """Return the forecast evidence; '' where only sensor readings were evaluated."""
     told = finding.carried
     if told is None:
         return ''
+    heading, parts = (
+        ('Effects identified by forecasts', [_render_names(told), _render_regimes(told)])
+        if told.names
+        else (
+            'Forecasts with everything refitted',
+            [_render_refit(finding), _render_regimes(told)],
+        )
+    )
+    if told.names:
+        parts += [_render_kinds(told.kinds), _render_refit(finding)]
+    return f'<h3>{heading}</h3>{"".join(parts)}<h3>Search by sensor readings</h3>'
+
+
+def _render_names(told: TransferEvidence) -> str:
+    """Return what each effect removes of the error, and which effects are not named."""
     most = max(one.share for one in told.names)
     names = [
         (
@@ -33,10 +48,6 @@ def render_transfer(finding: StudyResult) -> str:
         )
         for one in told.names
     ]
-    regimes = [
-        (escape(one.name), str(one.flights), format_number(one.ratio, 2)) for one in told.regimes
-    ]
-    worst = format_percent(max(one.ratio for one in told.regimes) - 1.0)
     lost = (
         f'<p class="note">Interpolation only, so not named: <b>'
         f'{escape(join_words(told.interpolates))}</b>.</p>'
@@ -44,25 +55,7 @@ def render_transfer(finding: StudyResult) -> str:
         else ''
     )
     lost += ''.join(f'<p class="note">{escape(one)}.</p>' for one in told.rejected)
-    whole = [gap for gap in finding.gaps if math.isfinite(gap.refitted) and gap.channel in WHOLE]
-    rows = [
-        (
-            f'{escape(gap.channel)} after {gap.horizon_s:g} s',
-            *(format_quantity(part, gap.unit) for part in (gap.before, gap.after, gap.refitted)),
-            format_number(gap.refitted / gap.before, 2),
-        )
-        for gap in whole
-    ]
-    fitted = (
-        f'<p class="note">With all {told.numbers} candidate parameters fitted, forecasts '
-        'within the flown regimes reach this accuracy. None of them is a measurement: they '
-        'compensate each other. They are in refitted.yaml.</p>'
-        + render_table(HEADS, rows, 'plain', 'With everything refitted')
-        if rows
-        else ''
-    )
     return (
-        '<h3>Effects identified by forecasts</h3>'
         '<p class="note">The model error is so large, or the poses are so smooth, that the '
         'readings do not decide; forecasts of five seconds do. An effect is named if it improves '
         'forecasts in regimes that were left out of its fit, and from training to confirming '
@@ -73,17 +66,49 @@ def render_transfer(finding: StudyResult) -> str:
             'plain',
             'Error removed by each effect',
         )
-        + f'{lost}<p class="note">Each regime is predicted with a fit to the others. In the worst '
-        f'regime the error changes by {worst} % compared with the vehicle file.</p>'
+        + lost
+    )
+
+
+def _render_regimes(told: TransferEvidence) -> str:
+    """Return the errors in flight regimes that were left out of the fit."""
+    regimes = [
+        (escape(one.name), str(one.flights), format_number(one.ratio, 2)) for one in told.regimes
+    ]
+    worst = format_percent(max(one.ratio for one in told.regimes) - 1.0)
+    return (
+        '<p class="note">Each regime is predicted with a fit to the others. In the worst regime '
+        f'the error changes by {worst} % compared with the vehicle file.</p>'
         + render_table(
             ('left-out regime', 'flights', 'error / that of the file'),
             regimes,
             'plain',
             'Regimes left out',
         )
-        + _render_kinds(told.kinds)
-        + fitted
-        + '<h3>Search by sensor readings</h3>'
+    )
+
+
+def _render_refit(finding: StudyResult) -> str:
+    """Return the errors with everything refitted; '' where that was not done."""
+    told = finding.carried
+    rows = [
+        (
+            f'{escape(gap.channel)} after {gap.horizon_s:g} s',
+            *(format_quantity(part, gap.unit) for part in (gap.before, gap.after, gap.refitted)),
+            format_number(gap.refitted / gap.before, 2),
+        )
+        for gap in finding.gaps
+        if math.isfinite(gap.refitted) and gap.channel in WHOLE
+    ]
+    if told is None or not rows:
+        return ''
+    what = '' if told.names else 'Forecasts identify no effect that holds in every regime. '
+    heads = HEADS if told.names else (*HEADS[:2], 'its tolerances fitted', *HEADS[3:])
+    return (
+        f'<p class="note">{what}With all {told.numbers} candidate parameters fitted, forecasts '
+        'within the flown regimes reach this accuracy. None of them is a measurement: they '
+        'compensate each other. They are in refitted.yaml.</p>'
+        + render_table(heads, rows, 'plain', 'With everything refitted')
     )
 
 

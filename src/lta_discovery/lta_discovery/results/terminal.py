@@ -82,8 +82,14 @@ def format_forecast_evidence(carried: TransferEvidence) -> str:
     """Return the forecast evidence in a sentence."""
     ratios = [one.ratio for one in carried.regimes]
     better = sum(ratio < 1.0 for ratio in ratios)
+    what = (
+        'The effects were identified by forecasts'
+        if carried.names
+        else f'Forecasts identify no effect; with all {carried.numbers} candidate parameters '
+        'fitted to them'
+    )
     return (
-        f'The effects were identified by forecasts: {better} of {len(ratios)} flight regimes, '
+        f'{what}: {better} of {len(ratios)} flight regimes, '
         f'each left out of the fit, are predicted better than by the vehicle file (error ratio '
         f'{min(ratios):.2f} to {max(ratios):.2f}).'
     )

@@ -107,15 +107,16 @@ def add_forecast_effects(study: DiscoveryStudy, tell: Progress) -> DiscoveryStud
         return _add_warning(study, format_tolerance_warning(remaining_error_share(rest)))
     names = _select_groups(taught, parts, rest, study.finding.seed, tell)
     if names.best is None:
-        return _warn_of_rejected_effects(study, names.lost, names.rejected)
+        study = _warn_of_rejected_effects(study, names.lost, names.rejected)
+        return study if study.finding.effects else _add_refit(study, taught, parts, plain, tell)
     models = {'before': np.zeros_like(plain), 'tuned': plain, 'after': names.best.fitted.values}
     numbers = 0
     if len(taught.flown) >= ENOUGH:
         tell('refitting everything', 0.9)
-        candidates = _list_candidates(taught)
-        models['refitted'], numbers = refit_all_parameters(
-            taught.sight, candidates, names.best.fitted.values
+        refit = refit_all_parameters(
+            taught.sight, _list_candidates(taught), names.best.fitted.values
         )
+        models['refitted'], numbers = refit.values, refit.numbers
     told = _collect_transfer_evidence(
         names.chosen, names.kept, names.best, [one.name for one in names.lost], numbers
     )
@@ -167,6 +168,9 @@ def _select_groups(
             # Judged again, so that the errors by kind are those of the effects that remain
             best, kept = _validate_groups(taught.sight, judged.kept, parts, seed, rest)
         fell = [one for one in chosen.groups if one not in kept]
+        if both and not kept:
+            # The others fell in the company of the first, so they have another chance without it
+            fell = [one for one in fell if one not in both[1:]]
         lost += [one for one in fell if one.name not in {each.name for each in rejected}]
         if not fell:
             break
@@ -192,10 +196,39 @@ def _collect_transfer_evidence(
     worth = {group.name: share for group, share in zip(chosen.groups, chosen.worth, strict=True)}
     return TransferEvidence(
         tuple(IdentifiedGroup(one.name, worth[one.name]) for one in confirmed),
-        tuple(LeftOutRegime(one.name, one.flights, one.ratio) for one in best.regimes),
+        _list_left_out_regimes(best.regimes),
         tuple(lost),
         numbers,
     )
+
+
+def _list_left_out_regimes(regimes: Sequence[RegimeForecastErrors]) -> tuple[LeftOutRegime, ...]:
+    return tuple(LeftOutRegime(one.name, one.flights, one.ratio) for one in regimes)
+
+
+def _add_refit(
+    study: DiscoveryStudy,
+    taught: ForecastFlights,
+    parts: Mapping[str, Sequence[int]],
+    plain: Array,
+    tell: Progress,
+) -> DiscoveryStudy:
+    """
+    Return a study with all numbers refitted, which predicts although no effect has a name.
+
+    `plain`: values of the tolerances, fitted to forecasts.
+    """
+    if len(taught.flown) < ENOUGH:
+        return study
+    tell('refitting everything', 0.9)
+    refit = refit_all_parameters(taught.sight, _list_candidates(taught), plain, parts)
+    told = TransferEvidence((), _list_left_out_regimes(refit.regimes), numbers=refit.numbers)
+    models = {
+        'before': np.zeros_like(plain), 'tuned': plain, 'after': plain, 'refitted': refit.values,
+    }  # fmt: skip
+    found = replace(study, finding=replace(study.finding, carried=told))
+    found = _add_prediction_errors(found, taught, models)
+    return study if is_worse_than_file(found.finding.training, 'tuned') else found
 
 
 def _cut_forecast_flights(

@@ -5,8 +5,8 @@ Thrust, mass, drag and balance compensate each other, so that no value is a meas
 another regime. The result is the lowest forecast error within the flown regimes.
 """
 
-from collections.abc import Sequence
-from typing import Final
+from collections.abc import Mapping, Sequence
+from typing import Final, final, NamedTuple
 
 from lta_discovery.forecast.forecast_fit import ForecastFitter
 from lta_discovery.transfer.candidate_groups import (
@@ -14,6 +14,7 @@ from lta_discovery.transfer.candidate_groups import (
     list_knobs,
     prior_deviations,
 )
+from lta_discovery.transfer.cross_validation import cross_validate, RegimeForecastErrors
 import numpy as np
 from numpy.typing import NDArray
 
@@ -22,16 +23,30 @@ Array = NDArray[np.float64]
 ROUNDS: Final = 8  # most steps of the fit
 
 
-def refit_all_parameters(
-    sight: ForecastFitter, candidates: Sequence[CandidateGroup], begin: Array
-) -> tuple[Array, int]:
-    """
-    Return all parameters, fitted, and the number of fitted ones.
+@final
+class FullRefit(NamedTuple):
+    """A fit of all candidate parameters to forecasts."""
 
-    `begin`, shape (G,): initial values: those of the named effects.
+    values: Array  # of all parameters, shape (G,)
+    numbers: int  # number of fitted parameters
+    regimes: list[RegimeForecastErrors]  # left-out regimes, the worst first; may be empty
+
+
+def refit_all_parameters(
+    sight: ForecastFitter,
+    candidates: Sequence[CandidateGroup],
+    begin: Array,
+    parts: Mapping[str, Sequence[int]] | None = None,
+) -> FullRefit:
+    """
+    Fit all parameters; with regimes, cross-validate the fit by them.
+
+    `begin`, shape (G,): initial values: those of the named effects, or of the tolerances. `parts`:
+    flights by regime.
     """
     which = list_knobs(candidates)
     spread = prior_deviations(sight.knobs, which)
     flights = range(len(sight.flights))
     found = sight.fit(which, spread, flights, begin, ROUNDS, relinearize=False)
-    return found.values, len(which)
+    regimes = cross_validate(sight, found, which, spread, parts or {})
+    return FullRefit(found.values, len(which), regimes)

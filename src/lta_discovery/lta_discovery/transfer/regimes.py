@@ -88,7 +88,7 @@ def format_regime_warning(study: DiscoveryStudy) -> str:
 
     The test uses forecasts of training and confirming flights, if there are enough of them.
     """
-    if study.finding.carried is not None:
+    if study.finding.carried is not None and study.finding.carried.names:
         return ''  # the effects were identified by this test
     flights = [one.flight for one in study.flights if one.role != 'holdout']
     # At least one piece has to reach the last horizon

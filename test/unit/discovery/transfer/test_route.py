@@ -1,15 +1,21 @@
 """When forecasts are asked for names, and that tolerances alone give none."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 from lta_discovery.finding import StudyResult, Verdict
 from lta_discovery.flights.role_assignment import restrict_to_interval
+from lta_discovery.forecast.forecast_fit import ForecastFitter
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.page.transfer_table import render_transfer
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
+from lta_discovery.results.terminal import format_forecast_evidence
 from lta_discovery.study import DiscoveryStudy, StudyFlight
 from lta_discovery.transfer import forecast_identification
+from lta_discovery.transfer.candidate_groups import CandidateGroup
 from lta_discovery.transfer.cross_validation import RegimeForecastErrors, remaining_error_share
+from lta_discovery.transfer.effect_values import EffectValues
 from lta_discovery.transfer.forecast_identification import (
     add_forecast_effects,
     format_tolerance_warning,
@@ -19,6 +25,7 @@ from lta_discovery.transfer.forecast_identification import (
     TransferOutcome,
 )
 from lta_discovery.transfer.forward_selection import GroupSelection
+from lta_discovery.transfer.other_kind import KindJudgement
 from lta_discovery.unmodeled.unexplained_force import Remainder
 import numpy as np
 import pytest
@@ -107,3 +114,71 @@ def test_what_tolerances_explain_is_given_no_name(
 
 def test_what_only_interpolates_is_said_so() -> None:
     assert format_transfer_warning(['side force']).startswith('side force: interpolation only')
+
+
+def test_everything_is_refitted_where_forecasts_identify_no_effect(
+    gtmab: Known, clean: FlightLinearizer, monkeypatch
+) -> None:
+    """Thrust is 10 % off in the file, and no candidate is allowed to have a name."""
+    nominal, knobs = gtmab
+    thrust = next(knob for knob in knobs if knob.name == 'thrust_scale.factor')
+    wrong = thrust.apply_to(nominal, -0.1)
+    parts = [(0.0, 0.5, 'train'), (0.5, 1.0, 'confirm'), (0.0, 1.0, 'holdout')]
+    flights = [
+        StudyFlight(f'{k}', role, poses_alone(clean, knobs, 12.5, begin, end))
+        for k, (begin, end, role) in enumerate(parts)
+    ]
+    monkeypatch.setattr(forecast_identification, 'FEWEST', 2)
+    monkeypatch.setattr(forecast_identification, 'ENOUGH', 2)
+    monkeypatch.setattr(forecast_identification, 'LOOSE', 0.0)
+    monkeypatch.setattr(forecast_identification, 'select_forward', select_nothing)
+    found = add_forecast_effects(unnamed(wrong, flights), lambda what, share: None)
+    far = [gap for gap in found.finding.gaps if gap.channel == 'position']
+    assert found.finding.held_out
+    assert all(gap.refitted < 0.5 * gap.before for gap in far if gap.horizon_s >= 3.0)
+    told = found.finding.carried
+    assert (found.finding.effects, told.names) == ((), ())
+    assert told.numbers > 20
+    assert {one.name for one in told.regimes} == {'flight 0', 'flight 1'}
+    assert found.refitted is not None
+    said = format_forecast_evidence(told)
+    assert said.startswith('Forecasts identify no effect; with all ')
+    assert 'Forecasts with everything refitted' in render_transfer(found.finding)
+
+
+def select_nothing(sight: ForecastFitter, *_: object) -> GroupSelection:
+    return GroupSelection((), (), np.zeros(len(sight.knobs)), (), 1.0)
+
+
+def test_an_effect_that_fell_in_the_company_of_a_wrong_one_is_chosen_again(monkeypatch) -> None:
+    """The first of a list alone is to blame if none of it carries over."""
+    wrong, right, weak = (CandidateGroup(name, (k,)) for k, name in enumerate('abc'))
+    lists = iter([(wrong, right, weak), (right, weak), (right,)])
+    offered: list[list[CandidateGroup]] = []
+
+    def select(_: object, __: object, ___: object, candidates: list[CandidateGroup]) -> object:
+        offered.append(list(candidates))
+        return GroupSelection(next(lists), (), np.zeros(3), (), 1.0)
+
+    def validate(_: object, groups: list[CandidateGroup], *__: object) -> object:
+        kept = [one for one in groups if one is right] if wrong not in groups else []
+        values = EffectValues([], SimpleNamespace(values=np.zeros(3)), np.zeros(0), [])
+        return (values if kept else None), kept
+
+    def judge(_: object, kept: list[CandidateGroup], *__: object) -> KindJudgement:
+        return KindJudgement(kept, (), ())
+
+    for name, stub in (
+        ('select_forward', select), ('_validate_groups', validate), ('judge_by_kind', judge),
+        ('confirm_groups', lambda _, chosen, __: chosen.groups),
+        ('split_by_kind', lambda *_: []),
+        ('_list_candidates', lambda _: [wrong, right, weak]),
+    ):  # fmt: skip
+        monkeypatch.setattr(forecast_identification, name, stub)
+    taught = SimpleNamespace(
+        sight=SimpleNamespace(nominal=None, flights=(), lift=0.0),
+        flown=[],
+    )
+    found = forecast_identification._select_groups(taught, {}, [], 1, lambda *_: None)
+    assert offered == [[wrong, right, weak], [right, weak], [right]]
+    assert (found.kept, found.lost) == ([right], [wrong, weak])
