@@ -221,12 +221,18 @@ def _format_refit(gap: ChannelErrors | None) -> str:
 
 def list_learned_file_commands(finding: StudyResult, folder: Path) -> dict[str, str]:
     """Return the commands to view the learned file and, if that is the advice, to fly it."""
-    written = finding.effects or has_law(finding)
-    if not written and finding.calibration is None:
+    said = draw_conclusion(finding)
+    if finding.effects or has_law(finding):
+        name, flies = 'vehicle.yaml', said.advice in ('use', 'law')
+    elif finding.calibration is not None:
+        name, flies = 'calibrated.yaml', True
+    elif said.refitted is not None:
+        name, flies = 'refitted.yaml', False
+    else:
         return {}
-    learned = relative_path(folder / ('vehicle.yaml' if written else 'calibrated.yaml'))
+    learned = relative_path(folder / name)
     out = {'show the changes': format_lta_command('vehicle', 'diff', finding.vehicle, learned)}
-    if draw_conclusion(finding).advice in ('use', 'law') or not written:
+    if flies:
         out['fly it'] = format_lta_command('fly', '--vehicle', learned)
     return out
 
