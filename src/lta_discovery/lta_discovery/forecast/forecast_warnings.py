@@ -42,6 +42,7 @@ def list_forecast_warnings(gaps: Sequence[ChannelErrors]) -> list[str]:
         gap
         for gap in _select_pose_errors(gaps)
         if gap.coast < min(gap.before, gap.tuned, gap.after)
+        and not gap.refitted <= gap.coast  # NaN where nothing was refitted
     ]
     out = []
     if should_keep_file(gaps):

@@ -128,16 +128,17 @@ def format_prediction_errors(finding: StudyResult) -> Iterator[Text]:
                 f'{format_percent(sign * one.shrink)} % '
                 f'{word} than with the vehicle file (95 % interval {low} to {high} %)'
             )
-            yield from _format_bars(one)
+            yield from _format_bars(one, bool(finding.effects))
 
 
-def _format_bars(one: ChannelErrors) -> Iterator[Text]:
+def _format_bars(one: ChannelErrors, named: bool) -> Iterator[Text]:
     """Yield a bar for each model."""
     # The model that ignores the commands may be far off; its bar is cut at the others' scale.
     most = max(one.before, one.tuned, one.after, 1e-12)
     for key, label, style in BARS:
         size = getattr(one, key)
-        if key == 'refitted' and not math.isfinite(size):
+        absent = key == 'after' and not named
+        if absent or (key == 'refitted' and not math.isfinite(size)):
             continue
         share = min(size / most, 1.0) if math.isfinite(size) else 0.0
         bar = '█' * round(BAR * share) + ('>' if size > most else '')
