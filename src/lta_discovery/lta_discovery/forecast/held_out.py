@@ -217,9 +217,9 @@ def summarize_residuals(
     channels: Sequence[str] = (*WHOLE, *CHANNELS),
 ) -> list[ChannelErrors]:
     """
-    Return the errors of `before`, `tuned`, `after` and `coast` from their residuals.
+    Return the errors of `before`, `tuned`, `after`, `coast` and the like from their residuals.
 
-    `offs`, shape (S, H, 14): of all flights, as `compute_forecast_residuals` returns them.
+    `offs`, shape (S, H, C): of all flights, at `HORIZONS`, with the first C of `CHANNELS`.
     """
     noise = np.sqrt(np.mean([each.replay.flight.reading_deviation**2 for each in flights], axis=0))
     rng, out = np.random.default_rng(seed), []

@@ -6,7 +6,7 @@ from typing import Final
 from lta_discovery.finding import ChannelErrors
 from lta_discovery.flights.measured_flight import CHANNELS, PERIOD
 from lta_discovery.forecast.forecast_fit import ForecastFitter
-from lta_discovery.forecast.held_out import bootstrap_shrinkage, UNITS, WHOLE
+from lta_discovery.forecast.held_out import summarize_residuals, WHOLE
 from lta_discovery.forecast.horizon_errors import HORIZONS
 from lta_discovery.forecast.prediction_errors import extrapolate_coast
 from lta_discovery.forecast.prediction_errors import HORIZONS as TOLD
@@ -54,7 +54,7 @@ def forecast_errors(sight: ForecastFitter, values: Array, flights: Sequence[int]
     )
 
 
-def compute_model_errors(
+def compute_pose_errors(
     sight: ForecastFitter, models: Mapping[str, Array], seed: int
 ) -> list[ChannelErrors]:
     """
@@ -65,29 +65,6 @@ def compute_model_errors(
     every = range(len(sight.flights))
     offs = {kind: forecast_errors(sight, values, every) for kind, values in models.items()}
     offs['coast'] = np.concatenate([coast_errors(flight) for flight in sight.flights])
-    noise = np.sqrt(
-        np.mean([each.replay.flight.reading_deviation[:6] ** 2 for each in sight.flights], axis=0)
-    )
-    which = {**WHOLE, **{c: (UNITS[c], slice(k, k + 1)) for k, c in enumerate(POSE)}}
-    rng, out = np.random.default_rng(seed), []
-    for name, (unit, columns) in which.items():
-        for horizon in TOLD:
-            h = HORIZONS.index(horizon)
-            square = {kind: np.sum(off[:, h, columns] ** 2, axis=-1) for kind, off in offs.items()}
-            # Compare models on the same pieces only.
-            known = np.all([np.isfinite(each) for each in square.values()], axis=0)
-            if not known.any():
-                continue
-            mean = {kind: float(np.sqrt(np.mean(each[known]))) for kind, each in square.items()}
-            out.append(
-                ChannelErrors(
-                    name, unit, horizon, **mean,
-                    noise_floor=float(np.sqrt(np.sum(noise[columns] ** 2))),
-                    shrink=1.0 - mean['after'] / mean['before'],
-                    shrink_ci95=bootstrap_shrinkage(
-                        square['before'][known], square['after'][known], rng,
-                    ),
-                    pieces=int(known.sum()),
-                )
-            )  # fmt: skip
-    return out
+    at = [HORIZONS.index(horizon) for horizon in TOLD]
+    shown = {kind: off[:, at] for kind, off in offs.items()}
+    return summarize_residuals(sight.flights, shown, seed, (*WHOLE, *POSE))

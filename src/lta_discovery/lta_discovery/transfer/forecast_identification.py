@@ -28,7 +28,7 @@ from lta_discovery.transfer.cross_validation import (
 )
 from lta_discovery.transfer.effect_confirmation import confirm_groups
 from lta_discovery.transfer.effect_values import EffectValues, fit_effect_values, tune_tolerances
-from lta_discovery.transfer.forecast_errors import compute_model_errors
+from lta_discovery.transfer.forecast_errors import compute_pose_errors
 from lta_discovery.transfer.forward_selection import GroupSelection, select_forward
 from lta_discovery.transfer.full_refit import refit_all_parameters
 from lta_discovery.transfer.named_effects import build_named_effects
@@ -339,8 +339,8 @@ def _add_prediction_errors(
     """Return a study with prediction errors, on held-out flights if there are any."""
     last = _cut_forecast_flights(study, [one for one in study.flights if one.role == 'holdout'])
     shown = last or taught
-    told = compute_model_errors(shown.sight, models, study.finding.seed)
-    own = told if last is None else compute_model_errors(taught.sight, models, study.finding.seed)
+    told = compute_pose_errors(shown.sight, models, study.finding.seed)
+    own = told if last is None else compute_pose_errors(taught.sight, models, study.finding.seed)
     finding = replace(
         study.finding,
         gaps=tuple(told),
