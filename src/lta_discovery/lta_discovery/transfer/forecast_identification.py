@@ -104,11 +104,12 @@ def add_forecast_effects(study: DiscoveryStudy, tell: Progress) -> DiscoveryStud
     plain, rest = tune_tolerances(taught.sight, parts)
     # Do not name an effect if tuned tolerances explain most of the error.
     if remaining_error_share(rest) < LOOSE:
-        return _add_warning(study, format_tolerance_warning(remaining_error_share(rest)))
+        study = _add_warning(study, format_tolerance_warning(remaining_error_share(rest)))
+        return _add_refit(study, taught, parts, plain, tell)
     names = _select_groups(taught, parts, rest, study.finding.seed, tell)
     if names.best is None:
         study = _warn_of_rejected_effects(study, names.lost, names.rejected)
-        return study if study.finding.effects else _add_refit(study, taught, parts, plain, tell)
+        return _add_refit(study, taught, parts, plain, tell)
     models = {'before': np.zeros_like(plain), 'tuned': plain, 'after': names.best.fitted.values}
     numbers = 0
     if len(taught.flown) >= ENOUGH:
@@ -218,7 +219,8 @@ def _add_refit(
 
     `plain`: values of the tolerances, fitted to forecasts.
     """
-    if len(taught.flown) < ENOUGH:
+    # The readings may have named effects, whose model is another one
+    if study.finding.effects or len(taught.flown) < ENOUGH:
         return study
     tell('refitting everything', 0.9)
     refit = refit_all_parameters(taught.sight, _list_candidates(taught), plain, parts)
