@@ -62,6 +62,7 @@ CHOSEN = {
     'gusts': {'x': 0.5, 'y': 0.2, 'begin': 0.1, 'length': 1.0},
     'cross_flow': {'horizontal': 1.0, 'total': 0.5, 'sway': 0.09},
     'munk_moment': {'lost': 0.3},
+    'oblique_lift': {'lift': 0.6, 'stall': 4.0},
     'hull_lift': {
         'density': 1.2,
         'area': 0.25,

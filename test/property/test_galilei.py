@@ -78,7 +78,9 @@ def test_a_flight_in_wind_is_a_flight_in_calm_carried_along(effect):
     np.testing.assert_allclose(windy[RIGID - 3 :], calm[RIGID - 3 :], atol=1e-10)
 
 
-@pytest.mark.parametrize('name', ['linear_drag', 'quadratic_drag', 'cross_flow', 'hull_lift'])
+@pytest.mark.parametrize(
+    'name', ['linear_drag', 'quadratic_drag', 'cross_flow', 'hull_lift', 'oblique_lift']
+)
 def test_wind_moves_a_hull_that_has_nothing_but_this_drag(name):
     effect = EFFECTS[name]
     assert isinstance(effect, WrenchEffect)

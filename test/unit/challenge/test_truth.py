@@ -79,7 +79,8 @@ def test_the_plain_vehicle_flies_alike() -> None:
 @pytest.mark.parametrize('name', MOVING)
 def test_each_effect_flies_alike_and_matters(name: str) -> None:
     knob = TURNED[name]
-    nominal = knob.apply_to(GTMAB, 3.0 * knob.typical) if knob.high > 0.0 else hidden(knob)
+    most = min(3.0 * knob.typical, knob.high)
+    nominal = knob.apply_to(GTMAB, most) if knob.high > 0.0 else hidden(knob)
     place, turn, speed = apart(nominal)
     # A tilted rotor turns exactly here and to first order there: 0.027 rad squared.
     rough = 40.0 if name.startswith('rotor_misalignment') else 1.0

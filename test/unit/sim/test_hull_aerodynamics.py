@@ -4,7 +4,7 @@ import math
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_model.effects.aerodynamics import cross_flow, hull_lift, munk_moment
+from lta_model.effects.aerodynamics import cross_flow, hull_lift, munk_moment, oblique_lift
 from lta_model.effects.protocol import VehicleMotion
 from lta_model.rigid_body import cross_product
 from lta_model.state import ADDED, BODY
@@ -64,6 +64,28 @@ def test_both_shares_make_the_drag_go_with_the_speed(v):
 @given(v=vectors, horizontal=share, total=share, drag=st.tuples(share, share, share))
 def test_cross_flow_only_slows(v, horizontal, total, drag):
     assert np.dot(missing((horizontal, total, *drag), v)[:3], v) <= 0.0
+
+
+def lifting(v, lift, stall):
+    return np.array(oblique_lift.compute_wrench((lift, stall), (), flown(tuple(v)), REST))
+
+
+@given(v=vectors, lift=share, stall=st.floats(0.0, 10.0))
+def test_oblique_lift_only_slows(v, lift, stall):
+    assert np.dot(lifting(v, lift, stall)[:3], v) <= 0.0
+
+
+@pytest.mark.parametrize(
+    ('incidence', 'force'),
+    # 0.6 N s2/m2 and a stall of 4 at 2 m/s; sin 0.173648 and 0.866025, cos 0.984808 and 0.5
+    [(10.0, 2.4 * 0.171010 / 1.120615), (60.0, 2.4 * 0.433013 / 4.0)],
+)
+@pytest.mark.parametrize('heading', [0.0, 1.0, math.pi])
+def test_a_round_hull_lifts_alike_in_every_heading(incidence, force, heading):
+    up, level = 2.0 * math.sin(math.radians(incidence)), 2.0 * math.cos(math.radians(incidence))
+    # The nose is up: the hull moves down in its own axes
+    wrench = lifting((level * math.cos(heading), level * math.sin(heading), -up), 0.6, 4.0)
+    np.testing.assert_allclose(wrench, [0.0, 0.0, force, 0.0, 0.0, 0.0], rtol=1e-5)
 
 
 @given(v=vectors)

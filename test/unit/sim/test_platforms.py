@@ -129,19 +129,18 @@ class TestGtmab:
         )
         assert 1.5 < level_speed(vehicle) < 1.9
 
-    def test_it_tumbles_before_it_is_that_fast(self, vehicles):
-        """At full forward thrust without control the hull turns across its way."""
+    def test_it_tumbles_where_the_weight_no_longer_rights_it(self, vehicles):
+        """The hull turns across its way by what is left of the Munk moment."""
         vehicle = vehicles['gtmab']
-        # 0.415 kg, 10.4 cm; 0.134 and 0.343 kg of air.
-        by_hand = 0.4153 * G * 0.1043 * (0.4153 + 0.3435) / (0.2095 * (0.4153 + 0.1340))
+        # 0.415 kg, 10.4 cm; 0.134 and 0.343 kg of air; 0.48 of the moment are lost.
+        by_hand = 0.4153 * G * 0.1043 * (0.4153 + 0.3435) / (0.2095 * (0.4153 + 0.1340)) / 0.52
         assert tumble_speed(vehicle) == pytest.approx(math.sqrt(by_hand), rel=1e-3)
-        assert tumble_speed(vehicle) < level_speed(vehicle)
 
     @pytest.mark.parametrize(('share', 'upright'), [(0.97, True), (1.03, False)])
     def test_it_tumbles_where_the_closed_form_says(self, vehicles, share, upright):
         """Let go at a speed with nothing but weight, buoyancy and added mass at work."""
         vehicle = vehicles['gtmab']
-        kept = ('weight_and_buoyancy', 'added_mass', 'added_inertia')
+        kept = ('weight_and_buoyancy', 'added_mass', 'added_inertia', 'munk_moment')
         given = {name: vehicle.collect_effects()[name] for name in kept}
         model = type(vehicle.build_model()).build(
             given,

@@ -76,8 +76,6 @@ def realistic():
         | {'along_length': 1.0, 'across_length': 1.0, 'up_length': 0.5},
         'superheat': {'warming': 0.017, 'lag': 70.0, 'slack': 1.0},
         'helium_leak': {'rate': 1e-4},
-        'munk_moment': {'lost': 0.3},
-        'cross_flow': {'horizontal': 1.0, 'surge': 0.092, 'sway': 0.092, 'heave': 0.359},
         'moving_mass': {'mass': 0.03, 'z': -0.3, 'lag': 0.3},
         'ground_effect': {'gain': 1.0, 'radius': 0.0235},
     }

@@ -46,34 +46,38 @@ def test_gtmab_by_hand(once):
     assert thrust_speed(vehicle) == pytest.approx(speed, abs=2e-4)
     # The seed paper's thrust allows 1.5 (a sphere's drag) to 1.9 m/s.
     assert 1.5 < speed < 1.9
-    assert static_wind_limit(vehicle) == rises('gtmab') < limits.tumble_speed(vehicle) < speed
+    assert static_wind_limit(vehicle) == rises('gtmab') < speed < limits.tumble_speed(vehicle)
 
 
 def test_gtmab_rises_where_the_balance_by_hand_says():
-    """Pitch by righting, push and Munk moment; height by push, tilted drag and weight."""
+    """Pitch by righting, push and Munk moment; height by push, drag, lift and weight."""
     vehicle = load_vehicle('gtmab')
     along, _, upright, *_ = vehicle.added_mass
     righting = -vehicle.mass * STANDARD_GRAVITY * float(vehicle.cg[2])
     left, right = (rotor.column for rotor in vehicle.rotors[2:])
+    kept = 1.0 - 0.48
     push, down, arm = left[0] + right[0], left[2] + right[2], left[4] + right[4]
 
     def excess(speed: float) -> float:
         def lean(force: float) -> float:
-            return math.asin(-arm * force / (righting - (upright - along) * speed**2))
+            return math.asin(-arm * force / (righting - kept * (upright - along) * speed**2))
 
         def lacking(force: float) -> float:
             c, s = math.cos(lean(force)), math.sin(lean(force))
             return (push * c - down * s) * force - 0.092 * (speed * c) ** 2 * c - rest(s, c)
 
         def rest(s: float, c: float) -> float:
-            return 0.359 * (speed * s) ** 2 * s
+            return normal(s, c) * s
+
+        def normal(s: float, c: float) -> float:
+            return 0.359 * (speed * s) ** 2 + 0.63 * speed**2 * s * c / (1.0 + 4.5 * s * s)
 
         force = brentq(lacking, 0.0, 0.12)
         c, s = math.cos(lean(force)), math.sin(lean(force))
-        hull = 0.359 * (speed * s) ** 2 * c - 0.092 * (speed * c) ** 2 * s
+        hull = normal(s, c) * c - 0.092 * (speed * c) ** 2 * s
         return (push * s + down * c) * force + hull - vehicle.heaviness * STANDARD_GRAVITY
 
-    assert rises('gtmab') == pytest.approx(brentq(excess, 0.9, 1.15), abs=0.02)
+    assert rises('gtmab') == pytest.approx(brentq(excess, 0.5, 1.0), abs=0.01)
 
 
 def test_weight_holds_it_down():
@@ -83,12 +87,13 @@ def test_weight_holds_it_down():
     assert rise_speed(vehicle) > rises('gtmab') + 0.1
 
 
-def test_8_metres_a_second_aloft_are_at_the_edge_of_what_the_platform_can_and_14_beyond(once):
+def test_8_metres_a_second_aloft_are_beyond_what_the_platform_can(once):
     vehicle = load_vehicle('gtmab')
     share = wind_share_at_hull(vehicle, 0.5, 10.0, 0.3)
     assert 8.0 * share == pytest.approx(1.083, abs=2e-3)
-    assert static_wind_limit(vehicle) == pytest.approx(8.0 * share, rel=0.03)
-    # Over smoother ground 8 m/s are too much as well.
+    # Its hull rises at 0.76 m/s
+    assert 0.6 * 8.0 * share < static_wind_limit(vehicle) < 0.8 * 8.0 * share
+    # Over smoother ground more of the wind is left.
     assert 8.0 * wind_share_at_hull(vehicle, 0.5, 10.0, 0.1) > static_wind_limit(vehicle)
 
 

@@ -94,7 +94,8 @@ class KirchhoffBody:
         """
         Return force and moment of drag.
 
-        The hull is round, so horizontal drag depends on the total horizontal speed.
+        The hull is round, so horizontal drag depends on the total horizontal speed, and so does
+        the lift of its incidence.
         """
         t = self.truth
         level = math.hypot(v[0], v[1])
@@ -104,6 +105,11 @@ class KirchhoffBody:
                 t.drag, t.linear_drag, (level, level, abs(v[2])), v, strict=True
             )
         ]
+        if t.normal and level:
+            # With the tangent of the incidence: sin^2 = tan^2 / (1 + tan^2)
+            tangent = v[2] / level
+            loss = 1.0 + t.stall * tangent**2 / (1.0 + tangent**2)
+            force[2] -= t.normal * level**2 * tangent / loss
         if any(t.extra_drag):
             for k, u in enumerate(v):
                 # The prefactor makes it equal to quadratic drag at the speed MATCHED

@@ -52,6 +52,9 @@ class VehicleTruth:
     linear_drag: Triple = NONE  # [N s/m]
     extra_drag: Triple = NONE  # hidden quadratic drag [N s2/m2]
     munk: float = 1.0  # share of the Munk moment that acts
+    # Normal force of the hull by v_h v_z [N s2/m2], and its loss by the squared sine of incidence
+    normal: float = 0.0
+    stall: float = 0.0
     lift: float = 0.0  # upward force at the hull centre [N]
     leak: float = 0.0  # loss of lift per time [N/s]
     thrust: float = 1.0  # factor on the thrust of all rotors
@@ -141,6 +144,8 @@ def build_vehicle_truth(vehicle: Vehicle) -> VehicleTruth:
         )
     added = spheroid_added_mass(diameter.si, height.si, vehicle.air_density)
     linear, square = file.aero.linear_drag, file.aero.quadratic_drag
+    effects = vehicle.collect_effects()
+    oblique = effects.get('oblique_lift', {})
     columns = tuple(
         (*to_triple(each.force.vector), *to_triple(each.moment.vector))
         for each in file.aero.thrust_allocation.values()
@@ -163,5 +168,8 @@ def build_vehicle_truth(vehicle: Vehicle) -> VehicleTruth:
         gains=(1.0,) * len(columns),
         imu_place=to_triple(file.sensors.imu_position.vector),
         range_place=to_triple(file.sensors.range_position.vector),
-        lag=vehicle.collect_effects()['motor_lag']['up'],
+        lag=effects['motor_lag']['up'],
+        munk=1.0 - effects.get('munk_moment', {}).get('lost', 0.0),
+        normal=oblique.get('lift', 0.0),
+        stall=oblique.get('stall', 0.0),
     )

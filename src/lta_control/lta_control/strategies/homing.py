@@ -45,9 +45,7 @@ STAY = 2.0  # of the arrival range: hysteresis, so that wind does not undo an ar
 class HomingSettings(Settings):
     """Prior knowledge of lamp, wind and drone, and the time limits of homing."""
 
-    top_speed: float = setting(
-        1.05, 'Highest commanded airspeed.', unit='m/s', low=0.05, high=20.0
-    )
+    top_speed: float = setting(0.7, 'Highest commanded airspeed.', unit='m/s', low=0.05, high=20.0)
     brightness: float = setting(
         2100.0,
         'Expected brightness of the lamp at 1 m, with a resistor of 100 kohm in the '

@@ -37,6 +37,7 @@ FLOWS: Final = {
     'linear_drag': 0.3,
     'quadratic_drag': 0.3,
     'hull_lift': 0.3,
+    'oblique_lift': 0.3,
     'added_mass': 0.1,
     'added_inertia': 0.1,
 }

@@ -34,7 +34,7 @@ DESIGN: Final = frozenset(
         'rotor_thrust', 'thrust_curve', 'thrust_polynomial', 'weight_and_buoyancy', 'walls',
         'floor_contact', 'hull_lift', 'strip_damping', 'moving_mass', 'gas_state', 'air_state',
         'turbulence', 'gusts', 'wind_profile', 'rotor_envelope_interaction', 'ceiling_effect',
-        'battery_compensation', 'marker_offset', 'wrench_gain',
+        'battery_compensation', 'marker_offset', 'wrench_gain', 'oblique_lift',
     }
 )  # fmt: skip
 # Parameters of those that are uncertain if present, because they were fitted to flights.

@@ -153,6 +153,7 @@ PARTS: Final[dict[str, float]] = {
 WHOLE: Final[dict[str, float]] = {
     'strip_damping': 0.1,
     'hull_lift': 0.05,
+    'oblique_lift': 0.1,
     'rotor_envelope_interaction': 0.2,
 }
 # Tolerances of every vehicle (standard deviations), in the unit of the parameter.

@@ -41,6 +41,7 @@ FILES = (  # folder and file of each; its name is that of the file
     'aerodynamics.cross_flow',
     'aerodynamics.munk_moment',
     'aerodynamics.hull_lift',
+    'aerodynamics.oblique_lift',
     'aerodynamics.strip_damping',
     'rotors.battery_compensation',
     'rotors.battery_sag',

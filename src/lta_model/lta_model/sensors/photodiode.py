@@ -13,7 +13,9 @@ A reading falls off as a power of the cosine between light and axis, out to the 
 of view: 1 is a flat plane, 1.2 the package of the OPT101. Gains differ from diode to diode.
 
 Source: OPT101 data sheet, Texas Instruments SBBS002; the exponent is from memory of its plot of
-responsivity by angle, to be measured. Not modelled: the amplifier's output swing.
+responsivity by angle, to be measured. Not modelled: the amplifier's output swing, which ends
+1.15 V below its supply (data sheet, typical). With 5 V the converter saturates first, at 3.3 V;
+with 3.3 V the amplifier would, at 65 % of that.
 
 The resistor is mounted with the diode, so it is part of the vehicle and the same in every scene.
 """

@@ -1,24 +1,20 @@
 """
 Compare forward flight with the nose up against what the model flies.
 
-The model has drag by axis and the moment of attached flow (Munk 1924). A real hull also lifts, and
-loses a share of that moment. Both follow from one flow at a known incidence.
+Drag by axis and the moment of attached flow (Munk 1924) do not suffice: a real hull also lifts,
+and loses a share of that moment. Both follow from flows at a known incidence, and are the effects
+`oblique_lift` and `munk_moment` of a vehicle file.
 """
 
 from dataclasses import dataclass
 import math
-from typing import Final, final
+from typing import final
 
-from lta_config.files import share_folder
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_model import hull
 from lta_sim.cfd.aero_fit import fit_drag_by_axis
-from lta_sim.cfd.sweep_table import read_sweep, SweepPoint, TunnelSweep
+from lta_sim.cfd.sweep_table import SweepPoint, TunnelSweep
 from lta_sim.cfd.tunnel import INCIDENCES
-import numpy as np
-
-# deg; beyond, the hull stalls and no vehicle flies level
-SMALL: Final = 20.0
 
 
 @final
@@ -30,10 +26,8 @@ class InclinedFlow:
     point: SweepPoint
     by_axis: tuple[float, float]  # drag by axis along body x and z [N]
     munk: float  # moment of attached flow about body y [N m]
-    lift: float  # force across the air beyond the drag by axis [N]
-    lift_slope: float  # of the coefficient, on the hull's shadow from above [1/rad]
-    area: float  # of that shadow [m2]
-    density: float  # [kg/m3]
+    normal: float  # force along body z beyond the drag by axis [N]
+    lift_slope: float  # of that force's coefficient, on the hull's shadow from above [1/rad]
 
     @property
     def lost(self) -> float:
@@ -51,8 +45,7 @@ def compare_inclined_flows(sweep: TunnelSweep) -> list[InclinedFlow]:
         c, s = math.cos(angle), math.sin(angle)
         forward, down = point.speed * c, point.speed * s
         by_axis = (-fits['surge'].drag_at(forward), fits['heave'].drag_at(down))
-        beyond = np.array([point.force[0], point.force[2]]) - by_axis
-        lift = float(beyond @ (s, c))
+        normal = point.force[2] - by_axis[1]
         pressure = 0.5 * sweep.density * point.speed**2
         found.append(
             InclinedFlow(
@@ -61,19 +54,8 @@ def compare_inclined_flows(sweep: TunnelSweep) -> list[InclinedFlow]:
                 by_axis,
                 # -(v x A v) about y, for v = (forward, 0, -down)
                 (along - upright) * forward * down,
-                lift,
-                lift / (pressure * sweep.frontal[2] * angle),
-                sweep.frontal[2],
-                sweep.density,
+                normal,
+                normal / (pressure * sweep.frontal[2] * angle),
             )
         )
     return sorted(found, key=lambda flow: flow.incidence)
-
-
-def find_inclined_flows(vehicle: str) -> list[InclinedFlow]:
-    """Return the flows at up to 20 degrees among the shipped sweeps of a vehicle, or none."""
-    for path in sorted((share_folder() / 'aero').glob('*.sweep.json')):
-        sweep = read_sweep(path)
-        if sweep.vehicle == vehicle and sweep.inclined:
-            return [flow for flow in compare_inclined_flows(sweep) if flow.incidence <= SMALL]
-    return []

@@ -105,9 +105,9 @@ def build_incidence_table(sweep: TunnelSweep) -> TextTable:
     note = (
         'Force and moment in body axes about the hull centre at 1 m/s, with the nose up by the '
         'incidence; a negative My raises it further. By axis: the drag of surge and heave, each '
-        'at its part of the speed. Lift slope: the force across the air beyond that, as a '
-        'coefficient by radian on the shadow of the hull from above, the value lift_alpha of the '
-        'effect hull_lift. Munk: the moment of attached flow. Lost: the share of it that is '
+        'at its part of the speed. Lift slope: the force Fz beyond that, as a coefficient by '
+        'radian on the shadow of the hull from above; the effect oblique_lift has it as '
+        'lift and stall. Munk: the moment of attached flow. Lost: the share of it that is '
         'missing, the value of the effect munk_moment. Spread: of the drag.'
     )
     return TextTable('Nose up', heads, rows, note)

@@ -10,7 +10,12 @@ from lta_report.formatting import format_count, Tile
 from lta_report.report import Picture, Report, TextSection, TextTable
 from lta_studies.light.evaluation.intervals import BootstrapMean
 from lta_studies.mission import paper
-from lta_studies.mission.gas import describe_gas, estimate_gas_over_day, GasOverDay
+from lta_studies.mission.gas import (
+    describe_gas,
+    describe_too_light,
+    estimate_gas_over_day,
+    GasOverDay,
+)
 from lta_studies.mission.pictures import (
     draw_charge,
     draw_energy_use,
@@ -61,11 +66,13 @@ def build_report(request: MissionRequest, results: Sequence[MissionResult]) -> R
     mission, seed = request.mission, request.seeds[0]
     # The plots show the first seed only; tiles and tables average over all.
     shown = [each for each in results if each.seed == seed]
-    light = request.simulate_light(seed)
+    light, gas = request.simulate_light(seed), estimate_gas(request)
+    alike = filter_by_schedule(results, select_main_result(results).schedule)
+    too_light = describe_too_light(gas, list_starts(alike))
     return Report(
         command='mission',
         subject=mission.name,
-        headline=format_headline(request, results),
+        headline=f'{format_headline(request, results)} {too_light}'.rstrip(),
         introduction=mission.about,
         tiles=build_tiles(request, results),
         blocks=(
@@ -77,7 +84,7 @@ def build_report(request: MissionRequest, results: Sequence[MissionResult]) -> R
             Picture('hours', 'Minutes flown', HOURS, draw_flight_hours(shown, light)),
             Picture('books', 'Energy', BOOKS, draw_energy_use(shown)),
             *build_mission_tables(request, results),
-            TextSection('Gas over the day', (describe_gas(estimate_gas(request)),)),
+            TextSection('Gas over the day', (describe_gas(gas),)),
             TextSection('Meaning and method', METHOD),
         ),
         data=to_json(request, results),
@@ -104,14 +111,19 @@ def estimate_gas(request: MissionRequest) -> GasOverDay:
 def to_json(request: MissionRequest, results: Sequence[MissionResult]) -> dict[str, Any]:
     """Convert the figures of all missions to JSON, in SI units."""
     # None if only one schedule was simulated
-    more = flight_time_ratio(results)
+    more, gas = flight_time_ratio(results), estimate_gas(request)
     return {
         'mission': request.mission.name,
         'days': request.days,
         'gain': None if more is None else more._asdict(),
-        'gas': asdict(estimate_gas(request)),
+        'gas': asdict(gas) | {'ballast': gas.ballast},
         'lives': [
-            {'schedule': each.schedule, 'seed': each.seed, **asdict(each.figures)}
+            {
+                'schedule': each.schedule,
+                'seed': each.seed,
+                **asdict(each.figures),
+                'flights_too_light': gas.count_too_light(list_starts([each])),
+            }
             for each in results
         ],
     }
@@ -135,6 +147,11 @@ def format_headline(request: MissionRequest, results: Sequence[MissionResult]) -
         count = sum(each.figures.flights for each in alike)
         sentence += f'; {format_count(failed, "failure")} in {format_count(count, "flight")}'
     return f'{sentence}.'
+
+
+def list_starts(results: Sequence[MissionResult]) -> list[float]:
+    """Return the starts of all flights, since the first midnight. [s]"""
+    return [flight.start for each in results for flight in each.diary.flights]
 
 
 def build_tiles(request: MissionRequest, results: Sequence[MissionResult]) -> list[Tile]:

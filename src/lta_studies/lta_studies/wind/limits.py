@@ -9,7 +9,7 @@ from typing import Any, Final, final
 
 from lta_config.errors import BadInput
 from lta_config.files import find_file, list_shipped_names, load_yaml, validate_content
-from lta_config.schema.parameter_ranges import draw_between, draw_content, list_ranges
+from lta_config.schema.parameter_ranges import draw_content, list_ranges
 from lta_config.schema.vehicle_file import VehicleFile
 from lta_flight.flight_spec import FlightSpec, load_spec
 from lta_model import limits
@@ -21,7 +21,6 @@ from lta_report.study import hash_inputs, Study, StudyOptions
 from lta_report.study_store import StoreFormat
 from lta_report.workers import report_progress
 from lta_sim import wind_limits
-from lta_sim.cfd.incidence import find_inclined_flows, InclinedFlow
 from lta_studies.wind.flyable_wind import find_flyable_wind, FlyableWind, GroundWind, SHARES
 import numpy as np
 from pydantic import TypeAdapter
@@ -79,8 +78,6 @@ class PlatformWindLimits:
     # 5 % and 95 % of the lowest of the three with the numbers of the vehicle file drawn from their
     # ranges; None if it has no ranges
     interval: tuple[float, float] | None = None
-    # Whether the interval has lift and Munk moment of flows at incidence
-    inclined: bool = False
 
 
 def _bisection_steps(request: WindStudyRequest) -> int:
@@ -187,50 +184,21 @@ def measure_limits(request: WindStudyRequest, name: str) -> PlatformWindLimits:
     return PlatformWindLimits(
         name, height, thrust, tumble, rise, static, even, tuple(over), note,
         None if request.quick else draw_static_limit(name, density),
-        not request.quick and bool(find_inclined_flows(name)),
     )  # fmt: skip
 
 
 def draw_static_limit(name: str, density: float) -> tuple[float, float] | None:
-    """
-    Return 5 % and 95 % of the static limit over draws [m/s]; None without ranges.
-
-    Lift and Munk moment of the inclined hull are drawn between those of the shipped flows, where
-    the file has neither.
-    """
+    """Return 5 % and 95 % of the static limit over draws [m/s]; None without ranges."""
     content = load_yaml(find_file('vehicle', name))
     if not list_ranges(content):
         return None
-    flows = find_inclined_flows(name)
     found = []
     for seed in range(1, DRAWS + 1):
         drawn = draw_content(content, seed, 'vehicle')
-        if flows:
-            drawn = {**drawn, 'effects': {**draw_incidence(flows, seed), **drawn['effects']}}
         file = validate_content(VehicleFile, drawn, f'a draw of {name}')
         found.append(wind_limits.static_wind_limit(Vehicle(file, density)))
     low, high = map(float, np.quantile(found, [0.05, 0.95]))
     return low, high
-
-
-def draw_incidence(flows: Sequence[InclinedFlow], seed: int) -> dict[str, dict[str, Any]]:
-    """Return the effects of an inclined hull, drawn between those of its flows."""
-
-    def draw(values: Sequence[float]) -> float:
-        # One cause: with the incidence, the wake takes from both
-        return float(draw_between((min(values), max(values)), 'flows at incidence', seed))
-
-    def quantity(value: float, unit: str) -> dict[str, Any]:
-        return {'value': value, 'unit': unit, 'source': 'flows at incidence'}
-
-    return {
-        'munk_moment': {'lost': quantity(draw([flow.lost for flow in flows]), '1')},
-        'hull_lift': {
-            'density': quantity(flows[0].density, 'kg/m3'),
-            'area': quantity(flows[0].area, 'm2'),
-            'lift_alpha': quantity(draw([flow.lift_slope for flow in flows]), '1'),
-        },
-    }
 
 
 def _flight_height(request: WindStudyRequest, vehicle: Vehicle) -> float:

@@ -127,27 +127,19 @@ def format_platform_notes(results: Sequence[PlatformWindLimits]) -> list[str]:
 
 
 def _format_interval(limit: PlatformWindLimits) -> str:
-    """Return the interval of a static limit in a sentence, and what it says of the file."""
+    """Return the interval of a static limit in a sentence."""
     assert limit.interval is not None
     low, high = limit.interval
-    numbers = (
-        'the static limit in uniform wind, which is its top speed in level flight, is '
-        f'{low:.2f} to {high:.2f} m/s ({DRAWS} draws, 5 to 95 %).'
-    )
-    drawn = f'{limit.name}: with the numbers of its file drawn from their ranges'
-    if not limit.inclined:
-        return (
-            f'{drawn}, {numbers} No flow at incidence is known: the hull has no lift, and the '
-            'Munk moment is that of an ideal fluid.'
-        )
-    verdict = (
+    munk = load_vehicle(limit.name).collect_effects().get('munk_moment', {})
+    ideal = (
         ''
-        if low <= limit.static <= high
-        else f' Its file alone gives {limit.static:.2f} m/s, because it has no lift of the hull.'
+        if munk
+        else ' No flow at incidence is known: the Munk moment is that of an ideal fluid.'
     )
     return (
-        f'{drawn}, and with lift and Munk moment between those of its flows at 10 and 20 degrees '
-        f'of incidence, {numbers}{verdict}'
+        f'{limit.name}: with the numbers of its file drawn from their ranges, the static limit in '
+        f'uniform wind, which is its top speed in level flight, is {low:.2f} to {high:.2f} m/s '
+        f'({DRAWS} draws, 5 to 95 %).{ideal}'
     )
 
 

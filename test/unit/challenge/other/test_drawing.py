@@ -135,7 +135,7 @@ def test_what_is_told_is_true_of_the_vehicle_as_built(truth: VehicleTruth) -> No
     assert given['thrust_scale'] == {'factor': pytest.approx(0.8 * as_built.thrust)}
     assert given['rotor_fault'] == {'lost_2': pytest.approx(1.0 - 0.7 * as_built.gains[1])}
     assert given['cg_offset'] == {'x': pytest.approx(as_built.cg[0] + 0.01)}
-    assert given['munk_moment'] == {'lost': pytest.approx(0.6)}
+    assert given['munk_moment'] == {'lost': pytest.approx(1.0 - 0.4 * 0.52)}
     assert given['rotational_drag'] == {'yaw': pytest.approx(as_built.turn_linear[2] + 1e-3)}
     # Trimmed: as heavy over the air as its file has it.
     assert as_built.mass != truth.mass

@@ -26,8 +26,8 @@ def truth() -> VehicleTruth:
 
 
 def smooth(truth: VehicleTruth) -> VehicleTruth:
-    """Return it without any drag."""
-    return replace(truth, drag=NONE, turn_linear=NONE, turn_square=NONE, plates=())
+    """Return it without any drag, and without the lift that goes with drag."""
+    return replace(truth, normal=0.0, drag=NONE, turn_linear=NONE, turn_square=NONE, plates=())
 
 
 class Hands:

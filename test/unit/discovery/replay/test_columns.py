@@ -131,8 +131,8 @@ def test_all_forces_and_inertias_scaled_together_move_nothing(
     heaviness = (nominal.mass - nominal.displaced) * STANDARD_GRAVITY
     scaled = dict.fromkeys(
         (
-            'thrust_scale.factor', 'strip_damping.all', 'vehicle.mass', 'vehicle.roll',
-            'vehicle.pitch', 'vehicle.yaw',
+            'thrust_scale.factor', 'strip_damping.all', 'oblique_lift.all', 'vehicle.mass',
+            'vehicle.roll', 'vehicle.pitch', 'vehicle.yaw',
         ),
         1.0,
     )  # fmt: skip

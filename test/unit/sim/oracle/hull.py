@@ -31,6 +31,15 @@ def cross_flow(p, memory, scene, thrusts):
     return at_centre(-p.vector(*AXES[:3]) * (seen - abs(v)) * v), NONE
 
 
+def oblique_lift(p, memory, scene, thrusts):
+    x, y, z = scene.airspeed
+    incidence = np.arctan2(z, np.hypot(x, y))
+    # sin(2 a) / 2 = sin(a) cos(a)
+    force = -p('lift') * 0.5 * np.sin(2.0 * incidence) * (x * x + y * y + z * z)
+    force /= 1.0 + p('stall') * np.sin(incidence) ** 2
+    return at_centre(np.array([0.0, 0.0, force])), NONE
+
+
 def munk_moment(p, memory, scene, thrusts):
     v = scene.airspeed
     moment = p('lost') * np.cross(v, scene.body.added[:3] * v)
@@ -58,5 +67,6 @@ HULL = {
     'rotational_drag': rotational_drag,
     'cross_flow': cross_flow,
     'munk_moment': munk_moment,
+    'oblique_lift': oblique_lift,
     'strip_damping': strip_damping,
 }

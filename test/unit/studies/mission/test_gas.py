@@ -2,7 +2,7 @@
 
 from lta_energy.irradiance import IrradianceSeries
 from lta_model.vehicle import load_vehicle
-from lta_studies.mission.gas import describe_gas, estimate_gas_over_day
+from lta_studies.mission.gas import describe_gas, describe_too_light, estimate_gas_over_day
 import numpy as np
 import pytest
 
@@ -25,4 +25,17 @@ def test_lift_follows_from_the_strongest_light():
     # No rotor pushes down: its 2 g of weight alone
     assert gas.held == pytest.approx(2e-3, abs=1e-5)
     assert not gas.is_held
-    assert 'trimmed again' in describe_gas(gas)
+    assert 'it rises' in describe_gas(gas)
+    assert gas.ballast == pytest.approx(gas.slack_gain - 2e-3, abs=1e-5)
+
+
+def test_flights_while_the_gas_lifts_more_than_the_drone_holds_are_counted():
+    """2 g of 413 g of air are 1.42 K, from 83.5 W/m2 of 300 on: after 401 of 1440 minutes."""
+    gas = estimate_gas_over_day(load_vehicle('gtmab'), day(300.0))
+    assert gas.too_light == pytest.approx((60 * 401, 60 * 1439), abs=180)
+    starts = [0.0, 300 * 60.0, 600 * 60.0, 86400.0 + 1000 * 60.0]
+    assert gas.count_too_light(starts) == 2
+    assert 'by up to 5.2 g: 2 of 4 flights' in describe_too_light(gas, starts)
+    dim = estimate_gas_over_day(load_vehicle('gtmab'), day(80.0))
+    assert dim.too_light is None
+    assert describe_too_light(dim, starts) == ''

@@ -82,7 +82,7 @@ SETS: Final[dict[str, FlightSet]] = {
     WINDS: FlightSet(
         'light_reference_winds', 'Against reference winds',
         'The wind is given at 10 m height over ground with a roughness of 0.3 m; it '
-        'blows from the lamp to the start. The airspeed command is 1 m/s.',
+        'blows from the lamp to the start. The airspeed command is 0.7 m/s.',
         EvaluationAxis('wind at 10 m', 'm/s', reference_wind),
     ),
     ROUGHNESS: FlightSet(

@@ -45,7 +45,7 @@ DIODES: Final = 8
 HEIGHT: Final = 0.5  # m
 BARS: Final = 'Path, time and success with 95 % intervals. Stars: flights printed in the paper.'
 TRACKS: Final = (
-    'Ground tracks from above in a uniform headwind of 0.86 m/s, both with the same seed.'
+    'Ground tracks from above in a uniform headwind of 0.57 m/s, both with the same seed.'
 )
 DAY: Final = (
     'Charge over a midsummer day in a greenhouse under the same clouds: the light-aware '

@@ -58,7 +58,7 @@ ALGORITHMS: Final = {  # seed paper, table of algorithms: diodes, position, load
 HEIGHT, REFERENCE, SHOWN = 0.5, 10.0, 0.4  # m: hull, reference wind, a flyable roughness
 TRACKS: Final = (
     'Ground tracks from above, seed 1. The wind blows from the lamp to the start; the '
-    'airspeed command is 1 m/s. Dashed circle: 1 m from the lamp, which counts as reached.'
+    'airspeed command is 0.7 m/s. Dashed circle: 1 m from the lamp, which counts as reached.'
 )
 DISTANCES: Final = 'Distance to the lamp over time, seed 1. Dotted: 1 m, which counts as reached.'
 

@@ -101,7 +101,7 @@ def plot_pressures(values: Mapping[str, MeasuredValue]) -> Figure:
 
     rows = [
         ('GT-MAB: suction on its hull, both rotors up', size('gtmab_hull_least'), TRUTH),
-        ('GT-MAB: nose at its top level speed, 1.09 m/s', size('flight_nose'), TRUTH),
+        ('GT-MAB: nose at its top level speed', size('flight_nose'), TRUTH),
         ('GT-MAB: suction at the bar next to its rotors', size('gtmab_least'), TRUTH),
         ('GT-MAB: jet of a reversed rotor on its hull', size('reversed_most'), TRUTH),
         ('BEAVIS: jets on its hull, all rotors on', size('beavis_hull_most'), TRUTH),
