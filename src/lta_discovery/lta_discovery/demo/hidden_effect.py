@@ -57,7 +57,7 @@ HIDEABLE: Final[dict[str, tuple[float, float]]] = {
     'cg_offset.x': (0.004, 0.008),
     'cg_offset.y': (-0.008, -0.004),
     'motor_deadband.threshold': (0.05, 0.1),
-    'munk_moment.lost': (0.85, 1.0),
+    'rotor_fault.lost_1': (0.15, 0.3),
     'steady_wind.y': (0.06, 0.15),
 }
 

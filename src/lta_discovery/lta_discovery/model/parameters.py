@@ -153,9 +153,13 @@ PARTS: Final[dict[str, float]] = {
 WHOLE: Final[dict[str, float]] = {
     'strip_damping': 0.1,
     'hull_lift': 0.05,
-    'oblique_lift': 0.1,
+    'oblique_lift': 0.5,
     'rotor_envelope_interaction': 0.2,
 }
+# Bounds of the relative change of an effect that a vehicle of the same kind may lack.
+ABSENT: Final = {'oblique_lift': (-1.0, 1.0)}
+# Tolerances of numbers that a vehicle file has from computed flows, which nobody measured.
+COMPUTED: Final[dict[str, float]] = {'munk_moment.lost': 0.2}
 # Tolerances of every vehicle (standard deviations), in the unit of the parameter.
 TOLERANCES: Final[dict[str, float]] = {
     'vehicle.mass': 0.01,
@@ -245,6 +249,9 @@ def _list_effect_parameters(nominal: NominalVehicle, effect: str) -> Iterator[Fr
         # Bounds are of the change from the vehicle file
         low, high = max(lowest, least) - now, min(known.high, most) - now
         moves = {(effect, one): 1.0 for one in group}
+        tolerance = PARTS.get(effect, 0.0) * abs(now)
+        if effect in nominal.given:
+            tolerance = COMPUTED.get(name, tolerance)
         if effect == 'quadratic_drag' and 'cross_flow' in nominal.given:
             moves['cross_flow', known.name] = 1.0  # one coefficient, which both work with
         yield FreeParameter(
@@ -253,7 +260,7 @@ def _list_effect_parameters(nominal: NominalVehicle, effect: str) -> Iterator[Fr
             moves,
             first_step(name, known),
             fine_step(name, known),
-            TOLERANCES.get(name, TRIMS.get(name, PARTS.get(effect, 0.0) * abs(now))),
+            TOLERANCES.get(name, TRIMS.get(name, tolerance)),
             known.spread,
             low,
             high,
@@ -281,7 +288,8 @@ def _list_vehicle_tolerances(nominal: NominalVehicle) -> Iterator[FreeParameter]
         linear = kind.linear_in if isinstance(kind, WrenchEffect) else ()
         numbers = {(effect, one): given[one] for one in linear if given.get(one)}
         if numbers:
-            yield FreeParameter(f'{effect}.all', '1', numbers, STEP, STEP, share, 0.0, *WITHIN)
+            bounds = ABSENT.get(effect, WITHIN)
+            yield FreeParameter(f'{effect}.all', '1', numbers, STEP, STEP, share, 0.0, *bounds)
 
 
 def _list_wrench_gains() -> Iterator[FreeParameter]:
