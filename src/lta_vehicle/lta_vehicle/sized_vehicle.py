@@ -29,6 +29,8 @@ def write_sized_vehicle(name: str, size: VehicleSize, out: Path) -> tuple[Vehicl
     check_vehicle_name(name)
     if name in list_shipped_names('vehicles'):
         raise BadInput(f'{name} is the name of a shipped vehicle; choose another one.')
+    if out.is_dir():
+        raise BadInput(f'{out} is a folder; name a file, such as {out / name}.yaml.')
     gains = out.with_name(f'{name}.gains.yaml')
     blocks = build_blocks(name, size, gains.name)
     vehicle = Vehicle(validate_content(VehicleFile, blocks, f'The vehicle {name}'))

@@ -12,7 +12,7 @@ intervals of two seconds without fast flight or climb. Its error follows from th
 (Student's t, 95 %; the intervals are taken as independent).
 
 An error of the thrust curve cannot be separated: it enters m_h in full. For a vehicle that is
-commanded by a wrench, the commanded force times `wrench_gain` takes the place of B T(u), and an
+commanded by a wrench, the commanded force after `wrench_gain` takes the place of B T(u), and an
 error of that gain enters.
 """
 
@@ -25,6 +25,8 @@ from lta_config.constants import STANDARD_GRAVITY
 from lta_config.errors import BadInput
 from lta_data.even_grid import build_uniform_time_grid
 from lta_model.effect_parameters import Effects, OTHER_CURVES
+from lta_model.effects import EFFECTS
+from lta_model.measurement_chain import apply_chain, build_chains
 from lta_model.vehicle import Vehicle
 from lta_vehicle.flight_record import Array, RotorCommands, VehiclePath, WrenchCommands
 import numpy as np
@@ -216,11 +218,10 @@ def _vertical_command(
     vehicle: Vehicle, commands: WrenchCommands, grid: Array, rotation: Array
 ) -> Array:
     """Return the commanded force along the vertical of the map, after its gains. [N]"""
-    gains = vehicle.collect_effects().get('wrench_gain', {})
-    force = _sample_commands(commands, grid) * [
-        gains.get(axis, 1.0) for axis in ('surge', 'sway', 'heave')
-    ]
-    return np.asarray(np.einsum('nj,nj->n', rotation[:, 2], force))
+    told = (*_sample_commands(commands, grid).T, *np.zeros((3, len(grid))))
+    chain = build_chains(vehicle.collect_effects(), EFFECTS)['command_wrench']
+    acting = apply_chain(chain, told, 0.0)[:3]
+    return np.asarray(np.einsum('nj,jn->n', rotation[:, 2], np.stack(acting)))
 
 
 def _vertical_thrust(

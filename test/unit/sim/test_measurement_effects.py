@@ -3,6 +3,7 @@
 import math
 
 from lta_model.effects.protocol import CHANNELS, MeasurementEffect
+from lta_model.effects.rotors import wrench_gain
 from lta_model.effects.sensors import (
     clock_offset,
     clock_skew,
@@ -141,3 +142,22 @@ def test_clocks_by_hand():
     # After ten minutes 50 ppm are 30 ms.
     assert told(given, 'clock', (600.0,), 600.0) == pytest.approx((600.23,), abs=1e-12)
     assert told(given, 'pose_time', (600.0,), 600.0) == pytest.approx((599.97,), abs=1e-12)
+
+
+# Half of a thrust that goes with the square of the command, and 0.6 of it in reverse
+SQUARE = {'surge': 0.5, 'exponent_surge': 2.0, 'reverse_surge': 0.6, 'reference_surge': 0.1}
+
+
+@pytest.mark.parametrize(
+    ('command', 'force'), [(0.1, 0.05), (0.05, 0.0125), (-0.2, -0.12), (0, 0)]
+)
+def test_thrust_by_a_power_of_the_command_and_weaker_in_reverse(command, force):
+    """0.5 x 0.1 N x (0.05 / 0.1)^2 = 12.5 mN; 0.6 x 0.5 x 0.1 N x 2^2 = 120 mN backwards."""
+    chain = build_chains({'wrench_gain': SQUARE}, {'wrench_gain': wrench_gain.EFFECT})
+    acting = apply_chain(chain['command_wrench'], (command, -0.3, 0.3, 0, 0, 0.01), 0.0)
+    np.testing.assert_allclose(acting, (force, -0.3, 0.3, 0, 0, 0.01), rtol=1e-12)
+    p = tuple(SQUARE.get(known.name, known.null) for known in wrench_gain.PARAMETERS)
+    # A replay passes all commands of a flight at once
+    many = wrench_gain.compute_reading(p, tuple(np.full((6, 3), command)), 0.0)
+    np.testing.assert_allclose(many[0], 3 * [force], rtol=1e-12)
+    np.testing.assert_allclose(wrench_gain.find_command(p, acting)[0], command, rtol=1e-12)

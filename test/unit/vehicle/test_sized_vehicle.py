@@ -124,6 +124,13 @@ def test_a_file_that_exists_is_kept_and_nothing_written(tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ['mine.gains.yaml']
 
 
+def test_a_folder_is_no_vehicle_file() -> None:
+    """A relative `.` has no name from which that of the gains follows."""
+    size = VehicleSize(diameter=0.5, length=1.2, mass=0.12, motors=3, thrust=0.1, arm=0.2)
+    with pytest.raises(BadInput, match='is a folder; name a file'):
+        write_sized_vehicle('mine', size, Path())
+
+
 @pytest.mark.parametrize('text', ['1.2', '1.2 kg', '-1 m', '1000 m', 'long'])
 def test_a_wrong_size_is_named(text: str) -> None:
     with pytest.raises(BadInput, match='--length'):

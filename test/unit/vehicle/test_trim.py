@@ -147,6 +147,16 @@ def test_a_commanded_force_weighs_as_well_as_duties(gtmab):
     assert encode_heaviness(found)['force'] == pytest.approx(0.002 * G, rel=1e-5)
 
 
+def test_a_commanded_force_weighs_by_the_thrust_law_of_the_file(gtmab):
+    """0.5 x 10 mN x (19.8 / 10)^2 = 19.6 mN carry 2 g."""
+    path, _ = hanging()
+    force = np.tile([0.0, 0.0, 0.01 * math.sqrt(0.002 * G / 0.005)], (len(path.time), 1))
+    law = {'heave': 0.5, 'exponent_heave': 2.0, 'reference_heave': 0.01}
+    square = NominalFile(gtmab, {'wrench_gain': law})
+    found = estimate_heaviness(square, path, WrenchCommands(path.time, force))
+    assert found.heaviness == pytest.approx(0.002, rel=1e-5)
+
+
 class NominalFile:
     """A vehicle with more effects."""
 

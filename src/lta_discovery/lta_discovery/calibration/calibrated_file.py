@@ -61,7 +61,9 @@ def format_calibrated_vehicle(
         effect, _, parameter = one.name.partition('.')
         if not one.flight:
             notes[effect, parameter] = format_value(one)
-    change = VehicleUpdate(calibration.nominal, calibration.calibrated)
+    # Without the references of the gains, which the calibration chose
+    before = NominalVehicle.from_vehicle(vehicle)
+    change = VehicleUpdate(before, calibration.calibrated)
     return format_changed_vehicle(text, vehicle, change, notes, source)
 
 

@@ -10,11 +10,14 @@ from lta_discovery.model.calibration_parameters import (
     commanded_axes,
     list_calibration_parameters,
     list_reversed_rotors,
+    list_wrench_laws,
+    set_references,
 )
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.study import prepare_flight
+from lta_model.effects.protocol import AXES
 from lta_model.vehicle import Vehicle
 import numpy as np
 
@@ -45,12 +48,11 @@ def prepare_calibration(
 
     `any_heading`: whether the marker frame may have any heading on the vehicle.
     """
-    nominal = NominalVehicle.from_vehicle(vehicle)
     told = [flight for _, _, flight in flights]
-    commanded = np.any(
-        [commanded_axes(one.wrench.values) for one in told if one.wrench is not None] or [[False]],
-        axis=0,
-    )
+    wrenches = [one.wrench.values for one in told if one.wrench is not None]
+    commanded = np.any([commanded_axes(each) for each in wrenches] or [[False]], axis=0)
+    orders = np.concatenate([np.zeros((0, len(AXES))), *wrenches])
+    nominal = set_references(NominalVehicle.from_vehicle(vehicle), orders)
     knobs = list_calibration_parameters(
         nominal,
         commanded.tolist(),
@@ -58,6 +60,7 @@ def prepare_calibration(
         list_reversed_rotors(
             [one.commands.values for one in told if one.wrench is None], vehicle.reversible
         ),
+        list_wrench_laws(orders),
     )
     if any_heading:
         heading = find_index(knobs, MARKER_HEADING)

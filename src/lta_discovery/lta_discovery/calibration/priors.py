@@ -8,6 +8,7 @@ from typing import Final
 from lta_discovery.calibration.result import CalibratedValue, WIDE
 from lta_discovery.model.calibration_parameters import (
     BY_EYE,
+    GAIN_NAMES,
     HEADING,
     list_marker_parameters,
     ordinary_tolerances,
@@ -44,7 +45,7 @@ def apply_calibration(
         tolerance = max(usual.get(knob.name, 0.0), _posterior_deviation(one))
         if own:
             tolerance = _flight_deviation(knob, nominal, values)
-        elif knob.name.startswith('wrench_gain'):
+        elif knob.name in GAIN_NAMES:
             tolerance = max(GAINS * abs(one.value), one.deviation)
         low = -math.inf if own else knob.low
         out.append(

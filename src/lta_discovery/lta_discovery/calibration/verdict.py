@@ -6,7 +6,7 @@ from typing import Final
 
 from lta_discovery.calibration.forecast_score import is_contradicted
 from lta_discovery.calibration.result import CalibratedValue, Calibration
-from lta_discovery.model.calibration_parameters import HEADING
+from lta_discovery.model.calibration_parameters import GAIN_NAMES, HEADING
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import NET_LIFT
 from lta_discovery.page.formatting import DEGREES, format_number
@@ -48,7 +48,7 @@ def _gain_clauses(calibration: Calibration) -> Iterator[str]:
     """Yield the gains that differ from the file."""
     for one in calibration.values:
         effect, _, axis = one.name.partition('.')
-        gain = effect == 'wrench_gain' or one.name.endswith('.thrust')
+        gain = one.name in GAIN_NAMES or one.name.endswith('.thrust')
         if not (one.is_far and gain):
             continue
         percent = format_number(100.0 * abs(one.value / one.before), 2)
@@ -63,13 +63,17 @@ def _gain_clauses(calibration: Calibration) -> Iterator[str]:
 
 
 def _reverse_clauses(calibration: Calibration) -> Iterator[str]:
-    """Yield the rotors that push weaker or stronger in reverse than the file says."""
+    """Yield the rotors and axes that push otherwise in reverse, and exponents of axes."""
     for one in calibration.values:
         rotor, _, part = one.name.partition('.')
-        if part == 'reverse' and one.is_far:
+        kind, _, axis = part.partition('_')
+        if kind == 'reverse' and one.is_far:
             word = 'weaker' if one.value < 1.0 else 'stronger'
             percent = format_number(100.0 * abs(one.value - 1.0), 2)
-            yield f'{rotor.replace("_", " ")} pushes {percent} % {word} in reverse'
+            yield f'{axis or rotor.replace("_", " ")} pushes {percent} % {word} in reverse'
+        elif kind == 'exponent' and one.is_far:
+            size = format_number(one.value, 2)
+            yield f'{axis}: the {AXIS_WORDS[axis]} follows the command to the power {size}'
 
 
 def _lift_clauses(calibration: Calibration) -> Iterator[str]:

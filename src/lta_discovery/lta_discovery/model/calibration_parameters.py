@@ -49,6 +49,10 @@ POSE_ONLY: Final = frozenset({'clock_offset.offset'})
 FAR: Final = 20.0  # largest gain
 ROTOR: Final = 4.0  # largest relative change of a rotor's thrust, which may turn it around
 BACKWARD: Final = 0.95  # largest relative loss in reverse
+EXPONENTS: Final = (0.5, 3.0)  # bounds of the exponent of a commanded force
+REVERSES: Final = (0.05, 5.0)  # bounds of the share of a commanded force that acts in reverse
+SIZES: Final = 0.1  # of the mean size of a command; a larger spread shows its exponent
+GAIN_NAMES: Final = frozenset(f'wrench_gain.{axis}' for axis in AXES)
 SWING: Final = 0.6  # largest logarithm of a factor on mass and inertia
 
 
@@ -112,6 +116,7 @@ BY_EYE: Final[dict[str, float]] = {
     'tracker_misalignment.roll': math.radians(0.5),
     HEADING: math.radians(2.0),
     **{f'rotor_{i}.reverse': 0.05 for i in range(1, ACTUATORS + 1)},
+    **{f'wrench_gain.{kind}_{axis}': 0.05 for kind in ('exponent', 'reverse') for axis in AXES},
     'helium_leak.rate': 5e-5,
 }
 
@@ -127,24 +132,30 @@ def list_calibration_parameters(
     commanded: Sequence[bool],
     only_pose: bool,
     reversed_rotors: Sequence[int] = (),
+    laws: Sequence[str] = (),
 ) -> list[FreeParameter]:
     """
     Return the parameters of a calibration, with their deviations before it as tolerances.
 
     `commanded`: axes on which a wrench was commanded; none for vehicles commanded by duties,
     sequence of 6 bool. `only_pose`: whether nothing but the pose was measured. `reversed_rotors`:
-    numbers, from 1, of the rotors that are flown in reverse.
+    numbers, from 1, of the rotors that are flown in reverse. `laws`: names of exponents and
+    reverses of a commanded wrench that its commands can show (`list_wrench_laws`).
     """
     out = []
     for knob in [
         *list_free_parameters(nominal, any(commanded)),
         *list_marker_parameters(),
         *(build_reverse_parameter(nominal, i) for i in reversed_rotors),
+        *(
+            FreeParameter(f'wrench_gain.{one}', '1', {('wrench_gain', one): 1.0}, STEP, STEP)
+            for one in laws
+        ),
     ]:
         wide = prior_deviation(knob, nominal)
         effect, _, part = knob.name.partition('.')
         kind = EFFECTS.get(effect)
-        uncommanded = effect == 'wrench_gain' and not commanded[AXES.index(part)]
+        uncommanded = knob.name in GAIN_NAMES and not commanded[AXES.index(part)]
         unseen = only_pose and (
             knob.name in POSE_ONLY
             or getattr(kind, 'channel', 'pose') in ('rates', 'force', 'range', 'pressure')
@@ -153,8 +164,11 @@ def list_calibration_parameters(
         if wide == 0.0 or uncommanded or unseen or unmoved:
             continue
         low, high = knob.low, knob.high
-        if effect == 'wrench_gain':
+        if knob.name in GAIN_NAMES:
             low, high = -FAR, FAR
+        elif effect == 'wrench_gain':
+            ends = EXPONENTS if part.startswith('exponent') else REVERSES
+            low, high = (end - nominal.parameter_value(effect, part) for end in ends)
         elif knob.name.endswith('.thrust'):
             low, high = -ROTOR, ROTOR - 2.0
         elif knob.name.endswith('.reverse'):
@@ -233,3 +247,37 @@ def list_reversed_rotors(
 def commanded_axes(wrench: np.ndarray[tuple[int, int], np.dtype[np.float64]]) -> list[bool]:
     """Return on which axes a wrench, shape (n, 6), was commanded."""
     return [bool(size > 0.0) for size in np.ptp(wrench, axis=0)]
+
+
+def list_wrench_laws(commands: np.ndarray[tuple[int, int], np.dtype[np.float64]]) -> list[str]:
+    """
+    Return the exponents and reverses that commands of a wrench, shape (n, 6), can show.
+
+    An exponent needs commands of several sizes, a reverse commands of either sign.
+    """
+    out = []
+    for axis, column in zip(AXES, commands.T, strict=True):
+        sizes = np.abs(column[column != 0.0])
+        if len(sizes) and sizes.std() > SIZES * sizes.mean():
+            out.append(f'exponent_{axis}')
+        ends = -float(column.min(initial=0.0)), float(column.max(initial=0.0))
+        if min(ends) > -REVERSED * max(ends):
+            out.append(f'reverse_{axis}')
+    return out
+
+
+def set_references(
+    nominal: NominalVehicle, commands: np.ndarray[tuple[int, int], np.dtype[np.float64]]
+) -> NominalVehicle:
+    """
+    Return a vehicle whose gains hold at the size of the commands of a wrench, shape (n, 6).
+
+    There the gain is known best, whatever the exponent. With an exponent of 1 it changes nothing.
+    """
+    for axis, column in zip(AXES, commands.T, strict=True):
+        sizes = np.abs(column[column != 0.0])
+        if len(sizes) and nominal.parameter_value('wrench_gain', f'exponent_{axis}') == 1.0:
+            # Mean of the logarithms, weighted by the squares, to which errors of the gain belong
+            mean = float(np.exp(np.average(np.log(sizes), weights=sizes**2)))
+            nominal = nominal.with_value('wrench_gain', f'reference_{axis}', float(f'{mean:.2g}'))
+    return nominal

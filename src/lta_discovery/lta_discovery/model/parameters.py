@@ -181,6 +181,8 @@ TOE: Final = 0.5 * math.pi / 180.0  # rad; misalignment of a rotor axis
 # standard deviations where nothing was measured (`model.calibration_parameters`).
 CALIBRATION: Final[dict[str, float]] = {
     **{f'wrench_gain.{axis}': 2.0 for axis in AXES},
+    **{f'wrench_gain.exponent_{axis}': 0.4 for axis in AXES},
+    **{f'wrench_gain.reverse_{axis}': 0.4 for axis in AXES},
     'command_delay.delay': 0.2,
     'motor_lag': 0.02,
     NET_LIFT: 0.03,

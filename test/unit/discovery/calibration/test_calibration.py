@@ -5,7 +5,7 @@ import math
 from pathlib import Path
 
 from lta_challenge.other.calibration_case import CalibrationCase, generate_calibration_case
-from lta_challenge.other.wrench_flight import Course
+from lta_challenge.other.wrench_flight import Course, WrenchActuators
 from lta_challenge.recording import write_bag
 from lta_config.files import find_file
 from lta_config.vehicle_edit import set_yaml_value
@@ -21,6 +21,7 @@ from lta_discovery.flights.usable_flights import select_usable_flights
 from lta_discovery.model.calibration_parameters import list_calibration_parameters
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.run import DiscoveryRequest, study_usable_flights
+from lta_model.effects.rotors import wrench_gain
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
@@ -28,6 +29,7 @@ from scipy.spatial.transform import Rotation
 
 ROLES = ('train', 'train', 'confirm')
 SECONDS = (35.0, 45.0)
+SIZES = (0.03, 1.0, 0.03, 1.0, 1.0, 0.003)  # forces at which the gains hold [N, N m]
 
 
 def calibrate_case(
@@ -149,6 +151,40 @@ def test_the_gain_of_a_controller_that_dithers_nothing_is_found(tmp_path: Path) 
     for axis in ('surge', 'sway', 'heave'):
         k = [knob.name for knob in prepared.knobs].index(f'wrench_gain.{axis}')
         assert 1.0 + start.values[k] == pytest.approx(0.3, abs=0.15), axis
+
+
+@pytest.mark.long
+def test_thrust_by_a_power_of_the_command_is_found(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of motors that push by the command to the power 1.7, and 0.6 of it in reverse."""
+
+    def push(self: WrenchActuators, seconds: float) -> list[float]:
+        out = []
+        for gain, told, size in zip(self._gains, self._wrench, SIZES, strict=True):
+            force = size * abs(gain * told / size) ** 1.7
+            out.append(math.copysign(force if told > 0.0 else 0.6 * force, gain * told))
+        return out
+
+    monkeypatch.setattr(WrenchActuators, 'thrusts_after_command', push)
+    _, found = calibrate_case(3, tmp_path)
+    for name, truth in (('exponent_surge', 1.7), ('exponent_heave', 1.7), ('reverse_surge', 0.6)):
+        one = found.find(f'wrench_gain.{name}')
+        assert one is not None, name
+        assert one.is_known, name
+        assert abs(one.value - truth) < 3.0 * one.deviation < 0.3, name
+    last = found.scores['confirm'][-1]
+    assert last.after[0] < 0.3 * min(last.before[0], last.coast[0])
+    text = format_calibrated_vehicle(
+        find_file('vehicle', 'gtmab').read_text(encoding='utf-8'),
+        load_vehicle('gtmab'), found, 'a test',
+    )  # fmt: skip
+    (tmp_path / 'calibrated.yaml').write_text(text)
+    written = NominalVehicle.from_vehicle(load_vehicle(str(tmp_path / 'calibrated.yaml')))
+    for known in wrench_gain.PARAMETERS:
+        assert written.parameter_value('wrench_gain', known.name) == pytest.approx(
+            found.calibrated.parameter_value('wrench_gain', known.name)
+        )
 
 
 def test_nothing_tells_the_heading_of_the_tracker_in_still_air(

@@ -7,7 +7,11 @@ from lta_discovery.calibration.offsets import (
     format_calibration_warning,
     list_calibration_offsets,
 )
-from lta_discovery.model.calibration_parameters import list_calibration_parameters
+from lta_discovery.model.calibration_parameters import (
+    list_calibration_parameters,
+    list_wrench_laws,
+    set_references,
+)
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import list_free_parameters
 from lta_model.vehicle import load_vehicle
@@ -67,3 +71,36 @@ def test_each_kind_of_flight_frees_what_it_can_show(nominal: NominalVehicle) -> 
         assert knob.typical == 0.0
         if name in usual:
             assert knob.tolerance >= usual[name].tolerance, name
+
+
+def test_exponents_and_reverses_are_fitted_where_commands_show_them() -> None:
+    """Surge: both signs, many sizes; heave: one sign; sway: one size; yaw: hardly any reverse."""
+    time = np.linspace(0.0, 20.0, 400)
+    zero = np.zeros_like(time)
+    sway = np.where(time > 10.0, 0.02, -0.02)
+    yaw = np.where(time < 0.2, -1e-4, 5e-3 * np.sin(time) ** 2)
+    table = np.column_stack(
+        [0.04 * np.sin(time), sway, 0.03 + 0.01 * np.sin(time), zero, zero, yaw]
+    )
+    laws = list_wrench_laws(table)
+    assert laws == [
+        'exponent_surge', 'reverse_surge', 'reverse_sway', 'exponent_heave', 'exponent_yaw'
+    ]  # fmt: skip
+    nominal = set_references(NominalVehicle.from_vehicle(load_vehicle('gtmab')), table)
+    assert nominal.parameter_value('wrench_gain', 'reference_sway') == 0.02
+    assert nominal.parameter_value('wrench_gain', 'reference_roll') == 1.0
+    bent = nominal.with_value('wrench_gain', 'exponent_surge', 1.5)
+    # A file that states an exponent states its reference, too
+    twice = set_references(bent, 2.0 * table)
+    assert twice.parameter_value('wrench_gain', 'reference_sway') == 0.04
+    assert twice.parameter_value('wrench_gain', 'reference_surge') == bent.parameter_value(
+        'wrench_gain', 'reference_surge'
+    )
+    knobs = {
+        one.name: one
+        for one in list_calibration_parameters(
+            bent, [True, True, True, False, False, True], True, (), laws
+        )
+    }
+    assert {f'wrench_gain.{one}' for one in laws} <= set(knobs)
+    assert knobs['wrench_gain.exponent_surge'].low == pytest.approx(0.5 - 1.5)

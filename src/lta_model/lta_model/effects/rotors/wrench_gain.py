@@ -1,26 +1,78 @@
 """
-Share of a commanded wrench that acts on the vehicle, on each axis.
+Force and moment that act on the vehicle for a commanded wrench, on each axis.
 
-    F = gain F_command
+    F = gain F_r sign(F_c) |F_c / F_r| ^ exponent, times `reverse` for F_c < 0
 
-Of vehicles whose record has commanded forces and moments in place of duties (`wrench_command`). A
+F_c is the command and F_r (`reference`) the size of the command at which the gain holds. Of
+vehicles whose record has commanded forces and moments in place of duties (`wrench_command`). A
 gain below 1 is a loss between command and air, such as a weak battery or a wrong thrust law; a
-negative one is a command in other axes than those of the body. In simulation the rotors obey
-duties, and it has no influence.
+negative one is a command in other axes than those of the body. The exponent is 1 where thrust
+follows the command, and up to 2 where the command sets the rate of a propeller. Propellers push
+weaker in reverse. In simulation the rotors obey duties, and it has no influence.
 """
 
 from lta_model.effects.protocol import AXES, EffectParameter, MeasurementEffect, Values
 
 _SOURCE = 'spread (assumed): the thrust law of a lab that never measured its rotors'
 
-PARAMETERS = tuple(EffectParameter(axis, '1', 1.0, -20.0, 20.0, 0.2, _SOURCE) for axis in AXES)
+PARAMETERS = (
+    *(EffectParameter(axis, '1', 1.0, -20.0, 20.0, 0.2, _SOURCE) for axis in AXES),
+    *(EffectParameter(f'exponent_{axis}', '1', 1.0, 0.3, 4.0, 0.2, _SOURCE) for axis in AXES),
+    *(EffectParameter(f'reverse_{axis}', '1', 1.0, 0.0, 5.0, 0.2, _SOURCE) for axis in AXES),
+    *(
+        EffectParameter(f'reference_{axis}', unit, 1.0, 1e-6, 1e3, 0.1, _SOURCE)
+        for axis, unit in zip(AXES, 3 * ('N',) + 3 * ('N m',), strict=True)
+    ),
+)
 
 
 def compute_reading(p: Values, values: Values, time: float) -> Values:
     """Return the wrench that acts for a command. [N, N m]"""
-    surge, sway, heave, roll, pitch, yaw = p
+    (
+        surge, sway, heave, roll, pitch, yaw,
+        exponent_surge, exponent_sway, exponent_heave,
+        exponent_roll, exponent_pitch, exponent_yaw,
+        reverse_surge, reverse_sway, reverse_heave,
+        reverse_roll, reverse_pitch, reverse_yaw,
+        reference_surge, reference_sway, reference_heave,
+        reference_roll, reference_pitch, reference_yaw,
+    ) = p  # fmt: skip
     x, y, z, k, m, n = values
-    return surge * x, sway * y, heave * z, roll * k, pitch * m, yaw * n
+    return (
+        surge * _act(x, exponent_surge, reverse_surge, reference_surge),
+        sway * _act(y, exponent_sway, reverse_sway, reference_sway),
+        heave * _act(z, exponent_heave, reverse_heave, reference_heave),
+        roll * _act(k, exponent_roll, reverse_roll, reference_roll),
+        pitch * _act(m, exponent_pitch, reverse_pitch, reference_pitch),
+        yaw * _act(n, exponent_yaw, reverse_yaw, reference_yaw),
+    )
+
+
+def find_command(p: Values, wrench: Values) -> Values:
+    """Return the command for which a wrench acts; an axis without gain has that of gain 1."""
+    out = []
+    for i, force in enumerate(wrench):
+        gain, exponent, reverse, reference = p[i :: len(AXES)]
+        full = _weaken(force / (gain or 1.0), 1.0 / (reverse or 1.0))
+        out.append(_raise_to(full, 1.0 / exponent, reference))
+    return tuple(out)
+
+
+# All for numbers and arrays alike: a replay computes the commands of a flight at once
+def _act(command: float, exponent: float, reverse: float, reference: float) -> float:
+    return _weaken(_raise_to(command, exponent, reference), reverse)
+
+
+def _raise_to(command: float, exponent: float, reference: float) -> float:
+    if exponent == 1.0:  # exact
+        return command
+    sign = (command > 0.0) * 1.0 - (command < 0.0) * 1.0
+    size: float = abs(command / reference) ** exponent
+    return reference * sign * size
+
+
+def _weaken(force: float, reverse: float) -> float:
+    return force * (1.0 + (reverse - 1.0) * (force < 0.0))
 
 
 EFFECT = MeasurementEffect('wrench_gain', PARAMETERS, 'command_wrench', compute_reading)
