@@ -13,7 +13,7 @@ import typer
 
 def try_(
     name: Annotated[
-        str, typer.Argument(help='Effect, or one of its parameters, such as munk_moment.lost.')
+        str, typer.Argument(help='Effect, or one of its parameters, such as cg_offset.x.')
     ],
     seed: Annotated[int, typer.Option(help='Random seed of the flights.', min=0, max=2**20)] = 1,
     out: Out = None,
@@ -27,7 +27,7 @@ def try_(
     several parameters, one that such flights show well is hidden, at a size that they show. Page,
     files and terminal are those of "lta discover". Says why if an effect cannot be tried.
 
-    Example: lta effects try munk_moment
+    Example: lta effects try motor_deadband
     """
     console = plain_console(stderr=json)
     check_picture_output(pictures)
