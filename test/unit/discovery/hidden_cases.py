@@ -40,7 +40,6 @@ CASES: dict[str, Changes] = {
         f'{_ON}battery_sag.sensitivity': _is(0.8),
     },
     'tracker_misalignment.pitch': {f'{_ON}tracker_misalignment.pitch': _is(0.02, 'rad')},
-    'munk_moment.lost': {f'{_ON}munk_moment.lost': _is(0.4)},
 }
 
 
