@@ -21,40 +21,40 @@ HEADS: Final = ('error', 'vehicle file', 'named effects', 'all parameters fitted
 
 def render_transfer(finding: StudyResult) -> str:
     """Return the forecast evidence; '' where only sensor readings were evaluated."""
-    told = finding.carried
-    if told is None:
+    evidence = finding.carried
+    if evidence is None:
         return ''
     heading, parts = (
-        ('Effects identified by forecasts', [_render_names(told), _render_regimes(told)])
-        if told.names
+        ('Effects identified by forecasts', [_render_names(evidence), _render_regimes(evidence)])
+        if evidence.names
         else (
             'Forecasts with everything refitted',
-            [_render_refit(finding), _render_regimes(told)],
+            [_render_refit(finding), _render_regimes(evidence)],
         )
     )
-    if told.names:
-        parts += [_render_kinds(told.kinds), _render_refit(finding)]
+    if evidence.names:
+        parts += [_render_kinds(evidence.kinds), _render_refit(finding)]
     return f'<h3>{heading}</h3>{"".join(parts)}<h3>Search by sensor readings</h3>'
 
 
-def _render_names(told: TransferEvidence) -> str:
+def _render_names(evidence: TransferEvidence) -> str:
     """Return what each effect removes of the error, and which effects are not named."""
-    most = max(one.share for one in told.names)
+    most = max(one.share for one in evidence.names)
     names = [
         (
             escape(one.name),
             strips.render_bar(one.share, most),
             f'{format_number(100.0 * one.share, 2)} %',
         )
-        for one in told.names
+        for one in evidence.names
     ]
     lost = (
         f'<p class="note">Interpolation only, so not named: <b>'
-        f'{escape(join_words(told.interpolates))}</b>.</p>'
-        if told.interpolates
+        f'{escape(join_words(evidence.interpolates))}</b>.</p>'
+        if evidence.interpolates
         else ''
     )
-    lost += ''.join(f'<p class="note">{escape(one)}.</p>' for one in told.rejected)
+    lost += ''.join(f'<p class="note">{escape(one)}.</p>' for one in evidence.rejected)
     return (
         '<p class="note">The model error is so large, or the poses are so smooth, that the '
         'readings do not decide; forecasts of five seconds do. An effect is named if it improves '
@@ -70,12 +70,13 @@ def _render_names(told: TransferEvidence) -> str:
     )
 
 
-def _render_regimes(told: TransferEvidence) -> str:
+def _render_regimes(evidence: TransferEvidence) -> str:
     """Return the errors in flight regimes that were left out of the fit."""
     regimes = [
-        (escape(one.name), str(one.flights), format_number(one.ratio, 2)) for one in told.regimes
+        (escape(one.name), str(one.flights), format_number(one.ratio, 2))
+        for one in evidence.regimes
     ]
-    worst = format_percent(max(one.ratio for one in told.regimes) - 1.0)
+    worst = format_percent(max(one.ratio for one in evidence.regimes) - 1.0)
     return (
         '<p class="note">Each regime is predicted with a fit to the others. In the worst regime '
         f'the error changes by {worst} % compared with the vehicle file.</p>'
@@ -90,7 +91,7 @@ def _render_regimes(told: TransferEvidence) -> str:
 
 def _render_refit(finding: StudyResult) -> str:
     """Return the errors with everything refitted; '' where that was not done."""
-    told = finding.carried
+    evidence = finding.carried
     rows = [
         (
             f'{escape(gap.channel)} after {gap.horizon_s:g} s',
@@ -100,13 +101,13 @@ def _render_refit(finding: StudyResult) -> str:
         for gap in finding.gaps
         if math.isfinite(gap.refitted) and gap.channel in WHOLE
     ]
-    if told is None or not rows:
+    if evidence is None or not rows:
         return ''
-    what = '' if told.names else 'Forecasts identify no effect that holds in every regime. '
-    heads = HEADS if told.names else (*HEADS[:2], 'its tolerances fitted', *HEADS[3:])
+    what = '' if evidence.names else 'Forecasts identify no effect that holds in every regime. '
+    heads = HEADS if evidence.names else (*HEADS[:2], 'its tolerances fitted', *HEADS[3:])
     return (
-        f'<p class="note">{what}With all {told.numbers} candidate parameters fitted, forecasts '
-        'within the flown regimes reach this accuracy. None of them is a measurement: they '
+        f'<p class="note">{what}With all {evidence.numbers} candidate parameters fitted, '
+        'forecasts within the flown regimes reach this accuracy. None of them is a measurement: they '
         'compensate each other. They are in refitted.yaml.</p>'
         + render_table(heads, rows, 'plain', 'With everything refitted')
     )

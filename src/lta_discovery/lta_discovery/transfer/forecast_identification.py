@@ -224,11 +224,11 @@ def _add_refit(
         return study
     tell('refitting everything', 0.9)
     refit = refit_all_parameters(taught.sight, _list_candidates(taught), plain, parts)
-    told = TransferEvidence((), _list_left_out_regimes(refit.regimes), numbers=refit.numbers)
+    evidence = TransferEvidence((), _list_left_out_regimes(refit.regimes), numbers=refit.numbers)
     models = {
         'before': np.zeros_like(plain), 'tuned': plain, 'after': plain, 'refitted': refit.values,
     }  # fmt: skip
-    found = replace(study, finding=replace(study.finding, carried=told))
+    found = replace(study, finding=replace(study.finding, carried=evidence))
     found = _add_prediction_errors(found, taught, models)
     return study if is_worse_than_file(found.finding.training, 'tuned') else found
 

@@ -136,12 +136,12 @@ def test_everything_is_refitted_where_forecasts_identify_no_effect(
     far = [gap for gap in found.finding.gaps if gap.channel == 'position']
     assert found.finding.held_out
     assert all(gap.refitted < 0.5 * gap.before for gap in far if gap.horizon_s >= 3.0)
-    told = found.finding.carried
-    assert (found.finding.effects, told.names) == ((), ())
-    assert told.numbers > 20
-    assert {one.name for one in told.regimes} == {'flight 0', 'flight 1'}
+    evidence = found.finding.carried
+    assert (found.finding.effects, evidence.names) == ((), ())
+    assert evidence.numbers > 20
+    assert {one.name for one in evidence.regimes} == {'flight 0', 'flight 1'}
     assert found.refitted is not None
-    said = format_forecast_evidence(told)
+    said = format_forecast_evidence(evidence)
     assert said.startswith('Forecasts identify no effect; with all ')
     assert 'Forecasts with everything refitted' in render_transfer(found.finding)
 
