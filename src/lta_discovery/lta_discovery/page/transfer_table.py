@@ -107,8 +107,8 @@ def _render_refit(finding: StudyResult) -> str:
     heads = HEADS if evidence.names else (*HEADS[:2], 'its tolerances fitted', *HEADS[3:])
     return (
         f'<p class="note">{what}With all {evidence.numbers} candidate parameters fitted, '
-        'forecasts within the flown regimes reach this accuracy. None of them is a measurement: they '
-        'compensate each other. They are in refitted.yaml.</p>'
+        'forecasts within the flown regimes reach this accuracy. None of them is a measurement: '
+        'they compensate each other. They are in refitted.yaml.</p>'
         + render_table(heads, rows, 'plain', 'With everything refitted')
     )
 
