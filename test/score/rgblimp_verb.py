@@ -41,6 +41,8 @@ def gaps(told: dict[str, Any]) -> list[str]:
 
 def names(told: dict[str, Any]) -> list[str]:
     """Return the named effects as Markdown."""
+    if not told['effects']:
+        return ['No effect is named.']
     out = ['| effect | parameter | value | 95 % | unit |', '|---|---|---|---|---|']
     for effect in told['effects']:
         for name, one in effect['parameters'].items():
