@@ -20,6 +20,7 @@ LINES: Final = (('measured', MEASURED, 4.0), ('before', BEFORE, 1.6), ('after', 
 COLUMNS: Final = 150  # of a heat map, at most; more pieces are averaged
 ALWAYS: Final = 'always'  # the condition of a discrepancy that occurs throughout
 CELLS: Final = 6  # time labels below a heat map, at most
+NAMED: Final = 9  # flights with a label above a heat map, at most; there are no times below more
 
 
 def plot_error_map(flights: Sequence[StudyFlightView], places: Sequence[Discrepancy]) -> Figure:
@@ -81,17 +82,19 @@ def _label_flights(figure: Figure, names: Sequence[str], begun: Sequence[Array])
     """Label and separate the flights of the map, and write the time below."""
     first, ticks, texts = 0, [], []
     every = max(1, round(sum(map(len, begun)) / CELLS))
+    apart = -(-len(names) // NAMED)
     for k, (name, times) in enumerate(zip(names, begun, strict=True)):
         last = k == len(names) - 1 and k > 0
-        figure.add_annotation(
-            x=(first + len(times) if last else first) - 0.5, xref='x', y=1.0, yref='paper',
-            xanchor='right' if last else 'left', yanchor='bottom', yshift=12 * (k % 3), text=name,
-            font={'size': 10, 'color': SOFT},
-        )  # fmt: skip
+        if k % apart == 0:
+            figure.add_annotation(
+                x=(first + len(times) if last else first) - 0.5, xref='x', y=1.0, yref='paper',
+                xanchor='right' if last else 'left', yanchor='bottom',
+                yshift=12 * (k // apart % 3), text=name, font={'size': 10, 'color': SOFT},
+            )  # fmt: skip
         if first:
             for row in (1, 2):
                 figure.add_vline(first - 0.5, line={'color': INK, 'width': 1.5}, row=row, col=1)
-        for piece in range(0, max(1, len(times) - every + 1), every):
+        for piece in range(0, max(1, len(times) - every + 1), every) if apart == 1 else ():
             ticks.append(first + piece)
             texts.append(f'{times[piece]:.0f} s')
         first += len(times)

@@ -29,7 +29,7 @@ from lta_discovery.laws.proposal import add_law
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.page import flight_views
-from lta_discovery.page.figures import average_pieces
+from lta_discovery.page.figures import _label_flights, average_pieces
 from lta_discovery.page.flight_views import build_flight_views, build_overlay
 from lta_discovery.page.formatting import (
     explain_decision,
@@ -60,6 +60,7 @@ from lta_discovery.unmodeled.unexplained_force import Remainder
 from lta_model.effects import EFFECTS
 from lta_model.effects.summary import describe_effect
 from lta_model.vehicle import load_vehicle
+from lta_report.drawing import create_figure
 from lta_report.script_libraries import embed_plotly, embed_three
 import numpy as np
 import pytest
@@ -585,3 +586,11 @@ def test_the_vehicle_file_holds_effects_and_law(found: DiscoveryStudy, tmp_path:
     refused = add_law(again, BaseFile(text, vehicle), lambda _what, _part: None).finding.law
     assert refused is not None
     assert 'has a law already' in refused.reason
+
+
+def test_a_map_of_many_flights_labels_some_of_them():
+    figure = create_figure(2)
+    begun = [np.arange(7.0)] * 28
+    _label_flights(figure, [f'{k}' for k in range(28)], begun)
+    assert [one.text for one in figure.layout.annotations] == [f'{k}' for k in range(0, 28, 4)]
+    assert not figure.layout.xaxis2.ticktext
