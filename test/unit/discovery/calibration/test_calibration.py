@@ -57,7 +57,7 @@ def calibrate_case(
 
 @pytest.fixture(scope='module')
 def calibrated(tmp_path_factory: pytest.TempPathFactory) -> tuple[CalibrationCase, Calibration]:
-    return calibrate_case(3, tmp_path_factory.mktemp('calibration'))
+    return calibrate_case(6, tmp_path_factory.mktemp('calibration'))
 
 
 def assert_truth_is_found(case: CalibrationCase, found: Calibration, share: float = 0.5) -> None:
