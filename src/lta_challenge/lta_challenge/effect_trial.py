@@ -24,7 +24,7 @@ LEAST: Final = 1.0  # typical sizes; even where less would be visible
 
 def choose_trial_effect(name: str) -> DemoEffect:
     """
-    Return what to hide of an effect 'munk_moment' or of its parameter 'munk_moment.lost'.
+    Return what to hide of an effect 'cg_offset' or of its parameter 'cg_offset.x'.
 
     Raise `BadInput` if there is no such effect or parameter, or discovery does not look for it;
     says why.
@@ -35,7 +35,7 @@ def choose_trial_effect(name: str) -> DemoEffect:
         raise BadInput(
             f"'{word}' describes the design of a vehicle or its surroundings, which discovery "
             'takes from the vehicle file and the scenario, so it cannot be missing; try another '
-            'effect, such as munk_moment.'
+            'effect, such as motor_deadband.'
         )
     own = [each for each in list_candidates().values() if each.name.partition('.')[0] == word]
     if '.' in name and name not in [each.name for each in own]:
@@ -53,7 +53,7 @@ def choose_trial_effect(name: str) -> DemoEffect:
     if not seen:
         raise BadInput(
             f"'{name}' cannot be seen in a flight through still air without sun, with any sensor, "
-            'so discovery cannot find it there; try another effect, such as munk_moment.'
+            'so discovery cannot find it there; try another effect, such as motor_deadband.'
         )
     visible = [each for each in seen if reach[each.name] >= STRENGTH]
     best = (visible or sorted(seen, key=lambda each: -reach[each.name]))[0]
@@ -62,7 +62,7 @@ def choose_trial_effect(name: str) -> DemoEffect:
         raise BadInput(
             f"'{name}' is too weak to be found: in such flights {best.name} stands out from the "
             f'tolerances of a vehicle by {strength:.1f} standard deviations, and {FAINT:.0f} are '
-            'the least; try another effect, such as munk_moment.'
+            'the least; try another effect, such as motor_deadband.'
         )
     nominal = NominalVehicle.from_vehicle(load_vehicle(VEHICLE))
     value = find_present_value(best, nominal) + size

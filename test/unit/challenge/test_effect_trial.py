@@ -8,7 +8,8 @@ from lta_flight.flight_spec import build_vehicle_scenario_stack, load_spec
 from lta_model.effects import EFFECTS
 import pytest
 
-UNSEEN = {'superheat', 'ground_effect'}  # needs the sun; is too weak
+# The first needs the sun; the others are too weak, or covered by a tolerance of GT-MAB's file
+UNSEEN = {'superheat', 'ground_effect', 'munk_moment'}
 TRIED = [name for name in EFFECTS if name not in DESIGN | UNSEEN]
 
 
@@ -43,7 +44,8 @@ def test_a_design_is_not_missing(name):
     ('name', 'said'),
     [
         ('superheat', 'without sun'),
-        ('ground_effect', r'by 1\.0 standard deviations'),
+        ('ground_effect', 'cannot be seen'),
+        ('munk_moment', r'by 2\.6 standard deviations'),
         ('nothing', "Unknown effect 'nothing'"),
         ('munk_moment.x', r'try munk_moment, or one of: munk_moment\.lost'),
     ],
