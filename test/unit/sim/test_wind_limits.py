@@ -50,7 +50,7 @@ def test_gtmab_by_hand(once):
 
 
 def test_gtmab_rises_where_the_balance_by_hand_says():
-    """Pitch by righting, push and Munk moment; height by push, drag, lift and weight."""
+    """Balance the moments of pitch, and then thrust, drag, lift and weight in height."""
     vehicle = load_vehicle('gtmab')
     along, _, upright, *_ = vehicle.added_mass
     righting = -vehicle.mass * STANDARD_GRAVITY * float(vehicle.cg[2])

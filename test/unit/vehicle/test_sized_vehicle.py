@@ -125,7 +125,7 @@ def test_a_file_that_exists_is_kept_and_nothing_written(tmp_path: Path) -> None:
 
 
 def test_a_folder_is_no_vehicle_file() -> None:
-    """A relative `.` has no name from which that of the gains follows."""
+    """The path `.` has no file name, from which the name of the gains file is derived."""
     size = VehicleSize(diameter=0.5, length=1.2, mass=0.12, motors=3, thrust=0.1, arm=0.2)
     with pytest.raises(BadInput, match='is a folder; name a file'):
         write_sized_vehicle('mine', size, Path())

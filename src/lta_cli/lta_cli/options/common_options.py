@@ -38,22 +38,18 @@ def parse_folder(text: str) -> Path:
     return Path(text)
 
 
+def folder_option(text: str) -> Any:  # noqa: ANN401 - as typer.Option
+    """Return the declaration of an option that takes a folder, with its help."""
+    # A parser instead of Click's path type, to refuse empty text
+    return typer.Option(help=text, parser=parse_folder, metavar='FOLDER')
+
+
 Out = Annotated[
-    Path | None,
-    typer.Option(
-        help='Folder of the results; runs/<time>-<name> by default.',
-        # A parser instead of Click's path type, to refuse empty text
-        parser=parse_folder,
-        metavar='FOLDER',
-    ),
+    Path | None, folder_option('Folder of the results; runs/<time>-<name> by default.')
 ]
 ResumedOut = Annotated[
     Path | None,
-    typer.Option(
-        help='Folder of the results, in which a stopped study resumes; in runs/ by default.',
-        parser=parse_folder,
-        metavar='FOLDER',
-    ),
+    folder_option('Folder of the results, in which a stopped study resumes; in runs/ by default.'),
 ]
 Pictures = Annotated[
     Path | None,

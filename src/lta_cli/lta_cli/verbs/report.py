@@ -5,7 +5,7 @@ from typing import Annotated
 
 from lta_cli.options.common_options import (
     check_picture_output,
-    parse_folder,
+    folder_option,
     Pictures,
     plain_console,
 )
@@ -23,11 +23,7 @@ def report(
     bag: Annotated[Path, typer.Argument(help='Bag folder, results folder or .mcap file.')],
     out: Annotated[
         Path | None,
-        typer.Option(
-            help='Folder of report.html or report-ROBOT.html; that of the bag by default.',
-            parser=parse_folder,
-            metavar='FOLDER',
-        ),
+        folder_option('Folder of report.html or report-ROBOT.html; that of the bag by default.'),
     ] = None,
     robot: Annotated[
         str | None, typer.Option(help='Robot to report on; needed if the bag has several.')

@@ -90,7 +90,7 @@ def describe_gas(gas: GasOverDay) -> str:
 
 
 def describe_too_light(gas: GasOverDay, starts: Sequence[float]) -> str:
-    """Return when a slack drone cannot fly, and how many flights started then; or ''."""
+    """Return when a slack envelope lifts too much to fly, and the flights then; '' if never."""
     if gas.too_light is None:
         return ''
     begin, end = (f'{int(at // 3600)}:{int(at % 3600 // 60):02d}' for at in gas.too_light)

@@ -119,7 +119,7 @@ def test_what_only_interpolates_is_said_so() -> None:
 def test_everything_is_refitted_where_forecasts_identify_no_effect(
     gtmab: Known, clean: FlightLinearizer, monkeypatch
 ) -> None:
-    """Thrust is 10 % off in the file, and no candidate is allowed to have a name."""
+    """The file has 10 % too little thrust, and the selection chooses no effect."""
     nominal, knobs = gtmab
     thrust = next(knob for knob in knobs if knob.name == 'thrust_scale.factor')
     wrong = thrust.apply_to(nominal, -0.1)
@@ -151,7 +151,7 @@ def select_nothing(sight: ForecastFitter, *_: object) -> GroupSelection:
 
 
 def test_an_effect_that_fell_in_the_company_of_a_wrong_one_is_chosen_again(monkeypatch) -> None:
-    """The first of a list alone is to blame if none of it carries over."""
+    """If no effect of a selection carries over, only the first one is left out of the next."""
     wrong, right, weak = (CandidateGroup(name, (k,)) for k, name in enumerate('abc'))
     lists = iter([(wrong, right, weak), (right, weak), (right,)])
     offered: list[list[CandidateGroup]] = []

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Annotated, final
 
-from lta_cli.options.common_options import parse_folder, plain_console, print_json
+from lta_cli.options.common_options import folder_option, plain_console, print_json
 from lta_data.bag.recording import open_recording
 from lta_data.export.run import export_recording, ExportRequest, ExportResult, FORMATS
 from lta_report.progress_bar import ProgressBar
@@ -43,11 +43,7 @@ def export(
     ] = '',
     out: Annotated[
         Path | None,
-        typer.Option(
-            help='Folder for the files, new or empty; runs/<time>-export by default.',
-            parser=parse_folder,
-            metavar='FOLDER',
-        ),
+        folder_option('Folder for the files, new or empty; runs/<time>-export by default.'),
     ] = None,
     rate: Annotated[
         float | None,

@@ -5,8 +5,8 @@ from typing import Annotated
 
 from lta_cli.options.common_options import (
     check_picture_output,
+    folder_option,
     Json,
-    parse_folder,
     Pictures,
     plain_console,
     print_json,
@@ -31,11 +31,7 @@ def show(
     name: VehicleName,
     out: Annotated[
         Path | None,
-        typer.Option(
-            help='Folder of the page and of vehicle.json; nothing is written by default.',
-            parser=parse_folder,
-            metavar='FOLDER',
-        ),
+        folder_option('Folder of the page and of vehicle.json; nothing is written by default.'),
     ] = None,
     gains: Annotated[
         bool,

@@ -102,7 +102,7 @@ def find_motion_of(
 
 
 def _lose_without(base: Numbers, held: Numbers, column: int, pull: Numbers) -> float:
-    """Return the share of the variance of an acceleration that only one command explains."""
+    """Return the share of an acceleration's variance that a command explains and no other does."""
     alone = sum_residuals(base, pull)
     whole = sum_residuals(np.column_stack([base, held]), pull)
     others = sum_residuals(np.column_stack([base, np.delete(held, column, axis=1)]), pull)

@@ -49,7 +49,7 @@ def compute_reading(p: Values, values: Values, time: float) -> Values:
 
 
 def find_command(p: Values, wrench: Values) -> Values:
-    """Return the command for which a wrench acts; an axis without gain has that of gain 1."""
+    """Return the command that causes a wrench; a gain of 0, which causes none, counts as 1."""
     out = []
     for i, force in enumerate(wrench):
         gain, exponent, reverse, reference = p[i :: len(AXES)]
