@@ -21,6 +21,12 @@ def _default_quantity(value: float, unit: str, source: str) -> Any:  # noqa: ANN
     return Field(default=Quantity(value=value, unit=unit, source=source))
 
 
+def largest_reading(bits: int, full_scale: float, output_limit: float) -> float:
+    """Return the counts at which a converter [V] or the amplifier before it [V] saturates."""
+    counts = 2**bits
+    return float(min(counts - 1, round(output_limit / full_scale * counts)))
+
+
 class DiodeAxes(StrictModel):
     """Unit axes of the diodes in the body frame, one per diode."""
 
@@ -53,7 +59,8 @@ class PhotodiodesBlock(StrictModel):
     The photodiodes, `radius` out along their axes from a point `height` above the hull centre.
 
     `feedback` is the resistor of the amplifiers. It is part of the vehicle: light beyond its full
-    scale saturates the diodes, in whatever scene. Without `axes` the diodes are spaced evenly
+    scale saturates the diodes, in whatever scene. The amplifiers saturate `headroom` below their
+    `supply`, the converter at `full_scale`. Without `axes` the diodes are spaced evenly
     around the horizon, the first forward, then counter-clockwise. `gains` are measured gains
     relative to the nominal diode (`lta light calibrate`); the true ones have the relative standard
     deviation `gain_spread` about them.
@@ -96,6 +103,12 @@ class PhotodiodesBlock(StrictModel):
     full_scale: Annotated[Quantity, si_quantity('V', above=0.0, high=100.0, sourced=True)] = (
         _default_quantity(3.3, 'V', 'Teensy 4.1')
     )
+    supply: Annotated[Quantity, si_quantity('V', above=0.0, high=36.0, sourced=True)] = (
+        _default_quantity(5.0, 'V', 'assumed: the 5 V rail of the board')
+    )
+    headroom: Annotated[Quantity, si_quantity('V', low=0.0, high=5.0, sourced=True)] = (
+        _default_quantity(1.15, 'V', DATA_SHEET + ', typical: the output ends this far below')
+    )
     converter_noise: Annotated[Quantity, si_quantity('1', low=0.0, high=100.0, sourced=True)] = (
         _default_quantity(
             1.0, '1', 'assumed: rms noise in ADC steps; about 10 effective bits of 12'
@@ -109,9 +122,14 @@ class PhotodiodesBlock(StrictModel):
     )
 
     @property
+    def output_limit(self) -> float:
+        """Highest output of the amplifiers. [V]"""
+        return self.supply.si - self.headroom.si
+
+    @property
     def largest_reading(self) -> float:
-        """Largest reading of the converter. [counts]"""
-        return 2.0**self.bits - 1.0
+        """Largest reading, at which converter or amplifier saturate. [counts]"""
+        return largest_reading(self.bits, self.full_scale.si, self.output_limit)
 
     @model_validator(mode='after')
     def _check_counts(self) -> Self:
@@ -123,6 +141,11 @@ class PhotodiodesBlock(StrictModel):
             raise ValueError(
                 f'has {len(self.gains.value)} gains for {self.count} diodes; give one for each '
                 'diode'
+            )
+        if not self.output_limit > 0.0:
+            raise ValueError(
+                f'has a "supply" of {self.supply.si:g} V, of which the amplifier needs '
+                f'{self.headroom.si:g} V; give a higher one'
             )
         if strangers := [index for index in self.dead if index >= self.count]:
             raise ValueError(

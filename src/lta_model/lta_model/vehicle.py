@@ -223,6 +223,7 @@ class Vehicle:
             noise=ring.noise.si,
             adc_bits=ring.bits,
             adc_range=ring.full_scale.si,
+            output_limit=ring.output_limit,
             adc_noise=ring.converter_noise.si,
             clock_error=ring.clock_error.si,
             jitter=ring.jitter.si,

@@ -104,9 +104,8 @@ def build_light_link(
     quiet = plans[0].quiet  # the same for all beacons
     # Counts per volt
     scale = 2**array.adc_bits / array.adc_range
-    volts = voltage_sensitivity(array)
     amplifier, shot = noise_variances(array)
-    lux = volts / ambient.efficacy * scale
+    lux = voltage_sensitivity(array, ambient.efficacy) * scale
     mains = amplitude_spectrum(sample_mains_wave(ambient, 0, sampling)[:, None])
     # Daylight that sweeps over a turning diode is nearly linear within a block
     ramp = amplitude_spectrum(np.linspace(-0.5, 0.5, samples)[:, None])
@@ -117,7 +116,7 @@ def build_light_link(
         spectrum = amplitude_spectrum(wave[:, None])
         signals.append(
             LampSignal(
-                counts=volts / lamp.efficacy * scale,
+                counts=voltage_sensitivity(array, lamp.efficacy) * scale,
                 gain=float(find_peaks(spectrum, bins).amplitude[0]),
                 leak=float(spectrum[quiet, 0].mean()),
                 ramp=float(ramp[(bins.first + bins.last) // 2, 0]),
@@ -140,9 +139,9 @@ def build_light_link(
         axes=tuple((x, y) for x, y in axes[:, :2].tolist()),
         threshold=settings.threshold,
         dark=array.dark_offset * scale,
-        top=2.0**array.adc_bits - 1.0,
+        top=array.largest_reading,
         steady=ambient.steady * lux,
-        day=0.0 if daylight is None else volts / daylight.efficacy * scale,
+        day=0.0 if not daylight else voltage_sensitivity(array, daylight.efficacy) * scale,
         hum=ambient.mains * lux * float(mains[quiet, 0].mean()),
         ramp_noise=float(ramp[quiet, 0].mean()),
         # 1/12: variance of rounding to whole counts

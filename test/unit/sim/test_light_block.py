@@ -22,6 +22,8 @@ from .even_light import illuminance, synthesise
 START = 1_763_000_000_000_000_000
 STEP = 3.3 / 4096
 SUN, LED = 105.0, 300.0  # lm/W
+# Responsivity of the OPT101 averaged over sunlight and over white LED light [A/W]
+IN_SUN, IN_LED = 0.316064, 0.373978
 
 
 def ring(**given) -> PhotodiodeArray:
@@ -53,8 +55,8 @@ def generator(seed: int = 1) -> np.random.Generator:
 
 
 def test_levels_by_hand():
-    # 65 lx: 0.507 V and the dark 7.5 mV: 514.5 mV / 0.80566 mV = 638.6; dark alone 9.3.
-    block, _ = synthesise(SILENT, scene(), light([65.0]), START, 1e4, 1000, generator())
+    # 78.22 lx: 0.507 V and the dark 7.5 mV: 514.5 mV / 0.80566 mV = 638.6; dark alone 9.3.
+    block, _ = synthesise(SILENT, scene(), light([78.215]), START, 1e4, 1000, generator())
     assert block.shape == (1000, 1)
     assert block.dtype == np.uint16
     assert block.flags.c_contiguous
@@ -66,19 +68,19 @@ def test_levels_by_hand():
 
 
 def test_steady_light_by_hand():
-    # 100 lx of sun at 1 Mohm: 2.22857 V + 0.0075 V is step 2775.4; shot noise 0.13 mV.
+    # 142.377 lx of sun at 1 Mohm: 2.22857 V + 0.0075 V is step 2775.4; shot noise 0.13 mV.
     quiet, _ = synthesise(
-        SILENT, scene(), light([0.0], steady=100.0), START, 1e4, 1000, generator()
+        SILENT, scene(), light([0.0], steady=142.377), START, 1e4, 1000, generator()
     )
     assert np.abs(quiet.astype(int) - 2775).max() <= 1
     assert quiet.mean() == pytest.approx(2775.4, abs=0.25)
 
 
 def test_mains_by_hand():
-    # 300 lx of LED with 200 lx of flicker: 0.156 V either side, a sine of 193.6 counts.
+    # 361 lx of LED with 240.66 lx of flicker: 0.156 V either side, a sine of 193.6 counts.
     array = ring(feedback_resistance=1e5, noise=0.0, count=1)
-    field = scene(Ambient(LED, 300.0, 200.0, mains_frequency=120.0))
-    block, _ = synthesise(array, field, light([0.0], 300.0, 200.0), 0, 1e4, 1000, generator())
+    field = scene(Ambient(LED, 361.0, 240.66, mains_frequency=120.0))
+    block, _ = synthesise(array, field, light([0.0], 361.0, 240.66), 0, 1e4, 1000, generator())
     peaks = demodulate_beacon(block, plan_bins(DemodulationSettings(frequency=120.0), 1e4, 1000))
     assert peaks.amplitude[0] == pytest.approx(0.156 / STEP, abs=0.1)
     assert peaks.frequency[0] == pytest.approx(120.0, abs=1e-3)
@@ -89,15 +91,16 @@ def test_mains_by_hand():
 
 def test_mains_phase_shifts_its_flicker():
     array = ring(feedback_resistance=1e5, noise=0.0, count=1)
-    field = scene(Ambient(LED, 300.0, 200.0, mains_frequency=120.0, mains_phase=0.75))
-    block, _ = synthesise(array, field, light([0.0], 300.0, 200.0), 0, 1e4, 1000, generator())
+    field = scene(Ambient(LED, 361.0, 240.66, mains_frequency=120.0, mains_phase=0.75))
+    block, _ = synthesise(array, field, light([0.0], 361.0, 240.66), 0, 1e4, 1000, generator())
     # Three quarters on it stands in its trough: 0.234 - 0.156 + 0.0075 V.
     assert block[0, 0] == pytest.approx(0.0855 / STEP, abs=1.0)
 
 
 def test_a_flicker_as_deep_as_its_light_touches_the_dark():
-    field = scene(Ambient(LED, 100.0, 100.0))
-    block, _ = synthesise(SILENT, field, light([0.0], 100.0, 100.0), START, 1e4, 1000, generator())
+    field = scene(Ambient(LED, 120.33, 120.33))
+    lit = light([0.0], 120.33, 120.33)
+    block, _ = synthesise(SILENT, field, lit, START, 1e4, 1000, generator())
     # 0.78 V of mean and of amplitude: from the dark, 9.3 counts, to 1.5675 V.
     assert block.min() == 9
     assert block.max() == pytest.approx(1.5675 / STEP, abs=1.0)
@@ -109,15 +112,20 @@ def test_a_lux_of_sun_is_worth_more_than_one_of_a_led():
         block, _ = synthesise(SILENT, field, lit, START, 1e4, 1000, generator())
         return block.mean() - 7.5e-3 / STEP
 
-    assert mean(SUN) / mean(LED) == pytest.approx(LED / SUN, rel=1e-3)
+    worth = LED / SUN * IN_SUN / IN_LED
+    assert mean(SUN) / mean(LED) == pytest.approx(worth, rel=1e-3)
 
 
 def test_saturation_clips_at_full_scale():
-    block, _ = synthesise(SILENT, scene(), light([500.0]), START, 1e4, 1000, generator())
+    block, _ = synthesise(SILENT, scene(), light([600.0]), START, 1e4, 1000, generator())
     assert block.max() == 4095
     assert 490 <= (block == 4095).sum() <= 510
     flooded, _ = synthesise(SILENT, scene(), light([0.0], 1e5), START, 1e4, 1000, generator())
     assert (flooded == 4095).all()
+    # An amplifier on 3.3 V ends at 2.15 V.
+    weak = ring(feedback_resistance=1e6, noise=0.0, count=1, output_limit=2.15)
+    flooded, _ = synthesise(weak, scene(), light([0.0], 1e5), START, 1e4, 1000, generator())
+    assert (flooded == 2669).all()
 
 
 def test_noise_never_goes_below_zero_counts():
@@ -138,7 +146,7 @@ def test_variance_is_the_theorys(resistance, noise, lux):
     lit = PlaneIlluminance(np.zeros((1, 1, 8)), np.full((1, 8), lux), np.zeros((1, 8)))
     block, _ = synthesise(array, scene(), lit, START, 1e4, 10_000, generator(4))
     step = 3.3 / 65_536
-    volts = lux / 105.0 * 5.2e-6 * 0.45 * resistance
+    volts = lux / SUN * 5.2e-6 * IN_SUN * resistance
     theory = noise_volts(array, volts) ** 2 + step**2 / 12.0
     # 80 000 samples know a variance to 0.5 %.
     assert block.astype(float).var(axis=0).mean() * step**2 == pytest.approx(theory, rel=0.02)
@@ -171,14 +179,14 @@ def test_filter_is_that_of_a_fine_simulation():
     # Euler's exponential in steps of 1 us through 100 us before each sample.
     fine = START + np.arange(-20_000, 100_000, dtype=np.int64) * 1000
     ramp = np.clip(300.0 + 12.0 * (fine - START) * 1e-8, 300.0, None)
-    drive = mean_on(field.first_lamp.wave, fine, 1000) * ramp * 7.8e-3
+    drive = mean_on(field.first_lamp.wave, fine, 1000) * ramp * 6.48228e-3
     keep = math.exp(-2.0 * math.pi * 800.0 * 1e-6)
     volts, output = 0.0, np.empty(fine.size)
     for k, level in enumerate(drive.tolist()):
         output[k] = volts
         volts = keep * volts + (1.0 - keep) * level
     expected = (output[20_000::100] + 7.5e-3) / (3.3 / 65_536)
-    # Shot noise of 2.3 V at 800 Hz: 0.03 mV, 0.6 counts; rounding 0.3 counts; and the ramp is
+    # Shot noise of 2 V at 800 Hz: 0.03 mV, 0.6 counts; rounding 0.3 counts; and the ramp is
     # taken as level within a sample, 0.012 lx or 1.9 counts times the half of it that counts.
     error = block[:, 0] - expected
     assert np.abs(error).max() < 3.5
@@ -221,7 +229,7 @@ def test_light_between_the_instants_is_linear():
         np.zeros((1, 3, 1)), np.array([[10.0], [50.0], [30.0]]), np.zeros((3, 1))
     )
     block, _ = synthesise(array, scene(), ramp, START, 1e4, 1000, generator())
-    lux = (block[:, 0] * (3.3 / 65_536) - 7.5e-3) / 22.285714e-3
+    lux = (block[:, 0] * (3.3 / 65_536) - 7.5e-3) / 15.65271e-3
     assert lux[[0, 250, 500, 750, 999]] == pytest.approx([10.0, 30.0, 50.0, 40.0, 30.04], abs=0.1)
 
 
@@ -268,7 +276,7 @@ def test_amplitude_at_seven_metres_by_hand():
     lit = PlaneIlluminance(here.modulated[:, None], here.steady[None], here.mains[None])
     block, _ = synthesise(ring(), field, lit, START, 1e4, 1000, generator(8))
     peaks = demodulate_beacon(block, plan_bins(DemodulationSettings(), 1e4, 1000))
-    # The forward diode is at 6.95 m: 65.90 lx x 0.78 mV/lx x 2/pi / 0.80566 mV = 40.61 counts.
-    assert peaks.amplitude[0] == pytest.approx(40.61, abs=0.1)
-    assert peaks.amplitude[[1, 7]] == pytest.approx([28.5, 28.5], abs=0.3)
+    # The forward diode is at 6.95 m: 65.90 lx x 0.64823 mV/lx x 2/pi / 0.80566 mV = 33.75.
+    assert peaks.amplitude[0] == pytest.approx(33.75, abs=0.1)
+    assert peaks.amplitude[[1, 7]] == pytest.approx([23.7, 23.7], abs=0.3)
     assert peaks.amplitude[[3, 4, 5]].max() < 0.1

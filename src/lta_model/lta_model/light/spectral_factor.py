@@ -93,13 +93,23 @@ def find_spectrum(efficacy: float) -> str:
 
 
 @cache
-def spectral_factor(efficacy: float, detector: str) -> float:
+def responsivity_in_light(efficacy: float, detector: str) -> float:
     """
-    Return a detector's current by irradiance, relative to that in sunlight. [1]
+    Return a detector's mean responsivity in a light, in the unit of its spectral response.
 
     `efficacy`: luminous efficacy of the light, which gives its spectrum [lm/W]. `detector`:
     spectral response: a technology of solar cells, or another shipped name.
     """
-    response = load_spectral_response(detector)
-    light = mean_responsivity(load_spectrum(find_spectrum(efficacy)), response)
-    return light / mean_responsivity(load_spectrum(SUN), response)
+    light = load_spectrum(find_spectrum(efficacy))
+    return mean_responsivity(light, load_spectral_response(detector))
+
+
+@cache
+def spectral_factor(efficacy: float, detector: str) -> float:
+    """
+    Return a detector's current by irradiance, relative to that in sunlight. [1]
+
+    Parameters as in `responsivity_in_light`.
+    """
+    sun = mean_responsivity(load_spectrum(SUN), load_spectral_response(detector))
+    return responsivity_in_light(efficacy, detector) / sun

@@ -6,6 +6,7 @@ Direct light is computed at every control step, everything else at the ends of a
 """
 
 from collections.abc import Sequence
+import math
 from typing import final, NamedTuple
 
 from lta_config.compilation.compiler import compile_functions
@@ -19,7 +20,7 @@ from lta_model.light.ray_bundles import LAMPS, scratch_size, SHARE
 from lta_model.light.ray_integration import gather_indirect_light
 from lta_model.light.reflections import build_field_geometry, build_reflecting_beam, pack_beams
 from lta_model.light.scene_geometry import daylight_illuminance, is_in_room
-from lta_model.sensors.photodiode import PhotodiodeArray
+from lta_model.sensors.photodiode import PhotodiodeArray, voltage_sensitivity
 from lta_model.sensors.photodiode_adc import AmplifierState, PhotodiodeBoard
 from lta_model.vehicle import Vehicle
 import numpy as np
@@ -82,7 +83,7 @@ class LightView:
         self._scratch = np.empty(scratch_size(len(self._beams)))
         self._around: Array | None = None  # what was gathered at the end of the block before
         ambient = field.ambient
-        self._ambient = ambient.steady, ambient.mains, self._daylight_share
+        self._ambient = ambient.steady, ambient.mains, self._daylight_reading
         self._board: PhotodiodeBoard | None = None
         self._amplifier: AmplifierState | None = None
 
@@ -128,11 +129,20 @@ class LightView:
         return light
 
     @property
-    def _daylight_share(self) -> float:
-        """Lux of the ambient light that are worth as many watts as one of daylight."""
+    def _daylight_efficacy(self) -> float:
+        """Luminous efficacy of the daylight; infinite if there is none. [lm/W]"""
         field = self.field
         daylight = field.daylight if field.outside is None else field.outside.daylight
-        return 0.0 if daylight is None else field.ambient.efficacy / daylight.efficacy
+        return math.inf if daylight is None else daylight.efficacy
+
+    @property
+    def _daylight_reading(self) -> float:
+        """Lux of the ambient light that the diodes read like one of daylight."""
+        efficacy = self._daylight_efficacy
+        if math.isinf(efficacy):
+            return 0.0
+        ambient = voltage_sensitivity(self._diodes, self.field.ambient.efficacy)
+        return voltage_sensitivity(self._diodes, efficacy) / ambient
 
     def _compute_indirect_light(self, pose: Pose) -> Array:
         """Return the indirect light at a pose, without ambient light beyond a door."""
@@ -191,8 +201,8 @@ class LightView:
         ambient = self.field.ambient
         steady = share * ambient.steady if self._has_ambient_light(pose) else 0.0
         lux = steady + day
-        steady_weight, day_weight = weights.ambient, weights.day * self._daylight_share
-        watts = (steady_weight * steady + day_weight * day) / ambient.efficacy
+        watts = weights.ambient * steady / ambient.efficacy
+        watts += weights.day * day / self._daylight_efficacy
         for lamp, light, weight in zip(self.field.lamps, modulated, weights.lamps, strict=True):
             # Mean over the period of the lamp
             lux += light * lamp.wave.duty

@@ -2,8 +2,8 @@
 A ring of photodiodes with amplifiers (OPT101): directions, and voltage by light.
 
 Irradiance on a diode's plane times area and responsivity is the photocurrent; times the feedback
-resistor, volts. The responsivity is the data sheet's at 650 nm; averaged over the spectrum
-(`spectral_factor.mean_responsivity`), it is 0.37 A/W in white LED light and 0.32 in sunlight.
+resistor, volts. The responsivity is averaged over the spectrum of the light: 0.37 A/W in white LED
+light and 0.32 in sunlight, where the data sheet prints 0.45 for 650 nm.
 
 Noise is that of amplifier and converter and the shot noise sqrt(2 q I B), B = pi/2 f_3dB of the
 amplifier's pole. The data sheet's 300 uV rms (0.1 Hz to 20 kHz, 1 Mohm) is taken as all of the
@@ -13,9 +13,8 @@ A reading falls off as a power of the cosine between light and axis, out to the 
 of view: 1 is a flat plane, 1.2 the package of the OPT101. Gains differ from diode to diode.
 
 Source: OPT101 data sheet, Texas Instruments SBBS002; the exponent is from memory of its plot of
-responsivity by angle, to be measured. Not modelled: the amplifier's output swing, which ends
-1.15 V below its supply (data sheet, typical). With 5 V the converter saturates first, at 3.3 V;
-with 3.3 V the amplifier would, at 65 % of that.
+responsivity by angle, to be measured. The amplifier's output ends below its supply; with 5 V the
+converter saturates first, at 3.3 V; with 3.3 V the amplifier does, at 65 % of that.
 
 The resistor is mounted with the diode, so it is part of the vehicle and the same in every scene.
 """
@@ -26,6 +25,8 @@ import math
 from typing import Annotated, final
 
 from lta_config.files import StrictModel
+from lta_config.schema.vehicle_diodes import largest_reading
+from lta_model.light.spectral_factor import responsivity_in_light
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
@@ -75,7 +76,7 @@ class PhotodiodeArray(StrictModel):
     dead: tuple[Annotated[int, Field(ge=0)], ...] = ()  # indices of dead diodes, from 0
     feedback_resistance: Positive  # feedback resistor [ohm]
     area: Positive = 5.2e-6  # sensitive area of a diode [m2]
-    responsivity: Positive = 0.45  # photocurrent by optical power [A/W]
+    detector: str = 'opt101'  # spectral response: a shipped name
     dark_offset: NotNegative = 7.5e-3  # output in the dark [V]
     bandwidth: Positive = 14e3  # 3 dB frequency [Hz]
     # Amplifier's standard deviation with a feedback resistor of 1 Mohm [V]
@@ -83,6 +84,7 @@ class PhotodiodeArray(StrictModel):
     # The converter of the Teensy 4.1.
     adc_bits: Annotated[int, Field(ge=1, le=16)] = 12
     adc_range: Positive = 3.3  # voltage at full scale [V]
+    output_limit: Positive = 3.85  # highest output of the amplifier [V]
     adc_noise: NotNegative = 0.0  # standard deviation of the converter's own noise, in its steps
     clock_error: Finite = 0.0  # relative error of the sampling rate, positive if too fast
     # Standard deviation of the sampling instants, the same for all diodes [s]
@@ -105,6 +107,11 @@ class PhotodiodeArray(StrictModel):
         """Cosine at the edge of the field of view."""
         # A full half space: nothing is cut off but the back
         return math.cos(0.5 * self.field_of_view) if self.field_of_view < math.pi else 0.0
+
+    @property
+    def largest_reading(self) -> float:
+        """Largest reading, at which converter or amplifier saturate. [counts]"""
+        return largest_reading(self.adc_bits, self.adc_range, self.output_limit)
 
     @property
     def diode_gains(self) -> Array:
@@ -139,9 +146,10 @@ class PhotodiodeArray(StrictModel):
         return position[..., None, :] + points @ turn, axes @ turn
 
 
-def voltage_sensitivity(array: PhotodiodeArray) -> float:
-    """Return the volts by irradiance. [V m2/W]"""
-    return array.area * array.responsivity * array.feedback_resistance
+def voltage_sensitivity(array: PhotodiodeArray, efficacy: float) -> float:
+    """Return the volts by illuminance in light of a luminous efficacy [lm/W]. [V/lx]"""
+    current = array.area * responsivity_in_light(efficacy, array.detector) / efficacy
+    return current * array.feedback_resistance
 
 
 def noise_variances(array: PhotodiodeArray) -> tuple[float, float]:

@@ -8,7 +8,7 @@ One block of converter counts from the light on a ring of photodiodes.
    where the setting puts it, whatever the feedback resistor.
 3. All noise passes the same pole, also the converter's own: a first-order autoregression whose
    variance is that of `noise_variances` at every sampling rate.
-4. The converter rounds, and saturates at both ends of its range. Its clock may be off within a
+4. The converter rounds, and saturates at both ends of its range or where the amplifier does. Its clock may be off within a
    block, and its instants jitter; blocks begin when they should.
 
 All diodes are sampled at the same instant.
@@ -55,9 +55,10 @@ class PhotodiodeBoard:
             BlockSampling(sample_rate * (1.0 + array.clock_error), samples),
             self._time_constant,
         )
-        volts = voltage_sensitivity(array) * array.diode_gains
-        self._bright = volts / np.array([[[lamp.efficacy]] for lamp in field.lamps])
-        self._dim = volts / field.ambient.efficacy
+        gains = array.diode_gains
+        lamps = [[[voltage_sensitivity(array, lamp.efficacy)]] for lamp in field.lamps]
+        self._bright = gains * np.array(lamps)
+        self._dim = gains * voltage_sensitivity(array, field.ambient.efficacy)
         steps = 2**array.adc_bits
         self._numbers = (
             keep,
@@ -67,7 +68,7 @@ class PhotodiodeBoard:
             array.dark_offset,
             # Counts per volt, and the largest count
             steps / array.adc_range,
-            steps - 1.0,
+            array.largest_reading,
         )
         self._jitter, self._dead = array.jitter, list(array.dead)
         self._chance = np.empty((samples, array.count))
