@@ -8,8 +8,8 @@ One block of converter counts from the light on a ring of photodiodes.
    where the setting puts it, whatever the feedback resistor.
 3. All noise passes the same pole, also the converter's own: a first-order autoregression whose
    variance is that of `noise_variances` at every sampling rate.
-4. The converter rounds, and saturates at both ends of its range or where the amplifier does. Its clock may be off within a
-   block, and its instants jitter; blocks begin when they should.
+4. The converter rounds, and saturates at both ends of its range or where the amplifier does. Its
+   clock may be off within a block, and its instants jitter; blocks begin when they should.
 
 All diodes are sampled at the same instant.
 """
