@@ -16,10 +16,10 @@ def limit_memory() -> Iterator[None]:
     The limit is that of the whole process, so memory used by other threads counts.
     """
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)
-    wanted = address_space() + READER_MEMORY
+    limit = address_space() + READER_MEMORY
     # Keep a stricter limit that the user or the container has set
     bounds = [bound for bound in (soft, hard) if bound != resource.RLIM_INFINITY]
-    resource.setrlimit(resource.RLIMIT_AS, (min([wanted, *bounds]), hard))
+    resource.setrlimit(resource.RLIMIT_AS, (min([limit, *bounds]), hard))
     try:
         yield
     finally:

@@ -71,11 +71,11 @@ def _format_problem(first: Mapping[str, Any], problems: Sequence[Mapping[str, An
     if first['type'] == 'value_error':
         # Our validators write the predicate; pydantic adds the prefix
         return f'{where} {first["msg"].removeprefix("Value error, ")}.'
-    given: Any = first.get('input')
+    value: Any = first.get('input')
     # Do not print a whole block as the value
-    if isinstance(given, Mapping | list | tuple):
+    if isinstance(value, Mapping | list | tuple):
         return f'{where} {describe_problem(first)}.'
-    return f'{where} is {given!r}, but {describe_problem(first)}.'
+    return f'{where} is {value!r}, but {describe_problem(first)}.'
 
 
 def locate_problem(problem: Mapping[str, Any]) -> str:

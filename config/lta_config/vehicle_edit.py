@@ -39,16 +39,16 @@ def set_yaml_value(text: str, way: Way, value: Any) -> str:  # noqa: ANN401 - as
     new value. Raise `BadInput` if the path leads through something that is not a mapping.
     """
     content = _parse_yaml_text(text)
-    wanted = _set_in_content(content, list(way), value)
+    target = _set_in_content(content, list(way), value)
     node = yaml.compose(text, Loader=yaml.CSafeLoader)
     try:
         new = _set_in_text(text, node, list(way), value)
         # Accept the edited text only if it means what was intended
-        if _parse_yaml_text(new) == wanted:
+        if _parse_yaml_text(new) == target:
             return new
     except (yaml.YAMLError, ValueError):
         pass
-    return yaml.safe_dump(wanted, sort_keys=False, width=WIDE, allow_unicode=True)
+    return yaml.safe_dump(target, sort_keys=False, width=WIDE, allow_unicode=True)
 
 
 def set_yaml_block(text: str, key: str, value: Any) -> str:  # noqa: ANN401 - as YAML has it
@@ -83,10 +83,10 @@ def _set_in_text(text: str, node: Any, way: list[str], value: Any) -> str:  # no
     if not way or (isinstance(node, yaml.ScalarNode) and not node.value.strip('~')):
         for key in reversed(way):
             value = {key: value}
-        said = format_inline(value)
+        inline = format_inline(value)
         # An empty value has no extent and needs a space after the colon
         begin, end = node.start_mark.index, node.end_mark.index
-        return text[:begin] + (said if end > begin else f' {said}') + text[end:]
+        return text[:begin] + (inline if end > begin else f' {inline}') + text[end:]
     if not isinstance(node, yaml.MappingNode):
         raise ValueError('cannot add a key to a value that is not a mapping')
     for key, below in node.value:

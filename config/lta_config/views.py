@@ -38,10 +38,10 @@ class ViewPanel(StrictModel):
 
     @model_validator(mode='after')
     def _check_one_kind(self) -> Self:
-        given = [kind for kind in KINDS if getattr(self, kind) is not None]
-        if len(given) != 1:
+        kinds = [kind for kind in KINDS if getattr(self, kind) is not None]
+        if len(kinds) != 1:
             raise ValueError(
-                f'has the panel "{self.title}" with {len(given)} kinds; give exactly one of '
+                f'has the panel "{self.title}" with {len(kinds)} kinds; give exactly one of '
                 f'{", ".join(KINDS)}'
             )
         return self

@@ -84,8 +84,8 @@ def _build_plot(views: Views, panel: ViewPanel) -> Config:
 
 
 def _build_states(views: Views, panel: ViewPanel) -> Config:
-    kept = ('value', 'label', 'enabled', 'timestampMethod')
-    paths = [{key: item[key] for key in kept} for item in _build_series(views, panel)]
+    keys = ('value', 'label', 'enabled', 'timestampMethod')
+    paths = [{key: item[key] for key in keys} for item in _build_series(views, panel)]
     return {'isSynced': True, 'paths': paths}
 
 

@@ -252,8 +252,8 @@ class TimeColumn(StrictModel):
             raise ValueError('has both "align" and "start"; give one of them')
         if UNITS.get(self.unit, ('', 0.0))[0] != 's':
             raise ValueError(f'has the unit "{self.unit}", but must be in s, ms, us or ns')
-        for name, given, unit in (('rate', self.rate, 'Hz'), ('step', self.step, 's')):
-            if given is not None and (given.dimension != unit or given.si <= 0.0):
+        for name, quantity, unit in (('rate', self.rate, 'Hz'), ('step', self.step, 's')):
+            if quantity is not None and (quantity.dimension != unit or quantity.si <= 0.0):
                 raise ValueError(f'has an invalid {name}; give a positive number in {unit}')
         if self.start is not None and self.start.dimension != 's':
             raise ValueError(

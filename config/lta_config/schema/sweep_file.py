@@ -46,10 +46,10 @@ class Distribution(StrictModel):
 
     @model_validator(mode='after')
     def _check_one_kind(self) -> Self:
-        given = [name for name in type(self).model_fields if getattr(self, name) is not None]
-        if len(given) != 1:
+        kinds = [name for name in type(self).model_fields if getattr(self, name) is not None]
+        if len(kinds) != 1:
             known = ', '.join(type(self).model_fields)
-            raise ValueError(f'has {len(given)} distributions; give exactly one of {known}')
+            raise ValueError(f'has {len(kinds)} distributions; give exactly one of {known}')
         return self
 
 
@@ -92,10 +92,10 @@ class SweepFile(StrictModel):
 
     @model_validator(mode='after')
     def _check_samples(self) -> Self:
-        drawn = [path for path, how in self.vary.items() if isinstance(how, Distribution)]
-        if drawn and self.samples is None:
+        random = [path for path, how in self.vary.items() if isinstance(how, Distribution)]
+        if random and self.samples is None:
             raise ValueError(
-                f'has a distribution for {", ".join(drawn)}, but no number of samples; add '
+                f'has a distribution for {", ".join(random)}, but no number of samples; add '
                 '"samples"'
             )
         if self.samples is not None and self.seeds.count is not None:

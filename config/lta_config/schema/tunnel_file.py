@@ -30,9 +30,9 @@ class TunnelBody(StrictModel):
     @model_validator(mode='after')
     def _check_shape(self) -> 'TunnelBody':
         box = self.position is not None and self.size is not None
-        given = self.stl is not None and self.unit is not None
+        has_mesh = self.stl is not None and self.unit is not None
         # Both or neither
-        if box == given:
+        if box == has_mesh:
             raise ValueError('needs either "position" and "size" of a box, or "stl" and "unit"')
         return self
 

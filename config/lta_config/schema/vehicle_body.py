@@ -55,17 +55,17 @@ class HullBlock(StrictModel):
     @model_validator(mode='after')
     def _check_shape(self) -> 'HullBlock':
         needed = SHAPES[self.shape]
-        given = [
+        keys = [
             key
             for key in ('diameter', 'height', 'length', 'axis', 'volume_factor', 'purity')
             if getattr(self, key) is not None
         ]
-        if missing := [key for key in needed if key not in given]:
+        if missing := [key for key in needed if key not in keys]:
             raise ValueError(
                 f'has the shape {self.shape}, but not its keys {", ".join(missing)}; add them'
             )
         # A key that has no effect is probably a mistake
-        if idle := [key for key in given if key not in needed]:
+        if idle := [key for key in keys if key not in needed]:
             raise ValueError(
                 f'has keys that the shape {self.shape} does not use: {", ".join(idle)}; remove '
                 'them'

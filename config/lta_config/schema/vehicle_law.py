@@ -108,12 +108,12 @@ class LawFactor(StrictModel):
     @model_validator(mode='after')
     def _check_numbers(self) -> Self:
         equation, needed, optional = FORMS[self.form]
-        given = self.numbers
-        if missing := [name for name in needed if name not in given]:
+        numbers = self.numbers
+        if missing := [name for name in needed if name not in numbers]:
             raise ValueError(
                 f'has the form {self.form}, {equation}, without {" and ".join(missing)}; add it'
             )
-        if surplus := [name for name in given if name not in (*needed, *optional)]:
+        if surplus := [name for name in numbers if name not in (*needed, *optional)]:
             raise ValueError(
                 f'has the form {self.form}, {equation}, and {" and ".join(surplus)}, which that '
                 'form does not use; remove it'

@@ -91,8 +91,8 @@ def discover(
 
     """
     bags = {
-        role: [Path(bag) for bag in given]
-        for role, given in (('train', train), ('confirm', confirm), ('holdout', holdout))
+        role: [Path(bag) for bag in paths]
+        for role, paths in (('train', train), ('confirm', confirm), ('holdout', holdout))
     }
     request = DiscoveryRequest(vehicle, bags)  # type: ignore[arg-type]
     found = discover_effects(request, Path(out), lambda _words, _share: None)

@@ -33,10 +33,10 @@ def to_offered_qos(
             expected.reliability,
             expected.durability,
         )
-        kept = expected if same and each.history == HistoryPolicy.UNKNOWN else each
+        history_source = expected if same and each.history == HistoryPolicy.UNKNOWN else each
         profile = OfferedQos(
-            history=(kept or each).history.name.lower(),
-            depth=(kept or each).depth,
+            history=(history_source or each).history.name.lower(),
+            depth=(history_source or each).depth,
             reliability=each.reliability.name.lower(),
             durability=each.durability.name.lower(),
             deadline=to_qos_duration(each.deadline),

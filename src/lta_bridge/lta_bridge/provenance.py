@@ -123,17 +123,17 @@ def merge_provenance(origins: Mapping[str, Mapping[str, str]]) -> dict[str, str]
     # The times of creation differ by seconds only; keep one
     every = [{**origin, 'created': first['created']} for origin in origins.values()]
     keys = dict.fromkeys(key for origin in every for key in origin)
-    told = {'robots': ' '.join(origins)}
+    merged = {'robots': ' '.join(origins)}
     for key in keys:
         values = {origin.get(key) for origin in every}
         # Equal for all robots: store it once, without a prefix
         if len(values) == 1:
-            told[key] = first[key]
+            merged[key] = first[key]
             continue
-        told |= {
+        merged |= {
             f'{robot}/{key}': origin[key] for robot, origin in origins.items() if key in origin
         }
-    return told
+    return merged
 
 
 def extract_robot_origin(origin: Mapping[str, str], robot: str) -> dict[str, str]:

@@ -142,8 +142,8 @@ class CaseGenerator:
         floors = 0.0
         if self.kind in ('outside', 'mixed'):
             # Scale the effect in the flights in which it will act
-            name, given, floors = self._draw_detectable_effect(nominal, outside)
-            outside[name] = given
+            name, values, floors = self._draw_detectable_effect(nominal, outside)
+            outside[name] = values
         size = self._measure_outside_effect(nominal, outside, name) if name else 0.0
         flights = tuple(
             self._record_flight(change(nominal, index), outside, index, role)
@@ -170,20 +170,20 @@ class CaseGenerator:
         for _ in range(TRIALS):
             # Cases with odd numbers use the late kinds
             name = choose_outside_kind(draw, late=self._number % 2 == 1)
-            given, floors = self._scale_outside_effect(nominal, outside, name, draw)
+            values, floors = self._scale_outside_effect(nominal, outside, name, draw)
             if floors >= FAINT:
                 break
-        return name, given, floors
+        return name, values, floors
 
     def _scale_outside_effect(
         self, nominal: NominalVehicle, outside: dict[str, Any], name: str, draw: Draw
     ) -> tuple[dict[str, float], float]:
         """Scale an effect outside the library to a random strength; return it and its strength."""
-        given = draw_outside_parameters(name, draw)
+        values = draw_outside_parameters(name, draw)
         aim = CLEAR[0] * (CLEAR[1] / CLEAR[0]) ** draw.random()
         reached = 0.0
         for trial in range(TRIALS + 1):
-            happened = self._simulate_flight(nominal, {**outside, name: given}, 0)[0]
+            happened = self._simulate_flight(nominal, {**outside, name: values}, 0)[0]
             # Subtract the model errors of the row 'structured', which are also in `strange`
             other = self._simulate_flight(nominal, outside, 0)[0].strange if outside else 0.0
             reached = wrench_strength(happened.strange - other)
@@ -191,14 +191,14 @@ class CaseGenerator:
             if trial == TRIALS or reached == 0.0 or 0.8 < reached / aim < 1.25:
                 break
             # Limit the step: far from the solution, strength and size are not proportional
-            given = scale_unlisted_effect(name, given, min(max(aim / reached, 0.05), 20.0))
-        return given, reached
+            values = scale_unlisted_effect(name, values, min(max(aim / reached, 0.05), 20.0))
+        return values, reached
 
     def _measure_outside_effect(
         self, nominal: NominalVehicle, outside: dict[str, Any], name: str
     ) -> float:
         """Return the strength of an effect in the flights that discovery learns from."""
-        rest = {each: given for each, given in outside.items() if each != name}
+        rest = {each: values for each, values in outside.items() if each != name}
         both = [
             self._simulate_flight(nominal, outside, index)[0].strange
             - (self._simulate_flight(nominal, rest, index)[0].strange if rest else 0.0)

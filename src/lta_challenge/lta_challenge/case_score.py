@@ -205,7 +205,7 @@ def _collect_intervals(
     answer: Mapping[str, Any], result: Mapping[str, Any], hidden: tuple[str, ...]
 ) -> tuple[ParameterInterval, ...]:
     """Return the parameters of the correctly named effects."""
-    out, given = [], answer['nominal']['given']
+    out, true_values = [], answer['nominal']['given']
     for effect in result['effects']:
         # Parameters of this effect that were hidden and named
         moved = {knob.partition('.')[2] for knob in effect['knobs'] if knob in hidden}
@@ -213,7 +213,7 @@ def _collect_intervals(
         whole = any(knob in hidden and '.' not in knob for knob in effect['knobs'])
         for each in effect['parameters']:
             if each['name'] in moved or whole:
-                true = given.get(effect['name'], {}).get(each['name'])
+                true = true_values.get(effect['name'], {}).get(each['name'])
                 if true is not None:
                     name = f'{effect["name"]}.{each["name"]}'
                     low, high = each['ci95']

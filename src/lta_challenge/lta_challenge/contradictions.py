@@ -90,10 +90,11 @@ def _strip_tags(html: str) -> str:
 
 def find_contradictions(finding: StudyResult) -> list[str]:
     """Return a sentence for each contradiction; empty if there are none."""
-    said = render_study(finding)
-    laws = (_check_gains(said), _check_names(finding, said), _check_nothing(finding, said),
-            _check_values(finding, said), _check_json(finding, said),
-            _check_law(said))  # fmt: skip
+    rendered = render_study(finding)
+    laws = (_check_gains(rendered), _check_names(finding, rendered),
+            _check_nothing(finding, rendered), _check_values(finding, rendered),
+            _check_json(finding, rendered),
+            _check_law(rendered))  # fmt: skip
     return [each for law in laws for each in law]
 
 
@@ -168,30 +169,33 @@ def _check_values(finding: StudyResult, rendered: RenderedStudy) -> Iterator[str
 
 def _check_json(finding: StudyResult, rendered: RenderedStudy) -> Iterator[str]:
     """Check that JSON and texts draw the same conclusion."""
-    drawn = rendered.json['conclusion']
+    conclusion = rendered.json['conclusion']
     gain = any(words in rendered.headline for words in BETTER)
-    if gain != (drawn['gain'] is not None):
+    if gain != (conclusion['gain'] is not None):
         yield 'headline and JSON disagree on whether the prediction improves'
     # The first two phrases are those of an undecided result
     undecided = any(words in rendered.headline for words in DOUBT[:2])
-    if drawn['asserted'] != (bool(finding.effects) and not undecided):
+    if conclusion['asserted'] != (bool(finding.effects) and not undecided):
         yield 'headline and JSON disagree on whether an effect is missing'
-    if drawn['do'] not in rendered.terminal.replace('\n', ' ') or drawn['do'] not in rendered.rest:
+    if (
+        conclusion['do'] not in rendered.terminal.replace('\n', ' ')
+        or conclusion['do'] not in rendered.rest
+    ):
         yield 'the page, the terminal and the JSON give different advice'
 
 
 def _check_law(rendered: RenderedStudy) -> Iterator[str]:
     """Check that all outputs agree on whether a law is proposed."""
-    told = rendered.json['law']
-    proposed = bool(told and told['proposed'])
+    law = rendered.json['law']
+    proposed = bool(law and law['proposed'])
     folded = ' '.join(rendered.terminal.split())
     if (' A law of ' in rendered.headline) != proposed:
         yield 'headline and JSON disagree on whether a law is proposed'
     if ('A law describes it' in folded) != proposed or ('No law is proposed' in folded) == (
-        proposed or told is None
+        proposed or law is None
     ):
         yield 'terminal and JSON disagree on whether a law is proposed'
     if proposed and rendered.json['conclusion']['advice'] not in ('law', 'use'):
         yield 'a law is proposed, but the advice is not to use the file that holds it'
-    if told and proposed == bool(told['reason']):
+    if law and proposed == bool(law['reason']):
         yield 'a law is proposed and rejected at once'

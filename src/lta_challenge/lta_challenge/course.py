@@ -102,7 +102,7 @@ def plan_pilot_inputs(course: str, seconds: float, pushed: bool, draw: Draw) -> 
     vehicle is commanded by a wrench.
     """
     time = TICK * np.arange(round(seconds / TICK), dtype=np.float64)
-    wanted = COURSES[course](time, draw)
+    course_inputs = COURSES[course](time, draw)
     size = draw.uniform(*(HOVERED if course == 'hover' else SHAKEN))
     count = _count_holds(time, EACH[0])
     # Draw all six axes in any case, so that the random numbers do not depend on `pushed`
@@ -117,4 +117,4 @@ def plan_pilot_inputs(course: str, seconds: float, pushed: bool, draw: Draw) -> 
         shaken[:, :4] = np.column_stack([heave + roll, heave - roll, surge + yaw, surge - yaw])
     # The flight starts with a tilt, which must settle before the excitation
     shaken[time < QUIET] = 0.0
-    return PilotInputs(wanted, draw.standard_normal((len(time), 3)) * SEEN, shaken, pushed)
+    return PilotInputs(course_inputs, draw.standard_normal((len(time), 3)) * SEEN, shaken, pushed)

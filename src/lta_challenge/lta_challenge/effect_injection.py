@@ -104,8 +104,8 @@ def choose_effects(
 def draw_outside_parameters(kind: str, draw: Draw) -> dict[str, float]:
     """Draw the parameters of an effect outside the library."""
     one = STRANGE[kind]
-    given = {name: float(draw.uniform(*between)) for name, between in one.usual.items()}
-    return {known.name: given.get(known.name, known.null) for known in one.effect.parameters}
+    values = {name: float(draw.uniform(*between)) for name, between in one.usual.items()}
+    return {known.name: values.get(known.name, known.null) for known in one.effect.parameters}
 
 
 def scale_unlisted_effect(

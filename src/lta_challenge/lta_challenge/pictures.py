@@ -22,8 +22,8 @@ def plot_confusion(cases: Sequence[ScoredCase]) -> Figure:
     # Effects in alphabetical order, then the special outcomes
     rows = sorted({hidden for hidden, _ in cells} - {'nothing'})
     rows += [name for name in ('nothing',) if any(hidden == name for hidden, _ in cells)]
-    columns = sorted({said for _, said in cells} - set(LAST))
-    columns += [name for name in LAST if any(said == name for _, said in cells)]
+    columns = sorted({answer for _, answer in cells} - set(LAST))
+    columns += [name for name in LAST if any(answer == name for _, answer in cells)]
     counts = [[cells.get((row, column), 0) for column in columns] for row in rows]
     figure = create_figure()
     figure.add_trace(

@@ -49,14 +49,14 @@ def _encode_messages(
     # The wrench command is not a topic of a flight's graph
     entry = load_topic_table()[topic] if topic != PUSHED else None
     kind, frame = (entry.common_type, entry.frame) if entry else (WRENCH.type_name, WRENCH.frame)
-    given: dict[str, Any] = {'header.frame_id': frame, **SAID.get(topic, {})}
+    constants: dict[str, Any] = {'header.frame_id': frame, **SAID.get(topic, {})}
     lengths = {}
     columns = COLUMNS.get(topic, ())
     if topic == 'motors':
-        given['name'], lengths['effort'] = list(rotors), len(rotors)
+        constants['name'], lengths['effort'] = list(rotors), len(rotors)
         columns = tuple(f'effort[{k}]' for k in range(len(rotors)))
     # All messages of a topic have the same size; fill them in one array operation
-    layout = CdrTemplate(kind, given, lengths)
+    layout = CdrTemplate(kind, constants, lengths)
     stamps = BEGUN + np.round(time * 1e9).astype(np.int64)
     numbers: dict[str, Any] = {
         'header.stamp.sec': stamps // 1_000_000_000,
@@ -65,10 +65,10 @@ def _encode_messages(
     }
     data, size = layout.serialize_messages(len(time), numbers), layout.size
     name = robot_topic(ROBOT, topic)
-    made = (
+    messages = (
         (stamp, name, data[k * size : (k + 1) * size]) for k, stamp in enumerate(stamps.tolist())
     )
-    return kind, made
+    return kind, messages
 
 
 def write_bag(
@@ -95,9 +95,9 @@ def write_bag(
     with BagWriter(bag, metadata) as writer:
         all_made = []
         for topic, (time, values) in streams.items():
-            kind, made = _encode_messages(topic, rotors, time, values)
+            kind, messages = _encode_messages(topic, rotors, time, values)
             writer.add_topic(robot_topic(ROBOT, topic), kind, QOS)
-            all_made.append(made)
+            all_made.append(messages)
         # A bag is written in the order of time; each stream is sorted already
         for stamp, name, data in merge(*all_made, key=lambda one: one[0]):
             writer.write(name, data, stamp)

@@ -105,8 +105,8 @@ def build_report(scores: Sequence[ChallengeScore], folders: Sequence[Path]) -> R
         headline=format_headline(cases),
         introduction=f'Flights: {"; ".join(ROWS[name].about for name in rows)}.',
         tiles=[
-            Tile(name, f'{shares[name].hits}/{shares[name].of}', '', f'target: {wanted}')
-            for name, wanted in targets.items()
+            Tile(name, f'{shares[name].hits}/{shares[name].of}', '', f'target: {target}')
+            for name, target in targets.items()
         ],
         blocks=[
             *build_pictures(cases),
@@ -157,7 +157,7 @@ def format_headline(cases: Sequence[ScoredCase]) -> str:
 
 def build_pictures(cases: Sequence[ScoredCase]) -> list[Picture]:
     """Return the pictures; that of the intervals only if there are any."""
-    shown = [
+    pictures = [
         Picture(
             'confusion',
             'Confusion of effects',
@@ -183,12 +183,12 @@ def build_pictures(cases: Sequence[ScoredCase]) -> list[Picture]:
             'Each dot is a parameter of a correctly named effect: true value minus estimate, in '
             'half widths of the 95 % interval. 95 % of the dots should lie between the lines.'
         )
-        shown.append(
+        pictures.append(
             Picture(
                 'coverage', 'Coverage of the intervals', caption, plot_coverage(cases), height=380
             )
         )
-    return shown
+    return pictures
 
 
 def build_score_blocks(cases: Sequence[ScoredCase]) -> list[TextTable | TextSection]:

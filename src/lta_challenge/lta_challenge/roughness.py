@@ -118,8 +118,8 @@ def _prepend_poses(
                 before.shape
             )
         later = seconds + stamps
-        kept = own < later[0]
-        out[name] = (np.append(own[kept], later), np.vstack([before[kept], values]))
+        early = own < later[0]
+        out[name] = (np.append(own[early], later), np.vstack([before[early], values]))
     return out
 
 
@@ -142,7 +142,7 @@ def add_spikes(streams: Streams, count: int, draw: Draw) -> Streams:
 def cut_gaps(streams: Streams, count: int, draw: Draw) -> Streams:
     """Return a flight whose tracker loses the vehicle for up to 3 s."""
     time, values = streams[POSE]
-    kept = np.ones(len(time), dtype=np.bool_)
+    outside_gaps = np.ones(len(time), dtype=np.bool_)
     for begin in draw.uniform(time[0], time[-1], count):
-        kept &= (time < begin) | (time > begin + draw.uniform(0.2, 3.0))
-    return {**streams, POSE: (time[kept], values[kept])}
+        outside_gaps &= (time < begin) | (time > begin + draw.uniform(0.2, 3.0))
+    return {**streams, POSE: (time[outside_gaps], values[outside_gaps])}

@@ -51,18 +51,18 @@ def run_trial(folder: Path, read_answer: Callable[[], Mapping[str, Any]]) -> dic
         JSON data: finding, computing time and oracle.
 
     """
-    found, made = study_case(folder)
-    if made is not None:
+    found, study = study_case(folder)
+    if study is not None:
         # Read after the study, so that the answer cannot influence it
         answer = read_answer()
         if find_challenge_row(answer['row']).rough:
             return found  # nothing is hidden, and the file is wrong
         try:
-            found |= {'oracle': fit_oracle(made, answer)}
+            found |= {'oracle': fit_oracle(study, answer)}
         except FAULTS as fault:
             found |= {'oracle': {}, 'oracle_fault': str(fault)}
         try:
-            found['oracle'] |= {'law': _test_law_oracle(made, answer)}
+            found['oracle'] |= {'law': _test_law_oracle(study, answer)}
         except FAULTS as fault:
             found |= {'law_oracle_fault': str(fault)}
     return found
@@ -73,17 +73,17 @@ def study_case(folder: Path) -> tuple[dict[str, Any], DiscoveryStudy | None]:
     # Processor time is comparable between runs with different numbers of workers
     wall, cpu = time.monotonic(), time.process_time()
     found: dict[str, Any] = {'refused': ''}
-    made = None
+    study = None
     try:
-        made = _study_case(folder)
-        found |= _finding_to_dict(made)
+        study = _study_case(folder)
+        found |= _finding_to_dict(study)
     except FAULTS as fault:
         found |= {'refused': str(fault), 'verdict': 'not_identifiable', 'effects': [], 'gaps': []}
         found |= {'remains': [], 'warnings': []}
         if not isinstance(fault, BadInput):
             found |= {'traceback': ''.join(traceback.format_exception(fault))}
     found |= {'wall_s': time.monotonic() - wall, 'cpu_s': time.process_time() - cpu}
-    return found, made
+    return found, study
 
 
 def _study_case(folder: Path) -> DiscoveryStudy:

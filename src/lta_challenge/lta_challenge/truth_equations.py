@@ -160,7 +160,7 @@ def command_wrench(
     kernel: TruthKernel, r: tuple[float, ...], hull: TruthConstants, work: TruthWork
 ) -> tuple[float, float, float, float, float, float]:
     """Return the wrench of weight, buoyancy and command in body axes. [N, N m]"""
-    body, told, u = hull.body, work.command, work.thrusts
+    body, command, u = hull.body, work.command, work.thrusts
     # Weight and buoyancy along the vertical seen from the body; the moment is m r x (-g up)
     g, net = hull.lift[0], hull.lift[0] * (body[16] - body[0])
     f0, f1, f2 = net * r[6], net * r[7], net * r[8]
@@ -168,8 +168,8 @@ def command_wrench(
     n1 = -g * (body[3] * r[6] - body[1] * r[8])
     n2 = -g * (body[1] * r[7] - body[2] * r[6])
     if hull.pushed:
-        f0, f1, f2 = f0 + told[0], f1 + told[1], f2 + told[2]
-        n0, n1, n2 = n0 + told[3], n1 + told[4], n2 + told[5]
+        f0, f1, f2 = f0 + command[0], f1 + command[1], f2 + command[2]
+        n0, n1, n2 = n0 + command[3], n1 + command[4], n2 + command[5]
     else:
         for j in range(kernel.rotors):
             f0 += hull.allocation[j, 0] * u[j]

@@ -186,7 +186,7 @@ def fly_truth(
     `delay` is that of a command [s], and `longest` the largest integrator step [s].
     """
     spent, tick, newest = 0.0, TICK, -1
-    told = work.command
+    command = work.command
     for k in range(samples.shape[0]):
         now = k * tick
         write_speeds(kernel, y, hull, work.speeds)
@@ -202,7 +202,7 @@ def fly_truth(
             while newest + 1 <= k and (newest + 1) * tick + delay <= now + 1e-9:
                 newest += 1
             for j in range(8):
-                told[j] = commands[newest, j] if newest >= 0 else 0.0
+                command[j] = commands[newest, j] if newest >= 0 else 0.0
             if now == k * tick:
                 write_slope(kernel, y, work.stages[0], hull, work)
                 write_sample(y, hull, work, samples[k])

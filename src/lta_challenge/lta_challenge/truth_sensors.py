@@ -120,8 +120,8 @@ class TruthSensors:
         if count:
             off = Rotation.from_rotvec(0.3 * self._draw.standard_normal((count, 3)))
             quaternion[mistaken] = (turn[mistaken] * off).as_quat()
-        kept = ~self._draw_dropouts(time)
-        return time[kept], np.column_stack([place, quaternion])[kept]
+        received = ~self._draw_dropouts(time)
+        return time[received], np.column_stack([place, quaternion])[received]
 
     def _draw_dropouts(self, time: Array) -> NDArray[np.bool_]:
         """Draw the dropouts of the tracker."""

@@ -110,11 +110,11 @@ def simulate_flight(
 
     """
     count, rotors = len(pilot.setpoints), len(nominal.rotors)
-    commands, kept = np.zeros((count, ACTUATORS)), np.zeros((count, SAMPLE_SIZE))
+    commands, samples = np.zeros((count, ACTUATORS)), np.zeros((count, SAMPLE_SIZE))
     # Columns: surge, heave, yaw and roll
-    wanted = allocation_matrix(nominal)[:, [0, 2, 5, 3]]  # a mix for these must leave roll alone
+    mix = allocation_matrix(nominal)[:, [0, 2, 5, 3]]  # a mix for these must leave roll alone
     # The pilot commands surge, heave and yaw; roll is zero, so its column is dropped
-    mixing = np.linalg.pinv(wanted.T)[:, :3]
+    mixing = np.linalg.pinv(mix.T)[:, :3]
     # All rotors of the nominal vehicle have the thrust curve of the first
     curve = np.array([nominal.parameter_value('thrust_curve', f'{c}_1') for c in 'ab'])
     constants = TruthConstants(
@@ -131,15 +131,15 @@ def simulate_flight(
         longest,
         create_work_arrays(build_truth_model().state_size),
         commands,
-        kept,
+        samples,
     )
     # A hidden effect may be strong enough to destabilise the flight
-    if not np.isfinite(kept).all():
+    if not np.isfinite(samples).all():
         raise BadInput(
             'A flight with hidden effects became unstable in the simulation; choose another '
             '--seed for "lta challenge make".'
         )
     return TruthTrajectory(
-        kept[:, :3], kept[:, 3:12].reshape(-1, 3, 3), kept[:, 12:15], kept[:, 15:18],
-        kept[:, 18:26], kept[:, 26:32], kept[:, 32], commands,
+        samples[:, :3], samples[:, 3:12].reshape(-1, 3, 3), samples[:, 12:15], samples[:, 15:18],
+        samples[:, 18:26], samples[:, 26:32], samples[:, 32], commands,
     )  # fmt: skip

@@ -165,8 +165,8 @@ def _collect_parameters(
     parts, values, on = build_truth_model(), list[float](), list[bool]()
     for name, effect in parts.all_effects.items():
         if name in parts.strange:
-            given = strange.get(name, {})
-            own = [given.get(known.name, known.null) for known in effect.parameters]
+            changed = strange.get(name, {})
+            own = [changed.get(known.name, known.null) for known in effect.parameters]
         else:
             own = [nominal.parameter_value(name, known.name) for known in effect.parameters]
         # An effect with null values is skipped, so it costs no time

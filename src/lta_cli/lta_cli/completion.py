@@ -94,14 +94,14 @@ def build_app(table: Mapping[str, Any]) -> typer.Typer:
 
 def add_commands(app: typer.Typer, commands: Mapping[str, Any], table: Mapping[str, Any]) -> None:
     """Add commands to an app."""
-    for name, told in commands.items():
-        if 'commands' in told:
-            group = typer.Typer(help=told['help'])
+    for name, entry in commands.items():
+        if 'commands' in entry:
+            group = typer.Typer(help=entry['help'])
             group.callback()(lambda: None)
-            add_commands(group, told['commands'], table)
+            add_commands(group, entry['commands'], table)
             app.add_typer(group, name=name)
         else:
-            app.command(name, help=told['help'])(build_stub(told['parameters'], table))
+            app.command(name, help=entry['help'])(build_stub(entry['parameters'], table))
 
 
 def build_stub(parameters: list[dict[str, Any]], table: Mapping[str, Any]) -> Callable[..., None]:

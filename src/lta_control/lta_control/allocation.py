@@ -77,8 +77,8 @@ def deliver_wrench(
     rotors: Rotors, wrench: Wrench, start: PerRotor, scratch: Scratch
 ) -> tuple[PerRotor, PerRotor, Wrench]:
     """Return duties, thrusts and produced wrench for a wanted one; arguments as in `allocate`."""
-    thrusts, given = allocate(rotors, wrench, start, scratch)
-    return thrusts_to_duties(rotors, thrusts, scratch), thrusts, given
+    thrusts, delivered = allocate(rotors, wrench, start, scratch)
+    return thrusts_to_duties(rotors, thrusts, scratch), thrusts, delivered
 
 
 def allocate(

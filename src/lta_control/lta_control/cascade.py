@@ -172,9 +172,9 @@ def steer_to_course(
     across = sin * measured.speed + cos * measured.sway
     lean = min(max(gains.drift_gain * across, -gains.drift_limit), gains.drift_limit)
     turn = wrap_angle(setpoint.heading - moving * lean - measured.heading)
-    wanted = min(setpoint.speed, gains.speed_limit)
+    target = min(setpoint.speed, gains.speed_limit)
     # Turn first: no forward speed until the heading error is below `turn_first`
-    speed = wanted * max(0.0, 1.0 - abs(turn) / gains.turn_first)
+    speed = target * max(0.0, 1.0 - abs(turn) / gains.turn_first)
     return turn, speed, along, cos
 
 

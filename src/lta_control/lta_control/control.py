@@ -101,10 +101,10 @@ def deliver_demand(
     """
     # Surge, heave and yaw only: sway, roll and pitch are not controlled.
     wrench = (demand.surge, 0.0, demand.heave, 0.0, 0.0, demand.yaw)
-    duties, thrusts, given = deliver_wrench(rotors, wrench, thrusts, scratch)
+    duties, thrusts, delivered = deliver_wrench(rotors, wrench, thrusts, scratch)
     # Delivered minus demanded, for the anti-windup of the next step
     shortfall = WrenchDemand(
-        given[0] - demand.surge, given[2] - demand.heave, given[5] - demand.yaw
+        delivered[0] - demand.surge, delivered[2] - demand.heave, delivered[5] - demand.yaw
     )
     return duties, ControlMemory(cascade, thrusts, shortfall)
 

@@ -56,8 +56,8 @@ def pid_step(
         Lowest output, if it is above minus the limit of the gains.
 
     """
-    wanted = gains.kp * error + integral - gains.kd * rate
-    output = min(max(wanted, max(lowest, -gains.limit)), gains.limit)
+    unlimited = gains.kp * error + integral - gains.kd * rate
+    output = min(max(unlimited, max(lowest, -gains.limit)), gains.limit)
     # Tracking time kp / ki
     unwind = gains.ki / gains.kp if gains.kp > 0.0 else 0.0
-    return output, integral + dt * (gains.ki * error + unwind * (output - wanted + shortfall))
+    return output, integral + dt * (gains.ki * error + unwind * (output - unlimited + shortfall))

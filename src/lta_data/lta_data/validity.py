@@ -73,16 +73,16 @@ def describe_exceeded_region_of_bag(flight: RecordedFlight) -> str:
     def columns(path: str, axes: str) -> Array:
         return np.column_stack([table[TRUTH][f'{path}.{axis}'] for axis in axes])
 
-    flown = list_motion(
+    motion = list_motion(
         columns('pose.pose.orientation', 'xyzw'),
         columns('twist.twist.linear', 'xyz'),
         columns('twist.twist.angular', 'xyz'),
     )
     if COMMANDS in table:
         numbers = table[COMMANDS].numbers
-        flown |= {
+        motion |= {
             rotor: numbers[f'effort.{rotor}']
             for rotor in vehicle.rotors
             if f'effort.{rotor}' in numbers
         }
-    return describe_exceeded_region(vehicle, flown)
+    return describe_exceeded_region(vehicle, motion)

@@ -156,21 +156,21 @@ def main(words: list[str] | None = None) -> None:
     parser.add_argument('--vehicle', default='gtmab')
     parser.add_argument('--scenario', default='lamp_room')
     parser.add_argument('--seed', type=int, default=1)
-    told, _ = parser.parse_known_args(words)  # `lta run` adds ROS arguments
+    options, _ = parser.parse_known_args(words)  # `lta run` adds ROS arguments
     over = threading.Event()
     # End the waiting loop, so that ports and cable are closed
     signal.signal(signal.SIGTERM, lambda *_: over.set())
     try:
         with serve_hardware(
-            told.vehicle,
-            told.scenario,
-            told.seed,
-            told.port,
-            told.light_port,
-            told.beacon,
-            told.bench_port,
+            options.vehicle,
+            options.scenario,
+            options.seed,
+            options.port,
+            options.light_port,
+            options.beacon,
+            options.bench_port,
         ) as hardware:
-            kind = 'The firmware' if told.bench_port else 'An emulated Crazyflie'
+            kind = 'The firmware' if options.bench_port else 'An emulated Crazyflie'
             _print_line(
                 f'{kind} answers at {hardware.crazyflie.uri}, its light board at '
                 f'{hardware.board.port}; press Ctrl-C to stop both.'

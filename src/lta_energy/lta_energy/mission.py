@@ -121,15 +121,15 @@ class MissionSimulation:
     def _collect_schedule_inputs(self) -> ScheduleInputs:
         """Collect what a schedule may use, with the flight statistics so far."""
         # Flights that failed say nothing about the need of a complete one
-        flown = [f for f in self.diary.flights if f.ending == 'home'][-20:]
-        needs = [f.spent.consumed + f.spent.lost - f.spent.harvested for f in flown]
+        flights = [f for f in self.diary.flights if f.ending == 'home'][-20:]
+        needs = [f.spent.consumed + f.spent.lost - f.spent.harvested for f in flights]
         # Before the first flight: assume a standard deviation of 10 %
         need, spread, lasts = self._guess[0], 0.1 * self._guess[0], self._guess[1]
         if needs:
             need = sum(needs) / len(needs)
             # The lower bound of 5 % covers one or two flights, whose scatter is zero or accidental
             spread = max(math.sqrt(sum((n - need) ** 2 for n in needs) / len(needs)), 0.05 * need)
-            lasts = max(f.duration for f in flown)
+            lasts = max(f.duration for f in flights)
         last = self.diary.flights[-1] if self.diary.flights else None
         up = self._upkeep
         return ScheduleInputs(

@@ -114,9 +114,9 @@ class Param(StrictModel):
 
     @model_validator(mode='after')
     def _check_exclusive_fields(self) -> 'Param':
-        given = [item is not None for item in (self.value, self.param, self.from_)]
+        present = [item is not None for item in (self.value, self.param, self.from_)]
         # A file (`from`) has no name; a value or a nested parameter needs one
-        if sum(given) != 1 or (self.name is None) != (self.from_ is not None):
+        if sum(present) != 1 or (self.name is None) != (self.from_ is not None):
             raise ValueError(
                 'needs either "from" (a parameter file), or "name" with "value" or "param"'
             )

@@ -251,8 +251,8 @@ class _PlanBuilder:
                 self._run_actions(action.children)
                 self._variables = before
             case Include():
-                given = {item.name: self._substitute(item.value) for item in action.arg or []}
-                self.include_file(Path(self._substitute(action.file)), given)
+                arguments = {item.name: self._substitute(item.value) for item in action.arg or []}
+                self.include_file(Path(self._substitute(action.file)), arguments)
             case Supervise():
                 names = self._substitute(action.planned).split()
                 self.planned = (self.planned or set()) | set(names)

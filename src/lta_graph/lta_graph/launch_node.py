@@ -121,8 +121,8 @@ def convert_to_ros_type(
     expected = {None: (bool, int, float, str), 'str': (str,), 'float': (float,)}[kind]
     # An exact type, because isinstance would accept a bool as an int
     if type(value) not in expected:
-        wanted = 'a number, true, false or text' if kind is None else f'of type {kind}'
-        raise BadInput(f'The parameter {name} is {value!r}, but must be {wanted}.')
+        needed = 'a number, true, false or text' if kind is None else f'of type {kind}'
+        raise BadInput(f'The parameter {name} is {value!r}, but must be {needed}.')
     return value  # type: ignore[return-value]
 
 

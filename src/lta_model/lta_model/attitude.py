@@ -27,10 +27,10 @@ def to_euler_angles(quaternions: ArrayLike) -> EulerAngles:
     which ROS leaves in an unset message, gives NaN. REP-103: with z up and x forward, positive
     pitch is nose down.
     """
-    given = np.asarray(quaternions, dtype=np.float64).reshape(-1, 4)
-    length = np.linalg.norm(given, axis=1)
+    rows = np.asarray(quaternions, dtype=np.float64).reshape(-1, 4)
+    length = np.linalg.norm(rows, axis=1)
     length[~np.isfinite(length) | (length == 0.0)] = np.nan
-    x, y, z, w = given.T / length
+    x, y, z, w = rows.T / length
     # Bernardes and Viollet (2022), https://doi.org/10.1371/journal.pone.0276302, as scipy has it:
     # importing scipy takes longer than a page
     half_sum = _atan2(x + z, w - y).astype(np.float64)

@@ -47,22 +47,22 @@ def collect_effects(
     parameter wrongly.
     """
     derived = _derive_effects(file, rotors, added_mass, air_density)
-    for name, given in file.effects.items():
+    for name, values in file.effects.items():
         if name == LAW.name:
             raise BadInput(
                 f'{file.name} has {LAW.name} in its block effects, but a law is no effect with '
                 'parameters; write it as the block law of the vehicle file.'
             )
         # A second value for a derived parameter would contradict the blocks that it follows from
-        if name in derived and set(given) - set(SHARES.get(name, ())):
+        if name in derived and set(values) - set(SHARES.get(name, ())):
             raise BadInput(
                 f'The parameters of the effect {name} in {file.name} are computed from the '
                 'blocks hull, parts, rotors or aero of this vehicle file; remove them from its '
                 'block effects, and change those blocks instead.'
             )
-    own = {name: _check_parameters(name, given) for name, given in file.effects.items()}
+    own = {name: _check_parameters(name, values) for name, values in file.effects.items()}
     # Own values win only where `SHARES` allows them
-    return derived | {name: derived.get(name, {}) | given for name, given in own.items()}
+    return derived | {name: derived.get(name, {}) | values for name, values in own.items()}
 
 
 def check_step(name: str, parameters: Effects, step: float) -> None:
@@ -152,8 +152,8 @@ def _build_drag_box(part: PartBlock) -> DragBox:
 
 def _moving_mass_parameters(moving: MovingMassBlock) -> dict[str, float]:
     """Return the parameters of `moving_mass`; the sender of commands enforces the limits."""
-    given = dict(zip('xyz', moving.position.vector, strict=True))
-    return given | {'mass': moving.mass.si, 'lag': moving.time_constant.si}
+    parameters = dict(zip('xyz', moving.position.vector, strict=True))
+    return parameters | {'mass': moving.mass.si, 'lag': moving.time_constant.si}
 
 
 def _zip_names_values(names: Sequence[str], values: Vector) -> dict[str, float]:

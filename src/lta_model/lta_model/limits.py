@@ -118,7 +118,7 @@ def tumble_speed(vehicle: Vehicle) -> float:
     if righting <= 0.0:
         return 0.0
     # Unless the added mass upwards is larger, the Munk moment does not pitch the hull up
-    kept = 1.0 - vehicle.collect_effects().get('munk_moment', {}).get('lost', 0.0)
-    if upright <= along or kept <= 0.0:
+    share = 1.0 - vehicle.collect_effects().get('munk_moment', {}).get('lost', 0.0)
+    if upright <= along or share <= 0.0:
         return math.inf
-    return math.sqrt(righting * (m + upright) / (kept * (upright - along) * (m + along)))
+    return math.sqrt(righting * (m + upright) / (share * (upright - along) * (m + along)))

@@ -97,19 +97,19 @@ def interaction_parameters(
 ) -> dict[str, float]:
     """Return the parameters of `rotor_envelope_interaction`; empty if B suffices."""
     axes = ('surge', 'sway', 'heave', 'roll', 'pitch', 'yaw')
-    given = {}
+    parameters = {}
     for i, rotor in enumerate(rotors, start=1):
         for axis, forward, backward in zip(axes, rotor.column, rotor.reverse, strict=True):
             if rotor.reversible and backward != forward:
                 # What reversed thrust adds to B T
-                given[f'{axis}_{i}'] = backward - forward
+                parameters[f'{axis}_{i}'] = backward - forward
     if coupling:
         for axis, number in zip(axes, coupling.force.vector + coupling.moment.vector, strict=True):
-            given[f'together_{axis}'] = number
+            parameters[f'together_{axis}'] = number
         for i, rotor in enumerate(rotors, start=1):
             if rotor.name in coupling.rotors:
-                given[f'share_{i}'] = -1.0 if coupling.reversed else 1.0
-    return given
+                parameters[f'share_{i}'] = -1.0 if coupling.reversed else 1.0
+    return parameters
 
 
 def _select_thrust_curve(file: VehicleFile, rotor: RotorBlock) -> ThrustCurve:

@@ -119,10 +119,10 @@ class Turbulence(StrictModel):
     def _check_sheared(self) -> None:
         """Raise ValueError unless `by` is given, and nothing that it derives."""
         own = ('intensity', 'length', 'wind', 'height')
-        given = [name for name in own if getattr(self, name) is not None]
+        present = [name for name in own if getattr(self, name) is not None]
         remedies = [
             *(['add "by: MIL-F-8785C"'] if self.by is None else []),
-            *([f'remove {", ".join(given)}'] if given else []),
+            *([f'remove {", ".join(present)}'] if present else []),
         ]
         if remedies:
             raise ValueError(
@@ -234,13 +234,13 @@ class ScenarioAir(StrictModel):
 
     def collect_effects(self, half_height: float) -> dict[str, Parameters]:
         """Return the air effects that are on, by name, in SI; `half_height` of the hull in m."""
-        given = {}
+        effects = {}
         if self.profile:
-            given['wind_profile'] = self.profile.effect_parameters(half_height)
+            effects['wind_profile'] = self.profile.effect_parameters(half_height)
         if self.gradient:
-            given['wind_gradient'] = self.gradient.effect_parameters()
+            effects['wind_gradient'] = self.gradient.effect_parameters()
         if self.turbulence and self.turbulence.strength.si > 0.0:
-            given['turbulence'] = self.turbulence.effect_parameters(self.mean_wind)
+            effects['turbulence'] = self.turbulence.effect_parameters(self.mean_wind)
         if self.gust:
-            given['gusts'] = self.gust.effect_parameters()
-        return given
+            effects['gusts'] = self.gust.effect_parameters()
+        return effects

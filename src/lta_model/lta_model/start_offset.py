@@ -34,9 +34,9 @@ def offset_start(scenario: Scenario, x: float, y: float) -> Scenario:
         return Scenario.model_validate({**fields, 'start': start})
     except ValidationError as error:
         # The scene without the offset was valid, so the only error is that of the start.
-        said = error.errors()[0]['msg'].removeprefix('Value error, ')
-        said = said.partition(';')[0]  # the remedy after it is for the scenario file
+        fault = error.errors()[0]['msg'].removeprefix('Value error, ')
+        fault = fault.partition(';')[0]  # the remedy after it is for the scenario file
         raise BadInput(
-            f"With a start offset of {x:g}, {y:g} m the scenario '{scenario.name}' {said}; "
+            f"With a start offset of {x:g}, {y:g} m the scenario '{scenario.name}' {fault}; "
             'give another offset_x or offset_y.'
         ) from None

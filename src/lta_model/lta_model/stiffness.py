@@ -34,20 +34,20 @@ def find_fastest_damping(model: VehicleModel) -> tuple[str, float]:
 def compute_linear_damping(model: VehicleModel) -> dict[str, Array]:
     """Return the damping of each effect that is linear in the velocity. [N s/m, N m s]"""
     found = {}
-    given = model.given
+    values = model.given
     for name, axes in (('linear_drag', slice(0, 3)), ('rotational_drag', slice(3, 6))):
-        if name in given:
+        if name in values:
             damping = np.zeros(6)
             # Only the linear coefficients: quadratic damping depends on the speed
-            damping[axes] = [given[name][axis] for axis in AXES[axes]]
+            damping[axes] = [values[name][axis] for axis in AXES[axes]]
             found[name] = np.diag(damping)
-    if 'floor_contact' in given:
-        foot = given['floor_contact']
+    if 'floor_contact' in values:
+        foot = values['floor_contact']
         # Jacobian of the foot's vertical velocity for an upright vehicle
         down = np.array([0.0, 0.0, 1.0, foot['y'], -foot['x'], 0.0])  # upright
         found['floor_contact'] = foot['stiffness'] * foot['relaxation'] * np.outer(down, down)
-    if 'walls' in given:
-        room = given['walls']
+    if 'walls' in values:
+        room = values['walls']
         push = room['stiffness'] * room['relaxation']
         found['walls'] = np.diag([push, push, push, 0.0, 0.0, 0.0])
     return found

@@ -92,8 +92,8 @@ class Vehicle:
     @property
     def heaviness(self) -> float:
         """Mass less displaced air: what the rotors carry. [kg]."""
-        given = self.file.trim.heaviness
-        return given.si if given else self.mass - self.volume * self.air_density
+        heaviness = self.file.trim.heaviness
+        return heaviness.si if heaviness else self.mass - self.volume * self.air_density
 
     @property
     def displaced_mass(self) -> float:

@@ -224,7 +224,7 @@ class ClusterServer:
 
     def start_workers(self, address: str, options: WorkerOptions) -> None:
         """Start workers of the scheduler at an address; each that dies is replaced."""
-        given = {
+        settings = {
             'scheduler_ip': address,
             'nthreads': options.threads,
             # By default, Dask listens on all interfaces
@@ -235,7 +235,7 @@ class ClusterServer:
             'death_timeout': PATIENCE,
             **WEB,
         }
-        self._run(self._start(self._dask.Nanny, given, options.count))
+        self._run(self._start(self._dask.Nanny, settings, options.count))
 
     def wait_closed(self) -> None:
         """Wait until scheduler and workers have ended, which they do not by themselves."""

@@ -73,20 +73,20 @@ def print_table(table: TextTable, console: Console) -> None:
 
 def draw_table(table: TextTable, gap: int, *, wraps: bool) -> Table:
     """Return a table for the terminal; with `wraps`, columns of words and names may wrap."""
-    drawn = Table(
+    grid = Table(
         title=table.heading, title_justify='left', title_style='bold', box=None, pad_edge=False,
         padding=(0, gap, 0, 0),
     )  # fmt: skip
     for place, (head, *cells) in enumerate(zip(split_heads(table), *table.rows, strict=True)):
         # A wrapped number is unreadable
         words = place == 0 or not is_numeric(cells)
-        drawn.add_column(
+        grid.add_column(
             Text(head), justify='left' if words else 'right', overflow='fold',
             no_wrap=not (wraps and words),
         )  # fmt: skip
     for row in table.rows:
-        drawn.add_row(*(style_cell(cell, table.colors.get(cell)) for cell in row))
-    return drawn
+        grid.add_row(*(style_cell(cell, table.colors.get(cell)) for cell in row))
+    return grid
 
 
 def split_table(table: TextTable, width: int, gap: int) -> list[TextTable]:

@@ -203,9 +203,9 @@ def format_exception(details: Mapping[str, Any]) -> str:
 
 def list_requests(browser: Browser, page: Path) -> list[str]:
     """Return every requested address except the page itself and embedded data."""
-    asked = [
+    urls = [
         event['request']['url']
         for method, event in browser.events
         if method == 'Network.requestWillBeSent'
     ]
-    return [url for url in asked if url != page.resolve().as_uri() and not url.startswith('data:')]
+    return [url for url in urls if url != page.resolve().as_uri() and not url.startswith('data:')]

@@ -63,9 +63,9 @@ def edit_vehicle_file(
         quantity = parse_quantity(value)
         known = str(old.get('source', '')) if isinstance(old, dict) else ''
         if quantity is not None:
-            kept = known if source is None else source
+            new_source = known if source is None else source
             number = shorten_number(quantity['value'])
-            value = quantity | {'value': number} | ({'source': kept} if kept else {})
+            value = quantity | {'value': number} | ({'source': new_source} if new_source else {})
         elif source is not None:
             raise BadInput(
                 f'{place} has no unit, so the file holds no source for it; leave out --source.'

@@ -218,9 +218,9 @@ def _vertical_command(
     vehicle: Vehicle, commands: WrenchCommands, grid: Array, rotation: Array
 ) -> Array:
     """Return the commanded force along the vertical of the map, after its gains. [N]"""
-    told = (*_sample_commands(commands, grid).T, *np.zeros((3, len(grid))))
+    inputs = (*_sample_commands(commands, grid).T, *np.zeros((3, len(grid))))
     chain = build_chains(vehicle.collect_effects(), EFFECTS)['command_wrench']
-    acting = apply_chain(chain, told, 0.0)[:3]
+    acting = apply_chain(chain, inputs, 0.0)[:3]
     return np.asarray(np.einsum('nj,jn->n', rotation[:, 2], np.stack(acting)))
 
 

@@ -92,21 +92,21 @@ class BeaconReceiver:
         Raise `BadInput` if it cannot be detected or separated from the mains; nothing is changed
         then.
         """
-        wanted = self._settings.frequency if beacon == NO_WISH else beacon
-        before = [one for one in self.beacons if one != wanted]
+        beacon_first = self._settings.frequency if beacon == NO_WISH else beacon
+        before = [one for one in self.beacons if one != beacon_first]
         # Already received: only the order changes
         if len(before) < len(self.beacons):
-            self.beacons = (wanted, *before)
+            self.beacons = (beacon_first, *before)
             return
-        kept: tuple[float, ...] = (wanted,)
-        self._check_beacons(kept)
+        beacons: tuple[float, ...] = (beacon_first,)
+        self._check_beacons(beacons)
         for one in before[: MOST - 1]:
             try:
-                self._check_beacons((*kept, one))
+                self._check_beacons((*beacons, one))
             except BadInput:
                 continue  # it collides with a more recent request
-            kept = (*kept, one)
-        self._select_beacons(kept)
+            beacons = (*beacons, one)
+        self._select_beacons(beacons)
 
     def _plan_bins(
         self, beacons: tuple[float, ...], steps: tuple[int, ...]
@@ -133,12 +133,12 @@ class BeaconReceiver:
             self.beacons, hearing.peaks, hearing.frequencies, strict=True
         ):
             # One diode above the threshold is enough
-            heard = bool(peaks.snr.max() >= self._settings.threshold)
-            self.presences[one] = self.presences[one].update_presence(heard)
+            is_present = bool(peaks.snr.max() >= self._settings.threshold)
+            self.presences[one] = self.presences[one].update_presence(is_present)
             tracker = self._trackers[one]
             self._trackers[one] = (
                 tracker.update_frequency(frequency, self._reaches[one])
-                if heard
+                if is_present
                 else tracker.coast_without_detection()
             )
         return hearing

@@ -84,8 +84,8 @@ class SnapshotBuffer:
         self._builder.add(record.channel, record.written, log_time_ns, data)
         # Latched messages are sent once, so keep the last one beyond the span
         if is_latched(record.qos):
-            kept = self._latched.get(topic, {}) if topic == ACCUMULATED else {}
-            self._latched[topic] = kept | {data: log_time_ns}
+            messages = self._latched.get(topic, {}) if topic == ACCUMULATED else {}
+            self._latched[topic] = messages | {data: log_time_ns}
         self._newest = max(self._newest, log_time_ns)
         if self._builder.size >= CHUNK_SIZE or self._builder.span >= GRAIN_NS:
             self._pack_chunk()
@@ -138,9 +138,9 @@ class SnapshotBuffer:
             for record in self._topics.values():
                 bag.add_topic(record.name, record.definition.type_name, record.qos)
             # Latched messages are older than the chunks: write them unless the chunks have them.
-            for name, kept in self._latched.items():
-                if counts[self._topics[name].channel] < len(kept):
-                    for data, log_time in kept.items():
+            for name, messages in self._latched.items():
+                if counts[self._topics[name].channel] < len(messages):
+                    for data, log_time in messages.items():
                         bag.write(name, data, log_time)
             for chunk in self._chunks:
                 bag.check_room()

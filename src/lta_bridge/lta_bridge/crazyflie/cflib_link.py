@@ -81,9 +81,9 @@ def scan_crazyflies(radio: bool, usb: bool) -> Iterator[str]:
     away from another bridge.
     """
     _register_drivers()
-    wanted = {'RadioDriver': radio, 'UsbDriver': usb}
+    drivers = {'RadioDriver': radio, 'UsbDriver': usb}
     for driver in cflib.crtp.CLASSES:
-        if wanted.get(driver.__name__):
+        if drivers.get(driver.__name__):
             # cflib's own scan of all drivers ends at the first one that fails.
             try:
                 interfaces = driver().scan_interface(None)

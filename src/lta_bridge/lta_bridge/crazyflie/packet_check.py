@@ -48,9 +48,11 @@ def find_packet_fault(port: int, channel: int, data: bytes, sizes: Mapping[int, 
     if size < fewest:
         return f'packet of {size} bytes on CRTP port {where}, below the minimum of {fewest}'
     if (port, channel) == (LOG, DATA) and sizes:
-        wanted = sizes.get(data[0])
-        if wanted is None:
+        expected = sizes.get(data[0])
+        if expected is None:
             return f'packet of log block {data[0]}, which was not requested'
-        if size != STAMPED + wanted:
-            return f'log block {data[0]} has {size - STAMPED} bytes of values instead of {wanted}'
+        if size != STAMPED + expected:
+            return (
+                f'log block {data[0]} has {size - STAMPED} bytes of values instead of {expected}'
+            )
     return ''

@@ -25,9 +25,9 @@ class StreamStatistics(NamedTuple):
 
 def compute_stream_statistics(block: LogBlock, packets: Sequence[LogPacket]) -> StreamStatistics:
     """Return the statistics of one block; the packets must be in the order of arrival."""
-    wanted = 1e3 / block.period_ms
+    nominal = 1e3 / block.period_ms
     if len(packets) < 2:
-        return StreamStatistics(block.name, wanted, 0.0, len(packets), float(not packets), 0.0)
+        return StreamStatistics(block.name, nominal, 0.0, len(packets), float(not packets), 0.0)
     stamps = np.array([packet.stamp_ms for packet in packets])
     arrivals = np.array([packet.arrival_ns for packet in packets])
     gaps = (np.diff(stamps) + WRAP // 2) % WRAP - WRAP // 2  # the 24-bit stamps may wrap
@@ -35,6 +35,6 @@ def compute_stream_statistics(block: LogBlock, packets: Sequence[LogPacket]) -> 
     sent = 1 + round(span / block.period_ms)
     uneven = np.abs(1e-9 * np.diff(arrivals) - 1e-3 * gaps)
     return StreamStatistics(
-        block.name, wanted, 1e3 * (len(packets) - 1) / span, len(packets),
+        block.name, nominal, 1e3 * (len(packets) - 1) / span, len(packets),
         max(0.0, 1.0 - len(packets) / sent), float(np.percentile(uneven, 95.0)),
     )  # fmt: skip

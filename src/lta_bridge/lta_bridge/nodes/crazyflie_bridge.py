@@ -310,8 +310,8 @@ class CrazyflieBridge(DeviceNode):
             self._connected = time.monotonic()
         self._was_up = up
         # Each request counts for one tick only
-        asked, self._asked = self._asked, SafetyRequest()
-        self._bridge.tick(time.monotonic(), now_ns, up, self.active, asked)
+        request, self._asked = self._asked, SafetyRequest()
+        self._bridge.tick(time.monotonic(), now_ns, up, self.active, request)
         self._arm_controller()
         # A fresh connection needs time for its first log packets
         if up and time.monotonic() - self._connected > DEAD:
@@ -322,10 +322,10 @@ class CrazyflieBridge(DeviceNode):
     def _arm_controller(self) -> None:
         """Arm the controller with the drone, so that its integrators do not wind up before."""
         stage = self._bridge.state.stage
-        wanted = stage in ALOFT and self._bridge.sends_duties
-        if wanted != self._told and self._controller.service_is_ready():
-            self._controller.call_async(SetBool.Request(data=wanted))
-            self._told = wanted
+        arm = stage in ALOFT and self._bridge.sends_duties
+        if arm != self._told and self._controller.service_is_ready():
+            self._controller.call_async(SetBool.Request(data=arm))
+            self._told = arm
 
     def _publish_events(self) -> None:
         """Handle the events of the link as they arrive."""

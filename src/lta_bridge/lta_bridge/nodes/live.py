@@ -98,9 +98,9 @@ class LiveViewNode(GraphNode):
         # Viewers need only the newest message of a periodic topic
         depth = 1 if topic.period_ns or name == '/clock' else MANY
         # Best effort never blocks a publisher, however slow the viewers are
-        asked = QoSProfile(depth=depth, reliability=ReliabilityPolicy.BEST_EFFORT)
+        qos = QoSProfile(depth=depth, reliability=ReliabilityPolicy.BEST_EFFORT)
         self.create_subscription(
-            find_message_type(topic), name, self._build_raw_receiver(name), asked, raw=True
+            find_message_type(topic), name, self._build_raw_receiver(name), qos, raw=True
         )
 
     def _build_raw_receiver(self, name: str) -> Callable[[bytes], None]:
@@ -143,13 +143,13 @@ class LiveViewNode(GraphNode):
         if pose is None:
             return None
         place, turn = to_pose(pose)
-        told = SceneState(place, turn)
-        return told._replace(
+        scene = SceneState(place, turn)
+        return scene._replace(
             duties=dict(zip(motors.name, read_duties(motors), strict=False))
             if motors
-            else told.duties,
-            seen=to_vector(seen) if seen else told.seen,
-            wind=to_vector(wind) if wind else told.wind,
+            else scene.duties,
+            seen=to_vector(seen) if seen else scene.seen,
+            wind=to_vector(wind) if wind else scene.wind,
         )
 
     def _draw_scene(self) -> None:

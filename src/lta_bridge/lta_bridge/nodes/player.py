@@ -90,9 +90,9 @@ class Player(GraphNode):
         """Publish the due times of the nodes' inputs; return those of their answers. [ns]"""
         read = {name for node in self._cast.nodes for name in self.table.read_by(node)}
         # The trigger determines when a node answers, so its times are needed too
-        wanted = read | {self.table.trigger_topic(node) for node in self._cast.nodes}
+        topics = read | {self.table.trigger_topic(node) for node in self._cast.nodes}
         played = compute_due_times(
-            (item for item in self._reel.iterate_section() if item.topic in wanted), self.table
+            (item for item in self._reel.iterate_section() if item.topic in topics), self.table
         )
         answers = compute_answer_times(played, self.table, self._cast)
         inputs = {name: times.due for name, times in (played | answers).items() if name in read}

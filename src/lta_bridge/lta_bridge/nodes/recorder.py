@@ -83,8 +83,8 @@ def declare_origins(node: GraphNode, robots: list[str]) -> dict[str, RobotOrigin
         )
         for name in robots
     }
-    told = NodeParameters(node, create_model('Origins', __base__=Settings, **fields)).value
-    return {name: getattr(told, name) for name in robots}
+    origins = NodeParameters(node, create_model('Origins', __base__=Settings, **fields)).value
+    return {name: getattr(origins, name) for name in robots}
 
 
 def build_reencoder(type_name: str) -> Callable[[bytes], bytes]:
@@ -104,10 +104,10 @@ class Recorder(GraphNode):
 
     def __init__(self) -> None:
         super().__init__('recorder')
-        told = self._told = NodeParameters(self, RecorderSettings).value
+        settings = self._told = NodeParameters(self, RecorderSettings).value
         origin = self._collect_origin()
-        robots = self._robots = told.robots.split() or [self.get_namespace().strip('/')]
-        topics = select_topics(told.topics, robots, self.table)
+        robots = self._robots = settings.robots.split() or [self.get_namespace().strip('/')]
+        topics = select_topics(settings.topics, robots, self.table)
         self._fault = ''
         self._snapshots: SnapshotScheduler | None = None
         self._types: dict[str, str] = {}
@@ -117,7 +117,7 @@ class Recorder(GraphNode):
         with ExitStack() as unfinished:
             with hold_interrupts():  # Ctrl-C must not leave a bag half created
                 try:
-                    self._writer = self._open_writer(Path(told.bag), origin)
+                    self._writer = self._open_writer(Path(settings.bag), origin)
                 except StorageFault as fault:
                     raise BadInput(str(fault)) from None
                 unfinished.callback(self._writer.close)  # if the constructor fails
@@ -125,7 +125,7 @@ class Recorder(GraphNode):
             self._real = self.get_parameter('source').value == 'crazyflie'
             begun_ns = self.get_clock().now().nanoseconds if self._real else None
             self._intake = MessageIntake(self.table, whole, robots, self._writer, begun_ns)
-            everything = told.topics.split() == [EVERYTHING]
+            everything = settings.topics.split() == [EVERYTHING]
             self._taps = RawSubscriptions(
                 self, self._build_tap_receiver, self._accepts_topic if everything else None
             )
@@ -153,28 +153,28 @@ class Recorder(GraphNode):
 
     def _collect_origin(self) -> dict[str, str]:
         """Return the origin of the data: the launch, or the replayed bag."""
-        told, lockstep = self._told, self.lockstep
-        robots = told.robots.split()
+        settings, lockstep = self._told, self.lockstep
+        robots = settings.robots.split()
         each = {
             name: item.to_provenance(lockstep=lockstep)
             for name, item in declare_origins(self, robots).items()
         }
-        origin = merge_provenance(each) if each else told.to_provenance(lockstep=lockstep)
-        if told.replay and self.get_parameter('source').value == 'replay':
+        origin = merge_provenance(each) if each else settings.to_provenance(lockstep=lockstep)
+        if settings.replay and self.get_parameter('source').value == 'replay':
             own = self.get_namespace().strip('/')
             # A damaged bag may declare huge sizes
             with limit_memory():
-                played = open_recording(Path(told.replay), '', self.table, own)
+                played = open_recording(Path(settings.replay), '', self.table, own)
             return build_replay_origin(played, origin)
         return origin
 
     def _open_writer(self, path: Path, origin: dict[str, str]) -> BackgroundWriter:
         """Create the bag, or the buffer for snapshots."""
-        told, room = self._told, int(self._told.queue_size * MB)
-        if not told.snapshot:
-            split = SplitLimits(int(told.split_size * MB), int(told.split_duration * 1e9))
+        settings, room = self._told, int(self._told.queue_size * MB)
+        if not settings.snapshot:
+            split = SplitLimits(int(settings.split_size * MB), int(settings.split_duration * 1e9))
             return BackgroundWriter(BagWriter(path, origin, split), room)
-        span, size = int(told.snapshot * 1e9), int(told.snapshot_size * MB)
+        span, size = int(settings.snapshot * 1e9), int(settings.snapshot_size * MB)
         memory = SnapshotBuffer(path, origin, span, size)
         writer = BackgroundWriter(memory, room)
         self._snapshots = SnapshotScheduler(memory, writer)
@@ -222,8 +222,8 @@ class Recorder(GraphNode):
         known += fresh
         if name not in self._announced:
             self._announced.add(name)
-            told = list(known) or to_offered_qos([], expected)
-            self._writer.add_topic(name, self._types[name], told)
+            offers = list(known) or to_offered_qos([], expected)
+            self._writer.add_topic(name, self._types[name], offers)
         elif fresh:
             self._writer.update_qos(name, list(known))
 
@@ -288,14 +288,14 @@ class Recorder(GraphNode):
             )
             return response
         saving = self._snapshots.request_snapshot()
-        told = time.monotonic()
+        last_report = time.monotonic()
         while self.running and not saving.done.wait(NAP_NS * 1e-9):
             # This callback blocks the executor, so take the messages by hand meanwhile
             for item in self.subscriptions:
-                while (taken := item.handle.take_message(item.msg_type, item.raw)) is not None:
-                    item.callback(taken[0])
-            if time.monotonic() - told > REPORT_PERIOD:
-                told = time.monotonic()
+                while (message := item.handle.take_message(item.msg_type, item.raw)) is not None:
+                    item.callback(message[0])
+            if time.monotonic() - last_report > REPORT_PERIOD:
+                last_report = time.monotonic()
                 self.publish_health()
         response.success = saving.made is not None
         response.message = saving.status_text

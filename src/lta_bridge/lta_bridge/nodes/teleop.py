@@ -101,7 +101,7 @@ class Teleop(GraphNode):
             joy = JoyDevice(settings.layout)
             self.soundness.unsound = joy.unsound  # one count of all that this node hears
             self.create_subscription(
-                Joy, 'joy', lambda told: joy.receive(told, time.monotonic()), TAPS
+                Joy, 'joy', lambda message: joy.receive(message, time.monotonic()), TAPS
             )
             return joy
         return Gamepad(Path(settings.device), settings.layout)

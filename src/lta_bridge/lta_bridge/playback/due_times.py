@@ -52,11 +52,11 @@ def compute_answer_times(
         if name not in selection.answers:
             return played.get(name, DueTimes([], []))
         if name not in found:
-            made = DueTimes([], [])
+            answers = DueTimes([], [])
             row = table[name]
             for stamp, due in zip(*find_due_times(row.answers), strict=True):
-                made.add(stamp, max(stamp + row.latency_ns, due))
-            found[name] = made
+                answers.add(stamp, max(stamp + row.latency_ns, due))
+            found[name] = answers
         return found[name]
 
     for name in selection.answers:

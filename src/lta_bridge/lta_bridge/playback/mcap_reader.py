@@ -55,7 +55,7 @@ def read_topic_types(files: list[Path]) -> tuple[dict[str, str], dict[str, str]]
     Raise `BadInput` if a file cannot be read or is no MCAP.
     """
     types: dict[str, str] = {}
-    told: dict[str, str] = {}
+    provenance: dict[str, str] = {}
     for file in files:
         try:
             with file.open('rb') as stream:
@@ -67,8 +67,8 @@ def read_topic_types(files: list[Path]) -> tuple[dict[str, str], dict[str, str]]
         except MemoryError:
             raise build_size_error(file) from None
         types |= found
-        told |= origin
-    return types, told
+        provenance |= origin
+    return types, provenance
 
 
 def open_indexed_file(stream: BinaryIO) -> tuple[McapReader, Summary] | None:
@@ -93,11 +93,11 @@ def read_summary(stream: BinaryIO) -> tuple[dict[str, str], dict[str, str]] | No
         for channel in summary.channels.values()
         if channel.schema_id in summary.schemas and is_cdr(channel)
     }
-    told: dict[str, str] = {}
+    provenance: dict[str, str] = {}
     with suppress(*BROKEN, MemoryError):
         for record in reader.iter_metadata():
-            told |= record.metadata if record.name == PROVENANCE else {}
-    return types, told
+            provenance |= record.metadata if record.name == PROVENANCE else {}
+    return types, provenance
 
 
 def is_cdr(channel: Channel) -> bool:
@@ -108,7 +108,7 @@ def is_cdr(channel: Channel) -> bool:
 def scan_unfinished_file(stream: BinaryIO) -> tuple[dict[str, str], dict[str, str]]:
     """Return types and origin from the readable records of a file without a summary."""
     types: dict[str, str] = {}
-    told: dict[str, str] = {}
+    provenance: dict[str, str] = {}
     schemas: dict[int, str] = {}
     for record in iterate_records(stream):
         if isinstance(record, Schema):
@@ -116,8 +116,8 @@ def scan_unfinished_file(stream: BinaryIO) -> tuple[dict[str, str], dict[str, st
         elif isinstance(record, Channel) and is_cdr(record):
             types[record.topic] = schemas.get(record.schema_id, '')
         elif isinstance(record, Metadata) and record.name == PROVENANCE:
-            told |= record.metadata
-    return types, told
+            provenance |= record.metadata
+    return types, provenance
 
 
 def iterate_records(stream: BinaryIO) -> Iterator[object]:
@@ -142,13 +142,13 @@ def iterate_by_time(
         if found is None:
             try:
                 # Without an index the whole file must be sorted in memory
-                kept = sorted(
+                messages = sorted(
                     iterate_unfinished(stream, topics, since_ns or 0),
                     key=lambda item: item.time_ns,
                 )
             except MemoryError:
                 raise build_size_error(file) from None
-            yield from kept
+            yield from messages
             return
         try:
             for _, channel, message in found[0].iter_messages(topics, starting_at=since_ns):

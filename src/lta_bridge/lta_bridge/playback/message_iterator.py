@@ -69,10 +69,10 @@ class MessageIterator:
         self._recording, self._topics, self._table = recording, topics, table
         first = next(recording.iterate_messages(topics), None)
         if first is None:
-            wanted = ', '.join(sorted(topics)) or 'that the nodes need'
+            names = ', '.join(sorted(topics)) or 'that the nodes need'
             why = ''.join(f'; {each}' for each in recording.strange)
             raise BadInput(
-                f"'{recording.path}' has no message on the topics {wanted}{why}; choose another "
+                f"'{recording.path}' has no message on the topics {names}{why}; choose another "
                 'bag.'
             )
         self._from = first.time_ns + round(start * 1e9)

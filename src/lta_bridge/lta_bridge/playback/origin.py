@@ -19,8 +19,8 @@ SET = 'set'  # parameters of the flight; only `lta replay` passes them to the no
 
 def build_answers_origin(recording: RobotBagRecording, nodes: tuple[str, ...]) -> dict[str, str]:
     """Return the provenance of a bag with some nodes' answers to a recording."""
-    told = {REPLAY_OF: str(recording.path), REPLAYED: ' '.join(nodes)}
-    return {**recording.provenance, **describe_environment(), **told}
+    replay = {REPLAY_OF: str(recording.path), REPLAYED: ' '.join(nodes)}
+    return {**recording.provenance, **describe_environment(), **replay}
 
 
 def build_replay_origin(recording: RobotBagRecording, graph: Mapping[str, str]) -> dict[str, str]:
@@ -30,6 +30,6 @@ def build_replay_origin(recording: RobotBagRecording, graph: Mapping[str, str]) 
     `recording`: the replayed recording: origin of scene, seed, and whether the data were measured.
     `graph`: provenance of the launch: vehicle, gains and strategy of the running nodes.
     """
-    kept = {key: value for key, value in recording.provenance.items() if key not in (SET, OWN)}
+    original = {key: value for key, value in recording.provenance.items() if key not in (SET, OWN)}
     runs = {key: value for key, value in graph.items() if key not in SCENE}
-    return {**kept, **runs, REPLAY_OF: str(recording.path)}
+    return {**original, **runs, REPLAY_OF: str(recording.path)}

@@ -50,10 +50,10 @@ class RobotBagRecording:
     ) -> None:
         self.path = path
         self._files = files
-        channels, told = read_topic_types(files)
+        channels, provenance = read_topic_types(files)
         robots = sorted({found[0] for found in split_topic_names(channels, table)})
         self.robot = choose_robot(path, robot or (own if own in robots else ''), robots)
-        self.provenance = extract_robot_origin(told, self.robot)
+        self.provenance = extract_robot_origin(provenance, self.robot)
         mine = {
             name: full
             for owner, name, full in split_topic_names(channels, table)
@@ -82,10 +82,10 @@ class RobotBagRecording:
         `topics`: relative names; those that the bag lacks are ignored. `begin_ns`: where to begin,
         on the bag's clock [ns].
         """
-        wanted = [full for full, name in self._names.items() if name in topics]
+        full_names = [full for full, name in self._names.items() if name in topics]
         since = None if begin_ns is None else max(0, begin_ns - self._shift)
-        for file in self._files if wanted else []:
-            for full, log_time, data in iterate_by_time(file, wanted, since):
+        for file in self._files if full_names else []:
+            for full, log_time, data in iterate_by_time(file, full_names, since):
                 yield RecordedMessage(self._names[full], log_time + self._shift, data)
 
     def _find_clock_shift(self, table: TopicTable) -> int:

@@ -147,13 +147,13 @@ class LightBoard:
         """Return whether the board sent a frame; its first light message identifies it."""
         source, known = (frame.system, frame.component), self.sender.who
         if frame.message in OF_LIGHT:
-            heard = self.sender.accept_sender(source, now_ns)
+            accepted = self.sender.accept_sender(source, now_ns)
         else:
             # Before the board is known, any time exchange may be its own: it speeds up the start
-            heard = source == known or (known is None and frame.message is TIMESYNC)
-        if heard:
+            accepted = source == known or (known is None and frame.message is TIMESYNC)
+        if accepted:
             self.heard_ns = now_ns
-        return heard
+        return accepted
 
     def compose_due_messages(self, now_ns: int) -> bytes:
         """Return the bytes to send now: heartbeat, time request, answers."""
@@ -276,23 +276,23 @@ class LightBoard:
         return None
 
     def _take_time(self, record: np.void, now_ns: int) -> None:
-        board, asked = int(record['tc1']), int(record['ts1'])
+        board, request = int(record['tc1']), int(record['ts1'])
         if board == 0:  # MAVLink TIMESYNC: 0 marks a request
             if len(self._replies) < QUESTIONS:
-                self._replies.append(self._build_frame(TIMESYNC, tc1=now_ns, ts1=asked))
+                self._replies.append(self._build_frame(TIMESYNC, tc1=now_ns, ts1=request))
             else:
                 self.unanswered += 1
-        elif asked in self._asked and 0 <= now_ns - asked < ANSWER_NS:
+        elif request in self._asked and 0 <= now_ns - request < ANSWER_NS:
             # Each request has one answer; duplicated datagrams must not count twice
-            self._asked.remove(asked)
-            self.clock.add_exchange(ClockExchange(asked, board, now_ns))
+            self._asked.remove(request)
+            self.clock.add_exchange(ClockExchange(request, board, now_ns))
 
     def _take_status(self, record: np.void) -> None:
         self.overruns = int(record['overruns'])
         dialect, rate = int(record['dialect']), float(record['sample_rate'])
         bits = int(record['adc_bits'])
         self.commit, self.vehicle = int(record['commit']), int(record['vehicle'])
-        wanted = self._light.sample_rate.si
+        sample_rate = self._light.sample_rate.si
         self._unlike = ''
         if dialect != DIALECT:
             self._unlike = (
@@ -300,10 +300,10 @@ class LightBoard:
                 f'version {DIALECT}; build both from the same commit.'
             )
         # Written with `not`, so that a rate of NaN is refused too
-        elif not abs(rate - wanted) <= 1e-3 * wanted:
+        elif not abs(rate - sample_rate) <= 1e-3 * sample_rate:
             self._unlike = (
-                f'The light board samples at {rate:g} Hz, but topics.yaml says {wanted:g} Hz; set '
-                'both to the same rate.'
+                f'The light board samples at {rate:g} Hz, but topics.yaml says '
+                f'{sample_rate:g} Hz; set both to the same rate.'
             )
         elif self._bits not in (None, bits):
             self._unlike = (

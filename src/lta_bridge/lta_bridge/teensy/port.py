@@ -128,21 +128,21 @@ class UdpPort:
     """
 
     def __init__(self, address: str, clock: Callable[[], int] = time.monotonic_ns) -> None:
-        told = LISTEN.fullmatch(address)
-        if told is None or not 0 < int(told['port']) < 65536:
+        match = LISTEN.fullmatch(address)
+        if match is None or not 0 < int(match['port']) < 65536:
             raise BadInput(
                 f"'{address}' is not a UDP address to listen on; write udp://0.0.0.0:14550, or "
                 'on a shared network udp://0.0.0.0:14550?from=192.168.4.2 for one sender only.'
             )
         self._clock, self._sender = clock, SenderFilter()
-        self._only = None if told['board'] is None else _resolve_host(told['board'], address)
+        self._only = None if match['board'] is None else _resolve_host(match['board'], address)
         self._foreign = 0  # datagrams of other addresses than the one that was given
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         # Bytes; room for bursts while the reader is busy
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 20)
         self._board: tuple[str, int] | None = None
         try:
-            self._socket.bind((told['host'], int(told['port'])))
+            self._socket.bind((match['host'], int(match['port'])))
         except OSError as error:
             self._socket.close()
             raise BadInput(

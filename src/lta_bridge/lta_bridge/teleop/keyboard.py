@@ -64,7 +64,7 @@ class Keyboard:
         for key in fresh:
             self._heard[key] = now
         # A terminal reports no release: a key is down while it repeats
-        down = {key for key, heard in self._heard.items() if now - heard < HELD}
+        down = {key for key, pressed in self._heard.items() if now - pressed < HELD}
         forward, turn, climb = (
             float((keys[0] in down) - (keys[1] in down)) for keys in (FORWARD, TURN, CLIMB)
         )

@@ -72,10 +72,10 @@ class SetpointFollowers:
         """Add a diagnostics message."""
         for status in array.status:
             if status.hardware_id == self._robot and status.name.endswith(f': {HELM}'):
-                told = {item.key: item.value for item in status.values}
-                if HELD in told:
+                values = {item.key: item.value for item in status.values}
+                if HELD in values:
                     # Diagnostics values are texts
-                    self._held[status.name] = told[HELD] == str(True)
+                    self._held[status.name] = values[HELD] == str(True)
 
     @property
     def is_operator_steering(self) -> bool | None:

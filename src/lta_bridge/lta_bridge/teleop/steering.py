@@ -122,9 +122,9 @@ def step_state(
         return TeleopState(TeleopStage.NAVIGATOR, own=True), TeleopOutputs(held=False)
     if state.stage is not TeleopStage.PERSON and not takes:
         return state, SILENT
-    wanted = _lead_target(state.wanted or estimate, estimate, sticks, rates, dt)
-    setpoint = Setpoint(wanted.altitude, wanted.heading, rates.speed * sticks.forward)
-    return TeleopState(TeleopStage.PERSON, True, wanted), TeleopOutputs(True, setpoint)
+    target = _lead_target(state.wanted or estimate, estimate, sticks, rates, dt)
+    setpoint = Setpoint(target.altitude, target.heading, rates.speed * sticks.forward)
+    return TeleopState(TeleopStage.PERSON, True, target), TeleopOutputs(True, setpoint)
 
 
 def _step_stopped(state: TeleopState, now: float) -> tuple[TeleopState, TeleopOutputs]:

@@ -92,11 +92,11 @@ def to_sticks(
         None if it has fewer axes or buttons than the layout names.
 
     """
-    wanted = (layout.forward, layout.turn, layout.climb)
+    axis_indices = (layout.forward, layout.turn, layout.climb)
     pressed = (layout.take, layout.give_back, layout.stop)
-    if max(wanted) >= len(axes) or max(pressed) >= len(buttons):
+    if max(axis_indices) >= len(axes) or max(pressed) >= len(buttons):
         return None
-    forward, turn, climb = (apply_dead_zone(axes[axis], layout.rest) for axis in wanted)
+    forward, turn, climb = (apply_dead_zone(axes[axis], layout.rest) for axis in axis_indices)
     # `tapped` has buttons that were pressed and released since the last read
     take, give_back, stop = (buttons[button] == 1 or button in tapped for button in pressed)
     return Sticks(forward, turn, climb, take, give_back, stop)

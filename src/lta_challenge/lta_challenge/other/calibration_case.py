@@ -190,8 +190,8 @@ def _hide_lab_calibration(truth: VehicleTruth, draw: Draw) -> VehicleTruth:
 
 def _cut_beginning(time: Array, values: Array, seconds: float) -> tuple[Array, Array]:
     """Return a stream that begins later."""
-    kept = time >= seconds
-    return time[kept] - seconds, values[kept]
+    late = time >= seconds
+    return time[late] - seconds, values[late]
 
 
 def misstate_thrusts(text: str, vehicle: Vehicle, gains: Sequence[float]) -> str:
@@ -282,7 +282,7 @@ def generate_calibration_case(
             lifts[name], trends[name] = FILE_LIFT * lifts[name] / LIFT, 0.0
         elif course:
             lifts[name], trends[name] = own.uniform(*LAB_LIFT), 0.0
-        flown = replace(truth, lift=lifts[name], leak=-trends[name])
+        flight_truth = replace(truth, lift=lifts[name], leak=-trends[name])
         length = float(round(own.uniform(*seconds)))
         unseen = SETTLED if course else 0.0
         draught = LAB_DRAUGHT if course else DRAUGHT
@@ -298,11 +298,11 @@ def generate_calibration_case(
             pilot = ClosedLoopController(nominal, truth.wrench_gains, own, course)
         begin = draw_initial_state(float(own.uniform(-math.pi, math.pi)), own)
         path = FlightSimulator(
-            flown, pilot, air, actuators=RotorSet if rotors else WrenchActuators
+            flight_truth, pilot, air, actuators=RotorSet if rotors else WrenchActuators
         ).simulate_flight(begin, unseen + length)
         time = TICK * np.arange(len(path.commands), dtype=np.float64)
         streams = {
-            'ground_truth/odom': SensorSet(path, flown, stamps, own).measure_poses(),
+            'ground_truth/odom': SensorSet(path, flight_truth, stamps, own).measure_poses(),
             'motors' if rotors else 'wrench_command': (time, path.commands),
         }
         streams = {topic: _cut_beginning(*each, unseen) for topic, each in streams.items()}

@@ -62,8 +62,8 @@ class OtherCaseGenerator:
         self._root = [seed, number, CODE]
         kinds, weights = list(KINDS), list(KINDS.values())
 
-        drawn = kinds[int(self._create_random_generator(0).choice(len(kinds), p=weights))]
-        self.kind: Kind = kind or drawn
+        random_kind = kinds[int(self._create_random_generator(0).choice(len(kinds), p=weights))]
+        self.kind: Kind = kind or random_kind
 
     def _create_random_generator(self, part: int) -> Draw:
         return np.random.default_rng([*self._root, part])

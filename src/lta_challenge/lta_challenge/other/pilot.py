@@ -125,13 +125,13 @@ class SwingingPilot:
         )
         lift, roll = self._lift_duty(now, state), self._roll_difference(now, time)
         # Lifting rotors: left, right
-        wanted = [lift - roll, lift + roll]
+        forces = [lift - roll, lift + roll]
         base = self._thrust_to_duty(EASE)
         # Without thrust ahead the rotors cannot steer, and they cannot pull back.
-        wanted += [max(ahead, base) - aside, max(ahead, base) + aside]
+        forces += [max(ahead, base) - aside, max(ahead, base) + aside]
         return [
             min(max(one + more, 0.0), 1.0)
-            for one, more in zip(wanted, self._draw_dither(time), strict=True)
+            for one, more in zip(forces, self._draw_dither(time), strict=True)
         ]
 
     def _forward_duty(self, now: PilotManeuver, time: float, state: State, swing: float) -> float:

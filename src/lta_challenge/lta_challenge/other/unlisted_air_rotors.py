@@ -65,9 +65,9 @@ class StickingRotor(NullDisturbance):
     def adjust_duties(self, duties: Sequence[float]) -> Sequence[float]:
         """Return the duties, one of them with play."""
         out = list(duties)
-        wanted = out[self._which]
+        command = out[self._which]
         # Hysteresis: the output moves only as far as the play requires
-        self._stuck = min(max(self._stuck, wanted - self.size), wanted + self.size)
+        self._stuck = min(max(self._stuck, command - self.size), command + self.size)
         out[self._which] = min(max(self._stuck, 0.0), 1.0)
         return out
 

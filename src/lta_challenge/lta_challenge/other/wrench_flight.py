@@ -105,12 +105,12 @@ class WrenchPilot:
         turn = math.remainder(math.atan2(aside, ahead) - math.atan2(r[3], r[0]), 2.0 * math.pi)
         # Speed ahead: towards the place, slower the further the nose points elsewhere
         speed = r[0] * state[3] + r[3] * state[4]
-        wanted = min(SPEED, 0.5 * far) * max(math.cos(turn), 0.0)
+        surge_speed = min(SPEED, 0.5 * far) * max(math.cos(turn), 0.0)
         steer = 0.004 * turn - 0.012 * state[12] if far > 0.3 else -0.012 * state[12]
         # Small steps, so that the integral does not wind up
         self._sum = min(max(self._sum + 6e-5 * off, -0.06), 0.06)
         lift = self._sum + 0.05 * off - 0.12 * state[5]
-        shares = (0.25 * (wanted - speed) / MOST[0], lift / MOST[1], steer / MOST[2])
+        shares = (0.25 * (surge_speed - speed) / MOST[0], lift / MOST[1], steer / MOST[2])
         dither = self._draw_dither(time)
         surge, heave, yaw = (
             most * min(max(share + more, -1.0), 1.0)

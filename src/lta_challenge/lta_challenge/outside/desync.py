@@ -34,9 +34,9 @@ def rate(p: Values, memory: Values, motion: VehicleMotion) -> Values:
     """Return the rates of the lost share and of the filtered duty."""
     size, jump, back = p  # noqa: RUF059
     lost, slow = memory[0], memory[1]
-    told = motion.command[TOLD]
-    loses = LOSES * (1.0 - lost) if told - slow > jump else 0.0
-    return (loses - lost / max(back, 0.05), (told - slow) / FOLLOWS)
+    command = motion.command[TOLD]
+    loses = LOSES * (1.0 - lost) if command - slow > jump else 0.0
+    return (loses - lost / max(back, 0.05), (command - slow) / FOLLOWS)
 
 
 KIND: Final = OutsideKind(

@@ -112,9 +112,9 @@ def fit_law_oracle(
     joint, forecasts = study.joint, study.forecasts
     if joint is None or forecasts is None or not study.finding.held_out:
         return ()
-    taught, data = list_taught_flights(study), collect_law_data(study, joint)
+    flights, data = list_taught_flights(study), collect_law_data(study, joint)
     parts = []
-    for flight, linear in zip(taught, joint.group.linears, strict=True):
+    for flight, linear in zip(flights, joint.group.linears, strict=True):
         true = TrueWrench(name, parameters, 1.0, flight, linear.point.nominal)
         wrench = true.compute_wrench(flight.simulate_trajectory(linear.point))
         parts.append(wrench[:, ::STEPS])
@@ -129,7 +129,7 @@ def fit_law_oracle(
         np.array([scale]), np.array([SIZE]), prepare, lambda _weights: data.split_flights(push)
     )
     free = np.zeros(len(shared), dtype=np.bool_)
-    refit = build_refit(study, taught, joint, forecasts, free)
+    refit = build_refit(study, flights, joint, forecasts, free)
     begun = choose_parameters(study, refit, forecasts, shared, prepare(model.start), free)
     fitted = refit.fit(model, begun)
     return compare_forecasts(

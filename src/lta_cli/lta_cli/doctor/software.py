@@ -58,18 +58,18 @@ def check_dependency_versions(
     if not constraints.is_file():
         found = f'versions not compared: {sys.prefix} was not created by "make build"'
         return HardwareCheck('versions', 'ok', found)
-    wanted = read_version_pins(constraints)
+    pins = read_version_pins(constraints)
     # A pinned package that is not installed is fine: only the tests need it. Records without
     # INSTALLER come from inside the ROS wheels, not from pip, and report other versions.
     installed = {
         _normalize_name(item.name): item.version
         for item in metadata.distributions()
-        if _normalize_name(item.name) in wanted and item.read_text('INSTALLER')
+        if _normalize_name(item.name) in pins and item.read_text('INSTALLER')
     }
     other = [
-        f'{name} {version} is installed, LTA was tested with {wanted[name]}'
+        f'{name} {version} is installed, LTA was tested with {pins[name]}'
         for name, version in installed.items()
-        if version != wanted[name]
+        if version != pins[name]
     ]
     if other:
         return HardwareCheck('versions', 'warn', '; '.join(other), MAKE_AGAIN)

@@ -26,9 +26,9 @@ Json = Annotated[bool, typer.Option('--json', help='Print the results as JSON.')
 def print_json(content: Any, page: Path | None = None) -> None:  # noqa: ANN401 - plain data
     """Print results, with the path of their page if they have names."""
     named = page is not None and isinstance(content, Mapping)
-    shown = {**content, 'page': str(page)} if named else content
+    output = {**content, 'page': str(page)} if named else content
     # One write for the whole text, so that other output cannot split it
-    sys.stdout.write(json.dumps(shown, indent=1) + '\n')
+    sys.stdout.write(json.dumps(output, indent=1) + '\n')
 
 
 def parse_folder(text: str) -> Path:

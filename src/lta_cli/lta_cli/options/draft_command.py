@@ -52,8 +52,8 @@ def run_draft(
     folder = resolve_folder(out, f'{source.name.split(".")[0] or "log"}-draft')
     check_creatable(folder)
     answers = parse_settings(settings)
-    flown = None if vehicle is None else DraftVehicle.load(vehicle)
-    draft = draft_mapping(source, answers, flown)
+    draft_vehicle = None if vehicle is None else DraftVehicle.load(vehicle)
+    draft = draft_mapping(source, answers, draft_vehicle)
     while draft.choices.questions:
         if not (console.is_terminal and sys.stdin.isatty()):
             print_questions(draft, console)
@@ -61,7 +61,7 @@ def run_draft(
         print_table(build_reason_table(draft), console)
         question = draft.choices.questions[0]
         answers[question.key] = ask_user(question, console)
-        draft = draft_mapping(source, answers, flown)
+        draft = draft_mapping(source, answers, draft_vehicle)
     named = [] if vehicle is None else ['--vehicle', vehicle]
     command = format_lta_command(
         'import', relative_path(source), '--mapping', relative_path(folder / MAPPING), *named

@@ -202,11 +202,11 @@ def add_origin(report: Report, words: Sequence[str], folder: Path | None) -> Rep
 
     `words` are those of the command line. A study that resumes continues in its `folder`.
     """
-    kept = drop_output_options(words)
+    arguments = drop_output_options(words)
     if folder is not None:
-        kept += ['--out', str(relative_path(folder))]
+        arguments += ['--out', str(relative_path(folder))]
     name = 'Repeat this study' if folder is None else 'Resume or repeat this study'
-    commands = {name: format_lta_command(*kept)} if words else {}
+    commands = {name: format_lta_command(*arguments)} if words else {}
     return replace(
         report,
         facts={**report.facts, 'commit': read_commit()},
@@ -229,15 +229,15 @@ def show_resume_command(words: Sequence[str], run: StudyRun) -> None:
 
 def drop_output_options(words: Sequence[str]) -> list[str]:
     """Return the words of a command line without those that say where results go."""
-    kept, skip = list[str](), False
+    rest, skip = list[str](), False
     for word in words:
         name = word.split('=')[0]
         if skip or name in FLAGS or name in FOLDERS:
             # The folder is the next word, unless it follows an equals sign
             skip = not skip and word in FOLDERS
             continue
-        kept.append(word)
-    return kept
+        rest.append(word)
+    return rest
 
 
 def show_report(report: Report, run: StudyRun, json: bool) -> None:

@@ -69,17 +69,17 @@ def build_table() -> dict[str, Any]:
 
 def describe_command(command: Any, words: str) -> dict[str, Any]:  # noqa: ANN401 - Typer's
     """Return the first sentence of a command, and its members or its parameters."""
-    told: dict[str, Any] = {'help': ' '.join((command.help or '').split('\n\n')[0].split())}
+    entry: dict[str, Any] = {'help': ' '.join((command.help or '').split('\n\n')[0].split())}
     if hasattr(command, 'commands'):
-        told['commands'] = {
+        entry['commands'] = {
             name: describe_command(command.commands[name], f'{words} {name}')
             for name in command.list_commands(None)
         }
     else:
-        told['parameters'] = [
+        entry['parameters'] = [
             describe_parameter(each, words) for each in command.params if each.name != 'help'
         ]
-    return told
+    return entry
 
 
 def describe_parameter(parameter: Any, words: str) -> dict[str, Any]:  # noqa: ANN401 - Typer's
@@ -87,7 +87,7 @@ def describe_parameter(parameter: Any, words: str) -> dict[str, Any]:  # noqa: A
     is_option = parameter.opts[0].startswith('-')
     name = parameter.opts[0] if is_option else parameter.metavar or parameter.name.upper()
     known = {**VALUES['*'], **VALUES.get(words, {})}
-    told = {
+    entry = {
         'name': parameter.name,
         'options': [*parameter.opts, *parameter.secondary_opts] if is_option else [],
         'help': ' '.join((parameter.help or '').split()),
@@ -96,7 +96,7 @@ def describe_parameter(parameter: Any, words: str) -> dict[str, Any]:  # noqa: A
         'count': parameter.nargs if parameter.nargs > 1 else 0,
         'values': list_choices(parameter.type_descriptor.annotation) or known.get(name, ''),
     }
-    return {key: value for key, value in told.items() if value}
+    return {key: value for key, value in entry.items() if value}
 
 
 def list_choices(kind: Any) -> list[str]:  # noqa: ANN401 - any annotation

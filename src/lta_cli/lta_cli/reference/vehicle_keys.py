@@ -43,7 +43,7 @@ def _iterate_sections(path: str, model: type[BaseModel]) -> Iterator[str]:
         key = 'schema' if alias is not None else name
         kind, inner, steps = _describe_type(field.annotation, field.metadata)
         bounds = format_bounds(field) if kind == 'number' else ''
-        shown = f'**`{key}`**' if field.is_required() else f'`{key}`'
+        label = f'**`{key}`**' if field.is_required() else f'`{key}`'
         text = comments.get(name, '')
         if key == 'effects':
             kind, text = (
@@ -56,7 +56,7 @@ def _iterate_sections(path: str, model: type[BaseModel]) -> Iterator[str]:
             kind = f'[block](#{place.lower().replace(".", "")})'
             text = text or inspect.cleandoc(inner.__doc__ or '').splitlines()[0]
         cell = ', '.join(filter(None, (kind, bounds)))
-        rows.append(f'| {shown} | {cell} | {text} |\n'.replace('  ', ' '))
+        rows.append(f'| {label} | {cell} | {text} |\n'.replace('  ', ' '))
     about = inspect.cleandoc(model.__doc__ or '').split('\n\nAttributes\n')[0]
     title = f'## {path}\n{about}\n\n' if path else ''
     yield f'{title}{COLUMNS}{"".join(rows)}'
@@ -98,17 +98,17 @@ def _describe_quantity(validator: WrapValidator) -> str:
     known = inspect.getclosurevars(validator.func).nonlocals
     unit = known['dimension']
     # Charges are written in mA h
-    shown = 'mA h' if unit == 'C' else unit
+    unit_label = 'mA h' if unit == 'C' else unit
     low = known['low'] if known['above'] is None else None
-    written = next(
+    file_unit = next(
         word
         for word, (kind, factor) in UNITS.items()
-        if (kind == unit and factor == 1.0) or word == shown
+        if (kind == unit and factor == 1.0) or word == unit_label
     )
-    bounds = format_quantity_bounds(low, known['above'], known['high'], written)
-    bounds = bounds if bounds.strip() not in {'', written} else ''
+    bounds = format_quantity_bounds(low, known['above'], known['high'], file_unit)
+    bounds = bounds if bounds.strip() not in {'', file_unit} else ''
     count = f'{known["length"]} numbers' if known['length'] > 1 else 'number'
-    return ', '.join(filter(None, (f'{count} [{shown}]', bounds)))
+    return ', '.join(filter(None, (f'{count} [{unit_label}]', bounds)))
 
 
 def _read_comments(model: type[BaseModel]) -> dict[str, str]:

@@ -54,12 +54,12 @@ def cells(
 def parse_mass(text: str) -> float:
     """Parse a mass in kg; raise `BadInput` for any other text."""
     try:
-        given = Quantity.model_validate(text)
+        quantity = Quantity.model_validate(text)
     except ValidationError as error:
         # Pydantic puts this prefix before messages of validators
         reason = error.errors()[0]['msg'].removeprefix('Value error, ')
         raise BadInput(f'The budget {reason}.') from None
     # 100 kg: far above any vehicle here, but it catches a wrong unit
-    if complaint := describe_misfit(given, 'kg', above=0.0, high=100.0):
+    if complaint := describe_misfit(quantity, 'kg', above=0.0, high=100.0):
         raise BadInput(f'The budget {complaint}.')
-    return given.si
+    return quantity.si

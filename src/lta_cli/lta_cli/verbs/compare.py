@@ -100,7 +100,7 @@ def compare(
 
     Example: lta compare BAG BAG --pair odom=ground_truth/odom
     """
-    asked = ComparisonRequest(
+    request = ComparisonRequest(
         tuple(pair or ()), tuple(topic or ()), align,
         None if offset is None else parse_quantity(offset, '--offset', 's'),
         frames, dict(parse_tolerance(text) for text in tolerance or ()),
@@ -110,10 +110,10 @@ def compare(
     one = open_comparison_flight(a, robots[0], 'A')
     other = open_comparison_flight(b, robots[2] or robots[0], 'B')
     columns = (TextColumn('{task.description}'), BarColumn(), TimeRemainingColumn())
-    total = count_ticks(one, other, asked)
+    total = count_ticks(one, other, request)
     with ProgressBar(run.console, *columns, begin='opening', total=total) as bar:
         found = compare_flights(
-            one, other, asked, lambda step: bar.update_bar(description=step, advance=1)
+            one, other, request, lambda step: bar.update_bar(description=step, advance=1)
         )
     # Units of channels are known only after the comparison
     check_units(tolerance or (), found.channels)

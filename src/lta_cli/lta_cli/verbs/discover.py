@@ -142,8 +142,8 @@ def discover(
             hidden = draw_demo_effect(seed)
             found = run_discovery_demo(hidden, seed, folder, progress.show_stage)
         else:
-            asked = DiscoveryRequest(vehicle, bags, seed, robot, plan, calibration)
-            found = discover_effects(asked, folder, progress.show_stage)
+            request = DiscoveryRequest(vehicle, bags, seed, robot, plan, calibration)
+            found = discover_effects(request, folder, progress.show_stage)
     show_result(found, hidden, folder, console, pictures, json=json)
 
 

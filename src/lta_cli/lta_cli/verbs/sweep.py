@@ -60,9 +60,9 @@ def sweep(
 
     Example: lta sweep heaviness --workers 2
     """
-    asked = parse_duties(duties)
-    check_exclusive_options(device, asked, run.options)
-    order = SweepRequest(file, run.out, run.options, device, asked, run.quick)
+    duty_list = parse_duties(duties)
+    check_exclusive_options(device, duty_list, run.options)
+    order = SweepRequest(file, run.out, run.options, device, duty_list, run.quick)
     done = sweep_once(order, run.console)
     run.open_folder(done.folder)
     return build_report(done)

@@ -104,13 +104,17 @@ def tune(
 
     Example: lta tune gtmab --most '6 g' --budget 121 --out tuned
     """
-    asked = [f'--least={1e3 * least:g} g', f'--most={1e3 * most:g} g', f'--cases={cases}']
+    arguments = [f'--least={1e3 * least:g} g', f'--most={1e3 * most:g} g', f'--cases={cases}']
     # The options of the stored command, so that repeating it resumes
-    asked += [f'--budget={budget}', f'--seed={seed}', *(f'--number={n}' for n in numbers or ())]
+    arguments += [
+        f'--budget={budget}',
+        f'--seed={seed}',
+        *(f'--number={n}' for n in numbers or ()),
+    ]
     start = [] if gains is None else ['--gains', gains]
     order = TuningRequest(
         vehicle, gains, least, most, cases, budget, draws, seed, tuple(numbers or ()), run.options,
-        run.out, format_lta_command('tune', vehicle, *start, *asked),
+        run.out, format_lta_command('tune', vehicle, *start, *arguments),
     )  # fmt: skip
     done = tune_once(order, run.console)
     run.open_folder(done.folder)

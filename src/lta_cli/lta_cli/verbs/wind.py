@@ -78,10 +78,10 @@ def wind(
 
     Example: lta wind gtmab skye --roughness 0.03 --roughness 0.3
     """
-    asked = WindStudyRequest(
+    request = WindStudyRequest(
         # Remove duplicates and keep the order
         tuple(dict.fromkeys(vehicles or list_shipped_names('vehicles'))),
         tuple(sorted(set(roughness or ROUGHNESS))),
         height, reference, scenario, 1 if run.quick else seeds, run.quick, fly,
     )  # fmt: skip
-    return build_report(find_limits(asked, run.folder, run.options, run.console), asked)
+    return build_report(find_limits(request, run.folder, run.options, run.console), request)

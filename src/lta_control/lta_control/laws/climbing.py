@@ -27,6 +27,6 @@ def lift_step(
     and `missing` the delivered minus the demanded force of the last step [N]. The derivative gain
     is not used.
     """
-    wanted = clamp_symmetric(gains.altitude_kp * error, gains.climb_limit)
+    climb_rate = clamp_symmetric(gains.altitude_kp * error, gains.climb_limit)
     # A measured rate of 0 disables the derivative term
-    return pid_step(gains.climb, integral, wanted - climb, 0.0, missing, dt)
+    return pid_step(gains.climb, integral, climb_rate - climb, 0.0, missing, dt)

@@ -100,9 +100,9 @@ def step(
     rising = to_world(motion.attitude, motion.velocity)[2]
     gap = memory.missing
     error = setpoint.altitude - motion.position[2]
-    wanted = clamp_symmetric(gains.altitude_kp * error, gains.climb_limit)
+    climb_target = clamp_symmetric(gains.altitude_kp * error, gains.climb_limit)
     # The climb loop commands pitch, which the mass then realises.
-    nose, climb = pid_step(gains.climb, memory.climb, wanted - rising, 0.0, 0.0, dt)
+    nose, climb = pid_step(gains.climb, memory.climb, climb_target - rising, 0.0, 0.0, dt)
     # Nose-up pitch; the clamp protects asin from rounding
     pitch = math.asin(clamp_symmetric(up_in_body(motion.attitude)[0], 1.0))
     # The rate about body y is nose down.

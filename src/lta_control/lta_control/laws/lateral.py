@@ -143,10 +143,10 @@ def step(
     fy, sway = pid_step(loop, memory.sway, left - motion.velocity[1], 0.0, gap[3], dt)
     # The jets cannot push down
     lift = max(constants.weight + push, 0.0)
-    thrusts, share, given = mix_thrusts(constants, lift, fx, fy, turn)
+    thrusts, share, delivered = mix_thrusts(constants, lift, fx, fy, turn)
     # Negative where the offsets were scaled down: the undelivered part of each demand
     short = share - 1.0
-    missing = (given - constants.weight - push, short * turn, short * fx, short * fy)
+    missing = (delivered - constants.weight - push, short * turn, short * fx, short * fy)
     command = LawCommand(thrusts_to_duties(constants.rotors, thrusts, scratch), UNMOVED)
     return LateralLawMemory(command, climb, yaw_rate, surge, sway, missing)
 

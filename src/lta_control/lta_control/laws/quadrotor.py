@@ -136,16 +136,16 @@ def step(
     mx, my, slopes = tilt_moments(
         constants, memory, rotation_between(motion.attitude, goal), inputs
     )
-    wanted = clamp_symmetric(
+    yaw_rate = clamp_symmetric(
         gains.heading_kp * wrap_angle(setpoint.heading - yaw), gains.rate_limit
     )
     # Moment = inertia times wanted angular acceleration
-    mz = constants.inertia[2] * gains.yaw_rate_kp * (wanted - motion.rates[2])
+    mz = constants.inertia[2] * gains.yaw_rate_kp * (yaw_rate - motion.rates[2])
     wrench = (0.0, 0.0, thrust, mx, my, mz)
-    duties, thrusts, given = deliver_wrench(constants.rotors, wrench, memory.thrusts, scratch)
+    duties, thrusts, delivered = deliver_wrench(constants.rotors, wrench, memory.thrusts, scratch)
     command = LawCommand(duties, UNMOVED)
     return QuadrotorLawMemory(
-        command, True, climb, east, north, motion.rates, slopes, given[2] - thrust, thrusts
+        command, True, climb, east, north, motion.rates, slopes, delivered[2] - thrust, thrusts
     )
 
 

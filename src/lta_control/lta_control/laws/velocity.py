@@ -94,9 +94,9 @@ def step(
     force = (fx + dx, fy + dy, up + constants.weight)
     bx, by, bz = to_body(motion.attitude, force)
     wrench = (bx, by, bz, 0.0, 0.0, -gains.yaw_damping * motion.rates[2])
-    duties, thrusts, given = deliver_wrench(constants.rotors, wrench, memory.thrusts, scratch)
+    duties, thrusts, delivered = deliver_wrench(constants.rotors, wrench, memory.thrusts, scratch)
     # Back to the world frame, in which the integrals live.
-    gx, gy, gz = to_world(motion.attitude, (given[0], given[1], given[2]))
+    gx, gy, gz = to_world(motion.attitude, (delivered[0], delivered[1], delivered[2]))
     missing = (gx - force[0], gy - force[1], gz - force[2])
     command = LawCommand(duties, UNMOVED)
     return VelocityLawMemory(command, climb, east, north, missing, thrusts)

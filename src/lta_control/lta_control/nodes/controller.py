@@ -285,15 +285,15 @@ class Controller(GraphNode):
         self, now_ns: int, measured: CascadeMeasurement, pose: PoseStamped, velocity: TwistStamped
     ) -> tuple[Setpoint, bool]:
         """Return the setpoint, and whether it was replaced by a descent as it is too old."""
-        asked, settings = self._asked, self._settings.value
+        request, settings = self._asked, self._settings.value
         # Most setpoints hold for several steps
-        if asked is None or asked.pose is not pose or asked.velocity is not velocity:
+        if request is None or request.pose is not pose or request.velocity is not velocity:
             stamps = from_stamp(pose.header.stamp), from_stamp(velocity.header.stamp)
-            asked = TimedSetpoint(pose, velocity, to_setpoint(pose, velocity), *stamps)
-            self._asked = asked
-        setpoint = asked.setpoint
+            request = TimedSetpoint(pose, velocity, to_setpoint(pose, velocity), *stamps)
+            self._asked = request
+        setpoint = request.setpoint
         # The older of the two messages counts; a stamp far in the future is infinitely old
-        oldest = max(stamp_age(asked.pose_ns, now_ns), stamp_age(asked.velocity_ns, now_ns))
+        oldest = max(stamp_age(request.pose_ns, now_ns), stamp_age(request.velocity_ns, now_ns))
         if oldest <= settings.hold_after:
             steers = 'a person' if self._helm.held else 'the setpoint'
             self.health.report('motors', HealthLevel.OK, f'flying by {steers}')

@@ -179,14 +179,14 @@ class Navigator(GraphNode):
     def _report_lamp(self, doing: str) -> None:
         """Report what the drone is doing, and at which lamp of its route."""
         mission = self._guidance.mission
-        (here, _), (wanted, frequency) = self._route[mission.leg], self._route[mission.asked]
+        (here, _), (next_lamp, frequency) = self._route[mission.leg], self._route[mission.asked]
         level, text = HealthLevel.OK, f'{doing}: {here}'
         if mission.refused:
             following, beat = self._route[mission.leg + 1]
             level = HealthLevel.WARN
             text = f'cannot receive {following} at {beat:g} Hz; staying at {here}'
         self.health.report(
-            'mission', level, text, lamp=here, listening_for=f'{wanted} at {frequency:g} Hz'
+            'mission', level, text, lamp=here, listening_for=f'{next_lamp} at {frequency:g} Hz'
         )
 
     def _build_sight(self, step: InboxStep) -> LightMeasurement:

@@ -135,8 +135,8 @@ def sort_rows(stamps: Stamps) -> SortedRows:
     if not len(order):
         return SortedRows(stamps, order)
     # The sort is stable, so the last of equal stamps is the latest message.
-    kept = np.append(np.diff(stamps[order]) > 0, True)
-    return SortedRows(stamps[order][kept], order[kept])
+    last = np.append(np.diff(stamps[order]) > 0, True)
+    return SortedRows(stamps[order][last], order[last])
 
 
 def maximum_gap(rows: SortedRows, gap: float | None) -> float:

@@ -111,8 +111,8 @@ def _iterate_series_channels(
         if HIDDEN.search(path) or path.rpartition('.')[0] in turned:
             continue
         unit, name = find_unit(kind, path, topic), _resolve_joint_name(series, path)
-        kept = np.where(_find_valid_messages(series, path), values.astype(np.float64), np.nan)
-        yield SignalChannel(f'{topic}/{name}', unit, series.time, kept)
+        valid = np.where(_find_valid_messages(series, path), values.astype(np.float64), np.nan)
+        yield SignalChannel(f'{topic}/{name}', unit, series.time, valid)
 
 
 def _find_valid_messages(series: TopicSeries, path: str) -> NDArray[np.bool_]:

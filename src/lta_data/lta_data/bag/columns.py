@@ -105,13 +105,13 @@ def name_column(type_name: str, field: str) -> str:
 
 def split_array_columns(path: str, arrays: list[NDArray[Any] | None]) -> Columns:
     """Return one column, shape (n,), per element of an array field; short arrays end in NaN."""
-    given = [np.empty(0) if array is None else array for array in arrays]
-    lengths = {len(array) for array in given}
+    columns = [np.empty(0) if array is None else array for array in arrays]
+    lengths = {len(array) for array in columns}
     longest = max(lengths)
     if len(lengths) == 1:
-        table = np.array(given)
+        table = np.array(columns)
     else:
-        table = np.full((len(given), longest), np.nan)
-        for row, array in zip(table, given, strict=True):
+        table = np.full((len(columns), longest), np.nan)
+        for row, array in zip(table, columns, strict=True):
             row[: len(array)] = array
     return {f'{path}[{index}]': table[:, index] for index in range(longest)}

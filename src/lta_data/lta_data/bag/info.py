@@ -43,31 +43,31 @@ def describe_empty_bag(bag: Bag) -> list[str]:
 
 def describe_undecodable_topics(bag: Bag) -> list[str]:
     """Return the remarks on topics that cannot be decoded."""
-    told = [
+    lines = [
         f"The messages of '{topic.name}' {topic.undecodable}; they are kept but not decoded."
         for _, topic in sorted(bag.topics.items())
         if topic.undecodable is not None
     ]
-    return [*told[:MOST], *describe_omitted(len(told), 'topics that cannot be decoded')]
+    return [*lines[:MOST], *describe_omitted(len(lines), 'topics that cannot be decoded')]
 
 
 def describe_time_irregularities(rhythm: MessageIntervals, start: int | None) -> list[str]:
     """Return the remarks on backward steps and long silences; `start` in ns."""
-    told = []
+    lines = []
     if rhythm.backwards and rhythm.worst > WOVEN:
         whose = '' if rhythm.worst_topic is None else f" (on '{rhythm.worst_topic}')"
-        told.append(
+        lines.append(
             f'The log time goes back at {rhythm.backwards} of {rhythm.count} messages, by up to '
             f'{rhythm.worst * 1e-9:.6g} s{whose}; they are kept in the order of recording.'
         )
     silences = rhythm.find_long_silences()
     for begin, end in silences[:MOST]:
         at = (begin - (start or 0)) * 1e-9
-        told.append(
+        lines.append(
             f'No message was recorded for {(end - begin) * 1e-9:.6g} s, starting {at:.6g} s after '
             'the first message.'
         )
-    return [*told, *describe_omitted(len(silences), 'long periods without a message')]
+    return [*lines, *describe_omitted(len(silences), 'long periods without a message')]
 
 
 @final

@@ -127,7 +127,7 @@ def estimate_missing(
     """
     found: dict[str, MissingMessages] = {}
     described = read_metadata(bag.path) if bag.path.is_dir() else {}
-    told = {entry.topic: entry.messages for entry in parse_topic_metadata(described)}
+    declared = {entry.topic: entry.messages for entry in parse_topic_metadata(described)}
     indexed = count_indexed_losses(bag)
     lost = list_loss_spans(bag)
     for topic, known in bag.topics.items():
@@ -135,7 +135,7 @@ def estimate_missing(
         counted = max(indexed[topic], known.count - received[topic])
         if counted > 0:
             found[topic] = MissingMessages(counted, 'index')
-        if (more := told.get(topic, 0) - received[topic]) > counted:
+        if (more := declared.get(topic, 0) - received[topic]) > counted:
             found[topic] = MissingMessages(more, 'metadata')
         if topic not in found and topic in beats and (holes := beats[topic].count_missing(lost)):
             found[topic] = MissingMessages(holes, 'rhythm')

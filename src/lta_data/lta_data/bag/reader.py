@@ -121,12 +121,12 @@ class Bag:
 
         `at` is called once per chunk with the number of bytes read so far.
         """
-        wanted = set(self.topics if topics is None else topics)
-        for name in sorted(wanted - set(self.topics)):
+        requested = set(self.topics if topics is None else topics)
+        for name in sorted(requested - set(self.topics)):
             raise unknown_name_error('topic', name, list(self.topics))
         behind = 0
         for part in self.parts:
-            names = self._select_channels(part.contents, wanted)
+            names = self._select_channels(part.contents, requested)
             channels = frozenset(names)
             with part.file.open('rb') as stream:
                 for place in part.contents.places:
@@ -232,8 +232,8 @@ def read_bag(path: Path | str) -> Bag:
     path = Path(path)
     try:
         described = read_metadata(path) if path.is_dir() else {}
-        told = parse_topic_metadata(described)
-        parts = [open_bag_file(file, told) for file in find_bag_files(path, described)]
+        topics = parse_topic_metadata(described)
+        parts = [open_bag_file(file, topics) for file in find_bag_files(path, described)]
         if parts[0].refused is not None and all(part.refused for part in parts):
             raise parts[0].refused
         bag = Bag(path, parts, described)
@@ -280,4 +280,4 @@ def read_file_contents(file: Path, metadata_topics: Sequence[TopicMetadata] = ()
 def has_mcap_magic(head: bytes) -> bool:
     """Return whether a file starts with MCAP's magic; up to three of its bytes may be damaged."""
     pairs = zip(head[: len(MAGIC)], MAGIC, strict=False)
-    return sum(found == wanted for found, wanted in pairs) >= len(MAGIC) - 3 and len(head) >= 8
+    return sum(found == expected for found, expected in pairs) >= len(MAGIC) - 3 and len(head) >= 8

@@ -170,9 +170,9 @@ class RecordedFlight:
         """Return the type of a topic; raise BadInput unless it is one of some types."""
         found = self.message_type(topic)
         if found not in types:
-            wanted = ' or '.join(f"'{name}'" for name in types)
+            expected = ' or '.join(f"'{name}'" for name in types)
             raise BadInput(
-                f"Topic '{topic}' has type '{found}', not {wanted}; choose a topic of this type."
+                f"Topic '{topic}' has type '{found}', not {expected}; choose a topic of this type."
             )
         return found
 
@@ -273,8 +273,8 @@ def select_robot(bag: Bag, robot: str | None) -> str:
         raise unknown_name_error('robot', robot, found)
     if robot is None and len(found) > 1:
         # An imported bag keeps the topics of others: /joy/set_feedback is of no robot
-        flown = [one for one in found if any(f'/{one}/{topic}' in bag.topics for topic in FLOWN)]
-        found = flown or found
+        flying = [one for one in found if any(f'/{one}/{topic}' in bag.topics for topic in FLOWN)]
+        found = flying or found
     if robot is None and len(found) > 1:
         raise BadInput(
             f"'{bag.path}' contains several robots ({', '.join(found)}); choose one, as in "

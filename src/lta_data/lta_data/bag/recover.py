@@ -63,7 +63,7 @@ class Recovery:
     def describe_losses(self) -> list[str]:
         """Return what was saved and what was lost, in sentences."""
         verb = 'was' if self.messages == 1 else 'were'
-        told = [
+        lines = [
             f'{format_count(self.messages, "message")} of '
             f'{format_count(len(self.topics), "topic")} {verb} saved to {self.path}.',
             *self.losses,
@@ -71,15 +71,15 @@ class Recovery:
         ]
         if self.lost_bytes:
             chunks = f' ({format_count(self.lost_chunks, "chunk")})' if self.lost_chunks else ''
-            told.append(
+            lines.append(
                 f'{self.lost_bytes} of {self.size} bytes of the recording{chunks} are lost.'
             )
-        told += [format_loss_span(start, end) for start, end in self.lost_spans[:MOST_NOTED]]
+        lines += [format_loss_span(start, end) for start, end in self.lost_spans[:MOST_NOTED]]
         for topic, lost in sorted(self.missing.items()):
-            told.append(f'{topic} lacks {self._describe_missing(lost)} ({COUNTED[lost.source]}).')
+            lines.append(f'{topic} lacks {self._describe_missing(lost)} ({COUNTED[lost.source]}).')
         if not self.lost_bytes and not self.missing:
-            told.append('No message is known to be lost.')
-        return told
+            lines.append('No message is known to be lost.')
+        return lines
 
     def _describe_missing(self, lost: MissingMessages) -> str:
         """Return the number of lost messages with its certainty."""
@@ -153,8 +153,8 @@ def is_finished(bag: Bag) -> bool:
     """Return whether a recording looks complete: summaries, files and metadata.yaml."""
     described = True
     if bag.path.is_dir():
-        told = read_metadata(bag.path)
-        described = find_listed_files(bag.path, told) == find_bag_files(bag.path, told)
+        metadata = read_metadata(bag.path)
+        described = find_listed_files(bag.path, metadata) == find_bag_files(bag.path, metadata)
     return bag.is_complete and bag.is_indexed and described and not bag.remarks
 
 
@@ -170,7 +170,7 @@ def refuse_inside(source: Path, out: Path) -> None:
 
 def write_recovered_bag(bag: Bag, out: Path, at: Callable[[int, int], None]) -> Recovery:
     """Write the new bag; see `recover_bag`."""
-    kept: Counter[str] = Counter()
+    counts: Counter[str] = Counter()
     beats = create_period_trackers(bag)
     expected = sum(topic.count for topic in bag.topics.values())
     note = {ORIGIN: f'{bag.path.resolve()} ({bag.size} bytes, {expected} messages seen)'}
@@ -181,15 +181,15 @@ def write_recovered_bag(bag: Bag, out: Path, at: Callable[[int, int], None]) -> 
             writer.add_topic(topic, build_definition(channel, schema), parse_qos_profiles(channel))
         for topic, found in bag.iterate_records(at=lambda done: at(done, bag.size)):
             writer.write(topic, found.data, found.log_time, found.publish_time)
-            kept[topic] += 1
+            counts[topic] += 1
             if topic in beats:
                 beats[topic].add_log_time(found.log_time)
     lost = [loss for part in bag.parts for loss in part.contents.lost]
     return Recovery(
         source=str(bag.path),
         path=str(out),
-        messages=kept.total(),
-        topics={topic: kept[topic] for topic in sorted(bag.topics)},
+        messages=counts.total(),
+        topics={topic: counts[topic] for topic in sorted(bag.topics)},
         size=bag.size,
         lost_bytes=sum(loss.length for loss in lost),
         lost_chunks=sum(loss.chunks for loss in lost),
@@ -197,7 +197,7 @@ def write_recovered_bag(bag: Bag, out: Path, at: Callable[[int, int], None]) -> 
             (seconds_since_start(bag, start), seconds_since_start(bag, end))
             for start, end in list_loss_spans(bag)
         ],
-        missing=estimate_missing(bag, kept, beats),
+        missing=estimate_missing(bag, counts, beats),
         losses=list(bag.losses),
         remarks=list(bag.remarks),
     )

@@ -80,9 +80,9 @@ def compare_channels(
     angular = pair.angular
     both = align_signals(a, b, angular=angular)
     found = measure_difference(both, angular=angular)
-    given = tolerance is not None
+    by_hand = tolerance is not None
     band = noise_band(both, angular=angular, doubt=doubt) if tolerance is None else tolerance
-    when = find_divergence(both, band, by_hand=given)
+    when = find_divergence(both, band, by_hand=by_hand)
     same = np.array_equal(a.time, b.time) and np.array_equal(a.values, b.values, equal_nan=True)
     return ChannelComparison(
         name=pair.name,

@@ -78,11 +78,11 @@ def select_panel_channels(channels: Sequence[ChannelComparison]) -> list[RoleCha
             # A pattern of the pose without a pose would match anything
             if '{' in pattern and not pose:
                 continue
-            wanted = pattern.format(pose=pose, topic=pose.rpartition('/')[0])
+            name = pattern.format(pose=pose, topic=pose.rpartition('/')[0])
             fitting = [
                 each
                 for each in channels
-                if fnmatchcase(each.name, wanted)
+                if fnmatchcase(each.name, name)
                 and each.measures is not None
                 and not each.both_constant
             ]
@@ -97,7 +97,7 @@ def select_panel_channels(channels: Sequence[ChannelComparison]) -> list[RoleCha
 def select_headline_channels(channels: Sequence[ChannelComparison]) -> list[ChannelComparison]:
     """Return the channels for the headline: motion and commands, otherwise all."""
     moving = [
-        shown.channel for shown in select_panel_channels(channels) if shown.role.name in MOTION
+        panel.channel for panel in select_panel_channels(channels) if panel.role.name in MOTION
     ]
     hull = find_pose_prefix(channels).rpartition('/')[0]
     ordered = [

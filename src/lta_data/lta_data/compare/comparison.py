@@ -106,16 +106,16 @@ def compare_flights(
 
     Raise `BadInput` if they have no channel or no time in common, or a requested item is missing.
     """
-    wanted = select_topic_pairs(request.pairs, request.topics, one.topics, other.topics)
-    of_a, of_b = ({each[k] for each in wanted} for k in (0, 1))
+    topic_pairs = select_topic_pairs(request.pairs, request.topics, one.topics, other.topics)
+    of_a, of_b = ({each[k] for each in topic_pairs} for k in (0, 1))
     a = read_compared_flight(one, 'A', of_a, lambda: tick('reading A'))
     # Two topics of one bag: read it only once.
     if of_a == of_b and (one.bag.path, one.robot) == (other.bag.path, other.robot):
         b = replace(a, label='B')
     else:
         b = read_compared_flight(other, 'B', of_b, lambda: tick('reading B'))
-    found = compare_sides(a, b, wanted, request, tick)
-    if ('odom', 'odom') in [(each.topic_a, each.topic_b) for each in wanted]:
+    found = compare_sides(a, b, topic_pairs, request, tick)
+    if ('odom', 'odom') in [(each.topic_a, each.topic_b) for each in topic_pairs]:
         found = replace(found, remarks=(*found.remarks, *describe_old_odometry(one, other)))
     outside = [describe_exceeded_region_of_bag(flight) for flight in (one, other)]
     remarks = [f'{label}: {text}' for label, text in zip('AB', outside, strict=True) if text]
@@ -150,8 +150,8 @@ def describe_old_odometry(one: RecordedFlight, other: RecordedFlight) -> list[st
 
 def count_ticks(one: RecordedFlight, other: RecordedFlight, request: ComparisonRequest) -> int:
     """Return about how often `compare_flights` calls its tick."""
-    wanted = select_topic_pairs(request.pairs, request.topics, one.topics, other.topics)
-    return 4 * len(wanted) + 4
+    topic_pairs = select_topic_pairs(request.pairs, request.topics, one.topics, other.topics)
+    return 4 * len(topic_pairs) + 4
 
 
 def compare_sides(

@@ -19,23 +19,23 @@ WIDE, NARROW = 3.0, 1.2  # px: A stays visible behind B where they agree
 
 def plot_overlay(each: ChannelComparison, time: tuple[float, float]) -> Figure:
     """Plot A and B above their difference, with band and divergence."""
-    shown = build_channel_trace(each)
+    trace = build_channel_trace(each)
     figure = create_figure(2, [0.66, 0.34])
     for line, name, colour, width, row in (
-        (shown.a, 'A', A, WIDE, 1), (shown.b, 'B', B, NARROW, 1),
-        (shown.difference, 'B - A', DIFFERENCE, NARROW, 2),
+        (trace.a, 'A', A, WIDE, 1), (trace.b, 'B', B, NARROW, 1),
+        (trace.difference, 'B - A', DIFFERENCE, NARROW, 2),
     ):  # fmt: skip
         figure.add_trace(
             Scatter(
                 # float32 halves the size of the page
                 x=line.time.astype(np.float32), y=line.values.astype(np.float32), name=name,
                 mode='lines', line={'color': colour, 'width': width}, connectgaps=False,
-                hovertemplate=f'%{{y:.4~g}} {shown.unit}',
+                hovertemplate=f'%{{y:.4~g}} {trace.unit}',
             ),
             row=row, col=1,
         )  # fmt: skip
     figure.add_shape(
-        type='rect', xref='x2 domain', x0=0, x1=1, yref='y2', y0=-shown.band, y1=shown.band,
+        type='rect', xref='x2 domain', x0=0, x1=1, yref='y2', y0=-trace.band, y1=trace.band,
         fillcolor=FILL, line={'width': 0}, layer='below',
     )  # fmt: skip
     at = each.parting.at
@@ -48,7 +48,7 @@ def plot_overlay(each: ChannelComparison, time: tuple[float, float]) -> Figure:
         x=at or 0.0, xref='x', y=1.0, yref='paper', yanchor='bottom', text='they diverge',
         xanchor='left', font={'size': 10, 'color': SOFT}, visible=at is not None,
     )  # fmt: skip
-    unit = f' [{shown.unit}]' if shown.unit not in ('', '1') else ''
+    unit = f' [{trace.unit}]' if trace.unit not in ('', '1') else ''
     figure.update_xaxes(range=list(time), hoverformat='.2f', unifiedhovertitle_text='%{x} s')
     figure.update_xaxes(title_text="time on A's clock [s]", row=2)
     figure.update_yaxes(title_text=f'A, B{unit}', row=1)

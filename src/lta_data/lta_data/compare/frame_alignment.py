@@ -133,9 +133,9 @@ def decide_alignment(
         return False, 'The flights have too few positions in common to compare the frames.'
     if frames != 'auto':
         return frames == 'fit', 'As requested with --frames.'
-    spoken = [f"'{name}'" if name else 'an unnamed frame' for name in names]
+    labels = [f"'{name}'" if name else 'an unnamed frame' for name in names]
     if names[0] != names[1]:
-        return True, f'The frames differ: A uses {spoken[0]}, B uses {spoken[1]}.'
+        return True, f'The frames differ: A uses {labels[0]}, B uses {labels[1]}.'
     # The same frame name is trusted unless a fit removes most of the distance.
     better = fit.after < BETTER * fit.before
     # Two different runs may differ in position; one run recorded twice may not.
@@ -146,10 +146,10 @@ def decide_alignment(
         )
     if better:
         return False, (
-            f'Both use {spoken[0]}. Rotating and shifting B would reduce the distance between the '
+            f'Both use {labels[0]}. Rotating and shifting B would reduce the distance between the '
             f'paths from {fit.before:.2f} m to {fit.after:.2f} m; to do so, use --frames fit.'
         )
-    return False, f'Both use {spoken[0]}.'
+    return False, f'Both use {labels[0]}.'
 
 
 def transform_pairs(
@@ -182,13 +182,13 @@ def transform_triple(
     parts: Sequence[ChannelPair], fit: FrameTransform, position: bool
 ) -> dict[str, ChannelPair]:
     """Return x, y and z of B, rotated, and for a position also shifted."""
-    given = np.stack([pair.b.values for pair in parts], axis=1)
+    rows = np.stack([pair.b.values for pair in parts], axis=1)
     if position:
-        values = fit.transform_positions(given)
+        values = fit.transform_positions(rows)
     else:
         # Vectors are rotated only; a shift applies to positions.
-        x, y = fit.rotate_vectors(given[:, 0], given[:, 1])
-        values = np.stack([x, y, given[:, 2]], axis=1)
+        x, y = fit.rotate_vectors(rows[:, 0], rows[:, 1])
+        values = np.stack([x, y, rows[:, 2]], axis=1)
     return {
         pair.name: pair._replace(b=replace(pair.b, values=column))
         for pair, column in zip(parts, values.T, strict=True)

@@ -87,8 +87,10 @@ def find_total_span(comparison: ComparisonResult) -> tuple[float, float]:
 
 def shorten_path(path: str) -> str:
     """Return a short name of a bag: its folder's name, or that of the folder above `bag`."""
-    given = Path(path)
-    return given.parent.name if given.name == 'bag' and given.parent.name else given.stem
+    bag_path = Path(path)
+    return (
+        bag_path.parent.name if bag_path.name == 'bag' and bag_path.parent.name else bag_path.stem
+    )
 
 
 def format_title(entry: RoleChannel) -> str:
@@ -136,7 +138,7 @@ def build_tiles(comparison: ComparisonResult) -> list[Tile]:
         'given': 'set by hand',
         'none': 'time stamps unchanged' if timing.on_stamps else 'both flights start at 0 s',
     }[timing.how]  # fmt: skip
-    made = [
+    tiles = [
         Tile('Offset of B\'s clock', offset, unit, f'{doubt}{how}'),
         Tile('Common time', f'{end - begin:.1f}', 's', f"{begin:.1f} to {end:.1f} s on A's clock"),
         Tile(
@@ -147,16 +149,18 @@ def build_tiles(comparison: ComparisonResult) -> list[Tile]:
     if moving:
         # The channels are sorted by score, so the first is the worst.
         first, worst = find_earliest_divergence(moving), moving[0]
-        made.append(
+        tiles.append(
             Tile('First divergence', f'{first.parting.at:.2f}', 's', format_channel_name(first))
         )
         rms = worst.measures
         share = MISSING if rms is None or rms.nrmse is None else f'{rms.nrmse:.2g}'
-        made.append(Tile('NRMSE of the largest divergence', share, '', format_channel_name(worst)))
+        tiles.append(
+            Tile('NRMSE of the largest divergence', share, '', format_channel_name(worst))
+        )
     else:
-        made.append(Tile('First divergence', MISSING, '', 'no channel diverges'))
-    made.append(Tile('Topics with faults', str(wrong), '', 'gaps, duplicates, missing values'))
-    return made
+        tiles.append(Tile('First divergence', MISSING, '', 'no channel diverges'))
+    tiles.append(Tile('Topics with faults', str(wrong), '', 'gaps, duplicates, missing values'))
+    return tiles
 
 
 def build_path_picture(comparison: ComparisonResult) -> list[Picture]:
@@ -168,8 +172,8 @@ def build_path_picture(comparison: ComparisonResult) -> list[Picture]:
 def build_panel(entry: RoleChannel, time: tuple[float, float]) -> Picture:
     """Return the overlay of a channel of both flights."""
     about = f'{entry.channel.name}. {summarize_channel(entry.channel)}'
-    drawn = figures.plot_overlay(entry.channel, time)
-    return Picture(entry.role.name, format_title(entry), about, drawn, HEIGHT, timed=True)
+    figure = figures.plot_overlay(entry.channel, time)
+    return Picture(entry.role.name, format_title(entry), about, figure, HEIGHT, timed=True)
 
 
 def is_worth_plotting(each: ChannelComparison) -> bool:

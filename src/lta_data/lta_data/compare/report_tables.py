@@ -38,8 +38,8 @@ def build_ranking(comparison: ComparisonResult) -> TextTable:
         rows.append([each.name, parts, bias, rms, nrmse])
     heads = ('channel', 'diverges at', 'bias', 'RMS', 'NRMSE')
     heading = f'Channels, the largest and earliest divergence first{more}'
-    shown = not comparison.is_identical
-    return TextTable(heading, heads, rows, LEGEND, printed=shown)
+    differs = not comparison.is_identical
+    return TextTable(heading, heads, rows, LEGEND, printed=differs)
 
 
 def format_ranking_row(each: ChannelComparison) -> list[str]:

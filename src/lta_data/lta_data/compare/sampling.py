@@ -20,8 +20,8 @@ class SampledSignal(NamedTuple):
 
 def mask_absurd_values(values: ArrayLike) -> Array:
     """Replace infinite and absurdly large values by NaN."""
-    given = np.asarray(values, dtype=np.float64)
-    return np.where(np.abs(given) < ABSURD, given, np.nan)
+    numbers = np.asarray(values, dtype=np.float64)
+    return np.where(np.abs(numbers) < ABSURD, numbers, np.nan)
 
 
 def sort_samples(time: ArrayLike, values: ArrayLike) -> SampledSignal:

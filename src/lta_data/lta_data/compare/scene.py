@@ -72,9 +72,11 @@ def render_comparison_scene(
         'turned': to_json_numbers(turned),
     }
     room = scene.scenario if pose.startswith(MAP_POSE) else None
-    shown = SceneSet(time, flights, columns)
-    panel = render_scene([shown], [] if room is None else draw_static_scene(room), CAPTION, reach)
-    return panel, build_scene_track(shown)
+    scene_set = SceneSet(time, flights, columns)
+    panel = render_scene(
+        [scene_set], [] if room is None else draw_static_scene(room), CAPTION, reach
+    )
+    return panel, build_scene_track(scene_set)
 
 
 def read_recorded_scene(comparison: ComparisonResult) -> RecordedScene:

@@ -83,14 +83,14 @@ def encode_floats(values: NDArray[np.float64]) -> dict[str, str]:
 
 def encode_channel(each: ChannelComparison, points: int) -> dict[str, object]:
     """Return the data that the page needs to draw a picked channel."""
-    shown = build_channel_trace(each, points)
+    trace = build_channel_trace(each, points)
     found: dict[str, object] = {
-        'unit': shown.unit,
-        'band': shown.band,
+        'unit': trace.unit,
+        'band': trace.band,
         'at': each.parting.at,
         'lines': [
             {'x': encode_floats(line.time), 'y': encode_floats(line.values)}
-            for line in (shown.a, shown.b, shown.difference)
+            for line in (trace.a, trace.b, trace.difference)
         ],
     }
     return found

@@ -156,11 +156,11 @@ def _pair_height(
         return None
     # Pressure falls with height.
     height = values if is_range else -values / AIR
-    told = VectorSeries(channel.name, time, height)
+    heights = VectorSeries(channel.name, time, height)
     what = 'range' if is_range else 'pressure'
     place = pose.position
     return _resample_pair(
-        what, told, place.name, place.time, place.values[:, 2:], limits
+        what, heights, place.name, place.time, place.values[:, 2:], limits
     )  # z only
 
 

@@ -83,8 +83,8 @@ def fit_speed(pose: PoseSeries) -> VectorFit:
         return UNKNOWN_FIT
     time, speed = pose.position.differentiate()
     lengths = np.linalg.norm(speed, axis=1, keepdims=True)
-    told = np.linalg.norm(pose.velocity.values, axis=1, keepdims=True)
-    return compare_vectors(time, lengths, VectorSeries('', pose.velocity.time, told))
+    speeds = np.linalg.norm(pose.velocity.values, axis=1, keepdims=True)
+    return compare_vectors(time, lengths, VectorSeries('', pose.velocity.time, speeds))
 
 
 def fit_tilt(pose: PoseSeries, turn: Array | None = None) -> VectorFit:

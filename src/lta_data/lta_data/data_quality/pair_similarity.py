@@ -46,9 +46,9 @@ def robust_deviations(table: Array, valid: NDArray[np.bool_]) -> tuple[Array, Ar
     low, high = np.percentile(inside, [0.5, 99.5], axis=0)
     margin = 0.5 * (high - low)
     # Half the range on either side leaves real extremes unclipped
-    kept = np.clip(table, low - margin, high + margin)
-    kept = np.where(valid[:, None], kept - kept[valid].mean(axis=0), 0.0)
-    return kept, np.sqrt((kept**2).sum(axis=0) / max(1, valid.sum()))
+    clipped = np.clip(table, low - margin, high + margin)
+    clipped = np.where(valid[:, None], clipped - clipped[valid].mean(axis=0), 0.0)
+    return clipped, np.sqrt((clipped**2).sum(axis=0) / max(1, valid.sum()))
 
 
 def high_pass_pair(pair: MotionPair) -> tuple[Array, Array, Array, Array]:

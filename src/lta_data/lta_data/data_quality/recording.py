@@ -32,9 +32,11 @@ class ChannelRecording:
     @property
     def is_simulated(self) -> bool:
         """Whether the recording declares itself simulated."""
-        told = self.provenance
-        declared = told.get('data')  # set by an import
-        return declared == 'simulated' or (declared is None and all(map(told.__contains__, FLOWN)))
+        provenance = self.provenance
+        declared = provenance.get('data')  # set by an import
+        return declared == 'simulated' or (
+            declared is None and all(map(provenance.__contains__, FLOWN))
+        )
 
 
 def read_recording(flight: RecordedFlight) -> tuple[ChannelRecording, list[str]]:
@@ -87,6 +89,6 @@ def read_quaternions(
         for part in 'xyzw':
             values = np.asarray(series[f'{path}.{part}'], dtype=np.float64)
             name = f'{topic}/{path}.{part}'
-            kept = np.where(known_there, values, np.nan)
-            found[name] = SignalChannel(name, '1', series.time, kept)
+            masked = np.where(known_there, values, np.nan)
+            found[name] = SignalChannel(name, '1', series.time, masked)
     return found

@@ -74,12 +74,12 @@ def run_checks(recording: ChannelRecording, limits: QualityLimits | None = None)
         verdicts = [check(evidence) for check in CHECKS.values()]
         rereadings = find_rereadings(evidence)
     found = [*rereadings, *(one for verdict in verdicts for one in verdict.findings)]
-    kept = sorted(
+    remaining = sorted(
         remove_explained_findings(remove_implied_findings(found)),
         key=lambda finding: (finding.from_s, finding.channel),
     )
     return QualityReport(
-        tuple(kept), tuple(text for verdict in verdicts for text in verdict.unjudged)
+        tuple(remaining), tuple(text for verdict in verdicts for text in verdict.unjudged)
     )
 
 

@@ -49,10 +49,10 @@ def write_mat(source: ExportSource, path: Path) -> Iterator[int]:
     # Units are those of the first element of an array.
     for name, column in join_array_columns(columns).items():
         # savemat writes object arrays as cell arrays, which hold texts of any length.
-        shown = column.astype(object) if column.dtype.kind == 'U' else column
+        cells = column.astype(object) if column.dtype.kind == 'U' else column
         unit = source.units.get(name, source.units.get(f'{name}[0]', ''))
         # MATLAB has no one-dimensional arrays: make it a column.
-        set_nested_value(values, name, shown if shown.ndim == 2 else shown[:, None])
+        set_nested_value(values, name, cells if cells.ndim == 2 else cells[:, None])
         set_nested_value(units, name, unit)
     content = {format_matlab_name(source.name): values, UNITS: units}
     savemat(path, content, long_field_names=True, do_compression=True, oned_as='column')

@@ -81,8 +81,8 @@ def build_series_source(flight: RecordedFlight, topic: str, kind: str) -> Export
     parts = partial(flight.iterate_series, topic, ROWS)
     # A small topic is decoded once and kept for both passes.
     if flight.bag.topics[flight.absolute_name(topic)].count <= ROWS:
-        kept = list(parts())
-        parts = partial(iter, kept)
+        sections = list(parts())
+        parts = partial(iter, sections)
     joints: dict[str, str] | None = None
     declared: dict[str, np.dtype[Any]] = {}
     units: dict[str, str] = {}

@@ -54,14 +54,14 @@ def build_report(
     title: str, panels: Panels, span: tuple[float, float], facts: Mapping[str, str]
 ) -> Report:
     """Return the report, with a figure of each unit and a tile of each of the first channels."""
-    every = [channel for _, shown in panels for channel in shown]
+    every = [channel for _, channels in panels for channel in channels]
     most = min(MOST_POINTS, POINTS // max(len(every), 1))
     pictures = [
         Picture(
-            f'unit-{k}', format_heading(shown), '', plot_channels(unit, shown, span, most),
+            f'unit-{k}', format_heading(channels), '', plot_channels(unit, channels, span, most),
             height=300, timed=True,
         )
-        for k, (unit, shown) in enumerate(panels)
+        for k, (unit, channels) in enumerate(panels)
     ]  # fmt: skip
     ends = f'{format_number(span[0], 1)} to {format_number(span[1], 1)} s'
     return Report(
@@ -96,7 +96,7 @@ def write_png(text: str, out: Path) -> Path:
     """Write the page's plot as PNG; raise `BadInput` without a browser or a writable path."""
     # The picture is a screenshot of the page, which must be a file first
     with tempfile.TemporaryDirectory() as folder:
-        made = write_file(text, Path(folder) / 'plot.html')
+        page = write_file(text, Path(folder) / 'plot.html')
         shot = Path(folder) / 'plot.png'
-        write_picture(made, shot, NAME)
+        write_picture(page, shot, NAME)
         return write_file(shot.read_bytes(), out)

@@ -108,5 +108,5 @@ def print_channels(
     panels: Iterable[tuple[str, list[SignalChannel]]], span: tuple[float, float], console: Console
 ) -> None:
     """Print each axis with its channels."""
-    for unit, shown in panels:
-        console.print(draw_curves(unit, shown, span, console.width), soft_wrap=True)
+    for unit, channels in panels:
+        console.print(draw_curves(unit, channels, span, console.width), soft_wrap=True)

@@ -59,13 +59,13 @@ def check_length(data: bytes, size: int) -> None:
         If it is wrong.
 
     """
-    wanted = None
+    expected = None
     if size and data[0] in LAYOUTS:
-        wanted = 1 + struct.calcsize(LAYOUTS[data[0]])
+        expected = 1 + struct.calcsize(LAYOUTS[data[0]])
     elif size and data[0] == CPPM:
         # Number of auxiliary channels in the low nibble, two bytes each
-        wanted = 10 + 2 * (data[1] & 0x0F)
-    if not size or wanted not in (None, size):
+        expected = 10 + 2 * (data[1] & 0x0F)
+    if not size or expected not in (None, size):
         raise FirmwareAssertion
 
 

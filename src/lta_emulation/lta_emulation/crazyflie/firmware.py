@@ -103,8 +103,8 @@ class Firmware:
         return [] if answer is None else [packet.build_reply(answer)]
 
     def _answer_packet(self, packet: CrtpPacket, now: float) -> bytes | None:
-        port, channel, told = packet
-        data, size = self._buffer.receive(told), len(told)
+        port, channel, payload = packet
+        data, size = self._buffer.receive(payload), len(payload)
         match port:
             case 2:
                 return self._answer_parameter(channel, data, size)
@@ -133,7 +133,7 @@ class Firmware:
                 return self._answer_platform(channel, data, size, now)
             # Link layer: 0 is an echo, 1 returns the name
             case 15:
-                return NAME if channel == 1 else told if channel == 0 else None
+                return NAME if channel == 1 else payload if channel == 0 else None
         return None
 
     def _answer_parameter(self, channel: int, data: bytes, size: int) -> bytes | None:
@@ -189,8 +189,8 @@ class Firmware:
         if channel == 0:
             return self._run_platform_command(data, size)
         if channel == 1:
-            told = {0: struct.pack('<I', self._protocol), 1: TAG, 2: DEVICE}.get(data[0])
-            return None if told is None else data[:1] + told
+            answer = {0: struct.pack('<I', self._protocol), 1: TAG, 2: DEVICE}.get(data[0])
+            return None if answer is None else data[:1] + answer
         if channel == 2 and self.build.app:
             self.app.receive_packet(data[:size], now)
         return None

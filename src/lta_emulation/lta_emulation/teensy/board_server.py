@@ -90,13 +90,13 @@ class BoardServer:
                 # Only this thread touches the cable, so no lock is needed
                 (self.cable.plug if plugged else self.cable.pull)()
             looked = self.now_ns
-            asked = self.cable.read(LOOK)
-            self._write_to_cable(self.board.answer_timesync(asked, self.now_ns))
+            received = self.cable.read(LOOK)
+            self._write_to_cable(self.board.answer_timesync(received, self.now_ns))
             if self.now_ns >= beat:
                 beat = self.now_ns + BEAT_NS
                 self._write_to_cable(self.board.encode_status())
             self._send_light()
-            if not asked and self.now_ns - looked < 1e9 * LOOK:
+            if not received and self.now_ns - looked < 1e9 * LOOK:
                 time.sleep(LOOK)  # reading a port that is not open returns at once
 
     def _send_light(self) -> None:

@@ -229,10 +229,10 @@ class EmulatedBoard:
 
     def answer_timesync(self, data: bytes, now_ns: int) -> bytes:
         """Return the answers to received bytes at a host time [ns]."""
-        asked = [f.record for f in self._hears.parse_frames(data) if f.message is TIMESYNC]
+        requests = [f.record for f in self._hears.parse_frames(data) if f.message is TIMESYNC]
         return b''.join(
             self._build_frame(TIMESYNC, tc1=self.to_board_time(now_ns), ts1=int(question['ts1']))
-            for question in asked
+            for question in requests
             # A nonzero tc1 marks an answer of another participant
             if question['tc1'] == 0
         )

@@ -13,9 +13,9 @@ def _detect_not_a_number(memory: Memory, observation: MeterObservation) -> tuple
 def _describe_not_a_number(observation: MeterObservation) -> str:
     reading = observation.reading
     if math.isfinite(reading.voltage) and math.isfinite(reading.current):
-        told = f'{reading.voltage:.3g} V and {reading.current:.3g} A'
+        values = f'{reading.voltage:.3g} V and {reading.current:.3g} A'
         # Finite, but beyond `reading.MOST_VOLTS` or `MOST_AMPERES`
-        return f'the battery readings of {told} are impossible: check the power meter'
+        return f'the battery readings of {values} are impossible: check the power meter'
     return 'the measured voltage or current of the battery is not a number: check the power meter'
 
 

@@ -131,14 +131,14 @@ def predict_state(
     s, u, resistance, inverse, chart = state.mean
     step = current * dt / cell.capacity
     # Exact solution of the RC pair for a constant current
-    kept = math.exp(-dt / cell.relaxation_time) if cell.relaxation_time > 0.0 else 0.0
-    pull = (1.0 - kept) * cell.relaxation_resistance * current
+    decay = math.exp(-dt / cell.relaxation_time) if cell.relaxation_time > 0.0 else 0.0
+    pull = (1.0 - decay) * cell.relaxation_resistance * current
     # The chart error decorrelates with the charge moved, not with time
     moved = abs(step) / CORRELATED
     faded = math.exp(-moved)
     mean = (
         min(max(s + inverse * step, 0.0), 1.0),
-        kept * u + pull * resistance,
+        decay * u + pull * resistance,
         resistance,
         inverse,
         faded * chart,
@@ -147,15 +147,15 @@ def predict_state(
     rows = list(map(list, state.spread))
     for row in rows:  # P F^T
         row[CHARGE] += step * row[INVERSE]
-        row[RELAXATION] = kept * row[RELAXATION] + pull * row[RESISTANCE]
+        row[RELAXATION] = decay * row[RELAXATION] + pull * row[RESISTANCE]
         row[CHART] *= faded
     for k in range(SIZE):  # F (P F^T)
         rows[CHARGE][k] += step * rows[INVERSE][k]
-        rows[RELAXATION][k] = kept * rows[RELAXATION][k] + pull * rows[RESISTANCE][k]
+        rows[RELAXATION][k] = decay * rows[RELAXATION][k] + pull * rows[RESISTANCE][k]
         rows[CHART][k] *= faded
     # Process noise: of the current, through charge and relaxation, and of the chart
     unsure = deviation * dt / cell.capacity
-    blurred = (1.0 - kept) * cell.relaxation_resistance * deviation
+    blurred = (1.0 - decay) * cell.relaxation_resistance * deviation
     noise = (
         unsure * unsure + SLOW * SLOW * dt,
         blurred * blurred,

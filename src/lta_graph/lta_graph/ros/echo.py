@@ -26,15 +26,15 @@ RETRY = 0.05  # s between questions until the first answer
 
 def echo_messages(node: Node, executor: SingleThreadedExecutor, deadline: float) -> None:
     """Echo every message until 'end' arrives or the monotonic clock reaches `deadline` [s]."""
-    heard: list[str] = []
+    questions: list[str] = []
     publisher = node.create_publisher(String, ANSWER, 10)
 
     def on_question(message: String) -> None:
-        heard.append(message.data)
+        questions.append(message.data)
         publisher.publish(message)
 
     node.create_subscription(String, QUESTION, on_question, 10)
-    while time.monotonic() < deadline and heard[-1:] != ['end']:
+    while time.monotonic() < deadline and questions[-1:] != ['end']:
         executor.spin_once(timeout_sec=0.1)
 
 
@@ -42,15 +42,15 @@ def measure_round_trip(
     node: Node, executor: SingleThreadedExecutor, deadline: float
 ) -> dict[str, float] | None:
     """Return the discovery time and median round trip [s], or None at the deadline."""
-    heard: set[str] = set()
+    answers: set[str] = set()
     publisher = node.create_publisher(String, QUESTION, 10)
-    node.create_subscription(String, ANSWER, lambda message: heard.add(message.data), 10)
+    node.create_subscription(String, ANSWER, lambda message: answers.add(message.data), 10)
 
     def round_trip(text: str, patience: float) -> float | None:
         sent = time.perf_counter()
         publisher.publish(String(data=text))
         until = min(deadline, time.monotonic() + patience)
-        while text not in heard:
+        while text not in answers:
             if time.monotonic() >= until:
                 return None
             executor.spin_once(timeout_sec=patience)

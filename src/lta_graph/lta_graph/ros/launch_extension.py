@@ -45,8 +45,8 @@ class SuperviseAction(Action):
         """Return the class and its arguments, read from a launch file."""
         _, keywords = super().parse(entity, parser)
         keywords['planned'] = parser.parse_substitution(entity.get_attr('planned'))
-        given = entity.get_attr('processes', optional=True) or ''
-        keywords['processes'] = parser.parse_substitution(given)
+        processes = entity.get_attr('processes', optional=True) or ''
+        keywords['processes'] = parser.parse_substitution(processes)
         # Only our launcher has use for it
         entity.get_attr('apart', optional=True)
         return cls, keywords
@@ -82,11 +82,11 @@ def check_launch(context: LaunchContext) -> None:
     path = Path(context.locals.current_launch_file_path)
     declared = [item.name for item in list_arguments(path)]
     values = context.launch_configurations
-    given = {name: values[name] for name in declared if name in values}
+    arguments = {name: values[name] for name in declared if name in values}
     # ROS ignores an undeclared argument; of a launch file that includes this one it may be
     if any(Path(word).name == path.name for word in sys.argv):
-        given |= dict(word.split(':=', 1) for word in context.argv if ':=' in word)
-    plan = load_plan(path, given)
+        arguments |= dict(word.split(':=', 1) for word in context.argv if ':=' in word)
+    plan = load_plan(path, arguments)
     for check in entry_points(group=CHECKS):
         check.load()(plan)
 

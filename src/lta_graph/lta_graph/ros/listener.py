@@ -29,10 +29,10 @@ class DiagnosticsListener:
     """
 
     def __init__(self, *robots: str) -> None:
-        heard = robots or ('lta1',)
+        names = robots or ('lta1',)
         # The prefix is empty with one robot, so that messages name its nodes alone
-        self._prefix = {name: f'{name}/' if name and len(heard) > 1 else '' for name in heard}
-        self._robot = heard[0]
+        self._prefix = {name: f'{name}/' if name and len(names) > 1 else '' for name in names}
+        self._robot = names[0]
         self.facts: dict[str, HealthFact] = {}
         self._heard: dict[str, float] = {}
         self._begun: float | None = None

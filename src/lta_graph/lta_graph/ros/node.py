@@ -197,8 +197,8 @@ class GraphNode(SharingNode):
         now = time.monotonic()
         return [
             name
-            for name, heard in self._heard.items()
-            if now - heard > PATIENCE + 1e-9 * self.table[name].period_ns
+            for name, received in self._heard.items()
+            if now - received > PATIENCE + 1e-9 * self.table[name].period_ns
         ]
 
     def find_publishing_role(self, name: str) -> str:

@@ -32,12 +32,12 @@ def call_service(name: str, data: bool | None) -> ServiceResponse:
         kind = find_service_class(node, name)
         # A SetBool without a value, or a Trigger with one
         if (kind is SetBool) is (data is None):
-            wanted = (
+            expected = (
                 'needs a value after its name: true or false'
                 if kind is SetBool
                 else 'takes no value after its name; leave the value out'
             )
-            raise BadInput(f"The service '{name}' {wanted}.")
+            raise BadInput(f"The service '{name}' {expected}.")
         client = node.create_client(kind, name)
         # The name was seen already, but the endpoints still have to match
         client.wait_for_service(PATIENCE)

@@ -226,10 +226,10 @@ def advance_cell(
     begin = current_for_power(open_circuit_voltage(charge) + relaxation, power, resistance)
     middle = open_circuit_voltage(integrate_charge(charge, begin, capacity, 0.5 * dt))
     middle += relax_voltage(cell, relaxation, begin, dt)[1]
-    wanted = current_for_power(middle, power, resistance)
-    after = integrate_charge(charge, wanted, capacity, dt)
+    demand = current_for_power(middle, power, resistance)
+    after = integrate_charge(charge, demand, capacity, dt)
     # Clipped at empty or full: the mean current that really flowed
-    current = (after - charge) * capacity / dt if after <= 0.0 or after >= 1.0 else wanted
+    current = (after - charge) * capacity / dt if after <= 0.0 or after >= 1.0 else demand
     relaxed, mean = relax_voltage(cell, relaxation, current, dt)
     voltage = terminal_voltage(
         mean_open_circuit_voltage(charge, after) + mean, current, resistance

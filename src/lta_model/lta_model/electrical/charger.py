@@ -122,9 +122,9 @@ def advance_power_path(
     load = demand if before.fed else 0.0
     # Surplus light is not harvested once the charge limit is reached
     power = min(bright - load, charge_power_limit(cell, before.charge, before.relaxation, dt))
-    given = power + load
+    output = power + load
     # Back through the converter to the array's side
-    harvested = given / charger.conversion + charger.idle if bright > 0.0 else 0.0
+    harvested = output / charger.conversion + charger.idle if bright > 0.0 else 0.0
     charge, relaxation, voltage, current = advance_cell(
         cell, before.charge, before.relaxation, power, dt
     )
@@ -140,8 +140,8 @@ def advance_power_path(
         voltage,
         current,
         harvested,
-        given - voltage * current,  # less than the demand where the cell cannot supply it
-        resistive_heat(cell, before.relaxation, current, dt) + harvested - given,
+        output - voltage * current,  # less than the demand where the cell cannot supply it
+        resistive_heat(cell, before.relaxation, current, dt) + harvested - output,
         fed,
     )
 

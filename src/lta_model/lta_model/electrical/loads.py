@@ -48,8 +48,8 @@ def navigation_power(energy: EnergyBlock, strategy: str) -> float:
 
     Entries missing in the file count as 0. A strategy from a file ./mine.py is called `mine`.
     """
-    given = (energy.loads.sensing, energy.loads.computing.get(Path(strategy).stem))
-    return sum(power.si for power in given if power is not None) if strategy else 0.0
+    powers = (energy.loads.sensing, energy.loads.computing.get(Path(strategy).stem))
+    return sum(power.si for power in powers if power is not None) if strategy else 0.0
 
 
 def rotor_power(thrust: float, offset: float, slope: float) -> float:

@@ -90,10 +90,10 @@ class LightView:
     def prepare(self, sample_rate: float, samples: int) -> None:
         """Compile the block sampling (sample rate in Hz) before the first block."""
         # The first call compiles; its results are discarded
-        kept = self._poses, self._around, self._amplifier
+        saved = self._poses, self._around, self._amplifier
         self._poses = [(0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)] * 2
         self.sample_light_block(0, sample_rate, samples, np.random.default_rng(0))
-        self._poses, self._around, self._amplifier = kept
+        self._poses, self._around, self._amplifier = saved
 
     def record_pose(self, pose: Pose) -> None:
         """Record the pose at a control step for the next block."""

@@ -92,5 +92,5 @@ def measure_pressure(
     if chain:
         truth = apply_chain(chain, (truth,), elapsed)[0]
     noise = settings.noise * float(rng.standard_normal())
-    told = truth + errors.offset + errors.drift * elapsed + noise
-    return round(told / settings.resolution) * settings.resolution
+    reading = truth + errors.offset + errors.drift * elapsed + noise
+    return round(reading / settings.resolution) * settings.resolution

@@ -107,9 +107,9 @@ def measure_range(
     noise = noise_deviation(settings.noise, distance) * chance
     if chain:
         distance = apply_chain(chain, (distance,), elapsed)[0]
-    told = distance + errors.offset + noise
-    if told > settings.maximum:
+    reading = distance + errors.offset + noise
+    if reading > settings.maximum:
         return math.inf
-    if told < settings.minimum:
+    if reading < settings.minimum:
         return -math.inf
-    return round(told / RESOLUTION) * RESOLUTION
+    return round(reading / RESOLUTION) * RESOLUTION

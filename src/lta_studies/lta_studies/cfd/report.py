@@ -111,20 +111,20 @@ def format_headline(sweep: TunnelSweep) -> str:
 def build_tiles(sweep: TunnelSweep) -> list[Tile]:
     """Return tiles with the drag of each axis at 1 m/s or 1 rad/s, and the lift of all rotors."""
     fits = fit_drag_by_axis(sweep)
-    made = [
+    tiles = [
         Tile(axis, f'{1e3 * fits[axis].drag_at(1.0):.0f}', 'mN',
              f'drag at 1 m/s, {_describe_source(sweep, axis)}')
         for axis in ALONG
     ]  # fmt: skip
-    made += [
+    tiles += [
         Tile(axis, f'{1e3 * fits[axis].drag_at(1.0):.2f}', 'mN m',
              f'drag at 1 rad/s, {_describe_source(sweep, axis)}')
         for axis in ABOUT
     ]  # fmt: skip
     # A vehicle without rotors has no such flow.
     if (blown := sweep.blows.get('all')) is not None:
-        made.append(Tile('all rotors on', f'{blown.force[2]:.3f}', 'N', 'net, upwards'))
-    return made
+        tiles.append(Tile('all rotors on', f'{blown.force[2]:.3f}', 'N', 'net, upwards'))
+    return tiles
 
 
 def _describe_source(sweep: TunnelSweep, axis: Axis) -> str:

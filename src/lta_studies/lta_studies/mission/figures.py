@@ -53,7 +53,7 @@ class MissionFigures:
 def summarize_mission(diary: MissionLog, beacons: int) -> MissionFigures:
     """Summarize a mission log; `beacons` is the number of beacons in a round."""
     flights, flow = diary.flights, diary.spent
-    flown = sum(each.duration for each in flights)
+    flight_time = sum(each.duration for each in flights)
     spent = sum(each.spent.consumed for each in flights)
     # Failed flights by ending, then the counts of the log.
     failures = Counter(FAILED[each.ending] for each in flights if each.ending != 'home')
@@ -63,7 +63,7 @@ def summarize_mission(diary: MissionLog, beacons: int) -> MissionFigures:
         flights=len(flights),
         rounds=sum(each.visits == beacons for each in flights),
         visits=sum(each.visits for each in flights),
-        flown=flown,
+        flown=flight_time,
         longest=max((each.duration for each in flights), default=0.0),
         failures={name: count for name, count in failures.items() if count},
         harvested=flow.harvested,
@@ -72,7 +72,7 @@ def summarize_mission(diary: MissionLog, beacons: int) -> MissionFigures:
         lost=flow.lost,
         stored=diary.ended - diary.begun,
         imbalance=diary.imbalance,
-        in_flight=spent / flown if flown else 0.0,
+        in_flight=spent / flight_time if flight_time else 0.0,
         lowest_charge=min((each.after for each in flights), default=None),
         lowest_voltage=min((each.lowest for each in flights), default=None),
         gauge_error=max(apart, default=0.0),

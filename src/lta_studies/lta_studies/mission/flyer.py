@@ -80,8 +80,8 @@ class MissionFlyer:
         self._mission, self._scenes, self._light, self._seed = mission, scenes, light, seed
         self._goal = build_goal(scenes.scenario)
         self._leg = LegPlan(GO, 1.0, mission.reserve.si, 0.0, gain, offset)
-        made = scenes.build_beacon_flight(mission.perch, light.at(0.0), 1.0)
-        self._pilot = LegPilot(made, self._leg)
+        flight = scenes.build_beacon_flight(mission.perch, light.at(0.0), 1.0)
+        self._pilot = LegPilot(flight, self._leg)
         self._speed = scenes.policy.mission.speed
 
     def fly_round_trip(self, departure: Departure) -> Landing:
@@ -121,7 +121,7 @@ class MissionFlyer:
         mission = self._mission
         payload = mission.payload
         # The payload is on during the dwell only. [W]
-        drawn = payload.sensing.si + payload.radio.si if payload else 0.0
+        payload_power = payload.sensing.si + payload.radio.si if payload else 0.0
         for name in mission.round:
             outcome = self._fly_leg(
                 going, name, self._leg._replace(limit=self._leg_time_limit(going, name))
@@ -131,7 +131,9 @@ class MissionFlyer:
             # The drone ends the leg where it believes to be at the beacon
             going.visits += self._is_at_lamp(going, name, self._goal.radius)
             if mission.dwell.si > 0.0:
-                dwell = self._leg._replace(kind=DWELL, limit=mission.dwell.si, payload=drawn)
+                dwell = self._leg._replace(
+                    kind=DWELL, limit=mission.dwell.si, payload=payload_power
+                )
                 outcome = self._fly_leg(going, name, dwell)
                 if outcome != DONE:
                     return outcome
@@ -165,7 +167,7 @@ class MissionFlyer:
     def _fly_leg(self, going: OngoingFlight, name: str, leg: LegPlan) -> int:
         """Fly one leg and return its outcome."""
         memory = going.memory
-        made = self._scenes.build_beacon_flight(name, going.light, going.lux)
+        beacon_flight = self._scenes.build_beacon_flight(name, going.light, going.lux)
         mission = memory.flight.mission
         if leg.kind == GO:
             # On the ground it has to climb first; dwelling and landing keep the lamp.
@@ -173,6 +175,6 @@ class MissionFlyer:
             mission = mission._replace(phase=phase, memory=STRATEGY.onward(mission.memory))
         flight = memory.flight._replace(mission=mission)
         begin = memory._replace(flight=flight, outcome=FLYING, begun=flight.step)
-        constants = self._pilot.pack_constants(made)
+        constants = self._pilot.pack_constants(beacon_flight)
         going.memory = self._pilot.fly_leg(constants, leg, begin, going.seed)
         return going.memory.outcome

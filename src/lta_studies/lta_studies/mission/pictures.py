@@ -106,10 +106,10 @@ def draw_flight_hours(results: Sequence[MissionResult], light: IrradianceSeries)
     """Plot the minutes flown in each hour."""
     figure = create_figure()
     for k, result in enumerate(results):
-        flown = flight_minutes_by_hour(result.diary, light)
+        minutes = flight_minutes_by_hour(result.diary, light)
         figure.add_trace(
             Bar(
-                x=[hour + 0.5 for hour in range(len(flown))], y=flown, name=result.schedule,
+                x=[hour + 0.5 for hour in range(len(minutes))], y=minutes, name=result.schedule,
                 marker={'color': COLOURS[k]}, hovertemplate='%{y:.1f} min', showlegend=True,
             )
         )  # fmt: skip

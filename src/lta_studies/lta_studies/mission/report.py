@@ -65,7 +65,7 @@ def build_report(request: MissionRequest, results: Sequence[MissionResult]) -> R
     """Return the report of a mission."""
     mission, seed = request.mission, request.seeds[0]
     # The plots show the first seed only; tiles and tables average over all.
-    shown = [each for each in results if each.seed == seed]
+    selected = [each for each in results if each.seed == seed]
     light, gas = request.simulate_light(seed), estimate_gas(request)
     alike = filter_by_schedule(results, select_main_result(results).schedule)
     too_light = describe_too_light(gas, list_starts(alike))
@@ -78,11 +78,11 @@ def build_report(request: MissionRequest, results: Sequence[MissionResult]) -> R
         blocks=(
             Picture(
                 'day', f'Light and state of charge, seed {seed}', DAY,
-                draw_charge(shown, light, mission.reserve.si),
+                draw_charge(selected, light, mission.reserve.si),
             ),
-            Picture('when', 'Timeline', WHEN, draw_timeline(shown, light), height=250),
-            Picture('hours', 'Minutes flown', HOURS, draw_flight_hours(shown, light)),
-            Picture('books', 'Energy', BOOKS, draw_energy_use(shown)),
+            Picture('when', 'Timeline', WHEN, draw_timeline(selected, light), height=250),
+            Picture('hours', 'Minutes flown', HOURS, draw_flight_hours(selected, light)),
+            Picture('books', 'Energy', BOOKS, draw_energy_use(selected)),
             *build_mission_tables(request, results),
             TextSection('Gas over the day', (describe_gas(gas),)),
             TextSection('Meaning and method', METHOD),
@@ -159,7 +159,7 @@ def build_tiles(request: MissionRequest, results: Sequence[MissionResult]) -> li
     first = select_main_result(results)
     alike, days = filter_by_schedule(results, first.schedule), request.days
     count = len(alike)
-    made = [
+    tiles = [
         Tile(
             'flown', format_mean(mean_daily_minutes(alike, days), 0), 'min a day', first.schedule
         ),
@@ -188,7 +188,7 @@ def build_tiles(request: MissionRequest, results: Sequence[MissionResult]) -> li
     more = None if rival is None else ratio_to_rival(results, rival)
     if more is not None:
         # Directly after the flown minutes, to which it refers
-        made.insert(
+        tiles.insert(
             1,
             Tile(
                 'gain',
@@ -197,7 +197,7 @@ def build_tiles(request: MissionRequest, results: Sequence[MissionResult]) -> li
                 f'the flight time of the best other schedule, {rival}',
             ),
         )
-    return made
+    return tiles
 
 
 def format_mean(value: BootstrapMean, digits: int) -> str:

@@ -42,10 +42,10 @@ def build_entrant(
         type(gains), values, f'{find_file("gains", named[1])} with the changes of the comparison'
     )
     vehicle = Vehicle(file, air_density)
-    made = find_control_law(named[0])
-    made.known(gains, vehicle)  # raises if the law cannot fly the vehicle
+    law = find_control_law(named[0])
+    law.known(gains, vehicle)  # raises if the law cannot fly the vehicle
     release = contestant.release.si if contestant.release else None
-    return Entrant(vehicle, made, gains, release)
+    return Entrant(vehicle, law, gains, release)
 
 
 def _select_law(file: VehicleFile, steps: list[EntryChange]) -> tuple[str, str]:

@@ -98,7 +98,7 @@ def fly_maneuver(
     loop = prepare_flight(entrant, scenario, manoeuvre, seed)
     world = loop.world
     course = build_course(manoeuvre, world.state.item(2))
-    flown, duties, tilts = [], [], []
+    states, duties, tilts = [], [], []
     nudged = False
     # Record the state between decision and command, when both refer to the same time.
     for _ in loop.iterate_until(lambda: world.elapsed > manoeuvre.until.si):
@@ -106,11 +106,11 @@ def fly_maneuver(
             world.state[YAW_RATE] += NUDGE
             nudged = True
         state = world.state.tolist()
-        flown.append((world.elapsed, *_read_truth(state, course(world.elapsed).heading)))
+        states.append((world.elapsed, *_read_truth(state, course(world.elapsed).heading)))
         # Clamped, because rounding can leave the cosine outside [-1, 1].
         tilts.append(math.acos(max(-1.0, min(1.0, up_in_body(_extract_quaternion(state))[2]))))
         duties.append(loop.duties)
-    response, stopped = np.array(flown), loop.autopilot.stopped
+    response, stopped = np.array(states), loop.autopilot.stopped
     return _evaluate_flight(
         manoeuvre, course, response, np.array(duties), np.array(tilts), stopped
     )

@@ -30,12 +30,12 @@ def draw_tracking(
     """Plot setpoint and response of each entry in a manoeuvre, for seed 1."""
     figure, labels, lines = create_figure(), [], []
     column = COLUMN[manoeuvre.judge]
-    shown = [
+    selected = [
         row for row in rows
         if row.job.kind == kind and row.job.name in titles and row.flown is not None
         and row.job.manoeuvre == manoeuvre.name
     ]  # fmt: skip
-    for index, row in enumerate(shown):
+    for index, row in enumerate(selected):
         values = scale_column(manoeuvre, row.flown, row.flown[0, column], column)
         lines.append(values)
         if index == 0:
@@ -53,7 +53,7 @@ def draw_tracking(
             build_line_trace(title, row.flown[:, 0], values, colour, unit=UNIT[manoeuvre.judge])
         )
         labels.append(EndLabel(title, float(values[-1]), colour))
-    if not shown:
+    if not selected:
         return figure
     label_ends(figure, labels, padded_range(*lines))
     figure.update_layout(margin={'r': 150})

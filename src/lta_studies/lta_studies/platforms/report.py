@@ -128,7 +128,7 @@ def build_pictures(comparison: ComparisonFile, rows: Sequence[PlatformResult]) -
     titles = {name: each.title for name, each in comparison.contestants.items()}
     common = comparison.manoeuvres
     own = [each for name in comparison.contestants for each in list_maneuvers(comparison, name)]
-    flown = [each for part in comparison.ablations.values() for each in part.manoeuvres]
+    names = [each for part in comparison.ablations.values() for each in part.manoeuvres]
 
     def draw_maneuver(name: str) -> Picture:
         manoeuvre = load_maneuver_file(name)
@@ -143,7 +143,7 @@ def build_pictures(comparison: ComparisonFile, rows: Sequence[PlatformResult]) -
 
     yield Grid([draw_maneuver(name) for name in common])
     others = [draw_maneuver(name) for name in dict.fromkeys(own) if name not in common]
-    others += map(draw_changed, dict.fromkeys(flown))
+    others += map(draw_changed, dict.fromkeys(names))
     if others:
         yield Grid(others)
     if comparison.limits:
@@ -230,7 +230,7 @@ def explain_differences(
 def build_ablation_table(comparison: ComparisonFile, rows: Sequence[PlatformResult]) -> TextTable:
     """Return the table of ablations: flights held before and after the change."""
     # One column for every manoeuvre that any ablation flies
-    flown = list(
+    names = list(
         dict.fromkeys(each for part in comparison.ablations.values() for each in part.manoeuvres)
     )
     lines = [
@@ -242,12 +242,12 @@ def build_ablation_table(comparison: ComparisonFile, rows: Sequence[PlatformResu
                     select_flights(rows, CONTESTANT, ablation.of, each),
                     select_flights(rows, ABLATION, name, each),
                 )
-                for each in flown
+                for each in names
             ),
         ]
         for name, ablation in comparison.ablations.items()
     ]  # fmt: skip
-    heads = ('entry', 'based on', 'change', *flown)
+    heads = ('entry', 'based on', 'change', *names)
     return TextTable('What causes the differences', heads, lines, REVERSED, printed=False)
 
 

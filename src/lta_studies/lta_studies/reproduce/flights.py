@@ -111,18 +111,18 @@ def fly_draws(
     cut = {'seeds': SweepSeeds(first=1, count=1), 'cases': {}, 'vary': {STRATEGY: [*strategies]}}
     settings = {**file.settings, **(change or {})}
     plan = SweepPlan(file.model_copy(update={**cut, 'settings': settings}))
-    drawn = {seed: request.draw_changes(seed) for seed in request.draw_seeds}
+    changes = {seed: request.draw_changes(seed) for seed in request.draw_seeds}
     jobs = [
-        SweepJob(index, seed, {STRATEGY: name, **drawn[seed]})
-        for index, (name, seed) in enumerate(product(strategies, drawn))
+        SweepJob(index, seed, {STRATEGY: name, **changes[seed]})
+        for index, (name, seed) in enumerate(product(strategies, changes))
     ]
-    if len(drawn) < BATCHED:
+    if len(changes) < BATCHED:
         rows = [fly_standalone_job(build_standalone_job(plan, job)) for job in jobs]
     else:
         # A batch may return flights of other strategies in between
-        flown = {job.index: row for job, row in BatchWorkers(plan.base, 'cpu-batch').run(jobs)}
-        rows = [flown[job.index] for job in jobs]
-    count = len(drawn)
+        results = {job.index: row for job, row in BatchWorkers(plan.base, 'cpu-batch').run(jobs)}
+        rows = [results[job.index] for job in jobs]
+    count = len(changes)
     return {name: rows[k * count : (k + 1) * count] for k, name in enumerate(strategies)}
 
 

@@ -62,12 +62,12 @@ class ComparisonFlights:
     def plot_tracking(self, manoeuvre: str, names: Iterable[str]) -> Figure:
         """Plot setpoint and response of each entry, for seed 1."""
         titles = {name: self.entry_title(name) for name in names}
-        shown = [
+        selected = [
             replace(row, job=replace(row.job, kind=CONTESTANT))  # draw ablations as contestants
             for row in self.rows
             if row.job.name in titles
         ]
-        return draw_tracking(shown, titles, load_maneuver_file(manoeuvre))
+        return draw_tracking(selected, titles, load_maneuver_file(manoeuvre))
 
     def record_flights(self, manoeuvre: str, names: Iterable[str], folder: Path) -> str:
         """Record the flight of each entry with seed 1; return the bag path for the page."""
@@ -110,11 +110,11 @@ def fly_gtmab_draws(
 ) -> dict[str, list[ManeuverFlight]]:
     """Fly GT-MAB once in every draw of what is assumed; return its flights by manoeuvre."""
     scenario = load_scenario(load_comparison(FILE).scenario)
-    drawn = {seed: sample_gtmab(request, seed) for seed in request.draw_seeds}
+    samples = {seed: sample_gtmab(request, seed) for seed in request.draw_seeds}
     return {
         name: [
             fly_maneuver(entrant, scenario, load_maneuver_file(name), seed)
-            for seed, entrant in drawn.items()
+            for seed, entrant in samples.items()
         ]
         for name in manoeuvres
     }

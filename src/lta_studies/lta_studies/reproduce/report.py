@@ -192,13 +192,13 @@ def build_tiles(rows: Sequence[PaperRow], stored_rows: StoredRows) -> list[Tile]
     found = count_all_verdicts(rows, stored_rows)
     claims = f'of {sum(found.values()) - found[ClaimVerdict.BEYOND]} claims'
     notes = {ClaimVerdict.BEYOND: 'future work of the paper'}
-    made = [
+    tiles = [
         Tile(str(verdict), str(count), '', notes.get(verdict, claims))
         for verdict, count in found.items()
         if count
     ]
     count = sum(len(row.defects) for row in rows)
-    return [*made, Tile('defects of the paper', str(count), '', 'with their arithmetic below')]
+    return [*tiles, Tile('defects of the paper', str(count), '', 'with their arithmetic below')]
 
 
 def build_summary_table(rows: Sequence[PaperRow], stored_rows: StoredRows) -> TextTable:

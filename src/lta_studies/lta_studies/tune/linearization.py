@@ -68,8 +68,10 @@ def linearize_loop(cut: LoopCut, setpoint: Setpoint) -> LinearLoop:
         after, demanded = cut.step_controller(own, known, before, WrenchDemand(*u.tolist()))
         # Shift register of the command delay, newest first
         commands = np.vstack([np.array(after.duties), before[:-1]])
-        flown = cut.advance_vehicle(own, commands)
-        return np.concatenate([flown, MEMORY.write(after), commands.ravel()]), np.array(demanded)
+        state_after = cut.advance_vehicle(own, commands)
+        return np.concatenate([state_after, MEMORY.write(after), commands.ravel()]), np.array(
+            demanded
+        )
 
     numbers, u = np.concatenate([state, MEMORY.write(memory), past.ravel()]), np.array(trim)
     # Flags and counters of the memory have no derivative.

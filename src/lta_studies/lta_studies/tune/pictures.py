@@ -30,26 +30,26 @@ def plot_responses(
     steps = [step for step in STEPS if step.channel == channel]
     factor = 180.0 / math.pi if channel in ('heading', 'course') else 1.0
     begin, end = steps[0].start - MARGIN, steps[-1].end
-    shown = []
+    limits = []
     for name, colour, traces in (('old', OLD, old), ('new', NEW, new)):
         for k, (loss, trace) in enumerate(traces):
             part = (trace.time >= begin) & (trace.time < end)
             values = factor * trace.select_channel(channel)[part]
-            shown.append(values)
+            limits.append(values)
             words = f'{name}, {1e3 * loss:.1f} g lost'
-            drawn = build_line_trace(
+            line = build_line_trace(
                 words, trace.time[part] - begin, values, colour, unit='', width=1.2
             )
             # From 1 for the smallest loss to 0.4 for the largest
             opacity = 1.0 - 0.6 * k / max(1, len(traces) - 1)
-            figure.add_trace(drawn.update(opacity=opacity))
+            figure.add_trace(line.update(opacity=opacity))
     time, values = setpoint_line(steps, begin, end)
     figure.add_trace(
         build_line_trace(
             'setpoint', time, factor * values, SETPOINT, unit='', dash='dot', width=1.0
         )
     )
-    low, high = padded_range(*shown, factor * values)
+    low, high = padded_range(*limits, factor * values)
     figure.update_layout(hovermode='closest', margin={'r': 24})
     figure.update_xaxes(title_text='time [s]')
     figure.update_yaxes(title_text=TITLES[channel], range=[low, high])

@@ -172,8 +172,8 @@ def tune_once(order: TuningRequest, console: Console) -> TuningResult:
             )
             progress.count_item()
 
-        flown = partial(evaluate_candidate, scene, old, cases, workers)
-        found = search_gains(numbers, flown, store, order.budget, order.seed, show_candidate)
+        evaluate = partial(evaluate_candidate, scene, old, cases, workers)
+        found = search_gains(numbers, evaluate, store, order.budget, order.seed, show_candidate)
         # The rounded gains of the file are also the ones that are compared.
         best = {path: round_gain(value) for path, value in found.numbers.items()}
         new = replace_parameters(old, best)

@@ -115,13 +115,13 @@ def find_limits(
         for z in request.roughness:
             _hull_wind_share(vehicle, height, request, z)
     # Which vehicles are compared does not change the limits of one
-    asked = replace(request, vehicles=())
+    shared_request = replace(request, vehicles=())
     keys = {
         name: f'{name} {hash_inputs(vehicle.file.model_dump_json())}'
         for name, vehicle in zip(request.vehicles, vehicles, strict=True)
     }
     study = Study(partial(measure_limits, request), keys.__getitem__, STORE, 'platforms')
-    identity = hash_inputs(asked, scene.model_dump_json())
+    identity = hash_inputs(shared_request, scene.model_dump_json())
     outcome = study.run(list(keys), folder, identity, options, console)
     return list(outcome.results.values()) if outcome.stopped else outcome.require_all()
 
@@ -194,8 +194,8 @@ def draw_static_limit(name: str, density: float) -> tuple[float, float] | None:
         return None
     found = []
     for seed in range(1, DRAWS + 1):
-        drawn = draw_content(content, seed, 'vehicle')
-        file = validate_content(VehicleFile, drawn, f'a draw of {name}')
+        variant = draw_content(content, seed, 'vehicle')
+        file = validate_content(VehicleFile, variant, f'a draw of {name}')
         found.append(wind_limits.static_wind_limit(Vehicle(file, density)))
     low, high = map(float, np.quantile(found, [0.05, 0.95]))
     return low, high

@@ -66,16 +66,16 @@ def build_report(results: Sequence[PlatformWindLimits], request: WindStudyReques
 
 def format_headline(results: Sequence[PlatformWindLimits]) -> str:
     """Return the headline."""
-    flown = {each.name: each.flown.wind for each in results if each.flown is not None}
-    how = 'makes headway' if flown else 'can statically hold its position'
-    most = flown or {each.name: each.static for each in results if math.isfinite(each.static)}
+    winds = {each.name: each.flown.wind for each in results if each.flown is not None}
+    how = 'makes headway' if winds else 'can statically hold its position'
+    most = winds or {each.name: each.static for each in results if math.isfinite(each.static)}
     if not most:
         return 'No wind limit was found.'
     best = max(most, key=lambda name: most[name])
     among = f', the highest limit of {len(most)} platforms' if len(most) > 1 else ''
     (limit,) = [each for each in results if each.name == best]
     # The static limit of one platform is the speed at which thrust, tumbling or rising ends it
-    why = '' if flown or among else f'; {_find_cause(limit)} limits it'
+    why = '' if winds or among else f'; {_find_cause(limit)} limits it'
     return f'In uniform wind {best} {how} up to {most[best]:.2f} m/s{among}{why}.'
 
 
@@ -88,18 +88,18 @@ def _find_cause(limit: PlatformWindLimits) -> str:
 def format_introduction(request: WindStudyRequest) -> str:
     """Describe the wind profiles and the flights."""
     seeds = format_count(request.seeds, 'seed')
-    flown = f'Flown with {seeds}{", in coarse steps" if request.quick else ""}.'
+    note = f'Flown with {seeds}{", in coarse steps" if request.quick else ""}.'
     return (
         'Limits in uniform wind, and in wind over rough ground. The wind over ground is '
         f'given at {request.reference:g} m, as a weather service measures it; the log law '
         'yields the wind at the height of the hull. '
-        f'{flown if request.fly else "Static limits only; nothing was flown."}'
+        f'{note if request.fly else "Static limits only; nothing was note."}'
     )
 
 
 def build_tiles(results: Sequence[PlatformWindLimits]) -> list[Tile]:
     """Return a tile with the limit in uniform wind for each platform."""
-    made = []
+    tiles = []
     for each in results:
         numbers = format_speed(each.static)
         cause = _find_cause(each)
@@ -107,12 +107,12 @@ def build_tiles(results: Sequence[PlatformWindLimits]) -> list[Tile]:
         if each.flown is None:
             known = math.isfinite(each.static)
             note = f'static; limited by {cause}' if known else why
-            made.append(Tile(each.name, numbers, 'm/s' if known else '', note))
+            tiles.append(Tile(each.name, numbers, 'm/s' if known else '', note))
         else:
-            made.append(
+            tiles.append(
                 Tile(each.name, format_flyable_wind(each.flown, False), 'm/s', f'flown; {why}')
             )
-    return made
+    return tiles
 
 
 def format_platform_notes(results: Sequence[PlatformWindLimits]) -> list[str]:
@@ -174,11 +174,11 @@ def build_limit_table(
     for each in results:
         row = [each.name, f'{each.height:.2f}']
         row += map(format_speed, (each.thrust, each.tumble, each.rise))
-        for static, flown in (
+        for static, dynamic in (
             (each.static, each.flown),
             *((g.static, g.flown) for g in each.over),
         ):
-            row += [format_speed(static), format_flyable_wind(flown)]
+            row += [format_speed(static), format_flyable_wind(dynamic)]
         rows.append(row)
     groups = (('', 5), *((name, 2) for name in grounds))
     return TextTable('Limits by platform', heads, rows, groups=groups)
@@ -224,11 +224,11 @@ def draw_limits(results: Sequence[PlatformWindLimits], request: WindStudyRequest
                 line={'color': colour, 'width': 1.6}, hovertemplate='%{y:.1f} m/s',
             )
         )  # fmt: skip
-        flown = [(over.roughness, over.flown.wind) for over in limit.over if over.flown]
-        if flown:
+        points = [(over.roughness, over.flown.wind) for over in limit.over if over.flown]
+        if points:
             figure.add_trace(
                 Scatter(
-                    x=[z for z, _ in flown], y=[wind for _, wind in flown], mode='markers',
+                    x=[z for z, _ in points], y=[wind for _, wind in points], mode='markers',
                     name=f'{limit.name}, flown', marker={'color': colour, 'size': 8},
                     hovertemplate='%{y:.1f} m/s flown',
                 )

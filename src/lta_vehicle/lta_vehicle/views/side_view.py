@@ -22,8 +22,8 @@ def draw_side_view(sheet: VehicleSheet, width: int) -> Text:
     """Return the side view, nose to the right, with CG (G), CB (B) and thrust arrows."""
     cp = sheet.by_key.get('cp_x')
     ahead = 0.0 if cp is None or cp.value is None else cp.value / CENTIMETRES
-    shown = project_vehicle(sheet.vehicle, VIEWS[0], ahead)
-    (left, low), (right, high) = shown.bounds
+    projection = project_vehicle(sheet.vehicle, VIEWS[0], ahead)
+    (left, low), (right, high) = projection.bounds
     # A character has 2 by 4 braille dots; 3 dots of margin on each side
     scale = (2 * width - 6) / max(right - left, 1e-3)
     scale = min(scale, (4 * TALLEST - 6) / max(high - low, 1e-3))
@@ -43,25 +43,25 @@ def draw_side_view(sheet: VehicleSheet, width: int) -> Text:
     def draw_letter(x: float, y: float, letter: str, colour: str) -> None:
         figure.draw(figure.text(x, y, plotext.colorize(letter, (colour, None, 'bold'))))
 
-    for shape in (*shown.parts, *([shown.hull] if shown.hull else [])):
+    for shape in (*projection.parts, *([projection.hull] if projection.hull else [])):
         x, y = trace_outline(shape, to_dots(shape.middle), scale)
         outline = figure.signal(x.tolist(), y.tolist(), marker='braille')
         outline.lines()
         figure.draw(outline)
-    for arm in shown.arms:
+    for arm in projection.arms:
         (x1, y1), (x2, y2) = map(to_dots, arm)
         # Every second dot: arms are dotted lines
         count = max(2, round(math.hypot(x2 - x1, y2 - y1) / 2))
         x, y = np.linspace(x1, x2, count), np.linspace(y1, y2, count)
         figure.draw(figure.signal(x.tolist(), y.tolist(), marker='braille'))
-    for rotor in shown.rotors:
+    for rotor in projection.rotors:
         # Arrows of rotors that point nearly at the viewer would be misleading
         if math.hypot(*rotor.along) > 0.3:
             turn = math.atan2(rotor.along[1], rotor.along[0])
             arrow = ARROWS[round(turn / (math.pi / 4.0)) % 8]
             across, up = to_dots(rotor.at)
             draw_letter(across + 4 * math.cos(turn), up + 5 * math.sin(turn), arrow, 'green')
-    for mark in reversed(shown.marks):  # the first stays on top
+    for mark in reversed(projection.marks):  # the first stays on top
         # The second letter of CG and CB
         if (letter := mark.letters[1:2].upper()) in COLOURS:
             draw_letter(*to_dots(mark.at), letter, COLOURS[letter])

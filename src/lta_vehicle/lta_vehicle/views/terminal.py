@@ -79,8 +79,8 @@ def show_difference(
 
 def format_figure_change(item: FigureChange) -> tuple[str, str, str, str]:
     """Return label, value before and after, and change of a figure."""
-    shown = [figure.value_with_unit if figure else MISSING for figure in (item.before, item.after)]
-    return item.figure.words, shown[0], shown[1], format_change(item)
+    texts = [figure.value_with_unit if figure else MISSING for figure in (item.before, item.after)]
+    return item.figure.words, texts[0], texts[1], format_change(item)
 
 
 def format_change(item: FigureChange) -> str:

@@ -94,8 +94,10 @@ def print_channel_overview(
 ) -> None:
     """Print all channels, and the topics that could not be decoded."""
     found = read_all_channels(flight)
-    shown = [unwrap_to_degrees(crop_channel(item, begin, end)) for item in found.channels.values()]
-    console.print(build_channel_listing(shown, console.width))
+    channels = [
+        unwrap_to_degrees(crop_channel(item, begin, end)) for item in found.channels.values()
+    ]
+    console.print(build_channel_listing(channels, console.width))
     print_remarks([*found.remarks, *flight.bag.losses], console)
 
 
@@ -108,6 +110,6 @@ def print_remarks(remarks: Sequence[str], console: Console) -> None:
 
 def select_provenance(flight: RecordedFlight) -> dict[str, str]:
     """Return the main provenance entries of a flight."""
-    wanted = ('vehicle', 'scenario', 'strategy', 'seed', 'commit', 'created')
+    keys = ('vehicle', 'scenario', 'strategy', 'seed', 'commit', 'created')
     # Imported bags have only some of these entries
-    return {key: flight.provenance[key] for key in wanted if key in flight.provenance}
+    return {key: flight.provenance[key] for key in keys if key in flight.provenance}

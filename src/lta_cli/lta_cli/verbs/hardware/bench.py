@@ -109,15 +109,15 @@ def confirm_motor(motor: str, rotor: str, duty: float, seconds: float, console: 
 
     Raises BadInput if anything else is typed, or stdin is closed.
     """
-    wanted = f'spin {motor}'
+    answer = f'spin {motor}'
     console.print(
         f'Motor {motor} ({rotor}) is about to turn at {duty:.0%} duty for {seconds:g} s. '
-        f"Tether the drone, keep fingers and strings away, then type '{wanted}':",
+        f"Tether the drone, keep fingers and strings away, then type '{answer}':",
         highlight=False, soft_wrap=True,
     )  # fmt: skip
     # A closed stdin gives an empty line, which is refused
-    if sys.stdin.readline().strip() != wanted:
-        raise BadInput(f"Cancelled: '{wanted}' was not typed, so no motor turned.")
+    if sys.stdin.readline().strip() != answer:
+        raise BadInput(f"Cancelled: '{answer}' was not typed, so no motor turned.")
 
 
 def format_outcome(motor: str, turned: MotorTurnResult, right: bool) -> str:

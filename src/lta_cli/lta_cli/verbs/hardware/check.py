@@ -64,11 +64,11 @@ def check(
         )
         return
     console = plain_console(stderr=json)
-    asked = HardwareCheckRequest(uri, port, vehicle, frequency, seconds)
+    request = HardwareCheckRequest(uri, port, vehicle, frequency, seconds)
     columns = (TextColumn('{task.description}'), BarColumn())
     with ProgressBar(console, *columns, begin='searching', total=1.0) as bar:
         outcome = run_hardware_check(
-            asked, lambda doing, part: bar.update_bar(description=doing, completed=part)
+            request, lambda doing, part: bar.update_bar(description=doing, completed=part)
         )
     if json:
         print_json(to_json(outcome))

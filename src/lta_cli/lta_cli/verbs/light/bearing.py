@@ -103,7 +103,7 @@ def bearing(
 
     Example: lta light bearing --place indoor --diodes 8 --range any --poses 10000
     """
-    asked = BearingTrialRequest(
+    request = BearingTrialRequest(
         vehicle,
         tuple(dict.fromkeys(place or PLACES)),
         tuple(dict.fromkeys(diodes or (4, 8, 16))),
@@ -119,15 +119,15 @@ def bearing(
         turn,
         math.radians(off_axis),
     )
-    for name in asked.places:
+    for name in request.places:
         if name not in PLACES:
             raise unknown_name_error('place', name, list(PLACES))
     # Also checks that the vehicle fits the scenes before any work
-    specs = [build_flight_spec(PLACES[name], vehicle, 1) for name in asked.places]
+    specs = [build_flight_spec(PLACES[name], vehicle, 1) for name in request.places]
     inputs = (poses, seed, turn, off_axis, *(spec.contents for spec in specs))
-    study = Study(asked.evaluate, str, STORE, 'combinations')
-    found = run.run_study(study, hash_inputs(*inputs), asked.list_cases())
-    return build_report(found, asked)
+    study = Study(request.evaluate, str, STORE, 'combinations')
+    found = run.run_study(study, hash_inputs(*inputs), request.list_cases())
+    return build_report(found, request)
 
 
 def parse_range(text: str) -> float | None:

@@ -39,5 +39,5 @@ def plan(
     Example: lta tests plan gtmab --room 3
     """
     known = load_vehicle(vehicle)
-    made = plan_lab_tests(known, vehicle, 'wrench' if wrench else 'rotors', room)
-    return build_plan_report(made, known)
+    test_plan = plan_lab_tests(known, vehicle, 'wrench' if wrench else 'rotors', room)
+    return build_plan_report(test_plan, known)

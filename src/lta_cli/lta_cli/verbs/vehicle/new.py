@@ -83,38 +83,38 @@ def new(
         'arm': arm, 'hang': hang, 'envelope': envelope, 'heaviness': heaviness,
         'battery': battery,
     }  # fmt: skip
-    given = {key: text for key, text in texts.items() if text is not None}
+    options = {key: text for key, text in texts.items() if text is not None}
     console = plain_console()
-    if not given or model is not None:
-        if given:
+    if not options or model is not None:
+        if options:
             raise BadInput(
                 '--from copies a vehicle as it is; leave out --from, or '
-                f'{", ".join(f"--{key}" for key in given)}.'
+                f'{", ".join(f"--{key}" for key in options)}.'
             )
         _copy_vehicle(name, model or 'gtmab', path)
         return
-    if missing := [f'--{key}' for key in NEEDED if key not in given]:
+    if missing := [f'--{key}' for key in NEEDED if key not in options]:
         raise BadInput(
             f'Size, mass and motors are needed together: {", ".join(missing)} is missing; or copy '
             'a vehicle with --from.'
         )
-    sizes = {key: parse_size(key, text) for key, text in given.items()}
+    sizes = {key: parse_size(key, text) for key, text in options.items()}
     vehicle, gains = write_sized_vehicle(name, VehicleSize(motors=motors, **sizes), path)
     balance = f'Its gas lifts {1e3 * vehicle.gross_lift:.0f} g; {describe_balance(vehicle)}.'
     for line in (f'File {path}', f'Gains {gains}', balance):
         console.print(line, highlight=False, soft_wrap=True)
-    shown = _format_explicit_path(path)
+    path_text = _format_explicit_path(path)
     stands = vehicle.hull_height_on_floor
     climb = ['--set', f'mission.altitude={stands + 0.3:.1f}'] if stands > ALTITUDE - 0.1 else []
-    flies = ('Fly it', ('simulate', '--vehicle', shown, *climb))
+    flies = ('Fly it', ('simulate', '--vehicle', path_text, *climb))
     if motors == min(MOTORS):
         console.print('No motor pushes up, so no control law of LTA can hold its altitude.')
-        recorded = ('simulate', '--commands', 'BAG', '--vehicle', shown)
+        recorded = ('simulate', '--commands', 'BAG', '--vehicle', path_text)
         flies = ('Fly it by the commands of a flight', recorded)
     for purpose, words in (
-        ('See its figures', ('vehicle', 'show', shown)),
+        ('See its figures', ('vehicle', 'show', path_text)),
         flies,
-        ('Measure what is assumed', ('tests', 'plan', shown)),
+        ('Measure what is assumed', ('tests', 'plan', path_text)),
     ):
         console.print(f'{purpose}: {format_lta_command(*words)}', highlight=False, soft_wrap=True)
 

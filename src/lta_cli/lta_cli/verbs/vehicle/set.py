@@ -31,8 +31,8 @@ def set_(
     """
     console = plain_console()
     for edit in edit_vehicle_file(file, changes, source):
-        said = f', source: {edit.source}' if edit.source else ''
-        lines = [f'{edit.path}: {edit.before} -> {edit.after}{said}']
+        source_note = f', source: {edit.source}' if edit.source else ''
+        lines = [f'{edit.path}: {edit.before} -> {edit.after}{source_note}']
         if edit.is_stale:
             lines.append(
                 f'! {edit.path} changed, but its source is still "{edit.source}"; name the new '

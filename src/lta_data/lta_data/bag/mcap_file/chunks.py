@@ -106,12 +106,12 @@ def unpack_by_crc(
         raise DamagedRecord
     reason = DamagedRecord()
     tried = set()
-    for packed, told in iterate_candidates(head, length):
+    for packed, has_length in iterate_candidates(head, length):
         if packed in tried:
             continue
         tried.add(packed)
         try:
-            return unpack_candidate(read, packed, told, head, length)
+            return unpack_candidate(read, packed, has_length, head, length)
         except DamagedRecord as error:
             reason = error if error.args else reason
     raise reason
@@ -152,15 +152,15 @@ def iterate_candidates(
     name = bytes(head[HEAD.size : HEAD.size + min(name_length, 8)]).decode(errors='replace')
     start = HEAD.size + name_length + LENGTH.size
     if start <= len(head):
-        given = LENGTH.unpack_from(head, start - LENGTH.size)[0]
-        if given <= length - start:
-            yield PackedLocation(name, start, given), True
+        declared = LENGTH.unpack_from(head, start - LENGTH.size)[0]
+        if declared <= length - start:
+            yield PackedLocation(name, start, declared), True
     for kind in KINDS:
         start = HEAD.size + len(kind) + LENGTH.size
         if kind and bytes(head[start : start + 4]) not in MAGICS:
             continue
-        given = LENGTH.unpack_from(head, start - LENGTH.size)[0]
-        for guess in (given, length - start, size if kind == '' else CHUNK_BYTES):
+        declared = LENGTH.unpack_from(head, start - LENGTH.size)[0]
+        for guess in (declared, length - start, size if kind == '' else CHUNK_BYTES):
             if 0 < guess <= CHUNK_BYTES:
                 yield PackedLocation(kind, start, guess), False
 

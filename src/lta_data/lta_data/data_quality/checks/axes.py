@@ -120,15 +120,17 @@ def score_pose_readings(
     attitude = pose.attitude
     if attitude is None:
         return
-    told = VectorSeries(pair.told, pair.grid[pair.known], pair.left[pair.known])
+    rates = VectorSeries(pair.told, pair.grid[pair.known], pair.left[pair.known])
     for words, read in ORDERS.items():
         other = VectorSeries(
             attitude.name, attitude.time, remove_sign_jumps(read(attitude.values))
         )
         if pair.what == 'rates':
-            yield from score_reading(pair_rates(told, other, limits), attitude.name, words, limits)
+            yield from score_reading(
+                pair_rates(rates, other, limits), attitude.name, words, limits
+            )
         elif pose.position is not None:
-            found = pair_velocity(pose.position, other, told, limits)
+            found = pair_velocity(pose.position, other, rates, limits)
             yield from score_reading(found, attitude.name, words, limits)
     if pair.what != 'velocity' or pose.position is None:
         return
@@ -136,7 +138,7 @@ def score_pose_readings(
     level = VectorSeries(
         attitude.name, attitude.time, attitude.values * 0.0 + [0.0, 0.0, 0.0, 1.0]
     )
-    in_map = pair_velocity(pose.position, level, told, limits)
+    in_map = pair_velocity(pose.position, level, rates, limits)
     yield from score_reading(
         in_map, pair.told, 'The velocity is in the map frame instead of the body frame', limits
     )
@@ -150,7 +152,7 @@ def score_pose_readings(
                           zip(order, signs, strict=True))  # fmt: skip
         changes = sum(order[j] != j or signs[j] < 0 for j in range(3))
         for score, name, told_as in score_reading(
-            pair_velocity(moved, attitude, told, limits), place.name,
+            pair_velocity(moved, attitude, rates, limits), place.name,
             f'The axes x, y, z of the position are recorded as {words}', limits,
         ):  # fmt: skip
             yield score - 0.01 * changes, name, told_as

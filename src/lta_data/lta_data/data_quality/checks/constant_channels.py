@@ -59,18 +59,18 @@ def first_finite_value(channel: SignalChannel) -> float:
 
 def build_unfilled_finding(name: str, channel: SignalChannel) -> QualityFinding:
     """Return the finding of a vector that is always zero: its sender has no such quantity."""
-    told = (
+    text = (
         f'All components are exactly 0 in all {len(channel.time)} messages: the sender does '
         'not fill them in.'
     )
     # Zero angles are an identity quaternion, which is set; an unset one has length 0
     if roles.ANGLE.match(channel.field):
-        told = (
+        text = (
             f'The attitude is the identity in all {len(channel.time)} messages, exactly level '
             'with heading 0: the sender may not measure it.'
         )
     return QualityFinding(
-        KIND, name, float(channel.time[0]), float(channel.time[-1]), told, Severity.NOTE
+        KIND, name, float(channel.time[0]), float(channel.time[-1]), text, Severity.NOTE
     )
 
 

@@ -65,12 +65,12 @@ def find_hand_motion(evidence: CheckContext) -> CheckVerdict:
     places = [
         pose.position for pose in evidence.poses if pose.tracked and pose.position is not None
     ]
-    judged = 0
+    count = 0
     for force in sources:
-        judged += bool(is_sampled_fast_enough(force))
+        count += bool(is_sampled_fast_enough(force))
         found += find_tremor(force, force.values, limits)
     for place in places:
-        judged += bool(is_sampled_fast_enough(place))
+        count += bool(is_sampled_fast_enough(place))
         found += find_tremor(place, compute_acceleration(place), limits)
     idle = find_idle_times(evidence.recording, limits)
     if idle is None:
@@ -80,7 +80,7 @@ def find_hand_motion(evidence: CheckContext) -> CheckVerdict:
     else:
         for place in places:
             found += find_idle_motion(place, *idle, limits)
-    if not judged:
+    if not count:
         unjudged.append(
             'Whether a hand held the vehicle cannot be judged: no channel is sampled fast enough '
             'to show tremor at up to 12 Hz.'
@@ -169,16 +169,16 @@ def find_idle_times(
     recording: ChannelRecording, limits: QualityLimits
 ) -> tuple[Array, NDArray[np.bool_]] | None:
     """Return times of commands and whether all rotors were idle; None without commands."""
-    told = [
+    commands = [
         (channel, FORCE if channel.unit == 'N' else limits.idle_duty)
         for channel in recording.channels.values()
         if roles.DRIVES.match(channel.name) and len(channel.time) > 1
     ]
-    if not told:
+    if not commands:
         return None
-    time = told[0][0].time
+    time = commands[0][0].time
     idle = np.ones(len(time), dtype=np.bool_)
-    for channel, least in told:
+    for channel, least in commands:
         if len(channel.time) == len(time):
             # Negated, so that NaN counts as idle
             idle &= ~(np.abs(channel.values) > least)

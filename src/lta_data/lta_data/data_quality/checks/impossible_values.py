@@ -63,8 +63,8 @@ def find_out_of_range(
             bad = finite & ((values < known.low) | (values > known.high))
             if bad.any():
                 worst = values[bad][np.argmax(np.abs(values[bad]))]  # with its sign
-                told = f'the most extreme is {worst:.6g} {channel.unit}, but {known.reason}'
-                yield from build_stretch_findings(channel.name, channel.time, bad, told)
+                text = f'the most extreme is {worst:.6g} {channel.unit}, but {known.reason}'
+                yield from build_stretch_findings(channel.name, channel.time, bad, text)
 
 
 def find_non_numbers(channel: SignalChannel) -> Iterator[QualityFinding]:
@@ -89,8 +89,8 @@ def find_impossible_voltages(channel: SignalChannel) -> Iterator[QualityFinding]
     bad = np.isfinite(values) & ~inside
     if bad.any():
         worst = float(values[bad][0])
-        told = f'{worst:.4g} V is neither a cell (2.5 to 4.4 V) nor a battery pack (5 to 61 V)'
-        yield from build_stretch_findings(channel.name, channel.time, bad, told)
+        text = f'{worst:.4g} V is neither a cell (2.5 to 4.4 V) nor a battery pack (5 to 61 V)'
+        yield from build_stretch_findings(channel.name, channel.time, bad, text)
 
 
 def find_unnormalized_quaternions(channels: list[SignalChannel]) -> Iterator[QualityFinding]:
@@ -113,8 +113,8 @@ def find_unnormalized_quaternions(channels: list[SignalChannel]) -> Iterator[Qua
                 'Every quaternion is zero: the sender does not fill it in.', Severity.NOTE,
             )  # fmt: skip
         elif bad.any():
-            told = f'a quaternion has length {length[bad][0]:.4g}, but an attitude needs length 1'
-            yield from build_stretch_findings(f'{topic}/{path}', time, bad, told)
+            text = f'a quaternion has length {length[bad][0]:.4g}, but an attitude needs length 1'
+            yield from build_stretch_findings(f'{topic}/{path}', time, bad, text)
 
 
 def find_position_jumps(pose: PoseSeries, limits: QualityLimits) -> Iterator[QualityFinding]:
@@ -129,11 +129,11 @@ def find_position_jumps(pose: PoseSeries, limits: QualityLimits) -> Iterator[Qua
     # A small step within a very short period is noise, not a jump
     bad = (speed > limits.jump_speed) & (far > limits.jump_size) & (speed > 20.0 * usual)
     if bad.any():
-        told = (
+        text = (
             f'the position jumps by up to {far[bad].max():.2f} m, at up to '
             f'{speed[bad].max():.0f} m/s'
         )
-        yield from build_stretch_findings(pose.position.name, time[1:], bad, told)
+        yield from build_stretch_findings(pose.position.name, time[1:], bad, text)
 
 
 def find_missing_gravity(

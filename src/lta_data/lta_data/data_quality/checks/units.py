@@ -110,12 +110,12 @@ def find_wrong_units(evidence: CheckContext) -> CheckVerdict:
 
 def describe_unpaired_rates(evidence: CheckContext) -> tuple[str, ...]:
     """Return a remark for rates that have no counterpart."""
-    judged = {pair.told for pair, likeness in evidence.pair_similarities if likeness is not None}
+    compared = {pair.told for pair, likeness in evidence.pair_similarities if likeness is not None}
     return tuple(
         f"The unit and axes of '{sensor.rates.name}' cannot be judged: no changing attitude to "
         'compare with.'
         for sensor in evidence.inertials
-        if sensor.rates is not None and sensor.rates.name not in judged
+        if sensor.rates is not None and sensor.rates.name not in compared
     )
 
 

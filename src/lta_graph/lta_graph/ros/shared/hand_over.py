@@ -87,9 +87,9 @@ class HandOver:
         """Remove the reader of a subscription, which gets no further message."""
         for readers in self._readers.values():
             readers[:] = [one for one in readers if one.subscription is not subscription]
-        kept = [item for item in self.queue if item[0].subscription is not subscription]
+        remaining = [item for item in self.queue if item[0].subscription is not subscription]
         self.queue.clear()
-        self.queue.extend(kept)
+        self.queue.extend(remaining)
         self.changes += 1
 
 

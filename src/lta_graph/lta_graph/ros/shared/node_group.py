@@ -80,11 +80,11 @@ def run_launch_file(words: Sequence[str], teardown: ExitStack) -> int:
     `words`: program, launch file and its arguments. `teardown`: as for `run_nodes`. Raise
     `BadInput` if there is no such file, or it starts no node that can share a process.
     """
-    program, *given = words
-    if not given:
+    program, *arguments = words
+    if not arguments:
         raise BadInput('Give a launch file, such as fly, and its arguments as NAME:=VALUE.')
-    path = find_file('launch file', given[0], '.launch.yaml')
-    plan = load_plan(path, {**parse_arguments(given[1:]), 'processes': ONE})
+    path = find_file('launch file', arguments[0], '.launch.yaml')
+    plan = load_plan(path, {**parse_arguments(arguments[1:]), 'processes': ONE})
     shared = [process for process in plan.processes if process.shared]
     if not shared:
         raise BadInput(f'{path} starts no node that can share a process; use lta launch.')

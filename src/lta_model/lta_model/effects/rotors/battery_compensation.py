@@ -60,17 +60,17 @@ def compute_output(p: Values, memory: Values, value: float, surroundings: Values
         return value
     # 0 means that the voltage is unknown
     supply = surroundings[VOLTAGE] if surroundings[VOLTAGE] > 0.0 else voltage
-    wanted = full * value
+    thrust = full * value
     # As in the firmware: nothing below the least thrust, and none in reverse
-    if supply < BROKEN or wanted < least or wanted <= 0.0:
+    if supply < BROKEN or thrust < least or thrust <= 0.0:
         return 0.0
     # Even the full battery voltage does not reach the thrust
-    if c_0 + supply * (c_1 + supply * (c_2 + supply * c_3)) <= wanted:
+    if c_0 + supply * (c_1 + supply * (c_2 + supply * c_3)) <= thrust:
         return 1.0
     # Newton's method starts at the supply voltage, right of the root
     mean = supply
     for _ in range(NEWTON):
-        excess = c_0 + mean * (c_1 + mean * (c_2 + mean * c_3)) - wanted
+        excess = c_0 + mean * (c_1 + mean * (c_2 + mean * c_3)) - thrust
         slope = c_1 + mean * (2.0 * c_2 + mean * (3.0 * c_3))
         # Clipped to 0 and the supply, where the root is known to be
         mean = min(max(mean - excess / max(slope, FLAT), 0.0), supply)

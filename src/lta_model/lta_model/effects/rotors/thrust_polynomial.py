@@ -69,8 +69,8 @@ def compute_output(p: Values, memory: Values, value: float, surroundings: Values
 
 def find_conflict(values: Mapping[str, float]) -> str:
     """Return an objection to a cubic that cannot describe a motor, or ''."""
-    given = any(values[name] != 0.0 for name in ('linear_to', 'c_0', 'c_1', 'c_2', 'c_3'))
-    if given and values['voltage'] == 0.0:
+    has_polynomial = any(values[name] != 0.0 for name in ('linear_to', 'c_0', 'c_1', 'c_2', 'c_3'))
+    if has_polynomial and values['voltage'] == 0.0:
         return (
             'set voltage to the nominal battery voltage, at which the duty is 1, or all other '
             'parameters to zero'

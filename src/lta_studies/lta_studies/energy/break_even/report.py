@@ -67,10 +67,10 @@ def format_headline(result: BreakEvenMap) -> str:
 
 def build_tiles(result: BreakEvenMap) -> list[Tile]:
     """Return tiles with the break-even illuminance in the sun."""
-    made = []
+    tiles = []
     for task, load in result.loads.items():
         lux = result.break_even_lux(result.arrays[0], 'sun', load)
-        made.append(
+        tiles.append(
             Tile(
                 task,
                 format_klux(lux),
@@ -78,7 +78,7 @@ def build_tiles(result: BreakEvenMap) -> list[Tile]:
                 f'of sunlight give the {1e3 * load:.0f} mW that it needs',
             )
         )
-    return made
+    return tiles
 
 
 def build_illuminance_table(result: BreakEvenMap) -> TextTable:

@@ -70,14 +70,14 @@ def format_headline(result: PowerBudget) -> str:
 
 def build_tiles(result: PowerBudget) -> list[Tile]:
     """Return tiles for the tasks in flight and for the multirotor."""
-    made = []
+    tiles = []
     for name, task in result.tasks.items():
         if task.rotors > 0.0:
             words = TO.join(format_paper_values(task))
             note = f'paper: {words} mW' if words else 'not in the paper'
-            made.append(Tile(name, f'{1e3 * task.power:.0f}', 'mW', note))
+            tiles.append(Tile(name, f'{1e3 * task.power:.0f}', 'mW', note))
     note = f'paper: 3 x {1e3 * paper.HOVER:.0f} mW'
-    return [*made, Tile(f'{result.standard}, hovering', f'{result.hover.power:.2f}', 'W', note)]
+    return [*tiles, Tile(f'{result.standard}, hovering', f'{result.hover.power:.2f}', 'W', note)]
 
 
 def build_task_table(result: PowerBudget) -> TextTable:
@@ -138,7 +138,7 @@ def build_cause_table(result: PowerBudget) -> TextTable:
 
 def describe_differences(result: PowerBudget) -> list[str]:
     """Return notes on the differences to the paper."""
-    flown, share = result.tasks['flying at 0.5 m/s'], result.hover_power_ratio
+    cruise, share = result.tasks['flying at 0.5 m/s'], result.hover_power_ratio
     return [
         f'"Almost one third": 3 x 1333 mW would be a standard drone of {paper.STANDARD:.1f} '
         "W. According to Bitcraze's bench data a Crazyflie of 27 g takes "
@@ -148,7 +148,7 @@ def describe_differences(result: PowerBudget) -> list[str]:
         'standard drone is a Crazyflie, buoyancy saves more than the paper states.',
         "Navigation: the paper's strategies take 190 to 211 mW more than hovering, which is "
         'assigned here to the light board and the computing. Flying at 0.5 m/s against drag '
-        f'takes another {1e3 * (flown.power - result.tasks["hovering"].power):.0f} mW with '
+        f'takes another {1e3 * (cruise.power - result.tasks["hovering"].power):.0f} mW with '
         'these rotors. The value of the paper does not include this; ours includes both, '
         'and the turns.',
         'The powers for idling and transmitting are taken from the paper. Rotor power is '

@@ -54,8 +54,10 @@ def measure_budget(
     body, other = load_vehicle(vehicle), load_vehicle(standard)
     kinds = [(vehicle, COURSE), *((vehicle, name) for name in STRATEGIES), (standard, COURSE)]
     flights = [BudgetFlight(*kind, seed) for kind in kinds for seed in range(1, seeds + 1)]
-    flown = list(fly_all(flights))
-    course, *navigated, multirotor = (flown[k : k + seeds] for k in range(0, len(flown), seeds))
+    results = list(fly_all(flights))
+    course, *navigated, multirotor = (
+        results[k : k + seeds] for k in range(0, len(results), seeds)
+    )
     tasks = [*list_ground_tasks(body.loads), *average_flight_tasks(body.loads, course)]
     tasks += [
         average_navigation(body, name, tracks)

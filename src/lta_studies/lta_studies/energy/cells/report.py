@@ -91,16 +91,16 @@ def format_headline(*criteria: Sequence[Sequence[CellReading]]) -> str:
 
 def build_tiles(table: CellTable, energy: EnergyBlock) -> list[Tile]:
     """Return tiles with the stand-by net power of the paper's arrays in each light."""
-    made = []
+    tiles = []
     for name, strings in build_all_arrays(table).items():
         for array in strings:
             for net in compute_net_powers(array, energy, table):
                 size = f'{SQUARE * array.area:.0f} cm² of {name}'
                 light = WORDS.get(net.light, net.light)
-                made.append(
+                tiles.append(
                     Tile(size, format_number(net.standby, 1, 1e3), 'mW', f'stand-by, {light}')
                 )
-    return made
+    return tiles
 
 
 def draw_fronts(

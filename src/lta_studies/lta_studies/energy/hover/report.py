@@ -69,7 +69,7 @@ def format_duration(seconds: float) -> str:
 
 def build_tiles(result: HoverComparison) -> list[Tile]:
     """Return tiles with power and charge of both drones, and the power ratio."""
-    made = []
+    tiles = []
     for each in (result.first, result.second):
         left = (
             f'{format_duration(each.endurance)} on a full cell; '
@@ -77,9 +77,9 @@ def build_tiles(result: HoverComparison) -> list[Tile]:
         )
         # A drone that failed early has its charge at that time.
         when = '' if each.trace.failed is None else f' after {each.trace.failed:.0f} s'
-        made.append(Tile(each.name, f'{each.power:.2f}', 'W', left + when))
+        tiles.append(Tile(each.name, f'{each.power:.2f}', 'W', left + when))
     note = f'of the power of {result.second.name}; paper: almost a third'
-    return [*made, Tile('power when hovering', f'{100 * result.power_ratio:.0f}', '%', note)]
+    return [*tiles, Tile('power when hovering', f'{100 * result.power_ratio:.0f}', '%', note)]
 
 
 def build_discharge_table(result: HoverComparison) -> TextTable:

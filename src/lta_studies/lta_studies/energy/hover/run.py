@@ -147,15 +147,15 @@ def fly_hover(
         return elapsed >= seconds - 1e-9 or (elapsed > 0.0 and not loop.world.supply.flow.fed)
 
     loop = prepare_hover(spec)
-    flown = fly_until(loop, is_over)
-    failed = None if loop.world.supply.flow.fed else float(flown.time[-1])
+    record = fly_until(loop, is_over)
+    failed = None if loop.world.supply.flow.fed else float(record.time[-1])
     loads = loop.world.vehicle.loads
     each, count = hover_thrust(loop.world.vehicle)
     return HoverResult(
         name=loop.world.vehicle.file.name,
         # Without the first sample, which precedes the first load
-        trace=DischargeTrace(flown.time[1:], flown.voltage[1:], flown.charge[1:], failed),
-        power=mean_hover_power(loads, flown),
+        trace=DischargeTrace(record.time[1:], record.voltage[1:], record.charge[1:], failed),
+        power=mean_hover_power(loads, record),
         energy=loop.world.supply.energy_totals.consumed,
         still=power_demand(loads, [each] * count, transmitting=False),
         radio=loads.transmitting,

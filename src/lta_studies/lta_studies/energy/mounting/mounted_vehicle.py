@@ -63,12 +63,16 @@ def build_mounted_vehicle(
         If the hull cannot carry it, or the file or the mount cannot be used.
 
     """
-    made = mount_panels(content, name, ahead)
+    mounted = mount_panels(content, name, ahead)
     if fuller != 1.0:
-        made = _enlarge_hull(made, fuller)
+        mounted = _enlarge_hull(mounted, fuller)
     where = f'{content.get("name", "the vehicle")} with the mount {name}'
     return MountedVehicle(
-        load_mount(name), ahead, fuller, made, Vehicle(validate_content(VehicleFile, made, where))
+        load_mount(name),
+        ahead,
+        fuller,
+        mounted,
+        Vehicle(validate_content(VehicleFile, mounted, where)),
     )
 
 

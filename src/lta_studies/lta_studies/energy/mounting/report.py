@@ -101,14 +101,14 @@ def format_vehicle_files(study: MountingStudy) -> dict[str, str]:
 
 def build_tiles(study: MountingStudy) -> list[Tile]:
     """Return tiles with pitch and light of each mount."""
-    made = []
+    tiles = []
     swing, light = verdict.pitch_rms(study), verdict.mean_light_share(study)
     for name in study.shared:
         short = 1e3 * study.lacking[name]
         carried = f'{short:.1f} g too heavy' if short > 0.0 else f'{-short:.1f} g to spare'
-        made.append(Tile(name, f'{DEGREES * swing[name]:.3f}', '° rms', 'of pitch at 0.1 m/s'))
-        made.append(Tile(name, f'{100 * light[name]:.0f}', '% of light', carried))
-    return made
+        tiles.append(Tile(name, f'{DEGREES * swing[name]:.3f}', '° rms', 'of pitch at 0.1 m/s'))
+        tiles.append(Tile(name, f'{100 * light[name]:.0f}', '% of light', carried))
+    return tiles
 
 
 def draw_straight_flights(study: MountingStudy) -> Figure:
@@ -117,10 +117,10 @@ def draw_straight_flights(study: MountingStudy) -> Figure:
     for row, group in enumerate((study.shared, study.misplaced), start=1):
         ends, labels = [], []
         for colour, (name, each) in zip(COLOURS, group.items(), strict=False):
-            flown = each.flights[0].flown.crop(LIFT_OFF - 4.0, END)
-            degrees = DEGREES * flown.pitch
+            record = each.flights[0].flown.crop(LIFT_OFF - 4.0, END)
+            degrees = DEGREES * record.pitch
             figure.add_trace(
-                build_line_trace(name, flown.time, degrees, colour, unit='°', width=1.2), row, 1
+                build_line_trace(name, record.time, degrees, colour, unit='°', width=1.2), row, 1
             )
             # Mean over the last samples, as the last one is a random phase of the swing
             labels.append(EndLabel(name, float(degrees[-1000:].mean()), colour))

@@ -179,10 +179,10 @@ def compare_mounts(
         MountFlight(group, each, seed)
         for group, vehicles in fits.items() for each in vehicles for seed in seeds
     ]  # fmt: skip
-    flown = iter(fly_all(flights))
+    results = iter(fly_all(flights))
     own, shared, misplaced = (
         {
-            each.mount.name: evaluate_mount(each, list(islice(flown, request.seeds)))
+            each.mount.name: evaluate_mount(each, list(islice(results, request.seeds)))
             for each in fits[group]
         }
         for group in ('own', 'shared', 'misplaced')

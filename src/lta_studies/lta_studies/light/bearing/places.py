@@ -46,8 +46,8 @@ def build_flight_spec(
 ) -> FlightSpec:
     """Return the spec of a vehicle with an even ring at a place; the file's diodes by default."""
     values: dict[str, object] = {f'{DIODES}.count': count, **place.mounted}
-    given = {} if diodes is None else diodes._asdict()
-    for name, value in given.items():
+    changes = {} if diodes is None else diodes._asdict()
+    for name, value in changes.items():
         if value is not None:
             values[f'{DIODES}.{name}'] = {'value': value, 'unit': '1', 'source': 'option'}
     return load_spec(vehicle, place.scenario, 'bag', '').with_values(values)

@@ -77,10 +77,10 @@ def build_cells(name: str, plan: SweepPlan, rows: Iterable[SweepRow]) -> list[Ev
                 wind_to_airspeed_ratio(made_of),
             )
         # A flight that could not be simulated is counted, but not as a missed lamp.
-        flown = {row.seed: row for row in own if row.outcome != FAILED}
-        failures = len(own) - len(flown)
+        completed = {row.seed: row for row in own if row.outcome != FAILED}
+        failures = len(own) - len(completed)
         found.append(
-            EvaluationCell(strategy, case, parse_family(own[0]), *known[case], flown, failures)
+            EvaluationCell(strategy, case, parse_family(own[0]), *known[case], completed, failures)
         )
     return found
 

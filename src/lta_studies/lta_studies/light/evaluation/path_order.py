@@ -56,12 +56,12 @@ def ordered_share(values: Sequence[Sequence[float]]) -> float:
     if min(map(len, values)) < FEWEST:
         return math.nan
     chance = np.random.default_rng(SEED)
-    drawn = [
+    means = [
         # Strategies are resampled separately: different seeds arrive with each.
         np.array(own)[chance.integers(len(own), size=(4000, len(own)))].mean(axis=1)
         for own in values
     ]
-    rises = np.all([a < b for a, b in pairwise(drawn)], axis=0)
+    rises = np.all([a < b for a, b in pairwise(means)], axis=0)
     return float(rises.mean())
 
 

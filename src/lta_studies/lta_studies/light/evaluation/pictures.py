@@ -75,12 +75,12 @@ def plot_paper_comparison(cells: Sequence[EvaluationCell]) -> Figure:
     figure = create_figure(3, [0.42, 0.34, 0.24])
     for cell in cells:
         name = labels.label_strategy(cell.strategy)
-        shown: tuple[Interval, ...] = (
+        intervals: tuple[Interval, ...] = (
             cell.mean('path_length'),
             cell.mean('search_time'),
             cell.reached_share,
         )
-        for row, value in enumerate(shown, start=1):
+        for row, value in enumerate(intervals, start=1):
             markers = build_markers(cell.strategy, [name], [value], joined=False, legend=False)
             figure.add_trace(markers, row=row, col=1)
     known = [cell.strategy for cell in cells if cell.strategy in paper.INDOORS]

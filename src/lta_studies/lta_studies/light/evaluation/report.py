@@ -90,11 +90,11 @@ def describe_flights(status: EvaluationStatus) -> str:
 
 def format_headline(status: EvaluationStatus) -> str:
     """Return the share of flights of each strategy that reached the lamp."""
-    flown = [name for name, own in status.cells.items() if any(cell.rows for cell in own)]
-    if not flown:
+    names = [name for name, own in status.cells.items() if any(cell.rows for cell in own)]
+    if not names:
         return 'No flight could be simulated.'
     # The headline is about the indoor set if it was flown, else the first set.
-    name = INDOORS if INDOORS in flown else flown[0]
+    name = INDOORS if INDOORS in names else names[0]
     cells = [cell for cell in status.cells[name] if cell.rows and cell.strategy != pilot.NAME]
     shares = ', '.join(
         f'{labels.label_strategy(cell.strategy)} {100 * cell.reached_share.value:.0f} %'
@@ -166,17 +166,17 @@ def build_tiles(status: EvaluationStatus) -> list[Tile]:
 
 def build_pictures(status: EvaluationStatus) -> list[Block]:
     """Return the pictures of all sets with flights; the ablations need the whole width."""
-    flown = {
+    strategies = {
         name: own
         for name, cells in status.cells.items()
         if (own := [cell for cell in cells if cell.rows])
     }
-    indoors, ablations = flown.pop(INDOORS, []), flown.pop(ABLATIONS, [])
+    indoors, ablations = strategies.pop(INDOORS, []), strategies.pop(ABLATIONS, [])
     blocks: list[Block] = []
     if indoors:
         blocks.append(Grid(draw_indoors(status, indoors)))
-    if flown:
-        blocks.append(Grid([draw_set(name, cells) for name, cells in flown.items()]))
+    if strategies:
+        blocks.append(Grid([draw_set(name, cells) for name, cells in strategies.items()]))
     if ablations:
         blocks.append(draw_set(ABLATIONS, ablations))
     return blocks
@@ -187,7 +187,7 @@ def draw_indoors(status: EvaluationStatus, cells: Sequence[EvaluationCell]) -> l
     part, plan = find_flight_set(INDOORS), status.plans[INDOORS]
     # One seed for all tracks, so that start and noise are the same.
     seed = tracks.select_track_seed(cells)
-    flown, scenario = tracks.fly_again(plan, cells, seed)
+    results, scenario = tracks.fly_again(plan, cells, seed)
     altitude = plan.base.read_value('mission.altitude')
     return [
         Picture(
@@ -196,7 +196,7 @@ def draw_indoors(status: EvaluationStatus, cells: Sequence[EvaluationCell]) -> l
         Picture(
             'tracks', 'One flight of each strategy',
             f'All strategies with the same seed, seen from above. Seed {seed}.',
-            tracks.plot_tracks(flown, scenario, altitude), height=470,
+            tracks.plot_tracks(results, scenario, altitude), height=470,
         ),
     ]  # fmt: skip
 
@@ -274,7 +274,7 @@ def to_json(
             'ablations': [
                 {'case': each.case, 'holds': each.holds, 'share': each.share} for each in ablations
             ],
-            'paper': {name: flown._asdict() for name, flown in paper.INDOORS.items()},
+            'paper': {name: figures._asdict() for name, figures in paper.INDOORS.items()},
             'units': {**FIGURES, 'reached': '1', 'ratio': '1', 'wind': '1'},
         }
     )

@@ -51,10 +51,10 @@ def build_paper_table(cells: Sequence[EvaluationCell]) -> TextTable:
     rows = [
         [
             labels.label_strategy(name),
-            labels.format_mean(own[name].mean('path_length')), f'{flown.path:g}',
-            labels.format_mean(own[name].mean('search_time')), format_number(flown.time, 1),
+            labels.format_mean(own[name].mean('path_length')), f'{figures.path:g}',
+            labels.format_mean(own[name].mean('search_time')), format_number(figures.time, 1),
         ]
-        for name, flown in paper.INDOORS.items()
+        for name, figures in paper.INDOORS.items()
         if name in own
     ]  # fmt: skip
     return TextTable('Comparison with the paper, indoors', PAPER_HEADS, rows)

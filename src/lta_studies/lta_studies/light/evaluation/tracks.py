@@ -44,7 +44,7 @@ def fly_again(
     plan: SweepPlan, cells: Sequence[EvaluationCell], seed: int
 ) -> tuple[list[EvaluationTrack], Scenario]:
     """Repeat the flights of one seed, since rows do not store tracks."""
-    drawn = []
+    flight_tracks = []
     for cell in cells:
         if seed not in cell.rows:
             continue
@@ -57,8 +57,8 @@ def fly_again(
         # Integer division, so the step is too small rather than too large.
         keep = slice(None, None, max(1, len(truth.x) // BEADS))
         way = (truth.time[keep], truth.x[keep], truth.y[keep])
-        drawn.append(EvaluationTrack(cell.strategy, *way, seed in cell.arrivals))
-    return drawn, loop.world.scenario
+        flight_tracks.append(EvaluationTrack(cell.strategy, *way, seed in cell.arrivals))
+    return flight_tracks, loop.world.scenario
 
 
 def plot_tracks(tracks: Sequence[EvaluationTrack], scenario: Scenario, height: float) -> Figure:

@@ -79,13 +79,13 @@ def format_headline(links: Sequence[LampLink]) -> str:
 
 def build_tiles(links: Sequence[LampLink]) -> list[Tile]:
     """Return tiles with light and SNR of each scene at the paper's distance."""
-    made = []
+    tiles = []
     for each in links:
         at = find_reference_point(each)
         note = f'direct light at {at.distance:g} m; paper: several tens of lx'
-        made.append(Tile(each.scenario, f'{at.lux:.0f}', 'lx', note))
-        made.append(Tile(each.scenario, f'{at.snr:.0f}', '', f'SNR at {at.distance:g} m'))
-    return made
+        tiles.append(Tile(each.scenario, f'{at.lux:.0f}', 'lx', note))
+        tiles.append(Tile(each.scenario, f'{at.snr:.0f}', '', f'SNR at {at.distance:g} m'))
+    return tiles
 
 
 def plot_lux(links: Sequence[LampLink]) -> Figure:

@@ -87,18 +87,18 @@ def build_floor(plan: FloorPlan, vehicle: Vehicle, cell: float) -> FloorGrid:
                 in_the_way.append(polygon_edges(footprint))
     # The hull is a disk, so it fits at any heading.
     free &= distance_to_edges(points, np.vstack(in_the_way)) >= radius
-    wanted = free
+    target = free
     if plan.hear:
-        wanted = free & np.any(
+        target = free & np.any(
             [points_in_polygon(points, a.corners) for a in plan.hear.values()], axis=0
         )
-    if not wanted.any():
+    if not target.any():
         raise BadInput(
             f'{vehicle.file.name}, {2 * radius:g} m wide, fits nowhere in the required area '
             f'of {plan.name} at an altitude of {plan.altitude.si:g} m; raise the altitude above '
             'the obstacles, choose smaller cells with --cell, or choose a smaller vehicle.'
         )
-    return FloorGrid(x, y, cell, free, wanted, np.vstack(walls), abs(signed_area(corners)))
+    return FloorGrid(x, y, cell, free, target, np.vstack(walls), abs(signed_area(corners)))
 
 
 def _check_height(plan: FloorPlan, vehicle: Vehicle) -> None:

@@ -36,6 +36,6 @@ def load_inputs(
             raise unknown_name_error('parameter', path, [f'{name}. ...' for name in ROOTS])
         contents[root] = replace_parameter(contents[root], below, value, root)
     hall = validate_content(FloorPlan, contents['plan'], str(files['plan']))
-    flown = Vehicle(validate_content(VehicleFile, contents['vehicle'], str(files['vehicle'])))
+    receiver = Vehicle(validate_content(VehicleFile, contents['vehicle'], str(files['vehicle'])))
     settings = validate_content(DemodulationSettings, contents['demodulator'], 'The demodulator')
-    return hall, LightReceiver(flown, settings, load_topic_table().light, margin)
+    return hall, LightReceiver(receiver, settings, load_topic_table().light, margin)

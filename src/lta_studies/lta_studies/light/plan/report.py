@@ -99,14 +99,14 @@ def format_percent(share: float) -> str:
 def build_tiles(layout: LampLayout, handover: LampHandover) -> list[Tile]:
     """Return the tiles of the layout."""
     count, floor = len(layout.lamps), layout.floor
-    wanted = float(floor.wanted.sum()) * floor.cell**2
+    area = float(floor.wanted.sum()) * floor.cell**2
     # The best lamp in each cell, then the worst cell
     weakest = float(layout.snr.max(axis=0).min())
     two = format_percent(float((layout.received_count >= 2).mean()))
     tones = [lamp.frequency for lamp in layout.lamps]
     steps = len(handover.route)
     return [
-        Tile('covered', format_percent(layout.coverage), '%', f'of {wanted:.0f} m² where the hull '
+        Tile('covered', format_percent(layout.coverage), '%', f'of {area:.0f} m² where the hull '
         f'fits'),
         Tile('lamps', str(count), '', f'at least {layout.bound} for full coverage'),
         Tile(

@@ -57,10 +57,10 @@ DAY: Final = (
 def run_study(request: RowStudyRequest) -> RowStudyResult:
     """Study wind, missions, beacons and bearings, each against the paper's method."""
     # --quick flies homing only.
-    flown = BOTH[1:] if request.quick else BOTH
-    indoors = fly_group('indoors', request.seeds, strategies=flown)
+    strategies = BOTH[1:] if request.quick else BOTH
+    indoors = fly_group('indoors', request.seeds, strategies=strategies)
     values: dict[str, MeasuredValue] = {}
-    for name in flown:
+    for name in strategies:
         values |= summarize_cell(name, indoors.find_cell(name))
     pictures = [
         StudyPicture('strategies', 'BAG and homing, indoors', BARS,
@@ -77,8 +77,8 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
             for name in BOTH
         }
     values |= measure_bearings(request.seeds)
-    missions, drawn = study_mission(request.folder / MISSION, request.seeds)
-    pictures += [build_headwind_picture(request, winds), drawn]
+    missions, day = study_mission(request.folder / MISSION, request.seeds)
+    pictures += [build_headwind_picture(request, winds), day]
     return RowStudyResult({**values, **missions}, pictures)
 
 

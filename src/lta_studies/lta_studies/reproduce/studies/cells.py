@@ -79,9 +79,9 @@ def measure_draw(table: CellTable, seed: int) -> dict[str, float | str]:
     values = data_sheet_times(found)
     for strings in build_all_arrays(table).values():
         for array in strings:
-            drawn = replace(array, cell=draw_cell(array.cell.name, seed))
-            for net in compute_net_powers(drawn, energy, table):
-                values |= label_net_powers(f'{drawn.cell.name}_{LIGHTS[net.light]}', net)
+            sample = replace(array, cell=draw_cell(array.cell.name, seed))
+            for net in compute_net_powers(sample, energy, table):
+                values |= label_net_powers(f'{sample.cell.name}_{LIGHTS[net.light]}', net)
     return {name: value.value for name, value in values.items()}
 
 

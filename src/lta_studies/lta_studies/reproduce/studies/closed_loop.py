@@ -29,8 +29,8 @@ HEADINGS: Final = {'climb': 'Altitude task', 'cruise': 'Velocity task'}
 def run_study(request: RowStudyRequest) -> RowStudyResult:
     """Fly both models, each in closed and open loop."""
     # --quick leaves out the swapped control laws.
-    shown = QUICK if request.quick else tuple(FLOWN)
-    pairs = [(name, each) for name in shown for each in FLOWN[name]]
+    names = QUICK if request.quick else tuple(FLOWN)
+    pairs = [(name, each) for name in names for each in FLOWN[name]]
     flights = fly_entries(pairs, request.seeds)
     values: dict[str, MeasuredValue] = {}
     for name, manoeuvre in pairs:
@@ -39,14 +39,14 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
             name, manoeuvre, 'overshoot'
         )
         values[f'{name}_{manoeuvre}_rms'] = flights.metric_value(name, manoeuvre, 'rms')
-    for name in shown:
+    for name in names:
         values[f'{name}_climb_settles'] = flights.metric_value(name, 'climb', 'settling_time')
         values[f'{name}_cruise_ripple'] = flights.metric_value(name, 'cruise', 'ripple')
     pictures = [
-        StudyPicture(each, HEADINGS[each], CAPTIONS[each], flights.plot_tracking(each, shown),
+        StudyPicture(each, HEADINGS[each], CAPTIONS[each], flights.plot_tracking(each, names),
                      format_lta_command('platforms', '--seeds', str(request.seeds)),
                      '' if request.quick
-                     else flights.record_flights(each, shown, request.folder / each))
+                     else flights.record_flights(each, names, request.folder / each))
         for each in CAPTIONS
     ]  # fmt: skip
     return RowStudyResult(values, pictures, draws=draw_gtmab(request, ('climb', 'cruise')))

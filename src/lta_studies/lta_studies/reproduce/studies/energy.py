@@ -98,8 +98,8 @@ def draw_navigation(request: RowStudyRequest) -> dict[str, list[float | str]]:
     """Return the power of navigating by each strategy, one flight in every draw. [W]"""
     rows = fly_draws('indoors', request, strategies=STRATEGIES)
     powers: dict[str, list[float | str]] = {
-        name: [float(row.figures.get('power') or math.nan) for row in flown]
-        for name, flown in rows.items()
+        name: [float(row.figures.get('power') or math.nan) for row in results]
+        for name, results in rows.items()
     }
     together = zip(*powers.values(), strict=True)
     powers['strategies_apart'] = [max(each) - min(each) for each in together]
@@ -112,8 +112,8 @@ def measure_draw(request: RowStudyRequest, seed: int) -> dict[str, float]:
     spec = load_spec(VEHICLE, SCENE, 'bag', '').with_values(changes)
     body = build_vehicle_scenario_stack(spec)[0]
     course = build_course(body.hull_height_on_floor)
-    flown = fly_until(build_closed_loop(spec, course, seed), stop_after(END))
-    tasks = average_flight_tasks(body.loads, [flown])
+    record = fly_until(build_closed_loop(spec, course, seed), stop_after(END))
+    tasks = average_flight_tasks(body.loads, [record])
     hover, fly = tasks[1].power, tasks[2].power
     array = body.file.energy.array
     assert array is not None
@@ -208,9 +208,9 @@ def charging_ratios(net: Mapping[str, float], powers: Mapping[str, float]) -> di
     """Return the ratios of charging to flight time, and seconds of flight per charged hour."""
     values = {}
     for light, watts in net.items():
-        for task, drawn in powers.items():
+        for task, power in powers.items():
             # Light that does not cover the idle power never charges the cell.
-            ratio = drawn / watts if watts > 0.0 else math.inf
+            ratio = power / watts if watts > 0.0 else math.inf
             values[f'ratio_{task}_{light}'] = ratio
         # One third of flying, two thirds of hovering.
         mixed = (powers['paper_fly'] + 2.0 * powers['paper_hover']) / 3.0

@@ -111,12 +111,12 @@ def draw_readings(request: RowStudyRequest) -> dict[str, list[float | str]]:
         if request.quick and change:
             continue
         rows = fly_draws('indoors', request, change=change)
-        for name, flown in rows.items():
-            draws |= summarize_draws(f'{prefix}{name}', flown)
+        for name, results in rows.items():
+            draws |= summarize_draws(f'{prefix}{name}', results)
         figures = {
             figure: {
-                name: [arrival_figure(row, figure) for row in flown]
-                for name, flown in rows.items()
+                name: [arrival_figure(row, figure) for row in results]
+                for name, results in rows.items()
             }
             for figure in ('path_length', 'search_time')
         }
@@ -161,9 +161,9 @@ def measure_factors(seeds: int) -> dict[str, MeasuredValue]:
 
 def compute_misfits(values: Mapping[str, MeasuredValue]) -> dict[str, MeasuredValue]:
     """Return the misfit to the printed paths and times as flown, and with the best factor."""
-    flown = {'as_flown': '', 'towards': f'{TOWARDS}_', 'fast': 'fast_'}
-    flown |= {case: f'{case}_' for case in FACTORS}
-    off = {case: rms_misfit(values, prefix) for case, prefix in flown.items()}
+    prefixes = {'as_flown': '', 'towards': f'{TOWARDS}_', 'fast': 'fast_'}
+    prefixes |= {case: f'{case}_' for case in FACTORS}
+    off = {case: rms_misfit(values, prefix) for case, prefix in prefixes.items()}
     best = min((case for case in off if case != 'as_flown'), key=off.__getitem__)
     return {
         'misfit_as_flown': MeasuredValue(off['as_flown']),
@@ -207,7 +207,7 @@ def plot_indoor_flights(
 ) -> list[StudyPicture]:
     """Plot the flights from above, and the comparison with the paper."""
     indoors = groups['']
-    made = [
+    pictures = [
         StudyPicture('bars', 'Indoors, compared with the paper', BARS,
                      plot_paper_comparison(list(indoors.cells)),
                      format_lta_command('light', 'evaluate', '--sets', 'indoors',
@@ -221,7 +221,7 @@ def plot_indoor_flights(
         bag = '' if request.quick else record_group(group, cells, seed, request.folder / name)
         first = next(each for each in cells if each.strategy == 'bag')
         again = format_command(group, first, seed)
-        made.append(
+        pictures.append(
             StudyPicture(name, heading, TRACKS, plot_tracks(tracks, scenario, 0.5), again, bag)
         )
-    return made
+    return pictures

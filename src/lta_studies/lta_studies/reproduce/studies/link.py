@@ -72,12 +72,12 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
         *(word for each in DISTANCES for word in ('--distance', f'{each:g}')),
         '--blocks', str(request.seeds),
     )  # fmt: skip
-    drawn = list(links.values())
+    curves = list(links.values())
     pictures = [
         StudyPicture('trace', 'What a diode reads', TRACED, plot_diode_samples(trace),
                 format_lta_command('simulate', '--scenario', ROOM)),
-        StudyPicture('lux', 'Light by distance', LUX, plot_lux(drawn), again),
-        StudyPicture('snr', 'Signal-to-noise ratio by distance', SNR, plot_snr(drawn), again),
+        StudyPicture('lux', 'Light by distance', LUX, plot_lux(curves), again),
+        StudyPicture('snr', 'Signal-to-noise ratio by distance', SNR, plot_snr(curves), again),
     ]  # fmt: skip
     draws = collect_draws(request, partial(measure_draw, request))
     return RowStudyResult(values, pictures, draws=draws)

@@ -114,8 +114,8 @@ def draw_winds(request: RowStudyRequest) -> dict[str, list[float | str]]:
     draws: dict[str, list[float | str]] = {}
     for speed in WINDS[:1] if request.quick else WINDS:
         rows = fly_draws('winds', request, change={WIND: f'{speed:g} m/s'})
-        for name, flown in rows.items():
-            found = summarize_draws(f'{name}_{speed:g}', flown)
+        for name, results in rows.items():
+            found = summarize_draws(f'{name}_{speed:g}', results)
             draws |= {key: each for key, each in found.items() if not key.endswith('_path')}
     draws['wind_by_thrust_14'] = [
         compare_wind_with_thrust(request.draw_changes(seed)) for seed in request.draw_seeds
@@ -233,8 +233,8 @@ def plot_outdoor_flights(
     request: RowStudyRequest, winds: FlightGroup, rough: FlightGroup | None = None
 ) -> list[StudyPicture]:
     """Plot tracks and distances in the paper's winds, and over a flyable ground."""
-    made = []
-    drawn: list[tuple[str, str, FlightGroup, Sequence[EvaluationCell]]] = [
+    pictures = []
+    views: list[tuple[str, str, FlightGroup, Sequence[EvaluationCell]]] = [
         (f'wind_{wind:g}', f'Wind of {wind:g} m/s at 10 m height, ground roughness 0.3 m', winds,
          [find_cell(winds, name, wind) for name in (PAPERS[:1] if request.quick else PAPERS)])
         for wind in (WINDS[:1] if request.quick else WINDS)
@@ -242,7 +242,7 @@ def plot_outdoor_flights(
     if rough is not None:
         # Our strategy is drawn for comparison where the ground makes the wind flyable.
         over = [find_cell(rough, name, SHOWN) for name in (*PAPERS, 'homing')]
-        drawn.append(
+        views.append(
             (
                 'wind_rough',
                 f'Wind of 8 m/s at 10 m height, ground roughness {SHOWN:g} m',
@@ -250,7 +250,7 @@ def plot_outdoor_flights(
                 over,
             )
         )
-    for name, heading, group, cells in drawn:
+    for name, heading, group, cells in views:
         tracks, scenario = fly_again(group.plan, cells, 1)
         bag = '' if request.quick else record_group(group, cells, 1, request.folder / name)
         again = format_command(group, cells[0], 1)
@@ -259,18 +259,18 @@ def plot_outdoor_flights(
             .update_xaxes(dtick=10)
             .update_yaxes(dtick=10)
         )
-        made.append(StudyPicture(name, heading, TRACKS, above, again, bag))
+        pictures.append(StudyPicture(name, heading, TRACKS, above, again, bag))
         if name == 'wind_8':
             x, y, _ = scenario.goal_lamp.position.vector
             lines = {
                 each.strategy: (each.time, np.hypot(each.x - x, each.y - y)) for each in tracks
             }
-            made.append(
+            pictures.append(
                 StudyPicture('distance', 'Distance to the lamp in a wind of 8 m/s', DISTANCES,
                              plot_distances(lines),
                              format_lta_command('light', 'evaluate', '--sets', 'winds'), bag)
             )  # fmt: skip
-    return made
+    return pictures
 
 
 def plot_distances(lines: Mapping[str, tuple[Array, Array]]) -> Figure:

@@ -64,12 +64,12 @@ FOLLOWED: Final = {
 
 def run_study(request: RowStudyRequest) -> RowStudyResult:
     """Measure the paper's table, and how well its ranking is reproduced."""
-    flown = () if request.quick else tuple(FLOWN.values())
-    flights = fly_entries([(name, each) for name in RANKED for each in flown], request.seeds)
+    manoeuvres = () if request.quick else tuple(FLOWN.values())
+    flights = fly_entries([(name, each) for name in RANKED for each in manoeuvres], request.seeds)
     measured = {
         criterion: {name: measure(name) for name in RANKED}
         for criterion, measure in build_criterion_functions(flights).items()
-        if criterion not in FLOWN or FLOWN[criterion] in flown
+        if criterion not in FLOWN or FLOWN[criterion] in manoeuvres
     }
     values = {
         f'{name}_{criterion}': value
@@ -92,7 +92,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     pictures += [
         StudyPicture(each, *FOLLOWED[each], flights.plot_tracking(each, RANKED), command,
                 flights.record_flights(each, RANKED, request.folder / each))
-        for each in flown
+        for each in manoeuvres
     ]  # fmt: skip
     return RowStudyResult(values, pictures, draws=draw_orders(request, measured))
 
@@ -101,8 +101,8 @@ def draw_orders(
     request: RowStudyRequest, measured: Mapping[str, Mapping[str, MeasuredValue]]
 ) -> dict[str, list[float | str]]:
     """Return the concordance in every draw of GT-MAB; the other platforms stay as measured."""
-    flown = [FLOWN[criterion] for criterion in measured if criterion in FLOWN]
-    flights = fly_gtmab_draws(request, flown)
+    manoeuvres = [FLOWN[criterion] for criterion in measured if criterion in FLOWN]
+    flights = fly_gtmab_draws(request, manoeuvres)
     draws: dict[str, list[float | str]] = {}
     for criterion, values in measured.items():
         if criterion in FLOWN:

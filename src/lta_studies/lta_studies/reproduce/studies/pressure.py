@@ -79,15 +79,15 @@ def airspeed_from_dynamic_pressure(pressure: float) -> float:
 
 def plot_pressures_and_maps(values: Mapping[str, MeasuredValue]) -> list[StudyPicture]:
     """Plot all pressures, and pressure maps of the hulls from below."""
-    made = [
+    pictures = [
         StudyPicture('pressure', 'Pressures compared', BESIDE, plot_pressures(values),
                 format_lta_command('reproduce', 'forces'))
     ]  # fmt: skip
     for name, (file, pattern, heading) in SHOWN.items():
         again = format_lta_command('cfd', 'run', file, '--only', pattern)
         hull = load_flow(name).pressed['envelope']
-        made.append(StudyPicture(f'map_{name}', heading, MAP, plot_underside(hull), again))
-    return made
+        pictures.append(StudyPicture(f'map_{name}', heading, MAP, plot_underside(hull), again))
+    return pictures
 
 
 def plot_pressures(values: Mapping[str, MeasuredValue]) -> Figure:

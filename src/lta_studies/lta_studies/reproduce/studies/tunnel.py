@@ -46,15 +46,15 @@ def plot_drag_and_matrices(
     sweep: TunnelSweep, vehicles: Mapping[str, Vehicle]
 ) -> list[StudyPicture]:
     """Plot drag along and about the axes, and B of the vehicles."""
-    flown, shown = (
+    run_command, show_command = (
         format_lta_command('cfd', 'run', 'gtmab'),
         format_lta_command('vehicle', 'show', 'gtmab'),
     )
     along, about = draw_drag(sweep, turning=False), draw_drag(sweep, turning=True)
     return [
-        StudyPicture('drag', 'Drag along the axes', POINTS, along, flown),
-        StudyPicture('turning', 'Drag about the axes', POINTS, about, flown),
-        StudyPicture('matrix', 'Thrust allocation', MATRIX, plot_matrices(vehicles), shown),
+        StudyPicture('drag', 'Drag along the axes', POINTS, along, run_command),
+        StudyPicture('turning', 'Drag about the axes', POINTS, about, run_command),
+        StudyPicture('matrix', 'Thrust allocation', MATRIX, plot_matrices(vehicles), show_command),
     ]
 
 
