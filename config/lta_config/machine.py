@@ -56,9 +56,9 @@ def make_temporary_cache() -> Path:
     folder = Path(tempfile.gettempdir()) / f'lta-cache-{os.getuid()}'
     with suppress(FileExistsError):
         folder.mkdir(mode=0o700)
-    found = folder.lstat()
+    status = folder.lstat()
     # Compiled code is loaded from there: nobody else may be able to write it
-    private = found.st_uid == os.getuid() and not found.st_mode & 0o022
-    if stat.S_ISDIR(found.st_mode) and private:
+    private = status.st_uid == os.getuid() and not status.st_mode & 0o022
+    if stat.S_ISDIR(status.st_mode) and private:
         return folder
     return Path(tempfile.mkdtemp(prefix='lta-cache-'))

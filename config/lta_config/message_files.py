@@ -24,8 +24,8 @@ def list_message_files() -> Mapping[str, Path]:
         share.parent / PACKAGE / 'msg',
         *(Path(prefix, 'share', PACKAGE, 'msg') for prefix in prefixes if prefix),
     ):
-        if found := sorted(folder.glob('*.msg')):
-            return {f'{PACKAGE}/msg/{path.stem}': path for path in found}
+        if paths := sorted(folder.glob('*.msg')):
+            return {f'{PACKAGE}/msg/{path.stem}': path for path in paths}
     return {}
 
 

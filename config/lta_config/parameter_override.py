@@ -53,8 +53,8 @@ def parse_value(value: Any, where: str) -> Any:  # noqa: ANN401 - what YAML hold
         if vector is not None:
             numbers = [_parse_number(item) for item in vector.group(1).strip('[]').split(',')]
             return {'value': numbers, 'unit': vector.group(2)}
-        found = parse_quantity(value)
-        return _parse_number(value) if found is None else found
+        quantity = parse_quantity(value)
+        return _parse_number(value) if quantity is None else quantity
     except (yaml.YAMLError, ValueError):
         raise BadInput(
             f"{where} cannot be set to '{value}'; write a value such as 0.5, true, '4 g' or "
@@ -118,9 +118,9 @@ def get_parameter(content: Any, path: str, root: str) -> Any:  # noqa: ANN401 - 
 
 def _get_child(content: Any, key: str, where: str) -> Any:  # noqa: ANN401 - what YAML holds
     """Return the value below one key; None if the key is optional and missing."""
-    found = parse_quantity(content)
-    if found is not None:
-        return _select_element(found, key, where)
+    quantity = parse_quantity(content)
+    if quantity is not None:
+        return _select_element(quantity, key, where)
     if content is None and OPEN in where.split('.'):  # a parameter of an omitted effect
         return None
     if not isinstance(content, Mapping):
@@ -154,8 +154,10 @@ def _replace_at(content: Any, keys: list[str], value: Any, where: str) -> Any:  
     if below is None and not rest:  # an omitted parameter of an effect
         return {**content, key: _mark_source(value)}
     new = _replace_at({} if below is None else below, rest, value, f'{where}.{key}')
-    found = parse_quantity(content)
-    return {**content, key: new} if found is None else _copy_with_element(found, int(key), new)
+    quantity = parse_quantity(content)
+    return (
+        {**content, key: new} if quantity is None else _copy_with_element(quantity, int(key), new)
+    )
 
 
 def _copy_with_element(
@@ -212,11 +214,11 @@ def _check_same_unit(
 
 
 def _mark_source(value: Any) -> Any:  # noqa: ANN401 - what YAML holds
-    found = parse_quantity(value)
-    return value if found is None else {**found, 'source': SOURCE}
+    quantity = parse_quantity(value)
+    return value if quantity is None else {**quantity, 'source': SOURCE}
 
 
 def format_value(value: Any) -> str:  # noqa: ANN401 - what YAML holds
     """Return a value as it is written in a file."""
-    found = parse_quantity(value)
-    return str(value) if found is None else f'{found["value"]} {found["unit"]}'
+    quantity = parse_quantity(value)
+    return str(value) if quantity is None else f'{quantity["value"]} {quantity["unit"]}'

@@ -107,8 +107,8 @@ _TEXT = re.compile(r'(?a)^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*
 
 def _is_plain_number(number: object) -> bool:
     """Return whether a text is a number without a unit."""
-    found = _TEXT.match(number) if isinstance(number, str) else None
-    return found is not None and found[2] is None
+    match = _TEXT.match(number) if isinstance(number, str) else None
+    return match is not None and match[2] is None
 
 
 def _parse_numbers(value: Any) -> float | tuple[float, ...]:  # noqa: ANN401 - as the file has it

@@ -54,7 +54,7 @@ def select_topics(words: str, robots: Sequence[str], table: TopicTable) -> dict[
     for word in words.split() if words.split() != [EVERYTHING] else []:
         if word not in named and word not in table.topics:
             raise unknown_name_error('topic', word, [*table.topics, *ROS_OWN, EVERYTHING])
-    found = [absolute_topic(row[0], row[1]) for row in rows if is_selected(words, *row)]
+    topics = [absolute_topic(row[0], row[1]) for row in rows if is_selected(words, *row)]
     # With 'all' these are discovered on the graph, like any other topic
-    found += [name for name in ROS_OWN if name in words.split()]
-    return {name: named[name] for name in found}
+    topics += [name for name in ROS_OWN if name in words.split()]
+    return {name: named[name] for name in topics}

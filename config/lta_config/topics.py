@@ -38,8 +38,8 @@ def uses_typed_messages() -> bool:
 def is_lta_msgs_built() -> bool:
     """Return whether lta_msgs can be imported and has its compiled type support."""
     # Found, not imported: this module is also used without ROS, and by every command
-    found = find_spec('lta_msgs')
-    folders = found.submodule_search_locations if found else None
+    spec = find_spec('lta_msgs')
+    folders = spec.submodule_search_locations if spec else None
     return any(
         any(Path(folder).glob('lta_msgs_s__rosidl_typesupport_c*')) for folder in folders or ()
     )
@@ -137,8 +137,8 @@ class TopicTable(StrictModel):
     def roles(self) -> list[str]:
         """The roles that publish or must be waited for, in alphabetical order."""
         periodic = [topic for topic in self.topics.values() if topic.period_ns]
-        found = {topic.source for topic in periodic}
-        return sorted(found.union(*(topic.subscribers for topic in periodic)))
+        sources = {topic.source for topic in periodic}
+        return sorted(sources.union(*(topic.subscribers for topic in periodic)))
 
     def published_by(self, role: str) -> list[str]:
         """Return the topics that a role publishes."""

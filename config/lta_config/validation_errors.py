@@ -43,14 +43,14 @@ def format_errors(error: ValidationError) -> list[str]:
     """Return every problem as a sentence; a misspelt key gives only one."""
     problems = error.errors()
     missing = [problem for problem in problems if problem['type'] == 'missing']
-    found = []
+    lines = []
     for problem in problems:
         if problem['type'] == 'extra_forbidden' and any(
             problem['loc'][:-1] == other['loc'][:-1] for other in missing
         ):
             continue
-        found.append(_format_problem(problem, problems))
-    return found
+        lines.append(_format_problem(problem, problems))
+    return lines
 
 
 def _format_problem(first: Mapping[str, Any], problems: Sequence[Mapping[str, Any]]) -> str:

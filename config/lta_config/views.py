@@ -111,8 +111,8 @@ class SeriesPath(NamedTuple):
 
 def list_series(views: Views, panel: ViewPanel) -> list[tuple[str, SeriesPath]]:
     """Return the series of a panel with their labels, without those that the messages lack."""
-    found = [(label, parse_series(views, series)) for label, series in panel.series.items()]
-    return [(label, place) for label, place in found if place.steps]
+    places = [(label, parse_series(views, series)) for label, series in panel.series.items()]
+    return [(label, place) for label, place in places if place.steps]
 
 
 def parse_series(views: Views, series: str) -> SeriesPath:
@@ -128,10 +128,10 @@ def parse_series(views: Views, series: str) -> SeriesPath:
             "'wind.vector.x'."
         )
     topic = load_topic_table()[name]
-    found = (
+    field_steps = (
         tuple(steps) if topic.type == topic.declared_type else _find_standard_steps(topic, steps)
     )
-    return SeriesPath(name, topic, views.absolute_topic(name), found)
+    return SeriesPath(name, topic, views.absolute_topic(name), field_steps)
 
 
 def _find_standard_steps(topic: Topic, steps: list[str]) -> tuple[str, ...]:

@@ -359,9 +359,9 @@ class SourceExtract:
 
     def is_in_pieces(self, prefix: str, pattern: str) -> bool:
         """Return whether a regular expression matches in the pieces of one prefix."""
-        found = re.compile(pattern, re.MULTILINE)
+        expression = re.compile(pattern, re.MULTILINE)
         return any(
-            found.search(piece)
+            expression.search(piece)
             for own, piece in self._pieces.items()
             if own.startswith(f'{prefix}_')
         )

@@ -64,10 +64,10 @@ class SourceFile:
     def recall(self, compute: Callable[[], Result], *key: Any) -> Result:  # noqa: ANN401 - JSON
         """Return the result stored under a key, computed at first; a text or a list of texts."""
         name = json.dumps(key)
-        found: Result | None = self._results.get(name)
-        if found is None:
-            found = self._results[name] = compute()
-        return found
+        result: Result | None = self._results.get(name)
+        if result is None:
+            result = self._results[name] = compute()
+        return result
 
     def store(self) -> None:
         """Write new results; if the folder cannot be written, the next run computes them again."""
@@ -97,7 +97,7 @@ def store_results() -> None:
 def _read_results(path: Path) -> dict[str, Any]:
     """Return stored results; none if there is no file or a broken disk damaged it."""
     try:
-        found = json.loads(path.read_bytes())
+        results = json.loads(path.read_bytes())
     except (OSError, ValueError):
         return {}
-    return found if isinstance(found, dict) else {}
+    return results if isinstance(results, dict) else {}

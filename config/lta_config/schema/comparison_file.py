@@ -75,10 +75,10 @@ class ComparisonFile(StrictModel):
         for kind, entries in (('ablation', self.ablations), ('limit', self.limits)):
             for name, entry in entries.items():
                 if entry.of not in self.contestants:
-                    known = ', '.join(self.contestants)
+                    names = ', '.join(self.contestants)
                     raise ValueError(
                         f'has the {kind} {name} with "of: {entry.of}", which is not the name of a '
-                        f'contestant; known: {known}'
+                        f'contestant; known: {names}'
                     )
         for name, limit in self.limits.items():
             speeds = limit.speeds

@@ -300,9 +300,9 @@ class TopicMapping(_WithAxes):
     @property
     def parts(self) -> dict[str, ScalarField | VectorField | OrientationField]:
         """The fields of the message that are set, by name."""
-        found = ((name, getattr(self, name)) for name in type(self).model_fields)
+        fields = ((name, getattr(self, name)) for name in type(self).model_fields)
         kinds = ScalarField | VectorField | OrientationField
-        return {name: part for name, part in found if isinstance(part, kinds)}
+        return {name: part for name, part in fields if isinstance(part, kinds)}
 
     @property
     def columns(self) -> list[str]:

@@ -93,8 +93,8 @@ def mount_panels(
     mount = load_mount(name)
     layers = content.get('layers')
     if not isinstance(layers, Mapping) or mount.layer not in layers:
-        known = [str(key) for key in layers] if isinstance(layers, Mapping) else []
-        raise unknown_name_error(f'layer of {where}', mount.layer, known)
+        names = [str(key) for key in layers] if isinstance(layers, Mapping) else []
+        raise unknown_name_error(f'layer of {where}', mount.layer, names)
     # The raw content, because the result is validated again as a vehicle file
     parts = dict(load_yaml(find_file('mount', name))['parts'])
     if ahead != 0.0:

@@ -57,12 +57,12 @@ def draw_values(content: Any, seed: int, path: str = '') -> dict[str, dict[str, 
 
     """
     return {
-        found.path: {
-            'value': draw_between(found.quantity['range'], found.quantity['range_source'], seed),
-            'unit': found.quantity['unit'],
+        entry.path: {
+            'value': draw_between(entry.quantity['range'], entry.quantity['range_source'], seed),
+            'unit': entry.quantity['unit'],
             'source': SOURCE,
         }
-        for found in list_ranges(content, path)
+        for entry in list_ranges(content, path)
     }
 
 

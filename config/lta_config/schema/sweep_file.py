@@ -48,8 +48,8 @@ class Distribution(StrictModel):
     def _check_one_kind(self) -> Self:
         kinds = [name for name in type(self).model_fields if getattr(self, name) is not None]
         if len(kinds) != 1:
-            known = ', '.join(type(self).model_fields)
-            raise ValueError(f'has {len(kinds)} distributions; give exactly one of {known}')
+            names = ', '.join(type(self).model_fields)
+            raise ValueError(f'has {len(kinds)} distributions; give exactly one of {names}')
         return self
 
 

@@ -95,5 +95,5 @@ def discover(
         for role, paths in (('train', train), ('confirm', confirm), ('holdout', holdout))
     }
     request = DiscoveryRequest(vehicle, bags)  # type: ignore[arg-type]
-    found = discover_effects(request, Path(out), lambda _words, _share: None)
-    return dict(found.told)
+    result = discover_effects(request, Path(out), lambda _words, _share: None)
+    return dict(result.told)

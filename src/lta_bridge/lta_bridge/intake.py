@@ -153,14 +153,16 @@ class MessageIntake:
             'cut short': self._count_by_topic('torn'),
         }
         words = [
-            f'{found.total()} messages {what}' for what, found in wrong.items() if found.total()
+            f'{by_topic.total()} messages {what}'
+            for what, by_topic in wrong.items()
+            if by_topic.total()
         ]
         figures: dict[str, object] = {
             'messages': self._count_by_topic('counts').total(),
             'waiting_bytes': self._writer.queued_bytes,
         }
-        for what, found in wrong.items():
-            figures |= {f'{name} {what}': count for name, count in found.items() if count}
+        for what, by_topic in wrong.items():
+            figures |= {f'{name} {what}': count for name, count in by_topic.items() if count}
         return (
             HealthLevel.WARN if words else HealthLevel.OK,
             ', '.join(words) or 'recording',
@@ -174,13 +176,13 @@ class MessageIntake:
 
     def _count_by_topic(self, what: str) -> Counter[str]:
         """Return one of the counts over all robots, by topic."""
-        found: Counter[str] = Counter(getattr(self._common, what))
+        total: Counter[str] = Counter(getattr(self._common, what))
         for robot, books in self._books.items():
             counts = getattr(books, what).items()
-            found.update(
+            total.update(
                 {self._display_name(absolute_topic(robot, name)): count for name, count in counts}
             )
-        return found
+        return total
 
     def _rename_topics(self, counts: Mapping[str, int]) -> Counter[str]:
         """Return counts by absolute topic as `_count_by_topic` names them."""

@@ -27,7 +27,7 @@ def to_offered_qos(
     `expected`: profile of the topic table. It supplies history and depth of a publisher that
     otherwise matches it, and the whole profile if no publisher is known yet.
     """
-    found: list[OfferedQos] = []
+    offers: list[OfferedQos] = []
     for each in offered or ([expected] if expected else []):
         same = expected is not None and (each.reliability, each.durability) == (
             expected.reliability,
@@ -45,9 +45,9 @@ def to_offered_qos(
             liveliness_lease_duration=to_qos_duration(each.liveliness_lease_duration),
             avoid_ros_namespace_conventions=each.avoid_ros_namespace_conventions,
         )
-        if profile not in found:
-            found.append(profile)
-    return found
+        if profile not in offers:
+            offers.append(profile)
+    return offers
 
 
 def _format_liveliness(policy: LivelinessPolicy) -> str:

@@ -81,8 +81,8 @@ class SnapshotScheduler:
 
     def save_if_due(self, now: float) -> None:
         """Save if a new fault is to be reported. [wall s]"""
-        if found := self._faults.take_new_faults(now):
-            self.request_snapshot('; '.join(found))
+        if faults := self._faults.take_new_faults(now):
+            self.request_snapshot('; '.join(faults))
 
     def save_remaining(self, robots: Iterable[str]) -> SnapshotJob | None:
         """
@@ -93,12 +93,12 @@ class SnapshotScheduler:
         `robots`: namespaces of the robots whose flight should be over.
         """
         # Infinite time: do not wait for further symptoms of a fault
-        found = self._faults.take_new_faults(math.inf)
-        if not found and not self._faults.over.issuperset(robots):
-            found = [STOPPED]
+        faults = self._faults.take_new_faults(math.inf)
+        if not faults and not self._faults.over.issuperset(robots):
+            faults = [STOPPED]
         return (
-            self.request_snapshot('; '.join(found))
-            if found and not self._memory.is_empty
+            self.request_snapshot('; '.join(faults))
+            if faults and not self._memory.is_empty
             else None
         )
 

@@ -56,5 +56,5 @@ def read_answers(path: Path) -> dict[str, Any]:
             f"The answer key '{path}' was changed after it was created; create the challenge "
             'again with "lta challenge make".'
         )
-    found: dict[str, Any] = json.loads(text)
-    return found
+    answers: dict[str, Any] = json.loads(text)
+    return answers

@@ -180,10 +180,10 @@ def _compare_with_law_oracle(result: Mapping[str, Any]) -> dict[str, float]:
 
 def _compare_training_errors(errors: list[Mapping[str, Any]]) -> dict[str, float]:
     """Return the errors on the flights of the fit, by those of the vehicle file."""
-    known = [one for one in errors if one['horizon_s'] <= FAR]
-    longest = {one['channel']: max(e['horizon_s'] for e in known if e['channel'] == one['channel'])
-               for one in known}  # fmt: skip
-    last = [one for one in known if one['horizon_s'] == longest[one['channel']]]
+    near = [one for one in errors if one['horizon_s'] <= FAR]
+    longest = {one['channel']: max(e['horizon_s'] for e in near if e['channel'] == one['channel'])
+               for one in near}  # fmt: skip
+    last = [one for one in near if one['horizon_s'] == longest[one['channel']]]
     return {
         model: max(float(one[model]) / float(one['before']) for one in last)
         for model in ('tuned', 'after')

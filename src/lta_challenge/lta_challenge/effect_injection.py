@@ -105,7 +105,10 @@ def draw_outside_parameters(kind: str, draw: Draw) -> dict[str, float]:
     """Draw the parameters of an effect outside the library."""
     one = STRANGE[kind]
     values = {name: float(draw.uniform(*between)) for name, between in one.usual.items()}
-    return {known.name: values.get(known.name, known.null) for known in one.effect.parameters}
+    return {
+        parameter.name: values.get(parameter.name, parameter.null)
+        for parameter in one.effect.parameters
+    }
 
 
 def scale_unlisted_effect(

@@ -39,12 +39,12 @@ def choose_trial_effect(name: str) -> DemoEffect:
         )
     own = [each for each in list_candidates().values() if each.name.partition('.')[0] == word]
     if '.' in name and name not in [each.name for each in own]:
-        known = ', '.join(each.name for each in own) or ', '.join(
+        names = ', '.join(each.name for each in own) or ', '.join(
             each.name for each in effect.parameters
         )
         raise BadInput(
             f"'{name}' is not a parameter that discovery looks for; try {word}, or one of: "
-            f'{known}.'
+            f'{names}.'
         )
     classes = find_kind_classes('all')
     # Effects from other packages have no derived visibility

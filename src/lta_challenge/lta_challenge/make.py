@@ -142,11 +142,11 @@ def _generate_cases(
 def read_challenge(folder: Path) -> dict[str, Any]:
     """Read the description of a challenge; raise `BadInput` if there is none."""
     try:
-        found: dict[str, Any] = json.loads((folder / NAME).read_text(encoding='utf-8'))
+        content: dict[str, Any] = json.loads((folder / NAME).read_text(encoding='utf-8'))
         # Check that it is a challenge and not another JSON file of this name
-        int(found['cases'])
+        int(content['cases'])
     except (OSError, ValueError, TypeError, KeyError):
         raise BadInput(
             f"'{folder}' contains no challenge; create one: lta challenge make --out {folder}"
         ) from None
-    return found
+    return content

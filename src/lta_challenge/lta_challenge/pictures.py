@@ -87,20 +87,20 @@ def plot_strength(cases: Sequence[ScoredCase]) -> Figure:
 
 def plot_coverage(cases: Sequence[ScoredCase]) -> Figure:
     """Plot the truth minus the estimate, in half widths of the interval."""
-    found = [(one.number, each) for one in cases for each in one.intervals]
+    intervals = [(one.number, each) for one in cases for each in one.intervals]
     figure = create_figure()
     places = []
-    for _, each in found:
+    for _, each in intervals:
         half = 0.5 * (each.ci95[1] - each.ci95[0])
         places.append((each.true - each.value) / half if half > 0.0 else math.nan)
-    order = sorted(range(len(found)), key=lambda k: places[k])
+    order = sorted(range(len(intervals)), key=lambda k: places[k])
     figure.add_trace(
         Scatter(
             # Empirical distribution: sorted errors against their rank
-            x=[100 * (rank + 0.5) / len(found) for rank in range(len(found))],
+            x=[100 * (rank + 0.5) / len(intervals) for rank in range(len(intervals))],
             # Clip outliers at four half widths
             y=[max(min(places[k], 4.0), -4.0) for k in order],
-            text=[f'{found[k][1].name}, case {found[k][0]}' for k in order],
+            text=[f'{intervals[k][1].name}, case {intervals[k][0]}' for k in order],
             mode='markers',
             marker={'color': GOOD, 'size': 6},
             hovertemplate='%{text}: %{y:.2f}<extra></extra>',

@@ -230,12 +230,12 @@ def format_target(figure: ScoreFigure) -> str:
 
 def build_outcome_table(cases: Sequence[ScoredCase]) -> TextTable:
     """Return the table of the outcomes by kind."""
-    found = count_outcomes(cases)
-    columns = sorted({column for cells in found.values() for column in cells})
+    counts = count_outcomes(cases)
+    columns = sorted({column for cells in counts.values() for column in cells})
     lines = [
-        [kind, *(str(found[kind].get(column, 0)) for column in columns)]
+        [kind, *(str(counts[kind].get(column, 0)) for column in columns)]
         for kind in KINDS
-        if kind in found
+        if kind in counts
     ]
     return TextTable('Results by kind', ['hidden', *columns], lines)
 
@@ -299,8 +299,8 @@ def build_wrong_table(cases: Sequence[ScoredCase]) -> TextTable:
 def format_errors(cases: Sequence[ScoredCase]) -> str:
     """Return the median errors of position and parameters, and the median computing time."""
     # A median without cases is NaN
-    known = {name: value for name, value in median_errors(cases).items() if math.isfinite(value)}
-    steps = ', '.join(f'{MODELS[name]} {1e3 * value:.1f}' for name, value in known.items())
+    medians = {name: value for name, value in median_errors(cases).items() if math.isfinite(value)}
+    steps = ', '.join(f'{MODELS[name]} {1e3 * value:.1f}' for name, value in medians.items())
     error = finite_median(each.error for one in cases for each in one.intervals)
     off = MISSING if math.isnan(error) else f'{100 * error:.0f} % of the hidden change'
     return (
@@ -328,8 +328,8 @@ def format_markdown_page(scores: Sequence[ChallengeScore]) -> str:
 def _format_commits(abouts: Iterable[dict[str, Any]]) -> str:
     """Return the commits at which the cases were analysed."""
     # A resumed score may have several commits, joined by commas
-    known = {one: None for about in abouts for one in about['commit'].split(', ')}
-    return ', '.join(f'`{one}`' for one in known)
+    commits = {one: None for about in abouts for one in about['commit'].split(', ')}
+    return ', '.join(f'`{one}`' for one in commits)
 
 
 def _collect_cases(scores: Sequence[ChallengeScore]) -> list[ScoredCase]:
@@ -345,9 +345,11 @@ def _build_overview_table(rows: Mapping[str, Sequence[ChallengeScore]]) -> TextT
     names = dict.fromkeys(name for own in sorted(figures, key=len, reverse=True) for name in own)
     lines = []
     for name in names:
-        found = [own.get(name) for own in figures]
-        target = next(format_target(one) for one in found if one is not None)
-        shares = (MISSING if one is None else _format_brief_share(one.share) for one in found)
+        row_figures = [own.get(name) for own in figures]
+        target = next(format_target(one) for one in row_figures if one is not None)
+        shares = (
+            MISSING if one is None else _format_brief_share(one.share) for one in row_figures
+        )
         lines.append([name, target, *shares])
     counts = ['cases', '', *(str(len(own)) for own in cases)]
     return TextTable('All rows', ['figure', 'target', *rows], [counts, *lines])

@@ -80,7 +80,7 @@ def find_challenge_row(name: str) -> ChallengeRow:
 
 def parse_case_kind(name: str) -> Kind:
     """Return a kind; an unknown name is a `BadInput` that lists the known ones."""
-    for known in KINDS:
-        if known == name:
-            return known
+    for kind in KINDS:
+        if kind == name:
+            return kind
     raise unknown_name_error('kind', name, list(KINDS))

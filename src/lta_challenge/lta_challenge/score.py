@@ -52,10 +52,10 @@ def collect_versions() -> dict[str, str]:
 
 def _run_case(folder: Path, number: int) -> dict[str, Any]:
     """Run discovery on one case."""
-    found = run_trial(
+    result = run_trial(
         folder / case_folder(number), lambda: read_answers(folder / SEALED)[str(number)]
     )
-    return {**found, 'commit': read_commit()}
+    return {**result, 'commit': read_commit()}
 
 
 def _check_complete(folder: Path, todo: Sequence[int], about: dict[str, Any]) -> None:
@@ -98,9 +98,9 @@ def score_challenge(
     )  # fmt: skip
     answers = read_answers(folder / SEALED)
     results = outcome.require_all()
-    cases = [score_case(n, answers[str(n)], found) for n, found in enumerate(results)]
+    cases = [score_case(n, answers[str(n)], result) for n, result in enumerate(results)]
     # A dictionary keeps the order of the commits and removes duplicates
-    commits = dict.fromkeys(found['commit'] for found in results)
+    commits = dict.fromkeys(result['commit'] for result in results)
     return ChallengeScore(
         {**about, **now, 'scored': count, 'commit': ', '.join(commits)}, tuple(cases)
     )

@@ -217,7 +217,7 @@ def _law_figures(outside: Sequence[ScoredCase], when: str) -> list[ScoreFigure]:
     if all(one.law is None for one in outside):
         return []
     # The oracle that knows the equation flies only where an unexplained force was reported
-    known = [one for one in outside if one.oracle_ratios]
+    cases_with_oracle = [one for one in outside if one.oracle_ratios]
     flagged = f'effect outside the library{when}, flagged'
     return [
         ScoreFigure(
@@ -226,12 +226,16 @@ def _law_figures(outside: Sequence[ScoredCase], when: str) -> list[ScoreFigure]:
         ),
         ScoreFigure(
             f'{flagged}: forecasts within {NEAR:g} of the oracle',
-            _estimate_passing_share(known, lambda one: one.oracle_ratios['law'] <= NEAR),
+            _estimate_passing_share(
+                cases_with_oracle, lambda one: one.oracle_ratios['law'] <= NEAR
+            ),
             least=0.55,
         ),
         ScoreFigure(
             f'{flagged}: the same without laws',
-            _estimate_passing_share(known, lambda one: one.oracle_ratios['tuned'] <= NEAR),
+            _estimate_passing_share(
+                cases_with_oracle, lambda one: one.oracle_ratios['tuned'] <= NEAR
+            ),
         ),
     ]
 
@@ -329,8 +333,8 @@ def shares_by_strength(cases: Sequence[ScoredCase]) -> list[StrengthBand]:
 
 def finite_median(values: Iterable[float]) -> float:
     """Return the median of the finite values; NaN if there are none."""
-    known = [value for value in values if math.isfinite(value)]
-    return float(np.median(known)) if known else math.nan
+    finite = [value for value in values if math.isfinite(value)]
+    return float(np.median(finite)) if finite else math.nan
 
 
 def median_errors(cases: Sequence[ScoredCase]) -> dict[str, float]:

@@ -51,39 +51,39 @@ def run_trial(folder: Path, read_answer: Callable[[], Mapping[str, Any]]) -> dic
         JSON data: finding, computing time and oracle.
 
     """
-    found, study = study_case(folder)
+    result, study = study_case(folder)
     if study is not None:
         # Read after the study, so that the answer cannot influence it
         answer = read_answer()
         if find_challenge_row(answer['row']).rough:
-            return found  # nothing is hidden, and the file is wrong
+            return result  # nothing is hidden, and the file is wrong
         try:
-            found |= {'oracle': fit_oracle(study, answer)}
+            result |= {'oracle': fit_oracle(study, answer)}
         except FAULTS as fault:
-            found |= {'oracle': {}, 'oracle_fault': str(fault)}
+            result |= {'oracle': {}, 'oracle_fault': str(fault)}
         try:
-            found['oracle'] |= {'law': _test_law_oracle(study, answer)}
+            result['oracle'] |= {'law': _test_law_oracle(study, answer)}
         except FAULTS as fault:
-            found |= {'law_oracle_fault': str(fault)}
-    return found
+            result |= {'law_oracle_fault': str(fault)}
+    return result
 
 
 def study_case(folder: Path) -> tuple[dict[str, Any], DiscoveryStudy | None]:
     """Return the finding of a case as JSON data, and the study; None if it was refused."""
     # Processor time is comparable between runs with different numbers of workers
     wall, cpu = time.monotonic(), time.process_time()
-    found: dict[str, Any] = {'refused': ''}
+    result: dict[str, Any] = {'refused': ''}
     study = None
     try:
         study = _study_case(folder)
-        found |= _finding_to_dict(study)
+        result |= _finding_to_dict(study)
     except FAULTS as fault:
-        found |= {'refused': str(fault), 'verdict': 'not_identifiable', 'effects': [], 'gaps': []}
-        found |= {'remains': [], 'warnings': []}
+        result |= {'refused': str(fault), 'verdict': 'not_identifiable', 'effects': [], 'gaps': []}
+        result |= {'remains': [], 'warnings': []}
         if not isinstance(fault, BadInput):
-            found |= {'traceback': ''.join(traceback.format_exception(fault))}
-    found |= {'wall_s': time.monotonic() - wall, 'cpu_s': time.process_time() - cpu}
-    return found, study
+            result |= {'traceback': ''.join(traceback.format_exception(fault))}
+    result |= {'wall_s': time.monotonic() - wall, 'cpu_s': time.process_time() - cpu}
+    return result, study
 
 
 def _study_case(folder: Path) -> DiscoveryStudy:
@@ -174,16 +174,16 @@ def _test_law_oracle(study: DiscoveryStudy, answer: Mapping[str, Any]) -> list[d
 def _fit_true_structure(study: DiscoveryStudy, hidden: Mapping[str, float]) -> JointFit:
     """Fit the true structure to the train and confirm flights, starting at the true values."""
     flights = [one.flight for one in study.flights if one.role != 'holdout']
-    known, nominal = flights[0].knobs, study.nominal
-    fitter = JointFitter(nominal, flights, per_flight_variance(known), wrench_floor(nominal))
-    variance = per_flight_variance(known)
+    parameters, nominal = flights[0].knobs, study.nominal
+    fitter = JointFitter(nominal, flights, per_flight_variance(parameters), wrench_floor(nominal))
+    variance = per_flight_variance(parameters)
     # Start the fit at the true values; the other parameters start at zero
     at = np.zeros(len(variance))
-    for k, knob in enumerate(known):
+    for k, knob in enumerate(parameters):
         at[k] = hidden.get(knob.name, 0.0)
-    vehicle, values = apply_parameters(nominal, known, at)
+    vehicle, values = apply_parameters(nominal, parameters, at)
     points = [LinearizationPoint(vehicle, values, zero_unknowns(f.replay.cut)) for f in flights]
-    prior = build_shared_prior(known, tuple(hidden))
+    prior = build_shared_prior(parameters, tuple(hidden))
     begin = fitter.linearize_flights(at, points, prior)
     return fitter.fit(prior, begin, BEGIN * wrench_floor(nominal), narrow=True)
 

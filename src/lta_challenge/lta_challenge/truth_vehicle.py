@@ -99,7 +99,9 @@ def _build_rigid_body(nominal: NominalVehicle) -> RigidBody:
     rigid = RigidBody(mass, (x, y, z), six, nominal.displaced)  # type: ignore[arg-type]
     for name, effect in EFFECTS.items():
         if isinstance(effect, BodyEffect) and name in nominal.given:
-            p = tuple(nominal.parameter_value(name, known.name) for known in effect.parameters)
+            p = tuple(
+                nominal.parameter_value(name, parameter.name) for parameter in effect.parameters
+            )
             rigid = effect.change(p, rigid)
     return rigid
 
@@ -109,7 +111,9 @@ def _added_mass(nominal: NominalVehicle) -> Array:
     out = np.zeros(6)
     for name, effect in EFFECTS.items():
         if isinstance(effect, InertiaEffect):
-            p = tuple(nominal.parameter_value(name, known.name) for known in effect.parameters)
+            p = tuple(
+                nominal.parameter_value(name, parameter.name) for parameter in effect.parameters
+            )
             out += effect.diagonal(p)
     return out
 
@@ -153,7 +157,9 @@ def _collect_measurement_effects(
     out: dict[str, tuple[tuple[MeasurementEffect, Values], ...]] = {}
     for name, effect in EFFECTS.items():
         if isinstance(effect, MeasurementEffect) and name in nominal.given:
-            p = tuple(nominal.parameter_value(name, known.name) for known in effect.parameters)
+            p = tuple(
+                nominal.parameter_value(name, parameter.name) for parameter in effect.parameters
+            )
             out[effect.channel] = (*out.get(effect.channel, ()), (effect, p))
     return out
 
@@ -166,9 +172,11 @@ def _collect_parameters(
     for name, effect in parts.all_effects.items():
         if name in parts.strange:
             changed = strange.get(name, {})
-            own = [changed.get(known.name, known.null) for known in effect.parameters]
+            own = [changed.get(parameter.name, parameter.null) for parameter in effect.parameters]
         else:
-            own = [nominal.parameter_value(name, known.name) for known in effect.parameters]
+            own = [
+                nominal.parameter_value(name, parameter.name) for parameter in effect.parameters
+            ]
         # An effect with null values is skipped, so it costs no time
         differs = any(x != p.null for x, p in zip(own, effect.parameters, strict=True))
         values += own
@@ -183,7 +191,8 @@ def _check_effects(nominal: NominalVehicle) -> None:
     for name in APART - own:
         effect = MODEL_EFFECTS[name]
         if isinstance(effect, KernelEffect) and any(
-            nominal.parameter_value(name, known.name) != known.null for known in effect.parameters
+            nominal.parameter_value(name, parameter.name) != parameter.null
+            for parameter in effect.parameters
         ):
             raise BadInput(
                 f'The vehicle has the effect {name}, which the simulator of the challenges does '

@@ -156,8 +156,8 @@ def build_completer(
         line = dict(zip(arguments, context.args, strict=False))
         line |= {key: value for key, value in context.params.items() if value}
         try:
-            found = list_values(values, line, table)
-            return [(name, about) for name, about in found if name.startswith(incomplete)]
+            candidates = list_values(values, line, table)
+            return [(name, about) for name, about in candidates if name.startswith(incomplete)]
         except Exception:
             return []  # a file that does not exist or has other contents: no traceback in a prompt
 

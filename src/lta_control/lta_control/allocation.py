@@ -186,7 +186,7 @@ def _limit_step(rotors: Rotors, s: Scratch) -> tuple[float, int]:
 
 def _find_rotor_to_free(rotors: Rotors, s: Scratch) -> int:
     """Return the rotor with the largest pull away from its limit, or -1."""
-    most, found = INWARD, -1
+    most, rotor = INWARD, -1
     for j in range(rotors.number):
         stiffness = s[STIFFNESS + SLOTS * j + j]
         if s[FREE + j] > 0.0 or stiffness <= 0.0:
@@ -194,8 +194,8 @@ def _find_rotor_to_free(rotors: Rotors, s: Scratch) -> int:
         # Divided by the stiffness, the pull is in newtons of thrust and comparable between rotors.
         inward = s[PULL + j] if s[THRUSTS + j] <= rotors.low[j] else -s[PULL + j]
         if inward / stiffness > most:
-            most, found = inward / stiffness, j
-    return found
+            most, rotor = inward / stiffness, j
+    return rotor
 
 
 def _read_solution(rotors: Rotors, s: Scratch) -> tuple[PerRotor, Wrench]:

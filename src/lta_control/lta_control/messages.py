@@ -120,8 +120,10 @@ def from_estimate(stamp: Time, estimate: MotionEstimate, ground: GroundMotion) -
         message.twist.covariance = _unknown_covariance()
         return message
     pose_covariance = _build_covariance(ground.position_covariance)
-    known = has_height(estimate)
-    pose_covariance[14] = estimate.altitude.p[0] + RANGE_OFFSET**2 if known else UNKNOWN_VARIANCE
+    is_known = has_height(estimate)
+    pose_covariance[14] = (
+        estimate.altitude.p[0] + RANGE_OFFSET**2 if is_known else UNKNOWN_VARIANCE
+    )
     # [rad2] Roll and pitch are bounded by gravity; yaw drifts with the gyroscope
     pose_covariance[21] = pose_covariance[28] = 0.02**2
     pose_covariance[35] = (YAW_DRIFT * estimate.flown) ** 2
@@ -346,8 +348,8 @@ def _read_first_row(message: PointCloud2) -> DiodeReadings:
         return (), ()
     # All fields are float32: index of each field in a point
     places = {field.name: field.offset // 4 for field in message.fields}
-    known = all(4 * places.get(name, math.inf) < message.point_step for name in ROW)
-    if not known or message.point_step % 4:
+    has_fields = all(4 * places.get(name, math.inf) < message.point_step for name in ROW)
+    if not has_fields or message.point_step % 4:
         return (), ()
     words = np.frombuffer(message.data, dtype='<f4').reshape(-1, message.point_step // 4)
     row = words[: message.width]

@@ -140,9 +140,9 @@ def _steer_by_strategy(
 ) -> tuple[Setpoint, Mission]:
     """Return the strategy's setpoint, and switch to the next lamp after an arrival."""
     # The first blocks after a switch may still hold the other lamp's light.
-    known = mission.asked == mission.leg and mission.turns >= SWITCHING
+    is_current = mission.asked == mission.leg and mission.turns >= SWITCHING
     course, memory = strategy.steer(
-        settings, mission.memory, sight if known else remove_light(sight)
+        settings, mission.memory, sight if is_current else remove_light(sight)
     )
     setpoint = Setpoint(settings.altitude, course.heading, course.speed)
     mission = mission._replace(memory=memory, heading=memory[0])

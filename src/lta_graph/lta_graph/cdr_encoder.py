@@ -207,10 +207,10 @@ def _list_parts(kind: Any) -> list[Encode]:  # noqa: ANN401 - a generated class
 
 def parse_field(described: str) -> tuple[bool, str, int]:
     """Return whether a field is a sequence, the type of its items, and its fixed size or 0."""
-    found = FIELD.fullmatch(described)
-    if found is None:
+    match = FIELD.fullmatch(described)
+    if match is None:
         raise TypeError(f'The field type {described} cannot be encoded.')
-    return found['open'] is not None, found['item'], int(found['size'] or 0)
+    return match['open'] is not None, match['item'], int(match['size'] or 0)
 
 
 def import_item_class(item: str) -> Any:  # noqa: ANN401 - a generated class

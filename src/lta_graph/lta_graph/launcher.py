@@ -161,19 +161,19 @@ class Launcher:
         Ctrl-C is delivered when the wait is over.
 
         """
-        found: list[ProcessExit] = []
+        exits: list[ProcessExit] = []
         if self._watch is not None:
             # An exception raised by a signal inside the queue may leave it locked.
             with hold_interrupts():
                 with suppress(Empty):
-                    found.append(self._watch.events.get(timeout=timeout))
+                    exits.append(self._watch.events.get(timeout=timeout))
                     while True:
-                        found.append(self._watch.events.get_nowait())
-                self.ended += found
+                        exits.append(self._watch.events.get_nowait())
+                self.ended += exits
             # While stopping, a fault of `on_line` must not prevent the rest of the stop
             if self._watch.fault is not None and not self._stopping.is_set():
                 raise self._watch.fault
-        return found
+        return exits
 
     def stop(self) -> None:
         """

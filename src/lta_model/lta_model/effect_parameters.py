@@ -166,11 +166,15 @@ def _check_parameters(name: str, quantities: Mapping[str, Quantity]) -> dict[str
     for key, quantity in quantities.items():
         wrong = None if quantity.source else UNSOURCED
         if (
-            known := declared.get(key)
+            declaration := declared.get(key)
         ) is not None:  # an unknown parameter is refused by the model
             # The null value is allowed even outside of the bounds
-            ends = () if quantity.vector == (known.null,) else (known.low, known.high)
-            wrong = describe_misfit(quantity, known.unit, *ends) or wrong
+            ends = (
+                ()
+                if quantity.vector == (declaration.null,)
+                else (declaration.low, declaration.high)
+            )
+            wrong = describe_misfit(quantity, declaration.unit, *ends) or wrong
         if wrong:
             raise BadInput(f'effects.{name}.{key} {wrong}.')
     return {key: quantity.si for key, quantity in quantities.items()}

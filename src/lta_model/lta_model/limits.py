@@ -54,7 +54,7 @@ def level_force(vehicle: Vehicle, heading: float = 0.0) -> float:
     across = np.array([-math.sin(heading), math.cos(heading)]) @ wrench[:2]
     weight = vehicle.heaviness * STANDARD_GRAVITY
     # linprog minimises, hence the minus
-    found = linprog(
+    solution = linprog(
         -along,
         A_ub=below if len(below) else None,
         b_ub=np.zeros(len(below)) if len(below) else None,
@@ -62,13 +62,13 @@ def level_force(vehicle: Vehicle, heading: float = 0.0) -> float:
         b_eq=[0.0, weight, 0.0],
         bounds=[*((0.0, top) for top in tops), (0.0, None if len(below) else 0.0)],
     )
-    if found.status != 0 or found.fun is None:
+    if solution.status != 0 or solution.fun is None:
         raise BadInput(
             f'The rotors of {vehicle.file.name} cannot lift the '
             f'{1e3 * vehicle.heaviness:.1f} g by which it is heavier than air and hold its '
             'heading; reduce trim.heaviness, or use stronger rotors.'
         )
-    return float(-found.fun)
+    return float(-solution.fun)
 
 
 def _jet_constraints(vehicle: Vehicle) -> tuple[list[float], np.ndarray]:

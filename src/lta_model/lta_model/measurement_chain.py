@@ -24,9 +24,11 @@ def build_chains(
         if not isinstance(effect, MeasurementEffect):
             continue
         own = parameters.get(name, {})
-        p = tuple(float(own.get(known.name, known.null)) for known in effect.parameters)
+        p = tuple(
+            float(own.get(parameter.name, parameter.null)) for parameter in effect.parameters
+        )
         # Effects at null are left out, so that the truth passes bit for bit
-        if any(x != known.null for x, known in zip(p, effect.parameters, strict=True)):
+        if any(x != parameter.null for x, parameter in zip(p, effect.parameters, strict=True)):
             out[effect.channel] += ((effect.reading, p),)
     return out
 

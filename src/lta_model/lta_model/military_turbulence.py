@@ -54,5 +54,5 @@ def low_altitude_turbulence(height: float, wind: float) -> dict[str, float]:
 
 def sheared_turbulence(mean_wind: Callable[[float], float]) -> dict[str, float]:
     """Return parameters that follow the height, from the mean wind [m/s] by height [m]."""
-    found = low_altitude_turbulence(LOWEST, mean_wind(MEASURED))
-    return found | {'mean': mean_wind(LOWEST), 'height': LOWEST}
+    turbulence = low_altitude_turbulence(LOWEST, mean_wind(MEASURED))
+    return turbulence | {'mean': mean_wind(LOWEST), 'height': LOWEST}

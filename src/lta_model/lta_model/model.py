@@ -29,13 +29,13 @@ def fill_parameters(effect: Effect, parameters: Mapping[str, float]) -> dict[str
                 f'The effect {effect.name} has no parameter {name!r}; it has {", ".join(values)}.'
             )
         values[name] = float(value)
-    for known in effect.parameters:
-        value = values[known.name]
+    for declaration in effect.parameters:
+        value = values[declaration.name]
         # The null value is always allowed, even outside of the bounds
-        if value != known.null and not known.low <= value <= known.high:
+        if value != declaration.null and not declaration.low <= value <= declaration.high:
             raise BadInput(
-                f'{effect.name}.{known.name} is {value:g} {known.unit}; it must be from '
-                f'{known.low:g} to {known.high:g}.'
+                f'{effect.name}.{declaration.name} is {value:g} {declaration.unit}; '
+                f'it must be from {declaration.low:g} to {declaration.high:g}.'
             )
     if objection := effect.check(values):
         raise BadInput(f'{effect.name}: {objection}.')
@@ -165,14 +165,14 @@ class VehicleModel:
             effects.get_effect(name)
         parameters: list[float] = []
         on: list[bool] = []
-        known: dict[str, dict[str, float]] = {}
+        values_by_effect: dict[str, dict[str, float]] = {}
         added = np.zeros(6)
         for name, effect in effects.MODEL_EFFECTS.items():
             values = fill_parameters(effect, effect_parameters.get(name, {}))
             numbers = tuple(values.values())
             active = any(values[p.name] != p.null for p in effect.parameters)
             if active:
-                known[name] = values
+                values_by_effect[name] = values
             # Evaluated at each step; inertia and body effects act on the mass matrix here
             if isinstance(effect, KernelEffect):
                 parameters.extend(numbers)
@@ -189,5 +189,5 @@ class VehicleModel:
             np.array([*own, *_pack_rotor_geometry(rotors)]),
             # The mass matrix is constant in flight, so it is inverted once
             np.linalg.inv(matrix).ravel().astype(np.float64),
-            known,
+            values_by_effect,
         )

@@ -182,8 +182,8 @@ class Scenario(StrictModel):
     @property
     def route_beacons(self) -> tuple[tuple[str, float], ...]:
         """The lamps of the route as `beacons`, in order; none without a route."""
-        known = dict(self.beacons)
-        return tuple((name, known[name]) for name in self.route)
+        beacons = dict(self.beacons)
+        return tuple((name, beacons[name]) for name in self.route)
 
     @property
     def sun(self) -> DaylightScene | None:

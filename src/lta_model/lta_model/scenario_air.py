@@ -132,8 +132,8 @@ class Turbulence(StrictModel):
 
     def effect_parameters(self, mean_wind: Callable[[float], float] | None = None) -> Parameters:
         """Return the parameters of `turbulence`; sheared, from the mean wind by height."""
-        found = self._full_parameters(mean_wind)
-        return found | {axis: self.strength.si * found[axis] for axis in AXES}
+        parameters = self._full_parameters(mean_wind)
+        return parameters | {axis: self.strength.si * parameters[axis] for axis in AXES}
 
     def _full_parameters(self, mean_wind: Callable[[float], float] | None) -> Parameters:
         """Return the parameters at a strength of 1."""

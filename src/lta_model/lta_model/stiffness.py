@@ -33,24 +33,26 @@ def find_fastest_damping(model: VehicleModel) -> tuple[str, float]:
 
 def compute_linear_damping(model: VehicleModel) -> dict[str, Array]:
     """Return the damping of each effect that is linear in the velocity. [N s/m, N m s]"""
-    found = {}
+    damping_by_effect = {}
     values = model.given
     for name, axes in (('linear_drag', slice(0, 3)), ('rotational_drag', slice(3, 6))):
         if name in values:
             damping = np.zeros(6)
             # Only the linear coefficients: quadratic damping depends on the speed
             damping[axes] = [values[name][axis] for axis in AXES[axes]]
-            found[name] = np.diag(damping)
+            damping_by_effect[name] = np.diag(damping)
     if 'floor_contact' in values:
         foot = values['floor_contact']
         # Jacobian of the foot's vertical velocity for an upright vehicle
         down = np.array([0.0, 0.0, 1.0, foot['y'], -foot['x'], 0.0])  # upright
-        found['floor_contact'] = foot['stiffness'] * foot['relaxation'] * np.outer(down, down)
+        damping_by_effect['floor_contact'] = (
+            foot['stiffness'] * foot['relaxation'] * np.outer(down, down)
+        )
     if 'walls' in values:
         room = values['walls']
         push = room['stiffness'] * room['relaxation']
-        found['walls'] = np.diag([push, push, push, 0.0, 0.0, 0.0])
-    return found
+        damping_by_effect['walls'] = np.diag([push, push, push, 0.0, 0.0, 0.0])
+    return damping_by_effect
 
 
 def check_time_step(name: str, model: VehicleModel, step: float) -> None:

@@ -62,15 +62,15 @@ def build_strips(boxes: Sequence[DragBox], density: float) -> dict[str, float]:
 
     Raise `BadInput` if they need more strips than the effect has.
     """
-    found = [strip for box in boxes for strip in _split_box(box, density)]
-    if len(found) > STRIPS:
+    strips = [strip for box in boxes for strip in _split_box(box, density)]
+    if len(strips) > STRIPS:
         raise BadInput(
-            f'The {len(boxes)} parts with drag need {len(found)} strips for their rotational '
+            f'The {len(boxes)} parts with drag need {len(strips)} strips for their rotational '
             f'damping (a wide part needs two), but the model has only {STRIPS}; in the vehicle '
             'file, remove drag from some parts, or combine several into one box.'
         )
     # The first parameter is `translation`, 0
-    numbers = [0.0, *(number for strip in found for number in strip)]
+    numbers = [0.0, *(number for strip in strips for number in strip)]
     # Unused strips
     numbers += [0.0] * (len(PARAMETERS) - len(numbers))
     names = (parameter.name for parameter in PARAMETERS)

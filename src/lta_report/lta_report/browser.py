@@ -64,17 +64,17 @@ def find_chromium() -> str:
     """
     named = os.environ.get(OVERRIDE)
     if named:
-        found = shutil.which(named)
-        if found is None:
+        path = shutil.which(named)
+        if path is None:
             raise BadInput(
                 f"{OVERRIDE} is '{named}', which is not an executable program; correct or unset "
                 'this environment variable.'
             )
-        return found
+        return path
     for name in NAMES:
-        found = shutil.which(name)
-        if found is not None:
-            return found
+        path = shutil.which(name)
+        if path is not None:
+            return path
     raise BadInput(MISSING)
 
 

@@ -38,8 +38,8 @@ class ClusterSoftware(NamedTuple):
         """Return all versions in one line."""
         # Twelve digits of a commit tell it apart; a suffix says that its files have changed
         digits, _, changed = self.commit.partition('-')
-        known = f' (commit {"-".join(filter(None, (digits[:12], changed)))})'
-        commit = '' if self.commit == UNKNOWN else known
+        commit_text = f' (commit {"-".join(filter(None, (digits[:12], changed)))})'
+        commit = '' if self.commit == UNKNOWN else commit_text
         lta = '' if self.lta == UNKNOWN else f'LTA {self.lta}{commit}, '
         return f'{lta}Python {self.python} and Dask {self.dask}'
 
@@ -184,17 +184,17 @@ def read_cluster_software(client: Any) -> dict[str, ClusterSoftware]:  # noqa: A
         **{f'worker {name}': each['packages'] for name, each in versions['workers'].items()},
     }
     pythons = {shorten_python(each['python']) for each in packages.values()}
-    found: dict[str, tuple[str, str]] = {}
+    installed: dict[str, tuple[str, str]] = {}
     if pythons == {shorten_python(platform.python_version())}:
         read_lta = build_lta_reader()
-        found = {
+        installed = {
             f'scheduler {client.scheduler.address}': client.run_on_scheduler(read_lta),
             **{f'worker {name}': each for name, each in client.run(read_lta).items()},
         }
     return {
         name: ClusterSoftware(
             # Not asked if the Pythons differ, which is reason enough
-            *found.get(name, (UNKNOWN, UNKNOWN)),
+            *installed.get(name, (UNKNOWN, UNKNOWN)),
             shorten_python(each['python']),
             each['distributed'],
         )

@@ -99,9 +99,9 @@ def decimate_line(time: Array, values: Array, most: int = MOST_POINTS) -> tuple[
         padded = np.pad(values, (0, length * count - len(values)), mode='edge')
         table = padded.reshape(count, length)
         starts = np.arange(count) * length
-        found = np.stack([table.argmin(axis=1) + starts, table.argmax(axis=1) + starts])
+        extremes = np.stack([table.argmin(axis=1) + starts, table.argmax(axis=1) + starts])
         # In order of time and without duplicates; index 0 keeps the start of the line
-        keep = np.unique(np.clip(np.append(found.ravel(), 0), 0, len(time) - 1))
+        keep = np.unique(np.clip(np.append(extremes.ravel(), 0), 0, len(time) - 1))
         time, values = time[keep], values[keep]
     # Half the size of the page's data
     return time.astype(np.float32), values.astype(np.float32)

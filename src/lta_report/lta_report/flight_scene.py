@@ -231,8 +231,8 @@ def interpolate_attitude(at: Array, time: Array, attitude: Array) -> Array:
 def hold_columns(at: Array, time: Array, values: Array, longest: float = np.inf) -> Array:
     """Return the last values at each time; NaN before the first, or `longest` [s] after one."""
     index = np.searchsorted(time, at, side='right') - 1
-    known = (index >= 0) & (at - time[np.maximum(index, 0)] <= longest)
-    return np.asarray(np.where(known[:, None], values[np.maximum(index, 0)], np.nan))
+    is_recent = (index >= 0) & (at - time[np.maximum(index, 0)] <= longest)
+    return np.asarray(np.where(is_recent[:, None], values[np.maximum(index, 0)], np.nan))
 
 
 def to_json_numbers(values: Array) -> list[float | None]:

@@ -172,28 +172,28 @@ def locate_part(browser: Browser, panel: str) -> Mapping[str, float]:
     """Return the position and size of a part of the open page. [px]"""
     box: Mapping[str, float] | None = browser.evaluate(BOX % {'panel': panel})
     if box is None:
-        known = [found['name'] for found in browser.evaluate(COUNT_PANELS)]
-        raise unknown_name_error('panel', panel, [TOP, *known])
+        names = [item['name'] for item in browser.evaluate(COUNT_PANELS)]
+        raise unknown_name_error('panel', panel, [TOP, *names])
     return box
 
 
 def find_overlapping_labels(browser: Browser) -> list[str]:
     """Return the labels of the open page that overprint others or are cut off, in words."""
-    found: list[str] = browser.evaluate(read_asset('overlaps.js'))
-    return found
+    labels: list[str] = browser.evaluate(read_asset('overlaps.js'))
+    return labels
 
 
 def collect_errors(browser: Browser) -> list[str]:
     """Return console messages and uncaught errors of the page."""
-    found = []
+    messages = []
     for method, event in browser.events:
         if method == 'Runtime.consoleAPICalled':
-            found.append(' '.join(str(part.get('value', part)) for part in event['args']))
+            messages.append(' '.join(str(part.get('value', part)) for part in event['args']))
         elif method == 'Runtime.exceptionThrown':
-            found.append(format_exception(event['exceptionDetails']))
+            messages.append(format_exception(event['exceptionDetails']))
         elif method == 'Log.entryAdded' and DRIVER not in event['entry']['text']:
-            found.append(event['entry']['text'])
-    return found
+            messages.append(event['entry']['text'])
+    return messages
 
 
 def format_exception(details: Mapping[str, Any]) -> str:

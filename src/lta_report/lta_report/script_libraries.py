@@ -39,8 +39,8 @@ def read_three() -> str:
             texts = [archive.read(name).decode() for name in archive.namelist()]
     except (OSError, ValueError, zipfile.BadZipFile):
         return ''
-    found = THREE.search(''.join(texts))
-    return found[0] if found else ''
+    match = THREE.search(''.join(texts))
+    return match[0] if match else ''
 
 
 @cache

@@ -61,9 +61,9 @@ def edit_vehicle_file(
         # Checks path, type and dimension, as for --set
         replace_parameter(content, place, value, ROOT)
         quantity = parse_quantity(value)
-        known = str(old.get('source', '')) if isinstance(old, dict) else ''
+        old_source = str(old.get('source', '')) if isinstance(old, dict) else ''
         if quantity is not None:
-            new_source = known if source is None else source
+            new_source = old_source if source is None else source
             number = shorten_number(quantity['value'])
             value = quantity | {'value': number} | ({'source': new_source} if new_source else {})
         elif source is not None:
@@ -73,7 +73,7 @@ def edit_vehicle_file(
         text = set_yaml_value(text, place.split('.'), value)
         edits.append(
             NumberEdit(
-                place, format_number_value(old), format_number_value(value), known,
+                place, format_number_value(old), format_number_value(value), old_source,
                 str(value.get('source', '')) if isinstance(value, dict) else '',
             )
         )  # fmt: skip

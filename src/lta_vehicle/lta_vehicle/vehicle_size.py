@@ -50,14 +50,14 @@ class VehicleSize:
 def parse_size(name: str, text: str) -> float:
     """Return a quantity such as '1.2m' in SI; raise `BadInput` if it is not one for `name`."""
     unit, low, high = LIMITS[name]
-    known = [word for word, (kind, _) in UNITS.items() if kind == unit]
+    unit_names = [word for word, (kind, _) in UNITS.items() if kind == unit]
     try:
         # Capacities are written without the space of the unit
         quantity = Quantity.model_validate(text.replace('Ah', 'A h'))
     except ValidationError:
         raise BadInput(
-            f"--{name} is '{text}'; write a number and a unit ({', '.join(known)}), such as "
-            f"'{0.5 * (low + min(high, 10.0)):.2g} {known[0]}'."
+            f"--{name} is '{text}'; write a number and a unit ({', '.join(unit_names)}), such as "
+            f"'{0.5 * (low + min(high, 10.0)):.2g} {unit_names[0]}'."
         ) from None
     if complaint := describe_misfit(quantity, unit, low, high):
         raise BadInput(f'--{name} {complaint}.')

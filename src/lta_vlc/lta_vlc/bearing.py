@@ -112,11 +112,11 @@ def estimate_bearing(peaks: Peaks, ring: DiodeRing, threshold: float) -> Bearing
     omits reflections, unequal gains, another response, tilt and rotation during the block. The fit
     of `lta_vlc.direction` allows for the first three.
     """
-    found, x, y, angle, deviation = weighted_mean_bearing(
+    is_valid, x, y, angle, deviation = weighted_mean_bearing(
         tuple(peaks.amplitude.tolist()),
         tuple(peaks.snr.tolist()),
         ring.cosines,
         ring.sines,
         threshold,
     )
-    return Bearing(x, y, angle, deviation) if found else None
+    return Bearing(x, y, angle, deviation) if is_valid else None

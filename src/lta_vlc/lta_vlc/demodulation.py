@@ -92,15 +92,15 @@ def demodulate_block(
     spectrum = fourier_transform(waves)
     size = amplitudes_from_transform(spectrum, bins.samples)
     ranges = np.array([(one.first, one.last) for one in beacons])
-    found = scan_spectrum(size, ranges, bins.quiet, bins.unlit, weight)
+    scan = scan_spectrum(size, ranges, bins.quiet, bins.unlit, weight)
     # Only now: it needs the spectrum
-    faults |= detect_tone_faults(found)
+    faults |= detect_tone_faults(scan)
     # 0 marks a diode that later stages leave out
-    snr = np.where(sound, signal_to_noise(found.peak, found.noise), 0.0)
-    tones = estimate_tones(spectrum, found.highest, weight, bins.samples)
+    snr = np.where(sound, signal_to_noise(scan.peak, scan.noise), 0.0)
+    tones = estimate_tones(spectrum, scan.highest, weight, bins.samples)
     return DemodulatedBlock(
         tuple(
-            Peaks(*one, found.noise)
+            Peaks(*one, scan.noise)
             for one in zip(tones.amplitude, snr, tones.own * bins.width, strict=True)
         ),
         tuple((tones.frequency * bins.width).tolist()),

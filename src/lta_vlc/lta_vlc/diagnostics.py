@@ -24,10 +24,10 @@ def describe_beacons(
     `beacons` are nominal frequencies [Hz]; `missing` and `refused` count blocks since the start.
     """
     for one, beacon in enumerate(beacons):
-        found = presences[one].found
+        is_detected = presences[one].found
         best = float(hearing.peaks[one].snr.max())
         # A beacon that is not detected has no frequency error.
-        error = hearing.frequencies[one] - beacon if found and best > 0.0 else math.nan
+        error = hearing.frequencies[one] - beacon if is_detected and best > 0.0 else math.nan
         values = {
             'beacon_Hz': f'{beacon:g}',
             'best_snr': f'{best:.1f}',
@@ -46,8 +46,8 @@ def describe_beacons(
         yield HealthFact(
             WANTED if one == 0 else f'beacon at {beacon:g} Hz',
             # Only the wanted beacon is needed for the flight
-            HealthLevel.OK if found or one > 0 else HealthLevel.WARN,
-            'beacon found' if found else 'no photodiode receives the beacon',
+            HealthLevel.OK if is_detected or one > 0 else HealthLevel.WARN,
+            'beacon found' if is_detected else 'no photodiode receives the beacon',
             values,
         )
 

@@ -97,15 +97,15 @@ class DirectionFinder:
         readings = peaks.amplitude
         if self._numbers is tuple:
             readings, errors = readings.tolist(), errors.tolist()
-        found: DirectionFit = self._core(
+        fit: DirectionFit = self._core(
             self._array, build_direction_prior(prior), readings, errors, self._scratch
         )
-        if not found.found:
+        if not fit.found:
             return None
         return Direction(
-            found.x, found.y, found.z,
-            found.azimuth_variance, found.covariance, found.elevation_variance,
-            found.strength, math.sqrt(found.strength_variance), found.pedestal,
+            fit.x, fit.y, fit.z,
+            fit.azimuth_variance, fit.covariance, fit.elevation_variance,
+            fit.strength, math.sqrt(fit.strength_variance), fit.pedestal,
         )  # fmt: skip
 
 

@@ -113,9 +113,9 @@ class BeaconReceiver:
     ) -> tuple[BeaconBins, ...]:
         """Return the bins of beacons offset from their nominal frequencies by steps."""
         step = self._width / STEPS
-        found = [one + number * step for one, number in zip(beacons, steps, strict=True)]
+        frequencies = [one + number * step for one, number in zip(beacons, steps, strict=True)]
         try:
-            return plan_beacon_bins(found, self._settings, *self._shape)
+            return plan_beacon_bins(frequencies, self._settings, *self._shape)
         except BadInput:  # tracked to a frequency that cannot be detected
             return plan_beacon_bins(beacons, self._settings, *self._shape)
 

@@ -245,12 +245,12 @@ class BridgeCore:
             for age in [stamp_age(where.stamp_ns, now_ns)]
         ]
         # Of two that are known, the one that is farther up or away decides
-        known = [
+        recent = [
             where for where, age in both if age <= safety.LOST and not math.isnan(where.height)
         ]
-        if len(known) == len(both):
-            height = max(where.height for where in known)
-            distance = max(where.distance for where in known)
+        if len(recent) == len(both):
+            height = max(where.height for where in recent)
+            distance = max(where.distance for where in recent)
             return PositionEstimate(height, distance), max(age for _, age in both)
         return min(both, key=lambda one: (math.isnan(one[0].height), one[1]))
 
@@ -350,8 +350,8 @@ class BridgeCore:
 
     def _read_motor_duties(self, inputs: safety.SafetyInputs) -> tuple[float, ...]:
         """Return the newest duties of M1 to M4; empty if they are not known."""
-        known = self.motors is not None and inputs.silence <= safety.SILENT
-        return self.motors.duties if self.motors is not None and known else ()
+        is_fresh = self.motors is not None and inputs.silence <= safety.SILENT
+        return self.motors.duties if self.motors is not None and is_fresh else ()
 
     def _watch_buoyancy(self, now: float, inputs: safety.SafetyInputs) -> None:
         # A person may lift a drone that has not flown

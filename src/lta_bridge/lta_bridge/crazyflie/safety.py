@@ -144,10 +144,10 @@ def find_landing_reason(
         return f'the Crazyflie has sent nothing for {inputs.silence:.1f} s'
     # low_since is infinite while the voltage is fine, so this is then false
     if now - state.low_since >= LOW:
-        known = not math.isnan(inputs.voltage)
+        is_measured = not math.isnan(inputs.voltage)
         return (
             f'the battery has only {inputs.voltage:.2f} V'
-            if known
+            if is_measured
             else 'the battery voltage is no longer reported'
         )
     if now - state.began > limits.time:

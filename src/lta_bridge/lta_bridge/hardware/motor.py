@@ -159,7 +159,7 @@ class MotorBench:
         # A second Ctrl-C must not end the disarming
         with hold_interrupts(), suppress(LinkFailed):
             began = time.monotonic()
-            known = len(self._logged)
+            logged_before = len(self._logged)
             while time.monotonic() - began < CONFIRMING:
                 self._link.request_arming(False)
                 time.sleep(1.0 / RATE)
@@ -167,7 +167,7 @@ class MotorBench:
                     pass
                 # The first new packet may have been sent before the request.
                 if (
-                    len(self._logged) > known + 1
+                    len(self._logged) > logged_before + 1
                     and not self._logged[-1].word & SupervisorBit.ARMED
                 ):
                     return

@@ -50,9 +50,9 @@ class Audience(ServerListener):
     def has_new_viewer(self, topic: str) -> bool:
         """Return whether a topic has a new viewer since the last call."""
         with self._lock:
-            found = topic in self._newcomers
+            is_new = topic in self._newcomers
             self._newcomers.discard(topic)
-            return found
+            return is_new
 
 
 @final

@@ -289,8 +289,8 @@ class CrazyflieBridge(DeviceNode):
         """Send a setpoint to the core; the navigator's age counts from the end of its block."""
         pose, velocity = self._helm.select_setpoint(self._pose, self._velocity)
         # A hover command needs height and heading of the setpoint, and the estimated heading
-        known = all(part is not None for part in (pose, velocity, self._odom))
-        if self._bridge.command == 'setpoint' and known:
+        is_complete = all(part is not None for part in (pose, velocity, self._odom))
+        if self._bridge.command == 'setpoint' and is_complete:
             # The older half determines the age of the command
             oldest = min(from_stamp(half.header.stamp) for half in (pose, velocity))
             late = 0 if self._helm.held else self.table['setpoint/velocity'].latency_ns

@@ -83,15 +83,15 @@ class LiveViewNode(GraphNode):
 
     def _list_channels(self) -> dict[str, tuple[str, foxglove.Schema]]:
         """Return the shown topics of the table by their full names, and the two of the scene."""
-        found = {}
+        channels = {}
         for name in self._shown:
             topic = self.table[name]
             text = generate_definition(topic.type).text.encode()
             schema = foxglove.Schema(name=topic.type, encoding='ros2msg', data=text)
-            found[self._absolute_name(name)] = ('cdr', schema)
-        found[self._scene_topic] = ('protobuf', SceneUpdate.get_schema())
-        found[self._tf_topic] = ('protobuf', FrameTransforms.get_schema())
-        return found
+            channels[self._absolute_name(name)] = ('cdr', schema)
+        channels[self._scene_topic] = ('protobuf', SceneUpdate.get_schema())
+        channels[self._tf_topic] = ('protobuf', FrameTransforms.get_schema())
+        return channels
 
     def _subscribe_topic(self, name: str) -> None:
         topic = self.table[name]

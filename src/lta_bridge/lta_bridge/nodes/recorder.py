@@ -189,10 +189,10 @@ class Recorder(GraphNode):
         """Return whether to record a discovered topic; note those of unknown types."""
         if not self._intake.covers_topic(name):
             return False
-        known = is_jazzy_type(type_name) and load_message_class(type_name) is not None
-        if not known:
+        is_decodable = is_jazzy_type(type_name) and load_message_class(type_name) is not None
+        if not is_decodable:
             self._left_out[name] = type_name or 'several types'
-        return known
+        return is_decodable
 
     def _build_tap_receiver(self, name: str, type_name: str) -> Callable[[bytes], None]:
         """Return the callback for the messages of a topic."""
@@ -215,17 +215,17 @@ class Recorder(GraphNode):
     def _update_topic_qos(self, name: str) -> None:
         """Pass the QoS profiles of a topic's present and former publishers to the bag."""
         offered, expected = self._taps[name].list_offered_profiles(), self._expected_profile(name)
-        known = self._offers.setdefault(name, [])
+        earlier = self._offers.setdefault(name, [])
         fresh = [
-            each for each in to_offered_qos(offered, expected) if offered and each not in known
+            each for each in to_offered_qos(offered, expected) if offered and each not in earlier
         ]
-        known += fresh
+        earlier += fresh
         if name not in self._announced:
             self._announced.add(name)
-            offers = list(known) or to_offered_qos([], expected)
+            offers = list(earlier) or to_offered_qos([], expected)
             self._writer.add_topic(name, self._types[name], offers)
         elif fresh:
-            self._writer.update_qos(name, list(known))
+            self._writer.update_qos(name, list(earlier))
 
     def _on_diagnostics(self, data: bytes) -> None:
         """Look for faults in a diagnostics message."""
@@ -244,7 +244,9 @@ class Recorder(GraphNode):
             self._snapshots.save_if_due(time.monotonic())
             level, words, figures = self._snapshots.summarize()
             self.health.report('snapshots', level, words, **figures)
-        if mixed := [name for name, known in self._offers.items() if has_mixed_durability(known)]:
+        if mixed := [
+            name for name, profiles in self._offers.items() if has_mixed_durability(profiles)
+        ]:
             self.health.report(
                 'latched',
                 HealthLevel.WARN,

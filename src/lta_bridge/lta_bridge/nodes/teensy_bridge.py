@@ -138,11 +138,11 @@ class TeensyBridge(DeviceNode):
     def _publish_peaks(self, stamp: Time, peaks: Peaks) -> None:
         """Publish the same messages as a demodulator."""
         header = Header(stamp=stamp, frame_id=self.table['light/peaks'].frame)
-        found = self._finder.find_lamp(peaks, self._settings.threshold, self._settings.prior)
+        lamp = self._finder.find_lamp(peaks, self._settings.threshold, self._settings.prior)
         out = self._outputs
-        out['light/bearing'].publish(from_bearing(header, found.towards))
+        out['light/bearing'].publish(from_bearing(header, lamp.towards))
         out['light/peaks'].publish(from_peaks(header, (peaks,), self._finder.diodes.axes))
-        out['light/estimate'].publish(from_lamp(header, found.lamp))
+        out['light/estimate'].publish(from_lamp(header, lamp.lamp))
 
     def _graph_time_ns(self) -> int:
         return int(self.get_clock().now().nanoseconds)

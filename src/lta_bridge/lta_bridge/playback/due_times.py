@@ -33,32 +33,32 @@ def compute_due_times(
     messages: Iterable[RecordedMessage], table: TopicTable
 ) -> dict[str, DueTimes]:
     """Return the due times of the played messages, by topic."""
-    found: dict[str, DueTimes] = {}
+    due_times: dict[str, DueTimes] = {}
     for name, time_ns, data in messages:
         row = table[name]
         stamp = (read_stamp(data) if row.stamped else None) or time_ns - row.latency_ns
-        times = found.setdefault(name, DueTimes([], []))
+        times = due_times.setdefault(name, DueTimes([], []))
         times.add(stamp, max(stamp + row.latency_ns, time_ns))
-    return found
+    return due_times
 
 
 def compute_answer_times(
     played: Mapping[str, DueTimes], table: TopicTable, selection: NodeSelection
 ) -> dict[str, DueTimes]:
     """Return the due times of the nodes' answers, by topic."""
-    found: dict[str, DueTimes] = {}
+    due_times: dict[str, DueTimes] = {}
 
     def find_due_times(name: str) -> DueTimes:
         if name not in selection.answers:
             return played.get(name, DueTimes([], []))
-        if name not in found:
+        if name not in due_times:
             answers = DueTimes([], [])
             row = table[name]
             for stamp, due in zip(*find_due_times(row.answers), strict=True):
                 answers.add(stamp, max(stamp + row.latency_ns, due))
-            found[name] = answers
-        return found[name]
+            due_times[name] = answers
+        return due_times[name]
 
     for name in selection.answers:
         find_due_times(name)
-    return found
+    return due_times

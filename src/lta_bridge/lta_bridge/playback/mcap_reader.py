@@ -61,12 +61,12 @@ def read_topic_types(files: list[Path]) -> tuple[dict[str, str], dict[str, str]]
             with file.open('rb') as stream:
                 if stream.read(len(MAGIC)) != MAGIC:
                     raise BadInput(f"'{file}' is not an MCAP recording; {ADVICE}.")
-                found, origin = read_summary(stream) or scan_unfinished_file(stream)
+                file_types, origin = read_summary(stream) or scan_unfinished_file(stream)
         except OSError as error:
             raise BadInput(f"'{file}' cannot be read ({error.strerror}); {ADVICE}.") from error
         except MemoryError:
             raise build_size_error(file) from None
-        types |= found
+        types |= file_types
         provenance |= origin
     return types, provenance
 
@@ -84,10 +84,10 @@ def open_indexed_file(stream: BinaryIO) -> tuple[McapReader, Summary] | None:
 
 def read_summary(stream: BinaryIO) -> tuple[dict[str, str], dict[str, str]] | None:
     """Return types and origin from a file's summary; None without a summary."""
-    found = open_indexed_file(stream)
-    if found is None:
+    opened = open_indexed_file(stream)
+    if opened is None:
         return None
-    reader, summary = found
+    reader, summary = opened
     types = {
         channel.topic: summary.schemas[channel.schema_id].name
         for channel in summary.channels.values()
@@ -138,8 +138,8 @@ def iterate_by_time(
     `BadInput` if a finished file turns out to be damaged.
     """
     with file.open('rb') as stream:
-        found = open_indexed_file(stream)
-        if found is None:
+        opened = open_indexed_file(stream)
+        if opened is None:
             try:
                 # Without an index the whole file must be sorted in memory
                 messages = sorted(
@@ -151,7 +151,7 @@ def iterate_by_time(
             yield from messages
             return
         try:
-            for _, channel, message in found[0].iter_messages(topics, starting_at=since_ns):
+            for _, channel, message in opened[0].iter_messages(topics, starting_at=since_ns):
                 yield LoggedMessage(channel.topic, message.log_time, message.data)
         except (*BROKEN, MemoryError) as error:
             why = str(error) or f'a chunk needs more than {READER_MEMORY >> 20} MB of memory'
@@ -169,5 +169,5 @@ def iterate_unfinished(
         if isinstance(record, Channel) and record.topic in topics:
             names[record.id] = record.topic
         elif isinstance(record, Message) and record.channel_id in names:
-            found = LoggedMessage(names[record.channel_id], record.log_time, record.data)
-            yield from [found] if found.time_ns >= since_ns else []
+            message = LoggedMessage(names[record.channel_id], record.log_time, record.data)
+            yield from [message] if message.time_ns >= since_ns else []

@@ -39,11 +39,11 @@ def select_nodes(table: TopicTable, nodes: Sequence[str], also: Sequence[str]) -
     whose recorded messages are played, besides the vehicle's. Raise `BadInput` if a role is
     unknown, or would be both run and played.
     """
-    known = list_replayable_roles(table)
+    roles = list_replayable_roles(table)
     for name in (*nodes, *also):
-        if name not in known:
-            raise unknown_name_error('node', name, known)
-    again = tuple(nodes) or tuple(known)
+        if name not in roles:
+            raise unknown_name_error('node', name, roles)
+    again = tuple(nodes) or tuple(roles)
     for name in also:
         if name in again:
             raise BadInput(

@@ -51,7 +51,7 @@ class RobotBagRecording:
         self.path = path
         self._files = files
         channels, provenance = read_topic_types(files)
-        robots = sorted({found[0] for found in split_topic_names(channels, table)})
+        robots = sorted({parts[0] for parts in split_topic_names(channels, table)})
         self.robot = choose_robot(path, robot or (own if own in robots else ''), robots)
         self.provenance = extract_robot_origin(provenance, self.robot)
         mine = {
@@ -141,16 +141,16 @@ def open_recording(path: Path, robot: str, table: TopicTable, own: str = '') -> 
 
 def split_topic_names(names: Mapping[str, str], table: TopicTable) -> list[tuple[str, str, str]]:
     """Return robot, relative name and full name of each topic that is in the table."""
-    found = []
+    parts = []
     for full in names:
         plain = full.strip('/')
         robot, _, name = plain.partition('/')
         # Global topics such as /clock belong to no robot
         if plain in table.topics:
-            found.append(('', plain, full))
+            parts.append(('', plain, full))
         elif name in table.topics:
-            found.append((robot, name, full))
-    return found
+            parts.append((robot, name, full))
+    return parts
 
 
 def choose_robot(path: Path, robot: str, robots: list[str]) -> str:

@@ -145,12 +145,12 @@ class LightBoard:
 
     def _is_from_board(self, frame: MavlinkFrame, now_ns: int) -> bool:
         """Return whether the board sent a frame; its first light message identifies it."""
-        source, known = (frame.system, frame.component), self.sender.who
+        source, board = (frame.system, frame.component), self.sender.who
         if frame.message in OF_LIGHT:
             accepted = self.sender.accept_sender(source, now_ns)
         else:
             # Before the board is known, any time exchange may be its own: it speeds up the start
-            accepted = source == known or (known is None and frame.message is TIMESYNC)
+            accepted = source == board or (board is None and frame.message is TIMESYNC)
         if accepted:
             self.heard_ns = now_ns
         return accepted

@@ -69,8 +69,8 @@ def require_port(address: str) -> None:
 
 
 def _explain_missing_port(path: str) -> str:
-    found = ', '.join(sorted(port.device for port in list_ports.comports())) or 'none'
-    return f'There is no serial port {path}; plug the light board in (found: {found}).'
+    ports = ', '.join(sorted(port.device for port in list_ports.comports())) or 'none'
+    return f'There is no serial port {path}; plug the light board in (found: {ports}).'
 
 
 @final

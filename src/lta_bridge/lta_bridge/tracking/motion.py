@@ -132,12 +132,12 @@ def fit_parabola(
     scale = float(np.max(np.abs(t)))
     # Times scaled to -1..1 for conditioning; columns 1, t, t**2
     columns = np.vander(t / scale, 3, increasing=True)
-    known = np.linalg.pinv(columns)
-    coefficients = known @ y
+    inverse = np.linalg.pinv(columns)
+    coefficients = inverse @ y
     # Degrees of freedom of three axes; NaN if three poses fit exactly
     spare = 3 * (len(t) - 3) or math.nan
     left = ((y - columns @ coefficients) ** 2).sum(axis=0).tolist()
     sigma = math.sqrt(sum(left[:3]) / spare), math.sqrt(sum(left[3:]) / spare)
     slope: list[float] = (coefficients[1] / scale).tolist()
     # The row norm of the pseudoinverse propagates the noise of a pose to the slope
-    return slope, sigma, math.hypot(*known[1].tolist()) / scale
+    return slope, sigma, math.hypot(*inverse[1].tolist()) / scale

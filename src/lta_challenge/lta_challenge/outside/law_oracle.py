@@ -139,7 +139,7 @@ def fit_law_oracle(
 
 def _regress_size(data: LawData, knots: Array) -> tuple[float, Array]:
     """Return the size of a known wrench (S, K, 6), and the shared parameters that go with it."""
-    best, found = -np.inf, (1.0, data.joint.fitted.mean)
+    best, solution = -np.inf, (1.0, data.joint.fitted.mean)
     terms = [(knots[..., axis], axis) for axis in range(6) if np.any(knots[..., axis])]
     for share in (1.0, *SHRUNK, SHRUNK[-1] ** 2):
         deviations = data.shrink(data.joint.deviations, range(6), share)
@@ -150,8 +150,8 @@ def _regress_size(data: LawData, knots: Array) -> tuple[float, Array]:
         evidence = regression.base + 0.5 * right**2 / inner - 0.5 * np.log(inner)
         if evidence > best:
             weights = np.full(len(terms), right / inner)
-            best, found = (
+            best, solution = (
                 evidence,
                 (right / inner, regression.shared_parameters(products, weights)),
             )
-    return found
+    return solution

@@ -76,10 +76,10 @@ def check_message_exchange() -> HardwareCheck:
         lines = errors.decode(errors='replace').strip().splitlines()
         if lines:
             return HardwareCheck('dds', 'fail', lines[-1], FAULT)
-        found = f'no DDS message from a second process within {DEADLINE - 2.0:g} s'
-        return HardwareCheck('dds', 'fail', found, FIREWALL)
+        text = f'no DDS message from a second process within {DEADLINE - 2.0:g} s'
+        return HardwareCheck('dds', 'fail', text, FIREWALL)
     times = json.loads(output)
-    found = (
+    text = (
         f'two processes discovered each other in {times["discovery_s"]:.1f} s, round trip'
         f' {times["round_trip_s"] * 1e6:.0f} us (check took {time.monotonic() - began:.1f} s)'
     )
@@ -88,26 +88,29 @@ def check_message_exchange() -> HardwareCheck:
         return HardwareCheck(
             'dds',
             'warn',
-            found,
+            text,
             'DDS discovery is slow; close other programs, and check the network for packet loss.',
         )
-    return HardwareCheck('dds', 'ok', found)
+    return HardwareCheck('dds', 'ok', text)
 
 
 def check_ports() -> HardwareCheck:
     """Check that no other graph uses the domain of a flight."""
     text = os.environ.get('ROS_DOMAIN_ID') or '0'
     if not text.isdecimal() or int(text) > 232:  # the ports of domain 233 exceed 65535
-        found = f'ROS_DOMAIN_ID is {text!r}'
+        found_text = f'ROS_DOMAIN_ID is {text!r}'
         return HardwareCheck(
-            'ports', 'fail', found, 'Set ROS_DOMAIN_ID to a number from 0 to 101, or unset it.'
+            'ports',
+            'fail',
+            found_text,
+            'Set ROS_DOMAIN_ID to a number from 0 to 101, or unset it.',
         )
     domain = int(text)
     busy = find_busy_ports(domain_ports(domain))
     if busy:
-        found = f'ROS domain {domain}: UDP port {", ".join(map(str, busy))} in use'
+        found_text = f'ROS domain {domain}: UDP port {", ".join(map(str, busy))} in use'
         remedy = 'Stop the other ROS 2 nodes, or choose another domain, such as ROS_DOMAIN_ID=7'
-        return HardwareCheck('ports', 'warn', found, f'{remedy}.')
+        return HardwareCheck('ports', 'warn', found_text, f'{remedy}.')
     listened = domain_ports(domain)
     return HardwareCheck(
         'ports', 'ok', f'ROS domain {domain}: UDP ports {listened[0]} to {listened[-1]} are free'

@@ -14,21 +14,21 @@ OLDEST_PYTHON, NEWEST_PYTHON = (3, 11), (3, 14)  # as in the Makefile; a test co
 
 def check_python_version(version: tuple[int, int] = sys.version_info[:2]) -> HardwareCheck:
     """Check the version of the running interpreter."""
-    found = f'{host.python_version()} ({sys.executable})'
+    text = f'{host.python_version()} ({sys.executable})'
     if not OLDEST_PYTHON <= version <= NEWEST_PYTHON:
         oldest, newest = ('.'.join(map(str, bound)) for bound in (OLDEST_PYTHON, NEWEST_PYTHON))
         remedy = f'LTA needs Python {oldest} to {newest}; run: make PYTHON=/path/to/python'
-        return HardwareCheck('python', 'fail', found, remedy)
-    return HardwareCheck('python', 'ok', found)
+        return HardwareCheck('python', 'fail', text, remedy)
+    return HardwareCheck('python', 'ok', text)
 
 
 def check_platform() -> HardwareCheck:
     """Check the operating system and the processor."""
-    found = f'{host.system()} {host.release()}, {host.machine()}'
+    text = f'{host.system()} {host.release()}, {host.machine()}'
     if (host.system(), host.machine()) != ('Linux', 'x86_64'):
         remedy = 'The ROS 2 wheels need Linux on x86-64; use such a machine or container.'
-        return HardwareCheck('platform', 'fail', found, remedy)
-    return HardwareCheck('platform', 'ok', found)
+        return HardwareCheck('platform', 'fail', text, remedy)
+    return HardwareCheck('platform', 'ok', text)
 
 
 def check_disk_space(runs: Path = Path('runs')) -> HardwareCheck:
@@ -36,7 +36,7 @@ def check_disk_space(runs: Path = Path('runs')) -> HardwareCheck:
     # `runs` may not exist yet: use the nearest existing parent
     folder = next(path for path in (runs.absolute(), *runs.absolute().parents) if path.is_dir())
     free = shutil.disk_usage(folder).free / MEGABYTE
-    found = f'{free:.0f} MB free on the disk of {runs.absolute()}'
+    text = f'{free:.0f} MB free on the disk of {runs.absolute()}'
     if not os.access(folder, os.W_OK):
         return HardwareCheck(
             'disk',
@@ -45,19 +45,19 @@ def check_disk_space(runs: Path = Path('runs')) -> HardwareCheck:
             'Run lta in a folder that you can write to.',
         )
     return grade_value(
-        'disk', free, 2000.0, 200.0, found, 'Delete old recordings, or work on another disk.'
+        'disk', free, 2000.0, 200.0, text, 'Delete old recordings, or work on another disk.'
     )
 
 
 def check_processor_cores() -> HardwareCheck:
     """Check the processor cores that this process may use."""
     count = count_cores()
-    found = f'{count} cores, load {os.getloadavg()[0]:.1f}'
+    text = f'{count} cores, load {os.getloadavg()[0]:.1f}'
     remedy = (
         'A flight runs seven nodes and is slow on one core; use two cores or more, or one process '
         'for all nodes (--processes one, processes:=one).'
     )
-    return grade_value('cores', count, 2, 1, found, remedy)
+    return grade_value('cores', count, 2, 1, text, remedy)
 
 
 def check_available_memory(table: Path = Path('/proc/meminfo')) -> HardwareCheck:
@@ -65,7 +65,5 @@ def check_available_memory(table: Path = Path('/proc/meminfo')) -> HardwareCheck
     lines = dict(line.split(':', 1) for line in table.read_text().splitlines())
     # The value is in kB; MemAvailable includes caches that can be freed
     free = int(lines['MemAvailable'].split()[0]) * 1024 / MEGABYTE
-    found = f'{free:.0f} MB available'
-    return grade_value(
-        'memory', free, 1500.0, 500.0, found, 'Close other programs before you fly.'
-    )
+    text = f'{free:.0f} MB available'
+    return grade_value('memory', free, 1500.0, 500.0, text, 'Close other programs before you fly.')

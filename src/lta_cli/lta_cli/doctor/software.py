@@ -35,8 +35,8 @@ def check_dependency_imports() -> HardwareCheck:
         module = result.stdout.split()[-1]
         why = (result.stderr.strip().splitlines() or [f'exit status {result.returncode}'])[-1]
         return HardwareCheck('wheels', 'fail', f'cannot import {module}: {why}', MAKE_AGAIN)
-    found = f'{len(MODULES)} of {len(MODULES)} Python packages can be imported'
-    return HardwareCheck('wheels', 'ok', found)
+    text = f'{len(MODULES)} of {len(MODULES)} Python packages can be imported'
+    return HardwareCheck('wheels', 'ok', text)
 
 
 def read_version_pins(constraints: Path) -> dict[str, str]:
@@ -56,8 +56,8 @@ def check_dependency_versions(
 ) -> HardwareCheck:
     """Check that the installed versions are the ones that LTA was tested with."""
     if not constraints.is_file():
-        found = f'versions not compared: {sys.prefix} was not created by "make build"'
-        return HardwareCheck('versions', 'ok', found)
+        text = f'versions not compared: {sys.prefix} was not created by "make build"'
+        return HardwareCheck('versions', 'ok', text)
     pins = read_version_pins(constraints)
     # A pinned package that is not installed is fine: only the tests need it. Records without
     # INSTALLER come from inside the ROS wheels, not from pip, and report other versions.
@@ -90,8 +90,8 @@ def check_workspace_packages() -> HardwareCheck:
         if not any((prefix / index / f'lta_{name}').is_file() for prefix in prefixes)
     ]
     if missing:
-        found = f'packages missing in the ament index: {", ".join(missing)}'
-        return HardwareCheck('packages', 'fail', found, MAKE_AGAIN)
+        text = f'packages missing in the ament index: {", ".join(missing)}'
+        return HardwareCheck('packages', 'fail', text, MAKE_AGAIN)
     return HardwareCheck(
         'packages', 'ok', f'{len(PACKAGES)} of {len(PACKAGES)} LTA packages in the ament index'
     )
@@ -102,8 +102,8 @@ def check_messages() -> HardwareCheck:
     missing = [name for name in COMPILED if find_spec(name) is None]
     if not missing:
         chosen = '' if uses_typed_messages() else f'; topics have standard messages by {MESSAGES}'
-        found = f'{" and ".join(COMPILED)} are installed{chosen}'
-        return HardwareCheck('messages', 'ok', found)
+        text = f'{" and ".join(COMPILED)} are installed{chosen}'
+        return HardwareCheck('messages', 'ok', text)
     return HardwareCheck(
         'messages',
         'warn',

@@ -86,7 +86,7 @@ def describe_parameter(parameter: Any, words: str) -> dict[str, Any]:  # noqa: A
     """Return an option or argument: its names, and what its values are."""
     is_option = parameter.opts[0].startswith('-')
     name = parameter.opts[0] if is_option else parameter.metavar or parameter.name.upper()
-    known = {**VALUES['*'], **VALUES.get(words, {})}
+    values = {**VALUES['*'], **VALUES.get(words, {})}
     entry = {
         'name': parameter.name,
         'options': [*parameter.opts, *parameter.secondary_opts] if is_option else [],
@@ -94,7 +94,7 @@ def describe_parameter(parameter: Any, words: str) -> dict[str, Any]:  # noqa: A
         'flag': bool(getattr(parameter, 'is_flag', False)),
         'many': parameter.nargs == -1 or bool(getattr(parameter, 'multiple', False)),
         'count': parameter.nargs if parameter.nargs > 1 else 0,
-        'values': list_choices(parameter.type_descriptor.annotation) or known.get(name, ''),
+        'values': list_choices(parameter.type_descriptor.annotation) or values.get(name, ''),
     }
     return {key: value for key, value in entry.items() if value}
 

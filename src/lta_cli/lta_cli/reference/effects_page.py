@@ -107,17 +107,18 @@ def _format_parameter(parameter: EffectParameter, name: str) -> str:
 def format_parameters(effect: Effect) -> Iterator[str]:
     """Yield the parameters as text, with equal ones of several rotors merged."""
     if isinstance(effect, ActuatorEffect):
-        yield from (_format_parameter(known, known.name) for known in effect.shared)
+        yield from (_format_parameter(parameter, parameter.name) for parameter in effect.shared)
         yield from (
-            f'{_format_parameter(known, known.name)} (each rotor)' for known in effect.each
+            f'{_format_parameter(parameter, parameter.name)} (each rotor)'
+            for parameter in effect.each
         )
         return
     # Parameters with equal unit and bounds share one entry
     groups: dict[tuple[object, ...], list[str]] = {}
-    for known in effect.parameters:
+    for parameter in effect.parameters:
         # 'thrust_1' to 'thrust_8' become 'thrust_1..'
-        stem = re.sub(r'_\d+$', '_1..', known.name)
-        key = (known.unit, known.null, known.low, known.high)
+        stem = re.sub(r'_\d+$', '_1..', parameter.name)
+        key = (parameter.unit, parameter.null, parameter.low, parameter.high)
         names = groups.setdefault(key, [])
         if stem not in names:
             names.append(stem)

@@ -47,11 +47,11 @@ def iterate_settings_models() -> Iterator[tuple[str, str, type[Settings]]]:
     for package in PACKAGES:
         # Every module in `nodes` is one node
         folder = resources.files(f'{package}.nodes')
-        for found in pkgutil.iter_modules([str(folder)]):
-            tree = ast.parse((folder / f'{found.name}.py').read_text(encoding='utf-8'))
-            module = import_module(f'{package}.nodes.{found.name}')
+        for item in pkgutil.iter_modules([str(folder)]):
+            tree = ast.parse((folder / f'{item.name}.py').read_text(encoding='utf-8'))
+            module = import_module(f'{package}.nodes.{item.name}')
             for name in find_model_names(tree):
-                yield package, found.name, getattr(module, name)
+                yield package, item.name, getattr(module, name)
 
 
 def find_model_names(tree: ast.AST) -> Iterator[str]:
@@ -101,8 +101,11 @@ def format_default(value: object) -> str:
 def format_bounds(info: FieldInfo) -> str:
     """Format the closed bounds of a parameter as text."""
     # Pydantic stores bounds as Ge and Le objects of annotated_types
-    found = {type(item).__name__: item for item in info.metadata}
-    low, high = getattr(found.get('Ge'), 'ge', None), getattr(found.get('Le'), 'le', None)
+    constraints = {type(item).__name__: item for item in info.metadata}
+    low, high = (
+        getattr(constraints.get('Ge'), 'ge', None),
+        getattr(constraints.get('Le'), 'le', None),
+    )
     if low is not None and high is not None:
         return f'{low:g} to {high:g}'
     if low is not None:

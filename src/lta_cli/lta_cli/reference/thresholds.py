@@ -82,10 +82,10 @@ def parse_thresholds(module: str, text: str) -> Iterator[Threshold]:
     """Yield the constants of a module, each with the comment after or above it."""
     above: list[str] = []
     for line in text.splitlines():
-        found = DECLARED.match(line)
-        if found is not None and found['name'] not in SHAPES:
-            about = found['beside'] or ' '.join(above)
-            yield Threshold(module, found['name'], found['value'], about)
+        match = DECLARED.match(line)
+        if match is not None and match['name'] not in SHAPES:
+            about = match['beside'] or ' '.join(above)
+            yield Threshold(module, match['name'], match['value'], about)
         # Comment lines directly above a constant; any other line ends them
         above = [*above, line.removeprefix('# ')] if line.startswith('# ') else []
 
@@ -118,5 +118,5 @@ def load_sensitivity() -> dict[str, dict[str, str]]:
     # The file is missing outside a source tree
     if not path.exists():
         return {}
-    found: dict[str, dict[str, str]] = json.loads(path.read_text(encoding='utf-8'))
-    return found
+    table: dict[str, dict[str, str]] = json.loads(path.read_text(encoding='utf-8'))
+    return table

@@ -95,33 +95,33 @@ def _describe_type(
 
 def _describe_quantity(validator: WrapValidator) -> str:
     """Return the unit, count and bounds of a quantity, which its validator encloses."""
-    known = inspect.getclosurevars(validator.func).nonlocals
-    unit = known['dimension']
+    limits = inspect.getclosurevars(validator.func).nonlocals
+    unit = limits['dimension']
     # Charges are written in mA h
     unit_label = 'mA h' if unit == 'C' else unit
-    low = known['low'] if known['above'] is None else None
+    low = limits['low'] if limits['above'] is None else None
     file_unit = next(
         word
         for word, (kind, factor) in UNITS.items()
         if (kind == unit and factor == 1.0) or word == unit_label
     )
-    bounds = format_quantity_bounds(low, known['above'], known['high'], file_unit)
+    bounds = format_quantity_bounds(low, limits['above'], limits['high'], file_unit)
     bounds = bounds if bounds.strip() not in {'', file_unit} else ''
-    count = f'{known["length"]} numbers' if known['length'] > 1 else 'number'
+    count = f'{limits["length"]} numbers' if limits['length'] > 1 else 'number'
     return ', '.join(filter(None, (f'{count} [{unit_label}]', bounds)))
 
 
 def _read_comments(model: type[BaseModel]) -> dict[str, str]:
     """Return the comment of each field: at its line, or above it."""
-    found, above = {}, ''
+    comments, above = {}, ''
     for line in inspect.getsource(model).splitlines():
         if whole := re.match(r'    # (.*)', line):
             above = f'{above} {whole[1]}'.strip()
             continue
         if field := re.match(r'    (\w+): .*?(?:  # (.*))?$', line):
-            found[field[1]] = (field[2] or above).replace('|', '\\|')
+            comments[field[1]] = (field[2] or above).replace('|', '\\|')
         above = ''
-    return found
+    return comments
 
 
 def _format_effects() -> str:

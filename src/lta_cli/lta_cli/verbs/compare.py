@@ -112,13 +112,13 @@ def compare(
     columns = (TextColumn('{task.description}'), BarColumn(), TimeRemainingColumn())
     total = count_ticks(one, other, request)
     with ProgressBar(run.console, *columns, begin='opening', total=total) as bar:
-        found = compare_flights(
+        comparison = compare_flights(
             one, other, request, lambda step: bar.update_bar(description=step, advance=1)
         )
     # Units of channels are known only after the comparison
-    check_units(tolerance or (), found.channels)
-    differ = same and not (found.is_identical or found.is_within_bands)
-    return replace(build_report(found), status=int(differ))
+    check_units(tolerance or (), comparison.channels)
+    differ = same and not (comparison.is_identical or comparison.is_within_bands)
+    return replace(build_report(comparison), status=int(differ))
 
 
 def open_comparison_flight(path: Path, robot: str, label: str) -> RecordedFlight:
@@ -153,11 +153,11 @@ def parse_tolerance(text: str) -> tuple[str, float]:
 def check_units(tolerances: Sequence[str], channels: Sequence[ChannelComparison]) -> None:
     """Raise `BadInput` if the unit of a tolerance fits none of its channels."""
     for name, _, value in (text.rpartition('=') for text in tolerances):
-        found = QUANTITY.fullmatch(value)
+        match = QUANTITY.fullmatch(value)
         # A tolerance without a unit is in the channel's own unit
-        if found is None or not found[2]:
+        if match is None or not match[2]:
             continue
-        kind = UNITS[found[2]][0]
+        kind = UNITS[match[2]][0]
         fitting = [each for each in channels if each.name == name or fnmatchcase(each.name, name)]
         units = [UNITS.get(each.unit, (each.unit, 1.0))[0] for each in fitting]
         # Channels without a unit accept any
@@ -170,14 +170,16 @@ def check_units(tolerances: Sequence[str], channels: Sequence[ChannelComparison]
 
 def parse_quantity(text: str, what: str, unit: str | None = None) -> float:
     """Parse a number with an optional unit and return it in SI units, or raise `BadInput`."""
-    found = QUANTITY.fullmatch(text)
-    own = found and found[2]
+    match = QUANTITY.fullmatch(text)
+    own = match and match[2]
     # SI unit and factor of the given unit
     kind, factor = UNITS.get(own or '', (unit, 1.0))
-    if found is None or (own and own not in UNITS) or (unit and kind != unit):
-        known = ', '.join(sorted(name for name, (si, _) in UNITS.items() if unit in (None, si)))
-        raise BadInput(f"{what} is '{text}'; give a number with an optional unit ({known}).")
-    value = float(found[1]) * factor
+    if match is None or (own and own not in UNITS) or (unit and kind != unit):
+        unit_names = ', '.join(
+            sorted(name for name, (si, _) in UNITS.items() if unit in (None, si))
+        )
+        raise BadInput(f"{what} is '{text}'; give a number with an optional unit ({unit_names}).")
+    value = float(match[1]) * factor
     # A number such as 1e999 overflows to infinity
     if not math.isfinite(value):
         raise BadInput(f"{what} is '{text}'; give a finite number.")

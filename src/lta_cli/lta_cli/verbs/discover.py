@@ -140,11 +140,11 @@ def discover(
     with DiscoverProgress(console) as progress:
         if vehicle is None:
             hidden = draw_demo_effect(seed)
-            found = run_discovery_demo(hidden, seed, folder, progress.show_stage)
+            result = run_discovery_demo(hidden, seed, folder, progress.show_stage)
         else:
             request = DiscoveryRequest(vehicle, bags, seed, robot, plan, calibration)
-            found = discover_effects(request, folder, progress.show_stage)
-    show_result(found, hidden, folder, console, pictures, json=json)
+            result = discover_effects(request, folder, progress.show_stage)
+    show_result(result, hidden, folder, console, pictures, json=json)
 
 
 def show_result(

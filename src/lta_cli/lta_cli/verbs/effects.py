@@ -62,7 +62,9 @@ def print_effect(name: str) -> None:
     table = Table(box=None)
     for column in ('parameter', 'unit', 'null', 'from', 'to', 'spread', 'source'):
         table.add_column(column, overflow='fold')
-    for known in effect.parameters:
-        numbers = (known.null, known.low, known.high, known.spread)
-        table.add_row(known.name, known.unit, *(f'{x:g}' for x in numbers), known.source)
+    for parameter in effect.parameters:
+        numbers = (parameter.null, parameter.low, parameter.high, parameter.spread)
+        table.add_row(
+            parameter.name, parameter.unit, *(f'{x:g}' for x in numbers), parameter.source
+        )
     console.print(table)

@@ -35,5 +35,5 @@ def try_(
     folder = resolve_folder(out, f'effects-{name}')
     check_creatable(folder)
     with DiscoverProgress(console) as progress:
-        found = run_discovery_demo(hidden, seed, folder, progress.show_stage)
-    show_result(found, hidden, folder, console, pictures, json=json)
+        result = run_discovery_demo(hidden, seed, folder, progress.show_stage)
+    show_result(result, hidden, folder, console, pictures, json=json)

@@ -71,15 +71,15 @@ def sweep(
 def parse_duties(text: str | None) -> tuple[float, ...]:
     """Parse rotor duties separated by commas, or raise `BadInput`."""
     try:
-        found = tuple(float(word) for word in text.split(',')) if text else ()
+        duties = tuple(float(word) for word in text.split(',')) if text else ()
     except ValueError:
         # NaN fails the range check below, which has the error message
-        found = (math.nan,)
-    if not all(-1.0 <= duty <= 1.0 for duty in found):
+        duties = (math.nan,)
+    if not all(-1.0 <= duty <= 1.0 for duty in duties):
         raise BadInput(
             f"--duties '{text}' is invalid; give numbers from -1 to 1, such as 0.2,0.2."
         )
-    return found
+    return duties
 
 
 def check_exclusive_options(

@@ -14,14 +14,14 @@ import typer
 
 def parse_mass(text: str) -> float:
     """Parse a mass in g or kg and return it in kg."""
-    found = parse_quantity(text)
+    quantity = parse_quantity(text)
     # To kg; other units are not a mass
-    factor = {'g': 1e-3, 'kg': 1.0}.get(found['unit']) if found else None
-    if found is None or factor is None or not isinstance(found['value'], int | float):
+    factor = {'g': 1e-3, 'kg': 1.0}.get(quantity['unit']) if quantity else None
+    if quantity is None or factor is None or not isinstance(quantity['value'], int | float):
         raise typer.BadParameter(
             f"'{text}' is not a mass; give a number with a unit, such as '6 g'"
         )
-    return float(found['value']) * factor
+    return float(quantity['value']) * factor
 
 
 @study_command('tune', quick={'cases': 2, 'budget': 20, 'draws': 4})

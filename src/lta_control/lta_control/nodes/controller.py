@@ -191,8 +191,8 @@ class Controller(GraphNode):
         airspeed = latest if near else None
         measured = to_cascade_measurement(odom, airspeed)
         upright = math.cos(self._settings.value.tilt_limit)
-        known = self._armed and measured is not None
-        if known and has_overturned(to_attitude(odom), upright):
+        is_controlled = self._armed and measured is not None
+        if is_controlled and has_overturned(to_attitude(odom), upright):
             self._stop_motors(
                 'the drone turned over: the motors are off; restart the controller to fly again'
             )

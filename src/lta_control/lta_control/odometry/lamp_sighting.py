@@ -39,9 +39,9 @@ def build_sighting(
     if lamp is None or not amplitudes or len(frequencies) != len(amplitudes):
         return None
     distance, deviation = math.hypot(lamp.x, lamp.y), bearing_deviation(lamp)
-    known = tuple([a if math.isfinite(a) else 0.0 for a in amplitudes])
-    strength = facing_strength(axes, known)
-    frequency = frequencies[known.index(max(known))]
+    finite = tuple([a if math.isfinite(a) else 0.0 for a in amplitudes])
+    strength = facing_strength(axes, finite)
+    frequency = frequencies[finite.index(max(finite))]
     # NaN compares false
     if not (deviation <= TRUSTED and distance > NEAREST and strength > 0.0 and frequency > 0.0):
         return None

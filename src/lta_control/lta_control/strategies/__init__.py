@@ -20,7 +20,7 @@ STRATEGIES: dict[str, NavigationStrategy] = {
 def check_route(strategy: NavigationStrategy, lamps: int) -> None:
     """Raise `BadInput` for a strategy that cannot fly a route of several lamps."""
     if lamps > 1 and not strategy.arrives:
-        able = [name for name, known in STRATEGIES.items() if known.arrives]
+        able = [name for name, candidate in STRATEGIES.items() if candidate.arrives]
         raise BadInput(
             f'The strategy {strategy.name} never reports an arrival at a lamp, so it cannot fly '
             f'a route of {lamps} lamps; choose the strategy {" or ".join(able)}.'

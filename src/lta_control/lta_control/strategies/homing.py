@@ -237,31 +237,33 @@ def update_with_sight(
     """Return the memory after one more sight; an outlier is ignored."""
     own, dt = settings.homing, sight.interval
     optics = build_filter_prior(own, m.flown)
-    fix, known, lost, doubted = m.fix, m.known, m.lost + dt, m.doubted
+    fix, has_fix, lost, doubted = m.fix, m.known, m.lost + dt, m.doubted
     if m.known:
         # Movement through the air since the last sight, by dead reckoning
         moved_x, moved_y = sight.position[0] - m.place[0], sight.position[1] - m.place[1]
         fix = predict_fix(optics, fix, moved_x, moved_y, dt)
     if sight.seen and sight.deviation <= own.trusted:
         bearing, strength = sight.heading + sight.bearing, max(sight.strength, 1.0)
-        there = known and normalized_innovation(fix, optics, bearing, sight.deviation) <= own.gate
-        share = strength / expected_strength(fix) if known else 1.0
+        there = (
+            has_fix and normalized_innovation(fix, optics, bearing, sight.deviation) <= own.gate
+        )
+        share = strength / expected_strength(fix) if has_fix else 1.0
         fits = there and own.echo <= share <= 1.0 / own.echo
         # A weak light elsewhere is a reflection and raises no doubt
         doubted = 0.0 if fits or share < own.echo else doubted + dt
         # After a full turn without success any light is better than the old fix.
         sought = m.searched > full_turn_time(settings)
-        if not known or doubted > own.doubt or (sought and not fits):
+        if not has_fix or doubted > own.doubt or (sought and not fits):
             drift = fix.wind_x, fix.wind_y
-            fix, known = initialize_fix(optics, bearing, sight.deviation, strength, drift), True
+            fix, has_fix = initialize_fix(optics, bearing, sight.deviation, strength, drift), True
             lost = doubted = 0.0
         elif fits:
             fix, lost = update_fix(fix, optics, bearing, sight.deviation, strength), 0.0
     away = math.hypot(fix.x, fix.y)
     limit = own.arrival * (STAY if m.arrived else 1.0)
-    arrived = known and away <= limit
+    arrived = has_fix and away <= limit
     return HomingState(
-        m.heading, known, fix, True, sight.position, m.flown + dt, lost, doubted, m.searched,
+        m.heading, has_fix, fix, True, sight.position, m.flown + dt, lost, doubted, m.searched,
         arrived,
     )  # fmt: skip
 

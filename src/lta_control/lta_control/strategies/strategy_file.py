@@ -54,21 +54,21 @@ def load_strategy_file(name: str) -> NavigationStrategy:
 def _load_cached(path: Path, changed_ns: int, size: int) -> NavigationStrategy:
     """Return the strategy of a file; its time and size are only keys of the cache."""
     del changed_ns, size
-    found = getattr(_run_file(path), 'STRATEGY', None)
-    if not isinstance(found, NavigationStrategy):
+    strategy = getattr(_run_file(path), 'STRATEGY', None)
+    if not isinstance(strategy, NavigationStrategy):
         raise BadInput(
             f"'{path}' defines no strategy; end it with STRATEGY = NavigationStrategy("
             f"'{path.stem}', start, steer), as docs/strategies.md shows."
         )
     try:
-        _try_strategy(found)
+        _try_strategy(strategy)
     except BadInput as error:
         raise BadInput(f"The strategy '{path}' {error}") from None
     except Exception as error:
         raise BadInput(
             f"The strategy '{path}' fails on a trial: {_describe_error(error, path)}; correct it."
         ) from error
-    return replace(found, name=path.stem, file=f'{path}')
+    return replace(strategy, name=path.stem, file=f'{path}')
 
 
 def explain_failure(strategy: NavigationStrategy, error: BaseException) -> BadInput:

@@ -53,8 +53,8 @@ def previous_weights(rows: SortedRows, clock: Stamps, gap: float) -> ResamplingW
     # side='right': a row exactly at the instant counts as known
     index = np.searchsorted(rows.stamps, clock, side='right') - 1
     row = rows.rows[np.maximum(index, 0)]
-    known = (index >= 0) & (clock - rows.stamps[np.maximum(index, 0)] <= gap)
-    return ResamplingWeights(row, row, np.zeros(len(clock)), known)
+    valid = (index >= 0) & (clock - rows.stamps[np.maximum(index, 0)] <= gap)
+    return ResamplingWeights(row, row, np.zeros(len(clock)), valid)
 
 
 def linear_weights(rows: SortedRows, clock: Stamps, gap: float) -> ResamplingWeights:
@@ -67,9 +67,9 @@ def linear_weights(rows: SortedRows, clock: Stamps, gap: float) -> ResamplingWei
     apart = rows.stamps[right] - rows.stamps[inside]
     # On a hit both rows are the same: the 1 ns avoids 0 / 0
     share = (clock - rows.stamps[inside]) / np.maximum(apart, 1)
-    known = (left >= 0) & (hit | ((left < last) & (apart <= gap)))
+    valid = (left >= 0) & (hit | ((left < last) & (apart <= gap)))
     return ResamplingWeights(
-        rows.rows[inside], rows.rows[right], np.where(known, share, 0.0), known
+        rows.rows[inside], rows.rows[right], np.where(valid, share, 0.0), valid
     )
 
 
@@ -176,7 +176,7 @@ def resample_columns(
     table: RecordingTable, weights: ResamplingWeights | None, count: int
 ) -> dict[str, NDArray[Any]]:
     """Return the columns of a table at other times, shape (n, ...); empty in gaps."""
-    found = {}
+    columns = {}
     turns = {f'{turn}.{axis}': turn for turn in table.quaternions for axis in AXES}
     turned: dict[str, NDArray[np.float64]] = {}
     for name in table.stored_columns:
@@ -184,39 +184,43 @@ def resample_columns(
             continue
         values = table[name]
         if weights is None or not len(values):
-            found[name] = np.full(count, '' if values.dtype.kind == 'U' else np.nan)
+            columns[name] = np.full(count, '' if values.dtype.kind == 'U' else np.nan)
         elif name in turns:
             turn = turns[name]
             # The four components are interpolated together, once
             if turn not in turned:
                 turned[turn] = interpolate_quaternions(table.vector(turn), weights)
-            found[name] = turned[turn][:, AXES.index(name[-1])]
+            columns[name] = turned[turn][:, AXES.index(name[-1])]
         else:
-            found[name] = interpolate_values(values, weights)
-    return found
+            columns[name] = interpolate_values(values, weights)
+    return columns
 
 
 def interpolate_values(values: NDArray[Any], weights: ResamplingWeights) -> NDArray[Any]:
     """Resample a column of shape (m, ...) to shape (n, ...)."""
-    found = values[weights.before]
+    interpolated = values[weights.before]
     # Only floats are interpolated: integers are counts or codes, texts have no mean
     if values.dtype.kind == 'f':
         between = weights.share > 0.0
-        change = values[weights.after[between]] - found[between]
-        found[between] += weights.share[between] * change
+        change = values[weights.after[between]] - interpolated[between]
+        interpolated[between] += weights.share[between] * change
     if weights.known.all():
-        return found
+        return interpolated
     nothing: Any = '' if values.dtype.kind == 'U' else np.nan
-    return np.where(weights.known, found, nothing)
+    return np.where(weights.known, interpolated, nothing)
 
 
 def interpolate_quaternions(
     turns: NDArray[np.float64], weights: ResamplingWeights
 ) -> NDArray[np.float64]:
     """Interpolate quaternions by slerp along the shorter arc, shape (n, 4)."""
-    found = turns[weights.before]
+    interpolated = turns[weights.before]
     between = weights.share > 0.0
-    one, other, share = found[between], turns[weights.after[between]], weights.share[between]
+    one, other, share = (
+        interpolated[between],
+        turns[weights.after[between]],
+        weights.share[between],
+    )
     with np.errstate(invalid='ignore'):  # an unfilled zero quaternion becomes NaN
         one = one / np.linalg.norm(one, axis=1, keepdims=True)
         other = other / np.linalg.norm(other, axis=1, keepdims=True)
@@ -231,5 +235,5 @@ def interpolate_quaternions(
     whole = np.where(tiny, 1.0, angle)
     first = np.where(tiny, 1.0 - share, np.sin((1.0 - share) * whole) / np.sin(whole))
     second = np.where(tiny, share, np.sin(share * whole) / np.sin(whole))
-    found[between] = first[:, None] * one + second[:, None] * other
-    return np.where(weights.known[:, None], found, np.nan)
+    interpolated[between] = first[:, None] * one + second[:, None] * other
+    return np.where(weights.known[:, None], interpolated, np.nan)

@@ -49,9 +49,9 @@ def wrong_format_error(file: Path, head: bytes) -> BadInput:
     """Return the error for a file that is not MCAP, with its actual format if known."""
     if not head:
         return BadInput(f"'{file}' is empty (0 bytes): nothing was recorded. Record it again.")
-    for magic, found in OTHER_FORMATS.items():
+    for magic, description in OTHER_FORMATS.items():
         if head.startswith(magic):
-            return BadInput(f"'{file}' is {found}.")
+            return BadInput(f"'{file}' is {description}.")
     return BadInput(f"'{file}' is not an MCAP recording; {ADVICE}.")
 
 
@@ -72,8 +72,8 @@ def read_metadata(folder: Path) -> dict[str, object]:
         content = load_yaml(folder / 'metadata.yaml')
     except BadInput:  # the MCAP file contains the same information
         return {}
-    found = content.get('rosbag2_bagfile_information') if isinstance(content, dict) else None
-    return found if isinstance(found, dict) else {}
+    metadata = content.get('rosbag2_bagfile_information') if isinstance(content, dict) else None
+    return metadata if isinstance(metadata, dict) else {}
 
 
 def read_topic_types(path: Path) -> dict[str, str]:
@@ -133,7 +133,7 @@ def describe_absent_files(folder: Path, described: dict[str, object]) -> list[st
 
 def extract_provenance(described: dict[str, object]) -> dict[str, str]:
     """Return the `custom_data` of `rosbag2_bagfile_information`; empty if there is none."""
-    found = described.get('custom_data')
-    if not isinstance(found, dict):
+    custom_data = described.get('custom_data')
+    if not isinstance(custom_data, dict):
         return {}
-    return {str(key): str(value) for key, value in found.items()}
+    return {str(key): str(value) for key, value in custom_data.items()}

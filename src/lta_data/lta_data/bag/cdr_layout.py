@@ -98,10 +98,10 @@ class CdrLayout:
         shape = (len(table), leaf.length or 1)
         strides = (table.strides[0], kind.itemsize)
         # A view into the messages, since fields of a packed table are not aligned for numpy
-        found: NDArray[Any] = np.ndarray(
+        values: NDArray[Any] = np.ndarray(
             shape, kind, table.data, offset=leaf.offset, strides=strides
         )
-        return found[:, 0] if leaf.length is None else found
+        return values[:, 0] if leaf.length is None else values
 
 
 def derive_layout(type_name: str, data: bytes, fields: Fields) -> CdrLayout:

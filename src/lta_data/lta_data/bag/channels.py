@@ -101,10 +101,10 @@ def _iterate_series_channels(
     turned = {path.removesuffix('.w') for path in series.numbers if path.endswith('.w')}
     for path in sorted(turned):
         # Angles instead of components: they have a unit, and q and -q give the same values
-        found = to_euler_angles(
+        angles = to_euler_angles(
             np.where(_find_valid_messages(series, path)[:, None], series.vector(path), np.nan)
         )
-        for part, values in zip(PARTS, found, strict=True):
+        for part, values in zip(PARTS, angles, strict=True):
             yield SignalChannel(f'{topic}/{path}.{part}', 'rad', series.time, values, angular=True)
     for path, values in series.numbers.items():
         # Quaternion components are replaced by angles.
@@ -118,11 +118,11 @@ def _iterate_series_channels(
 def _find_valid_messages(series: TopicSeries, path: str) -> NDArray[np.bool_]:
     """Return for each message whether the quantity is known, by its covariance."""
     first = path.split('.')[0]
-    known = np.ones(len(series), dtype=np.bool_)
+    is_valid = np.ones(len(series), dtype=np.bool_)
     for beside in (f'{first}_covariance[0]', f'{first}.covariance[0]'):
         if beside in series.numbers:
-            known &= select_estimates(series.numbers[beside])
-    return known
+            is_valid &= select_estimates(series.numbers[beside])
+    return is_valid
 
 
 def _resolve_joint_name(series: TopicSeries, path: str) -> str:
@@ -167,13 +167,13 @@ class DecodedChannels(NamedTuple):
 
 def read_all_channels(flight: RecordedFlight) -> DecodedChannels:
     """Return every channel of the robot's topics."""
-    found = DecodedChannels({}, [])
+    decoded = DecodedChannels({}, [])
     for topic in flight.topics:
         try:
-            found.channels.update((item.name, item) for item in iterate_channels(flight, topic))
+            decoded.channels.update((item.name, item) for item in iterate_channels(flight, topic))
         except BadInput as fault:
-            found.remarks.append(f"Topic '{topic}' is left out: {fault}")
-    return found
+            decoded.remarks.append(f"Topic '{topic}' is left out: {fault}")
+    return decoded
 
 
 def find_airspeed_topic(topics: Collection[str]) -> str:

@@ -82,9 +82,9 @@ class ColumnBuilder:
         self._convert_pending()
         numbers, texts = merge_columns(self._columns, len(self._logged))
         stamps = np.concatenate([np.empty(0, np.int64), *self._stamps])
-        found = MessageColumns(numbers, texts, stamps, self._logged)
+        columns = MessageColumns(numbers, texts, stamps, self._logged)
         self._logged, self._stamps = [], []
-        return found
+        return columns
 
     def _convert_pending(self) -> None:
         """Convert the pending messages to pieces of columns."""
@@ -168,12 +168,12 @@ class ColumnBuilder:
             for place, (path, value) in enumerate(iterate_leaves(message, '')):
                 length = len(value) if isinstance(value, np.ndarray) else -1
                 first = (begin + index, place)
-                rows, found, _ = alike.setdefault((path, length), ([], [], first))
+                rows, values, _ = alike.setdefault((path, length), ([], [], first))
                 rows.append(begin + index)
-                found.append(value)
-        for (path, _), (rows, found, first) in alike.items():
+                values.append(value)
+        for (path, _), (rows, values, first) in alike.items():
             self._ensure_column(path, first).add_piece(
-                first, np.array(rows), collect_scalars(found)
+                first, np.array(rows), collect_scalars(values)
             )
 
     def _ensure_column(self, path: str, first: tuple[int, int]) -> PiecewiseColumn:
@@ -234,8 +234,8 @@ def decode_texts(letters: NDArray[np.uint8]) -> NDArray[Any]:
         return np.full(len(letters), letters[0].tobytes().decode())
     kind = f'S{letters.shape[1]}'
     # Decode each distinct text only once.
-    found, which = np.unique(np.ascontiguousarray(letters).view(kind)[:, 0], return_inverse=True)
-    return np.array([each.decode() for each in found.tolist()])[which]
+    unique, which = np.unique(np.ascontiguousarray(letters).view(kind)[:, 0], return_inverse=True)
+    return np.array([each.decode() for each in unique.tolist()])[which]
 
 
 def extract_stamps(layout: CdrLayout, values: Sequence[NDArray[Any]]) -> NDArray[np.int64] | int:

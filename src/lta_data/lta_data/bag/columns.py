@@ -36,11 +36,11 @@ def extract_field_columns(messages: Iterable[object]) -> tuple[Columns, Columns]
         'header.frame_id', 'name[0]'; '' if a message lacks the element.
 
     """
-    found: defaultdict[str, list[Any]] = defaultdict(list)
+    columns: defaultdict[str, list[Any]] = defaultdict(list)
     count = 0
     for message in messages:
         for path, value in iterate_leaves(message, ''):
-            column = found[path]
+            column = columns[path]
             if len(column) < count:
                 # Fill the messages that lack this field
                 column.extend([None] * (count - len(column)))
@@ -48,7 +48,7 @@ def extract_field_columns(messages: Iterable[object]) -> tuple[Columns, Columns]
         count += 1
     numbers: Columns = {}
     texts: Columns = {}
-    for path, column in found.items():
+    for path, column in columns.items():
         column.extend([None] * (count - len(column)))
         kind = next(value for value in column if value is not None)
         if isinstance(kind, str):
@@ -64,10 +64,10 @@ def extract_field_columns(messages: Iterable[object]) -> tuple[Columns, Columns]
 
 def collect_scalars(values: list[Any]) -> NDArray[Any]:
     """Return single values of one field, shape (n,); integers stay integers."""
-    found = np.array(values)
-    if found.dtype == np.float64 and all(type(value) is int for value in values):
+    array = np.array(values)
+    if array.dtype == np.float64 and all(type(value) is int for value in values):
         return np.array(values, np.uint64)  # numpy makes mixed int64 and uint64 values floats
-    return found
+    return array
 
 
 def iterate_leaves(value: object, path: str) -> Iterator[tuple[str, object]]:

@@ -23,8 +23,8 @@ def rename_energy_columns(numbers: Columns, texts: Columns) -> tuple[Columns, Co
     named = {f'{path}.name': name for path, name in STATUSES.items()}
     if not all(path in texts and (texts[path] == name).all() for path, name in named.items()):
         return numbers, texts
-    found = {path: column for path, column in numbers.items() if path.startswith('header.')}
-    found |= {name: numbers[path] for path, name in FIELDS.items() if path in numbers}
+    renamed = {path: column for path, column in numbers.items() if path.startswith('header.')}
+    renamed |= {name: numbers[path] for path, name in FIELDS.items() if path in numbers}
     words = {path: column for path, column in texts.items() if path.startswith('header.')}
     words |= {name: texts[path] for path, name in FIELDS.items() if path in texts}
     for path, keys in texts.items():
@@ -35,7 +35,7 @@ def rename_energy_columns(numbers: Columns, texts: Columns) -> tuple[Columns, Co
             return numbers, texts
         try:
             # A key is the name of the field and its unit
-            found[str(keys[0]).rpartition('_')[0]] = values.astype(float)
+            renamed[str(keys[0]).rpartition('_')[0]] = values.astype(float)
         except ValueError:
             return numbers, texts
-    return found, words
+    return renamed, words

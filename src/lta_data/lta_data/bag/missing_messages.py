@@ -94,13 +94,13 @@ def create_period_trackers(bag: Bag) -> dict[str, PeriodTracker]:
 
 def list_loss_spans(bag: Bag) -> list[LossSpan]:
     """Return the spans of lost data, in order; adjacent spans are merged."""
-    found = [
+    spans = [
         find_loss_span(part.contents, loss)
         for part in bag.parts
         for loss in sorted(part.contents.lost, key=lambda loss: loss.offset)
     ]
     joined: list[LossSpan] = []
-    for span in found:
+    for span in spans:
         if joined and joined[-1].end is not None and joined[-1].end == span.start:
             span = LossSpan(joined.pop().start, span.end)
         joined.append(span)
@@ -125,21 +125,21 @@ def estimate_missing(
     `bag`: a recording that has been read to its end. `received`: messages read by topic. `beats`:
     log times of periodic topics.
     """
-    found: dict[str, MissingMessages] = {}
+    missing: dict[str, MissingMessages] = {}
     described = read_metadata(bag.path) if bag.path.is_dir() else {}
     declared = {entry.topic: entry.messages for entry in parse_topic_metadata(described)}
     indexed = count_indexed_losses(bag)
     lost = list_loss_spans(bag)
-    for topic, known in bag.topics.items():
+    for topic, topic_entry in bag.topics.items():
         # Index and summary count the same messages, so do not add them.
-        counted = max(indexed[topic], known.count - received[topic])
+        counted = max(indexed[topic], topic_entry.count - received[topic])
         if counted > 0:
-            found[topic] = MissingMessages(counted, 'index')
+            missing[topic] = MissingMessages(counted, 'index')
         if (more := declared.get(topic, 0) - received[topic]) > counted:
-            found[topic] = MissingMessages(more, 'metadata')
-        if topic not in found and topic in beats and (holes := beats[topic].count_missing(lost)):
-            found[topic] = MissingMessages(holes, 'rhythm')
-    return found
+            missing[topic] = MissingMessages(more, 'metadata')
+        if topic not in missing and topic in beats and (holes := beats[topic].count_missing(lost)):
+            missing[topic] = MissingMessages(holes, 'rhythm')
+    return missing
 
 
 def count_indexed_losses(bag: Bag) -> Counter[str]:

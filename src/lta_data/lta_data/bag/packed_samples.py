@@ -149,7 +149,7 @@ def decode_lamp_peaks(peaks: LampPeaks) -> dict[str, NDArray[np.float64]]:
 
     """
     count = len(peaks.axis)
-    found = {
+    columns = {
         name: np.tile([getattr(axis, name) for axis in peaks.axis], len(peaks.beacon))
         for name in ('x', 'y', 'z')
     }
@@ -160,8 +160,8 @@ def decode_lamp_peaks(peaks: LampPeaks) -> dict[str, NDArray[np.float64]]:
                 f'A message of lamp peaks is inconsistent: it has {count} diodes, but '
                 f'{", ".join(str(len(row)) for row in rows)} values of {name}; record it again.'
             )
-        found[name] = np.concatenate([np.empty(0), *rows])
-    return found
+        columns[name] = np.concatenate([np.empty(0), *rows])
+    return columns
 
 
 def decode_point_cloud(cloud: PointCloud) -> dict[str, NDArray[np.float64]]:
@@ -232,11 +232,11 @@ def stack_points(type_name: str, messages: Iterable[Any]) -> dict[str, NDArray[n
 
     """
     decode = POINTS[type_name]
-    found = [decode(message) for message in messages]
-    names = dict.fromkeys(name for fields in found for name in fields)
-    most = max((len(column) for fields in found for column in fields.values()), default=0)
-    result = {name: np.full((len(found), most), np.nan) for name in names}
-    for row, fields in enumerate(found):
+    decoded = [decode(message) for message in messages]
+    names = dict.fromkeys(name for fields in decoded for name in fields)
+    most = max((len(column) for fields in decoded for column in fields.values()), default=0)
+    result = {name: np.full((len(decoded), most), np.nan) for name in names}
+    for row, fields in enumerate(decoded):
         for name, column in fields.items():
             result[name][row, : len(column)] = column
     return result

@@ -110,8 +110,8 @@ class Bag:
 
         Raise `BadInput` if a topic is not in the bag.
         """
-        for topic, found in self.iterate_records(topics):
-            yield topic, found.log_time, found.data
+        for topic, record in self.iterate_records(topics):
+            yield topic, record.log_time, record.data
 
     def iterate_records(
         self, topics: Collection[str] | None = None, at: Callable[[int], None] | None = None
@@ -133,28 +133,30 @@ class Bag:
                     if at is not None:
                         at(behind + place.offset)
                     if place.channels is None or not channels.isdisjoint(place.channels):
-                        for found in self._read_region(part, stream, place, channels):
-                            yield names[found.channel], found
+                        for record in self._read_region(part, stream, place, channels):
+                            yield names[record.channel], record
             # Progress is reported in bytes over all files of the bag
             behind += part.file.stat().st_size
 
     def decode(self, topic: str, data: bytes) -> object:
         """Decode a message of a topic; raise `BadInput` if that is impossible."""
-        found = self.topics[topic]
-        if found.undecodable is not None:
+        entry = self.topics[topic]
+        if entry.undecodable is not None:
             raise BadInput(
-                f"The messages of '{topic}' {found.undecodable}; they are kept but cannot be "
+                f"The messages of '{topic}' {entry.undecodable}; they are kept but cannot be "
                 'decoded. Leave this topic out.'
             )
-        return self._decoder.decode(found.type_name, data)
+        return self._decoder.decode(entry.type_name, data)
 
     def read_rhythm(self) -> MessageIntervals:
         """Return the timing of the messages, from the indexes alone if the bag has them."""
         whole = MessageIntervals()
         for part in self.parts:
-            found = read_indexed_rhythm(part) if part.contents.indexed else part.contents.rhythm
-            channel = part.contents.channels.get(-1 if found.worst_of is None else found.worst_of)
-            whole.join(found, None if channel is None else channel.topic)
+            rhythm = read_indexed_rhythm(part) if part.contents.indexed else part.contents.rhythm
+            channel = part.contents.channels.get(
+                -1 if rhythm.worst_of is None else rhythm.worst_of
+            )
+            whole.join(rhythm, None if channel is None else channel.topic)
         return whole
 
     def list_fields(self, type_name: str) -> list[tuple[str, Any]]:
@@ -166,18 +168,18 @@ class Bag:
         for channel in contents.channels.values():
             schema = contents.schemas.get(channel.schema_id)
             type_name = find_message_type(contents, channel)
-            known = self.topics.get(channel.topic)
+            entry = self.topics.get(channel.topic)
             # A table can hold one message type only.
-            if known is not None and known.type_name != type_name:
+            if entry is not None and entry.type_name != type_name:
                 self._note_loss(
-                    f"Topic '{channel.topic}' has messages of type '{known.type_name}' and of "
+                    f"Topic '{channel.topic}' has messages of type '{entry.type_name}' and of "
                     f"'{type_name}'; the latter are left out."
                 )
                 continue
             if schema is not None:
                 self._schemas.setdefault(type_name, schema)
             self.channels.setdefault(channel.topic, (channel, schema))
-            count = contents.counts[channel.id] + (0 if known is None else known.count)
+            count = contents.counts[channel.id] + (0 if entry is None else entry.count)
             reason = explain_undecodable(schema, channel.message_encoding)
             self.topics[channel.topic] = BagTopic(channel.topic, type_name, count, reason)
 
@@ -203,8 +205,8 @@ class Bag:
             data: bytes | memoryview = read_at(stream, place.offset, place.length)
             if place.packed:
                 data = unpack_chunk(memoryview(data)[RECORD.size :])
-            found = iterate_messages(data, channels)
-            yield from map(self._decompress_message, found) if self._message_kind else found
+            messages = iterate_messages(data, channels)
+            yield from map(self._decompress_message, messages) if self._message_kind else messages
         except DamagedRecord as error:
             sentence = describe_damage(place.offset, place.length, str(error))
             if sentence not in self.losses:
@@ -280,4 +282,6 @@ def read_file_contents(file: Path, metadata_topics: Sequence[TopicMetadata] = ()
 def has_mcap_magic(head: bytes) -> bool:
     """Return whether a file starts with MCAP's magic; up to three of its bytes may be damaged."""
     pairs = zip(head[: len(MAGIC)], MAGIC, strict=False)
-    return sum(found == expected for found, expected in pairs) >= len(MAGIC) - 3 and len(head) >= 8
+    return (
+        sum(actual == expected for actual, expected in pairs) >= len(MAGIC) - 3 and len(head) >= 8
+    )

@@ -101,8 +101,8 @@ class RecordedFlight:
         }
         for name, log_time, data in self.bag.iterate_messages(list(makers)):
             makers[name].add_message(log_time, data)
-        found = {name: self._build_topic_series(maker) for name, maker in makers.items()}
-        return {topic: found[self.absolute_name(topic)] for topic in topics}
+        series = {name: self._build_topic_series(maker) for name, maker in makers.items()}
+        return {topic: series[self.absolute_name(topic)] for topic in topics}
 
     def iterate_series(self, topic: str, rows: int) -> Iterator[TopicSeries]:
         """
@@ -168,13 +168,14 @@ class RecordedFlight:
 
     def _require_type(self, topic: str, types: Mapping[str, object]) -> str:
         """Return the type of a topic; raise BadInput unless it is one of some types."""
-        found = self.message_type(topic)
-        if found not in types:
+        actual = self.message_type(topic)
+        if actual not in types:
             expected = ' or '.join(f"'{name}'" for name in types)
             raise BadInput(
-                f"Topic '{topic}' has type '{found}', not {expected}; choose a topic of this type."
+                f"Topic '{topic}' has type '{actual}', not {expected}; "
+                'choose a topic of this type.'
             )
-        return found
+        return actual
 
     def _iterate_message_batches(
         self, topic: str, rows: int
@@ -196,15 +197,15 @@ class RecordedFlight:
 
     def _build_topic_series(self, maker: ColumnBuilder) -> TopicSeries:
         """Return the collected messages as a series."""
-        found = maker.flush_columns()
-        stamps = found.stamps
+        columns = maker.flush_columns()
+        stamps = columns.stamps
         for index in np.flatnonzero(stamps == 0):
             # Messages without a stamp: log time, shifted to the clock of the stamps.
-            placed = self.start + int(found.logged[index]) - self._origin.log
+            placed = self.start + int(columns.logged[index]) - self._origin.log
             stamps[index] = min(placed, LATEST)
         # Subtract as integers first: float64 does not resolve 1 ns in times since 1970
         time = (stamps - self.start).astype(np.float64) * 1e-9
-        numbers, texts = found.numbers, found.texts
+        numbers, texts = columns.numbers, columns.texts
         if maker.type_name == ARRAY:
             numbers, texts = rename_energy_columns(numbers, texts)
         return TopicSeries(stamps, time, numbers, texts)
@@ -267,17 +268,17 @@ def open_flight(source: Bag | Path | str, robot: str | None = None) -> RecordedF
 
 def select_robot(bag: Bag, robot: str | None) -> str:
     """Return the named robot, or the only one; see `open_flight`."""
-    found = list_robots(bag)
+    robots = list_robots(bag)
     robot = None if robot is None else robot.strip('/')
-    if robot is not None and robot not in found:
-        raise unknown_name_error('robot', robot, found)
-    if robot is None and len(found) > 1:
+    if robot is not None and robot not in robots:
+        raise unknown_name_error('robot', robot, robots)
+    if robot is None and len(robots) > 1:
         # An imported bag keeps the topics of others: /joy/set_feedback is of no robot
-        flying = [one for one in found if any(f'/{one}/{topic}' in bag.topics for topic in FLOWN)]
-        found = flying or found
-    if robot is None and len(found) > 1:
+        flying = [one for one in robots if any(f'/{one}/{topic}' in bag.topics for topic in FLOWN)]
+        robots = flying or robots
+    if robot is None and len(robots) > 1:
         raise BadInput(
-            f"'{bag.path}' contains several robots ({', '.join(found)}); choose one, as in "
-            f'--robot {found[-1]}.'
+            f"'{bag.path}' contains several robots ({', '.join(robots)}); choose one, as in "
+            f'--robot {robots[-1]}.'
         )
-    return robot or (found[0] if found else '')
+    return robot or (robots[0] if robots else '')

@@ -162,8 +162,8 @@ class RobotRecording:
         of = f' of {self.robot}' if self.robot else ''
         lines = [f'{bag.path}: {format_count(len(names), "topic")}{of}, {seconds:.1f} s']
         for topic, name in names.items():
-            found = bag.topics[name]
-            lines.append(f'  {topic:{width}}  {found.count:8}  {found.type_name}')
+            entry = bag.topics[name]
+            lines.append(f'  {topic:{width}}  {entry.count:8}  {entry.type_name}')
         return '\n'.join([*lines, *self.losses])
 
 
@@ -208,13 +208,13 @@ def build_topic_table(
 
 def map_joint_names(series: TopicSeries) -> dict[str, str]:
     """Return 'effort.left' for 'effort[0]' if all messages name their element 0 'left'."""
-    found = {}
+    names_by_path = {}
     for path in series.numbers:
         element = ELEMENT.fullmatch(path)
         names = series.texts.get(f'name[{element.group(2)}]') if element else None
         if element and names is not None and len(names) and names[0] and (names == names[0]).all():
-            found[path] = f'{element.group(1)}.{names[0]}'
-    return found if len(set(found.values())) == len(found) else {}
+            names_by_path[path] = f'{element.group(1)}.{names[0]}'
+    return names_by_path if len(set(names_by_path.values())) == len(names_by_path) else {}
 
 
 def read_samples(flight: RecordedFlight, topic: str, messages: NDArray[np.intp]) -> NDArray[Any]:

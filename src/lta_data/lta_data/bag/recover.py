@@ -179,11 +179,11 @@ def write_recovered_bag(bag: Bag, out: Path, at: Callable[[int, int], None]) -> 
     with BagWriter(out, bag.provenance | note) as writer:
         for topic, (channel, schema) in bag.channels.items():
             writer.add_topic(topic, build_definition(channel, schema), parse_qos_profiles(channel))
-        for topic, found in bag.iterate_records(at=lambda done: at(done, bag.size)):
-            writer.write(topic, found.data, found.log_time, found.publish_time)
+        for topic, record in bag.iterate_records(at=lambda done: at(done, bag.size)):
+            writer.write(topic, record.data, record.log_time, record.publish_time)
             counts[topic] += 1
             if topic in beats:
-                beats[topic].add_log_time(found.log_time)
+                beats[topic].add_log_time(record.log_time)
     lost = [loss for part in bag.parts for loss in part.contents.lost]
     return Recovery(
         source=str(bag.path),

@@ -92,8 +92,8 @@ class RecordingTable:
     @cached_property
     def quaternions(self) -> list[str]:
         """The paths of quaternions: columns with x, y, z and w."""
-        found = (column.removesuffix('.w') for column in self._data if column.endswith('.w'))
-        return [turn for turn in found if all(f'{turn}.{axis}' in self._data for axis in AXES)]
+        stems = (column.removesuffix('.w') for column in self._data if column.endswith('.w'))
+        return [turn for turn in stems if all(f'{turn}.{axis}' in self._data for axis in AXES)]
 
     @property
     def stored_columns(self) -> list[str]:
@@ -103,12 +103,12 @@ class RecordingTable:
     @property
     def columns(self) -> list[str]:
         """The names of all columns; a quaternion's angles follow it."""
-        found = []
+        names = []
         for column in self._data:
-            found.append(column)
+            names.append(column)
             if column.removesuffix('.w') in self.quaternions:
-                found += [f'{column.removesuffix(".w")}.{part}' for part in PARTS]
-        return found
+                names += [f'{column.removesuffix(".w")}.{part}' for part in PARTS]
+        return names
 
     @cached_property
     def samples(self) -> NDArray[Any]:
@@ -120,8 +120,8 @@ class RecordingTable:
     @property
     def array_names(self) -> list[str]:
         """The names of array columns without index: 'effort', 'snr'."""
-        known = [*self._data, *self._also]
-        return [column.removesuffix('[0]') for column in known if column.endswith('[0]')]
+        names = [*self._data, *self._also]
+        return [column.removesuffix('[0]') for column in names if column.endswith('[0]')]
 
     def array(self, path: str) -> NDArray[Any]:
         """Return an array field or a field of points, shape (n, elements)."""
@@ -129,9 +129,9 @@ class RecordingTable:
             raise unknown_name_error(
                 'array', path, [each for each in self.array_names if not DIM.search(each)]
             )
-        known = {*self._data, *self._also}
+        names = {*self._data, *self._also}
         # Elements are numbered without gaps
-        elements = takewhile(known.__contains__, (f'{path}[{k}]' for k in count()))
+        elements = takewhile(names.__contains__, (f'{path}[{k}]' for k in count()))
         return np.stack([self[element] for element in elements], axis=1)
 
     def __len__(self) -> int:
@@ -166,8 +166,8 @@ class RecordingTable:
             return self._data[column]
         turn, _, part = column.rpartition('.')
         if turn in self.quaternions and part in PARTS:
-            found: NDArray[np.float64] = getattr(to_euler_angles(self.vector(turn)), part)
-            return found
+            angles: NDArray[np.float64] = getattr(to_euler_angles(self.vector(turn)), part)
+            return angles
         raise unknown_name_error(
             'column', column, [each for each in self.columns if not DIM.search(each)]
         )
@@ -205,10 +205,10 @@ class RecordingTable:
         for pattern in patterns:
             # Not fnmatch: the brackets of 'effort[0]' would be a character class
             fits = re.compile('.*'.join(map(re.escape, pattern.split('*'))))
-            found = [column for column in self._data if fits.fullmatch(column)]
-            if not found:
+            names = [column for column in self._data if fits.fullmatch(column)]
+            if not names:
                 self[pattern]  # raises the error with the known columns
-            chosen += found
+            chosen += names
         data = {column: self._data[column] for column in self._data if column in chosen}
         return self._with_columns(data, slice(None))
 

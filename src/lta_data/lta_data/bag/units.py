@@ -141,8 +141,12 @@ def _find_covariance_unit(units: tuple[str, str, str], index: int) -> str:
 def _find_field_type(kind: str, field: str) -> str:
     """Return the message type of a field; '' if it is not a message."""
     _, fields = load_jazzy_types().fielddefs.get(kind, ([], []))
-    for name, found in fields:
+    for name, field_type in fields:
         if name == field:
-            item = found[1][0] if found[0] in (Nodetype.ARRAY, Nodetype.SEQUENCE) else found
+            item = (
+                field_type[1][0]
+                if field_type[0] in (Nodetype.ARRAY, Nodetype.SEQUENCE)
+                else field_type
+            )
             return str(item[1]) if item[0] is Nodetype.NAME else ''
     return ''

@@ -79,7 +79,7 @@ def compare_channels(
     """
     angular = pair.angular
     both = align_signals(a, b, angular=angular)
-    found = measure_difference(both, angular=angular)
+    measures = measure_difference(both, angular=angular)
     by_hand = tolerance is not None
     band = noise_band(both, angular=angular, doubt=doubt) if tolerance is None else tolerance
     when = find_divergence(both, band, by_hand=by_hand)
@@ -89,16 +89,16 @@ def compare_channels(
         other=pair.b.name,
         unit=pair.a.unit or pair.b.unit,
         angular=angular,
-        verdict='identical' if same and len(a.time) else classify_difference(found, when),
+        verdict='identical' if same and len(a.time) else classify_difference(measures, when),
         a=a,
         b=b,
         both=both,
         periods=(median_period(a.time), median_period(b.time)),
-        measures=found,
+        measures=measures,
         parting=when,
         spectra=compute_spectra(both, angular=angular),
         peak=find_correlation_peak(both, angular=angular),
-        score=0.0 if found is None else score_difference(both, found, when, angular),
+        score=0.0 if measures is None else score_difference(both, measures, when, angular),
     )
 
 
@@ -116,14 +116,14 @@ def score_difference(
     both: AlignedSignals, difference: DifferenceMeasures, when: Divergence, angular: bool
 ) -> float:
     """Return the rank of a divergence by its size and duration. [1]"""
-    known = both.both_valid
-    spread = max(standard_deviation(part[known], angular) for part in (both.a, both.b))
+    valid = both.both_valid
+    spread = max(standard_deviation(part[valid], angular) for part in (both.a, both.b))
     # The band limits the score of a nearly constant channel.
     scale = max(spread, when.band)
     size = difference.rms / scale if scale > 0.0 else float(difference.rms > 0.0)
     if when.at is None:
         return size * when.outside
-    time = both.time[known]
+    time = both.time[valid]
     length = float(time[-1] - time[0])
     # The earlier the divergence, the larger the share of the span.
     return size * (float(time[-1]) - when.at) / length if length > 0.0 else size
@@ -142,7 +142,7 @@ def find_channel_tolerances(texts: Mapping[str, float], names: list[str]) -> dic
 
     Raise `BadInput` if a name or pattern matches no channel.
     """
-    found: dict[str, float] = {}
+    tolerances: dict[str, float] = {}
     for pattern, value in texts.items():
         fitting = [name for name in names if name == pattern or fnmatchcase(name, pattern)]
         if not fitting:
@@ -151,5 +151,5 @@ def find_channel_tolerances(texts: Mapping[str, float], names: list[str]) -> dic
                 '--tolerance to list the channels.'
             )
         for name in fitting:
-            found.setdefault(name, value)
-    return found
+            tolerances.setdefault(name, value)
+    return tolerances

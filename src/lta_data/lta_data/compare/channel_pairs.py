@@ -44,21 +44,21 @@ def select_topic_pairs(
     topic is missing, or there is none in common.
     """
     if pair_texts:
-        found = [parse_pair(text, of_a, of_b) for text in pair_texts]
+        pairs = [parse_pair(text, of_a, of_b) for text in pair_texts]
     else:
-        found = [TopicPair(topic, topic) for topic in of_a if topic in set(of_b)]
-        if not found:
+        pairs = [TopicPair(topic, topic) for topic in of_a if topic in set(of_b)]
+        if not pairs:
             raise BadInput(
                 f'The flights have no topic in common (A: {", ".join(of_a) or "none"}; B: '
                 f'{", ".join(of_b) or "none"}); name the topics to compare, as in {AS}.'
             )
     for name in only:
-        if name not in {each.topic_a for each in found}:
-            common = ', '.join(sorted({each.topic_a for each in found}))
+        if name not in {each.topic_a for each in pairs}:
+            common = ', '.join(sorted({each.topic_a for each in pairs}))
             raise BadInput(
                 f"Topic '{name}' is not among the compared topics; choose from: {common}."
             )
-    return [each for each in found if not only or each.topic_a in only]
+    return [each for each in pairs if not only or each.topic_a in only]
 
 
 def parse_pair(text: str, of_a: Sequence[str], of_b: Sequence[str]) -> TopicPair:
@@ -84,8 +84,8 @@ def split_channel_name(name: str, topics: Sequence[str], label: str) -> tuple[st
     topic, _, field = name.rpartition('/')
     if topic in topics:
         return topic, field
-    known = ', '.join(topics) or 'none'
-    raise BadInput(f"Flight {label} has no topic or channel '{name}'; its topics: {known}.")
+    names = ', '.join(topics) or 'none'
+    raise BadInput(f"Flight {label} has no topic or channel '{name}'; its topics: {names}.")
 
 
 class PairingResult(NamedTuple):
@@ -108,7 +108,7 @@ def pair_channels(
 
     Raise `BadInput` if a requested channel is missing, or there is none in common.
     """
-    found = PairingResult([], [])
+    pairing = PairingResult([], [])
     for each in topic_pairs:
         fields_a = [channel.field for channel in a.values() if channel.topic == each.topic_a]
         fields_b = [channel.field for channel in b.values() if channel.topic == each.topic_b]
@@ -117,17 +117,19 @@ def pair_channels(
             one, other = a[name], b[f'{each.topic_b}/{field_b}']
             # An unknown unit counts as equal.
             if one.unit and other.unit and one.unit != other.unit:
-                found.remarks.append(
+                pairing.remarks.append(
                     f"Channel '{name}' is not compared: its unit is {one.unit} in A, but "
                     f'{other.unit} in B.'
                 )
             else:
-                found.pairs.append(ChannelPair(name, mask_non_finite(one), mask_non_finite(other)))
-    if not found.pairs:
+                pairing.pairs.append(
+                    ChannelPair(name, mask_non_finite(one), mask_non_finite(other))
+                )
+    if not pairing.pairs:
         raise BadInput(
             f'The flights have no channel in common; name the topics to compare, as in {AS}.'
         )
-    return found
+    return pairing
 
 
 def mask_non_finite(channel: SignalChannel) -> SignalChannel:
@@ -140,12 +142,12 @@ def match_fields(
 ) -> list[tuple[str, str]]:
     """Return the corresponding fields of two topics."""
     if topic_pair.field_a:
-        for topic, field, known in (
+        for topic, field, fields in (
             (topic_pair.topic_a, topic_pair.field_a, of_a),
             (topic_pair.topic_b, topic_pair.field_b, of_b),
         ):
-            if field not in known:
-                names = ', '.join(known)
+            if field not in fields:
+                names = ', '.join(fields)
                 raise BadInput(f"Topic '{topic}' has no channel '{field}'; it has: {names}.")
         return [(topic_pair.field_a, topic_pair.field_b)]
     pairs = []

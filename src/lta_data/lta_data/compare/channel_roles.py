@@ -59,20 +59,20 @@ class RoleChannel(NamedTuple):
 def find_pose_prefix(channels: Sequence[ChannelComparison]) -> str:
     """Return the prefix of the plotted pose's fields, such as 'odom/pose.pose.', or ''."""
     names = [each.name for each in channels if each.name.endswith('position.x')]
-    found = [name.removesuffix('position.x') for name in names]
+    prefixes = [name.removesuffix('position.x') for name in names]
     for topic in POSES:
-        for start in found:
+        for start in prefixes:
             if start.startswith(f'{topic}/'):
                 return start
     # Setpoints and lamps have positions too, but are not the vehicle's.
-    free = [start for start in found if not start.startswith(('setpoint', 'light'))]
-    return (free or found or [''])[0]
+    free = [start for start in prefixes if not start.startswith(('setpoint', 'light'))]
+    return (free or prefixes or [''])[0]
 
 
 def select_panel_channels(channels: Sequence[ChannelComparison]) -> list[RoleChannel]:
     """Return the channels that get their own panel."""
     pose = find_pose_prefix(channels)
-    found = []
+    panels = []
     for role in ROLES:
         for pattern in role.patterns:
             # A pattern of the pose without a pose would match anything
@@ -89,9 +89,9 @@ def select_panel_channels(channels: Sequence[ChannelComparison]) -> list[RoleCha
             if fitting:
                 count = len(fitting) if role.name in MANY else 1
                 # The channels are sorted by divergence, so the first is the largest
-                found.append(RoleChannel(role, fitting[0], count))
+                panels.append(RoleChannel(role, fitting[0], count))
                 break
-    return found
+    return panels
 
 
 def select_headline_channels(channels: Sequence[ChannelComparison]) -> list[ChannelComparison]:

@@ -72,14 +72,14 @@ def estimate_clock_offset(shared: Sequence[SharedQuantity]) -> ClockOffset | Non
 
     The quantities must not depend on a world frame.
     """
-    found = estimate_coarse_lag(shared)
-    if found is None:
+    coarse = estimate_coarse_lag(shared)
+    if coarse is None:
         return None
-    like = {name: value for name, value in found.correlations.items() if value > LIKE}
+    like = {name: value for name, value in coarse.correlations.items() if value > LIKE}
     names = sorted(like, key=lambda name: -like[name])[:MOST]
     used = [each for each in shared if each.name in names]
     return (
-        refine_offset(used, found, float(np.median([like[name] for name in names])))
+        refine_offset(used, coarse, float(np.median([like[name] for name in names])))
         if used
         else None
     )
@@ -101,7 +101,7 @@ def prepare_channel(each: SharedQuantity) -> PreparedChannel:
     periods = [median_period(line.time) for line in lines]
     # Smoothing by the slower period gives both sides the same bandwidth.
     step, width = min(periods), 1.5 * max(periods)  # s
-    found = []
+    pieces = []
     for line in lines:
         count = 2 + int((line.time[-1] - line.time[0]) / step)
         grid = line.time[0] + step * np.arange(count)
@@ -109,8 +109,8 @@ def prepare_channel(each: SharedQuantity) -> PreparedChannel:
         # Linear interpolation would cut the bends of the slower recording.
         curve = Akima1DInterpolator(line.time, line.values)(np.minimum(grid, line.time[-1]))
         smooth = gaussian_filter1d(curve, width / step)
-        found.append((grid, smooth, seen))
-    (grid, a, seen), (grid_b, b, seen_b) = found
+        pieces.append((grid, smooth, seen))
+    (grid, a, seen), (grid_b, b, seen_b) = pieces
     inner = np.isfinite(seen)
     return PreparedChannel(
         grid[inner], a[inner], SampledSignal(grid_b, seen_b), CubicSpline(grid_b, b), width
@@ -215,20 +215,20 @@ def build_normal_equations(
 ) -> tuple[Array, Array]:
     """Return one channel's normal matrix, and its gradient in each block."""
     moved = each.time + at[0] + at[1] * (each.time - middle)
-    known = np.isfinite(interpolate_signal(each.known, moved))
-    time, moved = each.time[known], moved[known]
+    valid = np.isfinite(interpolate_signal(each.known, moved))
+    time, moved = each.time[valid], moved[valid]
     # Too few samples to determine levels and slopes.
     if len(time) < 8:
         return np.zeros((free, free)), np.zeros((BLOCKS, free))
     # The level of each stretch is free: slow drifts of an estimate must not bias the clock.
     stretch = ((time - time[0]) // LEVEL).astype(np.int64)
-    misfit = subtract_block_means(each.a[known] - each.b(moved), stretch)
+    misfit = subtract_block_means(each.a[valid] - each.b(moved), stretch)
     slope = subtract_block_means(each.b(moved, 1), stretch)
     # 1.4826: standard deviation from the median absolute deviation of normal noise.
     scale = 1.4826 * float(np.median(np.abs(misfit)))
     # A channel that is at rest most of the time has a median misfit of zero, but is not exact.
     scale = max(scale, RESTING * math.sqrt(float(np.mean(misfit**2))))
-    scale = max(scale, 1e-9 * float(np.ptp(each.a[known])), 1e-150)
+    scale = max(scale, 1e-9 * float(np.ptp(each.a[valid])), 1e-150)
     size = np.abs(misfit) / scale
     # Huber weights; the division by scale**2 makes channels of any unit comparable
     weight = np.where(size > HUBER, HUBER / np.maximum(size, HUBER), 1.0) / scale**2

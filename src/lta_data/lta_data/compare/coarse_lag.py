@@ -86,9 +86,9 @@ def both_signals(each: SharedQuantity) -> tuple[SampledSignal, SampledSignal]:
 
 def unwrap_finite(line: SampledSignal, angular: bool) -> SampledSignal:
     """Return the finite samples of a signal, angles unwrapped."""
-    known = np.isfinite(line.values)
-    values = line.values[known]
-    return SampledSignal(line.time[known], np.unwrap(values) if angular else values)
+    finite = np.isfinite(line.values)
+    values = line.values[finite]
+    return SampledSignal(line.time[finite], np.unwrap(values) if angular else values)
 
 
 def smoothed_rate(
@@ -97,20 +97,20 @@ def smoothed_rate(
     """Return the smoothed rate of a signal on a grid, per second; None if it is only noise."""
     grid = np.asarray(begin + step * np.arange(count), dtype=np.float64)
     values = interpolate_signal(unwrap_finite(line, angular), grid)
-    known = np.isfinite(values)
-    if known.sum() < 8:
+    finite = np.isfinite(values)
+    if finite.sum() < 8:
         return None
     instants = np.arange(count)
     # The filter needs values in the gaps; they become NaN again below.
-    held = np.interp(instants, instants[known], values[known])
+    held = np.interp(instants, instants[finite], values[finite])
     width = max(SMOOTH, 2.0 * step)
-    found = gaussian_filter1d(held, width / step, order=1) / step
-    found[~known] = np.nan
+    rate = gaussian_filter1d(held, width / step, order=1) / step
+    rate[~finite] = np.nan
     # White noise after the derivative of a Gaussian: variance h / (4 sqrt(pi) w^3).
     usual = max(median_period(line.time), step)
     alone = noise_deviation(line.values) * math.sqrt(usual / (4.0 * math.sqrt(math.pi) * width**3))
-    size = math.sqrt(float(np.nanmean(found**2)))
-    return found if size > max(LIVELY * alone, 1e-12) else None
+    size = math.sqrt(float(np.nanmean(rate**2)))
+    return rate if size > max(LIVELY * alone, 1e-12) else None
 
 
 def masked_correlation(a: Array, b: Array, size: int, least: float) -> tuple[Array, Array]:
@@ -122,10 +122,10 @@ def masked_correlation(a: Array, b: Array, size: int, least: float) -> tuple[Arr
     """
     parts = []
     for values in (a, b):
-        known = np.isfinite(values)
-        zeroed = np.where(known, values, 0.0)
+        finite = np.isfinite(values)
+        zeroed = np.where(finite, values, 0.0)
         # Values, energies and mask: with masks, the sums count only times that both know
-        parts.append([np.fft.rfft(part, size) for part in (zeroed, zeroed**2, known * 1.0)])
+        parts.append([np.fft.rfft(part, size) for part in (zeroed, zeroed**2, finite * 1.0)])
     (va, ea, ma), (vb, eb, mb) = parts
     product = np.fft.irfft(np.conj(va) * vb, size)
     energy_a = np.fft.irfft(np.conj(ea) * mb, size)

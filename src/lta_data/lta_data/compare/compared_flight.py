@@ -61,7 +61,7 @@ def read_compared_flight(
     `label`: 'A' or 'B'. `selection`: topics to read, relative to the robot. `tick`: called once
     for the raw bytes, then once for each topic.
     """
-    found: dict[str, SignalChannel] = {}
+    channels: dict[str, SignalChannel] = {}
     topics: dict[str, ComparedTopic] = {}
     remarks = []
     raw = read_raw_facts(flight, selection)
@@ -76,7 +76,7 @@ def read_compared_flight(
         except BadInput as fault:
             remarks.append(f"Topic '{topic}' is left out: {fault}")
             own = {}
-        found |= own
+        channels |= own
         # All channels of a topic have the same times
         time = next((each.time for each in own.values()), np.empty(0))
         frame, digest, twice = raw.get(topic, ('', '', 0))
@@ -87,7 +87,14 @@ def read_compared_flight(
     remarks = [*flight.bag.losses, *remarks]  # some damage is detected only while reading
     where = str(flight.bag.path)
     return ComparedFlight(
-        label, where, flight.robot, flight.start, found, topics, tuple(remarks), flight.provenance
+        label,
+        where,
+        flight.robot,
+        flight.start,
+        channels,
+        topics,
+        tuple(remarks),
+        flight.provenance,
     )
 
 

@@ -114,17 +114,19 @@ def compare_flights(
         b = replace(a, label='B')
     else:
         b = read_compared_flight(other, 'B', of_b, lambda: tick('reading B'))
-    found = compare_sides(a, b, topic_pairs, request, tick)
+    comparison = compare_sides(a, b, topic_pairs, request, tick)
     if ('odom', 'odom') in [(each.topic_a, each.topic_b) for each in topic_pairs]:
-        found = replace(found, remarks=(*found.remarks, *describe_old_odometry(one, other)))
+        comparison = replace(
+            comparison, remarks=(*comparison.remarks, *describe_old_odometry(one, other))
+        )
     outside = [describe_exceeded_region_of_bag(flight) for flight in (one, other)]
     remarks = [f'{label}: {text}' for label, text in zip('AB', outside, strict=True) if text]
-    found = replace(found, remarks=(*found.remarks, *remarks))
+    comparison = replace(comparison, remarks=(*comparison.remarks, *remarks))
     # Topics that were not requested are not missing
     if request.pairs or request.topics:
-        return found
+        return comparison
     return replace(
-        found,
+        comparison,
         only_a=tuple(sorted(set(one.topics) - set(other.topics))),
         only_b=tuple(sorted(set(other.topics) - set(one.topics))),
     )
@@ -203,7 +205,7 @@ def compare_pairs(
 ) -> tuple[ChannelComparison, ...]:
     """Compare all pairs; those that diverge most and earliest come first."""
     bands = find_channel_tolerances(request.tolerances, [pair.name for pair in pairs])
-    found = []
+    compared = []
     topic = ''
     for pair in pairs:
         if pair.a.topic != topic:
@@ -212,10 +214,10 @@ def compare_pairs(
         a, b = build_pair_signals(pair)
         if not np.isfinite(a.values).any() and not np.isfinite(b.values).any():
             continue  # never measured, in neither flight
-        found.append(
+        compared.append(
             compare_channels(pair, a, b, tolerance=bands.get(pair.name), doubt=when.sigma)
         )
-    return tuple(sorted(found, key=lambda each: (ORDER[each.verdict], -each.score, each.name)))
+    return tuple(sorted(compared, key=lambda each: (ORDER[each.verdict], -each.score, each.name)))
 
 
 def find_common_time_span(pairs: Sequence[ChannelPair]) -> tuple[float, float]:
@@ -236,12 +238,14 @@ def find_common_time_span(pairs: Sequence[ChannelPair]) -> tuple[float, float]:
 
 def find_time_extent(times: Sequence[Array]) -> tuple[float, float]:
     """Return the first and last of all times; raise `BadInput` if there are none. [s]"""
-    known = [time for time in times if len(time)]
-    if not known:
+    non_empty = [time for time in times if len(time)]
+    if not non_empty:
         raise BadInput(
             'One of the flights has no message on the compared topics; choose other topics.'
         )
-    return min(float(time.min()) for time in known), max(float(time.max()) for time in known)
+    return min(float(time.min()) for time in non_empty), max(
+        float(time.max()) for time in non_empty
+    )
 
 
 def find_rate_differences(
@@ -261,7 +265,7 @@ def find_rate_differences(
 
 def find_flight_faults(side: ComparedFlight) -> dict[str, TopicFaults]:
     """Find the faults of each topic of a flight."""
-    found = {}
+    faults = {}
     for name, topic in side.topics.items():
         own = [each for each in side.channels.values() if each.topic == name]
         shares = {
@@ -271,5 +275,5 @@ def find_flight_faults(side: ComparedFlight) -> dict[str, TopicFaults]:
         }
         # By ROS convention NaN marks an unmeasured field: a channel of NaN only is no fault.
         partly = {name: share for name, share in shares.items() if share < 1.0}
-        found[name] = find_topic_faults(topic.time, partly, topic.repeated)
-    return found
+        faults[name] = find_topic_faults(topic.time, partly, topic.repeated)
+    return faults

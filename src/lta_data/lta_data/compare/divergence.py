@@ -38,12 +38,12 @@ def noise_deviation(values: Array) -> float:
     noise: the smallest step over sqrt(12). Few levels mean a command, which has no noise. Noise
     that was filtered out before recording is not detected. NaN values are ignored.
     """
-    found = white_noise_deviation(values)
+    deviation = white_noise_deviation(values)
     # Only a signal without white noise can be limited by quantisation.
     # A median of zero: most neighbours are equal, as after rounding
-    levels = np.unique(values[np.isfinite(values)]) if found == 0.0 else np.empty(0)
+    levels = np.unique(values[np.isfinite(values)]) if deviation == 0.0 else np.empty(0)
     # Standard deviation of rounding to steps: step / sqrt(12)
-    return float(np.diff(levels).min()) / math.sqrt(12.0) if len(levels) >= LEVELS else found
+    return float(np.diff(levels).min()) / math.sqrt(12.0) if len(levels) >= LEVELS else deviation
 
 
 def white_noise_deviation(values: Array) -> float:
@@ -72,12 +72,12 @@ def noise_band(pair: AlignedSignals, *, angular: bool = False, doubt: float = 0.
         np.unwrap(part) if angular else part for part in select_comparable_values(pair, angular)
     )
     both = math.hypot(noise_deviation(a), noise_deviation(b))
-    known = pair.both_valid
-    spread = max(standard_deviation(part[known], angular) for part in (pair.a, pair.b))
+    valid = pair.both_valid
+    spread = max(standard_deviation(part[valid], angular) for part in (pair.a, pair.b))
     late = 0.0
-    if doubt > 0.0 and known.sum() > 2:
-        step = np.diff(pair.time[known])
-        rate = np.diff(np.unwrap(pair.a[known]) if angular else pair.a[known]) / step
+    if doubt > 0.0 and valid.sum() > 2:
+        step = np.diff(pair.time[valid])
+        rate = np.diff(np.unwrap(pair.a[valid]) if angular else pair.a[valid]) / step
         # A clock error shifts the signal by rate times error.
         late = doubt * math.sqrt(float(np.mean(rate**2)))
     return max(SIGMAS * math.hypot(both, late), FLOOR * spread)
@@ -96,11 +96,11 @@ def find_divergence(pair: AlignedSignals, band: float, *, by_hand: bool = False)
     begins there: 1 s, ten samples or 2 % of the span, whichever is longest. They diverge at the
     first such time that no window in agreement follows. `band` is half the width. [unit]
     """
-    known = pair.both_valid
-    time = pair.time[known]
+    valid = pair.both_valid
+    time = pair.time[valid]
     if len(time) < 2:
         return Divergence(band, by_hand, None, None, 0.0)
-    outside = np.abs(pair.difference[known]) > band
+    outside = np.abs(pair.difference[valid]) > band
     share = float(outside.mean())
     if not outside.any():
         return Divergence(band, by_hand, None, None, 0.0)

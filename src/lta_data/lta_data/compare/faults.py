@@ -39,8 +39,8 @@ class TopicFaults:
     @property
     def is_clean(self) -> bool:
         """Whether there is no fault."""
-        found = self.gap_count + self.same_stamp + self.backwards_count
-        return found == 0 and not self.unknown
+        count = self.gap_count + self.same_stamp + self.backwards_count
+        return count == 0 and not self.unknown
 
 
 def find_topic_faults(

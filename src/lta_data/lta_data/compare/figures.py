@@ -75,9 +75,9 @@ def plot_path(channels: Sequence[ChannelComparison]) -> Figure | None:
                 hovertemplate='%{x:.2f}, %{y:.2f} m',
             )
         )  # fmt: skip
-        known = np.flatnonzero(np.isfinite(across) & np.isfinite(along))
-        if len(known):
-            ends.append((across[known[[0, -1]]], along[known[[0, -1]]], colour, name))
+        finite = np.flatnonzero(np.isfinite(across) & np.isfinite(along))
+        if len(finite):
+            ends.append((across[finite[[0, -1]]], along[finite[[0, -1]]], colour, name))
     for across, along, colour, name in ends:
         figure.add_trace(
             Scatter(
@@ -110,9 +110,9 @@ SPECTRUM: Final = (('A', A), ('B', B), ('B - A', DIFFERENCE))
 def plot_spectrum(each: ChannelComparison) -> Figure:
     """Plot the power spectra of A, B and their difference above their coherence."""
     figure = create_figure(2, [0.66, 0.34])
-    found = None if each.spectra is None else average_log_bands(each.spectra)
-    frequency = np.empty(0) if found is None else found.frequency
-    for (name, colour), values in zip(SPECTRUM, positive_powers(found), strict=True):
+    bands = None if each.spectra is None else average_log_bands(each.spectra)
+    frequency = np.empty(0) if bands is None else bands.frequency
+    for (name, colour), values in zip(SPECTRUM, positive_powers(bands), strict=True):
         figure.add_trace(
             Scatter(
                 x=frequency, y=values, name=name, mode='lines',
@@ -122,7 +122,7 @@ def plot_spectrum(each: ChannelComparison) -> Figure:
         )  # fmt: skip
     figure.add_trace(
         Scatter(
-            x=frequency, y=np.empty(0) if found is None else found.coherence, name='coherence',
+            x=frequency, y=np.empty(0) if bands is None else bands.coherence, name='coherence',
             mode='lines', line={'color': GOOD, 'width': 1.5}, hovertemplate='%{y:.2f}',
         ),
         row=2, col=1,

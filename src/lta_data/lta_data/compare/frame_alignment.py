@@ -78,7 +78,7 @@ def find_world_positions(
 ) -> list[PositionPair]:
     """Return the positions that are in a world frame."""
     names = {pair.name for pair in pairs}
-    found = []
+    starts = []
     for pair in pairs:
         start = pair.name.removesuffix('position.x')
         whole = {f'{start}position.{axis}' for axis in AXES} <= names
@@ -87,10 +87,10 @@ def find_world_positions(
         if start == pair.name or not whole or any(each.endswith(BODY) for each in frames):
             continue
         kind = a.topics[pair.a.topic].type_name
-        found.append(
+        starts.append(
             PositionPair(start, pair.a.topic, frames, (kind == ODOMETRY, len(pair.a.time)))
         )
-    return found
+    return starts
 
 
 def fit_frame_alignment(
@@ -160,22 +160,22 @@ def transform_pairs(
     fit: FrameTransform,
 ) -> dict[str, ChannelPair]:
     """Return the pairs in these frames, with B transformed."""
-    found: dict[str, ChannelPair] = {}
+    transformed: dict[str, ChannelPair] = {}
     for name, pair in pairs.items():
         if find_pair_frames(a, b, pair) != frames:
             continue
         if name.endswith('orientation.yaw'):
             # Frames differ in yaw only (gravity fixes the rest), so roll and pitch stay
             turned = wrap_angle(pair.b.values + fit.yaw)
-            found[name] = pair._replace(b=replace(pair.b, values=turned))
+            transformed[name] = pair._replace(b=replace(pair.b, values=turned))
         for kind in ('position', 'vector'):
             start = name.removesuffix(f'{kind}.x')
             parts = [pairs.get(f'{start}{kind}.{axis}') for axis in AXES]
             if start != name:
                 whole = [part for part in parts if part is not None]
                 if len(whole) == len(AXES):
-                    found |= transform_triple(whole, fit, kind == 'position')
-    return found
+                    transformed |= transform_triple(whole, fit, kind == 'position')
+    return transformed
 
 
 def transform_triple(

@@ -54,11 +54,11 @@ def fit_frame_transform(
     `a`, `b`, shape (n, 3): positions at the same times [m]. `heading_a`, `heading_b`, shape (n,):
     yaw at the same times, used if the path is too short [rad].
     """
-    known = np.isfinite(a).all(axis=1) & np.isfinite(b).all(axis=1)
+    finite = np.isfinite(a).all(axis=1) & np.isfinite(b).all(axis=1)
     # Two points always fit a rotation and a shift, so they test nothing
-    if known.sum() < 3:
+    if finite.sum() < 3:
         return None
-    a, b = a[known], b[known]
+    a, b = a[finite], b[finite]
     # The vertical shift is independent of yaw, so it needs no joint fit
     height = robust_center(a[:, 2] - b[:, 2])
     weight = np.ones(len(a))
@@ -82,10 +82,10 @@ def fit_frame_transform(
     if by_heading:
         yaw = mean_heading_difference(heading_a, heading_b)
         shift = fit_shift(a, b, yaw, np.ones(len(a)))
-    found = FrameTransform(yaw, float(shift[0]), float(shift[1]), height, 0.0, 0.0)
+    transform = FrameTransform(yaw, float(shift[0]), float(shift[1]), height, 0.0, 0.0)
     return FrameTransform(
         yaw, float(shift[0]), float(shift[1]), height,
-        rms_distance(a, b), rms_distance(a, found.transform_positions(b)), by_heading,
+        rms_distance(a, b), rms_distance(a, transform.transform_positions(b)), by_heading,
     )  # fmt: skip
 
 

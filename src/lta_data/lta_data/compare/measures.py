@@ -43,10 +43,10 @@ def measure_difference(
     For angular channels, the spread of A is taken about its mean direction. `seed` is the random
     seed of the bootstrap.
     """
-    known = pair.both_valid
-    if not known.any():
+    valid = pair.both_valid
+    if not valid.any():
         return None
-    difference, time, a = pair.difference[known], pair.time[known], pair.a[known]
+    difference, time, a = pair.difference[valid], pair.time[valid], pair.a[valid]
     most = int(np.abs(difference).argmax())
     rms = math.sqrt(float(np.mean(difference**2)))
     low, high = rms_interval(difference, np.random.default_rng(seed))

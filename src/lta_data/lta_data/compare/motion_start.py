@@ -60,7 +60,7 @@ def estimate_start_offset(shared: Sequence[SharedQuantity]) -> StartOffset | Non
     """
     # Commands start sharply; motion follows with a delay of its own.
     for by_command in (True, False):
-        found = {}
+        instants = {}
         for each in shared:
             topic = each.name.rpartition('/')[0]
             if (topic in COMMANDS) is by_command:
@@ -71,12 +71,12 @@ def estimate_start_offset(shared: Sequence[SharedQuantity]) -> StartOffset | Non
                 if starts[0] is not None and starts[1] is not None:
                     # Both starts are known to one period of their own recording
                     step = math.hypot(median_period(each.a.time), median_period(each.b.time))
-                    found[each.name] = starts[1] - starts[0], step
-        if len(found) >= (1 if by_command else FEWEST):
-            offsets = np.array([offset for offset, _ in found.values()])
+                    instants[each.name] = starts[1] - starts[0], step
+        if len(instants) >= (1 if by_command else FEWEST):
+            offsets = np.array([offset for offset, _ in instants.values()])
             middle = float(np.median(offsets))
             scatter = 1.4826 * float(np.median(np.abs(offsets - middle))) / math.sqrt(len(offsets))
             # Sampling makes a start uncertain by a uniform distribution of one period.
-            step = min(step for _, step in found.values()) / math.sqrt(12.0)
-            return StartOffset(middle, math.hypot(scatter, step), tuple(found), by_command)
+            step = min(step for _, step in instants.values()) / math.sqrt(12.0)
+            return StartOffset(middle, math.hypot(scatter, step), tuple(instants), by_command)
     return None

@@ -103,13 +103,13 @@ def format_title(entry: RoleChannel) -> str:
 
 def summarize_channel(each: ChannelComparison) -> str:
     """Return one sentence on a channel's difference."""
-    found, when = each.measures, each.parting
+    measures, when = each.measures, each.parting
     if each.verdict == 'identical':
         return 'Identical.'
-    if found is None:
+    if measures is None:
         return 'No common data.'
-    rms = f'RMS difference {format_quantity(found.rms, each.unit)}'
-    share = '' if found.nrmse is None else f", {found.nrmse:.2g} of A's standard deviation"
+    rms = f'RMS difference {format_quantity(measures.rms, each.unit)}'
+    share = '' if measures.nrmse is None else f", {measures.nrmse:.2g} of A's standard deviation"
     parts = 'No divergence' if when.at is None else f'A and B diverge at {when.at:.2f} s'
     if when.at is None and each.verdict == 'apart at times':
         parts = f'A and B differ at times ({100.0 * when.outside:.0f} % of the samples)'
@@ -183,12 +183,12 @@ def is_worth_plotting(each: ChannelComparison) -> bool:
 
 def build_channel_picker(comparison: ComparisonResult) -> list[Block]:
     """Return the channel picker with the overlay and spectra of the chosen channel."""
-    known = [each for each in comparison.channels if is_worth_plotting(each)]
-    if not known:
+    channels = [each for each in comparison.channels if is_worth_plotting(each)]
+    if not channels:
         return []
-    first, time = known[0], find_total_span(comparison)
-    options = ''.join(f'<option>{escape(each.name)}</option>' for each in known)
-    content = {each.name: build_picker_data(each) for each in known}
+    first, time = channels[0], find_total_span(comparison)
+    options = ''.join(f'<option>{escape(each.name)}</option>' for each in channels)
+    content = {each.name: build_picker_data(each) for each in channels}
     by_frequency = (
         "Power spectral density by Welch's method, in the channel's unit squared per hertz; "
         "coherence is the share of B's power that depends linearly on A."
@@ -216,11 +216,11 @@ def build_picker_data(each: ChannelComparison) -> dict[str, object]:
         **encode_channel(each, PICKED),
         'summary': f'{each.name}. {summarize_channel(each)}',
     }
-    found = None if each.spectra is None else average_log_bands(each.spectra)
-    if found is not None:
-        content['frequency'] = encode_floats(found.frequency)
+    bands = None if each.spectra is None else average_log_bands(each.spectra)
+    if bands is not None:
+        content['frequency'] = encode_floats(bands.frequency)
         content['powers'] = [
-            encode_floats(part) for part in (*figures.positive_powers(found), found.coherence)
+            encode_floats(part) for part in (*figures.positive_powers(bands), bands.coherence)
         ]
     return content
 

@@ -44,19 +44,21 @@ def build_ranking(comparison: ComparisonResult) -> TextTable:
 
 def format_ranking_row(each: ChannelComparison) -> list[str]:
     """Return the cells of one channel in the ranking."""
-    found, when = each.measures, each.parting
-    if found is None:
+    measures, when = each.measures, each.parting
+    if measures is None:
         return ['no common data', *[DASH] * 7]
     parts = each.verdict if when.at is None else f'{when.at:.2f} s'
-    low, high = (format_quantity(value, each.unit) for value in (found.rms_low, found.rms_high))
+    low, high = (
+        format_quantity(value, each.unit) for value in (measures.rms_low, measures.rms_high)
+    )
     return [
         parts,
-        format_quantity(found.bias, each.unit),
-        format_quantity(found.rms, each.unit),
+        format_quantity(measures.bias, each.unit),
+        format_quantity(measures.rms, each.unit),
         f'{low.split(" ")[0]} to {high.split(" ")[0]}',
-        DASH if found.nrmse is None else f'{found.nrmse:.2g}',
-        format_quantity(found.greatest, each.unit),
-        f'{found.greatest_at:.2f} s',
+        DASH if measures.nrmse is None else f'{measures.nrmse:.2g}',
+        format_quantity(measures.greatest, each.unit),
+        f'{measures.greatest_at:.2f} s',
         DASH if each.peak is None else f'{format_decimal(1e3 * each.peak.lag, 0)} ms',
     ]
 

@@ -58,15 +58,15 @@ def interpolate_signal(
     Angular values take the shorter way around. The result is NaN outside the signal, next to
     NaN values, and between samples more than `gap` median periods apart.
     """
-    found = np.full(len(at), np.nan)
+    interpolated = np.full(len(at), np.nan)
     if not len(line.time):
-        return found
+        return interpolated
     right = np.searchsorted(line.time, at)
     # A sample at exactly the requested time counts even next to a gap or a NaN.
     # side='left': an equal time is at index `right`
     exact = right < len(line.time)
     exact[exact] = line.time[right[exact]] == at[exact]
-    found[exact] = line.values[right[exact]]
+    interpolated[exact] = line.values[right[exact]]
     between = ~exact & (right > 0) & (right < len(line.time))
     j = right[between]
     length = line.time[j] - line.time[j - 1]
@@ -76,8 +76,8 @@ def interpolate_signal(
     value = line.values[j - 1] + step * (at[between] - line.time[j - 1]) / length
     value = wrap_angle(value) if angular else value
     # Interpolation across a gap would invent data.
-    found[between] = np.where(length > gap * median_period(line.time), np.nan, value)
-    return found
+    interpolated[between] = np.where(length > gap * median_period(line.time), np.nan, value)
+    return interpolated
 
 
 class AlignedSignals(NamedTuple):

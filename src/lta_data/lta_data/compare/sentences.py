@@ -160,9 +160,9 @@ def describe_source(side: ComparedFlight) -> str:
     """Return the origin of a flight."""
     facts = [side.provenance.get(key, '') for key in ('vehicle', 'scenario')]
     seed = side.provenance.get('seed')
-    known = ' '.join([fact for fact in facts if fact] + ([f'seed {seed}'] if seed else []))
+    text = ' '.join([fact for fact in facts if fact] + ([f'seed {seed}'] if seed else []))
     robot = f', {side.robot}' if side.robot else ''
-    return f'{side.path}{robot}' + (f' ({known})' if known else '')
+    return f'{side.path}{robot}' + (f' ({text})' if text else '')
 
 
 def describe_timing(timing: TimeAlignment) -> str:

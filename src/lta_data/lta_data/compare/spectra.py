@@ -42,9 +42,9 @@ def resample_evenly(pair: AlignedSignals, *, angular: bool = False) -> tuple[Arr
 
     Angles are unwrapped.
     """
-    known = pair.both_valid
+    valid = pair.both_valid
     # 1 where a stretch of valid samples begins, -1 behind its end
-    edges = np.diff(np.concatenate([[0], known.astype(np.int8), [0]]))
+    edges = np.diff(np.concatenate([[0], valid.astype(np.int8), [0]]))
     begins, ends = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
     if not len(begins):
         nothing = np.empty(0)
@@ -78,8 +78,8 @@ def compute_spectra(pair: AlignedSignals, *, angular: bool = False) -> ChannelSp
     rate = (count - 1) / float(time[-1] - time[0])
 
     def welch_power(values: Array) -> tuple[Array, Array]:
-        found: tuple[Array, Array] = signal.welch(values, fs=rate, nperseg=length)
-        return found
+        spectrum: tuple[Array, Array] = signal.welch(values, fs=rate, nperseg=length)
+        return spectrum
 
     frequency, of_a = welch_power(a)
     (_, of_b), (_, of_difference) = welch_power(b), welch_power(b - a)
@@ -141,11 +141,11 @@ def lagged_correlation(a: Array, b: Array, most: int) -> Array:
     spread = (of_aa - of_a**2 / size) * (of_bb - of_b**2 / size)
     # Below it the variance is rounding error of the cumulative sums.
     floor = 1e-12 * (float(np.sum(a**2)) * float(np.sum(b**2)))
-    found = np.full(len(lags), np.nan)
+    correlation = np.full(len(lags), np.nan)
     usable = spread > floor
     shared = product - of_a * of_b / size
-    found[usable] = shared[usable] / np.sqrt(spread[usable])
-    return found
+    correlation[usable] = shared[usable] / np.sqrt(spread[usable])
+    return correlation
 
 
 def fit_parabola_peak(values: Array, best: int) -> tuple[float, float]:

@@ -77,15 +77,15 @@ def align_times(
     shared = select_frame_invariants(pairs, bare)
     if align == 'motion':
         return align_by_start(bare, shared, 'As requested with --align.')
-    found = estimate_clock_offset(shared)
-    bare = replace(bare, found=found)
+    offset = estimate_clock_offset(shared)
+    bare = replace(bare, found=offset)
     if align == 'clock':
-        if found is None:
+        if offset is None:
             raise BadInput(
                 'No common channel correlates between the flights, so the offset of their clocks '
                 'cannot be estimated; give --offset, or use --align none.'
             )
-        return align_by_clock(bare, found, 'As requested with --align.')
+        return align_by_clock(bare, offset, 'As requested with --align.')
     return choose_alignment(a, b, pairs, bare, shared)
 
 
@@ -97,18 +97,18 @@ def choose_alignment(
     shared: Sequence[SharedQuantity],
 ) -> TimeAlignment:
     """Choose the alignment from the data."""
-    found = bare.found
+    offset = bare.found
     if bare.on_stamps and have_same_stamps(a, b, pairs):
         reason = 'Both flights have the same time stamps, so no offset is applied.'
-        return replace(bare, reason=reason, remarks=describe_suspected_offset(found))
+        return replace(bare, reason=reason, remarks=describe_suspected_offset(offset))
     counted = have_separate_clocks(a.provenance, b.provenance)
     # Times counted from zero carry no evidence of one run, so require a higher correlation
-    if found is not None and found.correlation >= (SAME_COUNT if counted else SAME_RUN):
+    if offset is not None and offset.correlation >= (SAME_COUNT if counted else SAME_RUN):
         reason = (
             f'At this offset, A and B change at the same rates (correlation '
-            f'{found.correlation:.2f}), so both are recordings of the same run.'
+            f'{offset.correlation:.2f}), so both are recordings of the same run.'
         )
-        return align_by_clock(bare, found, reason)
+        return align_by_clock(bare, offset, reason)
     if bare.on_stamps:
         reason = (
             'The time stamps of the two recordings overlap and are used unchanged: the data '
@@ -125,7 +125,7 @@ def choose_alignment(
             'The time stamps do not overlap, and no start of motion or commands was found that '
             'both flights have.'
         )
-        return replace(bare, reason=reason, remarks=describe_suspected_offset(found))
+        return replace(bare, reason=reason, remarks=describe_suspected_offset(offset))
 
 
 def align_by_stamps(a: ComparedFlight, b: ComparedFlight) -> TimeAlignment:
@@ -208,21 +208,21 @@ def select_frame_invariants(
 
     Positions are replaced by ground speed.
     """
-    found = []
+    invariants = []
     for pair in pairs:
         a = sort_samples(pair.a.time, pair.a.values)
         b = sort_samples(pair.b.time - bare.lead, pair.b.values)
         # Horizontal positions depend on the world frame; their speed does not.
         if not pair.name.endswith(PLACES):
-            found.append(SharedQuantity(pair.name, a, b, pair.angular))
+            invariants.append(SharedQuantity(pair.name, a, b, pair.angular))
     by_name = {pair.name: pair for pair in pairs}
     for name, pair in by_name.items():
         other = by_name.get(name.removesuffix(PLACES[0]) + PLACES[1])
         if name.endswith(PLACES[0]) and other is not None:
             a = ground_speed(pair.a.time, pair.a.values, other.a.values)
             b = ground_speed(pair.b.time - bare.lead, pair.b.values, other.b.values)
-            found.append(SharedQuantity(f'{name.removesuffix(".x")}.way', a, b))
-    return found
+            invariants.append(SharedQuantity(f'{name.removesuffix(".x")}.way', a, b))
+    return invariants
 
 
 def ground_speed(time: Array, x: Array, y: Array) -> SampledSignal:

@@ -68,9 +68,9 @@ def build_channel_trace(each: ChannelComparison, points: int = POINTS) -> Channe
 def unwrap_pair(each: ChannelComparison) -> tuple[SampledSignal, SampledSignal]:
     """Unwrap both angles at their common times, B near A."""
     time, difference = each.both.time, each.both.difference
-    known = np.isfinite(each.both.a)
+    finite = np.isfinite(each.both.a)
     a = np.full(len(time), np.nan)
-    a[known] = np.unwrap(each.both.a[known])
+    a[finite] = np.unwrap(each.both.a[finite])
     return break_at_gaps(SampledSignal(time, a)), break_at_gaps(
         SampledSignal(time, a + difference)
     )
@@ -84,7 +84,7 @@ def encode_floats(values: NDArray[np.float64]) -> dict[str, str]:
 def encode_channel(each: ChannelComparison, points: int) -> dict[str, object]:
     """Return the data that the page needs to draw a picked channel."""
     trace = build_channel_trace(each, points)
-    found: dict[str, object] = {
+    content: dict[str, object] = {
         'unit': trace.unit,
         'band': trace.band,
         'at': each.parting.at,
@@ -93,4 +93,4 @@ def encode_channel(each: ChannelComparison, points: int) -> dict[str, object]:
             for line in (trace.a, trace.b, trace.difference)
         ],
     }
-    return found
+    return content

@@ -48,5 +48,5 @@ class CheckContext:
     @cached_property
     def pair_similarities(self) -> list[tuple[MotionPair, PairSimilarity | None]]:
         """Pairs of sources for the same motion, with their similarity."""
-        found = find_motion_pairs(self.recording, self.limits)
-        return [(pair, measure_similarity(pair, self.limits)) for pair in found]
+        pairs = find_motion_pairs(self.recording, self.limits)
+        return [(pair, measure_similarity(pair, self.limits)) for pair in pairs]

@@ -77,7 +77,7 @@ def _check_bag(path: Path, robot: str | None) -> list[tuple[CheckedRecording, Ch
     bag = read_bag(find_bag(path))
     # None: a bag whose topics have no namespace
     robots: list[str | None] = [robot] if robot is not None else [*list_robots(bag)] or [None]
-    found = []
+    reports = []
     for name in robots:
         flight = open_flight(bag, name)
         recording, remarks = read_recording(flight)
@@ -85,8 +85,8 @@ def _check_bag(path: Path, robot: str | None) -> list[tuple[CheckedRecording, Ch
         # After reading, since some damage is detected only then
         losses = (*bag.losses, *remarks)
         one = CheckedRecording(str(path), flight.robot, recording.is_simulated, report, losses)
-        found.append((one, recording))
-    return found
+        reports.append((one, recording))
+    return reports
 
 
 def _add_findings(one: CheckedRecording, more: list[QualityFinding]) -> CheckedRecording:

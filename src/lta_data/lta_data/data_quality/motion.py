@@ -63,7 +63,7 @@ def collect_vectors(
         match = rule.match(channel.field)
         if match is not None:
             paths.setdefault(channel.topic, match[1])
-    found: dict[str, VectorSeries] = {}
+    vectors: dict[str, VectorSeries] = {}
     for topic, path in paths.items():
         names = [f'{topic}/{path}.{part}' for part in parts]
         if all(name in channels for name in names):
@@ -71,33 +71,35 @@ def collect_vectors(
             time, values = sort_samples(channels[names[0]].time, table)
             # Fewer samples do not allow two derivatives
             if len(time) > 3:
-                found[topic] = VectorSeries(f'{topic}/{path}', time, values)
-    return found
+                vectors[topic] = VectorSeries(f'{topic}/{path}', time, values)
+    return vectors
 
 
 def collect_attitudes(channels: Mapping[str, SignalChannel]) -> dict[str, VectorSeries]:
     """Return attitudes as quaternions by topic, from quaternions or Euler angles."""
-    found = {}
+    attitudes = {}
     for topic, vector in collect_vectors(channels, roles.QUATERNION, 'xyzw').items():
         length = np.linalg.norm(vector.values, axis=1)
         # An unfilled quaternion is zero.
         good = length > 1e-6
         if good.sum() > 3:
             turns = vector.values[good] / length[good, None]
-            found[topic] = VectorSeries(vector.name, vector.time[good], remove_sign_jumps(turns))
+            attitudes[topic] = VectorSeries(
+                vector.name, vector.time[good], remove_sign_jumps(turns)
+            )
     named = {channel.topic: match[1] for channel in channels.values()
              if (match := roles.ANGLE.match(channel.field))}  # fmt: skip
     for topic, path in named.items():
         names = [f'{topic}/{path}.{part}' for part in ('yaw', 'pitch', 'roll')]
-        if topic in found or not all(name in channels for name in names):
+        if topic in attitudes or not all(name in channels for name in names):
             continue
         table = np.stack([channels[name].values for name in names], axis=1)
         time, angles = sort_samples(channels[names[0]].time, table)
         if len(time) > 3:
             # Upper case: intrinsic yaw, pitch, roll
             turns = Rotation.from_euler('ZYX', angles).as_quat()
-            found[topic] = VectorSeries(f'{topic}/{path}', time, remove_sign_jumps(turns))
-    return found
+            attitudes[topic] = VectorSeries(f'{topic}/{path}', time, remove_sign_jumps(turns))
+    return attitudes
 
 
 def remove_sign_jumps(turns: Array) -> Array:
@@ -114,13 +116,13 @@ def collect_poses(channels: Mapping[str, SignalChannel]) -> list[PoseSeries]:
     speed = collect_vectors(channels, roles.SPEED, 'xyz')
     turning = collect_vectors(channels, roles.TURNING, 'xyz')
     topics = dict.fromkeys((*place, *attitude, *speed, *turning))
-    found = []
+    poses = []
     for topic in topics:
         tracked = bool(roles.TRACKED.match(topic))
         if tracked or topic == 'odom' or roles.is_instrument_topic(topic):
             parts = (table.get(topic) for table in (place, attitude, speed, turning))
-            found.append(PoseSeries(topic, tracked, *parts))
-    return sorted(found, key=lambda pose: not pose.tracked)
+            poses.append(PoseSeries(topic, tracked, *parts))
+    return sorted(poses, key=lambda pose: not pose.tracked)
 
 
 def collect_inertials(channels: Mapping[str, SignalChannel]) -> list[InertialSeries]:

@@ -72,18 +72,18 @@ class MotionPair:
 
 def find_motion_pairs(recording: ChannelRecording, limits: QualityLimits) -> list[MotionPair]:
     """Return all pairs of sources for the same motion."""
-    known, sensors = collect_poses(recording.channels), collect_inertials(recording.channels)
-    found: list[MotionPair | None] = []
-    for pose in known:
-        found += _pair_pose(pose, limits)
+    poses, sensors = collect_poses(recording.channels), collect_inertials(recording.channels)
+    pairs: list[MotionPair | None] = []
+    for pose in poses:
+        pairs += _pair_pose(pose, limits)
         for sensor in sensors:
-            found += _pair_inertial(pose, sensor, limits)
+            pairs += _pair_inertial(pose, sensor, limits)
         # An estimate may be computed from these very sensors; prefer a tracker
-        if pose.tracked or not any(other.tracked for other in known):
-            found += [
+        if pose.tracked or not any(other.tracked for other in poses):
+            pairs += [
                 _pair_height(pose, channel, limits) for channel in recording.channels.values()
             ]
-    return [pair for pair in found if pair is not None]
+    return [pair for pair in pairs if pair is not None]
 
 
 def _pair_pose(pose: PoseSeries, limits: QualityLimits) -> Iterator[MotionPair | None]:
@@ -202,13 +202,13 @@ def _resample_pair(
     left, there = interpolate_on_grid(measured.time, measured.values, grid)
     right, also = interpolate_on_grid(time, derived, grid)
     # Exclude points whose smoothing window touches a gap.
-    known = narrow_mask(there & also, weights)
-    if known.sum() * step < limits.pair_time:
+    mask = narrow_mask(there & also, weights)
+    if mask.sum() * step < limits.pair_time:
         return None
     unit, least = LEAST[what]
     axes = ('x', 'y', 'z') if measured.values.shape[1] == 3 else ('',)
     return MotionPair(
         what, measured.name, derived_from, unit, getattr(limits, least), grid,
         # The same kernel on both sides, so that smoothing causes no lag between them
-        smooth_columns(left, weights), smooth_columns(right, weights), known, axes,
+        smooth_columns(left, weights), smooth_columns(right, weights), mask, axes,
     )  # fmt: skip

@@ -104,8 +104,8 @@ def fit_tilt(pose: PoseSeries, turn: Array | None = None) -> VectorFit:
     lean = Rotation.from_quat(values).as_matrix()[:, :, 2]
     lean[:, 2] = 0.0
     series = VectorSeries('', pose.attitude.time, lean - lean.mean(axis=0))
-    found = compare_vectors(place.time, pull - pull.mean(axis=0), series)
-    return VectorFit(1.0 / found.factor if found.factor else float('nan'), found.cosine)
+    fit = compare_vectors(place.time, pull - pull.mean(axis=0), series)
+    return VectorFit(1.0 / fit.factor if fit.factor else float('nan'), fit.cosine)
 
 
 def fit_lever(pose: PoseSeries) -> VectorFit:
@@ -124,8 +124,8 @@ def fit_lever(pose: PoseSeries) -> VectorFit:
     rate[:, 2] = 0.0
     window = np.hanning(WINDOW + 2)[1:-1] / np.hanning(WINDOW + 2).sum()
     series = VectorSeries('', pose.attitude.time, smooth_columns(rate, window))
-    found = compare_vectors(time, smooth_columns(speed - speed.mean(axis=0), window), series)
-    return VectorFit(1.0 / found.factor if found.factor else float('nan'), found.cosine)
+    fit = compare_vectors(time, smooth_columns(speed - speed.mean(axis=0), window), series)
+    return VectorFit(1.0 / fit.factor if fit.factor else float('nan'), fit.cosine)
 
 
 def upright_share(turn: Array) -> float:
@@ -164,17 +164,17 @@ def shrink_angles(turn: Array) -> Array:
     base = Rotation.from_quat(turn).as_euler('ZYX')
     other = np.stack([base[:, 0] + np.pi, np.pi - base[:, 1], base[:, 2] + np.pi], axis=1)
     sets = np.stack([base, other], axis=1)
-    found = np.empty((len(base), 3))
-    found[0] = base[0]
+    angles = np.empty((len(base), 3))
+    angles[0] = base[0]
     pace = np.zeros(3)
     for row in range(1, len(base)):
-        expected = found[row - 1] + pace
+        expected = angles[row - 1] + pace
         moved = sets[row] - expected
         near = sets[row] - TURN * np.round(moved / TURN)
         best = near[int(np.argmin(np.abs(near - expected).sum(axis=1)))]
-        pace = best - found[row - 1]
-        found[row] = best
-    return found / DEGREES
+        pace = best - angles[row - 1]
+        angles[row] = best
+    return angles / DEGREES
 
 
 def quaternions_of(angles: Array, yaw: float = 0.0) -> Array:

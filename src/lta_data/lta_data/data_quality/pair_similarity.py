@@ -60,9 +60,9 @@ def high_pass_pair(pair: MotionPair) -> tuple[Array, Array, Array, Array]:
     weights = hann_kernel(SLOW, pair.step)
     # Near the ends the trend is wrong, and equally wrong on both sides.
     inside = narrow_mask(pair.known, weights)
-    known = inside if inside.sum() * pair.step > SLOW else pair.known
+    mask = inside if inside.sum() * pair.step > SLOW else pair.known
     left, right = (
-        robust_deviations(table - smooth_columns(table, weights), known)
+        robust_deviations(table - smooth_columns(table, weights), mask)
         for table in (pair.left, pair.right)
     )
     one, two = (side / np.where(size > 0.0, size, 1.0) for side, size in (left, right))
@@ -74,9 +74,9 @@ def raw_cross_correlations(left: Array, right: Array, most: int) -> Array:
     size = 1 << int(len(left) + most).bit_length()
     ahead = np.fft.rfft(left, size, axis=0)[:, :, None]
     behind = np.conj(np.fft.rfft(right, size, axis=0))[:, None, :]
-    found = np.fft.irfft(ahead * behind, size, axis=0)
+    correlations = np.fft.irfft(ahead * behind, size, axis=0)
     # FFT order: negative lags are at the end
-    return np.concatenate((found[-most:], found[: most + 1]))
+    return np.concatenate((correlations[-most:], correlations[: most + 1]))
 
 
 def estimate_lag(left: Array, right: Array, step: float, search: float) -> float:

@@ -41,15 +41,15 @@ class ChannelRecording:
 
 def read_recording(flight: RecordedFlight) -> tuple[ChannelRecording, list[str]]:
     """Return a flight for the checks, and what could not be decoded."""
-    found = read_all_channels(flight)
-    channels = dict(found.channels)
-    topics = dict.fromkeys(channel.topic for channel in found.channels.values())
+    decoded = read_all_channels(flight)
+    channels = dict(decoded.channels)
+    topics = dict.fromkeys(channel.topic for channel in decoded.channels.values())
     for topic in topics:
         if is_instrument_topic(topic) or topic == 'odom':
-            channels |= read_quaternions(flight, topic, found.channels)
+            channels |= read_quaternions(flight, topic, decoded.channels)
     return ChannelRecording(
         channels, flight.provenance, read_log_times(flight, list(topics))
-    ), found.remarks
+    ), decoded.remarks
 
 
 def read_log_times(flight: RecordedFlight, topics: list[str]) -> dict[str, Array]:
@@ -77,9 +77,9 @@ def read_quaternions(
         for channel in channels.values()
         if channel.topic == topic and (match := TURNED.match(channel.field))
     ]
-    found: dict[str, SignalChannel] = {}
+    quaternions: dict[str, SignalChannel] = {}
     if not paths:
-        return found
+        return quaternions
     series = flight.read_series(topic)
     for path in paths:
         # The angle is NaN where the covariance marks the attitude as unknown
@@ -90,5 +90,5 @@ def read_quaternions(
             values = np.asarray(series[f'{path}.{part}'], dtype=np.float64)
             name = f'{topic}/{path}.{part}'
             masked = np.where(known_there, values, np.nan)
-            found[name] = SignalChannel(name, '1', series.time, masked)
-    return found
+            quaternions[name] = SignalChannel(name, '1', series.time, masked)
+    return quaternions

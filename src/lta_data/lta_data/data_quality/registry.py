@@ -73,9 +73,9 @@ def run_checks(recording: ChannelRecording, limits: QualityLimits | None = None)
     with np.errstate(invalid='ignore'):  # infinity is data: a range without a return
         verdicts = [check(evidence) for check in CHECKS.values()]
         rereadings = find_rereadings(evidence)
-    found = [*rereadings, *(one for verdict in verdicts for one in verdict.findings)]
+    findings = [*rereadings, *(one for verdict in verdicts for one in verdict.findings)]
     remaining = sorted(
-        remove_explained_findings(remove_implied_findings(found)),
+        remove_explained_findings(remove_implied_findings(findings)),
         key=lambda finding: (finding.from_s, finding.channel),
     )
     return QualityReport(

@@ -51,8 +51,8 @@ def match_noisy_quantity(channel: SignalChannel) -> str | None:
     """Return which of `RESTLESS` a measured channel is; None if none."""
     if not is_measured(channel):
         return None
-    found = (name for name, rule in RESTLESS.items() if rule.match(channel.field))
-    return next(found, None)
+    matches = (name for name, rule in RESTLESS.items() if rule.match(channel.field))
+    return next(matches, None)
 
 
 def vector_name(channel: str) -> str:

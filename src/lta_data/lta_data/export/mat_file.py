@@ -63,16 +63,16 @@ def join_array_columns(
     columns: Mapping[str, np.ndarray[Any, Any]],
 ) -> dict[str, np.ndarray[Any, Any]]:
     """Join the elements of each numeric array into one matrix, shape (n, elements)."""
-    found: dict[str, Any] = {}
+    joined: dict[str, Any] = {}
     for name, values in columns.items():
         element = _LAST.fullmatch(name)
         if element is None or values.dtype.kind == 'U':
-            found[name] = values
+            joined[name] = values
         else:
-            found.setdefault(element.group(1), []).append(values)
+            joined.setdefault(element.group(1), []).append(values)
     return {
         name: np.stack(values, axis=1) if isinstance(values, list) else values
-        for name, values in found.items()
+        for name, values in joined.items()
     }
 
 

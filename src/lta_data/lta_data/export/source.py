@@ -87,9 +87,9 @@ def build_series_source(flight: RecordedFlight, topic: str, kind: str) -> Export
     declared: dict[str, np.dtype[Any]] = {}
     units: dict[str, str] = {}
     for series in parts():
-        found = map_joint_names(series)
+        part_joints = map_joint_names(series)
         # Names apply only if they are the same in all parts.
-        joints = found if joints is None or joints == found else {}
+        joints = part_joints if joints is None or joints == part_joints else {}
         table = build_topic_table(flight, topic, series, {})
         units |= table.units
         widen_column_types(declared, {column: table[column] for column in table})
@@ -120,13 +120,13 @@ def widen_column_types(declared: dict[str, np.dtype[Any]], part: Columns) -> Non
             declared[column] = np.dtype(np.float64)  # NaN where it is missing
     started = bool(declared)
     for column, values in part.items():
-        known = declared.get(column)
-        if known is None:
+        column_type = declared.get(column)
+        if column_type is None:
             # A column that starts late needs a type with NaN for the rows before.
             missing = started and values.dtype.kind not in 'fU'
             declared[column] = np.dtype(np.float64) if missing else values.dtype
-        elif known != values.dtype:
-            declared[column] = np.promote_types(known, values.dtype)
+        elif column_type != values.dtype:
+            declared[column] = np.promote_types(column_type, values.dtype)
 
 
 def fill_missing_columns(

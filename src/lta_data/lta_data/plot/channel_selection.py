@@ -27,7 +27,7 @@ def select_channels(flight: RecordedFlight, patterns: Sequence[str]) -> list[Sig
     Raise `BadInput` if a pattern matches nothing, or all together match too many channels for one
     plot.
     """
-    found: dict[str, SignalChannel] = {}
+    channels: dict[str, SignalChannel] = {}
     for pattern in patterns:
         meant = [
             channel
@@ -39,13 +39,13 @@ def select_channels(flight: RecordedFlight, patterns: Sequence[str]) -> list[Sig
         ]
         if not meant:
             raise no_match_error(flight, pattern)
-        found |= {channel.name: channel for channel in meant}
-    if len(found) > MOST:
+        channels |= {channel.name: channel for channel in meant}
+    if len(channels) > MOST:
         raise BadInput(
-            f'{len(found)} channels are too many for one plot (at most {MOST}); name fewer, '
-            f"such as '{next(iter(found))}'."
+            f'{len(channels)} channels are too many for one plot (at most {MOST}); name fewer, '
+            f"such as '{next(iter(channels))}'."
         )
-    return list(found.values())
+    return list(channels.values())
 
 
 def can_match(pattern: str, topic: str) -> bool:
@@ -62,9 +62,9 @@ def matches_channel(pattern: str, channel: SignalChannel) -> bool:
 
 def no_match_error(flight: RecordedFlight, pattern: str) -> BadInput:
     """Return the error for a pattern without a match, with similar names."""
-    known = [*flight.topics, *read_all_channels(flight).channels]
+    names = [*flight.topics, *read_all_channels(flight).channels]
     # 0.4: least similarity, low enough for abbreviations
-    near = get_close_matches(pattern, known, NEAR, 0.4) or flight.topics[:NEAR]
+    near = get_close_matches(pattern, names, NEAR, 0.4) or flight.topics[:NEAR]
     return BadInput(
         f"No channel matches '{pattern}'; similar: {', '.join(near)}. To list all channels, give "
         'no channel.'
@@ -77,8 +77,8 @@ def unwrap_to_degrees(channel: SignalChannel) -> SignalChannel:
         return channel
     # The flight caches its arrays; do not change them
     values = channel.values.copy()
-    known = np.isfinite(values)
-    values[known] = np.unwrap(values[known])
+    finite = np.isfinite(values)
+    values[finite] = np.unwrap(values[finite])
     return replace(channel, unit='deg', values=values / DEGREE)
 
 

@@ -42,14 +42,14 @@ def draw_sparkline(values: NDArray[np.float64], width: int = SPARK) -> str:
     low, high = float(finite.min()), float(finite.max())
     if low == high:
         return 'constant'
-    found = []
+    levels = []
     for part in np.array_split(values, min(width, len(values))):
         inside = part[np.isfinite(part)]
         share = (inside.mean() - low) / (high - low) if len(inside) else 0.0
         # share is 1.0 at the maximum, which would be a ninth block.
         # Eight heights of block characters
-        found.append(BLOCKS[min(7, int(8 * share))] if len(inside) else ' ')
-    return ''.join(found)
+        levels.append(BLOCKS[min(7, int(8 * share))] if len(inside) else ' ')
+    return ''.join(levels)
 
 
 def build_channel_listing(channels: Iterable[SignalChannel], width: int) -> Table:
@@ -99,8 +99,8 @@ def draw_curves(
 def split_at_gaps(channel: SignalChannel) -> Iterator[tuple[Array, Array]]:
     """Yield time and values of each stretch without a gap, as few points that look the same."""
     # NaN or infinity would end the process in plotext
-    known = np.flatnonzero(np.abs(channel.values) < LARGEST)
-    for part in np.split(known, np.flatnonzero(np.diff(known) > 1) + 1):
+    finite = np.flatnonzero(np.abs(channel.values) < LARGEST)
+    for part in np.split(finite, np.flatnonzero(np.diff(finite) > 1) + 1):
         yield decimate_line(channel.time[part], channel.values[part])
 
 

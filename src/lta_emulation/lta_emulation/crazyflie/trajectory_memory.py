@@ -23,8 +23,8 @@ class TrajectoryMemory:
             return bytes([COUNT, 1])
         if channel == SETTINGS and data[0] == DETAILS:
             # An unknown number gets the number alone
-            known = struct.pack('<BI8x', TRAJECTORY, SIZE) if data[1] == 0 else b''
-            return data[:2] + known
+            info = struct.pack('<BI8x', TRAJECTORY, SIZE) if data[1] == 0 else b''
+            return data[:2] + info
         if channel not in (READ, WRITE):
             return None
         number, begin = struct.unpack_from('<BI', data)

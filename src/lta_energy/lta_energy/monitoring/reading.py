@@ -48,8 +48,10 @@ class MeterReading:
     @cached_property
     def plausible_panel_power(self) -> float:
         """Power of the panel, or 0 if it is not measured or outside the range of a meter. [W]"""
-        known = abs(self.panel_voltage) <= MOST_VOLTS and abs(self.panel_current) <= MOST_AMPERES
-        return self.panel_power if known else 0.0
+        is_plausible = (
+            abs(self.panel_voltage) <= MOST_VOLTS and abs(self.panel_current) <= MOST_AMPERES
+        )
+        return self.panel_power if is_plausible else 0.0
 
     @cached_property
     def cell_power(self) -> float:

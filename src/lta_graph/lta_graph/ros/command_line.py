@@ -58,10 +58,10 @@ def reject_unknown_parameters(node: Node, arguments: Sequence[str]) -> None:
 
     Raise `BadInput` if there is one; the message lists the node's own.
     """
-    known = node.get_parameters_by_prefix('')
+    parameters = node.get_parameters_by_prefix('')
     for name in list_parameter_names(arguments, node.get_name()):
-        if name not in known and not name.startswith(ROS_PREFIX):
-            own = ', '.join(sorted(item for item in known if item not in ROS_OWN))
+        if name not in parameters and not name.startswith(ROS_PREFIX):
+            own = ', '.join(sorted(item for item in parameters if item not in ROS_OWN))
             raise BadInput(f"The node {node.get_name()} has no parameter '{name}'; known: {own}.")
 
 

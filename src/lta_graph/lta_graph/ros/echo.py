@@ -61,14 +61,14 @@ def measure_round_trip(
     while round_trip('begin', RETRY) is None:
         if time.monotonic() >= deadline:
             return None
-    found = time.monotonic() - began
+    discovery_time = time.monotonic() - began
     trips = [round_trip(str(count), 1.0) for count in range(ROUND_TRIPS)]
     publisher.publish(String(data='end'))
     times = [trip for trip in trips if trip is not None]
     # A lost trip on the same machine is a fault, not noise
     if len(times) < ROUND_TRIPS:
         return None
-    return {'discovery_s': found, 'round_trip_s': statistics.median(times)}
+    return {'discovery_s': discovery_time, 'round_trip_s': statistics.median(times)}
 
 
 def main() -> None:

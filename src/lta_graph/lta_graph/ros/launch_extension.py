@@ -59,9 +59,9 @@ class SuperviseAction(Action):
                 '"ros2 run lta_cli lta launch" or "ros2 run lta_graph one_process".'
             )
         names = perform_substitutions(context, self._planned).split()
-        known = context.get_locals_as_dict().get(PLANNED)
-        if known is not None:
-            known.update(names)
+        collected = context.get_locals_as_dict().get(PLANNED)
+        if collected is not None:
+            collected.update(names)
             return None
         check_launch(context)
         planned = set(names)

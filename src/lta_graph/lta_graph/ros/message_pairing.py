@@ -35,9 +35,9 @@ class MessagePairing:
         pairs = []
         for message in messages:
             at = message.header.stamp
-            stamp_ns, found = from_stamp(at), self._waiting.pop((at.sec, at.nanosec), None)
-            self._last = found or self._last
-            pairs.append((stamp_ns, message, found or self._find_stand_in(stamp_ns)))
+            stamp_ns, match = from_stamp(at), self._waiting.pop((at.sec, at.nanosec), None)
+            self._last = match or self._last
+            pairs.append((stamp_ns, message, match or self._find_stand_in(stamp_ns)))
         if self._waiting and messages:
             newest = at.sec, at.nanosec
             self._waiting = {each: late for each, late in self._waiting.items() if each > newest}

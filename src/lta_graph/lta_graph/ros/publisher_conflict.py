@@ -43,8 +43,8 @@ class PublisherConflict:
         """Return the names of the other nodes; a second node of the own name counts."""
         own, strangers = self._node.get_fully_qualified_name(), set[str]()
         for name in shared:
-            known = self._node.get_publishers_info_by_topic(self._writers[name].topic_name)
-            names = [f'{each.node_namespace.rstrip("/")}/{each.node_name}' for each in known]
+            publishers = self._node.get_publishers_info_by_topic(self._writers[name].topic_name)
+            names = [f'{each.node_namespace.rstrip("/")}/{each.node_name}' for each in publishers]
             if own in names:
                 names.remove(own)  # one only: a second is a namesake
             strangers.update(names)

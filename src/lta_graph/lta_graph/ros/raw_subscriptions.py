@@ -82,11 +82,11 @@ class RawSubscription:
 
     def list_offered_profiles(self) -> list[QoSProfile]:
         """Return the distinct profiles of the known publishers."""
-        found: list[QoSProfile] = []
+        profiles: list[QoSProfile] = []
         for info in self._node.get_publishers_info_by_topic(self.name):
-            if info.qos_profile not in found:
-                found.append(info.qos_profile)
-        return found
+            if info.qos_profile not in profiles:
+                profiles.append(info.qos_profile)
+        return profiles
 
     def poll_changes(self) -> bool:
         """Count losses, and return whether the number of publishers has changed."""

@@ -62,10 +62,10 @@ def find_service_class(node: Node, name: str) -> Any:  # noqa: ANN401 - a genera
         if kinds:
             return kinds[0]
         if time.monotonic() > deadline:
-            known = sorted(one for one, types in there.items() if set(types) & KINDS.keys())
+            names = sorted(one for one, types in there.items() if set(types) & KINDS.keys())
             words = (
-                f'available: {", ".join(known)}'
-                if known
+                f'available: {", ".join(names)}'
+                if names
                 else 'none is available, so start the nodes first'
             )
             raise BadInput(f"No node offers the service '{name}'; {words}.")

@@ -53,14 +53,14 @@ def fit_diode(cell: CellFile) -> SingleDiodeModel:
             low = middle
         else:
             high = middle
-    found = _solve_three_points(data, low)
-    if found.shunt < 0.0 or found.saturation <= 0.0:
+    diode = _solve_three_points(data, low)
+    if diode.shunt < 0.0 or diode.saturation <= 0.0:
         raise BadInput(
             f'No diode model with an ideality factor of {data.ideality.si:g} fits the '
             f'solar cell {cell.name}: its current-voltage curve is too round. In the cell '
             'file, raise ideality, or check voltage and current at maximum power.'
         )
-    return found
+    return diode
 
 
 def _solve_three_points(data: CellRatings, resistance: float) -> SingleDiodeModel:

@@ -46,7 +46,7 @@ TINY = 1e-300
 
 def build_rings() -> tuple[tuple[float, ...], ...]:
     """Return the rings of ray bundles."""
-    found = []
+    rings = []
     for low, high in itertools.pairwise(EDGES):
         below, above = math.sin(math.radians(low)), math.sin(math.radians(high))
         # Solid angle over pi: diffuse light over the sphere sums to its illuminance
@@ -58,8 +58,8 @@ def build_rings() -> tuple[tuple[float, ...], ...]:
             ups = [side * (below + share * (above - below)) for share in shares]
             # Sine and cosine of the elevation of each
             ways = [number for up in ups for number in (up, math.sqrt(1.0 - up * up))]
-            found.append((size, 0.5 * math.radians(high - low), *ways))
-    return tuple(found)
+            rings.append((size, 0.5 * math.radians(high - low), *ways))
+    return tuple(rings)
 
 
 def build_azimuth_rotations(parts: Sequence[float]) -> tuple[tuple[float, float], ...]:

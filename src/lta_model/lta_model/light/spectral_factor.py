@@ -53,8 +53,8 @@ def sample_spectrum(light: LightSpectrum) -> Array:
 def interpolate_points(points: Sequence[tuple[float, float]]) -> Array:
     """Return a table of wavelengths [nm] and values at `WAVELENGTHS`, 0 outside of it."""
     at, values = np.array(points).T
-    found: Array = np.interp(WAVELENGTHS, at, values, left=0.0, right=0.0)
-    return found
+    interpolated: Array = np.interp(WAVELENGTHS, at, values, left=0.0, right=0.0)
+    return interpolated
 
 
 def mean_responsivity(light: LightSpectrum, response: SpectralResponse) -> float:

@@ -51,15 +51,15 @@ def compute_charging_ratios(
         'here: white LED, on half of the time': DARK._replace(beacon=LUX / LED, duty=0.5),
         'here: sun': DARK._replace(sun=LUX / SUN),
     }
-    found = [
+    ratios = [
         ChargingRatio('paper: charge to fly', NAVIGATE / 4.0, 4.0, HOUR / 4.0),
         ChargingRatio('paper: charge to hover', HOVER / 3.0, 3.0, HOUR / 3.0),
         ChargingRatio('paper: 18 minutes an hour', NAVIGATE * 0.3, HOUR / 18.0, 18.0),
     ]
     for name, light in lights.items():
         net = charger_output(charger, harvest(light)) - idle
-        found.append(ChargingRatio(name, net, flight / net, HOUR * net / flight))
-    return found
+        ratios.append(ChargingRatio(name, net, flight / net, HOUR * net / flight))
+    return ratios
 
 
 def build_ratio_table(ratios: list[ChargingRatio]) -> TextTable:

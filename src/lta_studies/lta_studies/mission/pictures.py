@@ -90,16 +90,16 @@ def draw_timeline(results: Sequence[MissionResult], light: IrradianceSeries) -> 
 def find_state_intervals(result: MissionResult, state: int) -> list[tuple[float, float]]:
     """Return the merged intervals in which a drone was in a state. [h]"""
     diary = result.diary
-    found: list[tuple[float, float]] = []
+    intervals: list[tuple[float, float]] = []
     for begin, end, own in zip(diary.time[:-1], diary.time[1:], diary.state[:-1], strict=True):
         if own != state:
             continue
         # Adjacent up to rounding (1e-6 h is 4 ms): extend the interval before.
-        if found and begin / 3600.0 - found[-1][1] < 1e-6:
-            found[-1] = (found[-1][0], end / 3600.0)
+        if intervals and begin / 3600.0 - intervals[-1][1] < 1e-6:
+            intervals[-1] = (intervals[-1][0], end / 3600.0)
         else:
-            found.append((begin / 3600.0, end / 3600.0))
-    return found
+            intervals.append((begin / 3600.0, end / 3600.0))
+    return intervals
 
 
 def draw_flight_hours(results: Sequence[MissionResult], light: IrradianceSeries) -> Figure:

@@ -126,25 +126,25 @@ class MissionScene:
         """Return the flight to a beacon in panel light and ambient light [lx]; cached."""
         # Half-octave steps: within a step the link hardly changes, so it is built once.
         level = round(STEPS * math.log2(max(lux, 1.0)))
-        known = self._known.get((beacon, level))
-        if known is None:
+        flight = self._known.get((beacon, level))
+        if flight is None:
             listening = self._build_link(beacon, 2.0 ** (level / STEPS))
-            known = flight_from_constants(
+            flight = flight_from_constants(
                 self._model,
                 self._build_constants(listening, self.lamp(beacon)),
                 self.vehicle,
                 STRATEGY,
             )
-            self._known[beacon, level] = known
+            self._known[beacon, level] = flight
         # Only the panel's light is exact for each call; the rest of the constants is cached.
         irradiance = light.sun + light.lamps
-        weights = known.craft.power.panel_weights
+        weights = flight.craft.power.panel_weights
         if irradiance > 0.0:
             # Sun and lamps are one ambient light here; their mean factor is exact
             lamps = array_spectral_factor(self.vehicle.file.energy, WHITE_LED)
             weights = weights._replace(ambient=(light.sun + lamps * light.lamps) / irradiance)
-        power = known.craft.power._replace(ambient=irradiance, panel_weights=weights)
-        craft = known.craft._replace(power=power)
+        power = flight.craft.power._replace(ambient=irradiance, panel_weights=weights)
+        craft = flight.craft._replace(power=power)
         return flight_from_constants(self._model, craft, self.vehicle, STRATEGY)
 
     def _build_link(self, beacon: str, lux: float) -> LightLink:

@@ -83,8 +83,8 @@ def format_headline(comparison: ComparisonFile, rows: Sequence[PlatformResult]) 
     """Return the headline."""
     lost = []
     for name, contestant in comparison.contestants.items():
-        found = [row for row in rows if (row.job.kind, row.job.name) == (CONTESTANT, name)]
-        if not found or not all(row.held for row in found):
+        own_rows = [row for row in rows if (row.job.kind, row.job.name) == (CONTESTANT, name)]
+        if not own_rows or not all(row.held for row in own_rows):
             lost.append(contestant.title)
     count = len(comparison.contestants)
     if not lost:
@@ -111,7 +111,7 @@ def list_maneuvers(comparison: ComparisonFile, name: str) -> list[str]:
 
 def build_tiles(comparison: ComparisonFile, rows: Sequence[PlatformResult]) -> list[Tile]:
     """Return a tile with the number of manoeuvres held for each platform."""
-    found = []
+    tiles = []
     for name, contestant in comparison.contestants.items():
         own = list_maneuvers(comparison, name)
         cells = [select_flights(rows, CONTESTANT, name, each) for each in own]
@@ -119,8 +119,8 @@ def build_tiles(comparison: ComparisonFile, rows: Sequence[PlatformResult]) -> l
         lost = [each for each, part in zip(own, cells, strict=True)
                 if not all(row.held for row in part.rows)]  # fmt: skip
         note = f'not: {", ".join(lost)}' if lost else 'manoeuvres held'
-        found.append(Tile(contestant.title, f'{held}/{len(own)}', '', note))
-    return found
+        tiles.append(Tile(contestant.title, f'{held}/{len(own)}', '', note))
+    return tiles
 
 
 def build_pictures(comparison: ComparisonFile, rows: Sequence[PlatformResult]) -> Iterator[Block]:
@@ -214,17 +214,17 @@ def explain_differences(
     """Yield the table of ablations, and sentences on open-loop inputs and speed limits."""
     if comparison.ablations:
         yield build_ablation_table(comparison, rows)
-    found = format_open_loop_inputs(comparison, rows)
+    lines = format_open_loop_inputs(comparison, rows)
     for name, limit in comparison.limits.items():
         held, reached = find_top_speed(comparison, rows, name)
         title = comparison.contestants[limit.of].title
         why = f' ({limit.why})' if limit.why else ''
-        found.append(
+        lines.append(
             f'{title}{why}: keeps its height at commanded speeds up to {held:.2f} m/s, and '
             f'reaches {reached:.2f} m/s at most.'
         )
-    if found:
-        yield TextSection('Open-loop inputs and speed limits', found, bullets=True)
+    if lines:
+        yield TextSection('Open-loop inputs and speed limits', lines, bullets=True)
 
 
 def build_ablation_table(comparison: ComparisonFile, rows: Sequence[PlatformResult]) -> TextTable:
@@ -288,12 +288,15 @@ def format_open_loop_inputs(
 
 def find_duty_intervals(row: PlatformResult) -> list[tuple[float, list[float]]]:
     """Return the start time and the duties of each interval; at most eight."""
-    found: list[tuple[float, list[float]]] = []
+    intervals: list[tuple[float, list[float]]] = []
     for time, duties in zip(row.flown[:, 0].tolist(), row.duties.tolist(), strict=True):
         # A new interval begins where any duty changes by over 0.1 %.
-        if not found or max(abs(p - q) for p, q in zip(found[-1][1], duties, strict=True)) > 1e-3:
-            found.append((time, duties))
-    return found[:8]
+        if (
+            not intervals
+            or max(abs(p - q) for p, q in zip(intervals[-1][1], duties, strict=True)) > 1e-3
+        ):
+            intervals.append((time, duties))
+    return intervals[:8]
 
 
 def rebuild_entrant(comparison: ComparisonFile, name: str) -> Entrant:

@@ -101,21 +101,19 @@ class ComparisonEntries(NamedTuple):
 
 def list_jobs(file: str, comparison: ComparisonFile, seeds: int) -> list[PlatformJob]:
     """Return all flights of a comparison."""
-    found: list[PlatformJob] = []
+    jobs: list[PlatformJob] = []
     for seed in range(1, seeds + 1):
         for name, contestant in comparison.contestants.items():
             own = contestant.manoeuvres or comparison.manoeuvres
-            found += [PlatformJob(file, CONTESTANT, name, manoeuvre, seed) for manoeuvre in own]
+            jobs += [PlatformJob(file, CONTESTANT, name, manoeuvre, seed) for manoeuvre in own]
         for name, ablation in comparison.ablations.items():
-            found += [
-                PlatformJob(file, ABLATION, name, each, seed) for each in ablation.manoeuvres
-            ]
+            jobs += [PlatformJob(file, ABLATION, name, each, seed) for each in ablation.manoeuvres]
         for name, limit in comparison.limits.items():
-            found += [
+            jobs += [
                 PlatformJob(file, LIMIT, name, limit.manoeuvre, seed, speed)
                 for speed in limit.speeds.vector
             ]
-    return found
+    return jobs
 
 
 @cache

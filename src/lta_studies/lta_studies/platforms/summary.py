@@ -108,11 +108,11 @@ def find_top_speed(
     held, reached = 0.0, 0.0
     unbroken = True
     for speed in limit.speeds.vector:
-        found = select_flights(rows, LIMIT, name, limit.manoeuvre, speed)
+        flights = select_flights(rows, LIMIT, name, limit.manoeuvre, speed)
         # A speed held above one that failed does not count: the range must be continuous.
-        unbroken = unbroken and bool(found.rows) and all(row.held for row in found.rows)
+        unbroken = unbroken and bool(flights.rows) and all(row.held for row in flights.rows)
         held = speed if unbroken else held
-        reached = max(reached, found.final_speed.value)
+        reached = max(reached, flights.final_speed.value)
     return held, reached
 
 

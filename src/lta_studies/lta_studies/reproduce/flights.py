@@ -148,10 +148,10 @@ def to_measured_value(mean: BootstrapMean) -> MeasuredValue:
 
 def measure_success_share(cell: EvaluationCell) -> MeasuredValue:
     """Return the share of flights that reached the lamp, with its Wilson interval."""
-    found: ShareInterval = cell.reached_share
+    share: ShareInterval = cell.reached_share
     if len(cell.rows) == 1:  # no interval from a single flight
-        return MeasuredValue(found.value, math.nan, math.nan, 1)
-    return MeasuredValue(found.value, found.low, found.high, len(cell.rows))
+        return MeasuredValue(share.value, math.nan, math.nan, 1)
+    return MeasuredValue(share.value, share.low, share.high, len(cell.rows))
 
 
 def summarize_cell(name: str, cell: EvaluationCell) -> dict[str, MeasuredValue]:

@@ -48,8 +48,8 @@ class ComparisonFlights:
     ) -> MeasuredValue:
         """Return a metric of an entry with its interval; NaN if no seed has it."""
         cell = self.find_cell(name, manoeuvre)
-        found: SeedMean = cell.mean_metric(figure, of)
-        return MeasuredValue(found.value, found.low, found.high, len(cell.rows))
+        mean: SeedMean = cell.mean_metric(figure, of)
+        return MeasuredValue(mean.value, mean.low, mean.high, len(cell.rows))
 
     def success_share(self, name: str, manoeuvre: str) -> MeasuredValue:
         """Return the share of flights that held a manoeuvre."""

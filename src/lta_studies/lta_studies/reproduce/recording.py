@@ -77,8 +77,8 @@ def dump_model(model: BaseModel) -> Any:  # noqa: ANN401 - what YAML holds
 def file_key(field: FieldInfo, name: str) -> str:
     """Return the key of a field in the file, which may be an alias."""
     alias = field.validation_alias
-    found = alias.choices[0] if isinstance(alias, AliasChoices) else alias
-    return found if isinstance(found, str) else name
+    key = alias.choices[0] if isinstance(alias, AliasChoices) else alias
+    return key if isinstance(key, str) else name
 
 
 def write_yaml(content: Any, path: Path) -> str:  # noqa: ANN401 - what YAML holds

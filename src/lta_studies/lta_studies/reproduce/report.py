@@ -159,20 +159,20 @@ def count_all_verdicts(
 
 def format_headline(rows: Sequence[PaperRow], stored_rows: StoredRows) -> str:
     """Return the headline with the counts of the verdicts."""
-    found = count_all_verdicts(rows, stored_rows)
+    counts = count_all_verdicts(rows, stored_rows)
     # Results beyond the paper are not claims of the paper.
-    count = sum(found.values()) - found[ClaimVerdict.BEYOND]
+    count = sum(counts.values()) - counts[ClaimVerdict.BEYOND]
     agreeing = sum(
-        found[each]
+        counts[each]
         for each in (ClaimVerdict.AGREES, ClaimVerdict.CONSTRUCTION, ClaimVerdict.VACUOUS)
     )
     text = (
-        f"Of the paper's {count} claims, {agreeing} agree ({found[ClaimVerdict.CONSTRUCTION]} by "
-        f'construction, {found[ClaimVerdict.VACUOUS]} where anything would), '
-        f'{found[ClaimVerdict.DIFFERS]} differ, {found[ClaimVerdict.UNCERTAIN]} are within our '
-        f'uncertainty and {found[ClaimVerdict.UNTESTED]} cannot be tested'
+        f"Of the paper's {count} claims, {agreeing} agree ({counts[ClaimVerdict.CONSTRUCTION]} by "
+        f'construction, {counts[ClaimVerdict.VACUOUS]} where anything would), '
+        f'{counts[ClaimVerdict.DIFFERS]} differ, {counts[ClaimVerdict.UNCERTAIN]} are within our '
+        f'uncertainty and {counts[ClaimVerdict.UNTESTED]} cannot be tested'
     )
-    left = found[ClaimVerdict.LEFT_OUT]
+    left = counts[ClaimVerdict.LEFT_OUT]
     text += f'; {left} were not measured in this run.' if left else '.'
     undrawn = [str(row.number) for row in rows if is_undrawn(row, stored_rows[row.name])]
     if not undrawn:
@@ -189,12 +189,12 @@ def is_undrawn(row: PaperRow, stored: StoredRow) -> bool:
 
 def build_tiles(rows: Sequence[PaperRow], stored_rows: StoredRows) -> list[Tile]:
     """Return a tile for each verdict, and one for the defects."""
-    found = count_all_verdicts(rows, stored_rows)
-    claims = f'of {sum(found.values()) - found[ClaimVerdict.BEYOND]} claims'
+    counts = count_all_verdicts(rows, stored_rows)
+    claims = f'of {sum(counts.values()) - counts[ClaimVerdict.BEYOND]} claims'
     notes = {ClaimVerdict.BEYOND: 'future work of the paper'}
     tiles = [
         Tile(str(verdict), str(count), '', notes.get(verdict, claims))
-        for verdict, count in found.items()
+        for verdict, count in counts.items()
         if count
     ]
     count = sum(len(row.defects) for row in rows)
@@ -207,7 +207,7 @@ def build_summary_table(rows: Sequence[PaperRow], stored_rows: StoredRows) -> Te
         format_title(row): count_verdicts(judge_claims(row, stored_rows[row.name]).values())
         for row in rows
     }
-    lines = [[name, *map(str, found.values())] for name, found in counts.items()]
+    lines = [[name, *map(str, row_counts.values())] for name, row_counts in counts.items()]
     total = map(str, count_all_verdicts(rows, stored_rows).values())
     lines.append([Emphasis('all'), *map(Emphasis, total)])
     return TextTable('Claims of the paper', ('row', *ClaimVerdict), lines)
@@ -256,7 +256,7 @@ def build_picture(row: PaperRow, stored: StoredPicture) -> Picture:
 
 def build_claim_table(row: PaperRow, stored: StoredRow) -> TextTable:
     """Return one table row per claim."""
-    found = judge_claims(row, stored)
+    verdicts = judge_claims(row, stored)
     lines = []
     for name, claim in row.claims.items():
         value = stored.values.get(claim.measure or '')
@@ -268,20 +268,20 @@ def build_claim_table(row: PaperRow, stored: StoredRow) -> TextTable:
             format_value(row.measures[claim.measure], value) if claim.measure else MISSING,
             MISSING if value is None else str(value.seeds),
             format_draws(row, name, stored),
-            str(found[name]),
+            str(verdicts[name]),
         ])  # fmt: skip
     return TextTable('', CLAIM_HEADS, lines, printed=False, colors=COLORS)
 
 
 def list_claim_findings(row: PaperRow, stored: StoredRow) -> list[str]:
     """Return the claims that do not simply agree: finding, and what would close the gap."""
-    found = judge_claims(row, stored)
+    verdicts = judge_claims(row, stored)
     lines = []
     for name, claim in row.claims.items():
         # Why it cannot be tested, else what was found
         finding = fill_measures_or_blank(claim.untested or claim.finding, row, stored)
         by = fill_measures_or_blank(claim.construction, row, stored)
-        open_ = found[name] in (ClaimVerdict.DIFFERS, ClaimVerdict.UNCERTAIN)
+        open_ = verdicts[name] in (ClaimVerdict.DIFFERS, ClaimVerdict.UNCERTAIN)
         gap = fill_measures_or_blank(claim.gap, row, stored) if open_ else ''
         texts = [finding, f'By construction: {by}' if by else '', f'**{gap}**' if gap else '']
         if any(texts):
@@ -291,8 +291,8 @@ def list_claim_findings(row: PaperRow, stored: StoredRow) -> list[str]:
 
 def fill_measures_or_blank(text: str, row: PaperRow, stored: StoredRow) -> str:
     """Fill in the measures of a text; '' if --quick left one out."""
-    known = find_measure_names(text) <= stored.values.keys()
-    return fill_measures(text, row, stored.values) if known else ''
+    has_values = find_measure_names(text) <= stored.values.keys()
+    return fill_measures(text, row, stored.values) if has_values else ''
 
 
 def build_paper_figure_table(rows: Sequence[PaperRow], stored_rows: StoredRows) -> TextTable:

@@ -77,9 +77,9 @@ def study_row(quick: bool, folder: Path, draws: int | None, name: str) -> Stored
     bags = folder / BAGS / name
     shutil.rmtree(bags, ignore_errors=True)  # recorded by an older version of the code
     count = row.draws.quick if quick else row.draws.full
-    found = STUDIES[name](RowStudyRequest(seeds, quick, bags, count, row.ranges))
-    undeclared = found.values.keys() - row.measures.keys()
-    lacking = row.measures.keys() - found.values.keys()
+    result = STUDIES[name](RowStudyRequest(seeds, quick, bags, count, row.ranges))
+    undeclared = result.values.keys() - row.measures.keys()
+    lacking = row.measures.keys() - result.values.keys()
     # --quick may leave out measures, but no study may add undeclared ones.
     if undeclared or (lacking and not quick):
         names = ', '.join(sorted(undeclared or lacking))
@@ -87,7 +87,7 @@ def study_row(quick: bool, folder: Path, draws: int | None, name: str) -> Stored
             f'The measures computed for {name} and those listed in its file '
             f'config/paper/{name}.yaml differ: {names}. Correct the file or the study.'
         )
-    return build_stored_row(row, found, seeds, time.monotonic() - begun)
+    return build_stored_row(row, result, seeds, time.monotonic() - begun)
 
 
 def reproduce_rows(

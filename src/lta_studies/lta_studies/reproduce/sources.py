@@ -24,12 +24,12 @@ KEPT: Final = 'lta_studies.reproduce.stored_row'  # defines the stored format
 
 def hash_sources(name: str) -> str:
     """Return a hash that changes whenever the results of a row may change."""
-    found = hashlib.sha256()
+    digest = hashlib.sha256()
     for path in iterate_sources(name):
         # Folder and name rather than the full path, which differs between machines
-        found.update(f'{path.parent.name}/{path.name}'.encode())
-        found.update(path.read_bytes())
-    return found.hexdigest()
+        digest.update(f'{path.parent.name}/{path.name}'.encode())
+        digest.update(path.read_bytes())
+    return digest.hexdigest()
 
 
 def iterate_sources(name: str) -> Iterator[Path]:
@@ -46,14 +46,14 @@ def iterate_sources(name: str) -> Iterator[Path]:
 
 def trace_imports(module: str) -> set[Path]:
     """Return the files outside the cores that a module imports, directly or indirectly."""
-    found: set[Path] = set()
+    paths: set[Path] = set()
     todo = [module]
     while todo:
         path = find_module_file(todo.pop())
-        if path is not None and path not in found:
-            found.add(path)
+        if path is not None and path not in paths:
+            paths.add(path)
             todo += parse_imports(path)
-    return found
+    return paths
 
 
 @cache

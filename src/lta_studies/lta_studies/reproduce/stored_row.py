@@ -64,7 +64,7 @@ def summarize_row_draws(
     row: PaperRow, draws: Mapping[str, Sequence[float | str]]
 ) -> dict[str, dict[str, DrawSummary]]:
     """Summarize the draws of each claim, by measure."""
-    found = {
+    summary = {
         name: {
             measure: summarize_draws(claim.rule, claim.value, draws[measure])
             for measure in claim.measures.values()
@@ -72,10 +72,10 @@ def summarize_row_draws(
         }
         for name, claim in row.claims.items()
     }
-    return {name: each for name, each in found.items() if each}
+    return {name: each for name, each in summary.items() if each}
 
 
 def encode_values(values: Mapping[str, MeasuredValue]) -> dict[str, list[Any]]:
     """Convert values to JSON, with NaN as null."""
-    known: dict[str, list[Any]] = replace_nonfinite(values)
-    return known
+    encoded: dict[str, list[Any]] = replace_nonfinite(values)
+    return encoded

@@ -89,8 +89,8 @@ def collect_draws(
     request: RowStudyRequest, measure: Callable[[int], Measures]
 ) -> dict[str, list[float | str]]:
     """Return the measures of all draws; `measure` returns those of one draw by its number."""
-    found = [measure(seed) for seed in request.draw_seeds]
-    return {name: [each[name] for each in found] for name in (found[0] if found else ())}
+    draws = [measure(seed) for seed in request.draw_seeds]
+    return {name: [each[name] for each in draws] for name in (draws[0] if draws else ())}
 
 
 RowStudy = Callable[[RowStudyRequest], RowStudyResult]

@@ -61,13 +61,13 @@ def evaluate_jobs(
     jobs: Sequence[EvaluationJob], workers: Workers[EvaluationJob, ResponseMetrics]
 ) -> list[ResponseMetrics] | ItemFailure:
     """Return the metrics in the order of the jobs, or the first failure of a flight."""
-    found: dict[int, ResponseMetrics] = {}
+    metrics: dict[int, ResponseMetrics] = {}
     for job, outcome in workers.run(jobs):
         if isinstance(outcome, ItemFailure):
             return outcome
         # Jobs come back as the same objects.
-        found[id(job)] = outcome
-    return [found[id(job)] for job in jobs]
+        metrics[id(job)] = outcome
+    return [metrics[id(job)] for job in jobs]
 
 
 def refuse_failure(outcome: Result | ItemFailure) -> Result:

@@ -67,8 +67,8 @@ def find_tolerable_helium_loss(
     vehicle cannot hover.
     """
     scene = TuningScene(vehicle)
-    known = scene.nominal_vehicle
-    most = rotor_lift_loss_limit(known)
+    nominal = scene.nominal_vehicle
+    most = rotor_lift_loss_limit(nominal)
 
     def holds(loss: float) -> bool:
         cases = (TuningCase(loss, seed) for seed in seeds)
@@ -83,14 +83,14 @@ def find_tolerable_helium_loss(
 
     low, high = bracket_limit(holds, most)
     # The permeation of the film is known as a range, hence two durations.
-    least, largest = daily_lift_loss(known.file.hull, known.air_density)
+    least, largest = daily_lift_loss(nominal.file.hull, nominal.air_density)
     lasts = 0.0 if low is None else low
     return HeliumLimit(
         grams=None if low is None else 1e3 * low,
         fails=1e3 * high,
         rotors=1e3 * most,
         # The force limit in kg of lift, less what the vehicle already weighs. [g]
-        demand=1e3 * (gains.climb.limit / STANDARD_GRAVITY - known.heaviness),
+        demand=1e3 * (gains.climb.limit / STANDARD_GRAVITY - nominal.heaviness),
         days=(lasts / largest, lasts / least) if largest > 0.0 else (0.0, 0.0),
     )
 

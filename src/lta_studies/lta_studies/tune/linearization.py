@@ -64,8 +64,12 @@ def linearize_loop(cut: LoopCut, setpoint: Setpoint) -> LinearLoop:
     _, trim = cut.step_controller(state, memory, past, None)
 
     def step_period(x: Array, u: Array) -> tuple[Array, Array]:
-        own, known, before = x[:first], MEMORY.read(x[first:second]), x[second:].reshape(-1, SLOTS)
-        after, demanded = cut.step_controller(own, known, before, WrenchDemand(*u.tolist()))
+        own, stored, before = (
+            x[:first],
+            MEMORY.read(x[first:second]),
+            x[second:].reshape(-1, SLOTS),
+        )
+        after, demanded = cut.step_controller(own, stored, before, WrenchDemand(*u.tolist()))
         # Shift register of the command delay, newest first
         commands = np.vstack([np.array(after.duties), before[:-1]])
         state_after = cut.advance_vehicle(own, commands)

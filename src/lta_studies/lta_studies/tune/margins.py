@@ -99,14 +99,14 @@ def _find_phase_crossings(phase: Array) -> list[tuple[int, float]]:
     """Return the index and fraction of each crossing of -180 degrees modulo 360."""
     # Whole numbers where the phase is -180 degrees modulo 360
     turns = (phase + math.pi) / (2.0 * math.pi)
-    found = []
+    crossings = []
     for k in range(len(turns) - 1):
         a, b = turns[k], turns[k + 1]
         if math.floor(a) != math.floor(b):
             # The whole number between a and b
             whole = max(math.floor(a), math.floor(b))
-            found.append((k, float((whole - a) / (b - a))))
-    return found
+            crossings.append((k, float((whole - a) / (b - a))))
+    return crossings
 
 
 def _find_gain_crossings(size: Array) -> list[tuple[int, float]]:

@@ -73,19 +73,19 @@ def select_parameters(settings: BaseModel, names: Sequence[str] = ()) -> list[Tu
     like gains. Raise `BadInput` if a name is unknown, or a value is not positive and so has no
     logarithm.
     """
-    found = {number.path: number for number in iterate_parameters(settings)}
+    by_path = {number.path: number for number in iterate_parameters(settings)}
     if not names:
-        return [n for n in found.values() if n.value > 0.0 and n.path.endswith(GAINS)]
+        return [n for n in by_path.values() if n.value > 0.0 and n.path.endswith(GAINS)]
     for name in names:
-        if name not in found:
-            raise unknown_name_error('number', name, list(found))
-        if not found[name].value > 0.0:
+        if name not in by_path:
+            raise unknown_name_error('number', name, list(by_path))
+        if not by_path[name].value > 0.0:
             raise BadInput(
-                f'{name} starts at {found[name].value:g}, but the search multiplies it by '
+                f'{name} starts at {by_path[name].value:g}, but the search multiplies it by '
                 'factors and needs a value above 0; set one in the start gains.'
             )
     # Duplicates removed, order kept: the order defines the axes of the search.
-    return [found[name] for name in dict.fromkeys(names)]
+    return [by_path[name] for name in dict.fromkeys(names)]
 
 
 def replace_parameters(settings: Model, values: Mapping[str, float]) -> Model:

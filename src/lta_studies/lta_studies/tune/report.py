@@ -63,20 +63,20 @@ def gain_set_to_json(side: GainSetResult) -> dict[str, object]:
     # A margin is None if the loop never reaches the critical gain or phase
     margins = []
     for each in side.steadiness:
-        found = each.margins
+        numbers = each.margins
         row: dict[str, object] = {
             'loop': each.loop, 'speed': each.speed, 'loss': each.loss, 'stable': each.stable,
             'growth': each.growth, 'swing': each.swing,
         }  # fmt: skip
-        if found is not None:
+        if numbers is not None:
             # Gain in dB, phase in degrees, as in Bode plots
             row |= {
-                'gain': None if found.gain is None else to_decibels(found.gain),
-                'gain_down': None if found.gain_down is None else to_decibels(found.gain_down),
-                'phase': None if found.phase is None else math.degrees(found.phase),
+                'gain': None if numbers.gain is None else to_decibels(numbers.gain),
+                'gain_down': None if numbers.gain_down is None else to_decibels(numbers.gain_down),
+                'phase': None if numbers.phase is None else math.degrees(numbers.phase),
                 # Seconds of additional delay at which the loop becomes unstable
-                'delay': found.delay,
-                'crossover': found.crossover,
+                'delay': numbers.delay,
+                'crossover': numbers.crossover,
             }
         margins.append(row)
     limit = side.limit

@@ -173,15 +173,15 @@ def tune_once(order: TuningRequest, console: Console) -> TuningResult:
             progress.count_item()
 
         evaluate = partial(evaluate_candidate, scene, old, cases, workers)
-        found = search_gains(numbers, evaluate, store, order.budget, order.seed, show_candidate)
+        outcome = search_gains(numbers, evaluate, store, order.budget, order.seed, show_candidate)
         # The rounded gains of the file are also the ones that are compared.
-        best = {path: round_gain(value) for path, value in found.numbers.items()}
+        best = {path: round_gain(value) for path, value in outcome.numbers.items()}
         new = replace_parameters(old, best)
         file = folder / GAINS_NAME
-        write_gains(new, format_gains_comment(order, name, found, len(cases)), file)
-        if found.stopped:
+        write_gains(new, format_gains_comment(order, name, outcome, len(cases)), file)
+        if outcome.stopped:
             progress.show_message(
-                f'{len(found.history)} of {order.budget} candidates were flown; the best gains '
+                f'{len(outcome.history)} of {order.budget} candidates were flown; the best gains '
                 f'so far are in {relative_path(file)}. Repeat the command to resume.'
             )
             # The comparison would take another minute
@@ -195,7 +195,7 @@ def tune_once(order: TuningRequest, console: Console) -> TuningResult:
             for gains, own in zip((old, new), both, strict=True)
         )
     losses = tuple(case.loss for case in cases)
-    return TuningResult(order, name, found, tuple(numbers), before, after, losses, file, folder)
+    return TuningResult(order, name, outcome, tuple(numbers), before, after, losses, file, folder)
 
 
 def evaluate_candidate(

@@ -75,13 +75,15 @@ def compute_loop_margins(
     scene: TuningScene, gains: CascadeGains, losses: Sequence[float], speeds: Sequence[float]
 ) -> list[LoopMargins]:
     """Compute the margins of every loop at each loss of lift [kg] and airspeed [m/s]."""
-    found = []
+    loop_margins = []
     for loss in losses:
         cut = LoopCut(scene.build_true_vehicle(loss), scene.nominal_vehicle, gains)
         for speed in speeds:
             linear = linearize_loop(cut, Setpoint(ALTITUDE, 0.0, speed))
-            found += [compute_margins_or_reason(linear, loop, loss, speed) for loop in PLACES]
-    return found
+            loop_margins += [
+                compute_margins_or_reason(linear, loop, loss, speed) for loop in PLACES
+            ]
+    return loop_margins
 
 
 def compute_margins_or_reason(
@@ -95,11 +97,11 @@ def compute_margins_or_reason(
         why = 'the forward rotors are stopped'
     elif loop == 'altitude' and idle:
         why = 'the vertical rotors are stopped'
-    found = None
+    margins = None
     if not why:
         # Just below the Nyquist frequency, where z = -1 can be a pole [rad/s]
         w = np.geomspace(LOWEST, 0.999 * math.pi / linear.period, POINTS)
-        found = compute_margins(w, frequency_response(linear, loop, w))
+        margins = compute_margins(w, frequency_response(linear, loop, w))
     return LoopMargins(
-        loop, speed, loss, linear.is_stable, linear.growth_rate, linear.swing, found, why
+        loop, speed, loss, linear.is_stable, linear.growth_rate, linear.swing, margins, why
     )

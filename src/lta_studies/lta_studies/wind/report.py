@@ -105,9 +105,9 @@ def build_tiles(results: Sequence[PlatformWindLimits]) -> list[Tile]:
         cause = _find_cause(each)
         why = f'{cause} allows {numbers}' if math.isfinite(each.static) else 'no known limit'
         if each.flown is None:
-            known = math.isfinite(each.static)
-            note = f'static; limited by {cause}' if known else why
-            tiles.append(Tile(each.name, numbers, 'm/s' if known else '', note))
+            is_finite = math.isfinite(each.static)
+            note = f'static; limited by {cause}' if is_finite else why
+            tiles.append(Tile(each.name, numbers, 'm/s' if is_finite else '', note))
         else:
             tiles.append(
                 Tile(each.name, format_flyable_wind(each.flown, False), 'm/s', f'flown; {why}')

@@ -33,9 +33,9 @@ class VehicleFileEntry:
 
 def list_entries(file: VehicleFile) -> list[VehicleFileEntry]:
     """Return all numbers and choices of a vehicle file, in file order."""
-    found = list(_iterate_entries(file, ''))
+    entries = list(_iterate_entries(file, ''))
     # The schema version describes the file format and not the vehicle
-    return [entry for entry in found if entry.place not in ('schema_version',)]
+    return [entry for entry in entries if entry.place not in ('schema_version',)]
 
 
 def list_numbers(file: VehicleFile) -> list[VehicleFileEntry]:

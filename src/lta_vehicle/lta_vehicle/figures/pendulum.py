@@ -91,7 +91,9 @@ def compute_pendulum_mode(vehicle: Vehicle, about: Literal['roll', 'pitch']) -> 
 
 def _strip_damping_moment(parameters: Mapping[str, float], turn: int) -> float:
     """Return the damping moment of frame and panels per squared rate. [N m s2]"""
-    values = tuple(parameters.get(known.name, known.null) for known in strip_damping.PARAMETERS)
+    values = tuple(
+        parameters.get(parameter.name, parameter.null) for parameter in strip_damping.PARAMETERS
+    )
     # Evaluate the effect at a unit rate: its moment is then the coefficient of the squared rate
     rates = (float(turn == 0), float(turn == 1), 0.0)
     still, level = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)

@@ -76,8 +76,8 @@ class Demodulator(GraphNode):
                 self._publish_results(message.header, (), LampDetection())
             return
         settings = self._settings.value
-        found = self._finder.find_lamp(hearing.peaks[0], settings.threshold, settings.prior)
-        self._publish_results(message.header, hearing.peaks, found)
+        lamp = self._finder.find_lamp(hearing.peaks[0], settings.threshold, settings.prior)
+        self._publish_results(message.header, hearing.peaks, lamp)
         self._report_health(hearing)
 
     def _report_health(self, hearing: DemodulatedBlock) -> None:

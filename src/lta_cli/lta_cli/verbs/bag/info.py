@@ -21,8 +21,8 @@ def info(
     time steps, long gaps and topics that cannot be decoded are reported. --json includes the full
     vehicle and scenario files.
     """
-    found = summarize_bag(find_bag(path))
+    summary = summarize_bag(find_bag(path))
     if json:
-        sys.stdout.write(found.to_json() + '\n')
+        sys.stdout.write(summary.to_json() + '\n')
     else:
-        print_bag_info(found, plain_console())
+        print_bag_info(summary, plain_console())

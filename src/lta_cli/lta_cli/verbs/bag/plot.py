@@ -63,17 +63,17 @@ def plot(
     if not patterns:
         print_channel_overview(flight, begin, end, console)
         return
-    found = [
+    channels = [
         unwrap_to_degrees(crop_channel(item, begin, end))
         for item in select_channels(flight, patterns)
     ]
     # First and last time of each channel that has data
-    times = [time for item in found if len(item.time) for time in item.time[[0, -1]]]
+    times = [time for item in channels if len(item.time) for time in item.time[[0, -1]]]
     if not times:
         raise BadInput(
             'The chosen channels have no data between --from and --to; widen that time range.'
         )
-    span, panels = (min(times), max(times)), list(group_by_unit(found))
+    span, panels = (min(times), max(times)), list(group_by_unit(channels))
     # Without files, draw in the terminal
     if png is None and html is None:
         print_channels(panels, span, console)
@@ -93,12 +93,12 @@ def print_channel_overview(
     flight: RecordedFlight, begin: float, end: float, console: Console
 ) -> None:
     """Print all channels, and the topics that could not be decoded."""
-    found = read_all_channels(flight)
+    decoded = read_all_channels(flight)
     channels = [
-        unwrap_to_degrees(crop_channel(item, begin, end)) for item in found.channels.values()
+        unwrap_to_degrees(crop_channel(item, begin, end)) for item in decoded.channels.values()
     ]
     console.print(build_channel_listing(channels, console.width))
-    print_remarks([*found.remarks, *flight.bag.losses], console)
+    print_remarks([*decoded.remarks, *flight.bag.losses], console)
 
 
 def print_remarks(remarks: Sequence[str], console: Console) -> None:

@@ -53,13 +53,13 @@ def recover(
     target = out or place.parent / f'{name}-recovered'
     try:
         with show_progress() as at:
-            found = recover_bag(bag, target, at)
+            recovery = recover_bag(bag, target, at)
     except StorageFault as fault:
         sys.stderr.write(f'{fault}\n')
         # Status 1: the disk failed; bad input (2) is raised as BadInput
         raise typer.Exit(1) from None
     if json:
-        sys.stdout.write(found.to_json() + '\n')
+        sys.stdout.write(recovery.to_json() + '\n')
         return
-    for sentence in found.describe_losses():
+    for sentence in recovery.describe_losses():
         plain_console().print(sentence, highlight=False, markup=False, soft_wrap=True)

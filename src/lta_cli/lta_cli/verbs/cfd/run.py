@@ -111,9 +111,9 @@ def run(
             TunnelProgress(run.console, flows) as bar,
             open_solver(flows, bar, run.options, cache, limit) as crew,
         ):
-            found = solve_sweep(crew, model, flows, AIR, bar.show_message)
+            solved_flows = solve_sweep(crew, model, flows, AIR, bar.show_message)
             sweep = build_sweep(
-                model, file.vehicle, fidelity, AIR, *found, engine=crew.solver_version()
+                model, file.vehicle, fidelity, AIR, *solved_flows, engine=crew.solver_version()
             )
     else:
         sweep = build_sweep(model, file.vehicle, fidelity, AIR, {}, {}, {})
@@ -125,9 +125,9 @@ def run(
 def select_flows(model: TunnelModel, fidelity: str, only: Sequence[str]) -> list[TunnelFlow]:
     """Return the flows of some axes and patterns, or all; raise `BadInput` if one is unknown."""
     # Names of axes and patterns depend on the vehicle, so Typer cannot check them
-    known = [*(flow.about for flow in plan_flows(model, fidelity, AIR)), *INCIDENCES]
-    if strangers := [each for each in only if each not in known]:
-        raise unknown_name_error('axis or pattern', strangers[0], known)
+    names = [*(flow.about for flow in plan_flows(model, fidelity, AIR)), *INCIDENCES]
+    if strangers := [each for each in only if each not in names]:
+        raise unknown_name_error('axis or pattern', strangers[0], names)
     return plan_flows(model, fidelity, AIR, only)
 
 
@@ -136,12 +136,12 @@ def slice_flows(
 ) -> list[FlowSlice]:
     """Return slices through the most informative flows."""
     stages = CaseRunner(folder, FoamPrograms(), lambda *_: None)
-    found: list[FlowSlice] = []
+    slices: list[FlowSlice] = []
     # False sorts before True: the flows of SHOWN come first, in their order
     for flow in sorted(flows, key=lambda each: each.about not in SHOWN):
         there = flow.about in sweep.blows or flow.about in sweep.axes
         # Flows that were solved, up to the number of pictures that a page can hold
-        if there and len(found) < len(SHOWN) and flow.kind in ('wind', 'blow'):
+        if there and len(slices) < len(SHOWN) and flow.kind in ('wind', 'blow'):
             piece = read_flow_slice(model, flow, stages.case_folder(flow.case))
-            found += [piece] if piece is not None else []
-    return found
+            slices += [piece] if piece is not None else []
+    return slices

@@ -84,10 +84,10 @@ def light(
     readings, diodes = read_turn(bag, robot, vehicle, frequency, table, run.console)
     # Angle between the zero of the turntable and that of the board [rad]
     zero = zero_offset(readings)
-    found, blocks = summarize_directions(readings, 'bench', zero if align else 0.0)
+    directions, blocks = summarize_directions(readings, 'bench', zero if align else 0.0)
     fitted = fit_response(readings, diodes, zero, distance)
     return build_report(
-        found, readings, fitted, diodes, {'blocks': blocks, 'zero': zero, 'aligned': align},
+        directions, readings, fitted, diodes, {'blocks': blocks, 'zero': zero, 'aligned': align},
         facts={'bag': str(bag), 'vehicle': vehicle},
         closing=(
             *format_vehicle_lines(fitted, f'measured: turntable, {bag}'),

@@ -126,8 +126,8 @@ def bearing(
     specs = [build_flight_spec(PLACES[name], vehicle, 1) for name in request.places]
     inputs = (poses, seed, turn, off_axis, *(spec.contents for spec in specs))
     study = Study(request.evaluate, str, STORE, 'combinations')
-    found = run.run_study(study, hash_inputs(*inputs), request.list_cases())
-    return build_report(found, request)
+    results = run.run_study(study, hash_inputs(*inputs), request.list_cases())
+    return build_report(results, request)
 
 
 def parse_range(text: str) -> float | None:

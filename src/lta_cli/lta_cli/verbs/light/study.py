@@ -54,5 +54,5 @@ def light_study(
     turned = math.radians(aside)
     study = Study(partial(study_case, vehicle, readings, seed, turned), str, STORE, 'rings')
     inputs = (readings, seed, turned, *(spec.contents for spec in specs))
-    found = run.run_study(study, hash_inputs(*inputs), cases)
-    return build_report(found, vehicle, readings, seed, turned)
+    results = run.run_study(study, hash_inputs(*inputs), cases)
+    return build_report(results, vehicle, readings, seed, turned)

@@ -38,6 +38,6 @@ def plan(
 
     Example: lta tests plan gtmab --room 3
     """
-    known = load_vehicle(vehicle)
-    test_plan = plan_lab_tests(known, vehicle, 'wrench' if wrench else 'rotors', room)
-    return build_plan_report(test_plan, known)
+    loaded_vehicle = load_vehicle(vehicle)
+    test_plan = plan_lab_tests(loaded_vehicle, vehicle, 'wrench' if wrench else 'rotors', room)
+    return build_plan_report(test_plan, loaded_vehicle)

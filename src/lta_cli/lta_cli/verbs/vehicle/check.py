@@ -21,17 +21,17 @@ def check(name: VehicleName, json: Json = False) -> None:
     Example: lta vehicle check my_blimp.yaml
     """
     path = find_file('vehicle', name)
-    found = validate_vehicle_file(path)
+    result = validate_vehicle_file(path)
     if json:
-        print_json({'file': str(path), 'faults': found.faults, 'warnings': found.warnings})
+        print_json({'file': str(path), 'faults': result.faults, 'warnings': result.warnings})
     else:
-        for fault in found.faults:
+        for fault in result.faults:
             # PATH: MESSAGE, the format that editors recognise
             sys.stderr.write(f'{path}: {fault}\n')
         console = plain_console()
-        terminal.show_warnings(found.warnings, console)
-        if not found.faults:
+        terminal.show_warnings(result.warnings, console)
+        if not result.faults:
             console.print(f'{path} is a valid vehicle file.', highlight=False, soft_wrap=True)
     # A faulty file is bad input, status 2
-    if found.faults:
+    if result.faults:
         raise typer.Exit(2)

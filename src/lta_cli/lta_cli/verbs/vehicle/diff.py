@@ -50,11 +50,11 @@ def diff(
         raise BadInput('There is nothing to compare with; give a second vehicle, --set or --swap.')
     # Without a second vehicle, compare the first with its changed self
     second = other or name
-    found = compare_vehicles(
+    difference = compare_vehicles(
         load_vehicle(name), load_vehicle_variant(second, changes or (), swaps or ())
     )
     if json:
-        print_json(encode_difference(found))
+        print_json(encode_difference(difference))
         return
     label = f'{second} changed' if changes or swaps else second
-    terminal.show_difference(found, (name, label), plain_console())
+    terminal.show_difference(difference, (name, label), plain_console())

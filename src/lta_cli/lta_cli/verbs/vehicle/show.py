@@ -61,10 +61,10 @@ def show(
         raise BadInput('--pictures needs the page; give its folder with --out.')
     check_picture_output(pictures)
     console = plain_console(stderr=json)
-    found = load_vehicle(name)
+    vehicle = load_vehicle(name)
     # Only on request, since it takes about ten flights
     held = _find_helium_limit(name, console) if gains else None
-    sheet = build_sheet(found, held)
+    sheet = build_sheet(vehicle, held)
     # Without the note on assumed numbers, which the sheet shows anyway
     noted = find_warnings(sheet)
     report = build_report(sheet, noted, name, sources)

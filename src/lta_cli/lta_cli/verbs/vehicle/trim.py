@@ -41,19 +41,21 @@ def trim(
     # Bags of LTA contain the vehicle file that was flown
     own = parse_provenance_file(VehicleFile, flight.bag.provenance, 'vehicle_file')
     if vehicle is not None:
-        known = load_vehicle(vehicle)
+        loaded_vehicle = load_vehicle(vehicle)
     elif own is not None:
-        known = Vehicle(own)
+        loaded_vehicle = Vehicle(own)
     else:
         raise BadInput(f"'{path}' does not contain a vehicle file; name one with --vehicle.")
-    where, commands, topic = read_flight_record(flight, known)
-    found = estimate_heaviness(known, where, commands)
+    where, commands, topic = read_flight_record(flight, loaded_vehicle)
+    estimate = estimate_heaviness(loaded_vehicle, where, commands)
     # Only simulated flights store a scenario
     simulated = 'scenario_file' in flight.bag.provenance
     if json:
-        facts = {'vehicle': known.file.name, 'poses': topic, 'simulated': simulated}
-        print_json({**facts, **encode_heaviness(found)})
+        facts = {'vehicle': loaded_vehicle.file.name, 'poses': topic, 'simulated': simulated}
+        print_json({**facts, **encode_heaviness(estimate)})
         return
     plain_console().print(
-        describe_heaviness(found, known.file.name, simulated), highlight=False, soft_wrap=True
+        describe_heaviness(estimate, loaded_vehicle.file.name, simulated),
+        highlight=False,
+        soft_wrap=True,
     )

@@ -28,15 +28,15 @@ class TopicMetadata(NamedTuple):
 def parse_topic_metadata(described: Mapping[str, object]) -> list[TopicMetadata]:
     """Return the topics in `rosbag2_bagfile_information`; malformed entries are skipped."""
     listed = described.get('topics_with_message_count')
-    found = []
+    entries = []
     for entry in listed if isinstance(listed, list) else []:
         topic = entry.get('topic_metadata') if isinstance(entry, dict) else None
         if not isinstance(topic, dict):
             continue
         name, type_name, count = topic.get('name'), topic.get('type'), entry.get('message_count')
         if isinstance(name, str) and isinstance(type_name, str):
-            found.append(TopicMetadata(name, type_name, count if isinstance(count, int) else 0))
-    return found
+            entries.append(TopicMetadata(name, type_name, count if isinstance(count, int) else 0))
+    return entries
 
 
 def complete_names(contents: McapContents, metadata_topics: Sequence[TopicMetadata]) -> None:
@@ -48,18 +48,18 @@ def complete_names(contents: McapContents, metadata_topics: Sequence[TopicMetada
     choose_rivals(contents, metadata_topics)
     repair_encodings(contents)
     for channel in contents.channels.values():
-        known = contents.schemas.get(channel.schema_id)
+        schema = contents.schemas.get(channel.schema_id)
         type_name = next(
             (entry.type_name for entry in metadata_topics if entry.topic == channel.topic), ''
         )
-        if known is None and channel.schema_id and type_name:
+        if schema is None and channel.schema_id and type_name:
             contents.schemas[channel.schema_id] = build_ros_schema(channel.schema_id, type_name)
             contents.remarks.append(
                 f"The recording lacks the message definition of '{type_name}'; the standard ROS "
                 'definition is used instead.'
             )
     names = {entry.topic for entry in metadata_topics}
-    odd = {id for id, found in contents.channels.items() if names and found.topic not in names}
+    odd = {id for id, other in contents.channels.items() if names and other.topic not in names}
     for id in sorted(odd | set(contents.counts) - set(contents.channels)):
         name_channel(contents, id, odd, metadata_topics)
 
@@ -89,8 +89,8 @@ def repair_encodings(contents: McapContents) -> None:
             )
             contents.schemas[id] = build_ros_schema(id, schema.name)
     for id, channel in contents.channels.items():
-        known = contents.schemas.get(channel.schema_id)
-        if known and known.encoding in READABLE and channel.message_encoding != 'cdr':
+        definition = contents.schemas.get(channel.schema_id)
+        if definition and definition.encoding in READABLE and channel.message_encoding != 'cdr':
             contents.remarks.append(
                 f"Topic '{channel.topic}' has a ROS type, but declares the encoding "
                 f"'{channel.message_encoding}', which is probably damaged; its messages are "
@@ -112,19 +112,21 @@ def name_channel(
     contents: McapContents, id: int, odd: set[int], metadata_topics: Sequence[TopicMetadata]
 ) -> None:
     """Name one channel by its position in metadata.yaml, otherwise by its number."""
-    known = {i: channel.topic for i, channel in contents.channels.items() if i not in odd}
-    open_names = [entry for entry in metadata_topics if entry.topic not in known.values()]
+    topics_by_id = {i: channel.topic for i, channel in contents.channels.items() if i not in odd}
+    open_names = [entry for entry in metadata_topics if entry.topic not in topics_by_id.values()]
     in_order = all(
-        metadata_topics[i - 1].topic == known[i] for i in known if 0 < i <= len(metadata_topics)
+        metadata_topics[i - 1].topic == topics_by_id[i]
+        for i in topics_by_id
+        if 0 < i <= len(metadata_topics)
     )
-    unnamed = len(set(contents.counts) - set(known))
-    found = None
+    unnamed = len(set(contents.counts) - set(topics_by_id))
+    match = None
     # If the known channels are numbered as in metadata.yaml, so are the others.
     if in_order and 0 < id <= len(metadata_topics) and metadata_topics[id - 1] in open_names:
-        found = metadata_topics[id - 1]
+        match = metadata_topics[id - 1]
     elif len(open_names) == unnamed == 1:
-        found = open_names[0]
-    if found is None:
+        match = open_names[0]
+    if match is None:
         if id not in contents.channels:
             contents.channels[id] = Channel(id, NAMELESS.format(id), 'cdr', {}, 0)
             contents.remarks.append(
@@ -133,14 +135,14 @@ def name_channel(
             )
         return
     odd.discard(id)
-    schema = next((s for s in contents.schemas.values() if s.name == found.type_name), None)
+    schema = next((s for s in contents.schemas.values() if s.name == match.type_name), None)
     if schema is None:
-        schema = build_ros_schema(max(contents.schemas, default=0) + 1, found.type_name)
+        schema = build_ros_schema(max(contents.schemas, default=0) + 1, match.type_name)
         contents.schemas[schema.id] = schema
-    contents.channels[id] = Channel(id, found.topic, 'cdr', {}, schema.id)
+    contents.channels[id] = Channel(id, match.topic, 'cdr', {}, schema.id)
     contents.remarks.append(
         f'The topic name of channel {id} is missing or damaged in the recording; it is taken from '
-        f"metadata.yaml: '{found.topic}'."
+        f"metadata.yaml: '{match.topic}'."
     )
 
 

@@ -151,22 +151,22 @@ class RecordProber:
         self._chunked |= opcode == Opcode.CHUNK
         self._doubt = self._chunked
         reason = self.reason
-        found = self._find_overrun_chunk(at) or self._find_valid_record(
+        resume = self._find_overrun_chunk(at) or self._find_valid_record(
             at, end if framed else self._size
         )
         self.reason = reason
-        return found or ((end, False) if framed else None)
+        return resume or ((end, False) if framed else None)
 
     def _find_overrun_chunk(self, at: int) -> tuple[int, bool] | None:
         """Return the chunk that starts inside the last records, which were misread."""
         if not self.before:
             return None
-        found = self._find_valid_record(self.before[0], at, only_chunks=True)
-        while self.before and (found is None or self.before[-1] >= found[0]):
+        chunk = self._find_valid_record(self.before[0], at, only_chunks=True)
+        while self.before and (chunk is None or self.before[-1] >= chunk[0]):
             self.before.pop()  # the remaining ones precede the chunk
-        while found is not None and len(self.before) > 1:
+        while chunk is not None and len(self.before) > 1:
             self.before.popleft()  # only the last one overlaps it
-        return found
+        return chunk
 
     def _find_valid_record(
         self, start: int, stop: int, only_chunks: bool = False

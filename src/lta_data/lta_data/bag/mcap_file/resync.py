@@ -80,7 +80,7 @@ def find_chunk_heads(window: NDArray[np.uint8], count: int, left: int) -> NDArra
     length = read_field(window, count, 1, '<u8')
     size = read_field(window, count, RECORD.size + 16, '<u8')
     name_length = read_field(window, count, RECORD.size + HEAD.size - 4, '<u4')
-    found = np.zeros(count, np.bool_)
+    is_head = np.zeros(count, np.bool_)
     for kind in KINDS:
         name_at = RECORD.size + HEAD.size
         inside = HEAD.size + len(kind) + 8
@@ -93,9 +93,9 @@ def find_chunk_heads(window: NDArray[np.uint8], count: int, left: int) -> NDArra
         facts += (length == packed + np.uint64(inside)) & (packed > 0)
         if kind:
             magic = read_field(window, count, RECORD.size + inside, '<u4') == MAGIC_OF[kind]
-            found |= magic | (facts >= 2) & (packed > 0) & (packed < left)
+            is_head |= magic | (facts >= 2) & (packed > 0) & (packed < left)
         else:
             facts += (size == packed) & (size > 0)
             facts += (length == size + np.uint64(inside)) & (size > 0)
-            found |= (facts >= 2) & (np.minimum(packed, size) < left) & (packed | size > 0)
-    return found
+            is_head |= (facts >= 2) & (np.minimum(packed, size) < left) & (packed | size > 0)
+    return is_head

@@ -84,10 +84,10 @@ class MessageIntervals:
         if self.first is None or self.last is None or self.count < 3:
             return []
         whole, others = self.last - self.first, self.count - 2
-        found = sorted(self.silences, key=lambda silence: silence[0] - silence[1])
+        longest = sorted(self.silences, key=lambda silence: silence[0] - silence[1])
         return [
             (start, end)
-            for start, end in found
+            for start, end in longest
             if (end - start) * others > MANY_STEPS * (whole - (end - start))
         ]
 
@@ -110,12 +110,13 @@ def iterate_index_entries(region: bytes) -> Iterator[tuple[int, NDArray[np.void]
 
 def read_ordered_times(region: bytes) -> tuple[NDArray[np.uint64], NDArray[np.uint16]]:
     """Return times and channels of a chunk's messages in file order; arrays of shape (n,)."""
-    found = list(iterate_index_entries(region))
-    if not found:
+    entries = list(iterate_index_entries(region))
+    if not entries:
         return np.empty(0, np.uint64), np.empty(0, np.uint16)
-    listed = np.concatenate([listed for _, listed in found])
+    listed = np.concatenate([listed for _, listed in entries])
     channels = np.repeat(
-        np.array([channel for channel, _ in found], np.uint16), [len(some) for _, some in found]
+        np.array([channel for channel, _ in entries], np.uint16),
+        [len(some) for _, some in entries],
     )
     order = np.argsort(listed['offset'], kind='stable')
     return listed['time'][order], channels[order]

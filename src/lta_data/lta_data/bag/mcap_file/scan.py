@@ -53,8 +53,8 @@ class McapScanner:
         """Scan the file to its end."""
         at, chunk, finished = len(MAGIC), False, False
         while at + RECORD.size <= self._size and not finished:
-            found = self._prober.read_record(at, chunk)
-            if found is None:
+            record = self._prober.read_record(at, chunk)
+            if record is None:
                 following = self._prober.find_resume_offset(at)
                 if following is None:
                     break
@@ -62,10 +62,10 @@ class McapScanner:
                 self._prober.before.clear()
                 at, chunk = following
             else:
-                self._add_record(at, found)
-                self._prober.accept_record(at, found)
-                at, chunk = found.end, False
-                finished = found.opcode == Opcode.FOOTER
+                self._add_record(at, record)
+                self._prober.accept_record(at, record)
+                at, chunk = record.end, False
+                finished = record.opcode == Opcode.FOOTER
         self._flush_pending()
         if not finished or self._read(at, len(MAGIC)) != MAGIC:
             self._note_truncation(at)
@@ -111,8 +111,8 @@ class McapScanner:
         if first is not None and last is not None:
             contents.extend_time_span(first, last)
         contents.rhythm.add_times(np.array(times, np.uint64), np.array(channels, np.uint16))
-        known = frozenset(channels)
-        contents.places.append(MessageRegion(at, chunk.end - at, True, known, first, last))
+        channel_ids = frozenset(channels)
+        contents.places.append(MessageRegion(at, chunk.end - at, True, channel_ids, first, last))
 
     def _add_message(self, at: int, record: ValidRecord) -> None:
         """Add a message outside chunks to the region of its neighbours."""

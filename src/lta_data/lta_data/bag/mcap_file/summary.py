@@ -125,10 +125,10 @@ def parse_chunk_region(body: bytes) -> MessageRegion:
 def covers_all_messages(contents: McapContents, statistics: Statistics, data_end: int) -> bool:
     """Return whether the summary leads to every counted message exactly once."""
     after = len(MAGIC)
-    for found in sorted(contents.places, key=lambda place: place.offset):
-        if found.offset < after:
+    for region in sorted(contents.places, key=lambda place: place.offset):
+        if region.offset < after:
             return False
-        after = found.offset + found.length
+        after = region.offset + region.length
     return (
         after <= data_end
         and all(c.schema_id in contents.schemas for c in contents.channels.values() if c.schema_id)

@@ -41,20 +41,20 @@ def parse_definition(text: str, type_name: str, encoding: str) -> Typesdict:
     if len(text) > DEFINITION_BYTES:
         raise TypesysError(f'it is longer than {DEFINITION_BYTES} bytes')
     if encoding == 'ros2idl':
-        found = get_types_from_idl(text)
+        types = get_types_from_idl(text)
     else:
-        found = get_types_from_msg(text, type_name)
+        types = get_types_from_msg(text, type_name)
     count = sum(
         count_unrolled_elements(described)
-        for _, fields in found.values()
+        for _, fields in types.values()
         for _, described in fields
     )
     if count > ARRAY_PARTS:
         raise TypesysError(f'its arrays have {count} elements, more than {ARRAY_PARTS}')
     behind: set[str] = set()
-    for name in found:
-        check_nested_types(name, found, (), behind)
-    return found
+    for name in types:
+        check_nested_types(name, types, (), behind)
+    return types
 
 
 def check_nested_types(

@@ -43,20 +43,20 @@ SIGNED: Final = tuple(product(permutations(range(3)), product((1.0, -1.0), repea
 
 def find_axis_errors(evidence: CheckContext) -> CheckVerdict:
     """Find flipped and swapped axes, wrong frames and wrong quaternion orders."""
-    found: list[QualityFinding] = []
+    findings: list[QualityFinding] = []
     by_name = {pose.attitude.name: pose for pose in evidence.poses if pose.attitude is not None}
     by_place = {pose.position.name: pose for pose in evidence.poses if pose.position is not None}
     for pair, alike in evidence.pair_similarities:
         if alike is None or alike.axes_agree:
             continue
         pose = by_name.get(pair.made) or by_place.get(pair.made)
-        found += explain_mismatch(pair, alike, pose, evidence.limits)
+        findings += explain_mismatch(pair, alike, pose, evidence.limits)
     for pose in evidence.poses:
-        found += find_lying_attitude(pose, evidence.limits)
+        findings += find_lying_attitude(pose, evidence.limits)
     for sensor in evidence.inertials:
         if sensor.force is not None:
-            found += find_misaligned_gravity(sensor.force, evidence.limits)
-    return CheckVerdict(select_first_findings(found))
+            findings += find_misaligned_gravity(sensor.force, evidence.limits)
+    return CheckVerdict(select_first_findings(findings))
 
 
 def mean_axis_match(alike: PairSimilarity) -> float:
@@ -130,8 +130,8 @@ def score_pose_readings(
                 pair_rates(rates, other, limits), attitude.name, words, limits
             )
         elif pose.position is not None:
-            found = pair_velocity(pose.position, other, rates, limits)
-            yield from score_reading(found, attitude.name, words, limits)
+            velocity_pair = pair_velocity(pose.position, other, rates, limits)
+            yield from score_reading(velocity_pair, attitude.name, words, limits)
     if pair.what != 'velocity' or pose.position is None:
         return
     # The identity attitude leaves the velocity in the map frame

@@ -28,15 +28,15 @@ UNKNOWN_TOP = (
 
 def find_clipping(evidence: CheckContext) -> CheckVerdict:
     """Find accumulations at extremes, and ADC blocks at the limits of the ADC."""
-    found: list[QualityFinding] = []
+    findings: list[QualityFinding] = []
     for channel in evidence.recording.channels.values():
         if roles.match_noisy_quantity(channel):
-            found += find_pileups(channel, evidence.limits, evidence.recording.is_simulated)
+            findings += find_pileups(channel, evidence.limits, evidence.recording.is_simulated)
         elif channel.topic == ADC and channel.field.startswith(('min[', 'max[')):
-            found += find_railed_blocks(channel, evidence)
+            findings += find_railed_blocks(channel, evidence)
     lit = any(channel.topic == ADC for channel in evidence.recording.channels.values())
     return CheckVerdict(
-        tuple(found), (UNKNOWN_TOP,) if lit and evidence.adc_full_scale is None else ()
+        tuple(findings), (UNKNOWN_TOP,) if lit and evidence.adc_full_scale is None else ()
     )
 
 

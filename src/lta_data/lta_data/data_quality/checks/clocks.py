@@ -47,7 +47,7 @@ class PairLag(NamedTuple):
 
 def find_clock_errors(evidence: CheckContext) -> CheckVerdict:
     """Find channels that are late or early relative to others."""
-    found: list[QualityFinding] = []
+    findings: list[QualityFinding] = []
     unjudged: list[str] = []
     turning = {
         pair.told.split('/')[0] for pair, _ in evidence.pair_similarities if pair.what == 'rates'
@@ -61,8 +61,8 @@ def find_clock_errors(evidence: CheckContext) -> CheckVerdict:
                 'motion to compare it with.'
             )
         else:
-            found += find_lag(pair, alike, evidence.limits)
-    return CheckVerdict(tuple(found), tuple(unjudged))
+            findings += find_lag(pair, alike, evidence.limits)
+    return CheckVerdict(tuple(findings), tuple(unjudged))
 
 
 def find_lag(
@@ -71,20 +71,22 @@ def find_lag(
     """Yield the lag of a pair, or its drift, if significant."""
     if not alike.quick_at_lag.any():
         return
-    found = estimate_pair_lag(pair, alike)
+    estimate = estimate_pair_lag(pair, alike)
     begin, end = pair.span
     steady, drifting = (
-        drift_corrected_correlation(pair, found.lag, 0.0),
-        drift_corrected_correlation(pair, *found.line),
+        drift_corrected_correlation(pair, estimate.lag, 0.0),
+        drift_corrected_correlation(pair, *estimate.line),
     )
-    wanders = abs(found.drift) > limits.clock_offset + limits.clock_sigmas * found.drift_error
+    wanders = (
+        abs(estimate.drift) > limits.clock_offset + limits.clock_sigmas * estimate.drift_error
+    )
     if wanders and drifting > limits.agree and is_clear_gain(steady, drifting, limits):
         yield QualityFinding(
             KIND, pair.told, begin, end,
-            f'The time stamps drift by {found.drift:.3f} s +- {found.drift_error:.3f} s '
+            f'The time stamps drift by {estimate.drift:.3f} s +- {estimate.drift_error:.3f} s '
             f"relative to '{pair.made}' from start to end: without this drift the two would "
             f'have a correlation of {drifting:.2f} instead of {steady:.2f}.',
-            Severity.SUSPICIOUS, {'drift': found.drift, 'error': found.drift_error},
+            Severity.SUSPICIOUS, {'drift': estimate.drift, 'error': estimate.drift_error},
         )  # fmt: skip
         return
     # A large drift blurs the total correlation, so the lag above may be meaningless
@@ -102,18 +104,18 @@ def find_lag(
     own, zero = np.abs(alike.quick_at_lag), np.abs(alike.quick_at_zero)
     best = own >= min(limits.agree, float(own.max()))  # ignore axes with poor correlation
     peak = float(own[best].mean())
-    clear = abs(found.lag) > limits.clock_offset + limits.clock_sigmas * found.error
+    clear = abs(estimate.lag) > limits.clock_offset + limits.clock_sigmas * estimate.error
     # Swapped axes would give a meaningless lag.
     if clear and alike.axes_agree and peak > limits.agree and is_clear_gain(
         float(zero[best].mean()), peak, limits
     ):  # fmt: skip
-        word = 'late' if found.lag > 0 else 'early'
+        word = 'late' if estimate.lag > 0 else 'early'
         yield QualityFinding(
             KIND, pair.told, begin, end,
-            f'The data are {abs(found.lag):.3f} s +- {found.error:.3f} s {word} relative to '
+            f'The data are {abs(estimate.lag):.3f} s +- {estimate.error:.3f} s {word} relative to '
             f"'{pair.made}' (correlation {zero[best].mean():.2f} as recorded, {peak:.2f} after "
             'correction).',
-            Severity.SUSPICIOUS, {'lag': found.lag, 'error': found.error},
+            Severity.SUSPICIOUS, {'lag': estimate.lag, 'error': estimate.error},
         )  # fmt: skip
 
 

@@ -18,7 +18,7 @@ def find_constant_channels(evidence: CheckContext) -> CheckVerdict:
     for channel in evidence.recording.channels.values():
         if should_vary(channel) and np.isfinite(channel.values).sum() >= limits.least_samples:
             groups[roles.vector_name(channel.name)].append(channel)
-    found: list[QualityFinding] = []
+    findings: list[QualityFinding] = []
     for name, group in groups.items():
         still = [channel for channel in group if is_constant(channel)]
         # In a simulated truth, zero components and entirely constant vectors are legitimate.
@@ -32,10 +32,10 @@ def find_constant_channels(evidence: CheckContext) -> CheckVerdict:
         if len(still) == len(group) > 1 and all(
             first_finite_value(channel) == 0.0 for channel in still
         ):
-            found.append(build_unfilled_finding(name, still[0]))
+            findings.append(build_unfilled_finding(name, still[0]))
         else:
-            found += [build_constant_finding(channel) for channel in still]
-    return CheckVerdict(tuple(found))
+            findings += [build_constant_finding(channel) for channel in still]
+    return CheckVerdict(tuple(findings))
 
 
 def should_vary(channel: SignalChannel) -> bool:

@@ -21,13 +21,13 @@ ULPS = 256  # least range of a stretch, in steps of single precision
 
 def find_duplication(evidence: CheckContext) -> CheckVerdict:
     """Find repeated stretches in noisy channels."""
-    found = [
+    findings = [
         finding
         for channel in evidence.recording.channels.values()
         if roles.match_noisy_quantity(channel)
         for finding in find_repeats(channel, evidence.limits)
     ]
-    return CheckVerdict(tuple(found))
+    return CheckVerdict(tuple(findings))
 
 
 def hash_windows(values: NDArray[np.float64], length: int) -> NDArray[np.uint64]:

@@ -29,13 +29,13 @@ USUAL = 90.0  # percentile of the run lengths that counts as regular
 def find_freezes(evidence: CheckContext) -> CheckVerdict:
     """Find freezes in noisy channels."""
     limits = evidence.limits
-    found = [
+    findings = [
         finding
         for channel in evidence.recording.channels.values()
         if roles.match_noisy_quantity(channel) and len(channel.values) >= limits.least_samples
         for finding in find_channel_freezes(channel, limits, evidence.recording.is_simulated)
     ]
-    return CheckVerdict(tuple(found))
+    return CheckVerdict(tuple(findings))
 
 
 def find_channel_freezes(
@@ -49,10 +49,10 @@ def find_channel_freezes(
         equal = np.diff(values) == 0.0
     if simulated:  # exactly constant until take-off
         equal[: find_initial_run_end(equal)] = False
-    found = find_runs(equal)
-    lengths = found[:, 1] - found[:, 0]
+    runs = find_runs(equal)
+    lengths = runs[:, 1] - runs[:, 0]
     low, high = np.nanmin(values), np.nanmax(values)
-    for (begin, end), length in zip(found.tolist(), lengths.tolist(), strict=True):
+    for (begin, end), length in zip(runs.tolist(), lengths.tolist(), strict=True):
         held = values[begin]
         # A run at an extreme is clipping, which another check reports
         piled = held in {low, high} and not ends_with_jump(values, end)
@@ -63,7 +63,7 @@ def find_channel_freezes(
         )
         if piled or rests or length + 1 < limits.frozen_samples:
             continue
-        others = np.delete(lengths, np.flatnonzero(found[:, 0] == begin))
+        others = np.delete(lengths, np.flatnonzero(runs[:, 0] == begin))
         # Sample-and-hold data have long runs all the time.
         usual = np.percentile(others, USUAL) if len(others) else 0.0
         # Share of equal neighbours outside this run: how often the sensor repeats a value anyway
@@ -81,8 +81,8 @@ def find_channel_freezes(
 
 def find_initial_run_end(equal: NDArray[np.bool_]) -> int:
     """Return the end of a run at the beginning; 0 without one."""
-    found = find_runs(equal)
-    return int(found[0, 1]) if len(found) and found[0, 0] <= START else 0
+    runs = find_runs(equal)
+    return int(runs[0, 1]) if len(runs) and runs[0, 0] <= START else 0
 
 
 def ends_with_jump(values: NDArray[np.float64], end: int) -> bool:

@@ -59,7 +59,7 @@ class TremorLevels(NamedTuple):
 def find_hand_motion(evidence: CheckContext) -> CheckVerdict:
     """Find stretches in which a hand held the vehicle."""
     limits = evidence.limits
-    found: list[QualityFinding] = []
+    findings: list[QualityFinding] = []
     unjudged: list[str] = []
     sources = [sensor.force for sensor in evidence.inertials if sensor.force is not None]
     places = [
@@ -68,10 +68,10 @@ def find_hand_motion(evidence: CheckContext) -> CheckVerdict:
     count = 0
     for force in sources:
         count += bool(is_sampled_fast_enough(force))
-        found += find_tremor(force, force.values, limits)
+        findings += find_tremor(force, force.values, limits)
     for place in places:
         count += bool(is_sampled_fast_enough(place))
-        found += find_tremor(place, compute_acceleration(place), limits)
+        findings += find_tremor(place, compute_acceleration(place), limits)
     idle = find_idle_times(evidence.recording, limits)
     if idle is None:
         unjudged.append(
@@ -79,13 +79,13 @@ def find_hand_motion(evidence: CheckContext) -> CheckVerdict:
         )
     else:
         for place in places:
-            found += find_idle_motion(place, *idle, limits)
+            findings += find_idle_motion(place, *idle, limits)
     if not count:
         unjudged.append(
             'Whether a hand held the vehicle cannot be judged: no channel is sampled fast enough '
             'to show tremor at up to 12 Hz.'
         )
-    return CheckVerdict(tuple(found), tuple(unjudged))
+    return CheckVerdict(tuple(findings), tuple(unjudged))
 
 
 def is_sampled_fast_enough(vector: VectorSeries) -> bool:
@@ -103,7 +103,7 @@ def measure_tremor(vector: VectorSeries, values: Array, limits: QualityLimits) -
     """Return the RMS in the bands, by windows on an even grid."""
     step = median_period(vector.time)
     grid = build_uniform_time_grid(vector.time[0], vector.time[-1], step, len(vector.time))
-    table, known = interpolate_on_grid(vector.time, values, grid)
+    table, valid = interpolate_on_grid(vector.time, values, grid)
     count = round(limits.hold_window / step)
     starts = np.arange(0, len(grid) - count + 1, max(1, count // HOP))
     # Shape (windows, count)
@@ -115,7 +115,7 @@ def measure_tremor(vector: VectorSeries, values: Array, limits: QualityLimits) -
     power = np.abs(np.fft.rfft(pieces * shape[None, :, None], axis=1)) ** 2
     power = power.sum(axis=2) / (shape**2).sum() / count * 2.0  # of each frequency bin [m2/s4]
     lines = np.fft.rfftfreq(count, step)
-    whole = known[index].all(axis=1)
+    whole = valid[index].all(axis=1)
 
     def level(low: float, high: float) -> Array:
         # Near the Nyquist frequency, interpolation has removed the power
@@ -195,14 +195,14 @@ def find_idle_motion(
         return
     # A tracker that loses a marker moves nothing
     good = ~find_tracker_jumps(place.time, place.values)
-    table, known = interpolate_on_grid(place.time[good], place.values[good], grid)
+    table, valid = interpolate_on_grid(place.time[good], place.values[good], grid)
     calm = smooth_columns(table, hann_kernel(WIDE, step))
     speed = np.gradient(calm, step, axis=0)
     pull = np.linalg.norm(np.gradient(speed, step, axis=0), axis=1)
     fast = np.linalg.norm(speed, axis=1)
     for begin, end in find_runs(idle).tolist():
         first, last = float(time[begin]) + CALM, float(time[end - 1])
-        inside = known & (grid >= first) & (grid <= last)
+        inside = valid & (grid >= first) & (grid <= last)
         if inside.sum() * step < limits.hold_window:
             continue
         moved = inside & (fast > limits.carried_speed) & (pull > 0.0)

@@ -23,20 +23,22 @@ QUIET = 25  # samples per block in the search for rest
 def find_impossible_values(evidence: CheckContext) -> CheckVerdict:
     """Find values outside the possible range of their quantity."""
     channels, limits = evidence.recording.channels, evidence.limits
-    found: list[QualityFinding] = []
+    findings: list[QualityFinding] = []
     ranges = (*RANGES, *build_light_ranges(evidence.adc_full_scale))
     for channel in channels.values():
-        found += find_out_of_range(channel, ranges)
-        found += find_non_numbers(channel)
+        findings += find_out_of_range(channel, ranges)
+        findings += find_non_numbers(channel)
         if channel.name == 'battery/voltage':
-            found += find_impossible_voltages(channel)
+            findings += find_impossible_voltages(channel)
     for topic in dict.fromkeys(channel.topic for channel in channels.values()):
-        found += find_unnormalized_quaternions([c for c in channels.values() if c.topic == topic])
+        findings += find_unnormalized_quaternions(
+            [c for c in channels.values() if c.topic == topic]
+        )
     for pose in evidence.poses:
-        found += find_position_jumps(pose, limits)
+        findings += find_position_jumps(pose, limits)
     for sensor in evidence.inertials:
-        found += find_missing_gravity(sensor, limits)
-    return CheckVerdict(tuple(found))
+        findings += find_missing_gravity(sensor, limits)
+    return CheckVerdict(tuple(findings))
 
 
 def build_stretch_findings(
@@ -56,14 +58,14 @@ def find_out_of_range(
     channel: SignalChannel, ranges: Sequence[ValidRange]
 ) -> Iterator[QualityFinding]:
     """Yield values outside the range of their quantity."""
-    for known in ranges:
-        if known.names.search(channel.name):
+    for limits in ranges:
+        if limits.names.search(channel.name):
             values = channel.values
             finite = np.isfinite(values)
-            bad = finite & ((values < known.low) | (values > known.high))
+            bad = finite & ((values < limits.low) | (values > limits.high))
             if bad.any():
                 worst = values[bad][np.argmax(np.abs(values[bad]))]  # with its sign
-                text = f'the most extreme is {worst:.6g} {channel.unit}, but {known.reason}'
+                text = f'the most extreme is {worst:.6g} {channel.unit}, but {limits.reason}'
                 yield from build_stretch_findings(channel.name, channel.time, bad, text)
 
 
@@ -100,11 +102,11 @@ def find_unnormalized_quaternions(channels: list[SignalChannel]) -> Iterator[Qua
         match = roles.QUATERNION.match(channel.field)
         if match is not None:
             parts.setdefault(match[1], {})[match[2]] = channel
-    for path, found in parts.items():
-        if len(found) != 4:
+    for path, channels_by_part in parts.items():
+        if len(channels_by_part) != 4:
             continue
-        topic, time = found['w'].topic, found['w'].time
-        length = np.sqrt(sum(found[part].values ** 2 for part in 'xyzw'))
+        topic, time = channels_by_part['w'].topic, channels_by_part['w'].time
+        length = np.sqrt(sum(channels_by_part[part].values ** 2 for part in 'xyzw'))
         bad = np.isfinite(length) & (np.abs(length - 1.0) > UNIT_LENGTH)
         # Many senders leave the attitude unset: a note only
         if bad.all() and not length.any():

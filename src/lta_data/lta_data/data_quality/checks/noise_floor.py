@@ -42,20 +42,22 @@ def find_missing_noise(evidence: CheckContext) -> CheckVerdict:
         what = roles.match_noisy_quantity(channel)
         if what is not None:
             groups[what, roles.vector_name(channel.name)].append(channel)
-    found, unjudged = [], []
+    findings, unjudged = [], []
     for (what, name), group in groups.items():
         levels = [channel_noise(channel) for channel in group]
         # Zero noise is a constant channel, which another check reports.
-        known = np.array([level for level in levels if level is not None and level > 0.0])
-        if len(known) == 0:
+        positive = np.array([level for level in levels if level is not None and level > 0.0])
+        if len(positive) == 0:
             unjudged.append(
                 f"The noise of '{name}' cannot be judged: it has fewer than {2 * WINDOW} values."
             )
             continue
         least = getattr(evidence.limits, LEVELS[what])
-        if np.mean(known < least) >= SHARE and (known < least).sum() >= min(2, len(group)):
-            found.append(build_smoothness_finding(name, group[0], float(np.median(known)), least))
-    return CheckVerdict(tuple(found), tuple(unjudged))
+        if np.mean(positive < least) >= SHARE and (positive < least).sum() >= min(2, len(group)):
+            findings.append(
+                build_smoothness_finding(name, group[0], float(np.median(positive)), least)
+            )
+    return CheckVerdict(tuple(findings), tuple(unjudged))
 
 
 def channel_noise(channel: SignalChannel) -> float | None:

@@ -54,16 +54,16 @@ TILT: Final = 0.5  # cosine of lean and acceleration that tells up from down
 
 def find_rereadings(evidence: CheckContext) -> list[QualityFinding]:
     """Return findings of wrong units of time, length and angle, and of z upside down."""
-    found = [*_find_wrong_times(evidence)]
+    findings = [*_find_wrong_times(evidence)]
     # Nothing else can be judged with wrong times
-    if found:
-        return found
+    if findings:
+        return findings
     for pose in evidence.poses:
         lengths = [*_find_wrong_length(pose)]
-        found += lengths or [*_find_wrong_angles(pose, evidence)]
+        findings += lengths or [*_find_wrong_angles(pose, evidence)]
         if not lengths:
-            found += _find_wrong_vertical(pose, evidence)
-    return found
+            findings += _find_wrong_vertical(pose, evidence)
+    return findings
 
 
 def _build_finding(

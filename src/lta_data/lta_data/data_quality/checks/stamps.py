@@ -21,19 +21,19 @@ SHOWN = 5  # findings of one kind per topic, at most
 
 def find_stamp_errors(evidence: CheckContext) -> CheckVerdict:
     """Find errors in the times of each topic."""
-    found: list[QualityFinding] = []
+    findings: list[QualityFinding] = []
     first: dict[str, SignalChannel] = {}
     for channel in evidence.recording.channels.values():
         # All channels of a topic have the same times, so check one of them
         first.setdefault(channel.topic, channel)
     for topic, channel in first.items():
         if len(channel.time) >= evidence.limits.least_samples:
-            found += find_backward_stamps(topic, channel.time)
-            found += find_gaps(topic, channel.time, evidence.limits)
+            findings += find_backward_stamps(topic, channel.time)
+            findings += find_gaps(topic, channel.time, evidence.limits)
         arrived = evidence.recording.arrivals.get(topic)
         if arrived is not None and len(arrived) == len(channel.time) > 1:
-            found += find_stamp_jumps(topic, channel.time, arrived, evidence.limits)
-    return CheckVerdict(tuple(found))
+            findings += find_stamp_jumps(topic, channel.time, arrived, evidence.limits)
+    return CheckVerdict(tuple(findings))
 
 
 def find_backward_stamps(topic: str, time: Array) -> Iterator[QualityFinding]:

@@ -89,23 +89,23 @@ SIZES: Final = (
 
 def find_wrong_units(evidence: CheckContext) -> CheckVerdict:
     """Find channels in a wrong unit."""
-    found: list[QualityFinding] = []
+    findings: list[QualityFinding] = []
     for pair, likeness in evidence.pair_similarities:
         if likeness is not None:
-            found += find_unit_by_pair(pair, likeness, evidence.limits)
+            findings += find_unit_by_pair(pair, likeness, evidence.limits)
     for channel in evidence.recording.channels.values():
-        found += find_unit_by_size(channel)
+        findings += find_unit_by_size(channel)
     for sensor in evidence.inertials:
         if sensor.force is not None:
-            found += find_unit_by_gravity(
+            findings += find_unit_by_gravity(
                 sensor.force.name, sensor.force.time, sensor.force.values
             )
     for pose in evidence.poses:
         if pose.position is not None and pose.tracked:
-            found += find_unit_by_speed(
+            findings += find_unit_by_speed(
                 pose.position.name, pose.position.time, pose.position.values, evidence.limits
             )
-    return CheckVerdict(select_first_findings(found), describe_unpaired_rates(evidence))
+    return CheckVerdict(select_first_findings(findings), describe_unpaired_rates(evidence))
 
 
 def describe_unpaired_rates(evidence: CheckContext) -> tuple[str, ...]:

@@ -101,7 +101,7 @@ def load_node_class(process: LaunchProcess) -> type[GraphNode]:
         points = distribution(process.package).entry_points
         (point,) = points.select(group='console_scripts', name=process.executable)
         module = import_module(point.module)
-        (found,) = [
+        (node_class,) = [
             item
             for item in vars(module).values()
             if isinstance(item, type)
@@ -113,7 +113,7 @@ def load_node_class(process: LaunchProcess) -> type[GraphNode]:
             f'{process.package}/{process.executable} is not a node of LTA that can share a '
             'process; remove processes:=one.'
         ) from None
-    return found
+    return node_class
 
 
 def run_nodes(

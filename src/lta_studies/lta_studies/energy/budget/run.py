@@ -66,20 +66,22 @@ def measure_budget(
     named = {task.name: task for task in tasks}
     # Index 1 is the hover, between take-off and flying.
     hovering = average_flight_tasks(other.loads, multirotor)[1]
-    found = explain_hover_power(body, named['hovering'].power, paper.HOVER)
-    return PowerBudget(body.file.name, other.file.name, named, hovering, found, body.loads)
+    causes = explain_hover_power(body, named['hovering'].power, paper.HOVER)
+    return PowerBudget(body.file.name, other.file.name, named, hovering, causes, body.loads)
 
 
 def format_paper_values(task: TaskPower) -> list[str]:
     """Format the paper's values for a task. [mW]"""
     low, high = paper.NAVIGATION
-    known: dict[str, Sequence[float]] = {
+    values_by_task: dict[str, Sequence[float]] = {
         'idle': [paper.IDLE],
         'transmitting': [paper.TRANSMITTING],
         'hovering': [paper.HOVER],
     }
-    found = known.get(task.name, [low, high] if task.name.startswith('navigating') else [])
-    return [f'{1e3 * each:.0f}' for each in found]
+    values = values_by_task.get(
+        task.name, [low, high] if task.name.startswith('navigating') else []
+    )
+    return [f'{1e3 * each:.0f}' for each in values]
 
 
 def to_json(result: PowerBudget) -> dict[str, Any]:

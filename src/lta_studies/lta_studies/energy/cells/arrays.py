@@ -88,17 +88,17 @@ def compute_net_powers(array: CellArray, energy: EnergyBlock, table: CellTable) 
     charger = ChargerModel.from_energy(energy)
     # Motors off: the array charges on the ground.
     idle, sending = compute_ground_loads(energy)
-    found = []
+    powers = []
     for light, efficacy in table.lights.items():
         # lx / (lm/W) = W/m2
         irradiance = table.arrays.illuminance.si / efficacy.si
         factor = cell_spectral_factor(array.cell.name, efficacy.si)
         harvest = array.peak_power(factor * irradiance)
         charged = charger_output(charger, harvest)
-        found.append(
+        powers.append(
             NetPower(light, irradiance, harvest, charged, charged - idle, charged - sending)
         )
-    return found
+    return powers
 
 
 def compute_ground_loads(energy: EnergyBlock) -> tuple[float, float]:

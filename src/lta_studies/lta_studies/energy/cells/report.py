@@ -53,11 +53,13 @@ METHOD: Final = (
 
 def build_report(table: CellTable, energy: EnergyBlock, budget: float) -> Report:
     """Return the report of a cell table; the budget is a mass. [kg]"""
-    found = list_readings(table)
-    paper, fair = zip(*list_front_pairs(found), strict=True)
-    by_area = draw_fronts(found, lambda each: each.charging_time_per_area / SQUARE, 's/cm²', paper)
+    readings = list_readings(table)
+    paper, fair = zip(*list_front_pairs(readings), strict=True)
+    by_area = draw_fronts(
+        readings, lambda each: each.charging_time_per_area / SQUARE, 's/cm²', paper
+    )
     times_area = draw_fronts(
-        found, lambda each: each.charging_time_times_area * SQUARE, 's cm²', fair
+        readings, lambda each: each.charging_time_times_area * SQUARE, 's cm²', fair
     )
     return Report(
         command='cells',

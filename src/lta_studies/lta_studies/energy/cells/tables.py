@@ -62,11 +62,11 @@ def list_front_pairs(
 
 def build_ranking_table(table: CellTable) -> TextTable:
     """Return the table of cells with both criteria and the fronts they are on."""
-    found = list_readings(table)
-    fronts = list_front_pairs(found)
+    readings = list_readings(table)
+    fronts = list_front_pairs(readings)
     heads = ('cell', 'cm²', 'g/cm²', 's', 'sheet', 's/cm²', 's cm²', 'g s', 'front')
     rows = []
-    for each in found:
+    for each in readings:
         on = [
             word
             for place, word in enumerate(FRONTS)
@@ -77,7 +77,7 @@ def build_ranking_table(table: CellTable) -> TextTable:
             format_number(each.cell.area, 1, SQUARE),
             format_number(each.areal_mass, 3, GRAMS / SQUARE),
             format_number(each.row.charge.si, 1),
-            format_number(datasheet_charging_time(each, found), 1),
+            format_number(datasheet_charging_time(each, readings), 1),
             format_number(each.charging_time_per_area, 3, 1.0 / SQUARE),
             format_number(each.charging_time_times_area, 0, SQUARE),
             format_number(each.charging_time_times_mass, 0, GRAMS),
@@ -150,12 +150,12 @@ def build_mass_budget_table(table: CellTable, energy: EnergyBlock, budget: float
             # Mass, area and rated power, and one column per light
             rows.append([f'{cell.name}: too heavy', *[MISSING] * (3 + len(lights))])
             continue
-        found = compute_net_powers(array, energy, table)
+        powers = compute_net_powers(array, energy, table)
         rated = array.panel_count * cell.rated_power
         rows.append([
             format_array(array), format_number(array.mass, 1, GRAMS),
             format_number(array.area, 0, SQUARE), format_number(rated, 2),
-            *(format_number(net.standby, 1, 1e3) for net in found),
+            *(format_number(net.standby, 1, 1e3) for net in powers),
         ])  # fmt: skip
     klux = table.arrays.illuminance.si / 1e3
     heading = f'Arrays within {GRAMS * budget:g} g: net power in stand-by at {klux:g} klx, in mW'
@@ -169,7 +169,7 @@ def list_cells(table: CellTable) -> list[CellFile]:
 
 def to_json(table: CellTable, energy: EnergyBlock, budget: float) -> dict[str, Any]:
     """Convert the comparison to JSON, in SI units."""
-    found = list_readings(table)
+    readings = list_readings(table)
     return {
         'cells': {
             each.cell.name: {
@@ -178,14 +178,14 @@ def to_json(table: CellTable, energy: EnergyBlock, budget: float) -> dict[str, A
                 'charge_times_area': each.charging_time_times_area,
                 'charge_times_mass': each.charging_time_times_mass,
             }
-            for each in found
+            for each in readings
         },
         'fronts': [
             {
                 name: [each.cell.name for each in front]
                 for name, front in zip(FRONTS, pair, strict=True)
             }
-            for pair in list_front_pairs(found)
+            for pair in list_front_pairs(readings)
         ],
         'arrays': [
             {'cell': array.cell.name, 'series': array.series, 'parallel': array.parallel,

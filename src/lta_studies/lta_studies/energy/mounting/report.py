@@ -188,11 +188,11 @@ def draw_light_shares(study: MountingStudy) -> Figure:
     """Plot the shares of light as bars: in series full, separately pale behind."""
     figure = create_figure()
     names = [light.name for light in LIGHTS]
-    for colour, (mount, found) in zip(COLOURS, study.light.items(), strict=False):
+    for colour, (mount, shares) in zip(COLOURS, study.light.items(), strict=False):
         for key, opacity in (('apart', 0.35), ('series', 1.0)):
             figure.add_trace(
                 Bar(
-                    x=names, y=[100.0 * getattr(found[name], key) for name in names],
+                    x=names, y=[100.0 * getattr(shares[name], key) for name in names],
                     name=mount, offsetgroup=mount, opacity=opacity,
                     marker={'color': colour}, showlegend=key == 'series',
                     hovertemplate='%{y:.0f} %',

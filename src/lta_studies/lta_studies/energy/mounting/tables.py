@@ -78,9 +78,9 @@ def build_flight_table(entries: dict[str, MountTrial]) -> TextTable:
 
 def format_seed_mean(each: MountTrial, key: str, digits: int, factor: float) -> str:
     """Format a mean over flights, with the deviation of single seeds if visible."""
-    found = average_over_seeds(each.flights, key)
-    off = format_number(found.off, digits, factor)
-    text = format_number(found.mean, digits, factor)
+    average = average_over_seeds(each.flights, key)
+    off = format_number(average.off, digits, factor)
+    text = format_number(average.mean, digits, factor)
     # A deviation that rounds to zero is left out.
     return text if not float(off) else f'{text}\N{PLUS-MINUS SIGN}{off}'
 
@@ -89,9 +89,9 @@ def build_light_table(study: MountingStudy) -> TextTable:
     """Return the table of light on the panels."""
     heads = ['mount', *(f'{light.name} [%]' for light in LIGHTS)]
     rows = []
-    for name, found in study.light.items():
+    for name, shares in study.light.items():
         for words, key in (('in series', 'series'), ('separately', 'apart')):
-            cells = [format_number(getattr(each, key), 0, 100.0) for each in found.values()]
+            cells = [format_number(getattr(each, key), 0, 100.0) for each in shares.values()]
             rows.append([f'{name}, {words}', *cells])
     return TextTable('Light on the panels', heads, rows)
 
@@ -111,8 +111,8 @@ def to_json(study: MountingStudy) -> dict[str, Any]:
             for each in study.overturning
         ],
         'light': {
-            name: {light: {'series': at.series, 'apart': at.apart} for light, at in found.items()}
-            for name, found in study.light.items()
+            name: {light: {'series': at.series, 'apart': at.apart} for light, at in shares.items()}
+            for name, shares in study.light.items()
         },
     }  # fmt: skip
 

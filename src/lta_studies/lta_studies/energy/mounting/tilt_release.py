@@ -42,11 +42,13 @@ class Release:
         """Times [s] and tilts [rad] of the maxima on the initial side."""
         inner = self.tilt[1:-1]
         # ">=" on one side counts a plateau of two equal samples once.
-        found = np.nonzero((inner > self.tilt[:-2]) & (inner >= self.tilt[2:]) & (inner > 0.0))[0]
+        peak_indices = np.nonzero(
+            (inner > self.tilt[:-2]) & (inner >= self.tilt[2:]) & (inner > 0.0)
+        )[0]
         # The release itself is the first maximum.
         times, tilts = [0.0], [float(self.tilt[0])]
         # Indices of `inner` are one less than those of `tilt`.
-        for k in found + 1:
+        for k in peak_indices + 1:
             time, tilt = _parabola_vertex(self.time[k - 1 : k + 2], self.tilt[k - 1 : k + 2])
             times.append(time)
             tilts.append(tilt)

@@ -16,8 +16,8 @@ IRRADIANCE = 80e3 / 300.0  # W/m2: 80 klux (seed paper) of a white LED of 300 lm
 def mean_light_share(study: MountingStudy) -> dict[str, float]:
     """Return the light on the panels in series, mean over the lights, by mount. [1]"""
     return {
-        name: math.fsum(at.series for at in found.values()) / len(found)
-        for name, found in study.light.items()
+        name: math.fsum(at.series for at in shares.values()) / len(shares)
+        for name, shares in study.light.items()
     }
 
 
@@ -51,9 +51,9 @@ def _charger_output(vehicle: Vehicle, irradiance: float) -> float:
 
 def find_best_mount(study: MountingStudy) -> str:
     """Return the mount with the most light among those the hull carries, else among all."""
-    found = mean_light_share(study)
+    shares = mean_light_share(study)
     # `own` holds the mounts that the hull can carry.
-    able = {name: found[name] for name in study.own} or found
+    able = {name: shares[name] for name in study.own} or shares
     return max(able, key=lambda name: able[name])
 
 

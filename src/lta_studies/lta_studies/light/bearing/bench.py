@@ -79,9 +79,9 @@ class BearingBench:
         for k in range(turn):
             heading = Rotation.from_euler('z', math.tau * k / turn) * Rotation.from_quat(pose[3:])
             peaks = self._simulate_peaks((*pose[:3], *heading.as_quat()), diodes, chance)
-            found = finder.find(peaks, self._policy.demodulation.threshold, self._policy.prior)
-            if found is not None:
-                tracker.update_gains(peaks, found)
+            direction = finder.find(peaks, self._policy.demodulation.threshold, self._policy.prior)
+            if direction is not None:
+                tracker.update_gains(peaks, direction)
                 finder = self._build_finder(tracker.diodes)
         return finder
 

@@ -41,8 +41,8 @@ class BearingScore:
 
     def to_json(self) -> dict[str, float | None]:
         """Convert the score to JSON, with NaN as null."""
-        known: dict[str, float | None] = replace_nonfinite(asdict(self))
-        return known
+        content: dict[str, float | None] = replace_nonfinite(asdict(self))
+        return content
 
 
 def score_readings(readings: Sequence[BearingReading]) -> BearingScore:
@@ -79,13 +79,13 @@ def extract_column(readings: Sequence[BearingReading], name: str) -> Array:
 
 def error_quantile(errors: Array, percent: float) -> float:
     """Return a percentile of the absolute errors; NaN if there are none."""
-    known = np.abs(errors[np.isfinite(errors)])
-    return float(np.percentile(known, percent)) if known.size else math.nan
+    finite = np.abs(errors[np.isfinite(errors)])
+    return float(np.percentile(finite, percent)) if finite.size else math.nan
 
 
 def interval_coverage(errors: Array, deviations: Array, width: float) -> float:
     """Return the share of errors within `width` times their deviations. [1]"""
-    known = np.isfinite(errors)
-    if not known.any():
+    finite = np.isfinite(errors)
+    if not finite.any():
         return math.nan
-    return float(np.mean(np.abs(errors[known]) < width * deviations[known]))
+    return float(np.mean(np.abs(errors[finite]) < width * deviations[finite]))

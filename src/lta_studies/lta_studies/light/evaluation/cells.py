@@ -44,8 +44,8 @@ class EvaluationCell:
 
     def arrival_values(self, name: str) -> dict[int, float]:
         """Return a figure of the flights that reached the lamp, by seed."""
-        found = {seed: row.figures.get(name) for seed, row in self.arrivals.items()}
-        return {seed: float(value) for seed, value in found.items() if value is not None}
+        values = {seed: row.figures.get(name) for seed, row in self.arrivals.items()}
+        return {seed: float(value) for seed, value in values.items() if value is not None}
 
     def mean(self, name: str) -> BootstrapMean:
         """Return the mean of a figure over the flights that reached the lamp."""
@@ -65,24 +65,24 @@ def build_cells(name: str, plan: SweepPlan, rows: Iterable[SweepRow]) -> list[Ev
     grouped: dict[tuple[str, str], list[SweepRow]] = {}
     for row in rows:
         grouped.setdefault((format_case(row), row.values[STRATEGY]), []).append(row)
-    found = []
-    known: dict[str, tuple[float, float]] = {}
+    cells = []
+    winds: dict[str, tuple[float, float]] = {}
     # The order of the sweep, by the index of the first flight
     for (case, strategy), own in sorted(grouped.items(), key=lambda item: item[1][0].index):
         # Loading a scene is slow, and all strategies of a case share it.
-        if case not in known:
+        if case not in winds:
             made_of = build_flight_spec(plan, own[0])
-            known[case] = (
+            winds[case] = (
                 math.nan if axis is None else axis.place(made_of),
                 wind_to_airspeed_ratio(made_of),
             )
         # A flight that could not be simulated is counted, but not as a missed lamp.
         completed = {row.seed: row for row in own if row.outcome != FAILED}
         failures = len(own) - len(completed)
-        found.append(
-            EvaluationCell(strategy, case, parse_family(own[0]), *known[case], completed, failures)
+        cells.append(
+            EvaluationCell(strategy, case, parse_family(own[0]), *winds[case], completed, failures)
         )
-    return found
+    return cells
 
 
 def format_case(row: SweepRow) -> str:

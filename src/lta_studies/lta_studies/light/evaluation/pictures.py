@@ -83,12 +83,12 @@ def plot_paper_comparison(cells: Sequence[EvaluationCell]) -> Figure:
         for row, value in enumerate(intervals, start=1):
             markers = build_markers(cell.strategy, [name], [value], joined=False, legend=False)
             figure.add_trace(markers, row=row, col=1)
-    known = [cell.strategy for cell in cells if cell.strategy in paper.INDOORS]
+    strategies = [cell.strategy for cell in cells if cell.strategy in paper.INDOORS]
     for row, part in enumerate(('path', 'time'), start=1):
         figure.add_trace(
             Scatter(
-                x=[labels.label_strategy(name) for name in known],
-                y=[getattr(paper.INDOORS[name], part) for name in known],
+                x=[labels.label_strategy(name) for name in strategies],
+                y=[getattr(paper.INDOORS[name], part) for name in strategies],
                 mode='markers', name='paper, one flight', showlegend=row == 1,
                 marker={'symbol': 'star', 'size': 11, 'color': PAPER,
                         'line': {'color': INK, 'width': 1.3}},

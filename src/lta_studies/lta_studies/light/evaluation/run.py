@@ -100,11 +100,11 @@ def run_evaluation(order: EvaluationRequest, console: Console) -> EvaluationStat
         except KeyboardInterrupt:
             stopped = True  # report the flights so far
     rows = {name: filter_by_seed(stores[name], plan, order.seeds) for name, plan in plans.items()}
-    known = sum(map(len, rows.values()))
+    count = sum(map(len, rows.values()))
     return EvaluationStatus(
         order, plans, {name: build_cells(name, plans[name], rows[name]) for name in plans},
         # Flights known now minus those known before: flown in this run
-        known - (total - len(todo)), total, time.monotonic() - begun,
+        count - (total - len(todo)), total, time.monotonic() - begun,
         sum(row.wall for own in rows.values() for row in own), stopped,
     )  # fmt: skip
 

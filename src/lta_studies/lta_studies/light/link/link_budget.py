@@ -99,22 +99,22 @@ def compute_lamp_link(
     if feedback is not None:
         diodes = diodes.model_copy(update={'feedback_resistance': 1e3 * feedback})
     x, y, _ = field.first_lamp.position
-    found = []
+    points = []
     for distance in distances:
         place = (x + distance * ahead / level, y + distance * left / level, altitude)
         # A scene with an outside continues beyond its room.
         if scenario.outside is not None or is_in_room(around, *place):
             # The drone looks back along the beam.
             towards = math.atan2(-left, -ahead)
-            found.append(
+            points.append(
                 _compute_link_point(field, vehicle, diodes, distance, (*place, towards), blocks)
             )
-    if not found:
+    if not points:
         raise BadInput(
             'At all distances from the lamp, the drone would be outside the room of the '
             f'scenario {scenario.name}; choose a shorter --distance or a lower --altitude.'
         )
-    return LampLink(scenario.name, scenario.about, diodes.feedback_resistance, tuple(found))
+    return LampLink(scenario.name, scenario.about, diodes.feedback_resistance, tuple(points))
 
 
 def _compute_link_point(

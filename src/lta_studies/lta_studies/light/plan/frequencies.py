@@ -98,12 +98,12 @@ def find_clear_frequencies(
     free = band.is_usable_frequency(middles)
     for frequency in existing:
         free &= band.is_separable(frequency, middles, order)
-    found: list[float] = []
-    while free.any() and len(found) < most:
+    frequencies: list[float] = []
+    while free.any() and len(frequencies) < most:
         # `argmax` of a mask is its first True: the lowest free frequency.
-        found.append(float(middles[free.argmax()]))
-        free &= band.is_separable(found[-1], middles, order)
-    return found
+        frequencies.append(float(middles[free.argmax()]))
+        free &= band.is_separable(frequencies[-1], middles, order)
+    return frequencies
 
 
 def choose_frequencies(
@@ -119,9 +119,9 @@ def choose_frequencies(
     for order in ORDERS:
         if _find_conflict(band, existing, order):
             continue
-        found = find_clear_frequencies(band, existing, order, count)
-        if len(found) == count:
-            return found, order
+        frequencies = find_clear_frequencies(band, existing, order, count)
+        if len(frequencies) == count:
+            return frequencies, order
     # How many would fit under the weakest rule, for the message
     fit = len(find_clear_frequencies(band, existing, ORDERS[-1], band.samples))
     raise BadInput(explain_shortage(band, existing, count, fit))
@@ -152,9 +152,9 @@ def _check_existing_frequencies(band: FrequencyBand, existing: Sequence[float]) 
                 f'{band.rate / 2:g} Hz, or within {band.window * band.bin_width:g} Hz of a '
                 f'multiple of {band.mains:g} Hz (mains). Change the frequency of this lamp.'
             )
-    if found := _find_conflict(band, existing, ORDERS[-1]):
+    if conflict := _find_conflict(band, existing, ORDERS[-1]):
         raise BadInput(
-            f'Two existing lamps flicker at {found[0]:g} and {found[1]:g} Hz. For a '
+            f'Two existing lamps flicker at {conflict[0]:g} and {conflict[1]:g} Hz. For a '
             f'demodulator with bins of {band.bin_width:g} Hz and a window of {band.window} '
             "bins, these are too close to each other or to each other's harmonics; change "
             'one of the frequencies.'

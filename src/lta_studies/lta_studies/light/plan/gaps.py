@@ -36,15 +36,15 @@ def find_gaps(layout: LampLayout) -> list[CoverageGap]:
     causes[floor.wanted] = _find_gap_causes(layout)
     # Cells that touch at a corner belong together.
     labels, count = ndimage.label(grid, structure=np.ones((3, 3)))
-    found = []
+    gaps = []
     for k in range(1, count + 1):
         rows, columns = np.nonzero(labels == k)
         x, y = floor.x[columns], floor.y[rows]
         why = _most_common_word(causes[rows, columns].tolist())
         west, south = float(x.min()) - half, float(y.min()) - half
         east, north = float(x.max()) + half, float(y.max()) + half
-        found.append(CoverageGap(len(rows) * floor.cell**2, west, south, east, north, why))
-    return sorted(found, key=lambda gap: -gap.area)
+        gaps.append(CoverageGap(len(rows) * floor.cell**2, west, south, east, north, why))
+    return sorted(gaps, key=lambda gap: -gap.area)
 
 
 def _find_gap_causes(layout: LampLayout) -> list[str]:

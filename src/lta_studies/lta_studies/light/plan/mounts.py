@@ -43,19 +43,19 @@ def list_mounts(plan: FloorPlan) -> list[LampMount]:
         frequency = None if lamp.frequency is None else lamp.frequency.si
         standing.append(LampMount((x, y, z), _to_vector(axis), name, frequency))
     new = list_ceiling_mounts(plan) if plan.lamp.facing == 'down' else list_wall_mounts(plan)
-    found = standing + new
-    if not found:
+    mounts = standing + new
+    if not mounts:
         raise BadInput(
             f'{plan.name} has no position for a lamp facing {plan.lamp.facing} at a height of '
             f'{plan.lamp.height.si:g} m; make the forbidden areas smaller, change '
             'lamp.height, or reduce lamp.spacing.'
         )
-    if len(found) > MOST:
+    if len(mounts) > MOST:
         raise BadInput(
-            f'{plan.name} has {len(found)} possible positions for lamps, more than {MOST}; '
+            f'{plan.name} has {len(mounts)} possible positions for lamps, more than {MOST}; '
             'increase lamp.spacing.'
         )
-    return found
+    return mounts
 
 
 def list_ceiling_mounts(plan: FloorPlan) -> list[LampMount]:

@@ -67,8 +67,8 @@ def plot_handovers(layout: LampLayout, handover: LampHandover) -> Figure:
     ways = [(a, b) for i, j in handover.edges if (a := ends[i]) and (b := ends[j])]
     draw_ways(figure, ways, RAW, 1.2, 'hand-over')
     stops = [handover.start, *(ends[k] for k in handover.route)]
-    known = [stop for stop in stops if stop is not None]
-    draw_ways(figure, list(pairwise(known)), GOOD, 3.0, 'route')
+    known_stops = [stop for stop in stops if stop is not None]
+    draw_ways(figure, list(pairwise(known_stops)), GOOD, 3.0, 'route')
     reached = [place for place in ends if place is not None]
     figure.add_trace(
         Scatter(

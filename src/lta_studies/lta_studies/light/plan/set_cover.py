@@ -116,12 +116,12 @@ def solve_lower_bound(audible: Mask, needed: Whole, existing: Chosen) -> int:
     least = np.zeros(len(audible))
     least[existing] = 1.0
     # Without `integrality` this is the linear relaxation.
-    found = milp(
+    solution = milp(
         np.ones(len(audible)),
         bounds=Bounds(least, np.ones(len(audible))),
         constraints=LinearConstraint(csr_array(columns.T.astype(float)), lb=weights),
     )
-    return math.ceil(float(found.fun or 0.0) - ROUNDING)
+    return math.ceil(float(solution.fun or 0.0) - ROUNDING)
 
 
 def merge_duplicate_cells(audible: Mask, needed: Whole) -> tuple[Mask, Whole]:

@@ -148,5 +148,5 @@ def _fit_parameters(basis: TurnBasis, amplitude: Array) -> Array:
     begin[:3], begin[SHARED:] = (BEGIN_AT, 1.0, 0.01), 1.0
     low, high = np.full(len(begin), -1.0), np.full(len(begin), 10.0)
     (low[0], high[0]), low[1:3], low[SHARED:] = EXPONENTS, 0.0, 0.0
-    found = least_squares(residuals, begin, bounds=(low, high))
-    return expand_parameters(found.x)
+    solution = least_squares(residuals, begin, bounds=(low, high))
+    return expand_parameters(solution.x)

@@ -122,7 +122,7 @@ def evaluate_turn(
     # Half the duration of a block [s]; the truth is taken at its middle.
     half = 0.5 * light.samples / light.sample_rate.si
     lamp = _build_true_direction(flight, table)
-    found: list[tuple[float, float, float, float]] = []
+    samples: list[tuple[float, float, float, float]] = []
     amplitudes = []
     for part in flight.iterate_blocks(PHOTODIODES, TOGETHER):
         for time, block in zip(part.time, part.samples, strict=True):
@@ -133,18 +133,18 @@ def evaluate_turn(
             peaks = demodulate_block(block, (bins,), full_scale).peaks[0]
             paper = estimate_bearing(peaks, diodes.ring, demodulation.threshold)
             ours = finder.find(peaks, demodulation.threshold, LampPrior())
-            found.append((
+            samples.append((
                 direction, math.nan if paper is None else paper.angle,
                 math.nan if ours is None else ours.azimuth, float(peaks.snr.max()),
             ))  # fmt: skip
             amplitudes.append(peaks.amplitude)
         tick(len(part.time))
-    if len(found) < FEWEST:
+    if len(samples) < FEWEST:
         raise BadInput(
-            f'The recording has only {len(found)} usable blocks of photodiode samples, too few '
+            f'The recording has only {len(samples)} usable blocks of photodiode samples, too few '
             f'for {DIRECTIONS} directions; record a longer turn.'
         )
-    direction, by_paper, by_fit, snr = np.array(found).T
+    direction, by_paper, by_fit, snr = np.array(samples).T
     return TurntableReadings(direction, by_paper, by_fit, snr, np.array(amplitudes))
 
 

@@ -46,13 +46,13 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     """Evaluate the cells and arrays of the paper's table."""
     table = load_cell_table('seed_paper')
     energy = load_vehicle_file('gtmab').energy
-    found = list_readings(table)
-    fronts = [find_fronts_by_criterion(found, which) for which in range(len(READINGS))]
+    readings = list_readings(table)
+    fronts = [find_fronts_by_criterion(readings, which) for which in range(len(READINGS))]
     values = {
-        **quotient_errors(found),
-        **data_sheet_times(found),
+        **quotient_errors(readings),
+        **data_sheet_times(readings),
         **compute_array_power(table, energy),
-        **charging_time_factor(found),
+        **charging_time_factor(readings),
     }
     for reading, (paper, fair) in zip(READINGS, fronts, strict=True):
         values[f'front_{reading}'] = list_makers(paper)
@@ -61,10 +61,10 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
     command = format_lta_command('cells')
     pictures = [
         StudyPicture('front', "The paper's criterion", PAPER,
-                     draw_fronts(found, lambda each: each.charging_time_per_area / SQUARE,
+                     draw_fronts(readings, lambda each: each.charging_time_per_area / SQUARE,
                                  's/cm²', by_paper), command),
         StudyPicture('fair', 'A fair criterion', FAIR,
-                     draw_fronts(found, lambda each: each.charging_time_times_area * SQUARE,
+                     draw_fronts(readings, lambda each: each.charging_time_times_area * SQUARE,
                                  's cm²', fairly), command),
     ]  # fmt: skip
     draws = collect_draws(request, lambda seed: measure_draw(table, seed))
@@ -75,8 +75,10 @@ def measure_draw(table: CellTable, seed: int) -> dict[str, float | str]:
     """Return the measures with cells, charger and loads drawn from their ranges."""
     content = draw_content(load_yaml(find_file('vehicle', 'gtmab')), seed, 'vehicle')
     energy = validate_content(VehicleFile, content, 'a draw of gtmab').energy
-    found = [replace(each, cell=draw_cell(each.cell.name, seed)) for each in list_readings(table)]
-    values = data_sheet_times(found)
+    readings = [
+        replace(each, cell=draw_cell(each.cell.name, seed)) for each in list_readings(table)
+    ]
+    values = data_sheet_times(readings)
     for strings in build_all_arrays(table).values():
         for array in strings:
             sample = replace(array, cell=draw_cell(array.cell.name, seed))

@@ -62,21 +62,21 @@ TASK: Final = {
 
 def run_study(request: RowStudyRequest) -> RowStudyResult:
     """Measure power budget, cell voltage and charging."""
-    found = measure_budget(VEHICLE, STANDARD, request.seeds)
-    values = {**measure_task_power(found, request.seeds), **measure_causes(found)}
+    budget = measure_budget(VEHICLE, STANDARD, request.seeds)
+    values = {**measure_task_power(budget, request.seeds), **measure_causes(budget)}
     body = load_vehicle(VEHICLE)
     harvest = HarvestCurve.of_energy(body.file.energy)
-    values |= to_values(measure_charging(body, harvest, found.tasks['navigating, BAG'].power,
-                                         found.tasks['hovering'].power))  # fmt: skip
+    values |= to_values(measure_charging(body, harvest, budget.tasks['navigating, BAG'].power,
+                                         budget.tasks['hovering'].power))  # fmt: skip
     draws = {**draw_navigation(request), **collect_draws(request, partial(measure_draw, request))}
     pictures = [
-        StudyPicture('tasks', 'Power by task', TASKS, draw_task_power(found),
+        StudyPicture('tasks', 'Power by task', TASKS, draw_task_power(budget),
                 format_lta_command('energy', 'budget', '--seeds', str(request.seeds)),
                 '' if request.quick else record_flights(request.folder / 'tasks'))
     ]  # fmt: skip
     if request.quick:
         return RowStudyResult(
-            values, pictures, [build_task_table(found), build_cause_table(found)], draws
+            values, pictures, [build_task_table(budget), build_cause_table(budget)], draws
         )
     hover = HoverRequest(VEHICLE, STANDARD, paper.HOVER_TIME)
     comparison = hover.compare([fly_hover(spec, hover.seconds) for spec in hover.build_specs()])
@@ -90,7 +90,7 @@ def run_study(request: RowStudyRequest) -> RowStudyResult:
                      draw_traces(comparison, 'voltage'), format_lta_command('energy', 'hover'),
                      relative_bag_path(place))
     )  # fmt: skip
-    tables = [build_task_table(found), build_cause_table(found)]
+    tables = [build_task_table(budget), build_cause_table(budget)]
     return RowStudyResult(values, pictures, tables, draws)
 
 

@@ -140,22 +140,22 @@ def order_paths(paths: Mapping[str, float]) -> str:
 def measure_excursion(group: FlightGroup) -> MeasuredValue:
     """Return how far DGA flies away from the lamp before it approaches. [m]"""
     cell = group.find_cell('dga')
-    found = []
+    excursions = []
     for seed in cell.rows:
         (track, *_), scenario = fly_again(group.plan, [cell], seed)
         x, y, _ = scenario.goal_lamp.position.vector
         away = np.hypot(track.x - x, track.y - y)
-        found.append(float(away.max() - away[0]))
-    return average_over_seeds(found)
+        excursions.append(float(away.max() - away[0]))
+    return average_over_seeds(excursions)
 
 
 def measure_factors(seeds: int) -> dict[str, MeasuredValue]:
     """Fly with one factor changed at a time."""
     values: dict[str, MeasuredValue] = {}
     for case, strategies in FACTORS.items():
-        found = fly_group('ablations', seeds, strategies=strategies, cases=[case])
+        group = fly_group('ablations', seeds, strategies=strategies, cases=[case])
         for name in strategies:
-            values |= summarize_cell(f'{case}_{name}', found.find_cell(name))
+            values |= summarize_cell(f'{case}_{name}', group.find_cell(name))
     return values
 
 

@@ -138,8 +138,8 @@ def floor_area_per_lamp() -> float:
     plan, ear = load_inputs('warehouse', VEHICLE, 2.0, ())
     # 0.5 m cells
     floor = build_floor(plan, ear.vehicle, 0.5)
-    found = plan_layout(plan, ear, floor, list_mounts(plan), 1, None)
-    return float(found.floor.area / len(found.lamps))
+    layout = plan_layout(plan, ear, floor, list_mounts(plan), 1, None)
+    return float(layout.floor.area / len(layout.lamps))
 
 
 def plot_diode_samples(block: np.ndarray) -> Figure:

@@ -42,27 +42,27 @@ AHEAD: Final = 0.03  # m, misplacement of the panels along the hull
 def run_study(request: RowStudyRequest) -> RowStudyResult:
     """Fly each mount straight ahead, and release the hull with three heights of the weight."""
     order = MountingRequest(load_yaml(find_file('vehicle', 'gtmab')), MOUNTS, AHEAD, request.seeds)
-    found = compare_mounts(order)
-    values = {**measure_mounts(found, request.seeds), **measure_tilt_by_height(found)}
+    comparison = compare_mounts(order)
+    values = {**measure_mounts(comparison, request.seeds), **measure_tilt_by_height(comparison)}
     command = format_lta_command('energy', 'mounting', '--seeds', str(request.seeds))
     pictures = [
         StudyPicture('straight', 'Straight flight at 0.1 m/s', STRAIGHT,
-                     draw_straight_flights(found), command,
+                     draw_straight_flights(comparison), command,
                      '' if request.quick
-                     else record_flights(found, request.folder / 'straight')),
+                     else record_flights(comparison, request.folder / 'straight')),
         StudyPicture('over', 'Centre of gravity below, at and above the hull centre', OVER,
-                     draw_overturning(found), command),
-        StudyPicture('swing', 'Swing after a release', SWUNG, draw_swings(found), command),
+                     draw_overturning(comparison), command),
+        StudyPicture('swing', 'Swing after a release', SWUNG, draw_swings(comparison), command),
     ]  # fmt: skip
     draws = collect_draws(request, measure_draw)
-    return RowStudyResult(values, pictures, build_comparison_tables(found), draws)
+    return RowStudyResult(values, pictures, build_comparison_tables(comparison), draws)
 
 
 def measure_draw(seed: int) -> dict[str, float | str]:
     """Return the measures of a draw of what is assumed in the vehicle."""
     content = draw_content(load_yaml(find_file('vehicle', 'gtmab')), seed, 'vehicle')
-    found = compare_mounts(MountingRequest(content, MOUNTS, AHEAD, 1, seed))
-    values = {**measure_mounts(found, 1), **measure_tilt_by_height(found)}
+    comparison = compare_mounts(MountingRequest(content, MOUNTS, AHEAD, 1, seed))
+    values = {**measure_mounts(comparison, 1), **measure_tilt_by_height(comparison)}
     return {name: each.value for name, each in values.items()}
 
 

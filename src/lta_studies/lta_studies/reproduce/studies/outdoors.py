@@ -115,8 +115,8 @@ def draw_winds(request: RowStudyRequest) -> dict[str, list[float | str]]:
     for speed in WINDS[:1] if request.quick else WINDS:
         rows = fly_draws('winds', request, change={WIND: f'{speed:g} m/s'})
         for name, results in rows.items():
-            found = summarize_draws(f'{name}_{speed:g}', results)
-            draws |= {key: each for key, each in found.items() if not key.endswith('_path')}
+            summary = summarize_draws(f'{name}_{speed:g}', results)
+            draws |= {key: each for key, each in summary.items() if not key.endswith('_path')}
     draws['wind_by_thrust_14'] = [
         compare_wind_with_thrust(request.draw_changes(seed)) for seed in request.draw_seeds
     ]
@@ -146,15 +146,15 @@ def measure_failures(winds: FlightGroup) -> tuple[MeasuredValue, MeasuredValue]:
     shares = []
     for name in ('des', 'dga'):
         cell = find_cell(winds, name, WINDS[0])
-        found = []
+        failures = []
         for seed in cell.rows:
             (track, *_), scenario = fly_again(winds.plan, [cell], seed)
             x, y, _ = scenario.goal_lamp.position.vector
             away = np.hypot(track.x - x, track.y - y)
             past = float(track.x.max()) > x + scenario.goal.radius.si
-            found.append(past if name == 'dga' else bool(away[-1] > away[0]))
-        share = wilson_interval(sum(found), len(found))
-        shares.append(MeasuredValue(share.value, share.low, share.high, len(found)))
+            failures.append(past if name == 'dga' else bool(away[-1] > away[0]))
+        share = wilson_interval(sum(failures), len(failures))
+        shares.append(MeasuredValue(share.value, share.low, share.high, len(failures)))
     return shares[0], shares[1]
 
 

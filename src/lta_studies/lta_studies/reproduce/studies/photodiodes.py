@@ -124,29 +124,29 @@ def study_count(
 
 def measure_readings(studies: VehicleStudies) -> dict[str, float]:
     """Return the measures of one vehicle for both readings of the lamp's angle."""
-    found = measure_vehicle(studies, ASIDE)
+    values = measure_vehicle(studies, ASIDE)
     straight = measure_vehicle(studies, 0.0)
-    return found | {f'straight_{name}': straight[name] for name in CLAIMED}
+    return values | {f'straight_{name}': straight[name] for name in CLAIMED}
 
 
 def measure_vehicle(studies: VehicleStudies, aside: float) -> dict[str, float]:
     """Return the measures of one vehicle at an angle to the lamp's axis. [rad]"""
     errors = {(p, n): ring.paper for (angle, p, n), ring in studies.items() if angle == aside}
     middle = {key: float(np.median(each)) for key, each in errors.items()}
-    found = {}
+    values = {}
     for (place, count), each in errors.items():
-        found[f'{place}_{count}_median'] = middle[place, count]
-        found[f'{place}_{count}_worst'] = max(each)
+        values[f'{place}_{count}_median'] = middle[place, count]
+        values[f'{place}_{count}_worst'] = max(each)
     for count in COUNTS:
-        found[f'outdoor_by_indoor_{count}'] = middle['outdoor', count] / middle['indoor', count]
-    found['outdoor_eight_by_sixteen'] = middle['outdoor', 8] / middle['outdoor', 16]
-    found['worst_outdoor_by_indoor_4'] = max(errors['outdoor', 4]) / max(errors['indoor', 4])
+        values[f'outdoor_by_indoor_{count}'] = middle['outdoor', count] / middle['indoor', count]
+    values['outdoor_eight_by_sixteen'] = middle['outdoor', 8] / middle['outdoor', 16]
+    values['worst_outdoor_by_indoor_4'] = max(errors['outdoor', 4]) / max(errors['indoor', 4])
     for count, degrees in BELOW:
-        found[f'indoor_{count}_below_{degrees}'] = float(
+        values[f'indoor_{count}_below_{degrees}'] = float(
             count_accurate_directions(errors['indoor', count], math.radians(degrees))
         )
-    found['four_good_midway'] = midway_share(studies[aside, 'indoor', 4])
-    return found
+    values['four_good_midway'] = midway_share(studies[aside, 'indoor', 4])
+    return values
 
 
 def midway_share(ring: RingStudy) -> float:

@@ -106,12 +106,13 @@ def draw_orders(
     draws: dict[str, list[float | str]] = {}
     for criterion, values in measured.items():
         if criterion in FLOWN:
-            found = [each.metrics.rms for each in flights[FLOWN[criterion]]]
+            numbers = [each.metrics.rms for each in flights[FLOWN[criterion]]]
         else:
             measure = OF_VEHICLE[criterion]
-            found = [measure(sample_gtmab(request, seed).vehicle) for seed in request.draw_seeds]
+            numbers = [measure(sample_gtmab(request, seed).vehicle) for seed in request.draw_seeds]
         draws[f'{criterion}_order'] = [
-            rank_concordance(criterion, {**values, 'gtmab': MeasuredValue(each)}) for each in found
+            rank_concordance(criterion, {**values, 'gtmab': MeasuredValue(each)})
+            for each in numbers
         ]
     return draws
 
@@ -196,12 +197,14 @@ def plot_table(
     shades, texts = [], []
     for name in RANKED:
         row, words = [], []
-        for criterion, found in measured.items():
+        for criterion, by_platform in measured.items():
             unit, factor, more = CRITERIA[criterion]
-            ordered = sorted((require_number(each) for each in found.values()), reverse=not more)
-            row.append(ordered.index(require_number(found[name])))
+            ordered = sorted(
+                (require_number(each) for each in by_platform.values()), reverse=not more
+            )
+            row.append(ordered.index(require_number(by_platform[name])))
             paper = WORDS[RANKED[name][list(CRITERIA).index(criterion)]]
-            words.append(f'{factor * require_number(found[name]):.3g} {unit}<br>({paper})')
+            words.append(f'{factor * require_number(by_platform[name]):.3g} {unit}<br>({paper})')
         shades.append(row)
         texts.append(words)
     figure.add_trace(

@@ -49,26 +49,26 @@ def measure_pressures(vehicle: Vehicle, disk_loading: float) -> dict[str, Measur
     low, high = pressure_extremes(
         vehicle.file.hull, SURGE, static_wind_limit(vehicle), AIR_DENSITY
     )
-    found = {
+    values = {
         'flight_nose': MeasuredValue(high),
         'flight_side': MeasuredValue(low),
         'jet_speed': MeasuredValue(airspeed_from_dynamic_pressure(disk_loading)),
     }
     for platform, pressure in PAPER.items():
-        found[f'{platform.lower().replace("-", "")}_pressure_speed'] = MeasuredValue(
+        values[f'{platform.lower().replace("-", "")}_pressure_speed'] = MeasuredValue(
             airspeed_from_dynamic_pressure(pressure)
         )
     # Rotor speed at which the blade tips move that fast.
     turns = airspeed_from_dynamic_pressure(PAPER['GT-MAB']) / (math.pi * PROPELLER)
-    found['blade_rate'] = MeasuredValue(2.0 * math.pi * turns)
+    values['blade_rate'] = MeasuredValue(2.0 * math.pi * turns)
     for name in SHOWN:
         bodies = load_flow(name).pressed
-        found[f'{name}_most'] = MeasuredValue(max(each.most for each in bodies.values()))
-        found[f'{name}_least'] = MeasuredValue(min(each.least for each in bodies.values()))
-        found[f'{name}_hull_least'] = MeasuredValue(bodies['envelope'].least)
-        found[f'{name}_hull_most'] = MeasuredValue(bodies['envelope'].most)
-    found['beavis_blown_up'] = MeasuredValue(load_flow('beavis').force[2])
-    return found
+        values[f'{name}_most'] = MeasuredValue(max(each.most for each in bodies.values()))
+        values[f'{name}_least'] = MeasuredValue(min(each.least for each in bodies.values()))
+        values[f'{name}_hull_least'] = MeasuredValue(bodies['envelope'].least)
+        values[f'{name}_hull_most'] = MeasuredValue(bodies['envelope'].most)
+    values['beavis_blown_up'] = MeasuredValue(load_flow('beavis').force[2])
+    return values
 
 
 def airspeed_from_dynamic_pressure(pressure: float) -> float:

@@ -35,11 +35,11 @@ def load_sweep() -> TunnelSweep:
 def collect_coefficients(sweep: TunnelSweep) -> dict[str, MeasuredValue]:
     """Return the drag coefficients, and the net force of both upward rotors. [SI]"""
     fits = fit_drag_by_axis(sweep)
-    found = {'tunnel_up': MeasuredValue(sweep.blows[BOTH_UP].force[2])}
+    values = {'tunnel_up': MeasuredValue(sweep.blows[BOTH_UP].force[2])}
     for axis in ('surge', 'heave', 'roll', 'pitch', 'yaw'):
-        found[f'tunnel_{axis}_linear'] = MeasuredValue(fits[axis].linear)
-        found[f'tunnel_{axis}'] = MeasuredValue(fits[axis].quadratic)
-    return found
+        values[f'tunnel_{axis}_linear'] = MeasuredValue(fits[axis].linear)
+        values[f'tunnel_{axis}'] = MeasuredValue(fits[axis].quadratic)
+    return values
 
 
 def plot_drag_and_matrices(
