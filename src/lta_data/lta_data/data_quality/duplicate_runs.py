@@ -1,13 +1,15 @@
 """
-Detect one run in two recordings, even if it was cropped, rounded, shifted or resampled.
+Detect one run in two recordings, even if it was cropped, shifted, rounded or resampled.
 
-Two flights may share slow motion, but fast motion (gusts, corrections, noise) is unique. So the
-high-pass part of all shared instrument channels is correlated with that of the other recording at
-each offset. One run correlates almost fully at some offset; two runs never do.
+Two flights of one manoeuvre move alike: two free decays correlate almost fully. Their noise
+differs, and is the same in a copy. So each channel is limited to frequencies above the motion and
+gets a flat spectrum, in which every frequency counts equally. It is correlated with that of the
+other recording at each offset. Filtered and rounded recordings have no noise left; there, a
+copy also has the motion of the other within half a per cent, which no vehicle repeats.
 """
 
-from collections.abc import Sequence
-from typing import Final
+from collections.abc import Mapping, Sequence
+from typing import Final, final, NamedTuple
 
 from lta_data.data_quality import roles
 from lta_data.data_quality.finding import QualityFinding, Severity
@@ -23,16 +25,47 @@ from lta_data.data_quality.smoothing import (
 from lta_data.even_grid import build_uniform_time_grid
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal.windows import tukey
 
 Array = NDArray[np.float64]
 KIND = 'twin'
 STEP = 0.01  # of the common grid [s]
 COARSE = 0.08  # largest usable period of a channel [s]
-FINE = 0.25  # smoothing, which makes the result robust to resampling [s]
-TREND = 2.0  # slower changes are removed as trend [s]
+FINE = 0.25  # smoothing of the motion, which makes it robust to resampling [s]
+TREND = 2.0  # slower changes are removed from the motion as trend [s]
+ALIKE: Final = 0.98  # correlation of the motion from which its difference is looked at
+SAME: Final = 0.005  # largest difference of a copy, of the motion in the median channel
+QUICK: Final = 0.5  # slower changes are removed from the noise as trend [s]
+TIMES: Final = 3  # that it is removed, so that smooth motion leaves nothing
+OUTLIER: Final = 4.0  # standard deviations; a jump, as of an angle at 180 degrees, is clipped
+BAND: Final = (2.5, 12.0)  # frequencies of noise, which resampling leaves [Hz]
+SHARE_OF_RATE: Final = 0.4  # of the sampling rate, the highest frequency in use
+SMOOTHED: Final = 1.0  # width over which a spectrum is smoothed before it is made flat [Hz]
 SHARE = 0.3  # least part of a recording's energy in the overlap
 ABSURD: Final = 1e12  # in any unit; larger readings are invalid
+FADE: Final = 2.0  # at each end [s]
+LEAST: Final = 6.0  # shorter recordings are not compared [s]
 KINDS: Final = ('position', 'rates', 'turning', 'force', 'velocity')
+
+
+@final
+class ChannelPrint(NamedTuple):
+    """The changes of a channel on the grid, which identify a run."""
+
+    motion: Array  # without trend and noise, shape (n,)
+    noise: Array  # with a flat spectrum, shape (m,)
+    highest: float  # frequency of the noise [Hz]
+
+    def limit(self, highest: float) -> Array:
+        """Return the noise up to a frequency, which a copy at a lower rate has. [Hz]"""
+        if highest >= self.highest:
+            return self.noise
+        spectrum = np.fft.rfft(self.noise)
+        spectrum[np.fft.rfftfreq(len(self.noise), STEP) > highest] = 0.0
+        return np.fft.irfft(spectrum, len(self.noise))
+
+
+Fingerprint = Mapping[str, ChannelPrint]
 
 
 def find_duplicate_runs(
@@ -73,8 +106,8 @@ def simulation_seed(recording: ChannelRecording) -> str:
     return recording.provenance.get('seed', '') if recording.is_simulated else ''
 
 
-def extract_fingerprints(recording: ChannelRecording) -> dict[str, Array]:
-    """Return the high-pass part of each channel on a grid over the common span."""
+def extract_fingerprints(recording: ChannelRecording) -> Fingerprint:
+    """Return the changes of each channel on a grid over the common span."""
     some = {
         channel.name: sort_samples(channel.time, _mask_absurd(channel.values)[:, None])
         for channel in recording.channels.values()
@@ -90,14 +123,42 @@ def extract_fingerprints(recording: ChannelRecording) -> dict[str, Array]:
     begin = max(float(time[0]) for time, _ in some.values())
     last = min(float(time[-1]) for time, _ in some.values())
     grid = build_uniform_time_grid(begin, last, STEP, sum(len(time) for time, _ in some.values()))
-    if len(grid) * STEP < 3.0 * TREND:
+    if len(grid) * STEP < LEAST:
         return {}
     table = np.stack([interpolate_on_grid(*part, grid)[0][:, 0] for part in some.values()], axis=1)
-    calm = smooth_columns(table, hann_kernel(FINE, STEP))
-    # Near the ends the trend depends on where the recording was cut.
-    end = round(TREND / STEP / 2) + 1
-    quick = (calm - smooth_columns(calm, hann_kernel(TREND, STEP)))[end:-end].T
-    return {n: row for n, row in zip(some, quick, strict=True) if float(np.std(row)) > 0.0}
+    motion = _remove_trend(smooth_columns(table, hann_kernel(FINE, STEP)), TREND)
+    quick = table
+    for _ in range(TIMES):
+        quick = _remove_trend(quick, QUICK)
+    prints: dict[str, ChannelPrint] = {}
+    for k, (name, part) in enumerate(some.items()):
+        highest = min(BAND[1], SHARE_OF_RATE / median_period(part[0]))
+        noise = flatten_spectrum(quick[:, k], highest)
+        if float(np.std(noise)) > 0.0:
+            prints[name] = ChannelPrint(motion[:, k], noise, highest)
+    return prints
+
+
+def _remove_trend(table: Array, width: float) -> Array:
+    """Return the faster changes, without the ends, where the trend depends on the cut."""
+    end = round(width / STEP / 2) + 1
+    return (table - smooth_columns(table, hann_kernel(width, STEP)))[end:-end]
+
+
+def flatten_spectrum(row: Array, highest: float) -> Array:
+    """Return a row with equal power at all frequencies of BAND up to `highest` [Hz]."""
+    # Faded in and out, since a jump from the end to the beginning has all frequencies
+    spectrum = np.fft.rfft(row * tukey(len(row), min(1.0, 2.0 * FADE / (STEP * len(row)))))
+    frequencies = np.fft.rfftfreq(len(row), STEP)
+    power = np.abs(spectrum) ** 2
+    half = max(1, round(SMOOTHED / frequencies[1] / 2))
+    wide = np.pad(power, half, mode='edge')
+    smooth = np.convolve(wide, np.ones(2 * half + 1) / (2 * half + 1), mode='valid')
+    inside = (frequencies > BAND[0]) & (frequencies < highest) & (smooth > 0.0)
+    flat = np.where(inside, spectrum / np.sqrt(np.where(inside, smooth, 1.0)), 0.0)
+    noise = np.fft.irfft(flat, len(row))
+    most = OUTLIER * 1.4826 * float(np.median(np.abs(noise)))
+    return np.clip(noise, -most, most)
 
 
 def _mask_absurd(values: Array) -> Array:
@@ -106,31 +167,53 @@ def _mask_absurd(values: Array) -> Array:
 
 
 def compare_fingerprints(
-    first: dict[str, Array],
-    second: dict[str, Array],
+    first: Fingerprint,
+    second: Fingerprint,
     name: str,
     limits: QualityLimits,
 ) -> QualityFinding | None:
     """Return a finding if two recordings contain the same run, otherwise None."""
     shared = sorted(first.keys() & second.keys())
     least = round(limits.twin_time / STEP)
-    if not shared or any(min(len(first[c]), len(second[c])) < least for c in shared):
+    if not shared or any(len(one[c].noise) < least for one in (first, second) for c in shared):
         return None
-    score, offset, count = find_best_alignment(
-        [first[c] for c in shared], [second[c] for c in shared], least
-    )
+    highest = {c: min(first[c].highest, second[c].highest) for c in shared}
+    rows = [[one[c].limit(highest[c]) for c in shared] for one in (first, second)]
+    score, offset, count = find_best_alignment(rows[0], rows[1], least)
+    what = 'noise'
     if score < limits.twin_agree:
-        return None
+        if any(len(one[c].motion) < least for one in (first, second) for c in shared):
+            return None
+        rows = [[one[c].motion for c in shared] for one in (first, second)]
+        score, offset, count = find_best_alignment(rows[0], rows[1], least)
+        if score < ALIKE or measure_difference(rows[0], rows[1], offset, count) > SAME:
+            return None
+        what = 'motion, in size too,'
     begin = max(0.0, -offset * STEP)
     topics = ', '.join(dict.fromkeys(c.rpartition('/')[0] for c in shared))
     return QualityFinding(
         KIND, topics, begin, begin + count * STEP,
         f"This is the same run as '{name}' from {max(0.0, offset * STEP):.1f} s on, for "
-        f'{count * STEP:.1f} s: the fast motion in {len(shared)} channels has a '
-        f'correlation of {100 * score:.1f} %.',
+        f'{count * STEP:.1f} s: the {what} of {len(shared)} channels agrees by '
+        f'{100 * score:.0f} %.',
         Severity.SUSPICIOUS,
         {'agreement': score, 'offset_s': offset * STEP, 'length_s': count * STEP},
     )  # fmt: skip
+
+
+def measure_difference(first: list[Array], second: list[Array], offset: int, count: int) -> float:
+    """Return the median difference of channels, of their size, at an offset of the grid."""
+    one, two = (
+        np.stack([row[begin : begin + count] for row in rows])
+        for rows, begin in ((first, max(0, offset)), (second, max(0, -offset)))
+    )
+    size = np.sqrt((one**2).mean(axis=1, keepdims=True))
+    one, two = one / size, two / size
+    # The offset is a fraction of a step off
+    slope = np.gradient(one, axis=1)
+    off = two - one
+    off = off - slope * (slope * off).sum() / (slope**2).sum()
+    return float(np.median(np.sqrt((off**2).mean(axis=1))))
 
 
 def find_best_alignment(

@@ -193,9 +193,9 @@ class QualityLimits(Settings):
         unit='s',
     )
     twin_agree: float = setting(
-        0.97,
-        'Lowest correlation at which two recordings count as the same run (repeated flights: '
-        'below 0.9).',
+        0.5,
+        'Lowest correlation of the noise at which two recordings count as the same run (repeated '
+        'flights: below 0.35; copies at another rate: above 0.55).',
     )
 
     tremor_low: float = setting(

@@ -37,6 +37,18 @@ from .lab_flights import DOWN, lab_flight, three, write_csv
         ('X_m', (), 'x', 'm'),
         ('motor_m', ('motor', 'm'), '', ''),
         ('x_s', ('s',), 'x', ''),
+        ('fx_N', ('f',), 'x', 'n'),
+        ('Fz_cmd_mN', ('f', 'cmd'), 'z', 'mn'),
+        ('tz_Nm', ('t',), 'z', 'nm'),
+        ('Tau_z [N·m]', ('tau',), 'z', 'n m'),
+        ('cmd_yaw_N_m', ('cmd',), 'yaw', 'n m'),
+        ('cmd_surge_N', ('cmd', 'surge'), '', 'n'),
+        ('m1_N', ('m1',), '', 'n'),
+        ('vx_m_s', ('v',), 'x', 'm s'),
+        ('acc_x_m_s2', ('acc',), 'x', 'm s2'),
+        # Components along north
+        ('v_n', ('v',), 'n', ''),
+        ('u_n', ('u',), 'n', ''),
         ('t_s', ('t',), '', 's'),
     ],
 )
@@ -112,6 +124,13 @@ def test_a_heading_alone_is_the_attitude(name, is_heading):
         ('f1 f2 f3 f4', '', ''),
         # What is commanded, not what is measured
         ('fx_meas tz_meas fx_cmd tz_cmd', 'fx_cmd - -', '- - tz_cmd'),
+        ('fx_N fz_N tz_Nm', 'fx_N - fz_N', '- - tz_Nm'),
+        ('cmd_fx_mN cmd_fz_mN cmd_tz_mNm', 'cmd_fx_mN - cmd_fz_mN', '- - cmd_tz_mNm'),
+        ('thrust_x_N thrust_z_N M_z_Nm', 'thrust_x_N - thrust_z_N', '- - M_z_Nm'),
+        ('thrust_x thrust_z torque_z', 'thrust_x - thrust_z', '- - torque_z'),
+        ('forward_force vertical_force yaw_moment', 'forward_force - vertical_force',
+         '- - yaw_moment'),
+        ('fz_N', '- - fz_N', ''),
     ],
 )  # fmt: skip
 def test_commanded_forces_and_torques_are_found_by_axis(tmp_path, names, force, torque):

@@ -87,6 +87,71 @@ def test_units_and_words_decide_what_a_command_is(tmp_path, names, size, scale):
     assert find_topic(draft, 'wrench_command')['force'].get('scale') == scale
 
 
+@pytest.mark.parametrize(
+    'names',
+    [
+        ('cmd_surge_N', 'cmd_heave_N', 'cmd_yaw_mN_m'),
+        ('surge_cmd_N', 'heave_cmd_N', 'yaw_cmd_mNm'),
+    ],
+)
+def test_a_unit_at_the_end_of_a_name_needs_no_question(tmp_path, names):
+    draft = draft_mapping(write_commands(tmp_path / 'a.csv', names, 0.1), {})
+    assert draft.choices.questions == []
+    wrench = find_topic(draft, 'wrench_command')
+    assert wrench['force'] == {'columns': [names[0], None, names[1]], 'unit': 'N'}
+    assert wrench['torque'] == {'columns': [None, None, names[2]], 'unit': 'N m', 'scale': 1e-3}
+    reasons = {one.part: one.reason for one in draft.choices.reasons}
+    assert reasons['wrench_command: force'].endswith('; sway without a column: taken as zero')
+
+
+def test_the_reasons_name_the_axes_without_a_force(tmp_path):
+    draft = draft_mapping(write_commands(tmp_path / 'a.csv', ('fx_N', 'fz_N', 'tz_Nm')), {})
+    reasons = {one.part: one.reason for one in draft.choices.reasons}
+    assert reasons['wrench_command: force'].endswith('; y without a column: taken as zero')
+    assert reasons['wrench_command: torque'].endswith('; x and y without a column: taken as zero')
+
+
+@pytest.mark.parametrize(
+    'names',
+    [
+        ('u_x', 'u_z', 'u_yaw'),
+        ('u_fwd', 'u_up', 'u_yaw'),
+        ('wrench_x', 'wrench_z', 'wrench_yaw'),
+        ('cmd_vel.linear.x', 'cmd_vel.linear.z', 'cmd_vel.angular.z'),
+    ],
+)
+def test_a_command_may_name_its_axis_in_other_words(tmp_path, names):
+    draft = draft_mapping(write_commands(tmp_path / 'a.csv', names), {}, WHALE)
+    assert draft.choices.questions == []
+    wrench = find_topic(draft, 'wrench_command')
+    assert wrench['force']['columns'] == [names[0], None, names[1]]
+    assert wrench['torque']['columns'] == [None, None, names[2]]
+
+
+@pytest.mark.parametrize(
+    ('names', 'called'),
+    [
+        (('cmd_left', 'cmd_right', 'cmd_up'), ['left', 'right', 'up']),
+        (('cmd_1', 'cmd_2', 'cmd_3'), ['cmd_1', 'cmd_2', 'cmd_3']),
+        (('motor_up', 'motor_forward'), ['motor_up', 'motor_forward']),
+        (('thr_l', 'thr_r'), ['left', 'right']),
+    ],
+)
+def test_places_and_numbers_of_commands_are_those_of_rotors(tmp_path, names, called):
+    draft = draft_mapping(write_commands(tmp_path / 'a.csv', names), {})
+    assert [*find_topic(draft, 'motors')['actuators']] == called
+
+
+def test_three_commanded_coordinates_are_a_place_unless_the_user_says_otherwise(tmp_path):
+    source = write_commands(tmp_path / 'a.csv', ('cmd_x', 'cmd_y', 'cmd_z'))
+    assert find_topic(draft_mapping(source, {}), 'setpoint/pose') is not None
+    answers = {f'cmd_{axis}.command': of for axis, of in
+               zip('xyz', ('surge', 'sway', 'heave'), strict=True)}  # fmt: skip
+    answers |= {f'{of}.largest': '0.1 N' for of in answers.values()}
+    wrench = find_topic(draft_mapping(source, answers), 'wrench_command')
+    assert wrench['force']['columns'] == ['cmd_x', 'cmd_y', 'cmd_z']
+
+
 def test_small_numbers_can_be_shares_or_forces(tmp_path):
     source = write_commands(tmp_path / 'a.csv', SHARES, 0.1)
     (question,) = draft_mapping(source, {}, WHALE).choices.questions

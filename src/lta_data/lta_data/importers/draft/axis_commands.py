@@ -4,7 +4,7 @@ Draft commands of body axes, such as `u_surge` and `u_yaw`: forces, or fractions
 A mixer on board turns them into duties, so they are a wrench, and no actuators.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Final
 
 from lta_config.errors import BadInput
@@ -13,11 +13,14 @@ from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.draft_vehicle import BODY_AXES
 from lta_data.importers.draft.name_hints import (
     ACTUATORS,
+    BODY_WORDS,
     ColumnName,
     COMMANDS,
     KINDS,
     match_kind,
     match_role,
+    PARTS,
+    PLACES,
     ROLES,
     UNIT_WORDS,
 )
@@ -28,7 +31,11 @@ from pydantic import ValidationError
 LINEAR: Final = frozenset(BODY_AXES[:3])
 MOTIONS: Final = ('velocity', 'position', 'rates', 'acceleration', 'euler')
 WANTED: Final = ROLES['setpoint'] - {'cmd', 'command', 'commanded'}  # a state, no force
-COMMANDING: Final = COMMANDS | ACTUATORS | KINDS['force'] | KINDS['torque']
+TWIST: Final = frozenset(['linear', 'angular'])
+COMMANDING: Final = COMMANDS | ACTUATORS | KINDS['force'] | KINDS['torque'] | {'wrench'}
+# Words beside x, y, z that make it the axis of a command
+DRIVING: Final = (COMMANDS | ACTUATORS | {'wrench'}) - PARTS
+OTHERS: Final = KINDS['force'] | {'m', 't'}
 FRACTION: Final = 1.05  # largest number of a fraction
 SMALL: Final = 0.3  # a fraction that never exceeds it can be a force of a blimp [N]
 UNITS: Final = {'N': 1.0, 'mN': 1e-3, 'N m': 1.0, 'mN m': 1e-3, '%': 0.01}
@@ -57,23 +64,47 @@ def find_named_axes(names: Sequence[ColumnName]) -> dict[str, ColumnName]:
     """
     found: dict[str, ColumnName] = {}
     alike: list[frozenset[str]] = []
+    read = [(name, *_read_axis(name)) for name in names]
+    # Of cmd_left, cmd_right and cmd_up, the last is the place of a rotor
+    placed = any(
+        name.words & PLACES - {*BODY_WORDS} and rest & COMMANDING for name, _, rest in read
+    )
     for linear in (True, False):
-        for name in names:
-            axis, rest = _read_axis(name)
+        for name, axis, rest in read:
             known = bool(rest & COMMANDING) or rest in alike
+            if placed and name.words & PLACES and name.words & {*BODY_WORDS}:
+                continue
             if axis and (axis in LINEAR) is linear and (linear or known):
                 found.setdefault(axis, name)
                 alike += [rest] if linear else []
     angles = [found[axis].words for axis in BODY_AXES[3:] if axis in found]
-    if not LINEAR & {*found} or angles == [frozenset()] * 3:
+    if not LINEAR & {*found} or angles == [frozenset()] * 3 or _are_places(found):
         return {}
     return found
 
 
+def _are_places(commands: Mapping[str, ColumnName]) -> bool:
+    """Return whether cmd_x, cmd_y and cmd_z are all there: a place, as a setpoint has it."""
+    linear = [commands[axis] for axis in BODY_AXES[:3] if axis in commands]
+    return len(linear) == 3 and all(
+        name.axis in {*'xyz'} and name.words <= ROLES['setpoint'] for name in linear
+    )
+
+
 def _read_axis(name: ColumnName) -> tuple[str, frozenset[str]]:
     """Return the body axis in a name, '' if it is of a motion, and the other words."""
-    axis = next((word for word in (*name.stem, name.axis) if word in BODY_AXES), '')
-    rest = name.words - {axis}
+    word = next((word for word in (*name.stem, name.axis) if word in BODY_WORDS), '')
+    rest = name.words - {word}
+    if rest & COMMANDS and rest & TWIST:
+        rest -= {*TWIST, 'vel', 'twist'}  # cmd_vel.linear.x, which is no velocity of a blimp
+    axis = BODY_WORDS.get(word, '')
+    turns = name.words & {*KINDS['torque'], 'angular'}
+    driven = turns or (rest & DRIVING and not rest & OTHERS)
+    # What names say to be forces is grouped with those that are measured
+    if not word and name.axis in {*'xyz'} and driven and not _list_units([name]):
+        axis = BODY_AXES['xyz'.index(name.axis) + (3 if turns else 0)]
+    # motor_up is a motor
+    axis = '' if word and word not in BODY_AXES and (rest & PARTS or not rest) else axis
     measured = match_kind(rest) in MOTIONS or match_role(rest) in ('truth', 'estimate')
     moved = UNIT_WORDS.get(name.unit, ('',))[0] in ('m', 'm/s', 'm/s2', 'rad', 'deg', 'rad/s')
     return ('' if measured or moved or rest & WANTED else axis), rest
@@ -92,8 +123,12 @@ def draft_axis_commands(
         columns = [commands[axis].column if axis in commands else None for axis in axes]
         vector: dict[str, Any] = {'columns': columns, 'unit': si}
         if unit in ('N', 'mN'):
-            scale: Any = UNITS[unit]
-            reading = ', '.join(f'{axis} [{unit if si == "N" else unit + " m"}]' for axis in there)
+            own = _list_units(commands[axis] for axis in there)
+            named = min(own or {unit}) if KEY not in choices.answers else unit
+            scale: Any = UNITS[named]
+            reading = ', '.join(
+                f'{axis} [{named if si == "N" else named + " m"}]' for axis in there
+            )
         else:
             full = {axis: _find_largest(axis, si, choices) for axis in there}
             share = UNITS.get(unit, 1.0)
@@ -102,10 +137,23 @@ def draft_axis_commands(
         if scale != 1.0:
             vector['scale'] = scale
         entry[part] = vector
+        lacking = [axis for axis in axes if axis not in there]
         choices.add_reason(
-            f'wrench_command: {part}', [one for one in columns if one], reading, why
-        )
+            f'wrench_command: {part}', [one for one in columns if one], reading,
+            why + explain_lacking(lacking),
+        )  # fmt: skip
     return _place_forces(entry, choices)
+
+
+def explain_lacking(axes: Sequence[str]) -> str:
+    """Return what a reason adds on the axes of a wrench that have no column."""
+    return f'; {" and ".join(axes)} without a column: taken as zero' if axes else ''
+
+
+def _list_units(names: Iterable[ColumnName]) -> set[str]:
+    """Return the units in names; those of moments without the metre."""
+    units = {UNIT_WORDS.get(name.unit, ('',))[0] for name in names} & {*UNITS}
+    return {unit.removesuffix(' m') for unit in units}
 
 
 def _place_forces(entry: dict[str, Any], choices: DraftChoices) -> dict[str, Any]:
@@ -135,12 +183,12 @@ def _judge_unit(
     commands: Mapping[str, ColumnName], table: Columns, choices: DraftChoices
 ) -> tuple[str, str]:
     """Return the unit of axis commands, or 'fraction', and the reason."""
-    named = {UNIT_WORDS.get(name.unit, ('',))[0] for name in commands.values()} & {*UNITS}
+    named = _list_units(commands.values())
     values = np.concatenate([np.abs(table[name.column]) for name in commands.values()])
     size = float(np.nanmax(values, initial=0.0))
     forces = KINDS['force'] | KINDS['torque']
     if named:
-        unit, why = min(named).removesuffix(' m'), 'the unit in the names'
+        unit, why = min(named), 'the unit in the names'
     elif any(name.words & forces for name in commands.values()):
         unit, why = 'N', 'a word for force in the names'
     elif SMALL < size <= FRACTION:

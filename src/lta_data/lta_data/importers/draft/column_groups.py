@@ -7,6 +7,7 @@ from lta_data.importers.draft.axis_commands import find_named_axes
 from lta_data.importers.draft.name_hints import (
     ANGLES,
     ColumnName,
+    COMMANDS,
     KINDS,
     match_kind,
     match_role,
@@ -19,6 +20,7 @@ import numpy as np
 TRIPLES: Final = (('x', 'y', 'z'), ('n', 'e', 'd'), ('0', '1', '2'), ('1', '2', '3'))
 SIXES: Final = (tuple('012345'), tuple('123456'))  # force and torque in one vector, as tau
 TORQUE_LETTERS: Final = frozenset(['t', 'm'])
+KIND_OF_UNIT: Final = {'N': 'force', 'mN': 'force', 'N m': 'torque', 'mN m': 'torque'}
 ANGLE_AXES: Final = {'roll': 'x', 'pitch': 'y', 'yaw': 'z'}
 FOURS: Final = (('0', '1', '2', '3'), ('1', '2', '3', '4'))
 UNIT_NORM: Final = 0.02  # largest median deviation of the length of a quaternion
@@ -165,6 +167,8 @@ def _group_stem(
         # A heading may stand beside a place
         if {*triple} <= {*axes} and not {*axes} - {*triple} - {*ANGLES.values()}:
             made = kind or ('position' if not stem or role else '')
+            if triple[0] in '01' and words <= COMMANDS:
+                return None  # cmd_1, cmd_2, cmd_3
             if made == 'quaternion':
                 made = 'euler' if triple[0] in '01' else ''
             # Vicon: RX, RY, RZ, TX, TY, TZ
@@ -200,7 +204,8 @@ def _group_wrench(names: Sequence[ColumnName]) -> Iterator[ColumnGroup]:
         for name in names:
             rest = name.words - KINDS['force'] - KINDS['torque'] - TORQUE_LETTERS
             axis = ANGLE_AXES.get(name.axis, name.axis)
-            kind = match_kind(name.words - rest)
+            unit = UNIT_WORDS.get(name.unit, ('',))[0]
+            kind = KIND_OF_UNIT.get(unit) or match_kind(name.words - rest)
             # tx beside fx is a torque; alone it is a place
             if letters and name.words & letters_of_torque and 'force' in parts.get(rest, {}):
                 kind = 'torque'

@@ -1,6 +1,6 @@
 """Read the names of columns: stem, axis and unit, and what the words of a stem stand for."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 import re
 from typing import Final, final, NamedTuple
 
@@ -20,7 +20,12 @@ UNIT_WORDS: Final[dict[str, tuple[str, float]]] = {
     'v': ('V', 1.0), 'mv': ('mV', 1.0),
     'volts': ('V', 1.0), 'a': ('A', 1.0), 'ma': ('mA', 1.0), 'pa': ('Pa', 1.0),
     'hpa': ('hPa', 1.0), 'mbar': ('hPa', 1.0), '%': ('%', 1.0), 'percent': ('%', 1.0),
+    # Words of a name that stand apart: vx_m_s
+    'm s': ('m/s', 1.0), 'm s2': ('m/s2', 1.0), 'rad s': ('rad/s', 1.0),
+    'deg s': ('deg/s', 1.0), 'newton': ('N', 1.0), 'newtons': ('N', 1.0),
+    'newton meter': ('N m', 1.0), 'newton meters': ('N m', 1.0),
 }  # fmt: skip
+FORCE_UNITS: Final = ('N', 'mN', 'N m', 'mN m')
 # Words at the end of a name that are units, not axes or quantities
 ENDINGS: Final = frozenset(
     [
@@ -108,6 +113,8 @@ ACTUATORS: Final = frozenset(
         'servo',
         'act',
         'actuator',
+        'actuators',
+        'thr',
         'rc',
         'output',
         'outputs',
@@ -115,6 +122,17 @@ ACTUATORS: Final = frozenset(
 )
 
 
+# Words for one actuator, which is no command of a body axis
+PARTS: Final = frozenset([
+    'motor', 'motors', 'pwm', 'duty', 'rpm', 'rotor', 'rotors', 'esc', 'prop', 'propeller',
+    'servo', 'm',
+])  # fmt: skip
+# Words for the body axes of a command; those of PLACES can also be the place of a rotor
+BODY_WORDS: Final = {
+    'surge': 'surge', 'forward': 'surge', 'fwd': 'surge', 'longitudinal': 'surge',
+    'sway': 'sway', 'lateral': 'sway', 'heave': 'heave', 'vertical': 'heave', 'up': 'heave',
+    'roll': 'roll', 'pitch': 'pitch', 'yaw': 'yaw',
+}  # fmt: skip
 # A command of a place is that of the actuator there: cmd_left
 COMMANDS: Final = frozenset(['cmd', 'command', 'commanded', 'ctrl', 'control', 'input'])
 PLACES: Final[frozenset[str]] = frozenset([
@@ -142,11 +160,24 @@ def parse_column_name(column: str) -> ColumnName:
     """Take the name of a column apart."""
     text, unit = column, ''
     bracket = re.search(r'\s*[\[(]([^\[\]()]*)[\])]\s*$', column)
-    if bracket and bracket[1].strip().lower() in UNIT_WORDS:
-        text, unit = column[: bracket.start()], bracket[1].strip().lower()
-    words = [word.lower() for word in WORDS.findall(text)]
-    if not unit and len(words) > 1 and (words[-1] in ENDINGS or _is_unit_letter(*words[-2:])):
-        unit = words.pop()
+    if bracket and (known := _normalise_unit(bracket[1])) in UNIT_WORDS:
+        text, unit = column[: bracket.start()], known
+    tokens = [token for token in re.split(r'[_\s.]+', text) if token]
+    for count in (2, 1):
+        end = ' '.join(tokens[-count:]).lower()
+        rest = [word.lower() for token in tokens[:-count] for word in WORDS.findall(token)]
+        if not unit and rest and end in UNIT_WORDS and _ends_with_unit(rest, end):
+            return _find_axis(column, rest, end)
+    return _find_axis(column, [word.lower() for word in WORDS.findall(text)], unit)
+
+
+def _normalise_unit(text: str) -> str:
+    """Return a unit as UNIT_WORDS has it: N m of N.m, N*m and N·m."""
+    return re.sub(r'[\s.*·]+', ' ', text.strip().lower().replace('²', '2'))
+
+
+def _find_axis(column: str, words: Sequence[str], unit: str) -> ColumnName:
+    """Return a name of words in lower case."""
     for index in range(len(words) - 1, -1, -1):
         word = words[index]
         if word in ANGLES:
@@ -161,18 +192,33 @@ def parse_column_name(column: str) -> ColumnName:
     return ColumnName(column, tuple(words), '', unit)
 
 
-def _is_unit_letter(before: str, letter: str) -> bool:
-    """Return whether a letter is the unit of an axis or a time: x_m, t_s."""
-    return (letter == 'm' and (before in AXES or before in COMPASS)) or (
-        letter == 's' and before in TIMES
-    )
+def _ends_with_unit(words: Sequence[str], end: str) -> bool:
+    """Return whether the end of a name is the unit of what the words before it name."""
+    if end in ENDINGS:
+        return True
+    if end in ('m', 's'):  # x_m, t_s
+        return words[-1] in ({*AXES, *COMPASS} if end == 'm' else TIMES)
+    unit = UNIT_WORDS[end][0]
+    name = _find_axis('', words, '')
+    if unit in FORCE_UNITS:
+        # A letter alone is that of a velocity too: u_n
+        letters = (
+            frozenset('tmu') if name.axis or any(word[-1].isdigit() for word in words) else {}
+        )
+        driven = ACTUATORS - frozenset('mu') | {*BODY_WORDS, 'wrench', *letters}
+        there = name.words | {name.axis}
+        return match_kind(there) in ('force', 'torque') or bool(there & driven)
+    if unit == 'm/s2':
+        return match_kind(name.stem) == 'acceleration'
+    return unit in ('m/s', 'rad/s', 'deg/s') and bool(name.axis)
 
 
 def is_placed_command(column: str) -> bool:
-    """Return whether a name consists of words for a command and for a place on the vehicle."""
+    """Return whether a name consists of words for a command, and a place or a number."""
     words = frozenset(word.lower() for word in WORDS.findall(column))
-    rest = {word for word in words - COMMANDS - PLACES if not word.isdigit()}
-    return bool(words & COMMANDS and words & PLACES and not rest)
+    rest = {word.rstrip('0123456789') for word in words} - COMMANDS - PLACES - {''}
+    numbered = any(word[-1].isdigit() for word in words)
+    return bool((words & PLACES or numbered) and not rest)
 
 
 def match_kind(words: Iterable[str]) -> str:

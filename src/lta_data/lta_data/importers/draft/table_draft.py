@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Any, Final, final, NamedTuple
 
 from lta_data.importers.draft.attitude_readings import body_rates_of, fit_scale, MotionEvidence
+from lta_data.importers.draft.axis_commands import explain_lacking
 from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.column_groups import ColumnGroup, Columns, group_columns
 from lta_data.importers.draft.motion_draft import draft_motion, MotionDraft
@@ -37,9 +38,10 @@ class TableDraft(NamedTuple):
 
 def draft_table(name: str, table: Columns, choices: DraftChoices) -> TableDraft:
     """Return the topics that a table fills; `name` is '' for a single table."""
-    groups, singles = group_columns(
-        {column: cells for column, cells in table.items() if cells.dtype.kind in 'fiub'}
-    )
+    numbers = {column: cells for column, cells in table.items() if cells.dtype.kind in 'fiub'}
+    told = [column for column in numbers if choices.find_answer(f'{column}.command')]
+    groups, singles = group_columns({one: numbers[one] for one in numbers if one not in told})
+    singles += [parse_column_name(column) for column in told]
     time = find_time_base(name, table, groups, choices)
     if name:
         # The file of a sensor often says what it is
@@ -102,7 +104,10 @@ def _sort_groups(
         # An attitude as quaternion and as angles: the quaternion has no convention to guess
         if kind not in members or (kind == 'attitude' and group.kind == 'quaternion'):
             members[kind] = group
-            choices.add_reason(f'{topic}: {kind}', group.columns, group.kind, group.reason)
+            why = group.reason
+            if topic == 'wrench_command' and {*group.axes} <= {*'xyz'}:
+                why += explain_lacking([axis for axis in 'xyz' if axis not in group.axes])
+            choices.add_reason(f'{topic}: {kind}', group.columns, group.kind, why)
     return topics
 
 
