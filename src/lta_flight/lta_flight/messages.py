@@ -62,10 +62,10 @@ class LoopRecorder:
     def record_step(self) -> None:
         """Write the messages of the newest step; call it before the simulation advances."""
         loop, readings = self._loop, self._loop.readings
-        stamp = to_stamp(readings.stamp_ns)
+        stamp, estimate = to_stamp(readings.stamp_ns), loop.estimate
         self._write_motion(readings)
-        self._write_message('airspeed', from_airspeed(stamp, loop.estimate, loop.ground))
-        odom = from_estimate(stamp, loop.estimate, loop.ground)
+        self._write_message('airspeed', from_airspeed(stamp, estimate, loop.ground))
+        odom = from_estimate(stamp, estimate, loop.ground)
         self._write_message('odom', odom)
         self._write_message('/tf', from_odometry(odom))
         self._write_message('motors', from_duties(stamp, self._rotors, loop.duties))
