@@ -57,11 +57,17 @@ if ! env -u PYTHONPATH -u COLCON_PREFIX_PATH VIRTUAL_ENV="$root/.venv" \
     echo 'colcon could not build the workspace; the lines above and log/latest_build say why.' >&2
     exit 2
 fi
+# Python looks for each module in every folder of its path: one for all packages instead of two for each.
+mkdir install/python
+for each in build/*/*.egg-info; do
+    ln -s "$root/$each" "$root/${each%.egg-info}" install/python
+done
 # What local_setup.sh sets, for tools/workspace.sh: that script starts Python, which every command would wait for.
 env -i PATH="$PATH" sh -c '. install/local_setup.sh
-for each in COLCON_PREFIX_PATH AMENT_PREFIX_PATH PYTHONPATH; do
+for each in COLCON_PREFIX_PATH AMENT_PREFIX_PATH; do
     eval "echo \"$each \$$each\""
 done' >install/environment
+echo "PYTHONPATH $root/install/python" >>install/environment
 
 # Once, not by a dozen processes at the same time when the first graph starts.
 .venv/bin/python -m compileall -q -j 0 config src

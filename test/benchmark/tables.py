@@ -17,7 +17,7 @@ from typing import Any
 
 from bench import Figure
 import lta_analysis
-from lta_flight.flight import SilentObserver
+from lta_flight.flight_run import SilentObserver
 from lta_flight.simulate import simulate_once, SimulationRequest
 import numpy as np
 import pandas

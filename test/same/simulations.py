@@ -9,7 +9,7 @@ from lta_config.errors import BadInput
 from lta_config.files import list_shipped_names
 from lta_config.topics import load_topic_table
 from lta_control.strategies import STRATEGIES
-from lta_flight.flight import ROBOT
+from lta_flight.flight_run import ROBOT
 from lta_flight.flight_spec import build_loop, load_spec
 from lta_flight.messages import LoopRecorder
 

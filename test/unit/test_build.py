@@ -18,8 +18,8 @@ echo "$* PYTHONPATH=${PYTHONPATH-unset}" >>log.txt
 [ "$1" != tools/messages.py ] || exit "$(cat status)"
 """
 COLCON = """#!/bin/sh
-mkdir install
-echo 'export PYTHONPATH=/built' >install/local_setup.sh
+mkdir -p install build/lta_one/lta_one build/lta_one/lta_one.egg-info
+echo 'export AMENT_PREFIX_PATH=/built' >install/local_setup.sh
 """
 
 
@@ -79,7 +79,11 @@ def test_messages_are_built_once_and_without_the_packages_of_a_sourced_ros(works
     assert line == 'tools/messages.py tools/messages/one src/lta_msgs PYTHONPATH=unset'
     # What commands read instead of starting local_setup.sh
     written = (workspace / 'install/environment').read_text('utf-8').splitlines()
-    assert written[-1] == 'PYTHONPATH /built'
+    assert written[1:] == ['AMENT_PREFIX_PATH /built', f'PYTHONPATH {workspace}/install/python']
+    found = {path.name: path.readlink() for path in (workspace / 'install/python').iterdir()}
+    assert found == {
+        name: workspace / 'build/lta_one' / name for name in ('lta_one', 'lta_one.egg-info')
+    }
 
 
 @pytest.mark.parametrize('name', ['package.xml', 'msg/One.msg', 'action/One.action'])

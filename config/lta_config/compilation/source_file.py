@@ -1,5 +1,5 @@
 """
-Keep what is extracted from a source file on disk, under the hash of the file's content.
+Keep texts on disk under the hash of what they depend on, such as parts of a source file.
 
 To parse and to rewrite functions takes most of the time in which a kernel is composed, and nearly
 always the sources are those of the last run. A result depends only on the content of the file, the
@@ -22,44 +22,18 @@ from lta_config.machine import find_cache_folder
 Result = TypeVar('Result', str, list[str])
 
 
-@final
-class SourceFile:
+class StoredResults:
     """
-    A file of Python whose functions are extracted.
+    Texts kept on disk under the hash of all that they depend on, the version of Python included.
 
-    Parameters
-    ----------
-    content : bytes
-        Of the file.
-    code : bytes
-        Source of the code whose results are stored: an edit of it makes them void.
-    prepare : callable
-        Applied to each function definition after parsing.
-
+    `folder`: name of the cache folder. `inputs`: what the results depend on.
     """
 
-    def __init__(
-        self,
-        content: bytes,
-        code: bytes,
-        prepare: Callable[[ast.FunctionDef], ast.FunctionDef],
-    ) -> None:
-        self._content = content
-        self._prepare = prepare
-        key = hashlib.sha256(b'\0'.join((content, code, sys.version.encode()))).hexdigest()
-        self.path = find_cache_folder('sources') / f'{key[:32]}.json'
+    def __init__(self, folder: str, *inputs: bytes) -> None:
+        key = hashlib.sha256(b'\0'.join((*inputs, sys.version.encode()))).hexdigest()
+        self.path = find_cache_folder(folder) / f'{key[:32]}.json'
         self._results: dict[str, Any] = _read_results(self.path)
         self._stored = len(self._results)
-        _FILES.append(self)
-
-    @cached_property
-    def definitions(self) -> dict[str, ast.FunctionDef]:
-        """The top-level functions of the file; parsed only if a result is missing."""
-        return {
-            node.name: self._prepare(node)
-            for node in ast.parse(self._content).body
-            if isinstance(node, ast.FunctionDef)
-        }
 
     def recall(self, compute: Callable[[], Result], *key: Any) -> Result:  # noqa: ANN401 - JSON
         """Return the result stored under a key, computed at first; a text or a list of texts."""
@@ -83,6 +57,43 @@ class SourceFile:
             # Atomic: another process reads the whole file or none
             Path(file.name).replace(self.path)
         self._stored = len(self._results)
+
+
+@final
+class SourceFile(StoredResults):
+    """
+    A file of Python whose functions are extracted.
+
+    Parameters
+    ----------
+    content : bytes
+        Of the file.
+    code : bytes
+        Source of the code whose results are stored: an edit of it makes them void.
+    prepare : callable
+        Applied to each function definition after parsing.
+
+    """
+
+    def __init__(
+        self,
+        content: bytes,
+        code: bytes,
+        prepare: Callable[[ast.FunctionDef], ast.FunctionDef],
+    ) -> None:
+        super().__init__('sources', content, code)
+        self._content = content
+        self._prepare = prepare
+        _FILES.append(self)
+
+    @cached_property
+    def definitions(self) -> dict[str, ast.FunctionDef]:
+        """The top-level functions of the file; parsed only if a result is missing."""
+        return {
+            node.name: self._prepare(node)
+            for node in ast.parse(self._content).body
+            if isinstance(node, ast.FunctionDef)
+        }
 
 
 _FILES: list[SourceFile] = []

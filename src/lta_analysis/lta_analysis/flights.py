@@ -8,7 +8,7 @@ from typing import Any
 from lta_config.parameter_override import parse_assignment
 from lta_data.bag.recording import open_recording, RobotRecording
 from lta_discovery.run import discover_effects, DiscoveryRequest
-from lta_flight.flight import SilentObserver
+from lta_flight.flight_run import SilentObserver
 from lta_flight.flight_spec import build_loop, load_spec
 from lta_flight.report.results import compute_results
 from lta_flight.simulate import simulate_closed_loop, simulate_once, SimulationRequest

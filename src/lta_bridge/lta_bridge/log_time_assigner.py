@@ -81,6 +81,12 @@ class LogTimeAssigner:
         self._begun = begun_ns is not None
         self._ahead_since: float | None = None
         self._last: dict[str, int] = {}
+        # By periodic topic with a stamp: bytes before it, latency and period [ns]
+        self._stamped = {
+            name: (4 if topic.type == TRANSFORMS else 0, topic.latency_ns, topic.period_ns)
+            for name, topic in table.topics.items()
+            if topic.period_ns and (topic.stamped or topic.type == TRANSFORMS)
+        }
         self.due: Mapping[str, Sequence[int]] = {}
         self.counts: dict[str, int] = {}
         self.lost: dict[str, int] = {}
@@ -103,29 +109,26 @@ class LogTimeAssigner:
 
         A topic that is not in the table gets the newest publication time.
         """
-        topic = self._table.topics.get(name)
         self.counts[name] = self.counts.get(name, 0) + 1
-        if topic is None or not topic.period_ns:
-            once = topic is not None and topic.repeatable
-            return self._table.start_ns if self._lockstep and once else self._now
-        if topic.type == TRANSFORMS:
-            stamp = read_stamp(data, skipped=4)
-        elif topic.stamped:
-            stamp = read_stamp(data)
-        else:
+        if name not in self._stamped:
             return self._scheduled_time(name)
+        skipped, latency, period = self._stamped[name]
+        stamp = read_stamp(data, skipped)
         if stamp is None:
             self.torn[name] = self.torn.get(name, 0) + 1
-        elif self._accept_time(stamp + topic.latency_ns):
-            self._count_gap(name, stamp)
-            return stamp + topic.latency_ns
+        elif self._accept_time(stamp + latency):
+            self._count_gap(name, stamp, period)
+            return stamp + latency
         else:
             self.wild[name] = self.wild.get(name, 0) + 1
         return self._now
 
     def _scheduled_time(self, name: str) -> int:
         """Return the due time of the newest message of an unstamped topic, if known. [ns]"""
-        topic = self._table[name]
+        topic = self._table.topics.get(name)
+        if topic is None or not topic.period_ns:
+            once = topic is not None and topic.repeatable
+            return self._table.start_ns if self._lockstep and once else self._now
         turn = self.counts[name] - 1
         if turn < len(due := self.due.get(name, ())):
             return due[turn]
@@ -148,9 +151,8 @@ class LogTimeAssigner:
         self._now = max(self._now, published)
         return True
 
-    def _count_gap(self, name: str, stamp: int) -> None:
-        """Count the messages missing between a topic's last stamp and this one."""
-        period = self._table[name].period_ns
+    def _count_gap(self, name: str, stamp: int, period: int) -> None:
+        """Count the messages missing between a topic's last stamp and this one. [ns]"""
         # In real time the recorder may have joined late, so nothing counts before the first stamp
         first = self._table.start_ns if self._lockstep else stamp
         before = self._last.get(name, first - period)

@@ -10,7 +10,7 @@ from lta_bridge.bag.writer import BagWriter
 from lta_config.topics import load_topic_table, robot_topic
 from lta_data.importers.cdr_template import CdrTemplate
 from lta_data.importers.message_parts import WRENCH
-from lta_flight.flight import ROBOT
+from lta_flight.flight_run import ROBOT
 import numpy as np
 from numpy.typing import NDArray
 

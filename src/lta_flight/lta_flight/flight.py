@@ -10,7 +10,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 import json
 from pathlib import Path
-from typing import final, Literal, Protocol, TYPE_CHECKING
+from typing import final, Literal, TYPE_CHECKING
 
 from lta_bridge.bag.writer import prepare_empty_folder
 from lta_config.command_line import format_lta_command, relative_path
@@ -18,6 +18,7 @@ from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_control.strategies import find_navigation_strategy
 from lta_flight.domain_lock import DomainLock
+from lta_flight.flight_run import FlightObserver, FlightRun, ROBOT
 from lta_flight.preflight import check_plan
 from lta_flight.stall_monitor import FLIGHT, StallMonitor
 from lta_flight.unflown_bag import remove_unflown_bags
@@ -33,40 +34,9 @@ from lta_report.results_folder import resolve_folder
 if TYPE_CHECKING:
     from lta_graph.ros.listener import DiagnosticsListener
 
-ROBOT = 'lta1'
 SIMULATORS = ('simulator', ONE_PROCESS[1])  # processes that print the outcome
 PATIENCE = 10.0  # wall seconds of a stall after which the graph is stopped
 LOOK = 0.05  # wall seconds between polls of the processes and the diagnostics
-
-
-class FlightObserver(Protocol):
-    """Shows a flight to the user."""
-
-    def show_position(self, time: float, distance: float, pace: float) -> None:
-        """Show flight time [s], distance to the lamp [m] and flight seconds per wall second."""
-        ...
-
-    def show_message(self, sentence: str) -> None:
-        """Show a message."""
-        ...
-
-    def wait_for(self, what: str) -> None:
-        """Show a long first step."""
-        ...
-
-
-@final
-class SilentObserver:
-    """Shows nothing of a flight."""
-
-    def show_position(self, time: float, distance: float, pace: float) -> None:
-        """Do nothing."""
-
-    def show_message(self, sentence: str) -> None:
-        """Do nothing."""
-
-    def wait_for(self, what: str) -> None:
-        """Do nothing."""
 
 
 @final
@@ -82,21 +52,6 @@ class FlightRequest:
     out: Path | None = None
     live_port: int | None = None  # for Foxglove
     processes: Literal['many', 'one'] = 'many'  # of the nodes
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class FlightRun:
-    """The result of a flight."""
-
-    # Results folder and recording
-    folder: Path
-    bag: Path
-    outcome: str  # 'reached', 'timeout', 'escaped', or 'failed' if the graph broke
-    sentence: str  # the outcome in words, to be put after 'The drone'
-    pace: float  # flight seconds per wall second
-    # Whether the flight left the region of validity or of the law of the vehicle file; '' if not
-    warning: str = ''
 
 
 def fly_once(order: FlightRequest, watcher: FlightObserver) -> FlightRun:

@@ -15,7 +15,7 @@ from lta_energy.monitoring.power_system import PowerSystem
 from lta_energy.monitoring.report import report_energy
 from lta_flight.closed_loop import ClosedLoop, EnergyObservation, LightObservation
 from lta_graph.cdr_encoder import encode_cdr
-from lta_graph.ros.qos import select_profile
+from lta_graph.quality import select_quality
 from lta_graph.ros.stamps import to_stamp
 from lta_graph.ros.transforms import from_odometry, from_start
 from lta_model import messages
@@ -50,12 +50,10 @@ class LoopRecorder:
         for name, topic in table.topics.items():
             # The same topics as the graph's recorder, so that the bags are equal
             if topic.recorded and topic.repeatable:
-                offered = select_profile(topic, lockstep=True)
-                words = offered.reliability.name.lower(), offered.durability.name.lower()
+                depth, reliability, durability = select_quality(topic, lockstep=True)
+                offered = build_offered_qos(reliability, durability, depth)
                 self._names[name] = robot_topic(robot, name)
-                writer.add_topic(
-                    self._names[name], topic.type, [build_offered_qos(*words, offered.depth)]
-                )
+                writer.add_topic(self._names[name], topic.type, [offered])
         # As the drone knows itself: a bag must not disclose what a challenge hides
         for name, message in iterate_descriptions(loop.nominal_vehicle, loop.world.scenario):
             self._write_message(name, message)
@@ -64,10 +62,10 @@ class LoopRecorder:
     def record_step(self) -> None:
         """Write the messages of the newest step; call it before the simulation advances."""
         loop, readings = self._loop, self._loop.readings
-        stamp = to_stamp(readings.stamp_ns)
+        stamp, estimate = to_stamp(readings.stamp_ns), loop.estimate
         self._write_motion(readings)
-        self._write_message('airspeed', from_airspeed(stamp, loop.estimate, loop.ground))
-        odom = from_estimate(stamp, loop.estimate, loop.ground)
+        self._write_message('airspeed', from_airspeed(stamp, estimate, loop.ground))
+        odom = from_estimate(stamp, estimate, loop.ground)
         self._write_message('odom', odom)
         self._write_message('/tf', from_odometry(odom))
         self._write_message('motors', from_duties(stamp, self._rotors, loop.duties))

@@ -18,7 +18,7 @@ from lta_config.errors import BadInput
 from lta_config.parameter_override import parse_assignment
 from lta_config.topics import load_topic_table
 from lta_flight.closed_loop import ClosedLoop
-from lta_flight.flight import FlightObserver, FlightRun, ROBOT
+from lta_flight.flight_run import FlightObserver, FlightRun, ROBOT
 from lta_flight.flight_spec import (
     build_loop,
     build_vehicle_scenario_stack,

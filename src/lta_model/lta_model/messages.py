@@ -70,11 +70,10 @@ def build_range_message(stamp: Time, distance: float, settings: RangeSettings) -
 
 def build_pressure_message(stamp: Time, value: float, deviation: float) -> FluidPressure:
     """Return the air pressure, with the square of its deviation as variance. [Pa]"""
-    return FluidPressure(
-        header=_build_header(stamp, 'pressure'),
-        fluid_pressure=value,
-        variance=deviation * deviation,
-    )
+    message = create_message(FluidPressure)
+    message.header = _build_header(stamp, 'pressure')
+    message.fluid_pressure, message.variance = value, deviation * deviation
+    return message
 
 
 def build_light_block_message(stamp: Time, block: NDArray[np.uint16]) -> 'LightBlock | Image':

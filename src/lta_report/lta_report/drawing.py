@@ -1,6 +1,7 @@
 """Shared style and elements of figures: fonts, axes, lines and labels at line ends."""
 
 from collections.abc import Sequence
+from functools import cache
 from typing import NamedTuple
 
 from lta_report.curves import Array
@@ -64,6 +65,12 @@ def add_legend(figure: Figure) -> Figure:
 
 def create_figure(rows: int = 1, heights: Sequence[float] | None = None) -> Figure:
     """Return an empty figure with rows that share the x axis."""
+    # To copy a figure takes a fifth of the time
+    return Figure(_create_blank_figure(rows, heights and tuple(heights)))
+
+
+@cache
+def _create_blank_figure(rows: int, heights: tuple[float, ...] | None) -> Figure:
     figure = make_subplots(
         rows=rows,
         cols=1,

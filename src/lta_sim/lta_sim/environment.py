@@ -87,6 +87,9 @@ class FlightEnvironment:
         self.numbers: NDArray[np.float64] = np.zeros(SURROUNDINGS)
         self._steady = build_steady_wind(scenario, radius)
         self._record = load_wind_record(scenario)
+        # Elsewhere the steady wind is the same in all places
+        self._varies = scenario.outside is not None or self._record is not None
+        self.numbers[WIND : WIND + 3] = steady_wind_at(self._steady, 0.0)
         self._period = period
         self._turbulent = 'turbulence' in effect_parameters
         self._warmed = 'superheat' in effect_parameters
@@ -97,7 +100,8 @@ class FlightEnvironment:
     def refresh(self, pose: Pose, voltage: float, elapsed: float) -> None:
         """Update the surroundings for the next control period."""
         self.numbers[VOLTAGE] = voltage
-        self.numbers[WIND : WIND + 3] = steady_wind_at(self._steady, pose[0])
+        if self._varies:
+            self.numbers[WIND : WIND + 3] = steady_wind_at(self._steady, pose[0])
         if self._record is not None:
             wind, rate = self._record.average_wind_over_span(elapsed, elapsed + self._period)
             self.numbers[WIND : WIND + 3] += wind

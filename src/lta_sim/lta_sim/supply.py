@@ -1,12 +1,13 @@
 """Simulate the electric supply of a flight: power path, solar array, meters, energy totals."""
 
 from collections.abc import Mapping, Sequence
+import struct
 from typing import final
 
 from lta_config.compilation.flat import compile_core, TupleLayout
 from lta_energy.monitoring.energy_balance import EnergyBalance
 from lta_model.electrical import loads
-from lta_model.electrical.charger import resting_flow, total_stored_energy
+from lta_model.electrical.charger import PowerFlow, resting_flow, total_stored_energy
 from lta_model.electrical.panel import current_at_voltage
 from lta_model.scenario_faults import FaultTimes, is_cut_off, is_shorted
 from lta_model.vehicle import Vehicle
@@ -17,15 +18,14 @@ from numpy.random import Generator
 
 Electrics = tuple[float, float]  # voltage [V] and current [A]; negative discharges
 NOTHING = np.zeros(1)
+INPUTS = TupleLayout(SupplyInputs(0.0, 0.0, 0.0, False, False))
+STATE = TupleLayout(SupplyState(resting_flow(1.0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+FED, VOLTAGE = STATE.part_slice('flow.fed').start, STATE.part_slice('flow.voltage').start
 
 
 @final
 class Supply:
-    """
-    The electric supply of a vehicle.
-
-    Attribute `flow`: state of the cell and mean powers of the last control period.
-    """
+    """The electric supply of a vehicle; its state is an array, read on demand."""
 
     def __init__(
         self,
@@ -43,15 +43,15 @@ class Supply:
             name: power.draw_errors(self._meter, chance[name]) for name in ('battery', 'panel')
         }
         self._irradiance, self._periods, self._elapsed = 0.0, 0, 0.0
-        self._account = SupplyState(resting_flow(charge), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-        self.flow = self._account.flow
-        self._begun = total_stored_energy(self._parts.cell, self.flow)
-        self._layout = TupleLayout(self._account)
-        self._memory = self._layout.write(self._account)
+        begin = SupplyState(resting_flow(charge), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        self._begun = total_stored_energy(self._parts.cell, begin.flow)
+        self._memory = STATE.write(begin)
+        self._meantime = np.empty(INPUTS.size)
+        # Packing into the buffer is faster than building an array
+        self._pack = struct.Struct(f'{INPUTS.size}d').pack_into
         constants = TupleLayout(self._parts)
-        meantime = TupleLayout(SupplyInputs(0.0, 0.0, 0.0, False, False))
         self._constants = constants.write(self._parts)
-        self._step = compile_core(advance_supply, constants, self._layout, meantime)
+        self._step = compile_core(advance_supply, constants, STATE, INPUTS)
 
     def prepare(self) -> None:
         """Compile the step or load it from disk, without draining the cell."""
@@ -60,9 +60,30 @@ class Supply:
         self._step(self._constants, self._memory.copy(), second, NOTHING)
 
     @property
+    def _account(self) -> SupplyState:
+        """The state."""
+        return STATE.read(self._memory)
+
+    @property
+    def flow(self) -> PowerFlow:
+        """State of the cell, and mean powers of the last control period."""
+        return self._account.flow
+
+    @property
+    def is_fed(self) -> bool:
+        """Whether the supply holds."""
+        return bool(self._memory[FED])
+
+    @property
+    def voltage(self) -> float:
+        """Voltage of the cell. [V]"""
+        return self._memory.item(VOLTAGE)
+
+    @property
     def cell_voltage_and_current(self) -> Electrics:
         """Voltage and current of the cell."""
-        return self.flow.voltage, self.flow.current
+        flow = self.flow
+        return flow.voltage, flow.current
 
     @property
     def energy_totals(self) -> EnergyBalance:
@@ -83,15 +104,13 @@ class Supply:
         before, self._elapsed = self._elapsed, self._periods * seconds
         shorted = is_shorted(self._faults, before)
         cut = is_cut_off(self._faults, before, self._elapsed)
-        meantime = np.array([self._irradiance, demand, seconds, shorted, cut])
-        self._step(self._constants, self._memory, meantime, NOTHING)
-        self._account = self._layout.read(self._memory)
-        self.flow = self._account.flow
+        self._pack(self._meantime.data, 0, self._irradiance, demand, seconds, shorted, cut)
+        self._step(self._constants, self._memory, self._meantime, NOTHING)
 
     def read_battery_meter(self) -> Electrics:
         """Return the reading of the cell's meter, which is behind the load cut-off."""
         # After a cut-off the meter has no supply either and reads zero
-        voltage, current = self.cell_voltage_and_current if self.flow.fed else (0.0, 0.0)
+        voltage, current = self.cell_voltage_and_current if self.is_fed else (0.0, 0.0)
         return power.measure_voltage_and_current(
             self._meter, self.meters['battery'], voltage, current, self._chance['battery']
         )

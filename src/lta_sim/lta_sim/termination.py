@@ -108,7 +108,9 @@ def evaluate_outcome(
     """Return the outcome, as a place in `OUTCOMES`, and the progress after a control period."""
     inside = is_in_bounds(goal, progress.indoors, x, y, z)
     near = is_at_lamp(goal, goal.stops[progress.stop], x, y, z)
-    progress = progress._replace(indoors=is_indoors(goal, x, y, z))
+    indoors = is_indoors(goal, x, y, z)
+    if indoors != progress.indoors:
+        progress = progress._replace(indoors=indoors)
     if near and not goal.along:
         if progress.stop + 1 == len(goal.stops):
             return REACHED, progress

@@ -351,7 +351,7 @@ class World:
 
         """
         # Without supply the motors stop, whatever the command.
-        if not self.supply.flow.fed:
+        if not self.supply.is_fed:
             duties = (0.0,) * self._rotors
         # Raises for invalid duties, before anything has changed
         command = self._link.pack_command(duties, mass_place)
@@ -360,10 +360,11 @@ class World:
             self.command[:] = obeyed
             self._integrate_until(now, until)
             now = until
-        pose = self._pose()
+        rigid = self.state[:RIGID].tolist()
+        pose = tuple(rigid[:7])
         if 'illuminance' in self._due:
             self.supply.set_irradiance(self._light.panel_light(pose)[1])
-        if stiffness.has_diverged(self.state.tolist()):
+        if stiffness.has_diverged(rigid):
             raise stiffness.build_divergence_error(self.vehicle.file.name, self.elapsed)
         self._craft.evaluate_state()
         self._law_region.check_state(self._craft)
@@ -376,7 +377,7 @@ class World:
     def _begin_period(self, pose: Pose) -> None:
         """Update command and surroundings for the next control period."""
         self._light.record_pose(pose)
-        self._around.refresh(pose, self.supply.flow.voltage, self.elapsed)
+        self._around.refresh(pose, self.supply.voltage, self.elapsed)
         self._craft.surroundings[:] = self._around.numbers
 
     def _integrate_until(self, now: int, end: int) -> None:

@@ -3,8 +3,8 @@
 from collections.abc import Callable
 from typing import cast, TypeVar
 
+from lta_config.compilation.kernel_cache import import_numba
 from lta_config.machine import find_cache_folder
-from numba import config, njit
 
 Function = TypeVar('Function', bound=Callable[..., object])
 
@@ -15,6 +15,9 @@ def compile_kernel(function: Function) -> Function:
 
     Numba keeps it on disk until its own file changes, so what it calls must stand in that file.
     """
+    import_numba()
+    from numba import config, njit
+
     before = config.CACHE_DIR  # type: ignore[attr-defined]
     # Beside the sources, numba's default, is not writable where LTA is installed for all users
     config.CACHE_DIR = str(find_cache_folder('functions'))  # type: ignore[attr-defined]

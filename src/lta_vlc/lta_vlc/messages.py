@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from geometry_msgs.msg import PoseWithCovarianceStamped, Vector3, Vector3Stamped
 from lta_config.covariances import UNKNOWN_VARIANCE
 from lta_config.topics import load_topic_table
+from lta_graph.blank_message import create_message
 from lta_graph.ros.message_validation import find_message_type
 from lta_vlc.bearing import Bearing
 from lta_vlc.demodulation import Peaks
@@ -20,6 +21,7 @@ from std_msgs.msg import Header
 if TYPE_CHECKING:  # not built on every machine; see the type of a topic in the table
     from lta_msgs.msg import LampPeaks, LightBlock
 
+UPPER = np.triu_indices(3)
 FIELDS = ('x', 'y', 'z', 'amplitude', 'snr', 'frequency')
 
 
@@ -111,7 +113,8 @@ def from_bearing(header: Header, bearing: Bearing | None) -> Vector3Stamped:
 
 def from_lamp(header: Header, lamp: LampEstimate | None) -> PoseWithCovarianceStamped:
     """Return the lamp in the body frame; its variances are huge if none is detected."""
-    message = PoseWithCovarianceStamped(header=header)
+    message = create_message(PoseWithCovarianceStamped)
+    message.header = header
     covariance = np.zeros((6, 6))
     if lamp is None:
         covariance[:3, :3] = UNKNOWN_VARIANCE * np.eye(3)
@@ -119,7 +122,6 @@ def from_lamp(header: Header, lamp: LampEstimate | None) -> PoseWithCovarianceSt
         position = message.pose.pose.position
         position.x, position.y, position.z = lamp[:3]
         # xx xy xz yy yz zz is the upper triangle, row by row
-        covariance[np.triu_indices(3)] = lamp[3:]
-        covariance[np.tril_indices(3)] = covariance.T[np.tril_indices(3)]
+        covariance[UPPER] = covariance.T[UPPER] = lamp[3:]
     message.pose.covariance = covariance.ravel()
     return message

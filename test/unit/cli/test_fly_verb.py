@@ -4,7 +4,7 @@ import json
 
 from lta_cli.verbs import fly as verb
 from lta_config.errors import BadInput
-from lta_flight.flight import FlightRun
+from lta_flight.flight_run import FlightRun
 from lta_flight.report.results import FlightResults
 import pytest
 

@@ -11,7 +11,7 @@ from lta_config.topics import load_topic_table
 from lta_data.bag import open_flight, read_bag
 from lta_data.bag.channels import read_all_channels
 from lta_data.bag.recording import open_recording
-from lta_flight.flight import ROBOT
+from lta_flight.flight_run import ROBOT
 from lta_flight.flight_spec import build_loop, load_spec
 from lta_flight.messages import LoopRecorder
 import numpy as np

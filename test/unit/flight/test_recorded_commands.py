@@ -5,7 +5,7 @@ from pathlib import Path
 from lta_config.errors import BadInput
 from lta_config.quantity import Quantity
 from lta_flight import simulate as simulation
-from lta_flight.flight import SilentObserver
+from lta_flight.flight_run import SilentObserver
 from lta_flight.recorded_commands import (
     fill_with_last,
     find_body_poses,

@@ -4,7 +4,7 @@ from lta_bridge.bag.writer import BagWriter
 from lta_config.files import find_file
 from lta_config.parameter_override import parse_assignment
 from lta_config.topics import load_topic_table
-from lta_flight.flight import ROBOT
+from lta_flight.flight_run import ROBOT
 from lta_flight.flight_spec import build_loop, load_spec
 from lta_flight.messages import LoopRecorder
 

@@ -26,11 +26,11 @@ from lta_bridge.playback.settings import check_playback, FOREVER, PlayerSettings
 from lta_config.bounded_memory import limit_memory
 from lta_config.errors import BadInput
 from lta_graph.health import HealthLevel
+from lta_graph.quality import select_quality
 from lta_graph.ros.node import GraphNode, WHOLE
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.peer_listener import OVER
 from lta_graph.ros.process import run_node
-from lta_graph.ros.qos import select_profile
 from lta_graph.ros.replay_due import from_due
 from lta_graph.ros.spin import Pause, Spin
 from lta_graph.ros.stamps import to_stamp
@@ -104,12 +104,8 @@ class Player(GraphNode):
             return None
 
         def build_qos(name: str) -> list[OfferedQos]:
-            qos = select_profile(self.table[name], self.lockstep)
-            return [
-                build_offered_qos(
-                    qos.reliability.name.lower(), qos.durability.name.lower(), qos.depth
-                )
-            ]
+            depth, reliability, durability = select_quality(self.table[name], self.lockstep)
+            return [build_offered_qos(reliability, durability, depth)]
 
         robot = self.get_namespace().strip('/')
         return AnswerBag(

@@ -5,14 +5,14 @@ from pathlib import Path
 from typing import Annotated
 
 from lta_cli.options.common_options import Json, Out, plain_console, print_json
-from lta_cli.verbs.fly import flight_to_dict, format_outcome, print_files
+from lta_cli.options.flight_output import flight_to_dict, format_outcome, print_files
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_control.strategies import STRATEGIES
 from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.recorded_flight import open_flight
-from lta_flight.flight import ROBOT
+from lta_flight.flight_run import ROBOT
 from lta_flight.progress import FlightProgress
 from lta_flight.report.page import write_page
 from lta_flight.simulate import CommandRequest, simulate_once, SimulationRequest

@@ -22,7 +22,7 @@ from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter, list_free_parameters
 from lta_discovery.planning.flight_choice import format_hypothesis
 from lta_flight.closed_loop import ClosedLoop
-from lta_flight.flight import ROBOT
+from lta_flight.flight_run import ROBOT
 from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec, load_spec
 from lta_model.vehicle import load_vehicle, Vehicle
 from lta_sim.world import World

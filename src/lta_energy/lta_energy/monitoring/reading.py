@@ -1,7 +1,6 @@
 """Define one reading of the power meters, with the estimated position."""
 
 from dataclasses import dataclass
-from functools import cached_property
 import math
 from typing import Final, final
 
@@ -20,7 +19,7 @@ class TravelState:
 
 
 @final
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class MeterReading:
     """One reading of the meters; NaN where a value is not measured."""
 
@@ -34,18 +33,18 @@ class MeterReading:
     illuminance: float = math.nan  # at the panel [lx]
     where: TravelState | None = None  # None while the position is unknown
 
-    @cached_property
+    @property
     def is_usable(self) -> bool:
         """Whether the cell's voltage and current are finite and within the range of a meter."""
         # Also false for NaN
         return abs(self.voltage) <= MOST_VOLTS and abs(self.current) <= MOST_AMPERES
 
-    @cached_property
+    @property
     def panel_power(self) -> float:
         """Power of the panel. [W]"""
         return self.panel_voltage * self.panel_current
 
-    @cached_property
+    @property
     def plausible_panel_power(self) -> float:
         """Power of the panel, or 0 if it is not measured or outside the range of a meter. [W]"""
         is_plausible = (
@@ -53,7 +52,7 @@ class MeterReading:
         )
         return self.panel_power if is_plausible else 0.0
 
-    @cached_property
+    @property
     def cell_power(self) -> float:
         """Power into the cell at its terminals. [W]"""
         return self.voltage * self.current

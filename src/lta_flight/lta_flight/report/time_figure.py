@@ -17,20 +17,28 @@ def create_time_figure(
     figure.update_xaxes(range=list(view.span), hoverformat='.2f', unifiedhovertitle_text='%{x} s')
     figure.update_xaxes(title_text='time [s]', row=rows)
     phases = find_phases(view)
-    marks = [
+    marks = (
         (phases.lift_off, 'lift-off', 'right'),
         (phases.search, 'search', 'left'),
         (phases.end, 'at the lamp', 'right'),
-    ]
-    for time, text, side in marks:
-        # False for NaN, a phase that never began
-        if view.span[0] < time < view.span[1]:
-            figure.add_shape(
-                type='line', x0=time, x1=time, y0=0.0, y1=1.0, yref='paper', layer='below',
-                line={'color': WALL, 'width': 1, 'dash': '2px,3px'},
-            )  # fmt: skip
-            figure.add_annotation(
-                x=time, y=1.0, yref='paper', yanchor='bottom', text=text, xanchor=side,
-                font={'size': 10, 'color': SOFT},
-            )  # fmt: skip
-    return figure
+    )
+    # False for NaN, a phase that never began
+    shown = [mark for mark in marks if view.span[0] < mark[0] < view.span[1]]
+    # All at once: to add one, plotly copies those that are there
+    return figure.update_layout(
+        shapes=[
+            {
+                'type': 'line', 'x0': time, 'x1': time, 'y0': 0.0, 'y1': 1.0,
+                'yref': 'paper', 'layer': 'below',
+                'line': {'color': WALL, 'width': 1, 'dash': '2px,3px'},
+            }
+            for time, _, _ in shown
+        ],
+        annotations=[
+            {
+                'x': time, 'y': 1.0, 'yref': 'paper', 'yanchor': 'bottom', 'text': text,
+                'xanchor': side, 'font': {'size': 10, 'color': SOFT},
+            }
+            for time, text, side in shown
+        ],
+    )  # fmt: skip

@@ -256,7 +256,7 @@ class Simulator(GraphNode):
 
     def _report_supply(self) -> None:
         """Report a supply failure, which stops the motors, and its end."""
-        if self._fed == self._world.supply.flow.fed:
+        if self._fed == self._world.supply.is_fed:
             return
         self._fed = not self._fed
         if self._fed:

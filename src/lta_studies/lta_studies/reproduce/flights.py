@@ -9,7 +9,7 @@ from typing import Any, final
 
 from lta_config.command_line import format_lta_command
 from lta_config.schema.sweep_file import SweepSeeds
-from lta_flight.flight import SilentObserver
+from lta_flight.flight_run import SilentObserver
 from lta_flight.flight_spec import to_set_args
 from lta_flight.simulate import simulate_once, SimulationRequest
 from lta_flight.sweep.batch_workers import BatchWorkers

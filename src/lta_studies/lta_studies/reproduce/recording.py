@@ -10,7 +10,7 @@ from lta_bridge.provenance import collect_provenance
 from lta_config.errors import BadInput
 from lta_config.topics import load_topic_table
 from lta_flight.closed_loop import ClosedLoop
-from lta_flight.flight import ROBOT
+from lta_flight.flight_run import ROBOT
 from lta_flight.messages import LoopRecorder
 from pydantic import AliasChoices, BaseModel
 from pydantic.fields import FieldInfo

@@ -1,0 +1,52 @@
+"""The result of a flight, and how to show it to the user; of the graph or of one process."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import final, Protocol
+
+ROBOT = 'lta1'
+
+
+class FlightObserver(Protocol):
+    """Shows a flight to the user."""
+
+    def show_position(self, time: float, distance: float, pace: float) -> None:
+        """Show flight time [s], distance to the lamp [m] and flight seconds per wall second."""
+        ...
+
+    def show_message(self, sentence: str) -> None:
+        """Show a message."""
+        ...
+
+    def wait_for(self, what: str) -> None:
+        """Show a long first step."""
+        ...
+
+
+@final
+class SilentObserver:
+    """Shows nothing of a flight."""
+
+    def show_position(self, time: float, distance: float, pace: float) -> None:
+        """Do nothing."""
+
+    def show_message(self, sentence: str) -> None:
+        """Do nothing."""
+
+    def wait_for(self, what: str) -> None:
+        """Do nothing."""
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class FlightRun:
+    """The result of a flight."""
+
+    # Results folder and recording
+    folder: Path
+    bag: Path
+    outcome: str  # 'reached', 'timeout', 'escaped', or 'failed' if the graph broke
+    sentence: str  # the outcome in words, to be put after 'The drone'
+    pace: float  # flight seconds per wall second
+    # Whether the flight left the region of validity or of the law of the vehicle file; '' if not
+    warning: str = ''
