@@ -136,7 +136,7 @@ BARRIERS = {
         'test/integration/test_nodes.py',
     ),
     'armed at rest, by setpoints': Barrier(
-        f'{BRIDGE}/crazyflie/bridge_core.py', ' and self._may_rise(self._asked)', '',
+        f'{BRIDGE}/crazyflie/bridge_core.py', ' and self._may_rise(self._command)', '',
         f'{UNIT}/test_bridge.py',
     ),
     'time stands still': Barrier(

@@ -56,7 +56,7 @@ class TupleLayout(Generic[Nested]):
         # Names and types decide equality, since compiled code depends on both
         self._form = f'{text} {self._tuple_fields()}'
         # Generated code, as in a named tuple's own constructor: three times as fast as recursion
-        self._made = eval(f'lambda n: {text}', dict(_iterate_types(self._example)))
+        self._build_tuple = eval(f'lambda n: {text}', dict(_iterate_types(self._example)))
 
     def __eq__(self, other: object) -> bool:
         """Return whether another layout has the same names and types."""
@@ -73,7 +73,7 @@ class TupleLayout(Generic[Nested]):
     def read(self, array: Array) -> Nested:
         """Return the value that an array of shape (n,) holds."""
         # Indexing a list is faster than indexing a numpy array
-        return cast('Nested', self._made(array.tolist()))
+        return cast('Nested', self._build_tuple(array.tolist()))
 
     def part_slice(self, path: str) -> slice:
         """Return the slice of a part, such as `estimate.attitude`."""

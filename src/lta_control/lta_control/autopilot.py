@@ -78,7 +78,7 @@ class Autopilot:
         layout = TupleLayout(drone)
         self._constants = layout.write(drone)
         self._memory = MEMORY.write(OnboardMemory())
-        self._heard = np.empty(HEARD.size)
+        self._sensor_inputs = np.empty(HEARD.size)
         self._scratch = np.zeros(SCRATCH)
         self._count, self._standing = drone.rotors.number, drone.body.standing_height
         self._step = compile_core(onboard_step, layout, MEMORY, HEARD)
@@ -94,8 +94,8 @@ class Autopilot:
         `rates` [rad/s] and specific force `force` [m/s2] are measured in the body frame; range
         `distance` [m] and `pressure` [Pa] are NaN where there is no new measurement.
         """
-        self._pack(self._heard.data, 0, *rates, *force, distance, pressure)
-        self._step(self._constants, self._memory, self._heard, self._scratch)
+        self._pack(self._sensor_inputs.data, 0, *rates, *force, distance, pressure)
+        self._step(self._constants, self._memory, self._sensor_inputs, self._scratch)
         return self.duties
 
     def set_setpoint(self, setpoint: Setpoint) -> None:

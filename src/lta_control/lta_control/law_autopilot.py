@@ -153,7 +153,7 @@ class LawAutopilot:
             INPUTS,
         )
         self._memory_layout = TupleLayout(law.start)
-        self._known, self._law_step = _compile_core(
+        self._law_constants, self._law_step = _compile_core(
             law.step, law.known(gains, vehicle), self._memory_layout, HEARD
         )
         self._commanded = self._memory_layout.part_slice('command')
@@ -161,7 +161,7 @@ class LawAutopilot:
         self._fresh = self._memory_layout.write(law.start)
         self._memory = self._fresh.copy()
         self._scratch = np.zeros(SCRATCH)
-        self._inputs, self._heard = np.empty(INPUTS.size), np.empty(HEARD.size)
+        self._inputs, self._sensor_inputs = np.empty(INPUTS.size), np.empty(HEARD.size)
         self._pack_inputs = struct.Struct(f'{INPUTS.size}d').pack_into
         self._pack_heard = struct.Struct(f'{HEARD.size}d').pack_into
         self._setpoint: Setpoint | None = None
@@ -214,8 +214,8 @@ class LawAutopilot:
             # Reset the integrals, so that nothing winds up on the ground.
             self._memory = self._fresh.copy()
             return self._rest
-        self._pack_heard(self._heard.data, 0, *numbers, self._dt)
-        self._law_step(self._known, self._memory, self._heard, self._scratch)
+        self._pack_heard(self._sensor_inputs.data, 0, *numbers, self._dt)
+        self._law_step(self._law_constants, self._memory, self._sensor_inputs, self._scratch)
         return COMMAND.read(self._memory[self._commanded])
 
     def _is_landed(self, measured: CascadeMeasurement, setpoint: Setpoint) -> bool:

@@ -40,7 +40,7 @@ class StudyProgress(ProgressBar):
         self._unit, self._done, self._part, self._lost = unit, done, 0.0, 0
         self._counts: Counter[str] = Counter()
         self._detail = ''
-        self._shown = -LOOK  # in the past, so that the first item is shown at once
+        self._shown_at = -LOOK  # in the past, so that the first item is shown at once
 
     def __exit__(self, *_: object) -> None:
         """Update the bar a last time and remove it."""
@@ -72,11 +72,11 @@ class StudyProgress(ProgressBar):
 
     def _update_sometimes(self) -> None:
         # A batch finishes thousands of items at once
-        if time.monotonic() - self._shown >= LOOK:
+        if time.monotonic() - self._shown_at >= LOOK:
             self._update()
 
     def _update(self) -> None:
-        self._shown = time.monotonic()
+        self._shown_at = time.monotonic()
         words = [f'{count} {word}' for word, count in sorted(self._counts.items())]
         if self._lost:
             words.append(f'{self._lost} workers lost')

@@ -134,7 +134,7 @@ class BridgeCore:
         self.malformed, self.unasked = RejectionCount(), RejectionCount()
         self._word_ns: int | None = None
         self._power_ns: int | None = None
-        self._asked: CrazyflieCommand | None = None
+        self._command: CrazyflieCommand | None = None
         self._estimated = self._tracked = PositionEstimate()
         self._estimated_height = self._tracked_height = SensorWatch()
         self._air: readings.AirReading | None = None
@@ -151,7 +151,7 @@ class BridgeCore:
         self._sequence = 0
         self.packets = 0
         self._watchdog, self._guarded, self._ticks = watchdog, False, 0
-        self._flown = False  # whether this drone has flown
+        self._has_flown = False  # whether this drone has flown
         self._rose = False  # whether a setpoint above the floor was sent since arming
         self._graph_ns, self._graph_at = -1, -math.inf  # graph time, and when it changed last [s]
         self._held = 0  # how many times the override must still be released
@@ -180,7 +180,7 @@ class BridgeCore:
         with self._lock:
             self.clock, self.trips = DeviceClock(), RoundTrips()
             self.attitude, self.power, self.motors, self._word_ns = None, None, None, None
-            self._asked = self._air = None
+            self._command = self._air = None
 
     def add_round_trip(self, round_trip: float) -> None:
         """Add a ping's round trip [s]; half of the shortest one corrects the packets' stamps."""
@@ -223,7 +223,7 @@ class BridgeCore:
         elif not all(map(math.isfinite, numbers)):
             self.unasked.add('a command with a value that is not a finite number')
         else:
-            self._asked = command
+            self._command = command
 
     def update_position(self, where: PositionEstimate) -> None:
         """Store the newest estimate of the estimator."""
@@ -272,7 +272,7 @@ class BridgeCore:
         self, now_ns: int, linked: bool, active: bool
     ) -> safety.SafetyInputs:
         """Return the inputs of the safety state machine at a graph time. [ns]"""
-        command, motors = self._asked, self.motors
+        command, motors = self._command, self.motors
         where, age = self._find_position(now_ns)
         since = None if command is None else command.stamp_ns
         return safety.SafetyInputs(
@@ -355,8 +355,8 @@ class BridgeCore:
 
     def _watch_buoyancy(self, now: float, inputs: safety.SafetyInputs) -> None:
         # A person may lift a drone that has not flown
-        if not self._flown:
-            self._flown = self.state.stage is SafetyStage.FLYING
+        if not self._has_flown:
+            self._has_flown = self.state.stage is SafetyStage.FLYING
             return
         # A tilted rotor lifts by the vertical share of its thrust
         shares = [
@@ -392,8 +392,8 @@ class BridgeCore:
             self._send_override(order)
         elif self.command == 'motors':
             self._send_duties(order)
-        elif order.drive and self._asked is not None and self._may_rise(self._asked):
-            command = self._asked
+        elif order.drive and self._command is not None and self._may_rise(self._command):
+            command = self._command
             rate = max(-FASTEST_TURN, min(FASTEST_TURN, TURN_GAIN * command.turn))
             self._link.send_hover_setpoint(
                 # The ramp of a landing scales speed and turn; the height stays until the hand-over
@@ -413,10 +413,10 @@ class BridgeCore:
 
     def _motor_duties(self, order: safety.SafetyOutputs) -> tuple[float, ...]:
         """Return the duties of M1 to M4 to send now; empty if no command is flown."""
-        if not order.drive or self._asked is None:
+        if not order.drive or self._command is None:
             return ()
         # From the vehicle file's order of rotors to M1 to M4
-        duties = (self._asked.duties[place] for place in self._order)
+        duties = (self._command.duties[place] for place in self._order)
         return tuple(order.drive * min(1.0, max(-1.0, duty)) for duty in duties)
 
     def _send_override(self, order: safety.SafetyOutputs) -> None:

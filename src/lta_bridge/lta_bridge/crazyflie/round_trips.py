@@ -33,20 +33,20 @@ class RoundTrips:
     """The round trips of the last minute."""
 
     def __init__(self) -> None:
-        self._kept: deque[float] = deque(maxlen=WINDOWS * PINGS)
+        self._recent: deque[float] = deque(maxlen=WINDOWS * PINGS)
 
     def add(self, seconds: float) -> None:
         """Add one round trip; ignore implausible values. [s]"""
         if 0.0 < seconds < LONGEST:
-            self._kept.append(seconds)
+            self._recent.append(seconds)
 
     @property
     def latency(self) -> float:
         """95th percentile of the newest round trips; NaN before the first. [s]"""
-        newest = list(self._kept)[-NEWEST:]
+        newest = list(self._recent)[-NEWEST:]
         return float(np.percentile(newest, 95)) if newest else math.nan
 
     @property
     def one_way_ns(self) -> int:
         """Half of the shortest round trip; 0 before the first. [ns]"""
-        return round(0.5e9 * min(self._kept, default=0.0))
+        return round(0.5e9 * min(self._recent, default=0.0))

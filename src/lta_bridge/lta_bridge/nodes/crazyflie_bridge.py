@@ -91,7 +91,7 @@ class CrazyflieBridge(DeviceNode):
         self._keeper: ConnectionManager | None = None
         self._former: ConnectionManager | None = None  # its connection may still be closing
         self.autostart = settings.autostart
-        self._asked = SafetyRequest()
+        self._request = SafetyRequest()
         self._was_up, self._connected, self._complained = False, 0.0, ''
         self._pose: Any = None
         self._velocity: Any = None
@@ -100,7 +100,7 @@ class CrazyflieBridge(DeviceNode):
         self._buoyancy_warning = ''
         self._controller = self.create_client(SetBool, 'arm')
         # The controller arms separately from the drone
-        self._told = False  # whether the controller was armed
+        self._armed_controller = False  # whether the controller was armed
         self.create_service(SetBool, '~/arm', self._on_arm)
         self._stop = self.create_service(Trigger, '~/emergency_stop', self._on_emergency_stop)
         self._subscribe_inputs()
@@ -210,7 +210,7 @@ class CrazyflieBridge(DeviceNode):
         if not (request.data and why):
             if request.data and self._bridge.state.stage is SafetyStage.DISARMED:
                 self._wait_for_links()
-            self._asked = self._asked._replace(arm=request.data)
+            self._request = self._request._replace(arm=request.data)
             self._tick()
             while self._bridge.state.stage is SafetyStage.ARMING:
                 self._tick_and_wait()
@@ -246,7 +246,7 @@ class CrazyflieBridge(DeviceNode):
     def _on_emergency_stop(
         self, _: Trigger.Request, response: Trigger.Response
     ) -> Trigger.Response:
-        self._asked = self._asked._replace(stop=True)
+        self._request = self._request._replace(stop=True)
         self._tick()
         response.success, response.message = True, self._bridge.state.why
         return response
@@ -310,7 +310,7 @@ class CrazyflieBridge(DeviceNode):
             self._connected = time.monotonic()
         self._was_up = up
         # Each request counts for one tick only
-        request, self._asked = self._asked, SafetyRequest()
+        request, self._request = self._request, SafetyRequest()
         self._bridge.tick(time.monotonic(), now_ns, up, self.active, request)
         self._arm_controller()
         # A fresh connection needs time for its first log packets
@@ -323,9 +323,9 @@ class CrazyflieBridge(DeviceNode):
         """Arm the controller with the drone, so that its integrators do not wind up before."""
         stage = self._bridge.state.stage
         arm = stage in ALOFT and self._bridge.sends_duties
-        if arm != self._told and self._controller.service_is_ready():
+        if arm != self._armed_controller and self._controller.service_is_ready():
             self._controller.call_async(SetBool.Request(data=arm))
-            self._told = arm
+            self._armed_controller = arm
 
     def _publish_events(self) -> None:
         """Handle the events of the link as they arrive."""

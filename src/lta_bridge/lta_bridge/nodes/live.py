@@ -65,7 +65,7 @@ class LiveViewNode(GraphNode):
         settings = NodeParameters(self, LiveSettings).value
         self._robot = self.get_namespace().strip('/')
         # The scene of this node, at the true pose, takes the place of URDF, markers and transforms
-        self._shown = [name for name in self.table.topics if name not in REPLACED]
+        self._topics = [name for name in self.table.topics if name not in REPLACED]
         scenario = load_scenario(settings.scenario)
         self._scene = LiveScene(load_vehicle(settings.vehicle, scenario.air.density), scenario)
         self._feed = TopicThrottle(self.table)
@@ -75,7 +75,7 @@ class LiveViewNode(GraphNode):
         self._scene_topic, self._tf_topic = self._absolute_name('scene'), self._absolute_name('tf')
         title = f'LTA {self._robot}'
         self._server = LiveServer(title, settings.host, settings.port, self._list_channels())
-        for name in self._shown:
+        for name in self._topics:
             self._subscribe_topic(name)
 
     def _absolute_name(self, name: str) -> str:
@@ -84,7 +84,7 @@ class LiveViewNode(GraphNode):
     def _list_channels(self) -> dict[str, tuple[str, foxglove.Schema]]:
         """Return the shown topics of the table by their full names, and the two of the scene."""
         channels = {}
-        for name in self._shown:
+        for name in self._topics:
             topic = self.table[name]
             text = generate_definition(topic.type).text.encode()
             schema = foxglove.Schema(name=topic.type, encoding='ros2msg', data=text)

@@ -75,7 +75,7 @@ class Player(GraphNode):
             self.subscribe_raw(name, self._build_answer_receiver(name))
             for name in self._cast.answers
         ]
-        self._kept = self._open_answer_bag()
+        self._answer_bag = self._open_answer_bag()
         self._messages = 0
         self._now = self._reel.begin_ns
         self._began = self._clocked = self._news = 0.0
@@ -173,8 +173,8 @@ class Player(GraphNode):
         def take(data: bytes) -> None:
             self._news = time.monotonic()
             due = self._owed.register_answer(name)
-            if self._kept is not None:
-                self._kept.write(name, data, due, self._now)
+            if self._answer_bag is not None:
+                self._answer_bag.write(name, data, due, self._now)
             if self.lockstep:
                 self._publish_due()
 
@@ -183,11 +183,11 @@ class Player(GraphNode):
     def _tick(self) -> None:
         """Publish due messages; in lockstep, end the replay if answers are overdue."""
         self._publish_due()
-        if self._kept is not None:
-            self._kept.flush()
-            if self._kept.fault and self.running:
+        if self._answer_bag is not None:
+            self._answer_bag.flush()
+            if self._answer_bag.fault and self.running:
                 self.running = False
-                self.health.report('recording', HealthLevel.ERROR, self._kept.fault)
+                self.health.report('recording', HealthLevel.ERROR, self._answer_bag.fault)
         waited = time.monotonic() - self._news
         if (
             self._ended
@@ -287,13 +287,13 @@ class Player(GraphNode):
     def close(self) -> None:
         """Print the outcome, finish the bag of answers, and send the last messages."""
         self._monitor_inputs()
-        if self._kept is not None:
-            self._kept.close()
+        if self._answer_bag is not None:
+            self._answer_bag.close()
         sys.stdout.write(json.dumps(self._collect_progress()) + '\n')
         sys.stdout.flush()
         super().close()
-        if self._kept is not None and self._kept.fault:
-            raise BadInput(self._kept.fault)
+        if self._answer_bag is not None and self._answer_bag.fault:
+            raise BadInput(self._answer_bag.fault)
 
 
 def main(args: list[str] | None = None) -> None:

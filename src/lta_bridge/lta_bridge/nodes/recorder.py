@@ -104,7 +104,7 @@ class Recorder(GraphNode):
 
     def __init__(self) -> None:
         super().__init__('recorder')
-        settings = self._told = NodeParameters(self, RecorderSettings).value
+        settings = self._settings = NodeParameters(self, RecorderSettings).value
         origin = self._collect_origin()
         robots = self._robots = settings.robots.split() or [self.get_namespace().strip('/')]
         topics = select_topics(settings.topics, robots, self.table)
@@ -153,7 +153,7 @@ class Recorder(GraphNode):
 
     def _collect_origin(self) -> dict[str, str]:
         """Return the origin of the data: the launch, or the replayed bag."""
-        settings, lockstep = self._told, self.lockstep
+        settings, lockstep = self._settings, self.lockstep
         robots = settings.robots.split()
         each = {
             name: item.to_provenance(lockstep=lockstep)
@@ -170,7 +170,7 @@ class Recorder(GraphNode):
 
     def _open_writer(self, path: Path, origin: dict[str, str]) -> BackgroundWriter:
         """Create the bag, or the buffer for snapshots."""
-        settings, room = self._told, int(self._told.queue_size * MB)
+        settings, room = self._settings, int(self._settings.queue_size * MB)
         if not settings.snapshot:
             split = SplitLimits(int(settings.split_size * MB), int(settings.split_duration * 1e9))
             return BackgroundWriter(BagWriter(path, origin, split), room)

@@ -54,7 +54,7 @@ class BoardClock:
     """
 
     def __init__(self) -> None:
-        self._kept: deque[ClockExchange] = deque(maxlen=KEPT)
+        self._exchanges: deque[ClockExchange] = deque(maxlen=KEPT)
         self._base = 0
         self._anchor = 0
         self._offset = 0.0
@@ -65,12 +65,12 @@ class BoardClock:
     @property
     def is_synchronized(self) -> bool:
         """Whether the board has answered often enough."""
-        return len(self._kept) >= FEW
+        return len(self._exchanges) >= FEW
 
     @property
     def round_trip(self) -> int:
         """Shortest round trip of the stored exchanges. [ns]"""
-        return min(item.round_trip for item in self._kept)
+        return min(item.round_trip for item in self._exchanges)
 
     def to_host_time(self, board_ns: int) -> int:
         """Convert a board time to host time. [ns]"""
@@ -80,14 +80,14 @@ class BoardClock:
 
     def add_exchange(self, exchange: ClockExchange) -> None:
         """Add an exchange; restart if it contradicts the estimate."""
-        if self._kept and self._contradicts_fit(exchange):
+        if self._exchanges and self._contradicts_fit(exchange):
             self.discard_exchanges()
-        self._kept.append(exchange)
+        self._exchanges.append(exchange)
         self._fit_offset_drift()
 
     def discard_exchanges(self) -> None:
         """Discard all exchanges: the board was reset, or the host's clock was set."""
-        self._kept.clear()
+        self._exchanges.clear()
         self.restarts += 1
 
     def _contradicts_fit(self, exchange: ClockExchange) -> bool:
@@ -98,14 +98,14 @@ class BoardClock:
 
     def _fit_offset_drift(self) -> None:
         """Fit offset and drift about the newest answer, where they are used."""
-        newest = self._kept[-1]
+        newest = self._exchanges[-1]
         self._base, self._anchor = newest.board, newest.host_midpoint
         quickest = self.round_trip
         # Even the fastest exchange may be asymmetric
         best = QUICK * quickest * 1e-9 + GRAIN
         # Normal equations of (offset, drift); the prior of the drift has mean zero.
         aa = ab = bb = ya = yb = 0.0
-        for item in self._kept:
+        for item in self._exchanges:
             # Extra delay may be on one way only, so it adds to the midpoint's deviation
             weight = (best + 1e-9 * (item.round_trip - quickest)) ** -2
             # s; relative to the newest answer, for precision

@@ -111,7 +111,7 @@ class LightBoard:
         self._bits, self._vehicle = bits, vehicle
         self.commit = self.vehicle = 0
         self._sent = 0
-        self._asked: list[int] = []
+        self._request_times: list[int] = []
         self._next_beat = self._next_ask = self._looked_ns = 0
         self._replies: list[bytes] = []
         self.sender = SenderFilter()
@@ -174,7 +174,7 @@ class LightBoard:
         if now_ns >= self._next_ask:
             self._next_ask = now_ns + (ASK_NS if self.clock.is_synchronized else EAGER_NS)
             # Keep the newest requests only, since lost answers would let the list grow
-            self._asked = [*self._asked[1 - QUESTIONS :], now_ns]
+            self._request_times = [*self._request_times[1 - QUESTIONS :], now_ns]
             out += self._build_frame(TIMESYNC, ts1=now_ns)
         return out
 
@@ -282,9 +282,9 @@ class LightBoard:
                 self._replies.append(self._build_frame(TIMESYNC, tc1=now_ns, ts1=request))
             else:
                 self.unanswered += 1
-        elif request in self._asked and 0 <= now_ns - request < ANSWER_NS:
+        elif request in self._request_times and 0 <= now_ns - request < ANSWER_NS:
             # Each request has one answer; duplicated datagrams must not count twice
-            self._asked.remove(request)
+            self._request_times.remove(request)
             self.clock.add_exchange(ClockExchange(request, board, now_ns))
 
     def _take_status(self, record: np.void) -> None:

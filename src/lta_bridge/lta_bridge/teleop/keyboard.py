@@ -52,7 +52,7 @@ class Keyboard:
         # Keys arrive without Enter, and Ctrl-C still works
         tty.setcbreak(self._fd)
         os.set_blocking(self._fd, False)
-        self._heard: dict[str, float] = {}
+        self._pressed_at: dict[str, float] = {}
         self._torn = b''
         self._dead = False
 
@@ -62,9 +62,9 @@ class Keyboard:
         if self._dead:
             return None
         for key in fresh:
-            self._heard[key] = now
+            self._pressed_at[key] = now
         # A terminal reports no release: a key is down while it repeats
-        down = {key for key, pressed in self._heard.items() if now - pressed < HELD}
+        down = {key for key, pressed in self._pressed_at.items() if now - pressed < HELD}
         forward, turn, climb = (
             float((keys[0] in down) - (keys[1] in down)) for keys in (FORWARD, TURN, CLIMB)
         )

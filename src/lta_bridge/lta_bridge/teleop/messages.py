@@ -27,12 +27,12 @@ class JoyDevice:
         self._layout = layout
         self.unsound = RejectionCount()
         self._newest: Joy | None = None
-        self._heard = 0.0
+        self._received_at = 0.0
         self._tapped: set[int] = set()
 
     def receive(self, message: Joy, now: float) -> None:
         """Store a message that arrives at a time. [s]"""
-        self._newest, self._heard = message, now
+        self._newest, self._received_at = message, now
         if to_sticks(self._layout, message.axes, message.buttons) is None:
             have = f'{len(message.axes)} axes and {len(message.buttons)} buttons'
             self.unsound.add(f'joy: {have}, fewer than the parameter layout uses')
@@ -47,7 +47,7 @@ class JoyDevice:
         """Return the sticks at a time [s]; None after `SILENT` without a message."""
         tapped, self._tapped = self._tapped, set()
         # A pressed button counts even if the device is lost right after it
-        silent = now - self._heard > SILENT and not tapped
+        silent = now - self._received_at > SILENT and not tapped
         if self._newest is None or silent:
             return None
         return to_sticks(self._layout, self._newest.axes, self._newest.buttons, tapped)

@@ -27,7 +27,7 @@ class TrackedDrone:
         self._origin, self._body = origin, body
         self.clock, self.sieve, self.window = OneWayClock(), PoseFilter(), MotionWindow()
         self.clock.one_way_ns = delay_ns
-        self._heard = self._refused = self._told = 0
+        self._arrival_ns = self._refused = self._stamp_ns = 0
         self._offset_ns = 0
         self._poses = 0
 
@@ -54,7 +54,7 @@ class TrackedDrone:
         """
         set_back, was_found = self.sieve.set_back, self.sieve.found
         self._poses += 1
-        self._heard = arrival_ns
+        self._arrival_ns = arrival_ns
         if not self.sieve.accept_pose(stamp_ns, pose):
             self._refused = arrival_ns
             return
@@ -66,14 +66,14 @@ class TrackedDrone:
         restarts = self.clock.restarts
         self.clock.stamp_arrival(stamp_ns, arrival_ns)
         if self.clock.restarts > restarts:  # one of the two clocks was set; ours perhaps back
-            self._told = 0
+            self._stamp_ns = 0
         self._offset_ns = stamp_ns - self.clock.to_graph_time(stamp_ns)
         # Map <- tracker's frame <- tracked body <- hull centre
         placed = compose_poses(compose_poses(self._origin, normalize_pose(pose)), self._body)
         for motion in self.window.add_pose(stamp_ns, placed):
             ours = self.clock.to_graph_time(motion.stamp_ns)
-            if ours > self._told:  # stamps may step back while the clock is being estimated
-                self._told = ours
+            if ours > self._stamp_ns:  # stamps may step back while the clock is being estimated
+                self._stamp_ns = ours
                 yield motion._replace(stamp_ns=ours)
 
     def describe_health(self, now_ns: int) -> HealthFact:
@@ -96,8 +96,8 @@ class TrackedDrone:
     def _assess_health(self, now_ns: int) -> tuple[HealthLevel, str]:
         if not self._poses:
             return HealthLevel.WARN, 'no pose received yet'
-        if now_ns - self._heard > SILENT_NS:
-            return HealthLevel.ERROR, f'no pose for {1e-9 * (now_ns - self._heard):.1f} s'
+        if now_ns - self._arrival_ns > SILENT_NS:
+            return HealthLevel.ERROR, f'no pose for {1e-9 * (now_ns - self._arrival_ns):.1f} s'
         if self.sieve.newest is not None:
             return HealthLevel.ERROR, f'pose rejected: {self.sieve.newest}'
         if self._refused and now_ns - self._refused < RECENT_NS:

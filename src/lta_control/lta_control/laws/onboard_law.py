@@ -49,14 +49,14 @@ class OnboardLaw:
                 '"gains: NAME" to the control block of the vehicle file.'
             )
         gains = load_law_gains(self._law.gains, control.gains)
-        self._known = self._law.known(gains, vehicle)
+        self._constants = self._law.known(gains, vehicle)
         self._memory: Any = self._law.start
         self._scratch = create_working_array()
 
     def step(self, motion: ControlMotion, setpoint: Setpoint, dt: float) -> LawCommand:
         """Return the command after one more period of `dt`. [s]"""
         inputs = LawInputs(motion, setpoint, dt)
-        self._memory = self._law.step(self._known, self._memory, inputs, self._scratch)
+        self._memory = self._law.step(self._constants, self._memory, inputs, self._scratch)
         command: LawCommand = self._memory.command
         return command
 

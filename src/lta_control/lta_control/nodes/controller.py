@@ -129,7 +129,7 @@ class Controller(GraphNode):
         self._airspeed_lost = False
         self._pose: PoseStamped | None = None
         self._velocity: TwistStamped | None = None
-        self._asked: TimedSetpoint | None = None
+        self._setpoint: TimedSetpoint | None = None
         self._last_ns: int | None = None
         self._armed = self._settings.value.armed
         self._flies = False  # whether a setpoint above the floor was followed since arming
@@ -285,12 +285,12 @@ class Controller(GraphNode):
         self, now_ns: int, measured: CascadeMeasurement, pose: PoseStamped, velocity: TwistStamped
     ) -> tuple[Setpoint, bool]:
         """Return the setpoint, and whether it was replaced by a descent as it is too old."""
-        request, settings = self._asked, self._settings.value
+        request, settings = self._setpoint, self._settings.value
         # Most setpoints hold for several steps
         if request is None or request.pose is not pose or request.velocity is not velocity:
             stamps = from_stamp(pose.header.stamp), from_stamp(velocity.header.stamp)
             request = TimedSetpoint(pose, velocity, to_setpoint(pose, velocity), *stamps)
-            self._asked = request
+            self._setpoint = request
         setpoint = request.setpoint
         # The older of the two messages counts; a stamp far in the future is infinitely old
         oldest = max(stamp_age(request.pose_ns, now_ns), stamp_age(request.velocity_ns, now_ns))

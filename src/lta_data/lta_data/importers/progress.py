@@ -18,7 +18,7 @@ class ImportProgress(ProgressBar):
         columns = (TextColumn('{task.description}'), BarColumn(), TimeRemainingColumn())
         super().__init__(console, *columns, total=float(total))
         self._done = 0
-        self._shown = -LOOK
+        self._shown_at = -LOOK
 
     def begin_log(self, name: str) -> None:
         """Show which log is being read."""
@@ -27,8 +27,8 @@ class ImportProgress(ProgressBar):
     def show_fraction(self, part: float) -> None:
         """Show the fraction of it that has been read, 0 to 1."""
         now = time.monotonic()
-        if now - self._shown >= LOOK:
-            self._shown = now
+        if now - self._shown_at >= LOOK:
+            self._shown_at = now
             self.update_bar(completed=self._done + part)
 
     def end_log(self) -> None:

@@ -80,7 +80,7 @@ class Commander:
 
     def __init__(self) -> None:
         self._hover: HoverSetpoint | None = None
-        self._said: float | None = None  # arrival of the active low-level setpoint
+        self._received_at: float | None = None  # arrival of the active low-level setpoint
         self._land = False
 
     def receive_generic_setpoint(self, channel: int, data: bytes, size: int, now: float) -> None:
@@ -113,7 +113,7 @@ class Commander:
         return HoverSetpoint(forward, left, math.radians(YAW_SIGN[data[0]] * yaw), height)
 
     def _set_hover(self, hover: HoverSetpoint | None, now: float) -> None:
-        self._hover, self._said, self._land = hover, now, False
+        self._hover, self._received_at, self._land = hover, now, False
 
     def receive_attitude(self, now: float) -> None:
         """Receive a packet of roll, pitch, yaw rate and thrust at a time. [s]"""
@@ -125,7 +125,7 @@ class Commander:
 
     def release_setpoint(self) -> None:
         """Release the low-level setpoint."""
-        self._said, self._hover = None, None
+        self._received_at, self._hover = None, None
 
     def answer_high_level(self, data: bytes, blocked: bool) -> bytes:
         """Receive a packet of port 8, which may be blocked; return the answer."""
@@ -137,16 +137,16 @@ class Commander:
             status = errno.EBUSY
         elif command == LAND and group == 0:
             # An active low-level setpoint has priority over the high-level commander
-            self._land = self._said is None
+            self._land = self._received_at is None
         return data[:3] + bytes([status])
 
     def setpoint_age(self, now: float) -> float | None:
         """Return the age of the active low-level setpoint; None without one. [s]"""
-        return None if self._said is None else now - self._said
+        return None if self._received_at is None else now - self._received_at
 
     def select_command(self, level: bool) -> BodyCommand:
         """Return the active command; when levelling out, only the height of a hover."""
-        if self._said is None:
+        if self._received_at is None:
             return BodyCommand(land=self._land)
         if level and self._hover is not None:
             return BodyCommand(hover=HoverSetpoint(height=self._hover.height))

@@ -66,7 +66,7 @@ class SimulatedBody:
         self._law = VehicleLaw(vehicle) if file.command == 'setpoint' else None
         self.duties: tuple[float, ...] = (0.0,) * len(self._order)
         self._values: dict[str, float] = {}
-        self._wanted = Setpoint(0.0, 0.0, 0.0)
+        self._setpoint = Setpoint(0.0, 0.0, 0.0)
         self._behind = 0.0  # s by which the world started late or fell behind
         self._update_log_values()
 
@@ -127,15 +127,15 @@ class SimulatedBody:
         position, turn = tuple(state[:3]), tuple(state[3:7])
         motion = ControlMotion(position, turn, tuple(state[7:10]), tuple(state[10:13]))
         if hover is None:
-            height = self._wanted.altitude - DESCENT * self._dt
+            height = self._setpoint.altitude - DESCENT * self._dt
             if self._is_on_floor:
                 return (0.0,) * len(self._world.vehicle.rotor_names)
-            self._wanted = Setpoint(height, self._wanted.heading, 0.0)
+            self._setpoint = Setpoint(height, self._setpoint.heading, 0.0)
         else:
             # The law has a heading setpoint: aim one second of the yaw rate ahead
             heading = _heading_of(turn) + hover.yaw_rate
-            self._wanted = Setpoint(hover.height, heading, hover.forward)
-        return self._law.step(motion, self._wanted, self._dt)
+            self._setpoint = Setpoint(hover.height, heading, hover.forward)
+        return self._law.step(motion, self._setpoint, self._dt)
 
     def _update_log_values(self) -> None:
         readings = self._world.sense_motion()

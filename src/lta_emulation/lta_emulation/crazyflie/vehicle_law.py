@@ -36,7 +36,7 @@ class VehicleLaw:
                 'block to its file, or use command:=motors.'
             )
         self._law = find_control_law(control.law)
-        self._known = self._law.known(load_law_gains(self._law.gains, control.gains), vehicle)
+        self._constants = self._law.known(load_law_gains(self._law.gains, control.gains), vehicle)
         self._memory: Any = self._law.start
         # Work arrays of the allocation, created once
         self._scratch = create_working_array()
@@ -44,7 +44,7 @@ class VehicleLaw:
     def step(self, motion: ControlMotion, setpoint: Setpoint, dt: float) -> tuple[float, ...]:
         """Return the duties by slot after one more period. [s]"""
         inputs = LawInputs(motion, setpoint, dt)
-        self._memory = self._law.step(self._known, self._memory, inputs, self._scratch)
+        self._memory = self._law.step(self._constants, self._memory, inputs, self._scratch)
         duties: tuple[float, ...] = self._memory.command.duties
         return duties
 

@@ -34,7 +34,7 @@ class DiagnosticsListener:
         self._prefix = {name: f'{name}/' if name and len(names) > 1 else '' for name in names}
         self._robot = names[0]
         self.facts: dict[str, HealthFact] = {}
-        self._heard: dict[str, float] = {}
+        self._received_at: dict[str, float] = {}
         self._begun: float | None = None
         self._complete: float | None = None
 
@@ -65,7 +65,7 @@ class DiagnosticsListener:
             level = HealthLevel(min(int.from_bytes(status.level, 'little'), HealthLevel.STALE))
             task = self._prefix[status.hardware_id] + status.name
             self.facts[task] = HealthFact(task, level, status.message, values)
-            self._heard[task.partition(':')[0]] = time.monotonic()
+            self._received_at[task.partition(':')[0]] = time.monotonic()
 
     def poll(self, timeout: float) -> dict[str, HealthFact]:
         """Listen for at most `timeout` [s] and return the newest fact of each task."""
@@ -102,12 +102,12 @@ class DiagnosticsListener:
             name
             for name in nodes
             # A node that never reported counts as silent only once LOADING is over
-            if now - self._heard.get(name, begun + LOADING - SILENCE) > SILENCE
+            if now - self._received_at.get(name, begun + LOADING - SILENCE) > SILENCE
         )
 
     def find_pending_nodes(self, nodes: Iterable[str]) -> list[str]:
         """Return the nodes that have not reported yet: still loading, or not discovered."""
-        return sorted(set(nodes) - self._heard.keys())
+        return sorted(set(nodes) - self._received_at.keys())
 
     def is_settled(self, nodes: Iterable[str]) -> bool:
         """

@@ -82,7 +82,7 @@ class GraphNode(SharingNode):
         self._writers: dict[str, Publisher] = {}
         self._conflict = PublisherConflict(self, self._writers)
         self._waiting_since: float | None = None
-        self._heard: dict[str, float] = {}
+        self._received_at: dict[str, float] = {}
         self._reported = 0.0
         self._lonely_from: float | None = time.monotonic() + LONELY
         self._diagnostics = self.create_output('/diagnostics')
@@ -134,7 +134,7 @@ class GraphNode(SharingNode):
         self._trigger = trigger
         if self.replayed:
             then = partial(self._run_complete_steps, inbox, on_step)
-            self._told = subscribe_inbox_schedule(self, self.table, inbox, then)
+            self._inbox_schedule = subscribe_inbox_schedule(self, self.table, inbox, then)
 
     def subscribe_raw(self, name: str, callback: Callable[[bytes], None]) -> Subscription:
         """Return a subscription that gets a topic's messages in serialised form."""
@@ -147,7 +147,7 @@ class GraphNode(SharingNode):
         self, inbox: Inbox, name: str, stamped: bool, on_step: Callable[[InboxStep], None]
     ) -> Callable[[Any], None]:
         def receive_message(message: Any) -> None:  # noqa: ANN401 - whatever the topic carries
-            self._heard[name] = time.monotonic()
+            self._received_at[name] = time.monotonic()
             self.begun = True
             stamp_ns = from_stamp(message.header.stamp) if stamped else 0
             valid = self.soundness.validate(self.table[name], name, message)
@@ -179,7 +179,7 @@ class GraphNode(SharingNode):
             return self.subscriptions
         # A replay cannot step before its player has sent the due times
         if self._inbox.turns is None:
-            return [self._told]
+            return [self._inbox_schedule]
         return [
             self._inputs[name] for name in self._inbox.list_missing_topics() or [self._trigger]
         ]
@@ -197,7 +197,7 @@ class GraphNode(SharingNode):
         now = time.monotonic()
         return [
             name
-            for name, received in self._heard.items()
+            for name, received in self._received_at.items()
             if now - received > PATIENCE + 1e-9 * self.table[name].period_ns
         ]
 
@@ -226,7 +226,7 @@ class GraphNode(SharingNode):
                 f'waiting for messages on {", ".join(missing)} from {", ".join(suspects)}',
                 suspects=','.join(suspects),
             )
-        elif self._heard:
+        elif self._received_at:
             self.health.report('inputs', HealthLevel.OK, 'all inputs arrive')
         gaps = self._inbox.gaps if self._inbox else {}
         lost = {name: gap for name, gap in gaps.items() if gap}
@@ -260,7 +260,7 @@ class GraphNode(SharingNode):
         absent = [
             name
             for name in self._inputs
-            if name not in self._heard and not self.count_publishers(name)
+            if name not in self._received_at and not self.count_publishers(name)
         ]
         if absent:
             sources = sorted({self.table[name].source for name in absent})

@@ -66,7 +66,7 @@ class RawSubscription:
         self._subscribe(match_profile(preferred, self.list_offered_profiles()))
 
     def _subscribe(self, profile: QoSProfile) -> None:
-        self._asked = profile
+        self._profile = profile
         self._subscription = self._node.create_subscription(
             self._kind,
             self.name,
@@ -99,13 +99,13 @@ class RawSubscription:
 
     def has_mismatch(self) -> bool:
         """Return whether a publisher offers less than requested and is therefore not received."""
-        return match_profile(self._asked, self.list_offered_profiles()) != self._asked
+        return match_profile(self._profile, self.list_offered_profiles()) != self._profile
 
     def resubscribe(self) -> None:
         """Subscribe anew with what all publishers offer; not while the node spins."""
         self._losses.destroy_when_not_in_use()
         self._node.destroy_subscription(self._subscription)
-        self._subscribe(match_profile(self._asked, self.list_offered_profiles()))
+        self._subscribe(match_profile(self._profile, self.list_offered_profiles()))
 
 
 DEPTH = 1000  # messages that may wait in the middleware between two polls
@@ -143,7 +143,7 @@ class RawSubscriptions:
     ) -> None:
         self._node = node
         self._receiver = receiver
-        self._wanted = accepts
+        self._accepts = accepts
         # By absolute topic name
         self._taps: dict[str, RawSubscription] = {}
         # Rejected once, so that `accepts` is not called at every poll
@@ -196,13 +196,13 @@ class RawSubscriptions:
 
     def discover_topics(self) -> None:
         """Find accepted topics that are not subscribed yet."""
-        if self._wanted is None:
+        if self._accepts is None:
             return
         for name, types in self._node.get_topic_names_and_types():
             if name not in self._taps and name not in self._refused:
                 # A topic with several types cannot be subscribed to as one
                 type_name = types[0] if len(types) == 1 else ''
-                if not self._wanted(name, type_name):
+                if not self._accepts(name, type_name):
                     self._refused.add(name)
                 # A topic with readers only has no offered profile yet, so ask again later
                 elif self._node.count_publishers(name):

@@ -39,7 +39,7 @@ class ReaderLinks:
         self._topics = [
             name for name, row in table.topics.items() if row.period_ns and has_message_type(row)
         ]
-        self._found: dict[str, int] = {}
+        self._matched: dict[str, int] = {}
         self._subscription = node.create_subscription(
             DiagnosticArray, '/diagnostics', self._on_diagnostics, DEPTH
         )
@@ -57,7 +57,7 @@ class ReaderLinks:
             if status.hardware_id == self._robot and status.name.endswith(f': {LINKS}'):
                 counts = {item.key: item.value for item in status.values}
                 # Any node may publish on /diagnostics, so take only plausible counts
-                self._found |= {
+                self._matched |= {
                     k: int(v) for k, v in counts.items() if v.isdecimal() and len(v) < DIGITS
                 }
 
@@ -69,7 +69,7 @@ class ReaderLinks:
         report. The topics of others count only if they are reported.
         """
         short = self.find_unmatched_topics(own)
-        reported = self._found | dict(own)
+        reported = self._matched | dict(own)
         silent = {
             name
             for name in self._topics
@@ -87,7 +87,7 @@ class ReaderLinks:
         take = self._subscription.handle.take_message
         while (taken := take(DiagnosticArray, False)) is not None:
             self._on_diagnostics(taken[0])
-        matched = self._found | dict(own)
+        matched = self._matched | dict(own)
         return [
             name
             for name in self._topics

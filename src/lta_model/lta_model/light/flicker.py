@@ -110,7 +110,7 @@ class FlickerWaves:
         self._turns = tuple(map(repeat_period, frequencies))
         self._steady = all(lamp.clock == RIGHT for lamp in lamps)
         # Waves repeat after few starts; a cache on the instance, so that it dies with it
-        self._kept = lru_cache(maxsize=64)(self._compute_waves)
+        self._recall_waves = lru_cache(maxsize=64)(self._compute_waves)
 
     def sample_block(self, start: int, shaken: Array | None = None) -> tuple[Array, Array]:
         """
@@ -121,7 +121,7 @@ class FlickerWaves:
         """
         # Drift or jitter make each block different, so caching would not help
         if shaken is None and self._steady:
-            return self._kept(tuple(start % turn for turn in self._turns))
+            return self._recall_waves(tuple(start % turn for turn in self._turns))
         return self._compute_waves((start,) * len(self._turns), shaken)
 
     def _compute_waves(

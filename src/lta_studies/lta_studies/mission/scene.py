@@ -116,7 +116,7 @@ class MissionScene:
         base = build_constants(self.vehicle, self.scenario, self.policy, self._table)
         # The leg decides when to land, not the reserve of a flight, and no hand holds the drone
         self._base = base._replace(held=0.0, power=base.power._replace(reserve=-math.inf))
-        self._known: dict[tuple[str, int], BatchFlight] = {}
+        self._flights: dict[tuple[str, int], BatchFlight] = {}
 
     def lamp(self, name: str) -> BeaconLamp:
         """Return the lamp of a beacon."""
@@ -126,7 +126,7 @@ class MissionScene:
         """Return the flight to a beacon in panel light and ambient light [lx]; cached."""
         # Half-octave steps: within a step the link hardly changes, so it is built once.
         level = round(STEPS * math.log2(max(lux, 1.0)))
-        flight = self._known.get((beacon, level))
+        flight = self._flights.get((beacon, level))
         if flight is None:
             listening = self._build_link(beacon, 2.0 ** (level / STEPS))
             flight = flight_from_constants(
@@ -135,7 +135,7 @@ class MissionScene:
                 self.vehicle,
                 STRATEGY,
             )
-            self._known[beacon, level] = flight
+            self._flights[beacon, level] = flight
         # Only the panel's light is exact for each call; the rest of the constants is cached.
         irradiance = light.sun + light.lamps
         weights = flight.craft.power.panel_weights
