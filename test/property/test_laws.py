@@ -36,7 +36,7 @@ def made(name):
     vehicle = load_vehicle(BY_LAW[name])
     found = find_control_law(name)
     gains = load_law_gains(found.gains, vehicle.file.control.gains)
-    return vehicle, found, found.known(gains, vehicle)
+    return vehicle, found, found.build_constants(gains, vehicle)
 
 
 def test_every_law_has_a_vehicle():

@@ -123,7 +123,7 @@ class MotionEstimate(NamedTuple):
     airspeed: AirspeedEstimate = AirspeedEstimate()
     position: tuple[float, float] = (0.0, 0.0)
     duties: PerRotor = NONE  # reached by the motors
-    flown: float = 0.0  # time since the calibration ended [s]
+    flight_time: float = 0.0  # since the calibration ended [s]
     sensors: HeightSensors = HeightSensors()
 
 
@@ -221,7 +221,7 @@ def estimator_step(
             state.position, airspeed.surge, airspeed.sway, yaw_from_quaternion(attitude), dt
         ),
         duties,
-        state.flown + dt,
+        state.flight_time + dt,
         sensors,
     )
 
@@ -262,7 +262,7 @@ def _calibrate_at_rest(
         state.airspeed,
         state.position,
         state.duties,
-        state.flown,
+        state.flight_time,
         state.sensors,
     )
 

@@ -115,5 +115,5 @@ class Guidance:
                 max(len(self._route), 1), inputs.reserve.rule,
             )  # fmt: skip
         if self._route:
-            self.beacon = self._route[self.mission.asked][1]
+            self.beacon = self._route[self.mission.target][1]
         return setpoint

@@ -154,7 +154,7 @@ class LawAutopilot:
         )
         self._memory_layout = TupleLayout(law.start)
         self._law_constants, self._law_step = _compile_core(
-            law.step, law.known(gains, vehicle), self._memory_layout, HEARD
+            law.step, law.build_constants(gains, vehicle), self._memory_layout, HEARD
         )
         self._commanded = self._memory_layout.part_slice('command')
         self._estimate = ESTIMATE.write(MotionEstimate())

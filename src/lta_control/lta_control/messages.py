@@ -126,7 +126,7 @@ def from_estimate(stamp: Time, estimate: MotionEstimate, ground: GroundMotion) -
     )
     # [rad2] Roll and pitch are bounded by gravity; yaw drifts with the gyroscope
     pose_covariance[21] = pose_covariance[28] = 0.02**2
-    pose_covariance[35] = (YAW_DRIFT * estimate.flown) ** 2
+    pose_covariance[35] = (YAW_DRIFT * estimate.flight_time) ** 2
     message.pose.covariance = pose_covariance
     yaw = yaw_from_quaternion(estimate.attitude)
     message.twist.covariance = _build_twist_covariance(

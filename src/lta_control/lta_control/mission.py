@@ -46,7 +46,7 @@ class MissionSettings(StrategySettings):
         low=0.0,
         high=100.0,
     )
-    heard: float = setting(
+    reception_time: float = setting(
         0.5,
         'Time for which the next lamp of a route must be received before flying to it.',
         unit='s',
@@ -140,7 +140,7 @@ def _steer_by_strategy(
 ) -> tuple[Setpoint, Mission]:
     """Return the strategy's setpoint, and switch to the next lamp after an arrival."""
     # The first blocks after a switch may still hold the other lamp's light.
-    is_current = mission.asked == mission.leg and mission.turns >= SWITCHING
+    is_current = mission.target == mission.leg and mission.turns >= SWITCHING
     course, memory = strategy.steer(
         settings, mission.memory, sight if is_current else remove_light(sight)
     )
@@ -168,28 +168,28 @@ def _listen_for_next(
     """Return the mission after one more block of listening on a route of several lamps."""
     turns = mission.turns + 1
     # Consecutive blocks only: one block without the lamp starts the count again
-    received = mission.heard + 1 if sight.seen and turns > SWITCHING else 0
-    mission = mission._replace(turns=turns, heard=received)
+    received = mission.receptions + 1 if sight.seen and turns > SWITCHING else 0
+    mission = mission._replace(turns=turns, receptions=received)
     if mission.phase != Phase.ARRIVED or mission.leg + 1 == lamps:
         return mission
     time = turns * sight.interval
-    if mission.asked == mission.leg:
+    if mission.target == mission.leg:
         # After an unsuccessful attempt, stay with the current lamp for a while
         wait = settings.again if mission.refused else 0.0
         if time < wait:
             return mission
-        return mission._replace(asked=mission.leg + 1, turns=0, heard=0)
-    if received * sight.interval >= settings.heard and strategy.arrives:
+        return mission._replace(target=mission.leg + 1, turns=0, receptions=0)
+    if received * sight.interval >= settings.reception_time and strategy.arrives:
         return mission._replace(
             phase=Phase.SEEK,
             memory=strategy.onward(mission.memory),
-            leg=mission.asked,
+            leg=mission.target,
             turns=turns,
-            heard=received,
+            receptions=received,
             refused=False,
         )
     if time >= settings.patience:
-        return mission._replace(asked=mission.leg, turns=0, heard=0, refused=True)
+        return mission._replace(target=mission.leg, turns=0, receptions=0, refused=True)
     return mission
 
 

@@ -30,9 +30,9 @@ class Mission(NamedTuple):
     phase: Phase = Phase.REST
     memory: Memory = ()  # memory of the strategy, once it has begun
     leg: int = 0  # index of the lamp that it seeks or holds at, from 0
-    asked: int = 0  # index of the lamp that it listens for: `leg`, or the next
+    target: int = 0  # index of the lamp that it listens for: `leg`, or the next
     turns: int = SWITCHING  # light blocks since it began to listen for that one
-    heard: int = 0  # latest consecutive blocks with that lamp in sight
+    receptions: int = 0  # latest consecutive blocks with that lamp in sight
     refused: bool = False  # whether it stays because the next lamp was not received
     start: tuple[float, float] = (0.0, 0.0)  # take-off position, by dead reckoning [m, odom]
     left: float = 0.0  # remaining time for the flight back [s]

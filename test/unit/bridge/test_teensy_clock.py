@@ -95,10 +95,10 @@ def fitted(exchanges):
     Fit offset at the newest answer [s], drift and uncertainty [s] with numpy's least squares.
     """
     newest = exchanges[-1]
-    middles = np.array([(e.asked + e.heard) // 2 - (newest.asked + newest.heard) // 2
-                        for e in exchanges]) * 1e-9  # fmt: skip
+    last = newest.host_midpoint
+    middles = np.array([(e.request_ns + e.reply_ns) // 2 - last for e in exchanges]) * 1e-9
     board = np.array([e.board - newest.board for e in exchanges]) * 1e-9
-    trips = np.array([e.heard - e.asked for e in exchanges]) * 1e-9
+    trips = np.array([e.reply_ns - e.request_ns for e in exchanges]) * 1e-9
     # A quarter of the quickest and 20 us at best; beyond the quickest as much worse.
     deviation = 0.25 * trips.min() + 20e-6 + trips - trips.min()
     rows = np.stack([np.ones(len(board)), board], axis=1) / deviation[:, None]

@@ -112,7 +112,9 @@ def test_the_estimator_compiles():
         quick = fast(to_named_tuple(settings), body, quick, inputs, 0.01)
         assert numbers(quick) == numbers(slow)
     assert slow.ready
-    assert slow.flown == pytest.approx(3.44)  # the rest of 0.5 s began anew at the seventh step
+    assert slow.flight_time == pytest.approx(
+        3.44
+    )  # the rest of 0.5 s began anew at the seventh step
 
 
 def test_the_attitude_filter_compiles():

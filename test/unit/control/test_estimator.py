@@ -67,7 +67,7 @@ def test_it_rests_for_two_seconds():
     inputs = STILL._replace(range=0.05, pressure=101_000.0)
     state = run(MotionEstimate(), inputs, 199)
     assert not state.ready
-    assert state.flown == 0.0
+    assert state.flight_time == 0.0
     assert run(state, inputs, 1).ready
 
 
@@ -201,7 +201,7 @@ def test_standing_still_stays_still():
     assert state.position == pytest.approx((0.0, 0.0), abs=1e-12)
     assert state.altitude.height == pytest.approx(0.42, abs=1e-6)
     assert state.altitude.climb == pytest.approx(0.0, abs=1e-7)
-    assert state.flown == pytest.approx(10.0)
+    assert state.flight_time == pytest.approx(10.0)
 
 
 @pytest.mark.parametrize('reading', [math.inf, -math.inf, math.nan])
@@ -349,7 +349,7 @@ STEPS = round(STUCK / DT)
 def fly(state, steps, *, distance=None, pressure=None, sink=0.002, duties=FLYING.duties):
     """Return the estimate of a drone that sinks by `sink` a step; given readings are stuck."""
     for _ in range(steps):
-        down = sink * state.flown / DT
+        down = sink * state.flight_time / DT
         inputs = FLYING._replace(
             range=0.5 - down if distance is None else distance,
             pressure=101_000.0 + 1.225 * G * down if pressure is None else pressure,

@@ -57,9 +57,9 @@ def test_it_listens_to_the_lamp_of_its_leg_after_the_first_block():
     assert guidance.beacon == 0.0
     choose(guidance, 100 * SECOND, report=ReserveReport(100 * SECOND, False, False))
     assert guidance.beacon == 120.0
-    guidance.mission = guidance.mission._replace(asked=1)
+    guidance.mission = guidance.mission._replace(target=1)
     choose(guidance, 101 * SECOND, report=ReserveReport(101 * SECOND, False, False))
-    assert guidance.beacon == route[guidance.mission.asked][1]
+    assert guidance.beacon == route[guidance.mission.target][1]
     alone = Guidance(None, ())
     choose(alone, 100 * SECOND, report=ReserveReport(100 * SECOND, False, False))
     assert alone.beacon == 0.0

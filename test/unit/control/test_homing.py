@@ -148,7 +148,7 @@ def test_wind_is_learnt_in_the_climb_and_kept_for_the_next_lamp():
     assert memory.heading == 0.5
     assert memory.fix.wind_y == pytest.approx(-0.3, abs=0.05)
     after = reset_for_next_lamp(memory)
-    assert not after.known
+    assert not after.has_fix
     courses, after = flown([sight(0.0, -1.8)._replace(position=(0.0, 0.0))], after)
     assert after.fix.wind_y == memory.fix.wind_y
     assert courses[0].heading > math.atan2(1.8, 7.0) + 0.3  # it leans into the wind at once

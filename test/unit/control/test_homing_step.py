@@ -33,7 +33,7 @@ def placed(x=4.0, y=0.0, wind=(0.0, 0.0), **changes):
     """Return a memory with the lamp at (x, y) and a deviation of 10 cm or 10 cm/s."""
     rows = tuple(tuple(0.01 * (k == j) for j in range(5)) for k in range(5))
     fix = LampFix(x, y, *wind, math.log(2000.0), rows)
-    memory = start(0.3)._replace(known=True, fix=fix, begun=True)
+    memory = start(0.3)._replace(has_fix=True, fix=fix, begun=True)
     return memory._replace(**changes)
 
 
@@ -61,13 +61,13 @@ def test_the_first_memory_holds_the_heading_alone():
     assert memory[:2] == (0.7, False)
     assert memory.fix == (0.0,) * 5 + (((0.0,) * 5,) * 5,)
     assert memory[3:] == (False, (0.0, 0.0), 0.0, 0.0, 0.0, 0.0, False)
-    assert watch(QUICK, memory, dark()) == memory._replace(begun=True, flown=0.25, lost=0.25)
+    assert watch(QUICK, memory, dark()) == memory._replace(begun=True, flight_time=0.25, lost=0.25)
 
 
 def test_for_the_next_lamp_only_the_wind_the_place_and_the_flight_time_are_kept():
     memory = HomingState(0.1, True, placed().fix, True, (1.0, 2.0), 7.0, 3.0, 1.0, 2.0, True)
     assert reset_for_next_lamp(memory) == memory._replace(
-        known=False, lost=0.0, doubted=0.0, searched=0.0, arrived=False
+        has_fix=False, lost=0.0, doubted=0.0, searched=0.0, arrived=False
     )
     assert not reset_for_next_lamp(memory._replace(begun=False)).begun
 
@@ -75,7 +75,7 @@ def test_for_the_next_lamp_only_the_wind_the_place_and_the_flight_time_are_kept(
 @pytest.mark.parametrize('factor', [1.0, 1.0 + 1e-12])
 def test_a_bearing_is_used_up_to_the_trusted_deviation(factor):
     seen = lit(placed())._replace(deviation=factor * QUICK.homing.trusted)
-    assert watch(QUICK, start(0.0), seen).known is (factor == 1.0)
+    assert watch(QUICK, start(0.0), seen).has_fix is (factor == 1.0)
 
 
 def test_a_strength_below_one_count_is_taken_as_one_count():
@@ -96,7 +96,7 @@ def test_a_strength_below_one_count_is_taken_as_one_count():
 def test_a_light_fits_from_a_quarter_to_four_times_the_expected_strength(share, lost, doubted):
     memory = placed(lost=0.25, doubted=0.25)
     after = update_with_sight(QUICK, memory, lit(memory, share))
-    assert (after.lost, after.doubted, after.known) == (lost, doubted, True)
+    assert (after.lost, after.doubted, after.has_fix) == (lost, doubted, True)
     assert (after.fix.brightness == memory.fix.brightness) is (lost > 0.0)
 
 
@@ -133,10 +133,10 @@ def test_any_light_replaces_the_fix_after_a_search_of_more_than_a_whole_turn():
 
 def test_dead_reckoning_moves_the_lamp_relative_to_the_drone():
     """The drone flies by (0.5, -0.25) m while the air carries it by 0.4 m/s * 0.25 s along y."""
-    memory = placed(wind=(0.0, 0.4), place=(1.0, 2.0), flown=3.0)
+    memory = placed(wind=(0.0, 0.4), place=(1.0, 2.0), flight_time=3.0)
     after = update_with_sight(QUICK, memory, dark()._replace(position=(1.5, 1.75)))
     assert (after.fix.x, after.fix.y) == pytest.approx((3.5, 0.25 - 0.1))
-    assert (after.place, after.flown, after.begun) == ((1.5, 1.75), 3.25, True)
+    assert (after.place, after.flight_time, after.begun) == ((1.5, 1.75), 3.25, True)
 
 
 @pytest.mark.parametrize(
@@ -145,7 +145,7 @@ def test_dead_reckoning_moves_the_lamp_relative_to_the_drone():
 )
 def test_it_arrives_within_80_cm_and_remains_arrived_within_twice_that(away, before, arrived):
     assert update_with_sight(QUICK, placed(away, arrived=before), dark()).arrived is arrived
-    unknown = placed(away, arrived=before, known=False)
+    unknown = placed(away, arrived=before, has_fix=False)
     assert not update_with_sight(QUICK, unknown, dark()).arrived
 
 

@@ -35,7 +35,9 @@ def thrusts(rotors):
 def ready(name):
     vehicle = load_vehicle(name)
     made = find_control_law(vehicle.file.control.law)
-    return made, made.known(load_law_gains(made.gains, vehicle.file.control.gains), vehicle)
+    return made, made.build_constants(
+        load_law_gains(made.gains, vehicle.file.control.gains), vehicle
+    )
 
 
 def somewhere(chance, fast=0.3):

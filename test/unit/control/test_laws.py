@@ -38,7 +38,7 @@ def ready(name, law_name=None, gains=None):
     vehicle = load_vehicle(name)
     made = find_control_law(law_name or vehicle.file.control.law)
     found = load_law_gains(made.gains, gains or vehicle.file.control.gains)
-    return vehicle, made, made.known(found, vehicle)
+    return vehicle, made, made.build_constants(found, vehicle)
 
 
 def once(made, constants, motion, setpoint):
@@ -178,7 +178,7 @@ def test_a_mixer_that_ignores_the_collision_loses_lift_by_its_share_of_the_offse
 def test_a_vehicle_of_another_kind_is_refused(name, law_name, sentence):
     vehicle, made = load_vehicle(name), find_control_law(law_name)
     with pytest.raises(BadInput, match=sentence):
-        made.known(
+        made.build_constants(
             load_law_gains(made.gains, {'lateral': 'beavis', 'glide': 'rgblimp'}[law_name]),
             vehicle,
         )
@@ -198,7 +198,7 @@ def test_rotors_that_push_straight_outwards_cannot_turn_beavis(tmp_path):
     )
     made = find_control_law('lateral')
     with pytest.raises(BadInput, match='cannot produce forward force, sideways force and yaw'):
-        made.known(load_law_gains(made.gains, 'beavis'), type(vehicle)(file))
+        made.build_constants(load_law_gains(made.gains, 'beavis'), type(vehicle)(file))
 
 
 def test_a_law_that_needs_a_tracker_is_refused_aboard():

@@ -60,7 +60,7 @@ FLYING = MotionEstimate(
     rates=(0.01, 0.02, 0.03),
     altitude=AltitudeEstimate(0.5, 0.1),
     airspeed=AirspeedEstimate(0.4, 0.05, 0.4, 0.05),
-    flown=10.0,
+    flight_time=10.0,
 )
 
 

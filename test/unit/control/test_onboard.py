@@ -141,7 +141,7 @@ def test_the_autopilot_is_the_same_step_compiled():
             told.heading, *place, told.speed, told.sway
         )
         assert pilot.measurement == (memory.measured if memory.estimate.ready else None)
-    assert memory.estimate.flown > 5.0
+    assert memory.estimate.flight_time > 5.0
     assert not memory.stopped
 
 

@@ -41,17 +41,17 @@ def fly(sights, mission=None, lamps=2):
 
 def test_it_listens_for_the_next_lamp_where_it_has_arrived():
     first, *_ = fly([SEEN])
-    assert (first.phase, first.leg, first.asked) == (Phase.ARRIVED, 0, 1)
+    assert (first.phase, first.leg, first.target) == (Phase.ARRIVED, 0, 1)
 
 
 def test_it_hands_over_when_the_next_lamp_is_heard_for_a_while():
     rows = fly([SEEN] * 12)
     handed = next(k for k, row in enumerate(rows) if row.leg == 1)
-    assert handed == SWITCHING + round(SETTINGS.heard / 0.1)
-    assert (rows[handed].phase, rows[handed].asked) == (Phase.SEEK, 1)
+    assert handed == SWITCHING + round(SETTINGS.reception_time / 0.1)
+    assert (rows[handed].phase, rows[handed].target) == (Phase.SEEK, 1)
     assert rows[handed].memory == (0.0, 101.0)  # one light of its own lamp, then onward
     assert rows[-1].phase is Phase.ARRIVED  # the last lamp: it stays
-    assert rows[-1].leg == rows[-1].asked == 1
+    assert rows[-1].leg == rows[-1].target == 1
 
 
 def test_light_of_another_lamp_is_not_steered_by():
@@ -60,7 +60,7 @@ def test_light_of_another_lamp_is_not_steered_by():
 
 
 def test_a_gap_in_the_light_begins_the_count_anew():
-    heard = round(SETTINGS.heard / 0.1)
+    heard = round(SETTINGS.reception_time / 0.1)
     rows = fly([SEEN] * (SWITCHING + heard) + [BLIND] + [SEEN] * (heard - 1))
     assert rows[-1].leg == 0
     assert fly([SEEN], rows[-1])[0].leg == 1
@@ -70,9 +70,9 @@ def test_it_stays_where_the_next_lamp_is_not_heard_and_asks_again_later():
     patience, again = round(10 * SETTINGS.patience), round(10 * SETTINGS.again)
     rows = fly([SEEN] + [BLIND] * patience)
     last = rows[-1]
-    assert (last.phase, last.leg, last.asked, last.refused) == (Phase.ARRIVED, 0, 0, True)
+    assert (last.phase, last.leg, last.target, last.refused) == (Phase.ARRIVED, 0, 0, True)
     rows = fly([SEEN] * again, last)
-    assert [row.asked for row in rows] == [0] * (again - 1) + [1]
+    assert [row.target for row in rows] == [0] * (again - 1) + [1]
     assert rows[SWITCHING - 1].memory[1] == last.memory[1]  # still the other lamp's light
     assert rows[-1].memory[1] > last.memory[1]
     assert fly([SEEN] * 10, rows[-1])[-1].leg == 1
@@ -81,7 +81,7 @@ def test_it_stays_where_the_next_lamp_is_not_heard_and_asks_again_later():
 
 def test_a_single_lamp_is_never_left():
     rows = fly([SEEN] * 50, lamps=1)
-    assert {(row.leg, row.asked, row.phase) for row in rows} == {(0, 0, Phase.ARRIVED)}
+    assert {(row.leg, row.target, row.phase) for row in rows} == {(0, 0, Phase.ARRIVED)}
 
 
 def test_the_reserve_lands_it_on_a_route_too():

@@ -22,19 +22,19 @@ SLACK = 2e-3  # s; an answer that contradicts the line by more means that a cloc
 class ClockExchange(NamedTuple):
     """One exchange: host time of the request, board time, host time of the answer. [ns]"""
 
-    asked: int
+    request_ns: int
     board: int
-    heard: int
+    reply_ns: int
 
     @property
     def host_midpoint(self) -> int:
         """Host time halfway between request and answer. [ns]"""
-        return (self.asked + self.heard) // 2
+        return (self.request_ns + self.reply_ns) // 2
 
     @property
     def round_trip(self) -> int:
         """Time from request to answer. [ns]"""
-        return self.heard - self.asked
+        return self.reply_ns - self.request_ns
 
 
 @final
@@ -94,7 +94,7 @@ class BoardClock:
         slack = 1e9 * (SLACK + 3.0 * self.uncertainty)
         predicted = self.to_host_time(exchange.board)
         # The board read its clock between request and answer
-        return not exchange.asked - slack <= predicted <= exchange.heard + slack
+        return not exchange.request_ns - slack <= predicted <= exchange.reply_ns + slack
 
     def _fit_offset_drift(self) -> None:
         """Fit offset and drift about the newest answer, where they are used."""

@@ -64,7 +64,7 @@ class TeleopState(NamedTuple):
 
     stage: TeleopStage = TeleopStage.UNKNOWN
     own: bool = False
-    wanted: HeadingAltitude | None = None
+    target: HeadingAltitude | None = None
     stops: int = 0
     stopped_at: float = -math.inf
 
@@ -115,14 +115,14 @@ def step_state(
         )
     if sticks is None or estimate is None:
         # After the loss, steering resumes at the drone's then present heading and altitude.
-        return state._replace(wanted=None), SILENT
+        return state._replace(target=None), SILENT
     # Moving a stick takes control at once: an operator in a hurry looks for no button
     takes = sticks.is_deflected or sticks.take
     if sticks.give_back and not takes:
         return TeleopState(TeleopStage.NAVIGATOR, own=True), TeleopOutputs(held=False)
     if state.stage is not TeleopStage.PERSON and not takes:
         return state, SILENT
-    target = _lead_target(state.wanted or estimate, estimate, sticks, rates, dt)
+    target = _lead_target(state.target or estimate, estimate, sticks, rates, dt)
     setpoint = Setpoint(target.altitude, target.heading, rates.speed * sticks.forward)
     return TeleopState(TeleopStage.PERSON, True, target), TeleopOutputs(True, setpoint)
 

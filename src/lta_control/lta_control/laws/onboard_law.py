@@ -49,7 +49,7 @@ class OnboardLaw:
                 '"gains: NAME" to the control block of the vehicle file.'
             )
         gains = load_law_gains(self._law.gains, control.gains)
-        self._constants = self._law.known(gains, vehicle)
+        self._constants = self._law.build_constants(gains, vehicle)
         self._memory: Any = self._law.start
         self._scratch = create_working_array()
 

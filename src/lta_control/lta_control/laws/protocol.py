@@ -66,8 +66,8 @@ class ControlLaw:
         Tunable gains; the values of each vehicle are in `config/control/`.
     feedback : Feedback
         Source of the feedback.
-    known : callable
-        `known(gains, vehicle) -> constants`, a named tuple of numbers with the gains as `gains`;
+    build_constants : callable
+        `build_constants(gains, vehicle) -> constants`, a named tuple with the gains as `gains`;
         raises `BadInput` for a vehicle that it cannot fly.
     start : tuple
         The memory before the first step, a named tuple with a `LawCommand` as `command`.
@@ -79,6 +79,6 @@ class ControlLaw:
     name: str
     gains: type[Settings]
     feedback: Feedback
-    known: Callable[[Any, Vehicle], Any]
+    build_constants: Callable[[Any, Vehicle], Any]
     start: Any
     step: Callable[[Any, Any, LawInputs, Any], Any]

@@ -179,7 +179,7 @@ class Navigator(GraphNode):
     def _report_lamp(self, doing: str) -> None:
         """Report what the drone is doing, and at which lamp of its route."""
         mission = self._guidance.mission
-        (here, _), (next_lamp, frequency) = self._route[mission.leg], self._route[mission.asked]
+        (here, _), (next_lamp, frequency) = self._route[mission.leg], self._route[mission.target]
         level, text = HealthLevel.OK, f'{doing}: {here}'
         if mission.refused:
             following, beat = self._route[mission.leg + 1]

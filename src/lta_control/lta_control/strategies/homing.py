@@ -160,11 +160,11 @@ class HomingState(NamedTuple):
     """State of homing."""
 
     heading: float  # last commanded [rad]
-    known: bool  # whether there is a fix
+    has_fix: bool  # whether there is a fix
     fix: LampFix
     begun: bool  # whether `place` is known
     place: tuple[float, float]  # dead reckoned, at the last sight [m]
-    flown: float  # time since the first sight [s]
+    flight_time: float  # since the first sight [s]
     lost: float  # time without accepted light [s]
     doubted: float  # time with a strong light elsewhere [s]
     searched: float  # time of search [s]
@@ -181,8 +181,8 @@ def start(heading: float) -> HomingState:
 def reset_for_next_lamp(memory: HomingState) -> HomingState:
     """Return the memory for the way to another lamp; the wind estimate is kept."""
     return HomingState(
-        memory.heading, False, memory.fix, memory.begun, memory.place, memory.flown, 0.0, 0.0, 0.0,
-        False,
+        memory.heading, False, memory.fix, memory.begun, memory.place, memory.flight_time,
+        0.0, 0.0, 0.0, False,
     )  # fmt: skip
 
 
@@ -201,7 +201,7 @@ def steer(
     memory = update_with_sight(settings, memory, sight)
     unsure = memory.searched > 0.0 or bearing_deviation(memory.fix) > own.certain
     lost = memory.lost > own.hold or (memory.lost > 0.0 and unsure)
-    if not memory.known or lost:
+    if not memory.has_fix or lost:
         heading, speed = steer_search(settings, memory, sight.interval)
         after = _update_search(memory, heading, memory.searched + sight.interval)
         return SteeringCommand(heading, speed, False), after
@@ -214,7 +214,8 @@ def _update_search(m: HomingState, heading: float, searched: float) -> HomingSta
     """Return the memory with the commanded heading and the search time."""
     arrived = m.arrived and searched <= 0.0
     return HomingState(
-        heading, m.known, m.fix, m.begun, m.place, m.flown, m.lost, m.doubted, searched, arrived
+        heading, m.has_fix, m.fix, m.begun, m.place, m.flight_time, m.lost, m.doubted, searched,
+        arrived,
     )  # fmt: skip
 
 
@@ -236,9 +237,9 @@ def update_with_sight(
 ) -> HomingState:
     """Return the memory after one more sight; an outlier is ignored."""
     own, dt = settings.homing, sight.interval
-    optics = build_filter_prior(own, m.flown)
-    fix, has_fix, lost, doubted = m.fix, m.known, m.lost + dt, m.doubted
-    if m.known:
+    optics = build_filter_prior(own, m.flight_time)
+    fix, has_fix, lost, doubted = m.fix, m.has_fix, m.lost + dt, m.doubted
+    if m.has_fix:
         # Movement through the air since the last sight, by dead reckoning
         moved_x, moved_y = sight.position[0] - m.place[0], sight.position[1] - m.place[1]
         fix = predict_fix(optics, fix, moved_x, moved_y, dt)
@@ -263,8 +264,8 @@ def update_with_sight(
     limit = own.arrival * (STAY if m.arrived else 1.0)
     arrived = has_fix and away <= limit
     return HomingState(
-        m.heading, has_fix, fix, True, sight.position, m.flown + dt, lost, doubted, m.searched,
-        arrived,
+        m.heading, has_fix, fix, True, sight.position, m.flight_time + dt, lost, doubted,
+        m.searched, arrived,
     )  # fmt: skip
 
 
@@ -304,7 +305,7 @@ def steer_search(
 
 def distance_to_lamp(memory: HomingState) -> float:
     """Return the horizontal distance to the lamp; NaN before the first light. [m]"""
-    return math.hypot(memory.fix.x, memory.fix.y) if memory.known else math.nan
+    return math.hypot(memory.fix.x, memory.fix.y) if memory.has_fix else math.nan
 
 
 STRATEGY = NavigationStrategy(

@@ -45,7 +45,7 @@ class ResamplingWeights(NamedTuple):
     before: NDArray[np.intp]
     after: NDArray[np.intp]
     share: NDArray[np.float64]
-    known: NDArray[np.bool_]
+    valid: NDArray[np.bool_]
 
 
 def previous_weights(rows: SortedRows, clock: Stamps, gap: float) -> ResamplingWeights:
@@ -204,10 +204,10 @@ def interpolate_values(values: NDArray[Any], weights: ResamplingWeights) -> NDAr
         between = weights.share > 0.0
         change = values[weights.after[between]] - interpolated[between]
         interpolated[between] += weights.share[between] * change
-    if weights.known.all():
+    if weights.valid.all():
         return interpolated
     nothing: Any = '' if values.dtype.kind == 'U' else np.nan
-    return np.where(weights.known, interpolated, nothing)
+    return np.where(weights.valid, interpolated, nothing)
 
 
 def interpolate_quaternions(
@@ -236,4 +236,4 @@ def interpolate_quaternions(
     first = np.where(tiny, 1.0 - share, np.sin((1.0 - share) * whole) / np.sin(whole))
     second = np.where(tiny, share, np.sin(share * whole) / np.sin(whole))
     interpolated[between] = first[:, None] * one + second[:, None] * other
-    return np.where(weights.known[:, None], interpolated, np.nan)
+    return np.where(weights.valid[:, None], interpolated, np.nan)

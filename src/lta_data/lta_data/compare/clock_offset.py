@@ -90,7 +90,7 @@ class PreparedChannel(NamedTuple):
 
     time: Array
     a: Array
-    known: SampledSignal
+    line: SampledSignal
     b: CubicSpline
     width: float
 
@@ -126,8 +126,8 @@ def refine_offset(
     begin = min(float(each.time[0]) for each in channels)
     end = max(float(each.time[-1]) for each in channels)
     # Limit the span to times that B covers too, on A's clock
-    begin = max(begin, min(float(each.known.time[0]) for each in channels) - shift)
-    end = min(end, max(float(each.known.time[-1]) for each in channels) - shift)
+    begin = max(begin, min(float(each.line.time[0]) for each in channels) - shift)
+    end = min(end, max(float(each.line.time[-1]) for each in channels) - shift)
     middle, span = 0.5 * (begin + end), end - begin
     step = min(median_period(each.time) for each in channels)
     # Offset and drift are referred to the middle of the span, where they hardly correlate.
@@ -215,7 +215,7 @@ def build_normal_equations(
 ) -> tuple[Array, Array]:
     """Return one channel's normal matrix, and its gradient in each block."""
     moved = each.time + at[0] + at[1] * (each.time - middle)
-    valid = np.isfinite(interpolate_signal(each.known, moved))
+    valid = np.isfinite(interpolate_signal(each.line, moved))
     time, moved = each.time[valid], moved[valid]
     # Too few samples to determine levels and slopes.
     if len(time) < 8:

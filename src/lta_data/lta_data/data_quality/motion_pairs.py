@@ -47,15 +47,15 @@ class MotionPair:
 
     what: str  # 'rates', 'velocity', 'force', 'range' or 'pressure'
     # Name of the sensor's vector, and of the pose's from which the other side is derived
-    told: str
-    made: str
+    sensor: str
+    reference: str
     unit: str  # of both sides
     least: float  # smallest standard deviation of `right` that counts as motion
     grid: Array  # shape (n,) [s]
     # Measured and derived values, one axis per column, shape (n, k)
     left: Array
     right: Array
-    known: NDArray[np.bool_]  # where both are known, shape (n,)
+    valid: NDArray[np.bool_]  # where both are known, shape (n,)
     axes: tuple[str, ...] = ('x', 'y', 'z')  # names of the columns
 
     @property
@@ -66,7 +66,7 @@ class MotionPair:
     @property
     def span(self) -> tuple[float, float]:
         """First and last time at which both are known. [s]"""
-        times = self.grid[self.known]
+        times = self.grid[self.valid]
         return float(times[0]), float(times[-1])
 
 

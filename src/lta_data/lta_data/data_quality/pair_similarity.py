@@ -59,8 +59,8 @@ def high_pass_pair(pair: MotionPair) -> tuple[Array, Array, Array, Array]:
     """
     weights = hann_kernel(SLOW, pair.step)
     # Near the ends the trend is wrong, and equally wrong on both sides.
-    inside = narrow_mask(pair.known, weights)
-    mask = inside if inside.sum() * pair.step > SLOW else pair.known
+    inside = narrow_mask(pair.valid, weights)
+    mask = inside if inside.sum() * pair.step > SLOW else pair.valid
     left, right = (
         robust_deviations(table - smooth_columns(table, weights), mask)
         for table in (pair.left, pair.right)
@@ -103,8 +103,8 @@ def estimate_lag(left: Array, right: Array, step: float, search: float) -> float
 
 def measure_similarity(pair: MotionPair, limits: QualityLimits) -> PairSimilarity | None:
     """Measure the similarity of a pair; None if the right side hardly moves."""
-    left, left_size = robust_deviations(pair.left, pair.known)
-    right, right_size = robust_deviations(pair.right, pair.known)
+    left, left_size = robust_deviations(pair.left, pair.valid)
+    right, right_size = robust_deviations(pair.right, pair.valid)
     # Axes without motion contain only noise, which must not decide
     moving = (right_size > pair.least) & (left_size > 0.0)
     if not moving.any():
@@ -116,7 +116,7 @@ def measure_similarity(pair: MotionPair, limits: QualityLimits) -> PairSimilarit
     lag = 0.0
     if quick.any():
         lag = estimate_lag(quick_left, quick_right[:, quick], pair.step, limits.clock_search)
-    count = max(1, int(pair.known.sum()))
+    count = max(1, int(pair.valid.sum()))
     moved = round(lag / pair.step)
     # Shape (left axes, right axes)
     correlation = np.roll(unit_left, -moved, axis=0).T @ unit_right / count

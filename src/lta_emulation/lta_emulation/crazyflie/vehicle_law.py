@@ -36,7 +36,9 @@ class VehicleLaw:
                 'block to its file, or use command:=motors.'
             )
         self._law = find_control_law(control.law)
-        self._constants = self._law.known(load_law_gains(self._law.gains, control.gains), vehicle)
+        self._constants = self._law.build_constants(
+            load_law_gains(self._law.gains, control.gains), vehicle
+        )
         self._memory: Any = self._law.start
         # Work arrays of the allocation, created once
         self._scratch = create_working_array()

@@ -268,7 +268,7 @@ def navigate(
     # Stored reflections do not show how daylight sweeps over a turning diode
     daylight = kernel.daylight_of(work.lights)
     before = daylight if schedule.reuse_reflections else memory.daylight
-    lamp = constants.route[memory.mission.asked]
+    lamp = constants.route[memory.mission.target]
     amplitudes, snrs, errors = kernel.read_diodes(
         listening, lamp, work.lights, before, inputs.seed, memory.step
     )

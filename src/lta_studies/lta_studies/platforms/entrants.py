@@ -43,7 +43,7 @@ def build_entrant(
     )
     vehicle = Vehicle(file, air_density)
     law = find_control_law(named[0])
-    law.known(gains, vehicle)  # raises if the law cannot fly the vehicle
+    law.build_constants(gains, vehicle)  # raises if the law cannot fly the vehicle
     release = contestant.release.si if contestant.release else None
     return Entrant(vehicle, law, gains, release)
 

@@ -49,7 +49,7 @@ def find_axis_errors(evidence: CheckContext) -> CheckVerdict:
     for pair, alike in evidence.pair_similarities:
         if alike is None or alike.axes_agree:
             continue
-        pose = by_name.get(pair.made) or by_place.get(pair.made)
+        pose = by_name.get(pair.reference) or by_place.get(pair.reference)
         findings += explain_mismatch(pair, alike, pose, evidence.limits)
     for pose in evidence.poses:
         findings += find_lying_attitude(pose, evidence.limits)
@@ -78,9 +78,10 @@ def explain_mismatch(
     # Among 48 orders some match by chance, so the gain must be clear
     if score >= limits.agree and score > before + BETTER:
         begin, end = pair.span
+        other = pair.reference if channel != pair.reference else pair.sensor
         yield QualityFinding(
             KIND, channel, begin, end,
-            f"{words}: the correlation with '{pair.made if channel != pair.made else pair.told}' "
+            f"{words}: the correlation with '{other}' "
             f'is {before:.2f} as recorded and {score:.2f} after correction.',
             Severity.SUSPICIOUS, {'as_told': before, 'explained': score},
         )  # fmt: skip
@@ -90,7 +91,7 @@ def score_axis_orders(pair: MotionPair, alike: PairSimilarity) -> Iterator[tuple
     """Yield score, channel and description of each signed order of the left side's axes."""
     if len(pair.axes) == 1:
         # A single axis can only be inverted: the correlation after inversion is the negated one
-        yield -float(alike.correlation[0, 0]), pair.told, 'The sign is inverted'
+        yield -float(alike.correlation[0, 0]), pair.sensor, 'The sign is inverted'
         return
     moving = np.flatnonzero(alike.moving)
     for order, signs in SIGNED:
@@ -104,7 +105,7 @@ def score_axis_orders(pair: MotionPair, alike: PairSimilarity) -> Iterator[tuple
         words = ', '.join(
             f'{XYZ[j]} is recorded as {"-" if signs[j] < 0 else ""}{XYZ[order[j]]}' for j in wrong
         )
-        name = f'{pair.told}.{XYZ[wrong[0]]}' if len(wrong) == 1 else pair.told
+        name = f'{pair.sensor}.{XYZ[wrong[0]]}' if len(wrong) == 1 else pair.sensor
         # At the same correlation, prefer the explanation with fewer changes.
         yield (
             score - 0.01 * len(wrong) - 0.002 * len(idle),
@@ -120,7 +121,7 @@ def score_pose_readings(
     attitude = pose.attitude
     if attitude is None:
         return
-    rates = VectorSeries(pair.told, pair.grid[pair.known], pair.left[pair.known])
+    rates = VectorSeries(pair.sensor, pair.grid[pair.valid], pair.left[pair.valid])
     for words, read in ORDERS.items():
         other = VectorSeries(
             attitude.name, attitude.time, remove_sign_jumps(read(attitude.values))
@@ -140,7 +141,7 @@ def score_pose_readings(
     )
     in_map = pair_velocity(pose.position, level, rates, limits)
     yield from score_reading(
-        in_map, pair.told, 'The velocity is in the map frame instead of the body frame', limits
+        in_map, pair.sensor, 'The velocity is in the map frame instead of the body frame', limits
     )
     place = pose.position
     for order, signs in SIGNED:

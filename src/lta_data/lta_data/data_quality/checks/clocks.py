@@ -50,15 +50,15 @@ def find_clock_errors(evidence: CheckContext) -> CheckVerdict:
     findings: list[QualityFinding] = []
     unjudged: list[str] = []
     turning = {
-        pair.told.split('/')[0] for pair, _ in evidence.pair_similarities if pair.what == 'rates'
+        pair.sensor.split('/')[0] for pair, _ in evidence.pair_similarities if pair.what == 'rates'
     }
     for pair, alike in evidence.pair_similarities:
-        if pair.what == 'force' and pair.told.split('/')[0] in turning:
+        if pair.what == 'force' and pair.sensor.split('/')[0] in turning:
             continue  # the rates of this sensor are more precise
         if alike is None:
             unjudged.append(
-                f"The clock of '{pair.told}' cannot be judged: '{pair.made}' shows too little "
-                'motion to compare it with.'
+                f"The clock of '{pair.sensor}' cannot be judged: '{pair.reference}' shows too "
+                'little motion to compare it with.'
             )
         else:
             findings += find_lag(pair, alike, evidence.limits)
@@ -82,9 +82,9 @@ def find_lag(
     )
     if wanders and drifting > limits.agree and is_clear_gain(steady, drifting, limits):
         yield QualityFinding(
-            KIND, pair.told, begin, end,
+            KIND, pair.sensor, begin, end,
             f'The time stamps drift by {estimate.drift:.3f} s +- {estimate.drift_error:.3f} s '
-            f"relative to '{pair.made}' from start to end: without this drift the two would "
+            f"relative to '{pair.reference}' from start to end: without this drift the two would "
             f'have a correlation of {drifting:.2f} instead of {steady:.2f}.',
             Severity.SUSPICIOUS, {'drift': estimate.drift, 'error': estimate.drift_error},
         )  # fmt: skip
@@ -94,8 +94,9 @@ def find_lag(
         drift, drifting = search_clock_drift(pair, limits)
         if drifting > limits.wander_agree and is_clear_gain(max(steady, 0.0), drifting, limits):
             yield QualityFinding(
-                KIND, pair.told, begin, end,
-                f"The time stamps drift by about {drift:.1f} s relative to '{pair.made}' from "
+                KIND, pair.sensor, begin, end,
+                f'The time stamps drift by about {drift:.1f} s relative to '
+                f"'{pair.reference}' from "
                 f'start to end (correlation {steady:.2f} as recorded, {drifting:.2f} after '
                 'correction).',
                 Severity.SUSPICIOUS, {'drift': drift},
@@ -111,10 +112,10 @@ def find_lag(
     ):  # fmt: skip
         word = 'late' if estimate.lag > 0 else 'early'
         yield QualityFinding(
-            KIND, pair.told, begin, end,
+            KIND, pair.sensor, begin, end,
             f'The data are {abs(estimate.lag):.3f} s +- {estimate.error:.3f} s {word} relative to '
-            f"'{pair.made}' (correlation {zero[best].mean():.2f} as recorded, {peak:.2f} after "
-            'correction).',
+            f"'{pair.reference}' (correlation {zero[best].mean():.2f} as recorded, {peak:.2f} "
+            'after correction).',
             Severity.SUSPICIOUS, {'lag': estimate.lag, 'error': estimate.error},
         )  # fmt: skip
 

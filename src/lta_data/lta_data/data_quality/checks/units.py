@@ -110,7 +110,9 @@ def find_wrong_units(evidence: CheckContext) -> CheckVerdict:
 
 def describe_unpaired_rates(evidence: CheckContext) -> tuple[str, ...]:
     """Return a remark for rates that have no counterpart."""
-    compared = {pair.told for pair, likeness in evidence.pair_similarities if likeness is not None}
+    compared = {
+        pair.sensor for pair, likeness in evidence.pair_similarities if likeness is not None
+    }
     return tuple(
         f"The unit and axes of '{sensor.rates.name}' cannot be judged: no changing attitude to "
         'compare with.'
@@ -130,16 +132,16 @@ def find_unit_by_pair(
         return
     # A wrong unit has the same factor on all axes
     ratio = float(np.median(likeness.ratio[rows, columns]))
-    for table, name in ((FACTORS, pair.told), (TURNED, pair.made)):
+    for table, name in ((FACTORS, pair.sensor), (TURNED, pair.reference)):
         for factor, unit in table.get(pair.what, {}).items():
             if abs(ratio / factor - 1.0) <= limits.factor_spread:
-                other = pair.made if name == pair.told else pair.told
+                other = pair.reference if name == pair.sensor else pair.sensor
                 begin, end = pair.span
                 yield QualityFinding(
                     KIND, name, begin, end,
                     f'The unit looks like {unit}: the motion is {ratio:.4g} times that '
                     f"expected from '{other}'."
-                    if name == pair.told
+                    if name == pair.sensor
                     else f"The unit looks like {unit}: '{other}' moves {ratio:.4g} times as much.",
                     Severity.SUSPICIOUS, {'factor': ratio},
                 )  # fmt: skip
