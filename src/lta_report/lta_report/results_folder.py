@@ -37,6 +37,20 @@ def check_creatable(folder: Path) -> None:
         )
 
 
+def create_folder(folder: Path, part: str = '') -> None:
+    """
+    Create a results folder, unless it exists, or a new part of it.
+
+    Raise `BadInput` if that fails.
+    """
+    try:
+        (folder / part).mkdir(parents=True, exist_ok=not part)
+    except OSError as error:
+        raise BadInput(
+            f"'{folder}' cannot be created ({error.strerror}); choose another folder with --out."
+        ) from error
+
+
 @contextmanager
 def stage_results(folder: Path, last: str) -> Iterator[Path]:
     """
@@ -47,12 +61,7 @@ def stage_results(folder: Path, last: str) -> Iterator[Path]:
     """
     # An existing empty folder belongs to the user and stays
     new, part = not folder.exists(), folder / PART
-    try:
-        part.mkdir(parents=True)
-    except OSError as error:
-        raise BadInput(
-            f"'{folder}' cannot be created ({error.strerror}); choose another folder with --out."
-        ) from error
+    create_folder(folder, PART)
     try:
         yield part
         for one in sorted(part.iterdir(), key=lambda one: one.name == last):

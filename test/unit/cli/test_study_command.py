@@ -132,6 +132,25 @@ def test_a_study_that_resumes_keeps_what_its_folder_has(tmp_path, monkeypatch):
     assert content == {'runs': 2}
 
 
+def test_a_study_that_stores_its_work_elsewhere_gets_the_folder_of_the_user(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+    @study_command('tiny', quick='Nothing.')
+    def tiny() -> Report:
+        """Do nothing that is stored."""
+        return Report('tiny', '', 'Done.', '', [], [], {})
+
+    app = typer.Typer()
+    app.command()(tiny)
+    done = CliRunner().invoke(app, ['--out', 'deep/results', '--no-page'])
+    assert done.exit_code == 0, done.output
+    assert (tmp_path / 'deep/results/tiny.json').exists()
+    (tmp_path / 'file').touch()
+    done = CliRunner().invoke(app, ['--out', 'file/results', '--no-page'])
+    assert isinstance(done.exception, BadInput)
+    assert 'cannot be created (Not a directory); choose another folder' in str(done.exception)
+
+
 def test_a_stopped_study_says_how_to_resume_in_its_folder(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     run = StudyRun(Console(), tmp_path / 'runs/1-platforms', None, True)

@@ -31,6 +31,7 @@ from lta_report.report_output import PAGE, write_report
 from lta_report.report_terminal import print_report
 from lta_report.results_folder import (
     check_creatable,
+    create_folder,
     format_page_line,
     resolve_folder,
     stage_results,
@@ -150,6 +151,9 @@ def build_command(
                 show_resume_command(words, run)
             raise
         report = add_origin(report, words, run.folder if resumes else None)
+        if resumes:
+            # A study may store its finished work elsewhere
+            create_folder(run.folder)
         with nullcontext(run.folder) if resumes else stage_results(run.folder, PAGE) as folder:
             write_report(report, folder, page=page, pictures=pictures)
         show_report(report, run, json)
