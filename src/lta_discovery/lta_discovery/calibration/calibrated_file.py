@@ -200,8 +200,12 @@ def _encode_rotor(
 ) -> Any:  # noqa: ANN401 - YAML
     """Return the column of a rotor by the thrust curve times a factor."""
     entry = vehicle.file.rotors[rotor.name]
-    given = vehicle.file.aero.thrust_allocation.get(rotor.name)
-    jet = (*given.force.vector, *given.moment.vector) if given else geometric_column(entry)
+    allocation = vehicle.file.aero.thrust_allocation.get(rotor.name)
+    jet = (
+        (*allocation.force.vector, *allocation.moment.vector)
+        if allocation
+        else geometric_column(entry)
+    )
     # The reader adds the torque of the motor
     torque = np.subtract(rotor.column, jet)
     ahead, back = np.array(rotor.column), now.backward

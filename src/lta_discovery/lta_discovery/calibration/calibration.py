@@ -152,16 +152,16 @@ def _choose_estimate(
     """
     lift = find_index(knobs, NET_LIFT)
     best, error = estimates[-1], math.inf
-    told: tuple[ForecastScore, ...] = ()
+    best_scores: tuple[ForecastScore, ...] = ()
     for one in estimates:
         lifts = [float(values[lift]) for values, _ in one.flights]
         scores = score_forecasts(nominal, flights, _without_lift(one.shared, knobs), lifts)
         now = relative_error(scores)
         if now < (error if math.isinf(error) else BETTER * error) and now < 1.0:
-            best, told, error = one, scores, now
+            best, best_scores, error = one, scores, now
         elif one.method == 'file' and math.isinf(error):
-            best, told = one, scores
-    return best, told
+            best, best_scores = one, scores
+    return best, best_scores
 
 
 def _list_values(

@@ -68,18 +68,18 @@ def calibrate_first(
 
     """
     # A held-out flight or part must not take part in any fit
-    taught = [one for one in assign_roles(flights)[0] if one[1] != 'holdout']
+    fit_flights = [one for one in assign_roles(flights)[0] if one[1] != 'holdout']
     tell('checking the calibration', 0.0)
-    suspicions = _list_suspicions(vehicle, taught)
+    suspicions = _list_suspicions(vehicle, fit_flights)
     if not suspicions:
         return None
-    found = _find_clear_calibration(vehicle, name, taught, tell, _list_reasons)
-    if found is not None or NET_LIFT not in suspicions:
-        return found
-    if [role for _, role, _ in taught].count('train') > 1:
+    calibration = _find_clear_calibration(vehicle, name, fit_flights, tell, _list_reasons)
+    if calibration is not None or NET_LIFT not in suspicions:
+        return calibration
+    if [role for _, role, _ in fit_flights].count('train') > 1:
         return None
     # One training flight cannot show that lifts differ, so the confirming ones teach it, too
-    both = [(title, 'train', flight) for title, _, flight in taught]
+    both = [(title, 'train', flight) for title, _, flight in fit_flights]
     return _find_clear_calibration(vehicle, name, both, tell, _list_different_lifts)
 
 
@@ -91,19 +91,21 @@ def _find_clear_calibration(
     list_reasons: Callable[[Calibration], Iterator[CalibratedValue]],
 ) -> Calibration | None:
     """Return the calibration with these flights; None without a reason to go on from it."""
-    found = calibrate_flights(vehicle, name, flights, tell, with_flows=False)
-    scores = [*found.scores.get('train', ()), *found.scores.get('confirm', ())]
+    calibration = calibrate_flights(vehicle, name, flights, tell, with_flows=False)
+    scores = [*calibration.scores.get('train', ()), *calibration.scores.get('confirm', ())]
     error = relative_error(scores)
-    if found.method == 'likelihood':
+    if calibration.method == 'likelihood':
         # The lift of a flight shows in its positions alone
         error = min(error, relative_position_error(scores))
-    reasons = list(list_reasons(found))
+    reasons = list(list_reasons(calibration))
     # Written so that an error that is not a number is none that is better
-    if not (reasons and error <= BETTER[found.method]) or is_contradicted(found.scores):
+    if not (reasons and error <= BETTER[calibration.method]) or is_contradicted(
+        calibration.scores
+    ):
         return None
     # The first line and the table name the reasons, also those within three tolerances
-    values = [replace(one, is_far=one.is_far or one in reasons) for one in found.values]
-    return replace(found, values=tuple(values))
+    values = [replace(one, is_far=one.is_far or one in reasons) for one in calibration.values]
+    return replace(calibration, values=tuple(values))
 
 
 def _list_suspicions(vehicle: Vehicle, flights: Sequence[Role]) -> list[str]:

@@ -48,10 +48,10 @@ def score_forecasts(
     errors = {kind: np.concatenate(each) for kind, each in parts.items()}
     out = []
     for h, horizon in enumerate(ahead):
-        known = np.isfinite(errors['coast'][:, h]).all(axis=-1)
-        if known.any():
-            coast, before, after = (_rms_pair(errors[kind][known, h]) for kind in errors)
-            out.append(ForecastScore(horizon, coast, before, after, int(known.sum())))
+        measured = np.isfinite(errors['coast'][:, h]).all(axis=-1)
+        if measured.any():
+            coast, before, after = (_rms_pair(errors[kind][measured, h]) for kind in errors)
+            out.append(ForecastScore(horizon, coast, before, after, int(measured.sum())))
     return tuple(out)
 
 

@@ -48,17 +48,18 @@ def prepare_calibration(
 
     `any_heading`: whether the marker frame may have any heading on the vehicle.
     """
-    told = [flight for _, _, flight in flights]
-    wrenches = [one.wrench.values for one in told if one.wrench is not None]
+    measured_flights = [flight for _, _, flight in flights]
+    wrenches = [one.wrench.values for one in measured_flights if one.wrench is not None]
     commanded = np.any([commanded_axes(each) for each in wrenches] or [[False]], axis=0)
     orders = np.concatenate([np.zeros((0, len(AXES))), *wrenches])
     nominal = set_references(NominalVehicle.from_vehicle(vehicle), orders)
     knobs = list_calibration_parameters(
         nominal,
         commanded.tolist(),
-        all(one.has_only_pose for one in told),
+        all(one.has_only_pose for one in measured_flights),
         list_reversed_rotors(
-            [one.commands.values for one in told if one.wrench is None], vehicle.reversible
+            [one.commands.values for one in measured_flights if one.wrench is None],
+            vehicle.reversible,
         ),
         list_wrench_laws(orders),
     )

@@ -33,10 +33,10 @@ def apply_calibration(
     `nominal`: the calibrated vehicle.
     """
     usual = ordinary_tolerances(nominal)
-    known = {one.name: one for one in values}
+    by_name = {one.name: one for one in values}
     out = []
     for knob in [*knobs, *list_marker_parameters()]:
-        one = known.get(knob.name)
+        one = by_name.get(knob.name)
         is_fitted = knob.name == HEADING and one is not None and one.is_known
         if one is None or not (knob.is_calibration or knob.name in PER_FLIGHT or is_fitted):
             out.append(knob)

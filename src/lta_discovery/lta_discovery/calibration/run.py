@@ -35,8 +35,8 @@ def calibrate_vehicle(
     flights = read_bags(bags, robot, lambda bag: tell(f'reading {bag}', None))
     tell('checking data quality', None)
     usable = select_usable_flights(flights, vehicle)
-    found = calibrate_flights(vehicle, name, usable.flights, tell)
-    return report_calibration(vehicle, name, replace(found, warnings=usable.warnings))
+    calibration = calibrate_flights(vehicle, name, usable.flights, tell)
+    return report_calibration(vehicle, name, replace(calibration, warnings=usable.warnings))
 
 
 def report_calibration(vehicle: Vehicle, name: str, calibration: Calibration) -> Report:

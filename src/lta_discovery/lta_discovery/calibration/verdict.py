@@ -24,8 +24,8 @@ SIDES: Final = ('yaw', 'pitch', 'roll')
 def pendulum_rates(nominal: NominalVehicle) -> tuple[float, float]:
     """Return the rates of the free roll and pitch oscillations; 0 where there is none. [rad/s]"""
     model = nominal.build_model()
-    given = nominal.given.get('cg_height', {})
-    low = -(float(nominal.cg[2]) + float(given.get('z', 0.0)))
+    parameters = nominal.given.get('cg_height', {})
+    low = -(float(nominal.cg[2]) + float(parameters.get('z', 0.0)))
     inverse = np.asarray(model.inverse, dtype=np.float64).reshape(6, 6)
     stiffness = nominal.mass * 9.81 * low
     roll, pitch = (math.sqrt(max(stiffness * float(inverse[k, k]), 0.0)) for k in (3, 4))
@@ -127,8 +127,8 @@ def format_headline(calibration: Calibration) -> str:
     if calibration.method == 'file':
         return 'No calibration forecasts the training flights better than the vehicle file.'
     clauses = list_differences(calibration)
-    said = '; '.join(clauses) if clauses else 'The vehicle file is within its tolerances'
-    sentence = f'{said[:1].upper()}{said[1:]}.'
+    text = '; '.join(clauses) if clauses else 'The vehicle file is within its tolerances'
+    sentence = f'{text[:1].upper()}{text[1:]}.'
     if is_contradicted(calibration.scores):
         return (
             'The confirming flights contradict the calibration, so keep the vehicle file. '
@@ -148,13 +148,13 @@ def format_forecast_sentence(calibration: Calibration) -> str:
     file, now, coast = (
         f'{format_number(100.0 * each[0], 2)} cm' for each in (last.before, last.after, last.coast)
     )
-    said = (
+    text = (
         f'Position error {last.horizon:g} s ahead on {where}: {file} with the vehicle file, '
         f'{now} calibrated, {coast} if the vehicle coasted.'
     )
     if last.after[0] >= last.coast[0]:
-        said += ' The calibrated model does not beat coasting, so do not rely on its forecasts.'
-    return said
+        text += ' The calibrated model does not beat coasting, so do not rely on its forecasts.'
+    return text
 
 
 def format_inseparable(one: CalibratedValue) -> str:

@@ -104,10 +104,10 @@ def list_candidates() -> dict[str, FreeParameter]:
 
 def find_free_parameter(name: str) -> FreeParameter:
     """Return a candidate by name; raise `BadInput` with the known names."""
-    known = list_candidates()
-    if name not in known:
-        raise unknown_name_error('parameter of an effect', name, list(known))
-    return known[name]
+    candidates = list_candidates()
+    if name not in candidates:
+        raise unknown_name_error('parameter of an effect', name, list(candidates))
+    return candidates[name]
 
 
 def find_present_value(parameter: FreeParameter, nominal: NominalVehicle) -> float:
@@ -136,15 +136,20 @@ def fly_hidden(hidden: DemoEffect, seed: int, seconds: float, folder: Path) -> P
     made_of = load_spec(VEHICLE, SCENARIO, STRATEGY, '').with_values(HALL)
     vehicle, scenario, policy = build_vehicle_scenario_stack(hidden.hide_in(made_of))
     # The controller's vehicle: without the hidden effect
-    known, table = Vehicle(build_vehicle_scenario_stack(made_of)[0].file), load_topic_table()
+    nominal_vehicle, table = (
+        Vehicle(build_vehicle_scenario_stack(made_of)[0].file),
+        load_topic_table(),
+    )
     world = World(vehicle, scenario, table, seed)
-    loop = ClosedLoop(world, table, replace(policy, course=build_demo_course(seed)), known)
-    told = collect_provenance(
+    loop = ClosedLoop(
+        world, table, replace(policy, course=build_demo_course(seed)), nominal_vehicle
+    )
+    provenance = collect_provenance(
         VEHICLE, SCENARIO, VEHICLE, seed=str(seed), data='simulated', about='something is hidden'
     )
     rng = np.random.default_rng([seed, 9])
     dither, until = np.zeros(len(loop.duties)), SETTLED
-    with BagWriter(folder, told) as writer:
+    with BagWriter(folder, provenance) as writer:
         recorder = LoopRecorder(writer, loop, table, ROBOT)
         for _ in loop.iterate_until(lambda: world.elapsed >= seconds):
             if world.elapsed >= until:

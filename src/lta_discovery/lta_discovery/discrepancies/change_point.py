@@ -62,7 +62,7 @@ def find_change_point(
     inverse = np.linalg.inv(whole[np.ix_(free, free)] + precision)
     off = (prior.mean - this.linear.point.values)[free]
     # Tolerances as fitted without a change
-    known = inverse @ (whole[free, -1] + precision @ off)
+    projection = inverse @ (whole[free, -1] + precision @ off)
     sizes = LARGE * np.array([knobs[k].typical for k in picked])
 
     def evidence_gain(order: NDArray[np.int64]) -> Array:
@@ -71,7 +71,7 @@ def find_change_point(
         others = after[..., free]
         information = after[:, range(len(picked)), picked]
         information = information - np.einsum('jkf,fg,jkg->jk', others, inverse, others)
-        pull = after[..., -1] - others @ known
+        pull = after[..., -1] - others @ projection
         gained: Array = 0.5 * pull**2 / (information + sizes**-2.0)
         gained -= 0.5 * np.log1p(information * sizes**2)
         return gained

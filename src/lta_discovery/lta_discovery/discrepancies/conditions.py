@@ -73,9 +73,9 @@ def list_condition_quantities(
 
 def heading_sector(heading: Array) -> NDArray[np.int64]:
     """Return the quadrant of a heading: 0 is about x of the map; -1 where unknown."""
-    known = np.where(np.isfinite(heading), heading, 0.0)
+    finite = np.where(np.isfinite(heading), heading, 0.0)
     # Sectors of 90 degrees, centred on the axes
-    quarter = np.rint(known / (0.5 * np.pi)).astype(np.int64) % 4
+    quarter = np.rint(finite / (0.5 * np.pi)).astype(np.int64) % 4
     return np.where(np.isfinite(heading), quarter, -1)
 
 
@@ -84,15 +84,15 @@ def list_quantity_conditions(name: str, values: Array, unit: str) -> list[Flight
     if name == 'heading':
         quarter = heading_sector(values)
         return [FlightCondition(f'heading {word}', quarter == k) for k, word in enumerate(SECTORS)]
-    known = values[np.isfinite(values)]
-    if len(known) == 0 or float(np.ptp(known)) <= 1e-9:
+    finite = values[np.isfinite(values)]
+    if len(finite) == 0 or float(np.ptp(finite)) <= 1e-9:
         return []
     out = []
-    for at in np.unique(np.quantile(known, SPLITS)):
-        shown = f'{at:.2g}' + ('' if unit == '1' else f' {unit}')
+    for at in np.unique(np.quantile(finite, SPLITS)):
+        label = f'{at:.2g}' + ('' if unit == '1' else f' {unit}')
         with np.errstate(invalid='ignore'):
-            out.append(FlightCondition(f'{name} above {shown}', values > at))
-            out.append(FlightCondition(f'{name} below {shown}', values <= at))
+            out.append(FlightCondition(f'{name} above {label}', values > at))
+            out.append(FlightCondition(f'{name} below {label}', values <= at))
     return out
 
 

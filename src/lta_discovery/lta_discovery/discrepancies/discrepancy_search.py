@@ -73,8 +73,12 @@ def find_discrepancies(flights: Sequence[BaselineFlight], seed: int) -> tuple[Di
             clear = ABOARD if quantity.name in IMU else CLEAR
             if size > worst.get(quantity.name, (clear,))[0]:
                 worst[quantity.name] = size, one, quantity
-    found = [_locate_discrepancy(one, quantity, seed) for _, one, quantity in worst.values()]
-    return tuple(sorted([*changes, *found], key=lambda place: -place.ratio_to_noise)[:MOST])
+    discrepancies = [
+        _locate_discrepancy(one, quantity, seed) for _, one, quantity in worst.values()
+    ]
+    return tuple(
+        sorted([*changes, *discrepancies], key=lambda place: -place.ratio_to_noise)[:MOST]
+    )
 
 
 def _rms(values: Array) -> float:
@@ -89,7 +93,7 @@ def _channel_series(one: BaselineFlight) -> list[DisagreementSeries]:
     count = squares.shape[1] // EVERY * EVERY
     # Mean squares over 1 s, without the incomplete last second
     cut = squares[:, :count].reshape(len(squares), -1, EVERY, squares.shape[2])
-    known = np.asarray(np.isfinite(cut).any(axis=2))
+    valid = np.asarray(np.isfinite(cut).any(axis=2))
     total = np.where(np.isfinite(cut), cut, 0.0).sum(axis=2)
     means = total / np.maximum(np.isfinite(cut).sum(axis=2), 1)
     # Grid point in the middle of each second
@@ -97,7 +101,7 @@ def _channel_series(one: BaselineFlight) -> list[DisagreementSeries]:
     out = []
     block = max(1, cut.shape[1])
     for k, name in enumerate(CHANNELS):
-        here = known[..., k]
+        here = valid[..., k]
         if here.sum() > 2 * block:
             out.append(DisagreementSeries(name, np.sqrt(means[..., k][here]), index[here], block))
     return out
@@ -120,14 +124,14 @@ def _locate_discrepancy(
 ) -> Discrepancy:
     """Return the condition and the interval where one disagreement is largest."""
     flight = one.flight.replay.flight
-    known = {
+    quantities = {
         name: (values[quantity.index], unit)
         for name, (values, unit) in list_condition_quantities(flight, one.light).items()
     }
-    told = find_largest_condition(quantity.values**2, known, quantity.block, seed)
-    begin, end = _longest_interval(told.holds, flight.time[quantity.index])
-    ratio = _rms(quantity.values[told.holds])
-    return Discrepancy(one.name, quantity.name, begin, end, told.name, ratio)
+    condition = find_largest_condition(quantity.values**2, quantities, quantity.block, seed)
+    begin, end = _longest_interval(condition.holds, flight.time[quantity.index])
+    ratio = _rms(quantity.values[condition.holds])
+    return Discrepancy(one.name, quantity.name, begin, end, condition.name, ratio)
 
 
 def _longest_interval(holds: NDArray[np.bool_], time: Array) -> tuple[float, float]:
@@ -144,16 +148,16 @@ def _find_changes(
     """Return a permanent change within a flight, for the axis that disagrees most afterwards."""
     if one.fit is None:
         return []
-    found = find_change_point(_complete_columns(one.fit, one.flight), one.flight.knobs, seed)
-    if found is None:
+    change = find_change_point(_complete_columns(one.fit, one.flight), one.flight.knobs, seed)
+    if change is None:
         return []
     cut, time = one.flight.replay.cut, one.flight.replay.flight.time
-    at, end = float(time[cut.first[found.piece]]), float(time[forces[0].index[-1]])
+    at, end = float(time[cut.first[change.piece]]), float(time[forces[0].index[-1]])
     # Report the axis that disagrees most after the change
     sizes = {each.name: _rms(each.values[time[each.index] >= at]) for each in forces}
     axis = max(sizes, key=lambda name: sizes[name])
-    said = f'from about {at:.0f} s on, as if {found.knob} had changed'
-    return [Discrepancy(one.name, axis, at, end, said, sizes[axis])]
+    text = f'from about {at:.0f} s on, as if {change.knob} had changed'
+    return [Discrepancy(one.name, axis, at, end, text, sizes[axis])]
 
 
 def _complete_columns(this: FlightFit, flight: FlightLinearizer) -> FlightFit:

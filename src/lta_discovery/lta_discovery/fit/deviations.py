@@ -91,8 +91,8 @@ def fit_deviations(
     `caps`: upper limits of further starts [noise floors].
     """
     # Columns with a fixed parameter do not affect the evidence
-    narrow, kept = group.select(prior.free)
-    own = Prior(prior.mean[kept], prior.covariance[np.ix_(kept, kept)])
+    narrow, indices = group.select(prior.free)
+    own = Prior(prior.mean[indices], prior.covariance[np.ix_(indices, indices)])
 
     def evaluate_gradient(deviations: Array) -> EvidenceGradient:
         try:
@@ -106,5 +106,5 @@ def fit_deviations(
     distinct = [s for k, s in enumerate(starts) if k == 0 or not np.allclose(s, start)]
     return max(
         (maximize_evidence(evaluate_gradient, s, floor, worth) for s in distinct),
-        key=lambda found: found[1],
+        key=lambda pair: pair[1],
     )

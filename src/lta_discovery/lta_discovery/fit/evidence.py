@@ -51,13 +51,13 @@ def knot_precision(knots: int, length: float = LENGTH) -> Array:
     That of an evenly sampled Ornstein-Uhlenbeck process, which is tridiagonal.
     """
     # Correlation of neighbouring knots
-    kept = np.exp(-length / (knots - 1) / MEMORY)
-    out = np.diag(np.full(knots, 1.0 + kept**2))
+    correlation = np.exp(-length / (knots - 1) / MEMORY)
+    out = np.diag(np.full(knots, 1.0 + correlation**2))
     # The end knots have only one neighbour
     out[0, 0] = out[-1, -1] = 1.0
     step = np.arange(knots - 1)
-    out[step, step + 1] = out[step + 1, step] = -kept
-    precision: Array = out / (1.0 - kept**2)
+    out[step, step + 1] = out[step + 1, step] = -correlation
+    precision: Array = out / (1.0 - correlation**2)
     return precision
 
 

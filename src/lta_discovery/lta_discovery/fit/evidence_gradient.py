@@ -50,14 +50,14 @@ def compute_evidence_gradient(
 
     """
     solved = map_parallel(lambda pieces: pieces.solve_latent(deviations), group.pieces)
-    found = compute_posterior(
+    posterior = compute_posterior(
         group.sum_flights([each.reduced for each in solved]), group.at, prior
     )
 
     def compute_flight_gradient(one: tuple[PieceReducer, LatentSolution]) -> tuple[Array, Array]:
         pieces, each = one
         return _flight_gradient(
-            pieces, each, group.flight_posterior(pieces, each.reduced, found), deviations
+            pieces, each, group.flight_posterior(pieces, each.reduced, posterior), deviations
         )
 
     slope, bend = log_prior_slope(deviations, floor)
@@ -65,7 +65,7 @@ def compute_evidence_gradient(
         compute_flight_gradient, list(zip(group.pieces, solved, strict=True))
     ):
         slope, bend = slope + more, bend + less
-    return EvidenceGradient(found.log_evidence + log_prior(deviations, floor), slope, bend)
+    return EvidenceGradient(posterior.log_evidence + log_prior(deviations, floor), slope, bend)
 
 
 def _flight_gradient(

@@ -64,9 +64,9 @@ class LinearizedGroup:
         """Return the flights with the free columns only, and the indices of these."""
         # Columns of extrapolated parameters stay: `_align_products` needs them
         apart = np.any([each.point.values != self.at for each in self.linears], axis=0)
-        kept = np.flatnonzero(free | (self.variance > 0.0) | apart)
-        pieces = tuple(each.select(kept) for each in self.pieces)
-        return LinearizedGroup(pieces, self.at[kept], self.variance[kept]), kept
+        indices = np.flatnonzero(free | (self.variance > 0.0) | apart)
+        pieces = tuple(each.select(indices) for each in self.pieces)
+        return LinearizedGroup(pieces, self.at[indices], self.variance[indices]), indices
 
     def reduce_flights(self, deviations: Array) -> ReducedFlight:
         """Return the combined products of the flights for the shared parameters."""

@@ -203,10 +203,10 @@ class JointFitter:
         try:
             deviations, evidence = fit_deviations(group, prior, start, self.floor)
             reduced = group.reduce_flights(deviations)
-            found = compute_posterior(reduced, group.at, prior)
+            posterior = compute_posterior(reduced, group.at, prior)
         except np.linalg.LinAlgError:
             raise BadInput(RAN_AWAY) from None
-        return JointFit(group, prior, reduced, deviations, found, evidence, count)
+        return JointFit(group, prior, reduced, deviations, posterior, evidence, count)
 
     def _choose_step(self, last: JointFit) -> FitStep | None:
         """
@@ -223,22 +223,24 @@ class JointFitter:
         except np.linalg.LinAlgError:
             return None  # the flights determine no step
         misfit = self._screen_misfit(last, at, points, error)
-        found = []
+        candidates = []
         if misfit < bound + WORSE:
             linear = predict_linear_misfit(group, last.deviations, last.prior, at, points)
             # The linearization predicts well here: accept without trying shorter steps
             if misfit < BROKEN * linear:
                 return FitStep(at, points, abs(misfit - linear), True)
-            found.append((misfit, at, points))
+            candidates.append((misfit, at, points))
         # The full step failed or is nonlinear: try shorter ones, and take the best
         for part in PARTS:
             between = self._interpolate_points(part, group.at, here, at, points)
-            found.append((self._screen_misfit(last, *between, error), *between))
+            candidates.append((self._screen_misfit(last, *between, error), *between))
         for doubt in DOUBTS:
             with contextlib.suppress(BadInput, np.linalg.LinAlgError):
                 doubted = self._propose_damped_step(last, doubt)
-                found.append((self._screen_misfit(last, *doubted, error), *doubted))
-        misfit, at, points = min(found, key=lambda one: one[0], default=(np.inf, group.at, []))
+                candidates.append((self._screen_misfit(last, *doubted, error), *doubted))
+        misfit, at, points = min(
+            candidates, key=lambda one: one[0], default=(np.inf, group.at, [])
+        )
         if misfit < bound + WORSE:
             return FitStep(at, points, np.inf, False)
         # Aligning the flights is worth a linearization even without a better point
@@ -293,8 +295,8 @@ class JointFitter:
             PieceReducer(replace(each, grams=each.grams / doubt)) for each in last.group.linears
         ]
         group = replace(last.group, pieces=tuple(pieces))
-        found = compute_posterior(group.reduce_flights(last.deviations), group.at, last.prior)
-        return self._move_to_mean(last, group, found.mean)
+        posterior = compute_posterior(group.reduce_flights(last.deviations), group.at, last.prior)
+        return self._move_to_mean(last, group, posterior.mean)
 
     def _move_to_mean(
         self, last: JointFit, group: LinearizedGroup, mean: Array

@@ -33,8 +33,8 @@ def compute_misfit(
     points: Sequence[LinearizationPoint],
 ) -> float:
     """Return the misfit of flights at a point; infinite for divergence or impossible vehicles."""
-    flown = map_parallel(_readings_misfit, list(zip(flights, points, strict=True)))
-    return _unknowns_misfit(deviations, prior, variance, at, points) + sum(flown)
+    flight_misfits = map_parallel(_readings_misfit, list(zip(flights, points, strict=True)))
+    return _unknowns_misfit(deviations, prior, variance, at, points) + sum(flight_misfits)
 
 
 def _readings_misfit(one: tuple[FlightLinearizer, LinearizationPoint]) -> float:
@@ -61,10 +61,12 @@ def forecast_error(
     The median over pieces of the RMS position error until AHEAD, robust to a few diverging pieces.
     Infinite for an impossible vehicle.
     """
-    found = map_parallel(_forecast_errors, list(zip(flights, points, strict=True)))
-    if any(errors is None for errors in found):
+    error_lists = map_parallel(_forecast_errors, list(zip(flights, points, strict=True)))
+    if any(errors is None for errors in error_lists):
         return np.inf
-    return float(np.nanmedian(np.concatenate([errors for errors in found if errors is not None])))
+    return float(
+        np.nanmedian(np.concatenate([errors for errors in error_lists if errors is not None]))
+    )
 
 
 def _forecast_errors(one: tuple[FlightLinearizer, LinearizationPoint]) -> Array | None:
@@ -81,10 +83,10 @@ def _forecast_errors(one: tuple[FlightLinearizer, LinearizationPoint]) -> Array 
             grid, point, flight.replay.build_replay_rows(point.nominal)
         )[here]
         off = left[..., :3] / measured.noise[:3]
-        known = np.isfinite(measured.position[flight.index[here]])
-        known &= flight.replay.cut.inside[here][..., None]
+        valid = np.isfinite(measured.position[flight.index[here]])
+        valid &= flight.replay.cut.inside[here][..., None]
         # A diverged forecast counts as the worst, not as unmeasured
-        off[known & ~np.isfinite(off)] = np.inf
+        off[valid & ~np.isfinite(off)] = np.inf
         errors: Array = np.sqrt(np.nanmean(off**2, axis=(1, 2)))
         return errors
 

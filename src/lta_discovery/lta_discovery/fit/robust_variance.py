@@ -48,10 +48,10 @@ def sandwich_variance(joint: JointFit) -> Array:
         precision += own
         moved = scores @ covariance
         # Leverage: share of a parameter's information that comes from one piece
-        drawn = np.einsum('ka,sab,bk->sk', covariance, informations, covariance)
-        drawn = np.minimum(drawn / np.maximum(np.diag(covariance), 1e-300), DRAWN)
+        shares = np.einsum('ka,sab,bk->sk', covariance, informations, covariance)
+        shares = np.minimum(shares / np.maximum(np.diag(covariance), 1e-300), DRAWN)
         # HC3: a piece pulls the estimate towards itself; undo that by its leverage
-        pulled += np.sum((moved / (1.0 - drawn)) ** 2, axis=0)
+        pulled += np.sum((moved / (1.0 - shares)) ** 2, axis=0)
     out: Array = pulled + np.diag(covariance @ precision @ covariance)
     return out
 

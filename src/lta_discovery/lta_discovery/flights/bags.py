@@ -31,14 +31,14 @@ class StudyRecording:
     @property
     def vehicle(self) -> str:
         """Name of the flown vehicle; '' if the recording does not state it."""
-        known = parse_provenance_file(VehicleFile, self.recording.provenance, 'vehicle_file')
-        return known.name if known else ''
+        file = parse_provenance_file(VehicleFile, self.recording.provenance, 'vehicle_file')
+        return file.name if file else ''
 
     @property
     def rotor_names(self) -> tuple[str, ...]:
         """Names of the commanded rotors."""
-        found = (n for n in self.recording.channels if n.startswith(COMMAND))
-        return tuple(sorted(name.removeprefix(COMMAND) for name in found))
+        names = (n for n in self.recording.channels if n.startswith(COMMAND))
+        return tuple(sorted(name.removeprefix(COMMAND) for name in names))
 
 
 def read_bags(
@@ -113,10 +113,10 @@ def check_same_vehicle(flights: Sequence[StudyRecording], vehicle: VehicleFile) 
         (by_rotors, 'command different rotors'),
     ):
         if len(kinds) > 1:
-            told = '; '.join(
+            listing = '; '.join(
                 f"'{flight}': {_format_vehicle(kind)}" for kind, flight in kinds.items()
             )
-            raise BadInput(f'The flights {what} ({told}); study one vehicle at a time.')
+            raise BadInput(f'The flights {what} ({listing}); study one vehicle at a time.')
     other = [name for name in by_name if name != vehicle.name]
     return [
         f'The flights were recorded with the vehicle {name}, but the vehicle file is that of '
@@ -137,8 +137,8 @@ def require_distinct_runs(flights: Sequence[StudyRecording]) -> None:
         if len(flights) > 1
         else {}
     )
-    for name, found in again.items():
+    for name, findings in again.items():
         raise BadInput(
-            f'{name}: {found[0].evidence} A copy of a flight cannot confirm it; leave '
+            f'{name}: {findings[0].evidence} A copy of a flight cannot confirm it; leave '
             'one of them out.'
         )

@@ -52,9 +52,9 @@ def _clip_wrench(wrench: Stream) -> tuple[Stream, int]:
 def _mark_short_runs(beyond: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Return the marked samples of each column that are in runs of at most `LONGEST`."""
     out = beyond.copy()
-    for column, kept in zip(beyond.T, out.T, strict=True):
+    for column, marks in zip(beyond.T, out.T, strict=True):
         edges = np.flatnonzero(np.diff(np.concatenate([[0], column.astype(np.int8), [0]])))
         for begin, end in edges.reshape(-1, 2):
             if end - begin > LONGEST:
-                kept[begin:end] = False
+                marks[begin:end] = False
     return out

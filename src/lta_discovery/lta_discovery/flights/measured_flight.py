@@ -199,8 +199,8 @@ def resample_flight(streams: FlightStreams) -> MeasuredFlight:
     own, alike = estimate_pose_noise(pose.values)
     levels = np.concatenate([own, np.maximum(noise, LEAST[6:])])
     warm = WARM_UP if any(name in streams.others for name in FILTERS) else SETTLED
-    known = np.asarray(np.isfinite(at).all(axis=1))
-    usable = _bridge_gaps(known) & (grid - grid[0] >= warm)
+    valid = np.asarray(np.isfinite(at).all(axis=1))
+    usable = _bridge_gaps(valid) & (grid - grid[0] >= warm)
     # Written so that NaN heights stay usable: short gaps were bridged
     usable &= ~(at[:, 2] <= streams.floor)
     voltage = streams.others.get('voltage')

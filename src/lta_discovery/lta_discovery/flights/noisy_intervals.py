@@ -42,16 +42,16 @@ def remove_noisy_intervals(
         rough[:-3] = np.abs(np.diff(readings[:, column], 3)) / THIRD
         for begin in range(0, len(rough), SECOND):
             here = slice(begin, begin + SECOND)
-            known = rough[here][np.isfinite(rough[here])]
+            finite = rough[here][np.isfinite(rough[here])]
             level = flight.noise[CHANNEL[column]]
             # The median of absolute values of white noise is HALF of its deviation
-            if len(known) >= FEW and np.median(known) < LOUD * HALF * level:
+            if len(finite) >= FEW and np.median(finite) < LOUD * HALF * level:
                 continue
             # Nothing to exclude, and nothing to report
             if not np.isfinite(readings[here, column]).any():
                 continue
             readings[here, column] = np.nan
             first, last = (float(flight.time[min(k, len(rough) - 1)]) for k in (begin, here.stop))
-            said = f'The sensor has gaps, or is more than {LOUD:g} times as noisy as usual.'
-            cuts.append(ExcludedInterval(name, channel, first, last, said))
+            reason = f'The sensor has gaps, or is more than {LOUD:g} times as noisy as usual.'
+            cuts.append(ExcludedInterval(name, channel, first, last, reason))
     return replace(flight, readings=readings), cuts

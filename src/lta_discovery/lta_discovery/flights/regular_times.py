@@ -97,9 +97,9 @@ def _fit_within_steps(basis: Array, time: Array, step: float) -> Array:
     # Leave out late stamps, which would pull the line
     good = np.abs(off) <= 5.0 * np.median(np.abs(off)) + step
     solve = np.linalg.pinv(basis[good])
-    wanted = time
+    target = time
     # Alternate projections: onto the line, then into the interval that rounds to each stamp.
     for _ in range(TURNS if step else 1):
-        line: Array = basis @ (solve @ wanted[good])
-        wanted = np.clip(line, time - 0.5 * step, time + 0.5 * step)
+        line: Array = basis @ (solve @ target[good])
+        target = np.clip(line, time - 0.5 * step, time + 0.5 * step)
     return line

@@ -54,19 +54,19 @@ def assign_roles(flights: Sequence[Role]) -> tuple[list[Role], list[str]]:
         # With an odd number, training gets the extra flight.
         half = (len(train) + 1) // 2
         moved = [(name, 'confirm', flight) for name, _, flight in train[half:]]
-        said = 'No flight is given with --confirm, so half of the training flights confirm'
-        return [*train[:half], *moved, *rest], [f'{said} the other half.']
+        remark = 'No flight is given with --confirm, so half of the training flights confirm'
+        return [*train[:half], *moved, *rest], [f'{remark} the other half.']
     name, _, flight = train[0]
     if rest:
         parts = [
             (name, 'train', restrict_to_interval(flight, 0.0, TWO)),
             (name, 'confirm', restrict_to_interval(flight, TWO, 1)),
         ]
-        said = 'No flight is given with --confirm: the last part of the training flight confirms'
-        return [*parts, *rest], [f'{said} the effects, which is weaker than another flight.']
+        remark = 'No flight is given with --confirm: the last part of the training flight confirms'
+        return [*parts, *rest], [f'{remark} the effects, which is weaker than another flight.']
     first, second = ONE
     edges = zip(ROLES, (0.0, first, second), (first, second, 1.0), strict=True)
-    said = 'A single flight is split into a training, a confirming and a held-out part, which'
+    remark = 'A single flight is split into a training, a confirming and a held-out part, which'
     return [(name, role, restrict_to_interval(flight, a, b)) for role, a, b in edges], [
-        f'{said} gives weaker evidence than three flights.'
+        f'{remark} gives weaker evidence than three flights.'
     ]

@@ -36,7 +36,7 @@ def merge_sentences(sentences: Sequence[str], flights: int = 0) -> list[str]:
         # Sentences that differ only in numbers have one key.
         key = NUMBER.sub('#', rest) if rest.startswith(OF) else rest
         same.setdefault(key if name else sentence, []).append((name, rest or sentence))
-    return [_merge_group(said, flights) for said in same.values()]
+    return [_merge_group(pairs, flights) for pairs in same.values()]
 
 
 def _split_sentence(sentence: str) -> tuple[str, str]:

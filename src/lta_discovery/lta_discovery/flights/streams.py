@@ -43,24 +43,24 @@ def _join_channels(channels: Sequence[SignalChannel]) -> Stream:
 
 def _read_wrench(channels: Mapping[str, SignalChannel]) -> Stream | None:
     """Return the commanded wrench; axes without a command or a value are 0."""
-    known = [channels[name] for name in WRENCH if name in channels]
-    if not known:
+    parts = [channels[name] for name in WRENCH if name in channels]
+    if not parts:
         return None
-    told = _join_channels(known)
-    table = np.zeros((len(told.time), len(WRENCH)))
-    for column, channel in zip(told.values.T, known, strict=True):
+    joined = _join_channels(parts)
+    table = np.zeros((len(joined.time), len(WRENCH)))
+    for column, channel in zip(joined.values.T, parts, strict=True):
         # Axes without a channel are not commanded and stay 0
         table[:, WRENCH.index(channel.name)] = np.nan_to_num(column)
-    return Stream(told.time, table)
+    return Stream(joined.time, table)
 
 
 def _read_moving_mass(channels: Mapping[str, SignalChannel]) -> Stream | None:
     """Return the commanded place of the moving mass, None if it is not recorded."""
     if not all(name in channels for name in MASS):
         return None
-    told = _join_channels([channels[name] for name in MASS])
-    known = np.isfinite(told.values).all(axis=1)
-    return Stream(told.time[known], told.values[known]) if known.any() else None
+    joined = _join_channels([channels[name] for name in MASS])
+    valid = np.isfinite(joined.values).all(axis=1)
+    return Stream(joined.time[valid], joined.values[valid]) if valid.any() else None
 
 
 def convert_to_duties(
@@ -80,12 +80,12 @@ def convert_to_duties(
         np.array([nominal.parameter_value('thrust_curve', f'{c}_{i + 1}') for i in range(count)])
         for c in 'ab'
     )
-    said = has_newton_commands(provenance)
-    if said is None:
+    has_newtons = has_newton_commands(provenance)
+    if has_newtons is None:
         most = np.nanmax(np.abs(streams.commands.values), axis=0, initial=0.0)
         # a + b is the thrust at full duty; 10 % margin for an inaccurate curve
-        said = bool(np.all(a + b < FAINT) and np.all(most <= 1.1 * (a + b)))
-    if not said:
+        has_newtons = bool(np.all(a + b < FAINT) and np.all(most <= 1.1 * (a + b)))
+    if not has_newtons:
         return streams
     size = np.abs(streams.commands.values)
     # Invert thrust = a * duty**2 + b * duty; a = 0 is a linear curve.
@@ -108,11 +108,11 @@ def build_streams(
     start = find_tracker_prefix(channels)
     parts = [f'{start}position.{axis}' for axis in 'xyz']
     turns = [f'{start}orientation.{angle}' for angle in ('yaw', 'pitch', 'roll')]
-    told = _join_channels([channels[name] for name in (*parts, *turns)])
-    known = np.asarray(np.isfinite(told.values).all(axis=1))
-    quaternion = np.full((len(told.time), 4), np.nan)
+    joined = _join_channels([channels[name] for name in (*parts, *turns)])
+    valid = np.asarray(np.isfinite(joined.values).all(axis=1))
+    quaternion = np.full((len(joined.time), 4), np.nan)
     # Channels hold Euler angles (intrinsic z-y-x); the model needs quaternions x y z w.
-    quaternion[known] = Rotation.from_euler('ZYX', told.values[known, 3:]).as_quat()
+    quaternion[valid] = Rotation.from_euler('ZYX', joined.values[valid, 3:]).as_quat()
     missing = [name for name in rotors if f'{COMMAND}{name}' not in channels]
     wrench = _read_wrench(channels) if missing else None
     if missing and wrench is None:
@@ -125,7 +125,7 @@ def build_streams(
         )
     # Without rotor commands the wrench drives the model, and the duties stay 0.
     if missing:
-        commands = Stream(told.time[:1], np.zeros((1, len(rotors))))
+        commands = Stream(joined.time[:1], np.zeros((1, len(rotors))))
     else:
         commands = _join_channels([channels[f'{COMMAND}{name}'] for name in rotors])
     others = {
@@ -133,5 +133,5 @@ def build_streams(
         for sensor, names in SENSORS.items()
         if all(name in channels for name in names)
     }
-    pose = Stream(told.time, np.column_stack([told.values[:, :3], quaternion]))
+    pose = Stream(joined.time, np.column_stack([joined.values[:, :3], quaternion]))
     return FlightStreams(pose, commands, others, floor, wrench, _read_moving_mass(channels))

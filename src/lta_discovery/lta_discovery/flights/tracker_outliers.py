@@ -27,12 +27,12 @@ def find_tracker_outliers(poses: Array) -> NDArray[np.bool_]:
 
     `poses`, shape (n, 7): position [m] and quaternion, without sign changes.
     """
-    known = np.isfinite(poses).all(axis=1)
+    valid = np.isfinite(poses).all(axis=1)
     out = np.zeros(len(poses), dtype=np.bool_)
-    if known.sum() < 2 * AROUND:
+    if valid.sum() < 2 * AROUND:
         return out
-    whole = poses[known]
+    whole = poses[valid]
     off = np.abs(whole - median_filter(whole, size=(AROUND, 1), mode='nearest'))
     usual = np.median(off, axis=0) / HALF
-    out[known] = (off > np.maximum(CLEAR * usual, LEAST)).any(axis=1)
+    out[valid] = (off > np.maximum(CLEAR * usual, LEAST)).any(axis=1)
     return out

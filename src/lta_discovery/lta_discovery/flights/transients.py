@@ -43,30 +43,32 @@ class Transient(NamedTuple):
 def find_transients(flight: MeasuredFlight, streams: FlightStreams) -> list[Transient]:
     """Return the transients of a flight, at most one at each end."""
     begin = float(flight.time[0])
-    found = []
+    transients = []
     if (lifted := _find_take_off(flight, streams.floor)) > begin:
-        found.append(
+        transients.append(
             Transient(begin, lifted + LIFTED, 'the vehicle stands on the floor or takes off')
         )
     held = _find_rest_end(flight)
     released, caught = _find_hands(flight)
     # A hand that lifts the vehicle from the floor disturbs it longer than the floor does
-    until = found[0].to_s if found else begin
+    until = transients[0].to_s if transients else begin
     if released > max(until, held):
-        found = [Transient(begin, released, 'a hand releases the vehicle')]
+        transients = [Transient(begin, released, 'a hand releases the vehicle')]
     elif held > until:
-        found = [Transient(begin, held, 'the vehicle is held, or rests before its first command')]
+        transients = [
+            Transient(begin, held, 'the vehicle is held, or rests before its first command')
+        ]
     if caught < flight.time[-1]:
-        found.append(Transient(caught, float(flight.time[-1]), 'a hand catches the vehicle'))
-    return found
+        transients.append(Transient(caught, float(flight.time[-1]), 'a hand catches the vehicle'))
+    return transients
 
 
 def _find_take_off(flight: MeasuredFlight, floor: float) -> float:
     """Return when a flight that begins near the floor leaves it; its start if it does not. [s]"""
     height = flight.position[:, 2]
-    known = np.flatnonzero(np.isfinite(height))
-    above = known[height[known] > floor]
-    if not len(above) or above[0] == known[0]:
+    finite = np.flatnonzero(np.isfinite(height))
+    above = finite[height[finite] > floor]
+    if not len(above) or above[0] == finite[0]:
         return float(flight.time[0])
     return float(flight.time[above[0]])
 
@@ -137,8 +139,8 @@ def _find_release(pull: Array) -> int | None:
 def _smooth_derivative(values: Array, order: int) -> Array:
     """Return a smoothed derivative of the positions; NaN near gaps."""
     out = np.full_like(values, np.nan)
-    known: Mask = np.asarray(np.isfinite(values).all(axis=1))
-    for begin, end in find_usable_runs(known):
+    valid: Mask = np.asarray(np.isfinite(values).all(axis=1))
+    for begin, end in find_usable_runs(valid):
         if end - begin >= WINDOW:
             smooth = savgol_filter(values[begin:end], WINDOW, 3, deriv=order, delta=PERIOD, axis=0)
             # At its ends the filter extrapolates, which amplifies noise

@@ -93,11 +93,11 @@ def select_usable_flights(flights: Sequence[StudyRecording], vehicle: Vehicle) -
     """
     warnings = check_same_vehicle(flights, vehicle.file)
     require_distinct_runs(flights)
-    if made := [one.name for one in flights if one.recording.is_simulated]:
-        verb = 'is' if len(made) == 1 else 'are'
+    if simulated := [one.name for one in flights if one.recording.is_simulated]:
+        verb = 'is' if len(simulated) == 1 else 'are'
         warnings.append(
-            f'{", ".join(made)} {verb} marked as simulated: the results do not apply to a real '
-            'vehicle.'
+            f'{", ".join(simulated)} {verb} marked as simulated: the results do not apply to a '
+            'real vehicle.'
         )
     cuts: list[ExcludedInterval] = []
     usable: list[tuple[str, Role, MeasuredFlight]] = []
@@ -105,17 +105,19 @@ def select_usable_flights(flights: Sequence[StudyRecording], vehicle: Vehicle) -
     streams: list[tuple[StudyRecording, FlightStreams]] = []
     for one in flights:
         try:
-            told, words = _raise_to_floor(one.name, _load_streams(one, vehicle), vehicle)
-            streams.append((one, told))
+            flight_streams, words = _raise_to_floor(one.name, _load_streams(one, vehicle), vehicle)
+            streams.append((one, flight_streams))
             warnings += words
         except BadInput as fault:
             faults.setdefault(one.role, fault)
             warnings.append(f'{fault} The flight is left out.')
     # Checked over all training flights: each alone may hold its commands
-    _check_commands_move([told for one, told in streams if one.role == 'train'])
-    for one, told in streams:
+    _check_commands_move(
+        [flight_streams for one, flight_streams in streams if one.role == 'train']
+    )
+    for one, flight_streams in streams:
         try:
-            flight, own, words = _clean_flight(one, told)
+            flight, own, words = _clean_flight(one, flight_streams)
         except BadInput as fault:
             faults.setdefault(one.role, fault)
             warnings.append(f'{fault} The flight is left out.')
@@ -164,24 +166,27 @@ def _load_streams(one: StudyRecording, vehicle: Vehicle) -> FlightStreams:
         near = floor if high > floor else -np.inf
         # Poses near the floor are not used, as contact forces act there
         recorded = build_streams(channels, vehicle.rotor_names, near)
-        told = convert_to_duties(
+        converted = convert_to_duties(
             recorded, NominalVehicle.from_vehicle(vehicle), one.recording.provenance
         )
     except BadInput as fault:
         raise BadInput(f'{one.name}: {fault}') from None
-    if not np.isfinite(told.pose.values).all(axis=1).any():
+    if not np.isfinite(converted.pose.values).all(axis=1).any():
         raise BadInput(
             f'{one.name}: no pose is valid (NaN or zero quaternion); record the flight again.'
         )
-    apart = np.diff(told.pose.time)
+    apart = np.diff(converted.pose.time)
     if len(apart) < 2 or np.median(apart) > GAP:
         rate = 1.0 / float(np.median(apart)) if len(apart) else 0.0
         raise BadInput(
             f'{one.name}: the pose was recorded at {rate:.3g} Hz, which is too slow to observe '
             f'the forces; record it at {np.ceil(1.0 / GAP):.0f} Hz or more.'
         )
-    known = np.isfinite(told.commands.values).all(axis=1)
-    return replace(told, commands=Stream(told.commands.time[known], told.commands.values[known]))
+    valid = np.isfinite(converted.commands.values).all(axis=1)
+    return replace(
+        converted,
+        commands=Stream(converted.commands.time[valid], converted.commands.values[valid]),
+    )
 
 
 def _raise_to_floor(
@@ -189,10 +194,10 @@ def _raise_to_floor(
 ) -> tuple[FlightStreams, list[str]]:
     """Return a flight above the floor, where its tracker shows it below, and a warning."""
     heights = streams.pose.values[:, 2]
-    known = heights[np.isfinite(heights)]
-    low = float(np.quantile(known, LOWEST))
+    finite = heights[np.isfinite(heights)]
+    low = float(np.quantile(finite, LOWEST))
     # Heights below zero throughout are those of an axis that points down, which is checked later
-    if low >= 0.0 or known.max() <= 0.0:
+    if low >= 0.0 or finite.max() <= 0.0:
         return streams, []
     more = vehicle.hull_height_on_floor - low
     values = streams.pose.values.copy()
@@ -206,16 +211,23 @@ def _raise_to_floor(
 
 def _check_commands_move(training: Sequence[FlightStreams]) -> None:
     """Raise an error if neither the commands nor the vehicle move in any training flight."""
-    several = ((told.commands, told.wrench, told.mass) for told in training)
+    several = (
+        (command_streams.commands, command_streams.wrench, command_streams.mass)
+        for command_streams in training
+    )
     shares = [0.0]
     for kind in zip(*several, strict=True):
-        known = [each.values for each in kind if each is not None and len(each.values)]
-        if known:
-            tables = np.vstack(known)
+        arrays = [each.values for each in kind if each is not None and len(each.values)]
+        if arrays:
+            tables = np.vstack(arrays)
             scale = float(np.abs(tables).max())  # duties, newtons or metres
             shares.append(float(tables.std(axis=0).max()) / scale if scale > 0.0 else 0.0)
     # Free decays, drops and pushes by hand have constant commands, and a vehicle that moves
-    if max(shares) < STILL and training and not any(_is_moving(told) for told in training):
+    if (
+        max(shares) < STILL
+        and training
+        and not any(_is_moving(command_streams) for command_streams in training)
+    ):
         raise BadInput(
             'The commands are constant in all training flights, and the vehicle does not move; '
             'record flights with varying commands, or in which it swings, drops or drifts.'
@@ -224,13 +236,13 @@ def _check_commands_move(training: Sequence[FlightStreams]) -> None:
 
 def _is_moving(streams: FlightStreams) -> bool:
     """Return whether the vehicle moves: it drifts, or swings."""
-    known = streams.pose.values[np.isfinite(streams.pose.values).all(axis=1)]
-    if len(known) < 2:
+    poses = streams.pose.values[np.isfinite(streams.pose.values).all(axis=1)]
+    if len(poses) < 2:
         return False
-    turned = known[:, 3:7] * np.sign(known[:, 3:7] @ known[0, 3:7])[:, None]
+    turned = poses[:, 3:7] * np.sign(poses[:, 3:7] @ poses[0, 3:7])[:, None]
     # Twice the change of a quaternion is the angle, for small ones; percentiles ignore outliers
     moved, swung = (np.ptp(np.percentile(part, (2, 98), axis=0), axis=0).max() for part in (
-        known[:, :3], 2.0 * turned,
+        poses[:, :3], 2.0 * turned,
     ))  # fmt: skip
     return bool(moved > DRIFTING or swung > SWINGING)
 
@@ -274,9 +286,9 @@ def _clean_flight(
             'for a single reading each: clipped.'
         )
     # Repair stamps before resampling, which would spread their errors.
-    streams, rounding, said = repair_timestamps(one.name, streams)
+    streams, rounding, remarks = repair_timestamps(one.name, streams)
     flight, more = add_stamp_noise(one.name, resample_flight(streams), rounding)
-    warnings += [*whole, *said, *more]
+    warnings += [*whole, *remarks, *more]
     flight = _mask_intervals(flight, cuts, pose)
     for part in find_transients(flight, streams):
         inside = (flight.time >= part.from_s) & (flight.time <= part.to_s)
@@ -314,10 +326,10 @@ def _drop_bad_sensors(
 ) -> tuple[FlightStreams, list[ExcludedInterval]]:
     """Drop sensors that are bad throughout; raise an error for such a pose or commands."""
     length = float(streams.pose.time[-1] - streams.pose.time[0])
-    kept, others = [], dict(streams.others)
+    short_cuts, others = [], dict(streams.others)
     for cut in cuts:
         if cut.to_s - cut.from_s < MOST * length:
-            kept.append(cut)
+            short_cuts.append(cut)
             continue
         if cut.channel.startswith((pose, 'motors', 'wrench_command')):
             raise BadInput(
@@ -330,7 +342,7 @@ def _drop_bad_sensors(
                     others.pop(one, None)
                 words.append(f'{name}: {cut.channel} is not used: {cut.reason}')
                 break
-    return replace(streams, others=others), kept
+    return replace(streams, others=others), short_cuts
 
 
 def _mask_intervals(

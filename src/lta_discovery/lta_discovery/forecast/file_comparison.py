@@ -78,10 +78,10 @@ def limit_to_file(
 def is_worse_than_file(errors: Sequence[ChannelErrors], model: Model) -> bool:
     """Return whether position or attitude is predicted worse than with the vehicle file."""
     for channel in WHOLE:
-        known = [one for one in errors if one.channel == channel and one.horizon_s <= AHEAD]
-        if not known:
+        near = [one for one in errors if one.channel == channel and one.horizon_s <= AHEAD]
+        if not near:
             continue
-        last = max(known, key=lambda one: one.horizon_s)
+        last = max(near, key=lambda one: one.horizon_s)
         error = float(getattr(last, model))
         if error > WORSE * last.before and not math.isinf(last.before):
             return True
@@ -91,8 +91,8 @@ def is_worse_than_file(errors: Sequence[ChannelErrors], model: Model) -> bool:
 def _scale_tolerances(fit: JointFit, share: float, named: Sequence[int]) -> JointFit:
     """Return a fit with a share of its values, except for those of named effects."""
     mean = share * fit.fitted.mean
-    kept = list(named)
-    mean[kept] = fit.fitted.mean[kept]
+    indices = list(named)
+    mean[indices] = fit.fitted.mean[indices]
     return replace(fit, fitted=fit.fitted._replace(mean=np.asarray(mean)))
 
 

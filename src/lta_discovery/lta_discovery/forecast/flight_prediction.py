@@ -40,9 +40,9 @@ def predict_flight(flight: FlightLinearizer, point: LinearizationPoint) -> Model
     """Predict a flight; initial-state corrections and latent forces are ignored."""
     point, rows = build_uncorrected_point(point), flight.replay.build_replay_rows(point.nominal)
     states = flight.simulate_forecast(point)[:, ::STEPS]
-    said = predict_readings(states, flight.time, rows.acting, flight.places)
+    predicted = predict_readings(states, flight.time, rows.acting, flight.places)
     out = ~flight.replay.cut.inside
-    position, turn = said.position.copy(), heading_from_quaternion(said.quaternion)
+    position, turn = predicted.position.copy(), heading_from_quaternion(predicted.quaternion)
     position[out], turn[out] = np.nan, np.nan
     # Body velocity, so relative to the map, not to the air
     speed = np.linalg.norm(states[..., 7:10], axis=-1).mean(axis=1)
@@ -59,9 +59,9 @@ def heading_from_quaternion(quaternion: Array) -> Array:
 
 def error_to_noise(left: Array) -> Array:
     """Return the RMS error of each piece by the noise, shape (S, 14); 1 for a perfect model."""
-    known = np.isfinite(left)
-    total = np.sum(np.where(known, left, 0.0) ** 2, axis=1)
-    count = known.sum(axis=1)
+    finite = np.isfinite(left)
+    total = np.sum(np.where(finite, left, 0.0) ** 2, axis=1)
+    count = finite.sum(axis=1)
     # A piece needs at least 5 readings of a channel for a meaningful RMS.
     out: Array = np.sqrt(np.where(count > 4, total / np.maximum(count, 1), np.nan))
     return out
@@ -88,7 +88,7 @@ def best_start_residual(flight: FlightLinearizer, point: LinearizationPoint) -> 
 
     start = replay.cut.start
     base = _remove_offsets(compute_residual(start))
-    known = np.isfinite(base)
+    finite = np.isfinite(base)
     columns = np.empty((*base.shape, WIDTH))
     for k in range(WIDTH):
         aside = np.broadcast_to(NUDGE * (np.arange(WIDTH) == k), (len(start), WIDTH))
@@ -96,16 +96,16 @@ def best_start_residual(flight: FlightLinearizer, point: LinearizationPoint) -> 
         columns[..., k] = (
             base - _remove_offsets(compute_residual(apply_state_changes(start, aside)))
         ) / NUDGE[k]
-    columns = np.where(known[..., None], columns, 0.0)
-    target = np.where(known, base, 0.0)
+    columns = np.where(finite[..., None], columns, 0.0)
+    target = np.where(finite, base, 0.0)
     # Fit to the pose alone: with its low noise, a gyroscope with a scale error would dominate.
     rows = columns[..., POSE, :].reshape(len(base), -1, WIDTH)
-    wanted = target[..., POSE].reshape(len(base), -1, 1)
+    pose_target = target[..., POSE].reshape(len(base), -1, 1)
     across = np.swapaxes(rows, 1, 2)
     # One Gauss-Newton step, regularized by the accuracy of the initial states
-    change = np.linalg.solve(across @ rows + np.diag(STATE**-2.0), across @ wanted)
+    change = np.linalg.solve(across @ rows + np.diag(STATE**-2.0), across @ pose_target)
     better = target - (columns @ change[:, None])[..., 0]
-    return _remove_offsets(np.where(known, better, np.nan))
+    return _remove_offsets(np.where(finite, better, np.nan))
 
 
 def _remove_offsets(left: Array) -> Array:

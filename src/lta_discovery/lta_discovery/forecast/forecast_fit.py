@@ -153,28 +153,34 @@ class ForecastFitter:
         # Inverse prior covariance; the vehicle file is at 0
         wall, damping = np.diag(spread**-2.0), START
         for _ in range(rounds):
-            said = {f: self._build_normal_equations(values, lifts, f, picked) for f in flights}
-            inner = wall + np.sum([one.products for one in said.values()], axis=0)
-            right = np.sum([one.pull for one in said.values()], axis=0) - wall @ values[picked]
-            before = sum(one.cost for one in said.values()) + _prior_penalty(
+            equations = {
+                f: self._build_normal_equations(values, lifts, f, picked) for f in flights
+            }
+            inner = wall + np.sum([one.products for one in equations.values()], axis=0)
+            right = (
+                np.sum([one.pull for one in equations.values()], axis=0) - wall @ values[picked]
+            )
+            before = sum(one.cost for one in equations.values()) + _prior_penalty(
                 values[picked], spread
             )
-            found = self._try_step(
-                values, lifts, picked, spread, (inner, right), said, (before, damping)
+            trial = self._try_step(
+                values, lifts, picked, spread, (inner, right), equations, (before, damping)
             )
-            if found is None:
+            if trial is None:
                 break
-            values, lifts, after, damping = found
+            values, lifts, after, damping = trial
             # Converged.
             if before - after < SETTLED * before:
                 break
         if relinearize or not rounds:
-            said = {f: self._build_normal_equations(values, lifts, f, picked) for f in flights}
+            equations = {
+                f: self._build_normal_equations(values, lifts, f, picked) for f in flights
+            }
         return ForecastFit(
             values,
-            np.sum([one.products for one in said.values()], axis=0),
-            np.sum([one.pull for one in said.values()], axis=0),
-            tuple(said.values()),
+            np.sum([one.products for one in equations.values()], axis=0),
+            np.sum([one.pull for one in equations.values()], axis=0),
+            tuple(equations.values()),
             lifts,
         )
 

@@ -102,13 +102,13 @@ def estimate_own_errors(
         :count
     ]
     left /= flight.replay.flight.noise
-    known = np.isfinite(left)
+    finite = np.isfinite(left)
     table = np.concatenate([columns, left[..., None]], axis=-1)
-    table[~known] = 0.0
+    table[~finite] = 0.0
     flat = table.reshape(count, -1, table.shape[-1])
     grams = np.swapaxes(flat, 1, 2) @ flat
     first = LinearizationPoint(point.nominal, point.values, point.random[:count])
-    rows = known.sum(axis=(1, 2))
+    rows = finite.sum(axis=(1, 2))
     reduced = PieceReducer(LinearizedFlight((), grams, rows, first, left)).eliminate_unknowns(
         deviations
     )
@@ -142,14 +142,14 @@ def compute_forecast_residuals(
         grid = extrapolate_coast(
             transform_to_map(replay.cut.start, rows.acting), replay.cut.length
         )
-        said = predict_readings(grid, flight.time, rows.acting, flight.places)
+        predicted = predict_readings(grid, flight.time, rows.acting, flight.places)
         turn = quaternion_logarithm(
             quaternion_product(
-                quaternion_conjugate(said.quaternion), replay.flight.quaternion[flight.index]
+                quaternion_conjugate(predicted.quaternion), replay.flight.quaternion[flight.index]
             )
         )
-        way = replay.flight.position[flight.index] - said.position
-        readings = replay.flight.readings[flight.index] - said.readings
+        way = replay.flight.position[flight.index] - predicted.position
+        readings = replay.flight.readings[flight.index] - predicted.readings
         left = np.concatenate([way, turn, readings], axis=-1)
         left[~replay.cut.inside] = np.nan
         # The flight has no such sensor
@@ -229,17 +229,17 @@ def summarize_residuals(
             continue
         for h, horizon in enumerate(HORIZONS):
             square = {kind: np.sum(off[:, h, columns] ** 2, axis=-1) for kind, off in offs.items()}
-            known = np.all([np.isfinite(each) for each in square.values()], axis=0)
+            finite = np.all([np.isfinite(each) for each in square.values()], axis=0)
             if name in WHOLE:
                 # The pose was measured where coasting has an error; other forecasts diverge
-                known = np.isfinite(square['coast'])
+                finite = np.isfinite(square['coast'])
                 square = {
                     kind: np.where(np.isfinite(each), each, np.inf)
                     for kind, each in square.items()
                 }
-            if not known.any():
+            if not finite.any():
                 continue
-            mean = {kind: float(np.sqrt(np.mean(each[known]))) for kind, each in square.items()}
+            mean = {kind: float(np.sqrt(np.mean(each[finite]))) for kind, each in square.items()}
             # A pose error is a distance: the noises of its axes add in quadrature.
             floor = float(np.sqrt(np.sum(noise[columns] ** 2)))
             out.append(
@@ -247,9 +247,9 @@ def summarize_residuals(
                     name, unit, horizon, **mean, noise_floor=floor,
                     shrink=_shrinkage(mean['before'], mean['after']),
                     shrink_ci95=bootstrap_shrinkage(
-                        square['before'][known], square['after'][known], rng,
+                        square['before'][finite], square['after'][finite], rng,
                     ),
-                    pieces=int(known.sum()),
+                    pieces=int(finite.sum()),
                 )
             )  # fmt: skip
     return out

@@ -53,8 +53,8 @@ def compute_horizon_errors(
     `flight`: in pieces longer than the last horizon. `point`: the parameters; its states and
     latent forces are ignored.
     """
-    wanted = np.isin(np.arange(len(flight.knobs)), which)
-    about = prepare_linearization(flight.replay, flight.knobs, point, wanted)
+    selected = np.isin(np.arange(len(flight.knobs)), which)
+    about = prepare_linearization(flight.replay, flight.knobs, point, selected)
     begun = LinearizationPoint(point.nominal, point.values, zero_unknowns(flight.replay.cut))
     # Grid points of the horizons within a piece
     index = np.rint(np.asarray(horizons) / PERIOD).astype(np.int64)
@@ -69,12 +69,12 @@ def compute_horizon_errors(
 def find_measured_poses(flight: FlightLinearizer, horizons: Sequence[float]) -> NDArray[np.bool_]:
     """Return what was measured at the horizons, shape (S, H, 6), also where forecasts diverge."""
     at = np.rint(np.asarray(horizons) / PERIOD).astype(np.int64)
-    index, told = flight.index[:, at], flight.replay.flight
-    place = np.isfinite(told.position[index])
-    turn = np.isfinite(told.quaternion[index]).all(axis=-1, keepdims=True)
-    known = np.concatenate([place, np.repeat(turn, 3, axis=-1)], axis=-1)
-    known[~flight.replay.cut.inside[:, at]] = False
-    return known
+    index, measured = flight.index[:, at], flight.replay.flight
+    place = np.isfinite(measured.position[index])
+    turn = np.isfinite(measured.quaternion[index]).all(axis=-1, keepdims=True)
+    valid = np.concatenate([place, np.repeat(turn, 3, axis=-1)], axis=-1)
+    valid[~flight.replay.cut.inside[:, at]] = False
+    return valid
 
 
 def _compute_piece_errors(
@@ -117,6 +117,6 @@ def _compute_piece_errors(
         turns = quaternion_logarithm(
             quaternion_product(quaternion_conjugate(a[1][:, index]), b[1][:, index])
         )
-        said = np.concatenate([(b[0] - a[0])[:, index], turns], axis=-1)
-        columns[..., order.index(k)] += said / turned.step
+        change = np.concatenate([(b[0] - a[0])[:, index], turns], axis=-1)
+        columns[..., order.index(k)] += change / turned.step
     return left, columns

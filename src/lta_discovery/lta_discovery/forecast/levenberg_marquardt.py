@@ -40,5 +40,5 @@ def solve_bounded_step(inner: Array, right: Array, at: Array, low: Array, high: 
         free &= ~against
     else:
         step[:] = 0.0
-    kept: Array = np.clip(at + step, low, high)
-    return kept
+    bounded: Array = np.clip(at + step, low, high)
+    return bounded

@@ -223,8 +223,8 @@ class LawForecaster:
             flight = self._flight
             still = unchanged_vehicle_point(self._nominal, flight.knobs, flight.replay.cut)
             self._known = np.isfinite(compute_forecast_residuals(flight, still, coast=True))
-        known, left = self._known[..., :POSE], left[..., :POSE]
-        return np.where(known, np.where(np.isfinite(left), left, DIVERGED), np.nan)
+        pose_known, left = self._known[..., :POSE], left[..., :POSE]
+        return np.where(pose_known, np.where(np.isfinite(left), left, DIVERGED), np.nan)
 
     def _build_point(
         self, prepare: Prepare | None, at: Array

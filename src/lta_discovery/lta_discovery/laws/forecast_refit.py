@@ -157,10 +157,10 @@ class ForecastRefit:
         def linearize_flight(one: tuple[LawForecaster, Array]) -> ForecastErrors:
             maker, basis = one
             left, columns, pushed = maker.linearize_pose(prepare, law.shared)
-            known = np.isfinite(left)
+            finite = np.isfinite(left)
             with_law = np.einsum('shck,skj->shcj', pushed, basis[-len(left) :])
             every = np.concatenate([with_law, columns], axis=-1)
-            return ForecastErrors(np.where(known, left, 0.0), every * known[..., None])
+            return ForecastErrors(np.where(finite, left, 0.0), every * finite[..., None])
 
         return map_parallel(linearize_flight, list(zip(self._makers, bases, strict=True)))
 

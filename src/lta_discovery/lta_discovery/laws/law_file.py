@@ -130,7 +130,7 @@ def list_tolerance_changes(study: DiscoveryStudy, values: Array) -> tuple[Fitted
         FittedTolerance(
             format_parameter(knob.name), knob.unit, float(value), float(value) / knob.tolerance
         )
-        for knob, value, known in zip(list_study_parameters(study), values, named, strict=False)
-        if knob.tolerance > 0.0 and not known and value != 0.0
+        for knob, value, is_named in zip(list_study_parameters(study), values, named, strict=False)
+        if knob.tolerance > 0.0 and not is_named and value != 0.0
     ]
     return tuple(sorted(out, key=lambda one: -abs(one.deviations)))

@@ -80,8 +80,8 @@ def add_law(
     if reason or study.joint is None or study.forecasts is None:
         return replace(study, finding=replace(finding, law=LawFinding(None, reason)))
     tell('seeking a law', 0.0)
-    found = _search_law(study, base, study.joint, study.forecasts)
-    return replace(study, finding=replace(finding, law=found))
+    law = _search_law(study, base, study.joint, study.forecasts)
+    return replace(study, finding=replace(finding, law=law))
 
 
 def _find_obstacle(study: DiscoveryStudy) -> str:
@@ -117,15 +117,15 @@ def _search_law(
     study: DiscoveryStudy, base: BaseFile, joint: JointFit, forecasts: JointFit
 ) -> LawFinding:
     """Search, refit and test a law."""
-    taught, data = list_taught_flights(study), collect_law_data(study, joint)
-    chosen, given = select_terms(data, build_dictionary(data.spreads), joint.deviations)
+    flights, data = list_taught_flights(study), collect_law_data(study, joint)
+    chosen, fitted_terms = select_terms(data, build_dictionary(data.spreads), joint.deviations)
     near = _list_near_effects(study.finding)
     if not chosen:
         return LawFinding(None, 'no term has enough evidence on training and confirming flights',
                           near=near)  # fmt: skip
     fixed = find_unwritable_parameters(base, study)
-    refit = build_refit(study, taught, joint, forecasts, fixed)
-    terms, fit = prune_terms(refit, data, chosen, given.sides[0].deviations)
+    refit = build_refit(study, flights, joint, forecasts, fixed)
+    terms, fit = prune_terms(refit, data, chosen, fitted_terms.sides[0].deviations)
     model = build_law_model(data, terms, fit)
     start = model.prepare(model.start)
     begun = choose_parameters(study, refit, forecasts, fit.shared, start, fixed)

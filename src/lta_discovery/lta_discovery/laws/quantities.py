@@ -58,10 +58,10 @@ def input_quantities(flight: FlightLinearizer, nominal: NominalVehicle) -> Quant
     pushed += wrench
     time = replay.flight.time[0] + PERIOD * np.arange(len(commands))
     volts = replay.flight.voltage
-    known = np.isfinite(volts)
+    finite = np.isfinite(volts)
     voltage = (
-        np.interp(time, replay.flight.time[known], volts[known])
-        if known.any()
+        np.interp(time, replay.flight.time[finite], volts[finite])
+        if finite.any()
         else np.zeros(len(time))
     )
     return {
@@ -75,12 +75,16 @@ def input_quantities(flight: FlightLinearizer, nominal: NominalVehicle) -> Quant
 
 def measured_states(flight: FlightLinearizer, count: int) -> Array:
     """Return the measured motion on the grid, smoothed; gaps are bridged linearly, (n, 13)."""
-    told = flight.replay.flight
-    good = np.isfinite(told.position).all(axis=1) & np.isfinite(told.quaternion).all(axis=1)
+    measured = flight.replay.flight
+    good = np.isfinite(measured.position).all(axis=1) & np.isfinite(measured.quaternion).all(
+        axis=1
+    )
     grid = np.arange(count)
     at = np.flatnonzero(good)
-    position = np.column_stack([np.interp(grid, at, told.position[at, k]) for k in range(3)])
-    quaternion = np.column_stack([np.interp(grid, at, told.quaternion[at, k]) for k in range(4)])
+    position = np.column_stack([np.interp(grid, at, measured.position[at, k]) for k in range(3)])
+    quaternion = np.column_stack(
+        [np.interp(grid, at, measured.quaternion[at, k]) for k in range(4)]
+    )
     quaternion /= np.linalg.norm(quaternion, axis=1, keepdims=True)
     place = savgol_filter(position, SMOOTH, 3, axis=0)
     velocity = savgol_filter(position, SMOOTH, 3, deriv=1, delta=PERIOD, axis=0)
@@ -107,8 +111,8 @@ def filter_hidden(
     begin = np.zeros((len(drive), 2)) if start is None else start
     if state.time_constant is not None:
         time = state.time_constant
-        kept = math.exp(-dt / time)
-        value = lfilter([1.0 - kept], [1.0, -kept], drive, zi=kept * begin[:, :1])[0]
+        decay = math.exp(-dt / time)
+        value = lfilter([1.0 - decay], [1.0, -decay], drive, zi=decay * begin[:, :1])[0]
         return value, (drive - value) / time
     frequency, damping = state.frequency or 1.0, min(state.damping or 0.0, 0.999)
     # Exact step of the damped oscillator under a constant drive

@@ -170,12 +170,14 @@ class GivenTerms:
         usual = data.axis_floor(axis) / size
         parts = [side.residual_products(basis, axis) for side in self.sides]
         (a, inner_a), (b, inner_b) = parts
-        known = (inner_a > 0.0) & (inner_b > 0.0)
+        defined = (inner_a > 0.0) & (inner_b > 0.0)
         # A column that is 0 in all flights of a side, as beyond a threshold that they never reach
         absent = [(pull == 0.0) & (inner == 0.0) for pull, inner in parts]
         alone_flown = (absent[0] & (inner_b > 0.0)) | (absent[1] & (inner_a > 0.0))
         # Each side must be better with the weight from the other
-        weights = [np.where(known, own / np.where(known, inner, 1.0), 0.0) for own, inner in parts]
+        weights = [
+            np.where(defined, own / np.where(defined, inner, 1.0), 0.0) for own, inner in parts
+        ]
         alone, expected = np.array(
             [
                 (weight * own - 0.5 * weight**2 * inner, 0.5 * weight**2 * inner)
@@ -185,7 +187,7 @@ class GivenTerms:
         agreed = (alone > SUPPORT).all(axis=0)
         # What a side did not fly it cannot support, nor can its weight judge the other side
         blind = (expected < BLIND) & (alone > -SUPPORT)
-        supported = known & (agreed | (blind[0] ^ blind[1])) | alone_flown
+        supported = defined & (agreed | (blind[0] ^ blind[1])) | alone_flown
         single = np.where(agreed, 0.0, SINGLE)
         out = np.full(len(size), -np.inf)
         for s in SIZES:
@@ -283,10 +285,10 @@ def adapt_deviations(
     for own in groups:
         begun = best.sides[0].deviations
         for share in FITTED:
-            found = GivenTerms.fit(data, data.shrink(begun, own, share), terms)
-            if found.evidence <= best.evidence:
+            trial = GivenTerms.fit(data, data.shrink(begun, own, share), terms)
+            if trial.evidence <= best.evidence:
                 break
-            best = found
+            best = trial
     return best
 
 

@@ -123,8 +123,8 @@ BY_EYE: Final[dict[str, float]] = {
 
 def ordinary_tolerances(nominal: NominalVehicle) -> dict[str, float]:
     """Return the tolerance of each parameter of a vehicle that was measured with care."""
-    known = {knob.name: knob.tolerance for knob in list_free_parameters(nominal, wrench=True)}
-    return {**known, **BY_EYE}
+    tolerances = {knob.name: knob.tolerance for knob in list_free_parameters(nominal, wrench=True)}
+    return {**tolerances, **BY_EYE}
 
 
 def list_calibration_parameters(
@@ -194,15 +194,15 @@ def list_marker_parameters() -> list[FreeParameter]:
     """Return the parameters of the markers' frame."""
     return [
         FreeParameter(
-            f'marker_offset.{known.name}',
-            known.unit,
-            {('marker_offset', known.name): 1.0},
+            f'marker_offset.{parameter.name}',
+            parameter.unit,
+            {('marker_offset', parameter.name): 1.0},
             1e-3,
             1e-3,
-            low=known.low,
-            high=known.high,
+            low=parameter.low,
+            high=parameter.high,
         )
-        for known in EFFECTS['marker_offset'].parameters
+        for parameter in EFFECTS['marker_offset'].parameters
     ]
 
 

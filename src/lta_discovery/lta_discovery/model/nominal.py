@@ -78,7 +78,9 @@ class NominalVehicle:
 
     def parameter_value(self, effect: str, parameter: str) -> float:
         """Return a parameter of an effect; its null value where the vehicle does not set it."""
-        null = {known.name: known.null for known in MODEL_EFFECTS[effect].parameters}[parameter]
+        null = {
+            declaration.name: declaration.null for declaration in MODEL_EFFECTS[effect].parameters
+        }[parameter]
         return float(self.given.get(effect, {}).get(parameter, null))
 
     def with_value(self, effect: str, parameter: str, value: float) -> 'NominalVehicle':
@@ -197,7 +199,7 @@ def _write_effect(
         first = where['parameters'].start + layout.first[effect.name]
         row[first : first + len(values)] = list(values.values())
         # Skipping effects at their null values makes the replay faster
-        active = any(values[known.name] != known.null for known in effect.parameters)
+        active = any(values[parameter.name] != parameter.null for parameter in effect.parameters)
         on[layout.flag_index(effect.name)] = active
 
 

@@ -236,34 +236,34 @@ TRIMS: Final[dict[str, float]] = {
 
 
 def _list_effect_parameters(nominal: NominalVehicle, effect: str) -> Iterator[FreeParameter]:
-    parameters = {known.name: known for known in EFFECTS[effect].parameters}
+    parameters = {first.name: first for first in EFFECTS[effect].parameters}
     together = TOGETHER.get(effect)
     begun = {} if effect in nominal.given else companion_values(effect)
     for group in [together] if together else [(name,) for name in parameters]:
-        known = parameters[group[0]]
-        name = effect if together else f'{effect}.{known.name}'
-        if name in NO_CANDIDATE or known.beside is not None:
+        first = parameters[group[0]]
+        name = effect if together else f'{effect}.{first.name}'
+        if name in NO_CANDIDATE or first.beside is not None:
             continue
-        now = begun.get(known.name, nominal.parameter_value(effect, known.name))
+        now = begun.get(first.name, nominal.parameter_value(effect, first.name))
         least, most = SIGNS.get(name, (-math.inf, math.inf))
         # A present effect stays at or above its lower bound; only absent ones may start at null.
-        lowest = known.low if now >= known.low else min(known.low, known.null)
+        lowest = first.low if now >= first.low else min(first.low, first.null)
         # Bounds are of the change from the vehicle file
-        low, high = max(lowest, least) - now, min(known.high, most) - now
+        low, high = max(lowest, least) - now, min(first.high, most) - now
         moves = {(effect, one): 1.0 for one in group}
         tolerance = PARTS.get(effect, 0.0) * abs(now)
         if effect in nominal.given:
             tolerance = COMPUTED.get(name, tolerance)
         if effect == 'quadratic_drag' and 'cross_flow' in nominal.given:
-            moves['cross_flow', known.name] = 1.0  # one coefficient, which both work with
+            moves['cross_flow', first.name] = 1.0  # one coefficient, which both work with
         yield FreeParameter(
             name,
-            known.unit,
+            first.unit,
             moves,
-            first_step(name, known),
-            fine_step(name, known),
+            first_step(name, first),
+            fine_step(name, first),
             TOLERANCES.get(name, TRIMS.get(name, tolerance)),
-            known.spread,
+            first.spread,
             low,
             high,
             name in TRIMS,
@@ -286,9 +286,9 @@ def _list_vehicle_tolerances(nominal: NominalVehicle) -> Iterator[FreeParameter]
         }
         yield FreeParameter(f'rotor_{i}.thrust', '1', curve, STEP, STEP, ROTOR, 0.0, *WITHIN)
     for effect, share in WHOLE.items():
-        kind, given = EFFECTS[effect], nominal.given.get(effect, {})
+        kind, values = EFFECTS[effect], nominal.given.get(effect, {})
         linear = kind.linear_in if isinstance(kind, WrenchEffect) else ()
-        numbers = {(effect, one): given[one] for one in linear if given.get(one)}
+        numbers = {(effect, one): values[one] for one in linear if values.get(one)}
         if numbers:
             bounds = ABSENT.get(effect, WITHIN)
             yield FreeParameter(f'{effect}.all', '1', numbers, STEP, STEP, share, 0.0, *bounds)

@@ -126,13 +126,13 @@ def build_maneuver(
 
 def list_maneuvers(space: AltitudeRange) -> list[PlannedManeuver]:
     """Return all manoeuvres in each length and with each dither, the cheapest first."""
-    made = [
+    manoeuvres = [
         build_maneuver(name, space, length, shake)
         for name in MANOEUVRES
         for length in LENGTHS
         for shake in SHAKES
     ]
-    return sorted(made, key=lambda one: one.cost)
+    return sorted(manoeuvres, key=lambda one: one.cost)
 
 
 def _build_row(at: float, leg: PlannedLeg) -> dict[str, Any]:

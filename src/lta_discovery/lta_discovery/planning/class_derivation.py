@@ -69,8 +69,8 @@ class EffectSeparability:
         seen = np.flatnonzero(self.reach >= SEEN)
         if len(seen) < 2:
             return []
-        found = cluster_complete_linkage(self.cosine[np.ix_(seen, seen)], ALIKE)
-        groups = [[self.names[seen[k]] for k in group] for group in found]
+        labels = cluster_complete_linkage(self.cosine[np.ix_(seen, seen)], ALIKE)
+        groups = [[self.names[seen[k]] for k in group] for group in labels]
         return [group for group in groups if len(group) > 1]
 
 
@@ -113,18 +113,20 @@ def derive_classes(
     kinds: Sequence[str] = tuple(KINDS), flights: int = FLIGHTS
 ) -> Mapping[str, EffectSeparability]:
     """Derive the separability for each kind of data."""
-    made = load_spec(VEHICLE, 'hall', 'bag', '')
-    vehicle = build_vehicle_scenario_stack(made)[0]
+    spec = load_spec(VEHICLE, 'hall', 'bag', '')
+    vehicle = build_vehicle_scenario_stack(spec)[0]
     turned = select_builtin_parameters(list_free_parameters(NominalVehicle.from_vehicle(vehicle)))
     out: dict[str, EffectSeparability] = {}
-    flown = {}
+    simulated = {}
     for kind in kinds:
         sensors, rich = KINDS[kind]
         # Kinds share the simulated flights; only the recorded sensors differ
-        if rich not in flown:
-            flown[rich] = [_simulate_streams(made, seed, rich) for seed in range(1, flights + 1)]
+        if rich not in simulated:
+            simulated[rich] = [
+                _simulate_streams(spec, seed, rich) for seed in range(1, flights + 1)
+            ]
         reduced = []
-        for streams in flown[rich]:
+        for streams in simulated[rich]:
             flight = prepare_linearizer(streams, vehicle, turned, sensors)
             nominal = NominalVehicle.from_vehicle(vehicle)
             linear = flight.linearize(unchanged_vehicle_point(nominal, turned, flight.replay.cut))
@@ -166,10 +168,10 @@ def select_builtin_parameters(parameters: Sequence[FreeParameter]) -> list[FreeP
 
 def compute_registry_digest(parameters: Sequence[FreeParameter]) -> str:
     """Return a digest of the candidates in the registry, 12 hexadecimal digits."""
-    told = hashlib.sha256()
+    digest = hashlib.sha256()
     for knob in parameters:
         moves = sorted((*target, f'{rate:.9g}') for target, rate in knob.moves.items())
         numbers = f'{knob.tolerance:.9g} {knob.typical:.9g} {knob.per_flight}'
         # 9 digits: independent of rounding on other machines
-        told.update(f'{knob.name} {knob.unit} {moves} {numbers}\n'.encode())
-    return told.hexdigest()[:12]
+        digest.update(f'{knob.name} {knob.unit} {moves} {numbers}\n'.encode())
+    return digest.hexdigest()[:12]

@@ -107,8 +107,8 @@ class NextFlightPlanner:
     def find_parameter(self, name: str) -> FreeParameter:
         """Return a parameter by name; raise `BadInput` with the known names."""
         if name not in self._names:
-            known = [knob.name for knob in self.knobs if knob.typical > 0.0]
-            raise unknown_name_error('effect', name, known)
+            names = [knob.name for knob in self.knobs if knob.typical > 0.0]
+            raise unknown_name_error('effect', name, names)
         return self.knobs[self._names.index(name)]
 
     def fit_rival_value(
@@ -143,8 +143,8 @@ class NextFlightPlanner:
         # None reaches the wanted evidence: take the best of the others
         rest.sort(key=lambda pair: -pair[0])
         tried = [self._evaluate_maneuver(one, first, others) for _, one in rest[:TRIED]]
-        found = [one for one in tried if one is not None and one.nats >= LEAST]
-        return max(found, key=lambda one: one.nats, default=None)
+        useful = [one for one in tried if one is not None and one.nats >= LEAST]
+        return max(useful, key=lambda one: one.nats, default=None)
 
     def predict_evidence(
         self,
@@ -153,11 +153,11 @@ class NextFlightPlanner:
         others: Sequence[ParameterHypothesis],
     ) -> float | None:
         """Return the expected evidence of a manoeuvre; None if it is unsafe."""
-        made = with_course(self.made, manoeuvre.course, manoeuvre.length)
-        flown, scenario = self._simulate_flight(made, self.vehicle)
-        if list_objections(flown, self.vehicle, scenario):
+        spec = with_course(self.made, manoeuvre.course, manoeuvre.length)
+        flight, scenario = self._simulate_flight(spec, self.vehicle)
+        if list_objections(flight, self.vehicle, scenario):
             return None
-        reduced = self._reduce_rehearsal(flown, self.nominal)
+        reduced = self._reduce_rehearsal(flight, self.nominal)
         # Either effect may be the true one
         pairs = [(first, other) for other in others] + [(other, first) for other in others]
         return min(self.expected_evidence(reduced, *pair) for pair in pairs)
@@ -169,24 +169,24 @@ class NextFlightPlanner:
         others: Sequence[ParameterHypothesis],
     ) -> FlightChoice | None:
         """Return a manoeuvre with its evidence; None if unsafe under any hypothesis."""
-        made = with_course(self.made, manoeuvre.course, manoeuvre.length)
+        spec = with_course(self.made, manoeuvre.course, manoeuvre.length)
         least, spaces = np.inf, []
         for true in (first, *others):
             try:
-                vehicle, flown, reduced = self._fly_hypothesis(made, true)
+                vehicle, flight, reduced = self._fly_hypothesis(spec, true)
             except BadInput:
                 return None
-            scenario = build_vehicle_scenario_stack(made)[1]
-            if list_objections(flown, vehicle, scenario):
+            scenario = build_vehicle_scenario_stack(spec)[1]
+            if list_objections(flight, vehicle, scenario):
                 return None
-            spaces.append(flight_extent(flown, vehicle))
+            spaces.append(flight_extent(flight, vehicle))
             # Rivals need not be separated from one another
             against = others if true is first else (first,)
             least = min(
                 least, *(self.expected_evidence(reduced, true, other) for other in against)
             )
         x, y, z = np.max(spaces, axis=0).tolist()
-        return FlightChoice(manoeuvre, float(least), (x, y, z), made)
+        return FlightChoice(manoeuvre, float(least), (x, y, z), spec)
 
     def _fly_hypothesis(
         self, spec: FlightSpec, true: ParameterHypothesis
@@ -198,15 +198,15 @@ class NextFlightPlanner:
             spec.names, spec.strategy, {**spec.contents, 'vehicle': content}, spec.replaced
         )
         vehicle = build_vehicle_scenario_stack(changed)[0]
-        flown, _ = self._simulate_flight(spec, vehicle)
-        return vehicle, flown, self._reduce_rehearsal(flown, nominal)
+        flight, _ = self._simulate_flight(spec, vehicle)
+        return vehicle, flight, self._reduce_rehearsal(flight, nominal)
 
     def _simulate_flight(
         self, spec: FlightSpec, vehicle: Vehicle
     ) -> tuple[SimulatedFlight, Scenario]:
         """Simulate a flight once; the controller uses the vehicle file."""
-        known, scenario, policy = build_vehicle_scenario_stack(spec)
-        return simulate_flight(vehicle, scenario, policy, SEED, Vehicle(known.file)), scenario
+        nominal, scenario, policy = build_vehicle_scenario_stack(spec)
+        return simulate_flight(vehicle, scenario, policy, SEED, Vehicle(nominal.file)), scenario
 
     def _reduce_rehearsal(
         self, rehearsed: SimulatedFlight, nominal: NominalVehicle

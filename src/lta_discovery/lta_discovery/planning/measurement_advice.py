@@ -54,5 +54,5 @@ def suggest_measurement(name: str, others: tuple[str, ...], kind: Kind) -> str:
     if richer is not None and not any(is_equivalent(name, one, richer[0]) for one in others):
         return richer[1]
     effects = {one.partition('.')[0] for one in (name, *others)}
-    found = (known.what for known in MEASURE if effects <= known.effects)
-    return next(found, OTHERWISE)
+    matches = (advice.what for advice in MEASURE if effects <= advice.effects)
+    return next(matches, OTHERWISE)

@@ -120,8 +120,8 @@ def plan_for_study(
     planner = NextFlightPlanner(spec, text, SEEN_BY[kind], _reduce_flights(study), tell, knobs)
     knob = planner.find_parameter(one.knobs[0])
     first = ParameterHypothesis(knob, _estimate_changes(one, planner.knobs)[knob.name])
-    known = {each.name for each in planner.knobs}
-    rivals = [name for name in one.confusable_with if name in known and name != knob.name]
+    names = {each.name for each in planner.knobs}
+    rivals = [name for name in one.confusable_with if name in names and name != knob.name]
     others = [planner.fit_rival_value(first, planner.find_parameter(name)) for name in rivals]
     return plan_decision(planner, first, others, kind)
 
@@ -179,19 +179,19 @@ def add_confusable(study: DiscoveryStudy) -> DiscoveryStudy:
     if not study.finding.effects:
         return study
     kind = _classify_study(study)
-    taught = [one.flight for one in study.flights if one.role != 'holdout']
-    pairs = PairSeparability(_reduce_flights(study), taught[0].knobs)
+    flights = [one.flight for one in study.flights if one.role != 'holdout']
+    pairs = PairSeparability(_reduce_flights(study), flights[0].knobs)
     effects = []
     for one in study.finding.effects:
-        values = _estimate_changes(one, taught[0].knobs)
+        values = _estimate_changes(one, flights[0].knobs)
         own = [name for knob in one.knobs for name in list_equivalent_effects(knob, kind)]
         near = [
             name for knob in one.knobs for name in pairs.list_confused(knob, values[knob], TIE)
         ]
-        found = dict.fromkeys((*one.confusable_with, *own, *near))
+        candidates = dict.fromkeys((*one.confusable_with, *own, *near))
         both = [
             other
-            for other in found
+            for other in candidates
             if any(pairs.can_replace(knob, values[knob], other) for knob in one.knobs)
         ]
         # Two named but equivalent effects are confusable as well.

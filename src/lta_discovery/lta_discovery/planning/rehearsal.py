@@ -88,7 +88,7 @@ def simulate_flight(
         if outcome is not FlightOutcome.FLYING:
             break
         _record_step(loop, rows)
-    streams = {name: _build_stream(found) for name, found in rows.items() if found}
+    streams = {name: _build_stream(samples) for name, samples in rows.items() if samples}
     pose, commands = streams.pop('pose'), streams.pop('commands')
     # Copy the true path before tracker noise is added.
     path, upright = pose.values[:, :3].copy(), _tilt_cosine(pose.values[:, 3:])
@@ -105,18 +105,18 @@ def simulate_flight(
 
 
 def _record_step(loop: ClosedLoop, rows: dict[str, list[tuple[float, ...]]]) -> None:
-    told, now = loop.readings, loop.world.elapsed
-    if told.truth is not None:
-        rows['pose'].append((now, *told.truth[:7]))
-    rows['rates'].append((now, *told.rates))
-    rows['force'].append((now, *told.force))
-    for stamp, distance in told.ranges:
+    readings, now = loop.readings, loop.world.elapsed
+    if readings.truth is not None:
+        rows['pose'].append((now, *readings.truth[:7]))
+    rows['rates'].append((now, *readings.rates))
+    rows['force'].append((now, *readings.force))
+    for stamp, distance in readings.ranges:
         # The rangefinder has its own stamps: convert to the time of the loop
-        rows['range'].append((now + (stamp - told.stamp_ns) * 1e-9, distance))
-    if told.pressure is not None:
-        rows['pressure'].append((now, told.pressure))
-    if told.battery is not None:
-        rows['voltage'].append((now, told.battery[0]))
+        rows['range'].append((now + (stamp - readings.stamp_ns) * 1e-9, distance))
+    if readings.pressure is not None:
+        rows['pressure'].append((now, readings.pressure))
+    if readings.battery is not None:
+        rows['voltage'].append((now, readings.battery[0]))
     rows['commands'].append((now, *loop.duties))
 
 

@@ -119,10 +119,10 @@ class PairSeparability:
         `least`: expected log Bayes factor of separable candidates [nats].
         """
         a = [knob.name for knob in self.knobs].index(name)
-        found = []
+        confused = []
         for b, knob in enumerate(self.knobs):
             if b != a and knob.typical > 0.0:
                 pair = self.compare_pair(a, b)
                 if abs(pair.cosine) > ALIKE and pair.expected_log_bayes(value) < least:
-                    found.append((pair.expected_log_bayes(value), knob.name))
-        return [other for _, other in sorted(found)]
+                    confused.append((pair.expected_log_bayes(value), knob.name))
+        return [other for _, other in sorted(confused)]

@@ -30,7 +30,9 @@ def drop_diverging_pieces(
     sound = (np.abs(states[..., 7:]) < FASTEST).all(axis=(1, 2))
     if sound.all():
         return flight, 0
-    kept = replace(cut, first=cut.first[sound], start=cut.start[sound], inside=cut.inside[sound])
-    return FlightLinearizer(flight.replay.with_pieces(kept), flight.knobs, flight.places), int(
-        np.sum(~sound)
+    sound_cut = replace(
+        cut, first=cut.first[sound], start=cut.start[sound], inside=cut.inside[sound]
     )
+    return FlightLinearizer(
+        flight.replay.with_pieces(sound_cut), flight.knobs, flight.places
+    ), int(np.sum(~sound))

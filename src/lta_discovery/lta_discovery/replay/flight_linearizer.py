@@ -167,14 +167,14 @@ class FlightLinearizer:
         for begin in range(0, pieces, CHUNK):
             which = slice(begin, begin + CHUNK)
             table, left = self._compute_whitened_table(point, about, which)
-            known = np.isfinite(left)
+            finite = np.isfinite(left)
             # An unmeasured reading contributes nothing to the products
-            table[~known[..., : table.shape[2]]] = 0.0
+            table[~finite[..., : table.shape[2]]] = 0.0
             flat = table.reshape(len(table), -1, len(order))
             grams[begin : begin + len(table), order[:, None], order] = (
                 np.swapaxes(flat, 1, 2) @ flat
             )
-            counts[which] = known.sum(axis=(1, 2))
+            counts[which] = finite.sum(axis=(1, 2))
             residual[which] = left
         names = (*(knob.name for knob in self.knobs), *SENSORS)
         return LinearizedFlight(names, grams, counts, point, residual)

@@ -77,10 +77,10 @@ def find_swing_periods(flight: MeasuredFlight) -> Iterator[float]:
     )
     for rate in turned.T / PERIOD:
         # Gaps in the pose; filled with 0 below
-        known = np.isfinite(rate)
-        if known.sum() < AVERAGED:
+        finite = np.isfinite(rate)
+        if finite.sum() < AVERAGED:
             continue
-        hertz, power = welch(np.where(known, rate, 0.0), 1.0 / PERIOD, nperseg=AVERAGED)
+        hertz, power = welch(np.where(finite, rate, 0.0), 1.0 / PERIOD, nperseg=AVERAGED)
         band = np.flatnonzero((hertz >= SLOWEST) & (hertz <= FASTEST))
         top = band[np.argmax(power[band])]
         # A maximum at the edge of the band is a slope, not a peak

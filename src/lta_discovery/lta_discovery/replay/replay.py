@@ -88,10 +88,10 @@ class FlightReplay:
 
     def _interpolate_voltage(self, time: Array) -> Array:
         """Return the voltage, 0 where it is unknown."""
-        known = np.isfinite(self.flight.voltage)
-        if not known.any():
+        finite = np.isfinite(self.flight.voltage)
+        if not finite.any():
             return np.zeros(len(time))
-        return np.interp(time, self.flight.time[known], self.flight.voltage[known])
+        return np.interp(time, self.flight.time[finite], self.flight.voltage[finite])
 
     def _measured_motion(self) -> Array:
         """Return the measured motion by step, at rest where unknown, for effects with memory."""
@@ -109,25 +109,28 @@ class FlightReplay:
         """The measured motion by step with attitude, velocity and rates, for a law."""
         count = len(self.flight.time)
         fits = [fit_state_at(self.flight, index) for index in range(count)]
-        known = [index for index in range(count) if fits[index] is not None]
-        if not known:
+        fitted_indices = [index for index in range(count) if fits[index] is not None]
+        if not fitted_indices:
             return self._known
-        table = np.array([fits[index] for index in known])
+        table = np.array([fits[index] for index in fitted_indices])
         # One sign of each quaternion, so that it can be interpolated
         turned = np.sum(table[1:, 3:7] * table[:-1, 3:7], axis=1) < 0.0
         table[1:, 3:7] *= np.cumprod(np.where(turned, -1.0, 1.0))[:, None]
         return np.column_stack(
-            [np.interp(self._steps, self.flight.time[known], column) for column in table.T]
+            [
+                np.interp(self._steps, self.flight.time[fitted_indices], column)
+                for column in table.T
+            ]
         )
 
     def _rest_commands(self) -> Array:
         """Return the command of each step without rotors: the place of the moving mass."""
         commands = np.tile(self._still, (len(self._steps), 1))
         if self.flight.mass is not None:
-            told = self.flight.mass
+            mass_stream = self.flight.mass
             # Zero-order hold: the newest command at each step, with a margin for rounding
-            newest = np.searchsorted(told.time, self._steps + 1e-9, side='right') - 1
-            commands[:, MASS_PLACE:] = told.values[np.maximum(newest, 0)]
+            newest = np.searchsorted(mass_stream.time, self._steps + 1e-9, side='right') - 1
+            commands[:, MASS_PLACE:] = mass_stream.values[np.maximum(newest, 0)]
         return commands
 
     def build_replay_rows(self, nominal: NominalVehicle) -> ReplayRows:
@@ -167,12 +170,14 @@ class FlightReplay:
 
     def _mean_wrench(self, rows: ReplayRows) -> Array:
         """Return the mean commanded wrench in each step, after any delay."""
-        told = self.flight.wrench
-        if told is None:
+        wrench_stream = self.flight.wrench
+        if wrench_stream is None:
             return np.zeros((len(self._steps), AXES))
         # A delay shifts when commands arrive, not their values
-        acting = apply_channel_effects(rows.acting['command_wrench'], told.values, told.time)
-        late = Stream(told.time + _command_delays(rows, told.time), acting)
+        acting = apply_channel_effects(
+            rows.acting['command_wrench'], wrench_stream.values, wrench_stream.time
+        )
+        late = Stream(wrench_stream.time + _command_delays(rows, wrench_stream.time), acting)
         return average_held_values(late, np.append(self._steps, self._steps[-1] + self.dt))
 
     def _applied_wrench(self, ready: BodyInputs, latent: Array, which: slice) -> Array:
@@ -264,11 +269,11 @@ class FlightReplay:
         """
         out = np.zeros((*states.shape[:2], AXES, len(turns.steps)))
         # Work space of the kernel
-        kept = np.empty((len(turns.rows), states.shape[1], AXES))
+        answers = np.empty((len(turns.rows), states.shape[1], AXES))
         load_body_kernel().answers(
             turns.rows, turns.on, turns.faced, self.cut.first[which], states, turns.commands,
             self._sparse, turns.memory, turns.wrench, latent, turns.before, turns.after,
-            turns.steps, kept, out,
+            turns.steps, answers, out,
         )  # fmt: skip
         return out
 

@@ -123,15 +123,15 @@ class _FlightColumns:
         constant = self._rows + 0.5 * float(np.linalg.slogdet(precision)[1]) * len(root)
         constant -= float(np.log(np.diagonal(root, axis1=1, axis2=2)).sum())
         products = self._shift.T @ products @ self._shift
-        found = {}
+        reduced = {}
         for name in names:
             columns = self._columns[name]
             mine = back @ columns.along
             aside = columns.aside - np.einsum('skg,skj->gj', half, mine, optimize=True)
             # Schur complement of the pieces' unknowns
             alone = columns.own - np.einsum('ski,skj->ij', mine, mine, optimize=True)
-            found[name] = self._shift.T @ aside, alone
-        return self._eliminate_own_parameters(constant, products, found)
+            reduced[name] = self._shift.T @ aside, alone
+        return self._eliminate_own_parameters(constant, products, reduced)
 
     def _eliminate_own_parameters(
         self, constant: float, products: Array, group_products: dict[str, tuple[Array, Array]]

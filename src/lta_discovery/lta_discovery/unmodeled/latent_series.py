@@ -30,11 +30,11 @@ class LatentSeries(NamedTuple):
         inside = flight.replay.cut.inside
         share = np.linspace(0.0, 1.0, fit.linear.knots)
         # Knots after the end of a shorter last piece have no data
-        known = inside[:, np.rint(share * (inside.shape[1] - 1)).astype(int)].ravel()
+        valid = inside[:, np.rint(share * (inside.shape[1] - 1)).astype(int)].ravel()
         begin, end = flight.time[:, :1], flight.time[:, -1:]
-        time = (begin + (end - begin) * share).ravel()[known]
-        body = latent_at_knots(fit)[known]
-        turn = states_at_knots(flight, fit)[known, 3:7]
+        time = (begin + (end - begin) * share).ravel()[valid]
+        body = latent_at_knots(fit)[valid]
+        turn = states_at_knots(flight, fit)[valid, 3:7]
         return cls(time, rotate_vectors(turn, body[:, :3]), body)
 
     @property

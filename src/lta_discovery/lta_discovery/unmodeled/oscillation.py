@@ -116,7 +116,7 @@ def find_common_oscillations(
     colour: Array = 1.0 + (2.0 * np.pi * hertz * MEMORY) ** 2
     power = [fit_wave_power(each.time, stack_channels(each), hertz) for each in series]
     total = [np.mean(stack_channels(each) ** 2, axis=0) for each in series]
-    found = []
+    oscillations = []
     for k, (name, (_, place)) in enumerate(CHANNELS.items()):
         seen = [level_spectrum(hertz, each[:, k] * colour, 1, BESIDE, least) for each in power]
         at = find_steady_line(seen)
@@ -129,8 +129,10 @@ def find_common_oscillations(
         share = 0.5 * sum(size) / float(np.sum([each[pair] for each in total]))
         # The limit is an RMS; the amplitude is root 2 of it
         if share > PART and amplitude > math.sqrt(2.0) * WORTH * floor[place]:
-            found.append(LatentOscillation(name, float(seen[0].hertz[at]), amplitude, share))
-    return tuple(sorted(_select_frame(found), key=lambda one: -one.share))
+            oscillations.append(
+                LatentOscillation(name, float(seen[0].hertz[at]), amplitude, share)
+            )
+    return tuple(sorted(_select_frame(oscillations), key=lambda one: -one.share))
 
 
 def _peak_power(spectrum: LeveledSpectrum, at: int) -> float:

@@ -128,7 +128,7 @@ class GroupComparison:
     ) -> tuple[float, Array, GroupProducts]:
         """Refit the deviations on a group's axes by trial factors."""
         axes = list(self.known[0][name].axes)
-        found = at
+        fitted = at
         for share in ALONE:
             deviations = at[1].copy()
             least = LEAST * self.standing.floor[axes]
@@ -137,8 +137,8 @@ class GroupComparison:
             score = self._group_evidence(there, name, taught) + log_prior(
                 deviations, self.standing.floor
             )
-            found = max(found, (score, deviations, there), key=lambda one: one[0])
-        return found
+            fitted = max(fitted, (score, deviations, there), key=lambda one: one[0])
+        return fitted
 
     def _evaluate_group(
         self,
@@ -196,8 +196,8 @@ class RivalSearch:
 
     def build_group_comparison(self, side: int, baseline: FitBaseline) -> GroupComparison:
         """Build the comparison of all groups on the flights of one side."""
-        flown = zip(self.flights[side], baseline.linears, strict=True)
-        known = [
+        pairs = zip(self.flights[side], baseline.linears, strict=True)
+        groups = [
             list(
                 list_term_groups(
                     compute_term_inputs(flight, linear.point),
@@ -206,9 +206,9 @@ class RivalSearch:
                     linear.knots,
                 )
             )
-            for flight, linear in flown
+            for flight, linear in pairs
         ]
-        return GroupComparison(TermColumns(baseline, known))
+        return GroupComparison(TermColumns(baseline, groups))
 
     def rank_rivals(self, standings: Sequence[FitBaseline]) -> tuple[GenericRival, ...]:
         """Return all rivals, the best first."""
@@ -216,20 +216,22 @@ class RivalSearch:
         def compare_side(
             one: tuple[int, FitBaseline],
         ) -> tuple[GroupComparison, dict[str, GroupGain]]:
-            made = self.build_group_comparison(*one)
-            return made, made.compute_group_gains()
+            comparison = self.build_group_comparison(*one)
+            return comparison, comparison.compute_group_gains()
 
-        (first, taught), (second, alone) = map_parallel(compare_side, list(enumerate(standings)))
+        (first, train_gains), (second, alone) = map_parallel(
+            compare_side, list(enumerate(standings))
+        )
         # The confirming flights with the weights of the training flights
-        carried = second.compute_group_gains(taught)
+        carried = second.compute_group_gains(train_gains)
         out = [
             _build_rival(
                 [each[name] for each in first.known],
-                taught[name],
+                train_gains[name],
                 (alone[name].gain, carried[name].gain),
                 standings[0].floor,
             )
-            for name in taught
+            for name in train_gains
         ]
         return tuple(sorted(out, key=lambda rival: -rival.total_evidence))
 

@@ -116,12 +116,12 @@ def level_spectrum(
 def _detrend_pieces(pieces: Array) -> Array:
     """Remove a quadratic trend from pieces; 0 where nothing was measured."""
     good = np.isfinite(pieces)
-    kept = np.where(good, pieces, 0.0)
+    filled = np.where(good, pieces, 0.0)
     # Quadratic, linear and constant term over a piece
     ramp = np.vander(np.linspace(-1.0, 1.0, pieces.shape[1]), 3)
     inner = np.einsum('sn,na,nb->sab', good, ramp, ramp) + 1e-9 * np.eye(3)
-    slow = np.linalg.solve(inner, (kept @ ramp)[..., None])[..., 0] @ ramp.T
-    flat: Array = np.where(good, kept - slow, 0.0)
+    slow = np.linalg.solve(inner, (filled @ ramp)[..., None])[..., 0] @ ramp.T
+    flat: Array = np.where(good, filled - slow, 0.0)
     return flat
 
 
@@ -132,11 +132,11 @@ def piece_spectrum(pieces: Array, least: float) -> LeveledSpectrum:
     `pieces`, shape (S, n): every PERIOD; NaN where nothing was measured. Pieces with many gaps are
     left out.
     """
-    kept = _detrend_pieces(pieces[np.isfinite(pieces).mean(axis=1) >= KNOWN])
-    count, size = kept.shape
+    detrended = _detrend_pieces(pieces[np.isfinite(pieces).mean(axis=1) >= KNOWN])
+    count, size = detrended.shape
     window = np.hanning(size + 2)[1:-1]
     # Scaled to the amplitude of a sine
-    waves = np.abs(np.fft.rfft(kept * window, axis=1)) * 2.0 / window.sum()
+    waves = np.abs(np.fft.rfft(detrended * window, axis=1)) * 2.0 / window.sum()
     hertz = np.asarray(np.fft.rfftfreq(size, PERIOD), dtype=np.float64)
     power = np.mean(waves**2, axis=0) if count else np.zeros(len(hertz))
     return level_spectrum(hertz, power, count, NEIGHBOURS, least)
@@ -150,11 +150,11 @@ def flight_spectrum(pieces: Array, time: Array, size: int, least: float) -> Leve
     periods: that of the longest flight, so that all have equal bins.
     """
     place = np.rint((time - time.min()) / PERIOD).astype(int)
-    known = np.isfinite(pieces)
+    finite = np.isfinite(pieces)
     # Zero padding gives STEPS bins per resolved frequency
     series = np.zeros(STEPS * size)
-    series[place[known]] = _detrend_pieces(pieces)[known]
-    waves = np.abs(np.fft.rfft(series)) * 2.0 / max(int(known.sum()), 1)
+    series[place[finite]] = _detrend_pieces(pieces)[finite]
+    waves = np.abs(np.fft.rfft(series)) * 2.0 / max(int(finite.sum()), 1)
     hertz = np.asarray(np.fft.rfftfreq(len(series), PERIOD), dtype=np.float64)
     return level_spectrum(hertz, waves**2, 1, BESIDE, least)
 

@@ -118,19 +118,21 @@ def select_terms(
 
     Forward selection by cross-validated variance, in both directions; empty below chance level.
     """
-    known = [state_terms(each) for each in states]
+    terms_by_flight = [state_terms(each) for each in states]
     chosen: tuple[str, ...] = ()
     share = 0.0
 
     def cross_validated_share(names: tuple[str, ...]) -> float:
-        a, b = (np.column_stack([each[name] for name in names]) for each in known)
+        a, b = (np.column_stack([each[name] for name in names]) for each in terms_by_flight)
         there = _explained_variance(a, forces[0], b, forces[1])
         # The worse direction counts, so that chance on one side is not enough.
         return min(there, _explained_variance(b, forces[1], a, forces[0]))
 
     while len(chosen) < TERMS:
         gains = {
-            name: cross_validated_share((*chosen, name)) for name in known[0] if name not in chosen
+            name: cross_validated_share((*chosen, name))
+            for name in terms_by_flight[0]
+            if name not in chosen
         }
         best = max(gains, key=lambda name: gains[name])
         if gains[best] < share + WORTH:

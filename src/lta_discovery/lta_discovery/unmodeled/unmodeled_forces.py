@@ -98,12 +98,12 @@ def assess_unmodeled_forces(
     seen = find_spectral_lines(residuals, times, noise, lowest_frequency(knots))
     nominal = full.group.linears[0].point.nominal
     inverse = nominal.build_model().inverse
-    told = select_strong_lines(seen, np.reshape(inverse, (6, 6)), floor)
+    lines = select_strong_lines(seen, np.reshape(inverse, (6, 6)), floor)
     series = [LatentSeries.from_fit(*each) for each in zip(flights, members, strict=True)]
     slow = find_common_oscillations(series, floor, knots)
     air = None
     # An oscillation is structure, so the remainder is not just a draught.
-    if not (slow or told):
+    if not (slow or lines):
         winning = select_evident_rivals(rivals)
         air = detect_draught(full.deviations, floor, left, winning, series, nominal)
     if air is not None:
@@ -111,4 +111,4 @@ def assess_unmodeled_forces(
         # Rivals of one horizontal axis only describe the draught
         rivals = tuple(one for one in rivals if not is_one_sided(one))
     remains = add_oscillations(add_rival_terms(left, rivals, floor), dominant_oscillations(slow))
-    return UnmodeledForces(tuple(remains), rivals, told, slow, air)
+    return UnmodeledForces(tuple(remains), rivals, lines, slow, air)

@@ -112,9 +112,9 @@ def add_rival_terms(
     floor are added if a rival is evident there.
     """
     out = {one.axis: one for one in remains}
-    told: set[str] = set()
+    done_axes: set[str] = set()
     for one in select_evident_rivals(rivals):
-        for axis in set(one.axes) - told:
+        for axis in set(one.axes) - done_axes:
             before = out.get(axis)
             floors = one.size / float(floor[NAMES.index(axis)])
             if before is not None:
@@ -124,7 +124,7 @@ def add_rival_terms(
             elif before is None and axis == one.axis and floors > 1.0:
                 out[axis] = Remainder(axis, one.size, floors, (one.term,), one.share)
         # Rivals come best first: later ones must not overwrite
-        told |= set(one.axes)
+        done_axes |= set(one.axes)
     return sorted(out.values(), key=lambda one: -one.floors)
 
 
@@ -172,8 +172,8 @@ def describe_unexplained_forces(
     For example 'a pitch moment that varies with surge speed x yaw rate, 1.2 mN m'. An axis that an
     oscillation dominates has no further sentence.
     """
-    told = dominant_oscillations(oscillations)
-    out, rest = [], [one for one in remains if one.axis not in told]
+    dominant = dominant_oscillations(oscillations)
+    out, rest = [], [one for one in remains if one.axis not in dominant]
     if is_gusty(rest):
         sizes = ' and '.join(
             _format_size(one.axis, one.size)[1] for one in rest if one.axis in LEVEL
