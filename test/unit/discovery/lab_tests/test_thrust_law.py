@@ -100,13 +100,14 @@ def test_the_planned_steps_show_exponent_and_reverse(tmp_path: Path) -> None:
     for k, test in enumerate(tests):
         write_log(tmp_path / f'log_{k}.csv', blimp, test, draw)
     found = read_lab_tests('gtmab', tmp_path, None, {}, None, lambda _what, _part: None)
-    for name, truth in (
-        ('exponent_surge', EXPONENT),
-        ('exponent_yaw', EXPONENT),
-        ('reverse_yaw', REVERSE),
+    # The intervals are far from 1, the law of a proportional command
+    for name, truth, width in (
+        ('exponent_surge', EXPONENT, 0.6),
+        ('exponent_yaw', EXPONENT, 0.3),
+        ('reverse_yaw', REVERSE, 0.1),
     ):
         value = found.calibration.find(f'wrench_gain.{name}')
         assert value is not None, name
         assert value.ci95[0] <= truth <= value.ci95[1], (name, value.ci95)
-        assert value.ci95[1] - value.ci95[0] < 0.2 * truth, name
+        assert value.ci95[1] - value.ci95[0] < width, (name, value.ci95)
     assert not [said for said in found.missing if 'exponent' in said or 'reverse' in said]
