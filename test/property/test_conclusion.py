@@ -23,7 +23,7 @@ from lta_discovery.finding import (
     StudyResult,
 )
 from lta_discovery.fit.bounds import format_bounds_warning
-from lta_discovery.forecast.forecast_warnings import list_forecast_warnings
+from lta_discovery.forecast.forecast_warnings import list_forecast_warnings, WHOLE
 from lta_discovery.unmodeled.draught import DraughtEstimate
 from lta_discovery.unmodeled.unexplained_force import Remainder
 from lta_model.effects import EFFECTS
@@ -97,6 +97,10 @@ def findings(draw):
     if draw(st.booleans()):  # what a round named and the proof gave up
         ladder.append([SearchCandidate(draw(st.sampled_from(KNOBS)), 12.0, 7.0, 7.0, 0.3, True)])
     told_gaps = tuple(draw(st.lists(gaps(bool(named)), max_size=4)))
+    if told_gaps and draw(st.booleans()):  # position and attitude, so that a refit can be best
+        told_gaps = tuple(
+            replace(gap, channel=channel) for gap in told_gaps[:2] for channel in WHOLE
+        )
     strained = ('vehicle.mass',) if draw(st.booleans()) else ()
     warnings = format_bounds_warning(strained)
     return StudyResult(
@@ -188,7 +192,7 @@ def test_each_phrase_of_the_laws_is_one_that_some_study_says(named: StudyResult)
     phrases = (
         *BETTER, *DOUBT, *UNFIT, FITS, NOTHING, 'Unexplained:', 'no unexplained force or moment',
         'no cause for doubt', 'not in the vehicle file', 'assumed and not fitted',
-        ' fly --vehicle', 'keep the vehicle file', 'linear drag (surge) is named',
+        ' fly --vehicle', 'Keep the vehicle file', 'linear drag (surge) is named',
     )  # fmt: skip
     assert [one for one in phrases if one not in said] == []
 

@@ -28,7 +28,7 @@ from rich.console import Console
 COLUMNS: Final = 80
 TAG: Final = re.compile('<[^>]+>')
 # Headlines that assert a missing effect; the lookahead excludes guesses and negations
-CLAIMS: Final = re.compile('(?!These flights).* (is|are) missing')
+CLAIMS: Final = re.compile('(?!.*These flights).* (is|are) missing')
 NOTHING: Final = 'no effect that the model lacks'
 BETTER: Final = ('falls from', 'tolerances reduces the', 'Use the corrected vehicle file')
 AGAIN: Final = 'Record another flight before'
@@ -37,6 +37,7 @@ DOUBT: Final = (
     'named effects are worse', 'do not show which',
 )  # fmt: skip
 FITS: Final = 'explains these flights to within'
+REMEASURE: Final = 'Calibrate first'
 UNFIT: Final = ('standard deviations of their tolerance', 'Measure the parameters')
 
 
@@ -93,8 +94,8 @@ def find_contradictions(finding: StudyResult) -> list[str]:
     rendered = render_study(finding)
     laws = (_check_gains(rendered), _check_names(finding, rendered),
             _check_nothing(finding, rendered), _check_values(finding, rendered),
-            _check_json(finding, rendered),
-            _check_law(rendered))  # fmt: skip
+            _check_json(finding, rendered), _check_law(rendered),
+            _check_refit(rendered))  # fmt: skip
     return [each for law in laws for each in law]
 
 
@@ -199,3 +200,17 @@ def _check_law(rendered: RenderedStudy) -> Iterator[str]:
         yield 'a law is proposed, but the advice is not to use the file that holds it'
     if law and proposed == bool(law['reason']):
         yield 'a law is proposed and rejected at once'
+
+
+def _check_refit(rendered: RenderedStudy) -> Iterator[str]:
+    """Check that all outputs agree on whether the refitted file forecasts best."""
+    conclusion = rendered.json['conclusion']
+    best = conclusion['refitted'] is not None
+    if (' With all numbers refitted, ' in rendered.headline) != best:
+        yield 'headline and JSON disagree on whether the refitted file forecasts best'
+    if ('use refitted.yaml' in conclusion['do']) != best:
+        yield 'the advice and the JSON disagree on whether to predict with the refitted file'
+    if best and (REMEASURE in rendered.headline or 'no improvement: coasting' in conclusion['do']):
+        yield 'the refitted file forecasts best, but the headline says to calibrate first'
+    if (conclusion['advice'] == 'refitted') > best:
+        yield 'the advice is the refitted file, which does not forecast best'

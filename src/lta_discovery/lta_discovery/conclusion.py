@@ -19,7 +19,7 @@ from lta_discovery.forecast.forecast_warnings import (
 from lta_discovery.model.candidates import vector_components
 from lta_discovery.selection.candidate_acceptance import GAIN
 
-Advice = Literal['keep', 'measure', 'again', 'use', 'law']
+Advice = Literal['keep', 'measure', 'again', 'use', 'law', 'refitted']
 
 FAR: Final = 3.0  # s; the horizon at which a model has to be better than coasting
 LOOSE: Final = 0.7  # of the error before; below it, tuning the tolerances alone is worth reporting
@@ -33,6 +33,8 @@ ADVICE: Final[Mapping[Advice, str]] = {
     'use': 'Use the corrected vehicle file: vehicle.yaml in the results folder.',
     'law': 'Use the vehicle file with the law, vehicle.yaml in the results folder, within the '
     'region of the law.',
+    'refitted': 'To predict flights, use refitted.yaml in the results folder, in its region of '
+    'validity.',
 }
 # Advice with which no law is sought, and the reason
 LAWLESS: Final[Mapping[Advice, str]] = {
@@ -79,9 +81,14 @@ def draw_conclusion(finding: StudyResult) -> Conclusion:
     advice, loose = _choose_advice(finding), _tolerances_suffice(finding)
     if advice == 'keep' and has_law(finding) and not find_law_obstacle(finding):
         advice = 'law'
+    refitted = find_better_refit(finding)
+    unnamed = not finding.effects and finding.verdict != 'not_identifiable'
+    if refitted is not None and unnamed and advice != 'law':
+        advice = 'refitted'
     rivals = dict.fromkeys(rival for one in finding.effects for rival in one.confusable_with)
-    # A law is proposed only if it beats coasting
-    useless = None if advice == 'law' else find_useless_forecast(finding.gaps)
+    # A law or a refitted file is advised only if it beats coasting
+    beaten = advice in ('law', 'refitted')
+    useless = None if beaten else find_useless_forecast(finding.gaps)
     # A gain is only reported together with the advice to use it
     better = advice == 'use' and gap is not None and gap.shrink > 0.0
     worthy = better or (loose and advice == 'measure')
@@ -97,7 +104,7 @@ def draw_conclusion(finding: StudyResult) -> Conclusion:
         and useless is None
         and not (finding.strained or find_worse_forecasts(finding.gaps)),
         useless=useless,
-        refitted=find_better_refit(finding),
+        refitted=refitted,
     )
 
 
@@ -128,6 +135,9 @@ def find_better_refit(finding: StudyResult) -> ChannelErrors | None:
         one for one in finding.gaps
         if one.channel in ('position', 'attitude') and one.horizon_s == gap.horizon_s
     ]  # fmt: skip
+    near = [one for one in finding.gaps if one.channel == 'position' and one.horizon_s == FAR]
+    if any(not one.refitted < min(one.before, one.coast) for one in near):
+        return None
     better = [
         one.refitted < CLEARLY * min(one.before, one.tuned, one.after, one.coast) for one in whole
     ]

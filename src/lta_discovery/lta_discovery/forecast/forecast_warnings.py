@@ -48,7 +48,7 @@ def list_forecast_warnings(gaps: Sequence[ChannelErrors]) -> list[str]:
     if should_keep_file(gaps):
         out.append(
             f'The fitted model predicts worse than the vehicle file '
-            f'({_format_channel_horizons(lost)}): keep the vehicle file.'
+            f'({_format_channel_horizons(lost)}).'
         )
     elif lost:
         out.append(

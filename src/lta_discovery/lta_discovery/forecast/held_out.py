@@ -26,6 +26,7 @@ from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.replay.linearized_flight import (
     LinearizationPoint,
     LinearizedFlight,
+    SENSORS,
     zero_unknowns,
 )
 from lta_discovery.replay.replay import STEPS
@@ -86,6 +87,20 @@ def build_model_points(
             point = LinearizationPoint(vehicle, values, point.random)
         models.append(point)
     return FlightUnderModels(*models)
+
+
+def build_vehicle_point(
+    flight: FlightLinearizer, vehicle: NominalVehicle, deviations: Array
+) -> LinearizationPoint:
+    """Return a held-out flight under a vehicle, with the flight's own errors."""
+    none = zero_unknowns(flight.replay.cut)
+    zero = np.zeros(len(flight.knobs) + len(SENSORS))
+    point, count = LinearizationPoint(vehicle, zero, none), count_learning_pieces(flight)
+    if not count:
+        return point
+    columns = flight.compute_whitened_columns(point, slice(0, count))[0]
+    own = estimate_own_errors(flight, point, columns, deviations, count)
+    return LinearizationPoint(*apply_parameters(vehicle, flight.knobs, own), none)
 
 
 def estimate_own_errors(
@@ -188,11 +203,13 @@ def compute_model_errors(
     models: Sequence[FlightUnderModels],
     seed: int,
     channels: Sequence[str] = (*WHOLE, *CHANNELS),
+    refitted: Sequence[LinearizationPoint] = (),
 ) -> list[ChannelErrors]:
     """
     Return the errors of each model: position and attitude, then by channel, at each horizon.
 
-    The error of a model whose forecast diverges is infinite.
+    `refitted`: the flights with all numbers fitted to forecasts, if that was done. The error of a
+    model whose forecast diverges is infinite.
     """
     kinds = ('before', 'tuned', 'after', 'coast')
     offs: dict[str, Array] = {
@@ -206,6 +223,9 @@ def compute_model_errors(
         )
         for kind in kinds
     }
+    if refitted:
+        both = zip(flights, refitted, strict=True)
+        offs['refitted'] = np.concatenate([compute_forecast_residuals(*each) for each in both])
     return summarize_residuals(flights, offs, seed, channels)
 
 

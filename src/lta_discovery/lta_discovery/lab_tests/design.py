@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Kind = Literal['float', 'swing', 'step', 'spin_down', 'free_flight']
+Variant = Literal['', 'smaller', 'reverse']  # of a step: beside it, it shows the law of the thrust
 
 TILT: Final = math.radians(20.0)  # rad; release of a swing
 ENDED: Final = math.radians(2.0)  # rad; a swing that is smaller teaches nothing more
@@ -32,6 +33,7 @@ FLOAT: Final = 8.0  # s
 STEP: Final = (6.0, 10.0)  # s; range of the length of a step
 SETTLED: Final = 3.0  # time constants after which a step or spin-down has ended
 SHARE: Final = 0.5  # of the largest force or moment; first try of a step
+SECOND: Final = 0.4  # of a step; size of the smaller one on the same axis
 SMALLER: Final = 0.75  # factor on the step until it fits the room
 LEAST_STEP: Final = 0.03  # of the largest force; a smaller step drowns in draughts
 RATE: Final = math.radians(90.0)  # rad/s; fastest turn of a step, and start of a spin-down
@@ -74,6 +76,7 @@ class LabTest:
     size: float = 0.0  # that force or moment [N], [N m]
     thrusts: tuple[float, ...] = ()  # of each rotor during a step [N]
     parts: 'tuple[LabTest, ...]' = ()  # steps that a free flight mixes
+    variant: Variant = ''
     is_neutral: bool = False  # whether ballast has to carry the vehicle, since nothing else does
 
     @property
@@ -82,7 +85,7 @@ class LabTest:
         return {
             'float': 'float',
             'swing': f'swing in {self.axis}',
-            'step': f'step in {self.axis}',
+            'step': f'{self.variant} step in {self.axis}'.strip(),
             'spin_down': 'spin-down',
             'free_flight': 'free flight',
         }[self.kind]
@@ -140,10 +143,33 @@ def _design_steps(vehicle: Vehicle, room: float) -> Iterator[LabTest]:
             yield _design_step(vehicle, axis, push, room)
 
 
-def _largest_push(vehicle: Vehicle, axis: str) -> _Push | None:
-    """Return the limit of an axis beyond hover; None if the rotors cannot push along it."""
+def list_step_variants(vehicle: Vehicle, step: LabTest) -> Iterator[LabTest]:
+    """
+    Yield a smaller step than a given one, and one the other way if the rotors push there.
+
+    One size of a command shows the force at this size alone: a thrust that goes by its square
+    looks like one with another gain. Propellers push less in reverse.
+    """
+    smaller = replace(step, variant='smaller')
+    yield scale_step(vehicle, smaller, SECOND)
+    sign = math.copysign(1.0, step.size)
+    push = _largest_push(vehicle, step.axis, [one for one in STEPS[step.axis] if one[1] != sign])
+    if push is not None:
+        share = min(abs(step.size) / push.most, 1.0)
+        size, thrusts = push.sign * share * push.most, _mix_thrusts(vehicle, push, share)
+        yield replace(step, variant='reverse', share=share, size=size, thrusts=thrusts)
+
+
+def _largest_push(
+    vehicle: Vehicle, axis: str, directions: Sequence[tuple[str, float]] = ()
+) -> _Push | None:
+    """
+    Return the limit of an axis beyond hover, in the first of some directions that the rotors have.
+
+    None if they cannot push along it.
+    """
     weight = vehicle.heaviness * STANDARD_GRAVITY
-    for direction, sign in STEPS[axis]:
+    for direction, sign in directions or STEPS[axis]:
         find = find_turn_limit if axis == 'yaw' else find_push_limit
         limit, _ = find(vehicle, direction)
         if limit is None:
@@ -164,21 +190,25 @@ def _design_step(vehicle: Vehicle, axis: str, push: _Push, room: float) -> LabTe
     while way > limit and share > LEAST_STEP:
         share *= SMALLER
         seconds, way = _follow_step(vehicle, k, share * push.most)
-    thrusts = tuple(
-        (1.0 - share) * hover + share * full
-        for hover, full in zip(_rest_thrusts(vehicle), push.thrusts, strict=True)
-    )
-    size = push.sign * share * push.most
+    thrusts, size = _mix_thrusts(vehicle, push, share), push.sign * share * push.most
     return LabTest('step', axis, REST + seconds, share=share, size=size, thrusts=thrusts)
 
 
-def shrink_step(vehicle: Vehicle, step: LabTest) -> LabTest:
-    """Return a step that is smaller by the factor `SMALLER`."""
+def _mix_thrusts(vehicle: Vehicle, push: _Push, share: float) -> tuple[float, ...]:
+    """Return the thrust of each rotor in a step of a share of the largest push. [N]"""
+    return tuple(
+        (1.0 - share) * hover + share * full
+        for hover, full in zip(_rest_thrusts(vehicle), push.thrusts, strict=True)
+    )
+
+
+def scale_step(vehicle: Vehicle, step: LabTest, factor: float = SMALLER) -> LabTest:
+    """Return a step that is smaller by a factor."""
     thrusts = tuple(
-        hover + SMALLER * (thrust - hover)
+        hover + factor * (thrust - hover)
         for hover, thrust in zip(_rest_thrusts(vehicle), step.thrusts, strict=True)
     )
-    return replace(step, share=SMALLER * step.share, size=SMALLER * step.size, thrusts=thrusts)
+    return replace(step, share=factor * step.share, size=factor * step.size, thrusts=thrusts)
 
 
 def _follow_step(vehicle: Vehicle, k: int, force: float) -> tuple[float, float]:

@@ -26,20 +26,30 @@ from lta_discovery.lab_tests.design import (
     LabTest,
     LEAST_STEP,
     list_designed_tests,
+    list_step_variants,
     REST,
     rest_duties,
     ROOM,
-    shrink_step,
+    scale_step,
     step_duties,
 )
-from lta_discovery.model.calibration_parameters import list_calibration_parameters
+from lta_discovery.model.calibration_parameters import (
+    list_calibration_parameters,
+    list_reversed_rotors,
+    list_wrench_laws,
+    set_references,
+)
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.planning.rehearsal import POSE, TURN
 from lta_discovery.replay.knot_count import count_needed_knots
 from lta_discovery.replay.linearized_flight import unchanged_vehicle_point
 from lta_discovery.replay.replay import FlightReplay, STEPS
-from lta_discovery.selection.flight_information import KNOWN, measure_information
+from lta_discovery.selection.flight_information import (
+    KNOWN,
+    measure_information,
+    measure_joint_information,
+)
 from lta_discovery.study import prepare_flight
 from lta_model.effects.protocol import AXES
 from lta_model.state import ACTUATORS
@@ -52,6 +62,8 @@ Commands = Literal['rotors', 'wrench']
 
 HOLD: Final = (0.4, 1.6)  # s; shortest and mean time for which a pilot holds a command
 MORE: Final = 2.0  # times the information of any shorter test; a test that has it is needed
+NONE: Final = np.zeros((0, len(AXES)))  # no commanded wrench
+LAW: Final = {'smaller': 'exponent', 'reverse': 'reverse'}  # that a variant shows
 HIGH: Final = 100.0  # m; rehearsals never meet the floor
 SEED: Final = 37  # of the commands of the free flight
 
@@ -92,28 +104,42 @@ def plan_lab_tests(
     `room`: longest way of a test [m]. Raise `BadInput` if the vehicle does not float, or cannot
     move.
     """
-    tests, nominal = list_designed_tests(vehicle, room), NominalVehicle.from_vehicle(vehicle)
+    nominal = NominalVehicle.from_vehicle(vehicle)
+    tests = _fit_steps(vehicle, nominal, list_designed_tests(vehicle, room), commands, room)
+    # Without the free flight, whose sizes are those of the pilot
+    orders = [_build_commands(vehicle, test, commands, 0.0) for test in tests[:-1]]
+    duties = [each.values for each, _ in orders]
+    wrench = np.concatenate([each.values for _, each in orders if each is not None] or [NONE])
+    nominal = set_references(nominal, wrench)
     axes = [test.axis for test in tests if test.kind == 'step']
     commanded = [commands == 'wrench' and axis in axes for axis in AXES]
     # One afternoon has one gas filling: its lift is a number of the vehicle
     knobs = [
         replace(knob, per_flight=False)
-        for knob in list_calibration_parameters(nominal, commanded, only_pose=True)
+        for knob in list_calibration_parameters(
+            nominal,
+            commanded,
+            True,
+            list_reversed_rotors(duties, vehicle.reversible) if commands == 'rotors' else (),
+            list_wrench_laws(wrench),
+        )
     ]
-    tests = _fit_steps(vehicle, nominal, tests, commands, room)
     flights = [rehearse_test(vehicle, nominal, test, commands) for test in tests]
-    gains, remaining = _measure_tests(vehicle, nominal, flights, knobs)
+    gains, remaining = _measure_tests(vehicle, nominal, flights, knobs, _list_partners(tests))
     before = np.array([knob.tolerance**-2.0 for knob in knobs])
     alone = np.sqrt(before / (before + gains))
     planned = []
     drilled = [k for k, test in enumerate(tests) if test.kind != 'free_flight']
     for k, (test, flight) in enumerate(zip(tests, flights, strict=True)):
-        shorter = [i for i in drilled if tests[i].seconds < test.seconds]
+        shorter = [i for i in drilled if tests[i].seconds < test.seconds and not tests[i].variant]
         others = [i for i in drilled if i != k]
         lead = gains[k] / np.maximum(gains[others].max(axis=0), 1e-9 * before)
         # First what it teaches and others do not
         order = [j for j in np.argsort(-lead) if alone[k, j] < KNOWN]
         best = [j for j in order if gains[k, j] > MORE * gains[shorter, j].max(initial=0.0)]
+        if test.variant:
+            # Whatever the other tests say: the lift of a flight in between can hide a law of heave
+            order = best = [j for j, knob in enumerate(knobs) if _shows_law(test, knob.name)]
         planned.append(
             PlannedTest(
                 test,
@@ -128,6 +154,18 @@ def plan_lab_tests(
     return LabPlan(name, commands, tuple(planned), unknown, weight)
 
 
+def is_thrust_law(name: str) -> bool:
+    """Return whether a parameter is an exponent or a share in reverse, which one step hides."""
+    return name.startswith('wrench_gain.exponent_') or 'reverse' in name.partition('.')[2]
+
+
+def _shows_law(test: LabTest, name: str) -> bool:
+    """Return whether a variant of a step, beside it, shows a parameter."""
+    if name.startswith('rotor_'):
+        return test.variant == 'reverse' and is_thrust_law(name) and test.axis != 'yaw'
+    return name == f'wrench_gain.{LAW[test.variant]}_{test.axis}' if test.variant else False
+
+
 def _fit_steps(
     vehicle: Vehicle,
     nominal: NominalVehicle,
@@ -135,16 +173,41 @@ def _fit_steps(
     commands: Commands,
     room: float,
 ) -> list[LabTest]:
-    """Return the tests with steps whose rehearsed way, on all axes, fits the room. [m]"""
-    out = []
-    for test in tests:
-        while test.kind == 'step' and test.share > LEAST_STEP:
+    """
+    Return the tests with steps whose rehearsed way, on all axes, fits the room. [m]
+
+    Each is followed by its variants. A vehicle that is commanded by duties has no smaller one:
+    its file has the curve of each rotor.
+    """
+
+    def fit(test: LabTest) -> LabTest:
+        while test.share > LEAST_STEP:
             if max(_path_extent(rehearse_test(vehicle, nominal, test, commands))) <= room:
                 break
-            test = shrink_step(vehicle, test)
-        out.append(test)
-    steps = tuple(test for test in out if test.kind == 'step')
-    return [replace(test, parts=steps) if test.kind == 'free_flight' else test for test in out]
+            test = scale_step(vehicle, test)
+        return test
+
+    out: list[LabTest] = []
+    steps: list[LabTest] = []
+    for test in tests:
+        if test.kind == 'free_flight':
+            out.append(replace(test, parts=tuple(steps)))
+        elif test.kind != 'step':
+            out.append(test)
+        else:
+            steps.append(fit(test))
+            others = list_step_variants(vehicle, steps[-1])
+            out += [steps[-1], *(fit(one) for one in others
+                                 if one.variant != 'smaller' or commands == 'wrench')]  # fmt: skip
+    return out
+
+
+def _list_partners(tests: Sequence[LabTest]) -> list[int | None]:
+    """Return for each test the step that a variant is compared with, by index."""
+    steps = {
+        test.axis: k for k, test in enumerate(tests) if test.kind == 'step' and not test.variant
+    }
+    return [steps[test.axis] if test.variant else None for test in tests]
 
 
 def _measure_tests(
@@ -152,11 +215,13 @@ def _measure_tests(
     nominal: NominalVehicle,
     flights: Sequence[MeasuredFlight],
     knobs: Sequence[FreeParameter],
+    partners: Sequence[int | None],
 ) -> tuple[Array, Array]:
     """
     Return the information of each test alone, shape (F, K), and the deviation after all.
 
-    The deviation, shape (K,), is relative to that before.
+    That of a test with a partner is of both together. The deviation, shape (K,), is relative to
+    that before.
     """
     ready = [prepare_flight(vehicle, flight, knobs) for flight in flights]
     knots = count_needed_knots(ready, nominal)
@@ -166,6 +231,9 @@ def _measure_tests(
     fitter = JointFitter(nominal, ready, per_flight_variance(knobs), floor)
     group: LinearizedGroup = fitter.linearize_flights(points[0].values, points, prior)
     gains = measure_information(group, USUAL * floor, prior)
+    for k, other in enumerate(partners):
+        if other is not None:
+            gains[k] = measure_joint_information(group, USUAL * floor, prior, [other, k])
     after = compute_posterior(group.reduce_flights(USUAL * floor), group.at, prior).covariance
     before = np.diag(prior.covariance)[: len(knobs)]
     return gains[:, : len(knobs)], np.sqrt(np.diag(after)[: len(knobs)] / before)

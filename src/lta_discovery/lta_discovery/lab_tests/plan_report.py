@@ -44,6 +44,10 @@ WRONG: Final[dict[Kind, str]] = {
         'The first and the last second with a hand at the vehicle are cut.'
     ),
 }
+LAW: Final = (
+    'Steps of two sizes and in both directions show the law of the thrust: a force that goes by '
+    'the square of the command, or is weaker in reverse, looks like another gain at one size.'
+)
 EVERY: Final = (
     'Track position and attitude: motion capture, or a fixed camera that sees markers on the '
     'vehicle. Without a tracker, no flight calibrates the vehicle file; scales and ruler do.',
@@ -56,7 +60,7 @@ EVERY: Final = (
 def build_plan_report(plan: LabPlan, vehicle: Vehicle) -> Report:
     """Return the list of an afternoon."""
     needed = [one for one in plan.tests if one.is_needed]
-    left = [one.test.name for one in plan.tests if not one.is_needed]
+    left = [one.test.name for one in plan.tests if not one.is_needed and not one.test.variant]
     flights = sum(_count_runs(one.test) for one in needed)
     seconds = sum(_count_runs(one.test) * one.test.seconds for one in needed)
     sections = [
@@ -185,6 +189,8 @@ def _list_notes(plan: LabPlan, vehicle: Vehicle, left: Sequence[str]) -> list[st
     if plan.commands == 'rotors' and plan.weight > 0.0:
         hover = max(rest_duties(vehicle), default=0.0)
         out.append(f'In steps, the lifting rotors carry the weight, at a duty of {hover:.2f}.')
+    if any(one.is_needed and one.test.variant for one in plan.tests):
+        out.append(LAW)
     if left:
         out.append(f'Not needed: {join_words(left)}; shorter tests teach as much.')
     unknown = name_parameters(

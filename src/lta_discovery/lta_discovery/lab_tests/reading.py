@@ -11,8 +11,9 @@ from lta_discovery.calibration.result import Calibration
 from lta_discovery.flights.bags import read_bags
 from lta_discovery.flights.measured_flight import PERIOD
 from lta_discovery.flights.usable_flights import LEAST, select_usable_flights, UsableFlights
+from lta_discovery.lab_tests.design import LabTest
 from lta_discovery.lab_tests.log_folder import open_lab_folder
-from lta_discovery.lab_tests.plan import LabPlan, plan_lab_tests, PlannedTest
+from lta_discovery.lab_tests.plan import is_thrust_law, LabPlan, plan_lab_tests, PlannedTest
 from lta_discovery.lab_tests.recognition import recognise_tests, RecognisedTest
 from lta_discovery.lab_tests.words import format_instruction, name_parameters
 from lta_discovery.page.formatting import join_words
@@ -21,6 +22,7 @@ from lta_model.vehicle import load_vehicle, Vehicle
 Tell = Callable[[str, float | None], None]
 
 NAMED: Final = 4  # parameters that a sentence names at most
+APART: Final = 0.75  # of the largest step of an axis; a smaller one has another size
 PAIR: Final = 2  # free flights of an afternoon
 
 
@@ -105,11 +107,10 @@ def list_missing_tests(
     rotors: Sequence[str],
 ) -> list[str]:
     """Return a sentence for each test that is missing and would teach what is not known yet."""
-    done = {(one.kind, one.axis) for each in tests.values() for one in each}
+    done = [one for each in tests.values() for one in each]
     out = []
     for planned in plan.tests:
-        test = planned.test
-        if not planned.is_needed or (test.kind, test.axis) in done:
+        if not planned.is_needed or _is_done(planned.test, done):
             continue
         unknown = [name for name, _ in planned.informs if _is_unknown(name, calibration)]
         if unknown:
@@ -123,6 +124,18 @@ def list_missing_tests(
     return out
 
 
+def _is_done(test: LabTest, done: Sequence[RecognisedTest]) -> bool:
+    """Return whether a test is among the recognised ones; a variant needs a step beside it."""
+    sizes = [one.size for one in done if (one.kind, one.axis) == (test.kind, test.axis)]
+    if not test.variant or not sizes:
+        # One sentence on the step is enough, if there is none at all
+        return bool(sizes or test.variant)
+    if test.variant == 'reverse':
+        return min(sizes) < 0.0 < max(sizes)
+    most = max(map(abs, sizes))
+    return any(abs(size) < APART * most for size in sizes)
+
+
 def _is_unknown(name: str, calibration: Calibration) -> bool:
     """Return whether the flights have not taught a parameter."""
     values = [one for one in calibration.values if one.name == name]
@@ -134,6 +147,12 @@ def _format_missing(planned: PlannedTest, unknown: Sequence[str], rotors: Sequen
     words = name_parameters(unknown, rotors)
     names = join_words(words[:NAMED]) + (' and more' if len(words) > NAMED else '')
     several = len(words) > 1 or ' and ' in names
+    if all(map(is_thrust_law, unknown)):
+        # Without a second size or direction, they are those of a proportional command
+        return (
+            f'No {planned.test.name}: {names} cannot be told from the gain; '
+            f'{format_instruction(planned.test)}.'
+        )
     return (
         f"No {planned.test.name}: {names} {'stay' if several else 'stays'} the file's; "
         f'{format_instruction(planned.test)}.'

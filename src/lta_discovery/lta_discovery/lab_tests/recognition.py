@@ -40,6 +40,7 @@ class RecognisedTest(NamedTuple):
     kind: Kind
     axis: str
     evidence: str  # what shows it, in words
+    size: float = 0.0  # of a step: the change of its command, with its sign [N], [N m]
 
     @property
     def title(self) -> str:
@@ -66,9 +67,13 @@ def recognise_tests(flight: MeasuredFlight, vehicle: Vehicle) -> tuple[Recognise
 
 
 def _describe_step(orders: Stream, axis: str) -> RecognisedTest:
-    size = 1e3 * float(np.ptp(orders.values[:, AXES.index(axis)]))
+    change = orders.values[:, AXES.index(axis)] - orders.values[0, AXES.index(axis)]
+    if not change.any():
+        change = -orders.values[0, AXES.index(axis)] * np.ones(1)
+    size = float(change[np.argmax(np.abs(change))])
     unit = 'mN' if axis in AXES[:3] else 'mN m'
-    return RecognisedTest('step', axis, f'a command in {axis} of {size:.3g} {unit} that is held')
+    words = f'a command in {axis} of {1e3 * size:.3g} {unit} that is held'
+    return RecognisedTest('step', axis, words, size)
 
 
 def read_commanded_wrench(flight: MeasuredFlight, vehicle: Vehicle) -> Stream:

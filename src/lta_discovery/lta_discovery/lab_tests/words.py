@@ -20,6 +20,10 @@ AXIS_WORDS: Final = {
     'rotor_misalignment': 'toe of the rotors',
     'cg_offset': 'balance ({})',
 }
+LAW_WORDS: Final = {
+    'exponent': 'exponent of the thrust in {}',
+    'reverse': 'thrust in reverse in {}',
+}
 PLAIN_WORDS: Final = {
     'cg_height.z': 'height of the centre of gravity',
     'helium_leak.rate': 'loss of lift',
@@ -39,6 +43,9 @@ def name_parameters(names: Sequence[str], rotors: Sequence[str]) -> list[str]:
         effect, _, part = name.partition('.')
         if effect == 'vehicle' and part != 'mass':
             words, axis = 'inertia in {}', part
+        elif effect == 'wrench_gain' and '_' in part:
+            kind, _, axis = part.partition('_')
+            words = LAW_WORDS[kind]
         elif effect in AXIS_WORDS:
             words, axis = AXIS_WORDS[effect], part.removesuffix('_2')
         elif effect.startswith('rotor_') and part == 'thrust':
@@ -61,7 +68,7 @@ def format_amplitude(test: LabTest, rotors: Sequence[str], duties: Sequence[floa
     if test.kind == 'float':
         return 'released at rest'
     if test.kind == 'free_flight':
-        return 'commands that change every second or two, on all axes at once'
+        return 'commands of several sizes that change every second or two, on all axes at once'
     unit = 'mN m' if test.axis == 'yaw' else 'mN'
     side = DIRECTIONS[test.axis, math.copysign(1.0, test.size)]
     force = f'{format_number(1e3 * abs(test.size), 2)} {unit} {side}'
@@ -86,5 +93,8 @@ def format_instruction(test: LabTest) -> str:
         rate = f'{DEGREES * test.rate:.0f} degrees/s'
         return f'turn it by hand to {rate}, and let it turn for {seconds}'
     if test.kind == 'free_flight':
-        return f'fly for {seconds} with commands on all axes that change every second or two'
+        return (
+            f'fly for {seconds} with commands of several sizes on all axes, which change every '
+            'second or two'
+        )
     return f'command {format_amplitude(test, (), ())} for {seconds}'

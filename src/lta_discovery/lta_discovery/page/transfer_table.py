@@ -103,8 +103,10 @@ def _render_refit(finding: StudyResult) -> str:
     ]
     if evidence is None or not rows:
         return ''
-    what = '' if evidence.names else 'Forecasts identify no effect that holds in every regime. '
-    heads = HEADS if evidence.names else (*HEADS[:2], 'its tolerances fitted', *HEADS[3:])
+    # The readings may have named effects
+    named = bool(evidence.names or finding.effects)
+    what = '' if named else 'Forecasts identify no effect that holds in every regime. '
+    heads = HEADS if named else (*HEADS[:2], 'its tolerances fitted', *HEADS[3:])
     return (
         f'<p class="note">{what}With all {evidence.numbers} candidate parameters fitted, '
         'forecasts within the flown regimes reach this accuracy. None of them is a measurement: '

@@ -38,6 +38,7 @@ CALIBRATED: Final = {
     'again': 'Use the calibrated vehicle file, calibrated.yaml in the results folder, and record '
     'another flight before you add an effect to it.',
 }
+COMPENSATE: Final = 'Its numbers compensate each other and are no findings.'
 ROLES: Final = {
     'train': 'learned from', 'confirm': 'confirmed by', 'holdout': 'tested on',
 }  # fmt: skip
@@ -47,13 +48,29 @@ def format_headline(finding: StudyResult) -> str:
     """Return the verdict in a sentence, with what to calibrate first and how coasting does."""
     conclusion = draw_conclusion(finding)
     verdict = f'{_format_verdict(finding, conclusion)}{_format_useless(conclusion)}'
+    if conclusion.refitted is not None:
+        verdict += _format_refit_gain(finding, conclusion.refitted)
     if finding.calibration is not None:
         first = '; '.join(list_differences(finding.calibration)[:MOST])
         return f'Calibrated first ({first}). {verdict}'
     if not finding.offsets:
         return verdict
     first = '; '.join(finding.offsets[:MOST])
+    if conclusion.refitted is not None:
+        return f'The vehicle file is off ({first}). {verdict}'
     return f'Calibrate first ({first}). {verdict}'
+
+
+def _format_refit_gain(finding: StudyResult, gap: ChannelErrors) -> str:
+    """Return a sentence to be appended if the refitted file forecasts best."""
+    coast, before, refitted = (
+        format_quantity(part, gap.unit, 2) for part in (gap.coast, gap.before, gap.refitted)
+    )
+    file = 'vehicle file' if finding.calibration is None else 'calibrated file'
+    return (
+        f' With all numbers refitted, the {gap.channel} error of held-out flights after '
+        f'{gap.horizon_s:g} s is {refitted} ({file} {before}, coasting {coast}).'
+    )
 
 
 def _format_useless(conclusion: Conclusion) -> str:
@@ -202,6 +219,8 @@ def format_advice(finding: StudyResult) -> str:
         if said.rivals
         else ''
     )
+    if said.advice == 'refitted':
+        return f'{ADVICE[said.advice]} {COMPENSATE}{_format_other_flights(finding)}'
     refit = _format_refit(said.refitted)
     if finding.calibration is not None and said.advice in CALIBRATED:
         return CALIBRATED[said.advice] + refit
@@ -214,20 +233,26 @@ def _format_refit(gap: ChannelErrors | None) -> str:
         return ''
     return (
         f' To predict flights of the same kinds, use refitted.yaml: its position error after '
-        f'{gap.horizon_s:g} s is {format_quantity(gap.refitted, gap.unit)}. Its numbers '
-        'compensate each other and are no findings.'
+        f'{gap.horizon_s:g} s is {format_quantity(gap.refitted, gap.unit)}. {COMPENSATE}'
     )
+
+
+def _format_other_flights(finding: StudyResult) -> str:
+    """Return what to use outside the region of a refitted file, with a space before it."""
+    if finding.calibration is not None:
+        return ' For other flights, use calibrated.yaml.'
+    return ' For other flights, calibrate the vehicle file first.' if finding.offsets else ''
 
 
 def list_learned_file_commands(finding: StudyResult, folder: Path) -> dict[str, str]:
     """Return the commands to view the learned file and, if that is the advice, to fly it."""
     said = draw_conclusion(finding)
-    if finding.effects or has_law(finding):
+    if said.advice == 'refitted':
+        name, flies = 'refitted.yaml', False
+    elif finding.effects or has_law(finding):
         name, flies = 'vehicle.yaml', said.advice in ('use', 'law')
     elif finding.calibration is not None:
         name, flies = 'calibrated.yaml', True
-    elif said.refitted is not None:
-        name, flies = 'refitted.yaml', False
     else:
         return {}
     learned = relative_path(folder / name)
@@ -259,16 +284,22 @@ def build_tiles(finding: StudyResult) -> list[Tile]:
     if gap is None:
         made.append(Tile('Prediction error', MISSING, '', 'no flight to compute it on'))
     else:
+        refit = draw_conclusion(finding).advice == 'refitted'
         ahead = f'{gap.channel.capitalize()} error after {gap.horizon_s:g} s'
-        value, _, unit = format_quantity(gap.after, gap.unit).partition(' ')
+        last = gap.refitted if refit else gap.after
+        value, _, unit = format_quantity(last, gap.unit).partition(' ')
         before, tuned = (format_quantity(part, gap.unit) for part in (gap.before, gap.tuned))
         low, high = (format_percent(part) for part in gap.shrink_ci95)
         floor, coast = (format_quantity(part, gap.unit) for part in (gap.noise_floor, gap.coast))
+        models = f'with the vehicle file {before}; with its tolerances fitted {tuned}'
+        count = f'{gap.pieces} pieces of flight'
         made += [
-            Tile(ahead, value, unit,
-                 f'with the vehicle file {before}; with its tolerances fitted {tuned}'),
-            Tile('Error reduced by', format_percent(gap.shrink), '%',
-                 f'95 % interval {low} to {high} %; {gap.pieces} pieces of flight'),
+            Tile(ahead, value, unit, f'{"all numbers refitted; " if refit else ""}{models}'),
+            Tile('Error reduced by', format_percent(1.0 - gap.refitted / gap.before), '%',
+                 f'all numbers refitted; {count}')
+            if refit
+            else Tile('Error reduced by', format_percent(gap.shrink), '%',
+                      f'95 % interval {low} to {high} %; {count}'),
             Tile('Measurement noise', *floor.partition(' ')[::2],
                  f'error of a forecast that ignores the commands: {coast}'),
         ]  # fmt: skip

@@ -69,6 +69,7 @@ def _encode_conclusion(finding: StudyResult) -> dict[str, Any]:
         'advice': said.advice,
         'do': format_advice(finding),
         'gain': None if said.gain is None else _encode_channel_errors(said.gain),
+        'refitted': None if said.refitted is None else _encode_channel_errors(said.refitted),
     }
 
 

@@ -49,7 +49,8 @@ def print_finding(finding: StudyResult, console: Console) -> None:
     for said in format_effects(finding):
         console.print(Text(said), soft_wrap=True)
     if finding.carried is not None:
-        console.print(Text(format_forecast_evidence(finding.carried)), soft_wrap=True)
+        said = format_forecast_evidence(finding.carried, bool(finding.effects))
+        console.print(Text(said), soft_wrap=True)
     for line in format_prediction_errors(finding):
         console.print(line, soft_wrap=True)
     if finding.where:
@@ -78,16 +79,14 @@ def format_named_parameters(finding: StudyResult) -> str:
     )
 
 
-def format_forecast_evidence(carried: TransferEvidence) -> str:
-    """Return the forecast evidence in a sentence."""
+def format_forecast_evidence(carried: TransferEvidence, named: bool = False) -> str:
+    """Return the forecast evidence in a sentence; `named`: whether readings named effects."""
     ratios = [one.ratio for one in carried.regimes]
     better = sum(ratio < 1.0 for ratio in ratios)
-    what = (
-        'The effects were identified by forecasts'
-        if carried.names
-        else f'Forecasts identify no effect; with all {carried.numbers} candidate parameters '
-        'fitted to them'
-    )
+    all_fitted = f'ith all {carried.numbers} candidate parameters fitted to forecasts'
+    what = 'The effects were identified by forecasts'
+    if not carried.names:
+        what = f'W{all_fitted}' if named else f'Forecasts identify no effect; w{all_fitted}'
     return (
         f'{what}: {better} of {len(ratios)} flight regimes, '
         f'each left out of the fit, are predicted better than by the vehicle file (error ratio '

@@ -34,15 +34,22 @@ def measure_information(group: LinearizedGroup, deviations: Array, prior: Prior)
 
     `deviations`, shape (6,): of the latent wrench [N, N m].
     """
+    return np.array([
+        measure_joint_information(group, deviations, prior, [i]) for i in range(len(group.pieces))
+    ])  # fmt: skip
+
+
+def measure_joint_information(
+    group: LinearizedGroup, deviations: Array, prior: Prior, flights: Sequence[int]
+) -> Array:
+    """Return the information of some flights, given by index, together; see above. Shape (K,)."""
     free = prior.free
     inverse = np.linalg.inv(prior.covariance[np.ix_(free, free)])
     before = np.diag(prior.covariance)[free]
-    gains = np.zeros((len(group.pieces), len(before)))
-    for gain, pieces in zip(gains, group.pieces, strict=True):
-        alone = replace(group, pieces=(pieces,)).reduce_flights(deviations)
-        after = np.diag(np.linalg.inv(alone.products[:-1, :-1][np.ix_(free, free)] + inverse))
-        gain[:] = np.maximum(1.0 / after - 1.0 / before, 0.0)
-    return gains
+    some = replace(group, pieces=tuple(group.pieces[i] for i in flights))
+    products = some.reduce_flights(deviations).products[:-1, :-1]
+    after = np.diag(np.linalg.inv(products[np.ix_(free, free)] + inverse))
+    return np.maximum(1.0 / after - 1.0 / before, 0.0)
 
 
 def attribute_information(

@@ -15,7 +15,12 @@ from lta_discovery.finding import IdentifiedGroup, LeftOutKind, LeftOutRegime, T
 from lta_discovery.fit.bounds import apply_parameters
 from lta_discovery.forecast.file_comparison import is_worse_than_file, Model
 from lta_discovery.forecast.forecast_fit import ForecastFitter
-from lta_discovery.forecast.held_out import WHOLE
+from lta_discovery.forecast.held_out import (
+    build_vehicle_point,
+    compute_model_errors,
+    FlightUnderModels,
+    WHOLE,
+)
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.replay.linearized_flight import LinearizationPoint, SENSORS, zero_unknowns
 from lta_discovery.study import DiscoveryStudy, StudyFlight, ThreeModelComparison
@@ -95,7 +100,7 @@ def needs_forecasts(study: DiscoveryStudy) -> bool:
 def add_forecast_effects(study: DiscoveryStudy, tell: Progress) -> DiscoveryStudy:
     """Add the effects that forecasts identify to a study, or return it unchanged."""
     if not needs_forecasts(study):
-        return study
+        return _add_refit_beside_readings(study, tell)
     tell('evaluating forecasts', 0.0)
     taught = _cut_forecast_flights(study, [one for one in study.flights if one.role != 'holdout'])
     if taught is None or len(taught.flown) < FEWEST:
@@ -231,6 +236,37 @@ def _add_refit(
     found = replace(study, finding=replace(study.finding, carried=evidence))
     found = _add_prediction_errors(found, taught, models)
     return study if is_worse_than_file(found.finding.training, 'tuned') else found
+
+
+def _add_refit_beside_readings(study: DiscoveryStudy, tell: Progress) -> DiscoveryStudy:
+    """
+    Return a study whose readings decided, with all numbers refitted beside what they show.
+
+    Nothing is refitted where the file explains the flights, nor to fewer flights than `ENOUGH`.
+    The errors are those of the same pieces as with the other models.
+    """
+    finding, fit = study.finding, study.forecasts
+    if fit is None or (finding.verdict == 'none' and not finding.offsets):
+        return study
+    based = replace(study, nominal=study.learned)
+    taught = _cut_forecast_flights(based, [one for one in study.flights if one.role != 'holdout'])
+    if taught is None or len(taught.flown) < ENOUGH:
+        return study
+    tell('refitting everything', 0.9)
+    begin = np.zeros(len(taught.sight.knobs))
+    parts = _split_regimes(taught)
+    refit = refit_all_parameters(taught.sight, _list_candidates(taught), begin, parts)
+    whole = apply_parameters(study.learned, taught.sight.knobs, refit.values)[0]
+    shown = [one.flown.flight for one in study.shown]
+    gaps = compute_model_errors(
+        shown,
+        [FlightUnderModels(one.before, one.tuned, one.after) for one in study.shown],
+        finding.seed,
+        refitted=[build_vehicle_point(each, whole, fit.deviations) for each in shown],
+    )
+    evidence = TransferEvidence((), _list_left_out_regimes(refit.regimes), numbers=refit.numbers)
+    finding = replace(finding, gaps=tuple(gaps), carried=evidence)
+    return replace(study, finding=finding, refitted=whole)
 
 
 def _cut_forecast_flights(

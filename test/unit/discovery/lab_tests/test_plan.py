@@ -40,7 +40,9 @@ def test_steps_fit_the_room_in_all_directions(gtmab: Vehicle) -> None:
     """A turn drifts, and a push also lifts: the rehearsed way counts, not that of the axis."""
     small = plan_lab_tests(gtmab, 'gtmab', room=1.2)
     steps = [one for one in small.tests if one.test.kind == 'step']
-    assert len(steps) == 3
+    assert [one.test.name for one in steps] == [
+        'step in surge', 'step in heave', 'step in yaw', 'reverse step in yaw',
+    ]  # fmt: skip
     assert all(max(one.room) <= 1.2 for one in steps)
 
 
@@ -53,13 +55,17 @@ def test_each_test_teaches_what_textbooks_say(plan: LabPlan) -> None:
         'step in surge': {'wrench_gain.surge', 'quadratic_drag.surge'},
         'step in heave': {'wrench_gain.heave', 'quadratic_drag.heave'},
         'step in yaw': {'wrench_gain.yaw'},
+        'smaller step in surge': {'wrench_gain.exponent_surge'},
+        'smaller step in heave': {'wrench_gain.exponent_heave'},
+        'smaller step in yaw': {'wrench_gain.exponent_yaw'},
+        'reverse step in yaw': {'wrench_gain.reverse_yaw'},
         'spin-down': {'rotational_drag.yaw_2'},
         'free flight': {'command_delay.delay', 'marker_offset.yaw'},
     }.items():
         one = by_name(plan, name)
         assert one.is_needed, name
         assert taught - {known for known, _ in one.informs} == set(), name
-    assert len(plan.tests) == 8
+    assert len(plan.tests) == 12
     # Nothing but scales fixes the mass, and nothing turns without a moment
     assert 'vehicle.mass' in plan.unknown
     assert 'wrench_gain.yaw' not in {known for known, _ in by_name(plan, 'swing in roll').informs}
@@ -168,6 +174,23 @@ def test_a_log_without_any_command_is_recognised_by_its_motion(gtmab: Vehicle) -
     assert [one.kind for one in recognise_tests(silent, gtmab)] == ['swing']
 
 
+def test_two_sizes_and_both_directions_show_the_law_of_a_thrust(plan: LabPlan) -> None:
+    """One size leaves the exponent open, and two together show it."""
+    tests = {one.test.name: one.test for one in plan.tests}
+    for axis in ('surge', 'heave', 'yaw'):
+        step, smaller = (tests[f'{kind}step in {axis}'] for kind in ('', 'smaller '))
+        assert smaller.size == pytest.approx(0.4 * step.size)
+    assert tests['reverse step in yaw'].size == pytest.approx(-tests['step in yaw'].size)
+    # The up and forward rotors of GT-MAB do not reverse
+    assert not {'reverse step in surge', 'reverse step in heave'} & {*tests}
+    for name in ('smaller step in surge', 'smaller step in yaw', 'reverse step in yaw'):
+        one = by_name(plan, name)
+        assert one.is_needed, name
+        assert all(left < 0.6 for _, left in one.informs), name
+    report = build_plan_report(plan, load_vehicle('gtmab'))
+    assert 'two sizes and in both directions' in str(report.blocks)
+
+
 def test_a_vehicle_that_falls_gets_no_list() -> None:
     with pytest.raises(BadInput, match=r'does not carry 100 % of its weight; the list is for'):
         list_designed_tests(load_vehicle('multirotor'))
@@ -177,8 +200,10 @@ def test_the_page_lists_the_afternoon(plan: LabPlan, gtmab: Vehicle) -> None:
     report = build_plan_report(plan, gtmab)
     table, why = (block for block in report.blocks if isinstance(block, TextTable))
     assert [row[1] for row in table.rows] == [
-        'weigh', 'float', 'swing in roll', 'swing in pitch', 'step in surge', 'step in heave',
-        'step in yaw', 'spin-down', 'free flight 1', 'free flight 2',
+        'weigh', 'float', 'swing in roll', 'swing in pitch', 'step in surge',
+        'smaller step in surge', 'step in heave', 'smaller step in heave', 'step in yaw',
+        'smaller step in yaw', 'reverse step in yaw', 'spin-down', 'free flight 1',
+        'free flight 2',
     ]  # fmt: skip
     assert table.rows[2][2:4] == ['released from 20 degrees; once more from 5', '40 s']
     assert dict(why.rows)['swing in pitch'].startswith('damping in pitch')
@@ -191,6 +216,8 @@ def test_a_test_that_teaches_nothing_of_its_own_is_left_out() -> None:
     """The damping of RGBlimp is one number for both axes, so one swing shows it."""
     vehicle = load_vehicle('rgblimp')
     plan = plan_lab_tests(vehicle, 'rgblimp')
-    assert [one.test.name for one in plan.tests if not one.is_needed] == ['swing in roll']
+    left = [one.test.name for one in plan.tests if not one.is_needed]
+    # Its rotors do not reverse, and those of a turn the other way are in the free flights
+    assert left == ['swing in roll', 'reverse step in yaw']
     assert 'Not needed: swing in roll' in str(build_plan_report(plan, vehicle).blocks)
     assert LabTest('step', 'surge', 1.0).name == 'step in surge'

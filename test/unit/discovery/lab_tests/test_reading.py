@@ -75,7 +75,22 @@ def test_a_missing_test_is_named_with_what_it_would_teach(plan: LabPlan) -> None
     assert list_missing_tests(plan, rest, found, ROTORS) == [
         "No step in surge: gain in surge stays the file's; command 49 mN forward for 11 s."
     ]
+    for one in found.values:
+        one.is_known = one.name not in ('wrench_gain.exponent_surge', 'wrench_gain.reverse_yaw')
+    assert list_missing_tests(plan, recognised(*ALL), found, ROTORS) == [
+        'No smaller step in surge: exponent of the thrust in surge cannot be told from the gain; '
+        'command 20 mN forward for 11 s.',
+        'No reverse step in yaw: thrust in reverse in yaw cannot be told from the gain; command '
+        '4.5 mN m to the right for 11 s.',
+    ]
+    more = recognised(*ALL)
+    for k, (axis, size) in enumerate((('surge', 0.05), ('surge', 0.02), ('yaw', -0.004),
+                                      ('yaw', 0.004))):  # fmt: skip
+        more[f'more_{k}'] = (RecognisedTest('step', axis, '', size),)
+    assert list_missing_tests(plan, more, found, ROTORS) == []
     one_flight = recognised(*ALL[:-1])
+    for one in found.values:
+        one.is_known = True
     (said,) = list_missing_tests(plan, one_flight, found, ROTORS)
     assert said.startswith('Only one free flight')
 

@@ -2,11 +2,23 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from pathlib import Path
 
-from lta_challenge.contradictions import find_contradictions
+from lta_challenge.contradictions import find_contradictions, render_study
 from lta_discovery.conclusion import draw_conclusion, forget_refit
-from lta_discovery.finding import ChannelErrors, NamedEffect, ParameterEstimate, StudyResult
-from lta_discovery.page.verdict_text import format_advice, format_headline
+from lta_discovery.finding import (
+    ChannelErrors,
+    NamedEffect,
+    ParameterEstimate,
+    StudyResult,
+    Verdict,
+)
+from lta_discovery.page.verdict_text import (
+    build_tiles,
+    format_advice,
+    format_headline,
+    list_learned_file_commands,
+)
 from lta_discovery.results.discovery_json import to_dict
 import pytest
 
@@ -63,3 +75,79 @@ def test_a_refitted_file_is_advised_where_it_forecasts_position_and_attitude_bes
     sentence = 'use refitted.yaml: its position error after 5 s is 5 cm.'
     assert (sentence in format_advice(found)) == advised
     assert 'refitted.yaml' not in format_advice(forget_refit(found))
+
+
+def refit_study(*, named: bool, verdict: Verdict = 'none') -> StudyResult:
+    """Return a study whose file is off, and of which the refitted file forecasts best."""
+    found = study({3.0: 0.9, 5.0: 1.0}, named=named)
+    gaps = [replace(gap, refitted=0.05) for gap in found.gaps]
+    gaps += [replace(gap, channel='attitude', unit='rad') for gap in gaps]
+    return replace(
+        found,
+        gaps=tuple(gaps),
+        verdict='named' if named else verdict,
+        offsets=('the mass is 1.2',),
+    )
+
+
+@pytest.mark.parametrize('verdict', ['none', 'unexplained'])
+def test_headline_and_advice_are_the_refitted_file_where_it_forecasts_best(
+    verdict: Verdict,
+) -> None:
+    found = refit_study(named=False, verdict=verdict)
+    assert draw_conclusion(found).advice == 'refitted'
+    headline, advice = format_headline(found), format_advice(found)
+    assert headline.startswith('The vehicle file is off (the mass is 1.2). ')
+    assert headline.endswith(
+        'With all numbers refitted, the position error of held-out flights after 5 s is 5 cm '
+        '(vehicle file 1 m, coasting 1 m).'
+    )
+    assert advice.startswith('To predict flights, use refitted.yaml in the results folder, in its')
+    assert advice.endswith('For other flights, calibrate the vehicle file first.')
+    tile = build_tiles(found)[2]
+    assert (tile.value, tile.unit, build_tiles(found)[3].value) == ('5', 'cm', '95')
+    assert list(list_learned_file_commands(found, Path('out'))) == ['show the changes']
+    assert find_contradictions(found) == []
+
+
+def test_named_effects_keep_their_advice_beside_a_better_refitted_file() -> None:
+    found = refit_study(named=True)
+    assert draw_conclusion(found).advice == 'use'
+    assert 'Calibrate first' not in format_headline(found)
+    assert 'With all numbers refitted' in format_headline(found)
+    assert 'use refitted.yaml' in format_advice(found)
+    assert find_contradictions(found) == []
+
+
+def test_undecided_flights_ask_for_another_one_beside_the_refitted_file() -> None:
+    found = refit_study(named=False, verdict='not_identifiable')
+    advice = format_advice(found)
+    assert advice.startswith('Record another flight')
+    assert 'use refitted.yaml' in advice
+    assert find_contradictions(found) == []
+
+
+def test_a_refitted_file_that_loses_to_coasting_after_three_seconds_is_not_advised() -> None:
+    found = refit_study(named=False)
+    near, *rest = found.gaps
+    found = replace(found, gaps=(replace(near, coast=0.04), *rest))
+    assert draw_conclusion(found).refitted is None
+    assert 'Calibrate first' in format_headline(found)
+    assert find_contradictions(found) == []
+
+
+@pytest.mark.parametrize(
+    ('old', 'new', 'law'),
+    [
+        (' With all numbers refitted, ', ' ', 'headline and JSON disagree on whether the refit'),
+        ('The vehicle file is off', 'Calibrate first', 'but the headline says to calibrate'),
+    ],
+)
+def test_the_laws_find_a_headline_that_hides_the_refitted_file(
+    monkeypatch: pytest.MonkeyPatch, old: str, new: str, law: str
+) -> None:
+    found = refit_study(named=False)
+    said = render_study(found)
+    said = said._replace(headline=said.headline.replace(old, new))
+    monkeypatch.setattr('lta_challenge.contradictions.render_study', lambda _found: said)
+    assert any(law in one for one in find_contradictions(found))

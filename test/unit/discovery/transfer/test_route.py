@@ -3,15 +3,17 @@
 from dataclasses import replace
 from types import SimpleNamespace
 
-from lta_discovery.finding import StudyResult, Verdict
+from lta_discovery.finding import NamedEffect, ParameterEstimate, StudyResult, Verdict
+from lta_discovery.fit.evidence import wrench_floor
 from lta_discovery.flights.role_assignment import restrict_to_interval
 from lta_discovery.forecast.forecast_fit import ForecastFitter
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.page.transfer_table import render_transfer
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
+from lta_discovery.replay.linearized_flight import unchanged_vehicle_point
 from lta_discovery.results.terminal import format_forecast_evidence
-from lta_discovery.study import DiscoveryStudy, StudyFlight
+from lta_discovery.study import DiscoveryStudy, StudyFlight, ThreeModelComparison
 from lta_discovery.transfer import forecast_identification
 from lta_discovery.transfer.candidate_groups import CandidateGroup
 from lta_discovery.transfer.cross_validation import RegimeForecastErrors, remaining_error_share
@@ -144,6 +146,42 @@ def test_everything_is_refitted_where_forecasts_identify_no_effect(
     said = format_forecast_evidence(evidence)
     assert said.startswith('Forecasts identify no effect; with all ')
     assert 'Forecasts with everything refitted' in render_transfer(found.finding)
+
+
+def test_everything_is_refitted_beside_effects_that_readings_named(
+    gtmab: Known, clean: FlightLinearizer, monkeypatch
+) -> None:
+    """The file has 10 % too little thrust, and the readings named a drag that is not there."""
+    nominal, knobs = gtmab
+    thrust = next(knob for knob in knobs if knob.name == 'thrust_scale.factor')
+    wrong = thrust.apply_to(nominal, -0.1)
+    parts = [(0.0, 0.5, 'train'), (0.5, 1.0, 'confirm'), (0.0, 1.0, 'holdout')]
+    flights = [
+        StudyFlight(f'{k}', role, poses_alone(clean, knobs, 1.0, begin, end))
+        for k, (begin, end, role) in enumerate(parts)
+    ]
+    monkeypatch.setattr(forecast_identification, 'ENOUGH', 2)
+    point = unchanged_vehicle_point(wrong, knobs, flights[2].flight.replay.cut)
+    drag = ParameterEstimate('surge', 'N s/m', 0.0, 0.001, (0.0005, 0.0015))
+    effects = (NamedEffect('linear_drag', ('linear_drag.surge',), (drag,), 50.0),)
+    finding = StudyResult('named', effects, (), (), (), True, (), (), 1, {}, 'gtmab')
+    before = DiscoveryStudy(
+        finding, wrong, wrong, flights, [ThreeModelComparison(flights[2], point, point, point)],
+        forecasts=SimpleNamespace(deviations=wrench_floor(wrong)),
+    )  # fmt: skip
+    found = add_forecast_effects(before, lambda what, share: None)
+    far = [gap for gap in found.finding.gaps if gap.channel == 'position' and gap.horizon_s >= 3.0]
+    assert far
+    assert all(gap.refitted < 0.5 * gap.before for gap in far)
+    assert all(gap.before == gap.after for gap in far)
+    assert (found.finding.effects, found.finding.verdict) == (effects, 'named')
+    assert found.refitted is not None
+    said = format_forecast_evidence(found.finding.carried, named=True)
+    assert said.startswith('With all ')
+    assert 'Forecasts identify no effect' not in render_transfer(found.finding)
+    # Where the file explains the flights, nothing is refitted
+    calm = replace(before, finding=replace(finding, verdict='none', effects=()))
+    assert add_forecast_effects(calm, lambda what, share: None) is calm
 
 
 def select_nothing(sight: ForecastFitter, *_: object) -> GroupSelection:
