@@ -45,7 +45,7 @@ BARRIERS = {
         'test/property/test_crazyflie_safety.py',
     ),
     'tracker': Barrier(
-        f'{BRIDGE}/crazyflie/bridge_core.py', 'if len(known) == len(both):', 'if False:',
+        f'{BRIDGE}/crazyflie/bridge_core.py', 'if len(recent) == len(both):', 'if False:',
         f'{UNIT}/test_crazyflie_cores.py',
     ),
     'rises': Barrier(
@@ -215,7 +215,7 @@ BARRIERS = {
     ),
     'typed name': Barrier(
         'src/lta_cli/lta_cli/verbs/hardware/bench.py',
-        'if sys.stdin.readline().strip() != wanted:', 'if False:',
+        'if sys.stdin.readline().strip() != answer:', 'if False:',
         'test/unit/bridge/hardware/test_motor.py',
     ),
     'emergency stop': Barrier(

@@ -99,20 +99,20 @@ def discover_effects(request: DiscoveryRequest, folder: Path, tell: Tell) -> Dis
     flights = read_bags(request.bags, request.robot, lambda name: tell(f'reading {name}', None))
     tell('checking data quality', None)
     sound = select_usable_flights(flights, vehicle)
-    found = add_confusable(study_usable_flights(request, vehicle, sound, tell))
+    study = add_confusable(study_usable_flights(request, vehicle, sound, tell))
     next_one = (
-        plan_for_study(found, request.vehicle, tell)
+        plan_for_study(study, request.vehicle, tell)
         if request.plan
-        else NextFlightPlan(format_next_step(found))
+        else NextFlightPlan(format_next_step(study))
     )
-    finding = replace(found.finding, next_flight=next_one.text)
+    finding = replace(study.finding, next_flight=next_one.text)
     tell('writing results', None)
     # Stage into a temporary folder, so that a failure leaves no half-written results.
     try:
         with stage_results(folder, NAME) as part:
             next_one.write(part)
             return write_results(
-                request, vehicle, replace(found, finding=finding), sound, folder, part
+                request, vehicle, replace(study, finding=finding), sound, folder, part
             )
     except OSError as error:
         raise BadInput(
@@ -149,29 +149,29 @@ def _study_usable_flights(
     request: DiscoveryRequest, vehicle: Vehicle, sound: UsableFlights, tell: Tell
 ) -> DiscoveryStudy:
     """Return the study with all that `study_usable_flights` adds."""
-    start, said = _calibrate_first(request, vehicle, sound, tell)
-    found = study_flights(
+    start, remarks = _calibrate_first(request, vehicle, sound, tell)
+    study = study_flights(
         start.vehicle if start else vehicle,
         sound.flights,
         request.seed,
         tell,
         start.calibration if start else None,
     )
-    found = add_forecast_effects(found, tell)
-    only = format_regime_warning(found)
-    told = [*list_forecast_warnings(found.finding.gaps), *([only] if only else [])]
+    study = add_forecast_effects(study, tell)
+    only = format_regime_warning(study)
+    warnings = [*list_forecast_warnings(study.finding.gaps), *([only] if only else [])]
     finding = replace(
-        found.finding,
-        where=find_discrepancies(_list_baseline_flights(found, sound), request.seed),
+        study.finding,
+        where=find_discrepancies(_list_baseline_flights(study, sound), request.seed),
         vehicle=request.vehicle,
-        warnings=(*sound.warnings, *said, *found.finding.warnings, *told),
-        versions={**describe_environment(), **found.finding.versions},
+        warnings=(*sound.warnings, *remarks, *study.finding.warnings, *warnings),
+        versions={**describe_environment(), **study.finding.versions},
     )
-    found = replace(found, finding=finding, calibrated_file=start.text if start else '')
+    study = replace(study, finding=finding, calibrated_file=start.text if start else '')
     text = start.text if start else _read_vehicle_file(request)
     base = BaseFile(text, start.vehicle if start else vehicle)
     # Last, so that it changes nothing that was found before
-    return add_law(found, base, tell)
+    return add_law(study, base, tell)
 
 
 def _calibrate_first(
@@ -180,17 +180,17 @@ def _calibrate_first(
     """Return the calibrated vehicle if the flights call for a calibration, and warnings."""
     if not request.calibrate:
         return None, []
-    found = calibrate_first(vehicle, request.vehicle, sound.flights, tell)
-    if found is None:
+    calibration = calibrate_first(vehicle, request.vehicle, sound.flights, tell)
+    if calibration is None:
         return None, []
     text = _read_vehicle_file(request)
-    source = format_calibration_source(found.bags['train'], read_commit() or 'unknown')
+    source = format_calibration_source(calibration.bags['train'], read_commit() or 'unknown')
     try:
-        return build_calibrated_start(text, vehicle, found, source), []
+        return build_calibrated_start(text, vehicle, calibration, source), []
     except BadInput as fault:
         return None, [
-            f'The vehicle file is off ({"; ".join(list_differences(found))}), but it was studied '
-            f'as it is, because the calibrated file cannot be written. {fault}'
+            f'The vehicle file is off ({"; ".join(list_differences(calibration))}), but it was '
+            f'studied as it is, because the calibrated file cannot be written. {fault}'
         ]
 
 
@@ -201,9 +201,11 @@ def _read_vehicle_file(request: DiscoveryRequest) -> str:
 
 def _list_baseline_flights(study: DiscoveryStudy, sound: UsableFlights) -> list[BaselineFlight]:
     """Return the training and confirming flights under the model of the vehicle file."""
-    taught = [one for role in ('train', 'confirm') for one in study.flights if one.role == role]
+    fit_flights = [
+        one for role in ('train', 'confirm') for one in study.flights if one.role == role
+    ]
     out = []
-    for one, fit in zip(taught, study.bare, strict=True):
+    for one, fit in zip(fit_flights, study.bare, strict=True):
         before = unchanged_vehicle_point(study.nominal, one.flight.knobs, one.flight.replay.cut)
         out.append(BaselineFlight(one.name, one.flight, before, fit, sound.light.get(one.name)))
     return out
@@ -237,8 +239,8 @@ def write_results(
             finding = forget_refit(finding)
             study = replace(study, finding=finding)
     write_overlay(study.shown, part, finding.versions)
-    told = to_dict(finding, sound.cuts)
-    write_json(told, part / NAME)
+    content = to_dict(finding, sound.cuts)
+    write_json(content, part / NAME)
     bags: dict[str, Sequence[Path | str]] = {
         role: list(request.bags[role]) for role in request.bags
     }
@@ -248,7 +250,7 @@ def write_results(
     write_file(render_report(report), part / PAGE)
     if drawing:
         (part / animation.NAME).write_text(drawing, encoding='utf-8')
-    return DiscoveryResult(study, told, folder / PAGE)
+    return DiscoveryResult(study, content, folder / PAGE)
 
 
 def _format_refitted_vehicle(
@@ -258,8 +260,8 @@ def _format_refitted_vehicle(
     finding = study.finding
     try:
         whole = format_learned_vehicle(text, vehicle, study.nominal, refitted, finding)
-        taught = [one.flight for one in study.flights if one.role != 'holdout']
-        return add_validity(whole, taught, vehicle.rotor_names, format_source(finding))
+        fit_flights = [one.flight for one in study.flights if one.role != 'holdout']
+        return add_validity(whole, fit_flights, vehicle.rotor_names, format_source(finding))
     except BadInput:
         # Forecasts may ask for a negative drag
         return ''

@@ -118,19 +118,19 @@ def study_flights(
     tell = progress or (lambda what, part: None)
     tell('preparing', 0.0)
     nominal = NominalVehicle.from_vehicle(vehicle)
-    flown, known, warnings = _prepare_flights(vehicle, nominal, flights, calibration)
-    flown, dropped = _drop_diverging_pieces(nominal, flown)
+    prepared, parameters, warnings = _prepare_flights(vehicle, nominal, flights, calibration)
+    prepared, dropped = _drop_diverging_pieces(nominal, prepared)
     warnings.extend(dropped)
-    flown, found = _search_effects(
-        nominal, flown, lambda part: tell('searching', 0.05 + 0.6 * part)
+    prepared, search = _search_effects(
+        nominal, prepared, lambda part: tell('searching', 0.05 + 0.6 * part)
     )
-    pair = _select_role(flown, 'train'), _select_role(flown, 'confirm')
+    pair = _select_role(prepared, 'train'), _select_role(prepared, 'confirm')
     tell('verifying', 0.65)
-    proven = EffectVerification(nominal, [*pair[0], *pair[1]]).run(found)
+    proven = EffectVerification(nominal, [*pair[0], *pair[1]]).run(search)
     tell('predicting', 0.9)
     # Without held-out flights the confirming ones have to serve, which is optimistic.
-    held_out = bool(_select_role(flown, 'holdout'))
-    last = [f for f in flown if f.role == ('holdout' if held_out else 'confirm')]
+    held_out = bool(_select_role(prepared, 'holdout'))
+    last = [f for f in prepared if f.role == ('holdout' if held_out else 'confirm')]
     compared = _fit_forecast_models(nominal, [*pair[0], *pair[1]], proven, seed)
     if compared.share < 1.0:
         warnings.append(format_share_warning(compared.share))
@@ -144,13 +144,13 @@ def study_flights(
             'No flight was held out (--holdout), so the prediction errors are those of the '
             'confirming flights, which were also used for the fit, and may be too small.'
         )
-    strained = find_exceeded_tolerances(known, proven.full.prior, proven.full.fitted.mean)
+    strained = find_exceeded_tolerances(parameters, proven.full.prior, proven.full.fitted.mean)
     warnings.extend(format_bounds_warning([format_parameter(name) for name in strained]))
     offsets = list_calibration_offsets(
         nominal,
-        known,
+        parameters,
         proven.full,
-        [one.name for role in ('train', 'confirm') for one in flown if one.role == role],
+        [one.name for role in ('train', 'confirm') for one in prepared if one.role == role],
         tuple(expand_vectors(proven.names)),
     )
     if calibration is not None:
@@ -158,23 +158,23 @@ def study_flights(
     warnings.extend(format_calibration_warning(offsets))
     # Whatever the named effects leave is described, not named.
     rest = assess_unmodeled_forces(pair, proven.full, wrench_floor(nominal))
-    kind = classify_data_kind([f.flight.replay.flight for f in flown])
+    kind = classify_data_kind([f.flight.replay.flight for f in prepared])
     finding = StudyResult(
         verdict=decide_study_verdict(proven, rest, differences, kind),
-        effects=build_effects(nominal, proven, known, rest.has_unmodeled_forces),
-        ladder=tuple(_list_round_candidates(step) for step in (*found.steps, *proven.steps)),
+        effects=build_effects(nominal, proven, parameters, rest.has_unmodeled_forces),
+        ladder=tuple(_list_round_candidates(step) for step in (*search.steps, *proven.steps)),
         where=(),
         gaps=tuple(differences),
         held_out=held_out,
         remains=rest.remains,
         warnings=tuple(warnings),
         seed=seed,
-        bags={role: tuple(f.name for f in flown if f.role == role) for role in ROLES},
+        bags={role: tuple(f.name for f in prepared if f.role == role) for role in ROLES},
         vehicle=vehicle.file.name,
         detectable=compute_detection_limits(
             proven.full.reduce_sides(len(pair[0])),
             proven.full.prior,
-            known,
+            parameters,
             tuple(expand_vectors(proven.names)),
         ),
         unexplained=rest.sentences,
@@ -185,16 +185,16 @@ def study_flights(
         training=compared.errors,
         information=attribute_information(
             proven.full,
-            known,
-            [f.name for role in ('train', 'confirm') for f in flown if f.role == role],
+            parameters,
+            [f.name for role in ('train', 'confirm') for f in prepared if f.role == role],
         ),
     )
     seen = [ThreeModelComparison(f, *each) for f, each in zip(last, models, strict=True)]
     tell('done', 1.0)
-    after = apply_named_effects(nominal, proven, known, finding.effects)
+    after = apply_named_effects(nominal, proven, parameters, finding.effects)
     fits = proven.bare.members, proven.full.members
     return DiscoveryStudy(
-        finding, nominal, after, flown, seen, *fits, joint=proven.full, forecasts=compared.full
+        finding, nominal, after, prepared, seen, *fits, joint=proven.full, forecasts=compared.full
     )
 
 
@@ -205,37 +205,40 @@ def _prepare_flights(
     calibration: Calibration | None,
 ) -> tuple[list[StudyFlight], list[FreeParameter], list[str]]:
     """Return the linearizers of the flights, the free parameters, and warnings about the data."""
-    tidy, said = _remove_outliers(flights)
-    given, warnings = assign_roles(tidy)
+    tidy, remarks = _remove_outliers(flights)
+    assigned, warnings = assign_roles(tidy)
     # The wrench is measured only where motor telemetry or a test stand gave it.
-    known = list_free_parameters(nominal, any(flight.wrench is not None for _, _, flight in given))
+    parameters = list_free_parameters(
+        nominal, any(flight.wrench is not None for _, _, flight in assigned)
+    )
     if calibration is not None:
-        known = apply_calibration(known, nominal, calibration.values)
-    flown = [
-        StudyFlight(name, role, prepare_flight(vehicle, each, known)) for name, role, each in given
+        parameters = apply_calibration(parameters, nominal, calibration.values)
+    prepared = [
+        StudyFlight(name, role, prepare_flight(vehicle, each, parameters))
+        for name, role, each in assigned
     ]
-    _check_long_enough(flown)
-    return flown, known, [*warnings, *said]
+    _check_long_enough(prepared)
+    return prepared, parameters, [*warnings, *remarks]
 
 
 def _drop_diverging_pieces(
     nominal: NominalVehicle, flights: Sequence[StudyFlight]
 ) -> tuple[list[StudyFlight], list[str]]:
     """Return the flights without the pieces that the vehicle file cannot follow, and warnings."""
-    kept, said = [], []
+    remaining, remarks = [], []
     for one in flights:
         linearizer, count = drop_diverging_pieces(one.flight, nominal)
         if count:
-            said.append(
+            remarks.append(
                 f'{one.name}: {format_count(count, "piece")} of the flight left out, as the '
                 'simulation with the vehicle file diverges within a second.'
             )
         if len(linearizer.replay.first):
-            kept.append(replace(one, flight=linearizer))
+            remaining.append(replace(one, flight=linearizer))
     for role in dict.fromkeys(one.role for one in flights):
-        if not any(one.role == role for one in kept):
+        if not any(one.role == role for one in remaining):
             raise BadInput(RAN_AWAY)
-    return kept, merge_sentences(said, len(flights))
+    return remaining, merge_sentences(remarks, len(flights))
 
 
 def _select_role(flights: Sequence[StudyFlight], role: str) -> list[FlightLinearizer]:
@@ -255,14 +258,14 @@ def _search_effects(
     while True:
         flights = [replace(one, flight=one.flight.with_knots(knots)) for one in flights]
         pair = _select_role(flights, 'train'), _select_role(flights, 'confirm')
-        found = EffectSearch(nominal, pair).run(tell)
-        fitted = [joint.group.linears[0].point.nominal for joint in found.fits]
+        search = EffectSearch(nominal, pair).run(tell)
+        fitted = [joint.group.linears[0].point.nominal for joint in search.fits]
         needed = max(
             count_needed_knots(side, each) for side, each in zip(pair, fitted, strict=True)
         )
         # Repeating the search is slow: accept slightly too few knots
         if needed <= FASTER * knots:
-            return flights, found
+            return flights, search
         knots = needed
 
 
@@ -273,10 +276,10 @@ def _fit_forecast_models(
     seed: int,
 ) -> ComparedFits:
     """Return the fits without and with effects, tolerances shrunk to what forecasts support."""
-    known = flights[0].knobs
-    fitter = JointFitter(nominal, flights, per_flight_variance(known), wrench_floor(nominal))
+    parameters = flights[0].knobs
+    fitter = JointFitter(nominal, flights, per_flight_variance(parameters), wrench_floor(nominal))
     named = expand_vectors(proven.names)
-    places = [k for k, knob in enumerate(known) if knob.name in named]
+    places = [k for k, knob in enumerate(parameters) if knob.name in named]
     bare = shrink_tolerances(fitter, proven.bare)
     full = shrink_tolerances(fitter, proven.measured, places) if places else bare
     return limit_to_file(nominal, flights, bare, full, places, seed)
@@ -284,13 +287,13 @@ def _fit_forecast_models(
 
 def _remove_outliers(flights: Sequence[Role]) -> tuple[list[Role], list[str]]:
     """Remove outliers from the flights, and describe what was removed."""
-    out, said = [], []
+    out, remarks = [], []
     for name, role, flight in flights:
         clean, count = remove_outliers(flight)
         out.append((name, role, clean))
         if count:
-            said.append(f'{name}: outliers removed from the readings: {count}.')
-    return out, merge_sentences(said, len(flights))
+            remarks.append(f'{name}: outliers removed from the readings: {count}.')
+    return out, merge_sentences(remarks, len(flights))
 
 
 def prepare_flight(

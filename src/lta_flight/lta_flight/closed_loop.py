@@ -214,9 +214,9 @@ class ClosedLoop:
         readings = self.readings = world.sense_motion() if self._motion_only else world.sense()
         course = self.policy.course
         if course is not None:
-            self.asked = self.setpoint = asked = course(world.elapsed)
-            if asked is not None:
-                self.autopilot.set_setpoint(asked)
+            self.asked = self.setpoint = setpoint = course(world.elapsed)
+            if setpoint is not None:
+                self.autopilot.set_setpoint(setpoint)
         # A new setpoint takes effect one step later, as its message would
         elif self.asked is not self.setpoint and self.asked is not None:
             self.setpoint = self.asked
@@ -274,10 +274,10 @@ class ClosedLoop:
         hearing = self._listener.demodulate_next_block(block)
         peaks = hearing.peaks[0]
         threshold, prior = self.policy.demodulation.threshold, self.policy.prior
-        found = self._finder.find(peaks, threshold, prior)
-        where = None if found is None else estimate_lamp_position(found, prior)
+        direction = self._finder.find(peaks, threshold, prior)
+        where = None if direction is None else estimate_lamp_position(direction, prior)
         self.light = LightObservation(
-            hearing, estimate_bearing(peaks, self._ring, threshold), found, where
+            hearing, estimate_bearing(peaks, self._ring, threshold), direction, where
         )
         # Message fields of type float32
         amplitudes = tuple(peaks.amplitude.astype(np.float32).tolist())
@@ -291,8 +291,8 @@ class ClosedLoop:
         sight = build_sight(lamp, self._axes, amplitudes, self._reckoned[0], self._block, scale)
         policy, report = self.policy, None
         if self.energy is not None:
-            known = self.energy.estimate
-            report = ReserveReport(stamp_ns, known.reserve, known.is_landing_urgent)
+            estimate = self.energy.estimate
+            report = ReserveReport(stamp_ns, estimate.reserve, estimate.is_landing_urgent)
         self.asked = self._guidance.choose_setpoint(
             GuidanceInputs(
                 policy.mission, policy.reserve, policy.strategy, stamp_ns, sight,

@@ -189,8 +189,8 @@ def parse_status(line: str) -> dict[str, str] | None:
     """Return the final status of a flight in a line that a simulator printed; None in others."""
     # It may be cut, or not the status at all
     with suppress(ValueError):
-        if isinstance(said := json.loads(line), dict) and 'outcome' in said:
-            return said
+        if isinstance(content := json.loads(line), dict) and 'outcome' in content:
+            return content
     return None
 
 

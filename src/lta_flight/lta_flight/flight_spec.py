@@ -106,10 +106,10 @@ class FlightSpec:
 
     def find_unit(self, path: str) -> str:
         """Return the SI unit of a parameter; '' if it has none."""
-        found = parse_quantity(self.read_value(path))
-        if found is not None:
+        quantity = parse_quantity(self.read_value(path))
+        if quantity is not None:
             # An unknown unit is reported later, by validation
-            return UNITS.get(found['unit'], (found['unit'],))[0]
+            return UNITS.get(quantity['unit'], (quantity['unit'],))[0]
         if path in NAMED:
             return ''
         root, below = split_path(path)
@@ -127,14 +127,14 @@ def split_path(path: str) -> tuple[str, str]:
 
 def declared_unit(model: type[BaseModel], keys: list[str]) -> str:
     """Return the declared unit of a setting; '' if it has none."""
-    found = model.model_fields.get(keys[0])
-    if found is None:
+    declared = model.model_fields.get(keys[0])
+    if declared is None:
         return ''
     if len(keys) > 1:
-        inner = found.annotation
+        inner = declared.annotation
         is_model = isinstance(inner, type) and issubclass(inner, BaseModel)
         return declared_unit(inner, keys[1:]) if is_model else ''  # type: ignore[arg-type]
-    extra = found.json_schema_extra
+    extra = declared.json_schema_extra
     return str(extra.get('unit', '')) if isinstance(extra, dict) else ''
 
 
@@ -165,8 +165,8 @@ def load_spec(vehicle: str, scenario: str, strategy_name: str, gains: str) -> Fl
 def read_control(content: Any) -> dict[str, str]:  # noqa: ANN401 - what YAML holds
     """Return law and gains that a vehicle's file names, as far as they are text."""
     control = content.get('control') if isinstance(content, dict) else None
-    given = control if isinstance(control, dict) else {}
-    return {key: word for key, word in given.items() if isinstance(word, str)}
+    block = control if isinstance(control, dict) else {}
+    return {key: word for key, word in block.items() if isinstance(word, str)}
 
 
 def select_settings_models(vehicle: Any) -> dict[str, type[Settings]]:  # noqa: ANN401 - what YAML holds
@@ -256,8 +256,8 @@ def write_files(spec: FlightSpec, folder: Path) -> dict[str, str]:
 def to_set_args(values: Mapping[str, Any]) -> Iterable[str]:
     """Return replaced parameters as arguments of `lta simulate --set`."""
     for path, value in values.items():
-        found = parse_quantity(value)
-        yield f'{path}={value}' if found is None else f'{path}={format_quantity(found)}'
+        quantity = parse_quantity(value)
+        yield f'{path}={value}' if quantity is None else f'{path}={format_quantity(quantity)}'
 
 
 def format_quantity(quantity: Mapping[str, Any]) -> str:

@@ -71,16 +71,16 @@ class LoopView:
             self._truth.append((time, *readings.truth))
         self._estimates.append(loop.autopilot.copy_estimate())
         if readings.block is not None and loop.light is not None and loop.asked is not None:
-            found, lamp, asked = loop.light.bearing, loop.light.lamp, loop.asked
+            bearing, lamp, setpoint = loop.light.bearing, loop.light.lamp, loop.asked
             block = LoopLightBlock(
                 began=(readings.block[0] - self._start) * 1e-9,
-                bearing=(0.0, 0.0) if found is None else (found.x, found.y),
+                bearing=(0.0, 0.0) if bearing is None else (bearing.x, bearing.y),
                 lamp=(0.0, 0.0) if lamp is None else (lamp.x, lamp.y),
                 # As in the message, so that results equal those of a bag
                 snr=loop.light.peaks.snr.astype(np.float32).astype(np.float64),
                 frequency=loop.light.peaks.frequency,
-                altitude=asked.altitude,
-                speed=asked.speed,
+                altitude=setpoint.altitude,
+                speed=setpoint.speed,
             )
             self._light.append(block)
         if loop.energy is not None and readings.battery is not None:
@@ -122,9 +122,9 @@ class LoopView:
     def warning(self) -> str:
         """A warning if the flight leaves the region of validity of its vehicle file, else ''."""
         state = np.array(self._truth)[:, 1:]
-        flown = list_motion(state[:, QUATERNION], state[:, VELOCITY], state[:, RATES])
+        motion = list_motion(state[:, QUATERNION], state[:, VELOCITY], state[:, RATES])
         vehicle = self.scene.vehicle
-        fitted = '' if vehicle is None else describe_exceeded_region(vehicle, flown)
+        fitted = '' if vehicle is None else describe_exceeded_region(vehicle, motion)
         return ' '.join(filter(None, (fitted, self._loop.world.law_warning)))
 
     @cached_property

@@ -48,8 +48,8 @@ def check_plan(plan: LaunchPlan) -> None:
     for process in plan.processes:
         if process.package.startswith(OURS):
             values = parse_parameters(process.arguments)
-            for given in split_by_robot(values):
-                check_parameters(given, controls=process.executable == CONTROLLER)
+            for parameters in split_by_robot(values):
+                check_parameters(parameters, controls=process.executable == CONTROLLER)
             # A parameter file, which is not read here, may set others
             if FILE_OPTION not in process.arguments:
                 check_node(process.executable, process.namespace.strip('/'), values)
@@ -73,11 +73,13 @@ def check_names(plan: LaunchPlan) -> None:
 def check_landing_time(plan: LaunchPlan) -> None:
     """Reject a bridge that does not get the time to land its drone after Ctrl-C."""
     for process in plan.processes:
-        given = process.sigterm_timeout
-        if (process.package, process.executable) == BRIDGE and (given or 0.0) < LANDING:
-            found = 'no sigterm_timeout' if given is None else f'a sigterm_timeout of {given:g} s'
+        timeout = process.sigterm_timeout
+        if (process.package, process.executable) == BRIDGE and (timeout or 0.0) < LANDING:
+            setting = (
+                'no sigterm_timeout' if timeout is None else f'a sigterm_timeout of {timeout:g} s'
+            )
             raise BadInput(
-                f'The node {plan.label(process)} has {found}, but lands its drone for up to '
+                f'The node {plan.label(process)} has {setting}, but lands its drone for up to '
                 f'{LANDING:g} s after Ctrl-C; give it at least "sigterm_timeout: {LANDING:.1f}" '
                 'in the launch file.'
             )
@@ -95,8 +97,8 @@ def check_controllers(plan: LaunchPlan) -> None:
         if (process.package, process.executable) != BRIDGE or process.namespace not in controllers:
             continue
         if FILE_OPTION not in process.arguments:  # a parameter file is not read here
-            given = parse_parameters(process.arguments)
-            settings = validate_settings(CrazyflieBridgeSettings, process.executable, given)
+            parameters = parse_parameters(process.arguments)
+            settings = validate_settings(CrazyflieBridgeSettings, process.executable, parameters)
             name = load_vehicle(settings.vehicle).file.name
             file = find_crazyflie(settings.vehicle, name, settings.crazyflie)
             if (settings.command or file.command) == 'setpoint':
@@ -163,10 +165,10 @@ def check_launched_demodulators(plan: LaunchPlan) -> None:
         if FILE_OPTION in listener:  # its settings are in a parameter file, which is not read here
             continue
         own = parse_parameters(listener)
-        given = {name: own[name] for name in DemodulationSettings.model_fields if name in own}
+        parameters = {name: own[name] for name in DemodulationSettings.model_fields if name in own}
         check_lamp_frequency(
             load_scenario(scenario),
-            validate_content(DemodulationSettings, given, 'the settings of demodulator'),
+            validate_content(DemodulationSettings, parameters, 'the settings of demodulator'),
         )
 
 
@@ -178,12 +180,12 @@ def parse_parameters(arguments: Sequence[str]) -> dict[str, object]:
 
 def split_by_robot(values: Mapping[str, object]) -> list[dict[str, object]]:
     """Return the parameters of the node itself, and those of each robot of a recorder."""
-    found: dict[str, dict[str, object]] = {}
+    by_robot: dict[str, dict[str, object]] = {}
     for name, value in values.items():
         # A recorder's parameters for one robot are named `lta1.scenario`
         robot, _, own = name.rpartition('.')
-        found.setdefault(robot, {})[own] = value
-    return list(found.values())
+        by_robot.setdefault(robot, {})[own] = value
+    return list(by_robot.values())
 
 
 def start_offset(values: Mapping[str, object]) -> tuple[float, float]:

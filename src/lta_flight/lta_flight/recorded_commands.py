@@ -140,10 +140,10 @@ def read_commands(
         ]
     )
     at = pose_channels[f'{prefix}position.x'].time
-    known = np.isfinite(poses).all(axis=1) & (at >= max(begin, times[0] - EARLY))
+    valid = np.isfinite(poses).all(axis=1) & (at >= max(begin, times[0] - EARLY))
     if end is not None:
-        known &= at <= end
-    at, poses = at[known], poses[known]
+        valid &= at <= end
+    at, poses = at[valid], poses[valid]
     last = min(at[-1], end if end is not None else times[-1]) if len(at) else 0.0
     if not len(at) or last - at[0] < SHORTEST:
         raise BadInput(
@@ -221,8 +221,8 @@ def _read_wrenches(flight: RecordedFlight, vehicle: Vehicle) -> tuple[Array, Arr
 
 def fill_with_last(values: Array) -> Array:
     """Return columns in which an unknown number is the one before; 0 before the first."""
-    known = np.isfinite(values)
-    last = np.maximum.accumulate(np.where(known, np.arange(1, len(values) + 1)[:, None], 0), 0)
+    finite = np.isfinite(values)
+    last = np.maximum.accumulate(np.where(finite, np.arange(1, len(values) + 1)[:, None], 0), 0)
     padded = np.vstack([np.zeros((1, values.shape[1])), values])
     return np.asarray(np.take_along_axis(padded, last, 0))
 
@@ -268,10 +268,10 @@ def _read_duties(flight: RecordedFlight, vehicle: Vehicle) -> tuple[Array, Array
 def _read_twist(channels: Mapping[str, SignalChannel], prefix: str, time: float) -> Array:
     """Return recorded velocity and rates at a time, shape (6,); NaN where unknown."""
     topic = prefix.rpartition('/')[0]
-    found = [channels.get(f'{topic}/{field}') for field in TWIST]
+    fields = [channels.get(f'{topic}/{field}') for field in TWIST]
     return np.array([
         math.nan if each is None else float(np.interp(time, each.time, each.values))
-        for each in found
+        for each in fields
     ])  # fmt: skip
 
 

@@ -134,35 +134,37 @@ class StallMonitor:
     def _report_errors(self, facts: Iterable[HealthFact]) -> None:
         """Report the errors of nodes, each once in a while, and count recurrences in between."""
         now = time.monotonic()
-        found: dict[str, str] = {}
+        errors: dict[str, str] = {}
         for fact in facts:
             node, _, task = fact.task.partition(': ')
             if fact.level == HealthLevel.ERROR and task not in ELSEWHERE:
                 # The same error with other numbers is not a new one
                 error = f'{node}: {FIGURE.sub("#", fact.message)}'
-                found[error] = f'{node}: {fact.message.rstrip(".")}'
-        for error, text in found.items():
-            known = self._ailing.get(error)
-            away = math.inf if known is None else now - known.seen
-            if known is None or away > REPEATED or (away > AWAY and not known.back):
+                errors[error] = f'{node}: {fact.message.rstrip(".")}'
+        for error, text in errors.items():
+            earlier = self._ailing.get(error)
+            away = math.inf if earlier is None else now - earlier.seen
+            if earlier is None or away > REPEATED or (away > AWAY and not earlier.back):
                 self._report_repeats(error)
                 self._say(f'{text}.')
                 self._ailing[error] = NodeError(now, now, text, back=away <= REPEATED)
             else:
-                known.again += not known.here
-                known.seen, known.text = now, text
-        for error, known in self._ailing.items():
-            known.here = error in found
-            if known.again and now - known.said > REPEATED:
+                earlier.again += not earlier.here
+                earlier.seen, earlier.text = now, text
+        for error, earlier in self._ailing.items():
+            earlier.here = error in errors
+            if earlier.again and now - earlier.said > REPEATED:
                 self._report_repeats(error)
-                known.said, known.again = now, 0
+                earlier.said, earlier.again = now, 0
 
     def _report_repeats(self, error: str) -> None:
         """Report how often an error has recurred since its last message."""
-        known = self._ailing.get(error)
-        if known is not None and known.again:
-            times = 'once' if known.again == 1 else f'{known.again} times'
-            self._say(f'{known.text} (repeated {times} in {time.monotonic() - known.said:.0f} s).')
+        earlier = self._ailing.get(error)
+        if earlier is not None and earlier.again:
+            times = 'once' if earlier.again == 1 else f'{earlier.again} times'
+            self._say(
+                f'{earlier.text} (repeated {times} in {time.monotonic() - earlier.said:.0f} s).'
+            )
 
     def _report_loading(self, loading: list[str]) -> None:
         """Report once which nodes the others wait for, if loading takes long."""

@@ -21,13 +21,13 @@ def _is_live_view(process: LaunchProcess) -> bool:
 
 def _list_live_views(plan: LaunchPlan) -> list[tuple[LaunchProcess, object, object]]:
     """Return the live views with host and port, except those configured by a file."""
-    found = []
+    views = []
     for process in filter(_is_live_view, plan.processes):
-        given = parse_parameters(process.arguments)
+        parameters = parse_parameters(process.arguments)
         # A parameter file may set another port, which is not known here
-        if 'port' in given or FILE_OPTION not in process.arguments:
-            found.append((process, given.get('host', LOCAL), given.get('port', PORT)))
-    return found
+        if 'port' in parameters or FILE_OPTION not in process.arguments:
+            views.append((process, parameters.get('host', LOCAL), parameters.get('port', PORT)))
+    return views
 
 
 def find_viewers(plan: LaunchPlan) -> frozenset[str]:

@@ -100,8 +100,8 @@ def draw_errors(sensors: SensorDatasheets, seed: int) -> SensorErrors:
 def simulate_axis_reading(imu: ImuAxes, axis: int, truth: float, normal: float) -> float:
     """Return the reading of one axis, quantised and clipped at full scale. [m/s2 or rad/s]"""
     value = imu.gain[axis] * truth + imu.offset[axis] + imu.noise[axis] * normal
-    told, end = round_to_step(value, imu.step[axis]), imu.full_scale[axis]
-    return min(max(told, -end), end)
+    reading, end = round_to_step(value, imu.step[axis]), imu.full_scale[axis]
+    return min(max(reading, -end), end)
 
 
 def simulate_imu_reading(
@@ -138,10 +138,10 @@ def simulate_range_reading(
     # Slant range along the tilted beam
     distance = max(height, 0.0) / up
     noise = noise_deviation(sensors.range_noise, distance) * draw_normals(seed, RANGE, tick, 0)[0]
-    told = distance + errors.range_offset + noise
-    if told > sensors.farthest or told < sensors.nearest:
+    reading = distance + errors.range_offset + noise
+    if reading > sensors.farthest or reading < sensors.nearest:
         return math.nan
-    return round_to_step(told, RESOLUTION)
+    return round_to_step(reading, RESOLUTION)
 
 
 def simulate_pressure_reading(
@@ -155,8 +155,8 @@ def simulate_pressure_reading(
     """Return the pressure reading at a height of the hull centre and a flight time. [Pa]"""
     truth = air_pressure(sensors.floor, height + sensors.imu_place[2])
     noise = sensors.pressure_noise * draw_normals(seed, PRESSURE, step, 0)[0]
-    told = truth + errors.pressure_offset + errors.drift * elapsed + noise
-    return round_to_step(told, sensors.resolution)
+    reading = truth + errors.pressure_offset + errors.drift * elapsed + noise
+    return round_to_step(reading, sensors.resolution)
 
 
 def draw_white_noise(seed: int, step: int, period: float) -> Vector:

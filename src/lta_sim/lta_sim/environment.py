@@ -26,8 +26,10 @@ def draw_initial_memory(
     if 'turbulence' in parameters:
         # The layout counts from the start of the state, the memory begins after the rigid body
         first = LAYOUT.remembers['turbulence'] - RIGID
-        drawn = chance.standard_normal(len(turbulence.MEMORY))
-        memory[first : first + len(drawn)] = turbulence.stationary_memory(tuple(drawn.tolist()))
+        normals = chance.standard_normal(len(turbulence.MEMORY))
+        memory[first : first + len(normals)] = turbulence.stationary_memory(
+            tuple(normals.tolist())
+        )
     return memory
 
 

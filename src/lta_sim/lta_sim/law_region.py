@@ -62,8 +62,8 @@ class LawRegion:
         """Return the sentence about a quantity out of its range."""
         unit = quantity_unit(name, law.hidden)
         low, high = law.region[name]
-        found = format_with_unit(f'{low:.3g} to {high:.3g}', unit)
+        limits = format_with_unit(f'{low:.3g} to {high:.3g}', unit)
         return (
-            f'The law of vehicle {self._name} was found with {name} {found}, and fades to zero '
+            f'The law of vehicle {self._name} was found with {name} {limits}, and fades to zero '
             f'outside: here, {name} reached {format_with_unit(f"{value:.3g}", unit)}.'
         )

@@ -56,11 +56,11 @@ def collect_scene_effects(vehicle: Vehicle, scenario: Scenario) -> Effects:
     radius, half_height = vehicle_reach(vehicle)
     # A profile is averaged over a hull; a bare frame meets the wind at its own height.
     tall = half_height if vehicle.file.hull.shape != 'none' else 0.0
-    given = scenario.air.collect_effects(tall)
+    effects = scenario.air.collect_effects(tall)
     if scenario.room.walls == 'solid':
         # Other rooms have no walls; leaving the room ends the flight there
-        given['walls'] = _wall_parameters(scenario, radius, half_height)
-    for name in given:
+        effects['walls'] = _wall_parameters(scenario, radius, half_height)
+    for name in effects:
         if name in vehicle.file.effects:
             kind = 'wind' if isinstance(EFFECTS[name], AirEffect) else 'room'
             raise BadInput(
@@ -71,8 +71,8 @@ def collect_scene_effects(vehicle: Vehicle, scenario: Scenario) -> Effects:
     sun = scenario.sun
     # A vehicle file may have measured values; a bare frame has no gas
     if sun is not None and sun.warms_gas and vehicle.file.hull.shape != 'none':
-        given |= {} if WARMED in vehicle.file.effects else {WARMED: dict(superheat.IN_SUN)}
-    return given
+        effects |= {} if WARMED in vehicle.file.effects else {WARMED: dict(superheat.IN_SUN)}
+    return effects
 
 
 def _wall_parameters(scenario: Scenario, radius: float, half_height: float) -> dict[str, float]:

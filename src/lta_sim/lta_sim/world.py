@@ -327,9 +327,9 @@ class World:
         """
         # The chain of the command time shifts a time back by the delay
         sent = apply_chain(self._acting['command_time'], (self.elapsed,), self.elapsed)[0]
-        told = tuple(commands(sent).tolist())
+        wrench = tuple(commands(sent).tolist())
         self._craft.commanded_wrench[:] = apply_chain(
-            self._acting['command_wrench'], told, self.elapsed
+            self._acting['command_wrench'], wrench, self.elapsed
         )
 
     def advance(self, duties: Sequence[float], mass_place: Vector | None = None) -> None:

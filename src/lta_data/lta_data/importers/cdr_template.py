@@ -85,14 +85,14 @@ class CdrTemplate:
 
     def _lay_message(self, type_name: str, prefix: str) -> None:
         """Lay out all fields of a message."""
-        for name, (node, told) in load_jazzy_types().fielddefs[type_name][1]:
+        for name, (node, detail) in load_jazzy_types().fielddefs[type_name][1]:
             path = f'{prefix}{name}'
             if node == Nodetype.NAME:
-                self._lay_message(str(told), f'{path}.')
+                self._lay_message(str(detail), f'{path}.')
             elif node == Nodetype.BASE:
-                self._lay_base(str(told[0]), path)
+                self._lay_base(str(detail[0]), path)
             else:
-                item, length = told[0], int(told[1])
+                item, length = detail[0], int(detail[1])
                 self._lay_items(str(item[1][0]), path, node == Nodetype.ARRAY, length)
 
     def _lay_base(self, kind: str, path: str) -> None:

@@ -74,7 +74,7 @@ class TopicConverter:
         Raise `BadInput` if a time cannot be a stamp, or a value is outside the mapping's bounds.
         """
         rows = self._find_rows(table)
-        kept = np.flatnonzero(rows)
+        row_indices = np.flatnonzero(rows)
         chosen = table.select_rows(rows)
         if self.plan.entry.stamps == 'log':
             chosen = replace(chosen, stamps=chosen.log_times)
@@ -87,7 +87,7 @@ class TopicConverter:
         data = layout.serialize_messages(len(chosen), numbers)
         # log_times keep the order of logging; the stamps are in the messages.
         order, times = chosen.order, chosen.log_times
-        return ConvertedMessages(self.plan.topic, order, times, data, layout.size, kept)
+        return ConvertedMessages(self.plan.topic, order, times, data, layout.size, row_indices)
 
     def compute_numbers(self, table: LogTable) -> dict[str, Any]:
         """Return the numbers of the messages by path: one for each row, or one for all."""
@@ -103,15 +103,15 @@ class TopicConverter:
         """Return which rows become messages."""
         entry = self.plan.entry
         fits = np.ones(len(table), dtype=np.bool_)
-        for name, wanted in entry.where.items():
-            fits &= table.columns[name] == wanted
+        for name, value in entry.where.items():
+            fits &= table.columns[name] == value
         self.excluded += int((~fits).sum())
-        told = [name for name in entry.columns if name not in entry.where]
+        columns = [name for name in entry.columns if name not in entry.where]
         # A column that is not in `empty` has no empty cell
-        if not told or any(name not in table.empty for name in told):
+        if not columns or any(name not in table.empty for name in columns):
             return fits
         # Rows without any value: logs with several rates leave the other columns empty
-        nothing = np.logical_and.reduce([table.empty[name] for name in told])
+        nothing = np.logical_and.reduce([table.empty[name] for name in columns])
         self.without += int((nothing & fits).sum())
         return fits & ~nothing
 
@@ -119,16 +119,16 @@ class TopicConverter:
         """Return the template of the messages, created once the actuators are known."""
         if self._layout is None:
             type_name, frame = self.plan.target
-            given: dict[str, Any] = {'header.frame_id': frame, **CHILD.get(type_name, {})}
-            given |= CONSTANT.get(type_name, {})
-            given |= dict.fromkeys(NOBODY.get(type_name, ()), np.nan)
+            constants: dict[str, Any] = {'header.frame_id': frame, **CHILD.get(type_name, {})}
+            constants |= CONSTANT.get(type_name, {})
+            constants |= dict.fromkeys(NOBODY.get(type_name, ()), np.nan)
             names = self._list_actuators()
-            told = {field for name, field, _ in self.plan.iterate_joints() if name in names}
-            told |= {'effort' for name in self.plan.thrust_laws if name in names}
-            lengths = {field: len(names) for field in told}
+            fields = {field for name, field, _ in self.plan.iterate_joints() if name in names}
+            fields |= {'effort' for name in self.plan.thrust_laws if name in names}
+            lengths = {field: len(names) for field in fields}
             if names:
-                given['name'] = names
-            self._layout = CdrTemplate(type_name, given, lengths)
+                constants['name'] = names
+            self._layout = CdrTemplate(type_name, constants, lengths)
         return self._layout
 
     def _list_actuators(self) -> list[str]:
@@ -136,21 +136,23 @@ class TopicConverter:
 
     def _convert_joints(self, table: LogTable) -> dict[str, Any]:
         """Return the numbers of the actuators; fields without a source are NaN."""
-        told = {
-            (name, field): _convert_number(given, table, 1.0)
-            for name, field, given in self.plan.iterate_joints()
+        joint_values = {
+            (name, field): _convert_number(scalar, table, 1.0)
+            for name, field, scalar in self.plan.iterate_joints()
         }
         for name, (c0, c1, c2) in self.plan.thrust_laws.items():
-            speed = told[name, 'velocity']
-            told[name, 'effort'] = c0 + c1 * speed + c2 * speed * np.abs(speed)
+            speed = joint_values[name, 'velocity']
+            joint_values[name, 'effort'] = c0 + c1 * speed + c2 * speed * np.abs(speed)
         # Decide on the first part only: the layout is the same for all messages.
         if self.plan.entry.drop_empty and self._layout is None:
-            valued = {name for (name, _), values in told.items() if not np.isnan(values).all()}
+            valued = {
+                name for (name, _), values in joint_values.items() if not np.isnan(values).all()
+            }
             self.silent = [name for name in self._list_actuators() if name not in valued]
         names = self._list_actuators()
-        fields = {field for name, field in told if name in names}
+        fields = {field for name, field in joint_values if name in names}
         return {
-            f'{field}[{index}]': told.get((name, field), np.nan)
+            f'{field}[{index}]': joint_values.get((name, field), np.nan)
             for field in JOINT_DIMENSIONS
             if field in fields
             for index, name in enumerate(names)
@@ -165,17 +167,17 @@ class TopicConverter:
             theirs = compute_quaternions(plan.entry.orientation, table)
             attitude = convert_attitude(theirs, plan.world, plan.body)
         for name, part in plan.target_parts.items():
-            given = parts.get(name)
-            if given is None:
+            entry = parts.get(name)
+            if entry is None:
                 numbers |= _fill_unknown(part)
-            elif isinstance(given, OrientationField):
+            elif isinstance(entry, OrientationField):
                 numbers |= _split_columns(part, attitude, 'xyzw')
-            elif isinstance(given, VectorField):
+            elif isinstance(entry, VectorField):
                 numbers |= _split_columns(
-                    part, _convert_vector(given, part, plan, table, attitude), 'xyz'
+                    part, _convert_vector(entry, part, plan, table, attitude), 'xyz'
                 )
             else:
-                numbers[part.place] = _convert_number(given, table, part.share)
+                numbers[part.place] = _convert_number(entry, table, part.share)
         if plan.entry.forces:
             for name, total in zip(
                 ('force', 'torque'), _sum_forces(plan.entry.forces, plan, table), strict=True

@@ -64,9 +64,9 @@ class EntryPlan:
         """Yield actuator, message field and source, in the order of the mapping."""
         for name, actuator in (self.entry.actuators or {}).items():
             for field in JOINT_DIMENSIONS:
-                told = getattr(actuator, field)
-                if told is not None:
-                    yield name, field, told
+                scalar = getattr(actuator, field)
+                if scalar is not None:
+                    yield name, field, scalar
 
 
 def plan_entry(entry: TopicMapping, mapping: ImportMapping, robot: str) -> EntryPlan:
@@ -98,18 +98,18 @@ def _check_parts(candidate: EntryPlan) -> None:
     entry, shape = candidate.entry, candidate.target_parts
     if entry.forces is not None:
         _check_forces(candidate, entry.forces)
-    for name, given in entry.parts.items():
+    for name, part in entry.parts.items():
         if name not in shape:
             raise unknown_name_error(f'part of {entry.topic}', name, list(shape))
-        if isinstance(given, OrientationField):
+        if isinstance(part, OrientationField):
             # Raises BadInput if exactly one side is mirrored
             attitude_matrix(candidate.world, candidate.body)
             continue
-        _check_unit(f'{entry.topic}: {name}', given, [shape[name].dimension])
-        if isinstance(given, VectorField) and name not in ('force', 'torque'):
-            _check_complete(entry.topic, name, given)
-        if isinstance(given, VectorField) and given.frame not in (None, shape[name].frame):
-            _check_frame(candidate, name, given)
+        _check_unit(f'{entry.topic}: {name}', part, [shape[name].dimension])
+        if isinstance(part, VectorField) and name not in ('force', 'torque'):
+            _check_complete(entry.topic, name, part)
+        if isinstance(part, VectorField) and part.frame not in (None, shape[name].frame):
+            _check_frame(candidate, name, part)
 
 
 def _check_forces(candidate: EntryPlan, forces: Sequence[AppliedForce]) -> None:
@@ -152,27 +152,27 @@ def _check_frame(candidate: EntryPlan, name: str, vector: VectorField) -> None:
 
 def _check_joints(candidate: EntryPlan) -> None:
     """Raise BadInput for an entry without actuators, and for wrong units."""
-    told = list(candidate.iterate_joints())
-    if not told and candidate.entry.table is None:
+    joints = list(candidate.iterate_joints())
+    if not joints and candidate.entry.table is None:
         raise BadInput(
             f"In the mapping, topic '{candidate.entry.topic}' needs the key 'actuators', with the "
             'effort of each actuator by name.'
         )
-    for name, field, given in told:
-        _check_unit(f'{candidate.entry.topic}: {field} of {name}', given, JOINT_DIMENSIONS[field])
+    for name, field, scalar in joints:
+        _check_unit(f'{candidate.entry.topic}: {field} of {name}', scalar, JOINT_DIMENSIONS[field])
 
 
 def _check_unit(what: str, quantity: ScalarField | VectorField, fitting: Sequence[str]) -> None:
     """Raise BadInput for a unit of another dimension."""
     unit = quantity.unit if quantity.value is None else quantity.value.unit
     if UNITS[unit][0] not in fitting:
-        wanted = ' or '.join(fitting)
+        expected = ' or '.join(fitting)
         if unit == '1':
             raise BadInput(
                 f'{what} has no unit; add "unit: {fitting[0]}" to the mapping, or a unit '
-                f'compatible with {wanted}.'
+                f'compatible with {expected}.'
             )
         raise BadInput(
-            f'{what} is in {unit}, but must be in {wanted} or a compatible unit; correct the '
+            f'{what} is in {unit}, but must be in {expected} or a compatible unit; correct the '
             'mapping.'
         )

@@ -50,24 +50,24 @@ class LogRemarks:
 
     def format_remarks(self) -> list[str]:
         """Return the remarks, one sentence each."""
-        told = []
+        lines = []
         for name, count in sorted(self._back.items()):
             if count:
-                told.append(
+                lines.append(
                     f'The time{_format_owner(name)} goes back {_format_times(count)}, first '
                     f'in row {self._where[name]}; these rows are kept.'
                 )
         for name, count in sorted(self._same.items()):
             if count:
-                told.append(
+                lines.append(
                     f'The time{_format_owner(name)} repeats {_format_times(count)}; these '
                     'rows are kept.'
                 )
         for column, count in sorted(self._nan.items()):
-            told.append(
+            lines.append(
                 f"Column '{column}' lacks a number {_format_times(count)}; the bag has NaN there."
             )
-        return told
+        return lines
 
 
 def _format_owner(name: str) -> str:
@@ -154,18 +154,21 @@ def _iterate_converted(
     reached: Reached,
 ) -> Iterator[list[ConvertedMessages]]:
     """Yield the converted messages, one part of the log at a time."""
-    wanted: dict[str, set[str]] = {}
+    columns_by_table: dict[str, set[str]] = {}
     for converter in converters:
         entry = converter.plan.entry
-        wanted.setdefault(entry.table or '', set()).update(entry.columns)
+        columns_by_table.setdefault(entry.table or '', set()).update(entry.columns)
         for other in entry.join:
             # Joined tables must be read, too; their columns carry the table's name as prefix
-            wanted.setdefault(other, set())
-    if not wanted:
+            columns_by_table.setdefault(other, set())
+    if not columns_by_table:
         return
-    for tables in log.iterate_tables(wanted, reached):
+    for tables in log.iterate_tables(columns_by_table, reached):
         for name, table in tables.items():
-            used = {column: table.columns[column] for column in wanted[name] & {*table.columns}}
+            used = {
+                column: table.columns[column]
+                for column in columns_by_table[name] & {*table.columns}
+            }
             remarks.add_rows(name, table.stamps, used)
         found = []
         # A copy, since converters are removed while iterating

@@ -92,15 +92,15 @@ def choose_entries(
         # Entries for one topic are alternatives, in order of preference.
         if entry.topic in filled:
             continue
-        made = _plan_entry(path, mapping, log, entry, robot)
-        if made is None:
+        plan = _plan_entry(path, mapping, log, entry, robot)
+        if plan is None:
             found.absent.append(entry.topic)
             continue
         filled.add(entry.topic)
-        if made.entry.table is not None and _is_renamed(made, mapping, log):
-            found.renamed[made.entry.table] = made.topic
+        if plan.entry.table is not None and _is_renamed(plan, mapping, log):
+            found.renamed[plan.entry.table] = plan.topic
         else:
-            found.plans.append(made)
+            found.plans.append(plan)
     absent = [topic for topic in dict.fromkeys(found.absent) if topic not in filled]
     if mapping is not None and not filled:
         there = ', '.join(list(dict.fromkeys(_list_contents(log)))[:30])
@@ -119,8 +119,8 @@ def describe_unknown_actuators(vehicle: str, chosen: MappingChoice) -> list[str]
     """
     file = load_vehicle_file(vehicle)
     there = {*file.rotors, *(f'{MASS}_{axis}' for axis in 'xyz' if file.moving_mass)}
-    told = [name for made in chosen.plans for name in made.entry.actuators or {}]
-    strange = [name for name in told if name not in there]
+    names = [name for plan in chosen.plans for name in plan.entry.actuators or {}]
+    strange = [name for name in names if name not in there]
     if not strange:
         return []
     return [
@@ -134,7 +134,7 @@ def _plan_entry(
 ) -> EntryPlan | None:
     """Return the plan of an entry; None if it is optional and cannot be filled."""
     # First check the entry alone, so that errors of the mapping do not depend on the log
-    made = plan_entry(entry, mapping, robot)
+    plan = plan_entry(entry, mapping, robot)
     table = entry.table or ''
     if not table and '' not in log.columns:
         table = _find_only_table(log, entry)
@@ -150,8 +150,8 @@ def _plan_entry(
     # '#' selects a child frame of a transform topic
     if table in log.raw or '#' in table:
         raw = log.raw[table.split('#')[0]]
-        if not can_pass_unchanged(entry, mapping, raw.definition.type_name, made.target.type_name):
-            entry = complete_entry(entry, raw.definition.type_name, made.target.type_name)
+        if not can_pass_unchanged(entry, mapping, raw.definition.type_name, plan.target.type_name):
+            entry = complete_entry(entry, raw.definition.type_name, plan.target.type_name)
     there = list_columns(log, table, entry.join)
     lacking = [name for name in entry.columns if name not in there]
     if lacking and entry.optional:

@@ -136,7 +136,7 @@ def _import_log(
     # Raises for an unknown --format, before any mapping is loaded
     find_format(format_)
     mapping, text = select_mapping(source, format_, order.mapping)
-    told = build_provenance(source, format_, mapping, text, order.vehicle)
+    provenance = build_provenance(source, format_, mapping, text, order.vehicle)
     clocks: list[str] = []
     if mapping is not None:
         mapping, clocks = set_clocks(mapping, times, alone)
@@ -144,12 +144,12 @@ def _import_log(
         log = find_format(format_).opened(source, mapping)
         chosen = choose_entries(source, mapping, log, order.robot)
         found = ImportedLog(
-            str(source), str(bag), format_, mapping.name if mapping else '', told['data']
+            str(source), str(bag), format_, mapping.name if mapping else '', provenance['data']
         )
         strange = (
             [] if order.vehicle is None else describe_unknown_actuators(order.vehicle, chosen)
         )
-        found.topics, found.notes = write_log_bag(log, chosen, bag, told, reached)
+        found.topics, found.notes = write_log_bag(log, chosen, bag, provenance, reached)
         found.notes = [to_one_line(note) for note in [*found.notes, *clocks, *strange]]
     except (OSError, StorageFault) as fault:
         reason = str(fault).rstrip('.')

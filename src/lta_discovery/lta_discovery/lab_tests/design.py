@@ -126,8 +126,8 @@ def _design_swings(vehicle: Vehicle) -> Iterator[LabTest]:
         if mode.period is None:
             continue
         halving = mode.half_amplitude_time or math.inf
-        wanted = halving * math.log2(TILT / ENDED)
-        seconds = float(math.ceil(max(min(wanted, LONGEST), SWINGS * mode.period)))
+        duration = halving * math.log2(TILT / ENDED)
+        seconds = float(math.ceil(max(min(duration, LONGEST), SWINGS * mode.period)))
         yield LabTest('swing', about, seconds, tilt=TILT, is_neutral=True)
 
 

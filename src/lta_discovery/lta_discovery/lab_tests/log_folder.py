@@ -60,13 +60,13 @@ def open_lab_folder(
             f"'{folder}' holds no bag and no log file; put the logs of the tests there."
         )
     mappings = {log: _find_mapping(log, folder, mapping) for log in logs}
-    flown = DraftVehicle.load(vehicle)
-    drafts = _draft_mappings([log for log in logs if mappings[log] == ''], answers, flown)
+    draft_vehicle = DraftVehicle.load(vehicle)
+    drafts = _draft_mappings([log for log in logs if mappings[log] == ''], answers, draft_vehicle)
     written: dict[str, str] = {}
     for log, text in drafts.items():
         if text not in written.values():
             written['mapping.yaml' if not written else f'mapping_{len(written) + 1}.yaml'] = text
-        name = next(each for each, known in written.items() if known == text)
+        name = next(each for each, other in written.items() if other == text)
         (scratch / name).write_text(text, encoding='utf-8')
         mappings[log] = str(scratch / name)
     return LabLogs([_open_log(log, mappings[log], scratch, tell) for log in logs], written)

@@ -67,13 +67,13 @@ def read_lab_tests(
     usable = select_usable_flights(recordings, vehicle)
     tests = {title: recognise_tests(flight, vehicle) for title, _, flight in usable.flights}
     flights = _hold_back_flight(usable, tests).flights
-    found = calibrate_flights(vehicle, name, flights, tell)
-    found = replace(found, warnings=usable.warnings)
+    calibration = calibrate_flights(vehicle, name, flights, tell)
+    calibration = replace(calibration, warnings=usable.warnings)
     wrench = any(flight.wrench is not None for _, _, flight in usable.flights)
     plan = plan_lab_tests(vehicle, name, 'wrench' if wrench else 'rotors')
     seconds = {title: PERIOD * float(flight.usable.sum()) for title, _, flight in usable.flights}
-    missing = tuple(list_missing_tests(plan, tests, found, vehicle.rotor_names))
-    return LabReading(vehicle, found, tests, seconds, missing, logs.drafts)
+    missing = tuple(list_missing_tests(plan, tests, calibration, vehicle.rotor_names))
+    return LabReading(vehicle, calibration, tests, seconds, missing, logs.drafts)
 
 
 def _is_free(tests: Sequence[RecognisedTest]) -> bool:

@@ -125,30 +125,30 @@ def _count_changes(values: Array) -> int:
 def _recognise_free_motion(flight: MeasuredFlight, begin: int) -> tuple[RecognisedTest, ...]:
     """Return the tests of a vehicle without changing commands, from a grid point on."""
     quaternion = flight.quaternion[begin:]
-    known = np.isfinite(quaternion).all(axis=1)
-    if known.sum() < 2 * SMOOTH:
+    valid = np.isfinite(quaternion).all(axis=1)
+    if valid.sum() < 2 * SMOOTH:
         return (RecognisedTest('float', '', 'no command, and hardly a pose'),)
-    rotation = rotation_matrix(quaternion[known])
+    rotation = rotation_matrix(quaternion[valid])
     # The map's vertical in the body frame shows the tilt, whatever the heading
     roll, pitch = rotation[:, 2, 1], -rotation[:, 2, 0]
     tilts = {'roll': _amplitude(roll), 'pitch': _amplitude(pitch)}
     axis = max(tilts, key=lambda name: tilts[name])
-    found = []
+    tests = []
     if tilts[axis] > SWUNG:
         words = f'no command; {axis} swings by {math.degrees(tilts[axis]):.0f} degrees'
-        found.append(RecognisedTest('swing', axis, words))
-    first, last = _yaw_rates(quaternion[known])
+        tests.append(RecognisedTest('swing', axis, words))
+    first, last = _yaw_rates(quaternion[valid])
     if abs(first) > SPUN and abs(last) < SLOWED * abs(first):
         words = (
             f'no command; the yaw rate falls from {math.degrees(abs(first)):.0f} to '
             f'{math.degrees(abs(last)):.0f} degrees/s'
         )
-        found.append(RecognisedTest('spin_down', 'yaw', words))
-    if not found:
+        tests.append(RecognisedTest('spin_down', 'yaw', words))
+    if not tests:
         height = flight.position[begin:, 2]
         way = float(np.nanmax(height) - np.nanmin(height))
-        found.append(RecognisedTest('float', '', f'no command; moves {way:.2g} m up or down'))
-    return tuple(found)
+        tests.append(RecognisedTest('float', '', f'no command; moves {way:.2g} m up or down'))
+    return tuple(tests)
 
 
 def _recognise_coasting(
@@ -165,8 +165,8 @@ def _recognise_coasting(
     begin = int(np.searchsorted(flight.time, orders.time[last + 1]))
     if (len(flight.time) - begin) * PERIOD < COASTED:
         return ()
-    found = _recognise_free_motion(flight, begin)
-    return tuple(one for one in found if one.kind == 'spin_down')
+    tests = _recognise_free_motion(flight, begin)
+    return tuple(one for one in tests if one.kind == 'spin_down')
 
 
 def _amplitude(tilt: Array) -> float:

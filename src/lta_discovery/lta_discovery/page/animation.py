@@ -78,8 +78,8 @@ def draw_animation(
     finding: StudyResult, views: Sequence[StudyFlightView], vehicle: Vehicle
 ) -> str:
     """Return the animation of a finding as an SVG file; empty if it asserts no gain."""
-    said = draw_conclusion(finding)
-    if not said.asserted or said.gain is None or said.rivals:
+    conclusion = draw_conclusion(finding)
+    if not conclusion.asserted or conclusion.gain is None or conclusion.rivals:
         return ''
     x, y, z = half_axes(vehicle.file.hull)
     piece = select_piece(views, (x + y, 2.0 * z))
@@ -134,7 +134,7 @@ class _Scene:
             return mixed
 
         def cut(line: Callable[[int], Array]) -> list[Array]:
-            return [_cut(line(k), flown) for k, flown in enumerate(self._flown)]
+            return [_cut(line(k), part) for k, part in enumerate(self._flown)]
 
         flights = cut(lambda _k: measured), cut(predict)
         shadows = [_drop(line, self._floor) for line in flights[0]]
@@ -167,13 +167,13 @@ class _Scene:
 
     def draw_still(self) -> list[str]:
         """Return the elements for people who want no motion."""
-        drawn = [self._project(line, 0) for line in self._lines]
+        points = [self._project(line, 0) for line in self._lines]
         tiles = np.concatenate([self._project(tile, 0) for tile in self._list_tiles()])
         return [
             f'<path class="grid" d="{_pairs(tiles)}"/>',
             *(
                 f'<path class="{kind}" d="{_chain(line)}"/>'
-                for kind, line in zip(('measured', 'before', 'after'), drawn, strict=True)
+                for kind, line in zip(('measured', 'before', 'after'), points, strict=True)
             ),
             *self._draw_chart(moving=False),
         ]
@@ -241,7 +241,7 @@ class _Scene:
                 f'<path class="{kind}" d="{_chain(line)}"/>'
                 for kind, line in zip(('before', 'after'), lines, strict=True)
             ]
-        grown = [_chain(_cut(lines[0], flown)) for flown in self._flown]
+        grown = [_chain(_cut(lines[0], part)) for part in self._flown]
         settled = [_chain((1.0 - share) * lines[0] + share * lines[1]) for share in self._changed]
         return [
             *parts,
@@ -306,11 +306,11 @@ def _fade(begin: float, end: float, *, least: float = 0.0, out: bool = False) ->
 def _show(begin: float, end: float) -> str:
     """Return an animation that shows an element between two times."""
     times = (0.0, begin, min(begin + 0.4, end), max(end - 0.2, begin), end, LOOP)
-    shown = (0, 0, 1, 1, 0, 0) if end < LOOP else (0, 0, 1, 1, 1, 1)
+    opacities = (0, 0, 1, 1, 0, 0) if end < LOOP else (0, 0, 1, 1, 1, 1)
     keys = ';'.join(f'{each / LOOP:.4f}' for each in times)
     return (
         f'<animate attributeName="opacity" keyTimes="{keys}" '
-        f'{_timing(";".join(map(str, shown)))}/>'
+        f'{_timing(";".join(map(str, opacities)))}/>'
     )
 
 

@@ -31,8 +31,8 @@ def plot_error_map(flights: Sequence[StudyFlightView], places: Sequence[Discrepa
         np.vstack([average_pieces(error_to_noise(one.left[k]), every) for one in flights])
         for k in (0, 1)
     ]
-    known = [k for k in range(len(CHANNELS)) if np.isfinite(tables[0][:, k]).any()]
-    names = [NAMES[CHANNELS[k]] for k in known]
+    measured = [k for k in range(len(CHANNELS)) if np.isfinite(tables[0][:, k]).any()]
+    names = [NAMES[CHANNELS[k]] for k in measured]
     begun = [one.before.time[::every, 0] for one in flights]
     # Plotly merges columns of one name, and flights may share theirs: append invisible ones.
     columns = [
@@ -41,13 +41,13 @@ def plot_error_map(flights: Sequence[StudyFlightView], places: Sequence[Discrepa
         for time in times
     ]
     for row, values in enumerate(tables, 1):
-        shown = values[:, known].T
+        ratios = values[:, measured].T
         # 100 x log10: the colour scale 0 to 200 spans ratios of 1 to 100, in compact integers.
-        logs = np.where(np.isfinite(shown), 100.0 * np.log10(np.maximum(shown, 1.0)), 0.0)
+        logs = np.where(np.isfinite(ratios), 100.0 * np.log10(np.maximum(ratios, 1.0)), 0.0)
         figure.add_trace(
             Heatmap(
                 z=np.round(logs).astype(np.int16), x=columns, y=names,
-                customdata=np.round(shown, 2).astype(np.float32),
+                customdata=np.round(ratios, 2).astype(np.float32),
                 zmin=0, zmax=200, colorscale=build_color_scale(HEAT), showscale=row == 1,
                 colorbar={'tickvals': [0, 50, 100, 150, 200], 'len': 0.9, 'thickness': 10,
                           'ticktext': ['1', '3', '10', '30', '100'], 'outlinewidth': 0,
@@ -73,9 +73,9 @@ def plot_error_map(flights: Sequence[StudyFlightView], places: Sequence[Discrepa
 def average_pieces(errors: Array, every: int) -> Array:
     """Return the root mean square over groups of `every` pieces, shape (ceil(S / every), 14)."""
     rows = [errors[k : k + every] for k in range(0, len(errors), every)]
-    known = np.array([np.isfinite(part).sum(axis=0) for part in rows]).reshape(-1, len(CHANNELS))
+    counts = np.array([np.isfinite(part).sum(axis=0) for part in rows]).reshape(-1, len(CHANNELS))
     total = np.array([np.nansum(part**2, axis=0) for part in rows]).reshape(-1, len(CHANNELS))
-    return np.where(known > 0, np.sqrt(total / np.maximum(known, 1)), np.nan)
+    return np.where(counts > 0, np.sqrt(total / np.maximum(counts, 1)), np.nan)
 
 
 def _label_flights(figure: Figure, names: Sequence[str], begun: Sequence[Array]) -> None:
@@ -121,8 +121,8 @@ def _frame_discrepancy(
 
 def plot_error_by_condition(flights: Sequence[StudyFlightView]) -> Figure:
     """Plot the pose error of each piece against its flight conditions."""
-    known = [piece_conditions(one) for one in flights]
-    names = list(known[0])
+    conditions = [piece_conditions(one) for one in flights]
+    names = list(conditions[0])
     figure = make_subplots(
         rows=2, cols=2, shared_yaxes=True, horizontal_spacing=0.06, vertical_spacing=0.24
     ).update_layout(template=create_figure().layout.template)
@@ -131,7 +131,7 @@ def plot_error_by_condition(flights: Sequence[StudyFlightView]) -> Figure:
         for j, name in enumerate(names):
             figure.add_trace(
                 Scatter(
-                    x=np.concatenate([each[name] for each in known]).astype(np.float32),
+                    x=np.concatenate([each[name] for each in conditions]).astype(np.float32),
                     y=errors.astype(np.float32), mode='markers', name=word,
                     marker={'color': colour, 'size': 4.5, 'opacity': 0.8},
                     hovertemplate='%{y:.3~g} x noise',
@@ -148,10 +148,10 @@ def _pose_error(left: Array) -> Array:
     """Return the error-to-noise ratio of the pose of each piece, shape (S,)."""
     # The first six channels are position and attitude.
     each = error_to_noise(left)[:, :6]
-    known = np.isfinite(each)
-    total = np.where(known, each, 0.0) ** 2
+    finite = np.isfinite(each)
+    total = np.where(finite, each, 0.0) ** 2
     return np.where(
-        known.any(axis=1), np.sqrt(total.sum(axis=1) / np.maximum(known.sum(axis=1), 1)), np.nan
+        finite.any(axis=1), np.sqrt(total.sum(axis=1) / np.maximum(finite.sum(axis=1), 1)), np.nan
     )
 
 

@@ -48,21 +48,26 @@ class FlightOverlay(NamedTuple):
 
 def list_fit_flights(study: DiscoveryStudy) -> list[tuple[StudyFlight, FlightFit]]:
     """Return the training and confirming flights, each with its fit to the named effects."""
-    flown = [one for role in ('train', 'confirm') for one in study.flights if one.role == role]
-    return list(zip(flown, study.full, strict=False))
+    fit_flights = [
+        one for role in ('train', 'confirm') for one in study.flights if one.role == role
+    ]
+    return list(zip(fit_flights, study.full, strict=False))
 
 
 def build_flight_views(study: DiscoveryStudy) -> list[StudyFlightView]:
     """Replay all flights: shown flights with the models of the finding, the others as fitted."""
     points = {
-        id(flown.flight): (_build_nominal_point(study.nominal, flown.flight), fit.linear.point)
-        for flown, fit in list_fit_flights(study)
+        id(study_flight.flight): (
+            _build_nominal_point(study.nominal, study_flight.flight),
+            fit.linear.point,
+        )
+        for study_flight, fit in list_fit_flights(study)
     }
     points |= {id(each.flown.flight): (each.before, each.after) for each in study.shown}
     which = {id(each.flown.flight) for each in study.shown}
     out = []
-    for flown in study.flights:
-        flight = flown.flight
+    for study_flight in study.flights:
+        flight = study_flight.flight
         plain = (
             _build_nominal_point(study.nominal, flight),
             _build_nominal_point(study.learned, flight),
@@ -70,7 +75,7 @@ def build_flight_views(study: DiscoveryStudy) -> list[StudyFlightView]:
         before, after = points.get(id(flight), plain)
         both = predict_flight(flight, before), predict_flight(flight, after)
         left = best_start_residual(flight, before), best_start_residual(flight, after)
-        out.append(StudyFlightView(flown, *both, left, id(flight) in which))
+        out.append(StudyFlightView(study_flight, *both, left, id(flight) in which))
     return out
 
 
@@ -113,8 +118,8 @@ def _join_pieces(
 
 def _unwrap_angle(angle: Array) -> Array:
     """Return an angle without jumps, NaN where it is unknown."""
-    out, known = angle.copy(), np.isfinite(angle)
-    out[known] = np.unwrap(angle[known])
+    out, finite = angle.copy(), np.isfinite(angle)
+    out[finite] = np.unwrap(angle[finite])
     return out
 
 
@@ -130,9 +135,9 @@ def piece_conditions(one: StudyFlightView) -> dict[str, Array]:
 
 def _piece_heights(position: Array) -> Array:
     """Return the mean height of each piece; NaN where no sample is valid."""
-    known = np.isfinite(position[..., 2])
-    total = np.where(known, position[..., 2], 0.0).sum(axis=1)
-    return np.where(known.any(axis=1), total / np.maximum(known.sum(axis=1), 1), np.nan)
+    finite = np.isfinite(position[..., 2])
+    total = np.where(finite, position[..., 2], 0.0).sum(axis=1)
+    return np.where(finite.any(axis=1), total / np.maximum(finite.sum(axis=1), 1), np.nan)
 
 
 def select_residuals(flights: Sequence[StudyFlightView], after: bool) -> list[Array]:

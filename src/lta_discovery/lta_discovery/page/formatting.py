@@ -35,8 +35,8 @@ def format_parameter(knob: str) -> str:
     effect, _, rest = knob.partition('.')
     if effect == 'vehicle':
         return rest if rest == 'mass' else f'inertia ({rest})'
-    words, known = effect.replace('_', ' '), EFFECTS.get(effect)
-    if not rest or (known is not None and len(known.parameters) == 1):
+    words, declaration = effect.replace('_', ' '), EFFECTS.get(effect)
+    if not rest or (declaration is not None and len(declaration.parameters) == 1):
         return words
     return f'{words} ({rest.replace("_", " ")})'
 
@@ -50,8 +50,8 @@ def format_effect(one: NamedEffect) -> str:
 
 def explain_effect(effect: str) -> str:
     """Describe an effect in a sentence; '' for one that is not in this registry."""
-    known = EFFECTS.get(effect)
-    return '' if known is None else f'{describe_effect(known)}.'
+    declaration = EFFECTS.get(effect)
+    return '' if declaration is None else f'{describe_effect(declaration)}.'
 
 
 def format_number(value: float, digits: int = 3) -> str:

@@ -28,7 +28,10 @@ class LatentWrench(NamedTuple):
 
 def collect_latent_wrenches(study: DiscoveryStudy) -> list[LatentWrench]:
     """Return the unexplained wrench of one training and one confirming flight."""
-    chosen = {flown.role: (flown, fit) for flown, fit in reversed(list_fit_flights(study))}
+    chosen = {
+        study_flight.role: (study_flight, fit)
+        for study_flight, fit in reversed(list_fit_flights(study))
+    }
     return [
         _compute_latent_wrench(*chosen[role]) for role in ('train', 'confirm') if role in chosen
     ]
@@ -40,10 +43,10 @@ def _compute_latent_wrench(study_flight: StudyFlight, fit: FlightFit) -> LatentW
     count = fit.linear.knots
     at = np.linspace(0.0, 1.0, count)
     begin, length = flight.time[:, :1], flight.time[:, -1:] - flight.time[:, :1]
-    known = inside[:, np.rint(at * (inside.shape[1] - 1)).astype(int)]
+    valid = inside[:, np.rint(at * (inside.shape[1] - 1)).astype(int)]
     wrench = latent_at_knots(fit).reshape(len(inside), count, AXES)
     there = state_terms(states_at_knots(flight, fit))
-    return LatentWrench(study_flight.name, begin + length * at, wrench, known, there)
+    return LatentWrench(study_flight.name, begin + length * at, wrench, valid, there)
 
 
 def join_pieces(each: LatentWrench, axis: int) -> tuple[Array, Array]:
@@ -68,7 +71,7 @@ def fit_terms(flights: Sequence[LatentWrench], axis: int, names: Sequence[str]) 
         np.column_stack([each.terms.get(name, np.zeros(each.known.size)) for name in names])
         for each in flights
     ]
-    known = np.concatenate([each.known.ravel() for each in flights])
+    valid = np.concatenate([each.known.ravel() for each in flights])
     target = np.concatenate([each.wrench[..., axis].ravel() for each in flights])
-    weights = np.linalg.lstsq(np.concatenate(rows)[known], target[known], rcond=None)[0]
+    weights = np.linalg.lstsq(np.concatenate(rows)[valid], target[valid], rcond=None)[0]
     return [part @ weights for part in rows]

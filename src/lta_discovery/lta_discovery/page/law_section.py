@@ -40,23 +40,23 @@ HEADS: Final = ('axis', 'times', 'coefficient', '95 % interval', 'evidence')
 
 def list_law_sentences(finding: StudyResult) -> list[str]:
     """Return the law in words, its errors and the nearest effects; empty if none was sought."""
-    found = finding.law
-    if found is None:
+    law = finding.law
+    if law is None:
         return []
     near = (
-        f' The nearest effects of the library were rejected: {"; ".join(found.near)}.'
-        if found.near
+        f' The nearest effects of the library were rejected: {"; ".join(law.near)}.'
+        if law.near
         else ''
     )
-    if found.law is None:
-        return [f'No law is proposed for it: {found.reason}.{near}']
-    terms = join_words([describe_term(term) for term in found.law.terms])
-    hidden = f', where {format_hidden(found.law)}' if found.law.hidden else ''
+    if law.law is None:
+        return [f'No law is proposed for it: {law.reason}.{near}']
+    terms = join_words([describe_term(term) for term in law.law.terms])
+    hidden = f', where {format_hidden(law.law)}' if law.law.hidden else ''
     return [
         f'A law describes it: {terms}{hidden}.',
-        f'On held-out flights, after {FAR:g} s, {_format_errors(found)}.{near}',
-        f'It is valid for {format_region(found.law)}; outside, it fades to zero.',
-        *_list_tolerance_sentences(found),
+        f'On held-out flights, after {FAR:g} s, {_format_errors(law)}.{near}',
+        f'It is valid for {format_region(law.law)}; outside, it fades to zero.',
+        *_list_tolerance_sentences(law),
     ]
 
 
@@ -96,28 +96,28 @@ def _format_error(one: ChannelErrors) -> str:
 
 def render_law(study: DiscoveryStudy) -> str:
     """Return the section of the law; '' if none was sought."""
-    found = study.finding.law
-    if found is None:
+    law = study.finding.law
+    if law is None:
         return ''
-    said = ''.join(f'<li>{escape(one)}</li>' for one in list_law_sentences(study.finding))
-    text = f'<ul class="words">{said}</ul>'
-    if found.law is None:
+    items = ''.join(f'<li>{escape(one)}</li>' for one in list_law_sentences(study.finding))
+    text = f'<ul class="words">{items}</ul>'
+    if law.law is None:
         return text
     rows = []
-    for term in found.law.terms:
+    for term in law.law.terms:
         ends = (term.interval or [np.nan, np.nan])[:2]
         value, low, high = format_with_interval(term.coefficient, (ends[0], ends[1]))
         rows.append(
             (
                 escape(term.axis.replace('_', ' ')),
-                escape(format_product(found.law, term.factors) or '1'),
+                escape(format_product(law.law, term.factors) or '1'),
                 escape(append_unit(value, term.unit)),
                 f'{low} to {high}',
                 f'{format_number(term.evidence or 0.0)} nats',
             )
         )
     table = render_table(HEADS, rows, 'plain law', 'Terms of the law')
-    return text + table + _render_tolerances(found) + _render_figures(study, found)
+    return text + table + _render_tolerances(law) + _render_figures(study, law)
 
 
 def _render_tolerances(outcome: LawFinding) -> str:
@@ -141,12 +141,15 @@ def _render_figures(study: DiscoveryStudy, outcome: LawFinding) -> str:
     axis, unit = BODY.index(name), LAW_AXES[main.axis]
     quantity = main.factors[0].quantity if main.factors else 'time'
     quantity = 'time' if quantity in OWN else quantity
-    chosen = {flown.role: (flown, fit) for flown, fit in reversed(list_fit_flights(study))}
+    chosen = {
+        study_flight.role: (study_flight, fit)
+        for study_flight, fit in reversed(list_fit_flights(study))
+    }
     curves, over, points = [], [], []
-    for each, (flown, fit) in zip(
+    for each, (study_flight, fit) in zip(
         flights, (chosen[role] for role in ('train', 'confirm') if role in chosen), strict=False
     ):
-        point, flight = fit.linear.point, flown.flight
+        point, flight = fit.linear.point, study_flight.flight
         states = flight.simulate_trajectory(point)
         force = FlightLaw(law, flight, point.nominal).compute_wrench(states)[..., axis]
         seen = state_quantities(states[:, :-1:STEPS]) | at_pieces(
@@ -154,16 +157,16 @@ def _render_figures(study: DiscoveryStudy, outcome: LawFinding) -> str:
         )
         knots = each.time.shape[1]
         at = np.rint(np.linspace(0, force.shape[1] - 1, knots)).astype(int)
-        drawn = np.zeros((*each.time.shape, AXES))
-        drawn[..., axis] = force[:, at]
+        wrench = np.zeros((*each.time.shape, AXES))
+        wrench[..., axis] = force[:, at]
         curves.append(
             [
                 ('estimated from the flight', figures.AFTER, *join_pieces(each, axis)),
-                ('law', figures.BEFORE, *join_pieces(each._replace(wrench=drawn), axis)),
+                ('law', figures.BEFORE, *join_pieces(each._replace(wrench=wrench), axis)),
             ]
         )
         over.append(np.where(each.known, seen[quantity][:, at // STEPS], np.nan).ravel())
-        points.append((each.wrench[..., axis].ravel(), drawn[..., axis].ravel()))
+        points.append((each.wrench[..., axis].ravel(), wrench[..., axis].ravel()))
     names = [each.name for each in flights]
     titles = [f'{name}, {each} [{unit}]' for each in names]
     return (

@@ -114,39 +114,39 @@ def build_report(
     drawing: str = '',
 ) -> Report:
     """Return the report; the vehicle is that of the 3-D view, the drawing the animation."""
-    found = study.finding
-    drawn = [
+    finding = study.finding
+    overlays = [
         build_overlay(one, sum(each.shown for each in flights)) for one in flights if one.shown
     ]
     names = [one.flown.name for one in flights if one.shown]
-    scene, track = render_study_scene(drawn, vehicle)
+    scene, track = render_study_scene(overlays, vehicle)
     whiteness = f'<div class="grid">{render_whiteness(flights)}</div>'
     panels = (
-        (FIRST_STEP, render_calibration(found)),
-        ('', render_story(found, drawing)),
-        ('Prediction errors', error_tables.render_pose_errors(found)),
-        ('', f'<div class="grid pair">{render_discrepancies(found, flights)}</div>'),
-        ('Largest disagreements', tables.render_discrepancies(found)),
+        (FIRST_STEP, render_calibration(finding)),
+        ('', render_story(finding, drawing)),
+        ('Prediction errors', error_tables.render_pose_errors(finding)),
+        ('', f'<div class="grid pair">{render_discrepancies(finding, flights)}</div>'),
+        ('Largest disagreements', tables.render_discrepancies(finding)),
         (
             'Evidence of each candidate effect',
-            EVIDENCE + render_transfer(found) + tables.render_search_rounds(found),
+            EVIDENCE + render_transfer(finding) + tables.render_search_rounds(finding),
         ),
-        ('', render_overlays(names, drawn) + whiteness),
+        ('', render_overlays(names, overlays) + whiteness),
         ('Unexplained forces and moments', render_remainders(study) + render_law(study)),
-        ('Which flight informs which number', tables.render_flight_information(found)),
-        ('Detection limits of the effects', tables.render_detection_limits(found)),
-        ('Channel by channel', error_tables.render_channel_errors(found)),
+        ('Which flight informs which number', tables.render_flight_information(finding)),
+        ('Detection limits of the effects', tables.render_detection_limits(finding)),
+        ('Channel by channel', error_tables.render_channel_errors(finding)),
     )
     return Report(
         command='discover',
-        subject=f'{found.vehicle} · {format_count(len(study.flights), "flight")}',
-        headline=format_headline(found),
-        introduction=format_flight_roles(found),
-        tiles=build_tiles(found),
+        subject=f'{finding.vehicle} · {format_count(len(study.flights), "flight")}',
+        headline=format_headline(finding),
+        introduction=format_flight_roles(finding),
+        tiles=build_tiles(finding),
         blocks=[HtmlBlock(html, heading) for heading, html in panels if html],
         data={},
-        facts=list_provenance(found),
-        commands=list_commands(found, folder, bags or found.bags),
+        facts=list_provenance(finding),
+        commands=list_commands(finding, folder, bags or finding.bags),
         scene=scene,
         time_bar=render_time_bar(READOUT, 'flight') if scene else '',
         track=track,
@@ -267,24 +267,24 @@ def render_whiteness(flights: Sequence[StudyFlightView]) -> str:
 
 def render_remainders(study: DiscoveryStudy) -> str:
     """Return the unexplained forces with their figures, or a note that there are none."""
-    found = study.finding
-    if not found.remains:
-        more = 'other ' if found.draught or found.unexplained else ''
-        said = f'No {more}unexplained force or moment exceeds the noise floor on any axis.'
-        return f'{tables.render_unexplained(found)}<p class="note">{said}</p>'
+    finding = study.finding
+    if not finding.remains:
+        more = 'other ' if finding.draught or finding.unexplained else ''
+        text = f'No {more}unexplained force or moment exceeds the noise floor on any axis.'
+        return f'{tables.render_unexplained(finding)}<p class="note">{text}</p>'
     return (
-        tables.render_unexplained(found)
-        + tables.render_remainders(found)
+        tables.render_unexplained(finding)
+        + tables.render_remainders(finding)
         + _render_latent_wrench(study)
     )
 
 
 def _render_latent_wrench(study: DiscoveryStudy) -> str:
     """Return the figures of the unexplained force: over time, and against its terms."""
-    flights, found = collect_latent_wrenches(study), study.finding
+    flights, finding = collect_latent_wrenches(study), study.finding
     if not flights:
         return ''
-    top = found.remains[:3]
+    top = finding.remains[:3]
     rows = [
         [
             (each.name, colour, *join_pieces(each, AXES.index(one.axis)))
@@ -296,16 +296,16 @@ def _render_latent_wrench(study: DiscoveryStudy) -> str:
     names = join_words(
         [f'{word} {each.name}' for word, each in zip(('blue', 'orange'), flights, strict=False)]
     )
-    made = render_section(
+    section = render_section(
         'latent', 'The unexplained force over time',
         f'Estimated from the measured motion, not measured directly: {names}.',
         figures.plot_stacked_curves(rows, titles, 'time', 's'),
     )  # fmt: skip
-    known = flights[0].terms
-    following = next((one for one in found.remains if known.keys() & set(one.follows)), None)
+    terms = flights[0].terms
+    following = next((one for one in finding.remains if terms.keys() & set(one.follows)), None)
     if following is not None:
         axis, unit = AXES.index(following.axis), remainder_unit(following)
-        made += render_section(
+        section += render_section(
             'follows', f'What the unexplained force or moment ({following.axis}) varies with',
             f'{format_remainder(following).capitalize()}. These terms fully explain the points '
             'on the dashed line.',
@@ -317,7 +317,7 @@ def _render_latent_wrench(study: DiscoveryStudy) -> str:
                 f'[{unit}]'),
             ),
         )  # fmt: skip
-    return f'<div class="grid drawn">{made}</div>'
+    return f'<div class="grid drawn">{section}</div>'
 
 
 def list_provenance(finding: StudyResult) -> Mapping[str, str]:

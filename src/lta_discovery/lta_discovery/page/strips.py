@@ -27,13 +27,13 @@ def render_log_points(
         parts.append(
             f'<i class="floor" style="width:{strip_position(math.log(floor), *ends):.1f}%"></i>'
         )
-    known = {kind: math.log(v) for kind, v in values.items() if v > 0.0 and math.isfinite(v)}
-    if 'before' in known and 'after' in known:
-        a, b = sorted(strip_position(known[kind], *ends) for kind in ('before', 'after'))
+    logs = {kind: math.log(v) for kind, v in values.items() if v > 0.0 and math.isfinite(v)}
+    if 'before' in logs and 'after' in logs:
+        a, b = sorted(strip_position(logs[kind], *ends) for kind in ('before', 'after'))
         parts.append(f'<i class="way" style="left:{a:.1f}%;width:{b - a:.1f}%"></i>')
     parts += [
         f'<i class="dot {kind}" style="left:{strip_position(value, *ends):.1f}%"></i>'
-        for kind, value in known.items()
+        for kind, value in logs.items()
     ]
     return _render_strip(parts)
 

@@ -76,7 +76,7 @@ def _format_nothing_named(finding: StudyResult) -> str:
         f'{format_number(best.total)} nats ({GAIN:g} are required). It was rejected for this '
         f'reason: {explain_decision(best, beaten=False, stands=False)}.'
     )
-    said = {
+    text = {
         'none': 'The vehicle file explains these flights to within its own tolerances and the '
         'noise.'
         if draw_conclusion(finding).fits
@@ -88,7 +88,7 @@ def _format_nothing_named(finding: StudyResult) -> str:
         'A force or moment remains that no effect of the library explains in both the training '
         'and the confirming flights. It is described below.',
     )
-    return f'{said} {near}'
+    return f'{text} {near}'
 
 
 def render_detection_limits(finding: StudyResult) -> str:
@@ -155,8 +155,8 @@ def _render_effect(one: NamedEffect) -> str:
 
 def _render_assumed_values(one: NamedEffect) -> str:
     """Return the assumed numbers that the values of an effect depend on."""
-    said = format_assumed(one).strip()
-    return f'<p class="note">Its values are valid {escape(said)}.</p>' if said else ''
+    assumption = format_assumed(one).strip()
+    return f'<p class="note">Its values are valid {escape(assumption)}.</p>' if assumption else ''
 
 
 def _render_parameter(one: ParameterEstimate) -> str:
@@ -183,10 +183,10 @@ def render_search_rounds(finding: StudyResult) -> str:
         named = next((rung for rung in step if rung.accepted), None)
         words = 'nothing is confirmed'
         if named is not None:
-            kept = is_still_named(finding, named.knob)
+            is_named = is_still_named(finding, named.knob)
             words = (
                 f'{format_parameter(named.knob)} is named'
-                f'{"" if kept else ", but dropped at the end"}'
+                f'{"" if is_named else ", but dropped at the end"}'
             )
         out.append(f'<h3>Round {k}: {escape(words)}</h3>')
         heads = ('candidate', 'evidence', 'training [nats]', 'confirming [nats]',
@@ -267,30 +267,32 @@ def render_remainders(finding: StudyResult) -> str:
 
 def _format_remainder(one: Remainder, most: float) -> Row:
     """Return the cells of one axis."""
-    said = format_remainder(one)
+    words = format_remainder(one)
     return (
         one.axis,
         format_number(one.floors),
         strips.render_bar(one.floors, most),
         f'{format_number(one.size)} {remainder_unit(one)}',
-        escape(said),
+        escape(words),
         f'{format_percent(one.carried)} %',
     )
 
 
 def render_unexplained(finding: StudyResult) -> str:
     """Return the unexplained forces, oscillations and draught in sentences."""
-    told = [*finding.unexplained, *([finding.draught.sentence] if finding.draught else [])]
-    if not told:
+    sentences = [*finding.unexplained, *([finding.draught.sentence] if finding.draught else [])]
+    if not sentences:
         return ''
-    rows = ''.join(f'<li>{escape(said[:1].upper() + said[1:])}.</li>' for said in told)
+    rows = ''.join(
+        f'<li>{escape(sentence[:1].upper() + sentence[1:])}.</li>' for sentence in sentences
+    )
     return f'<ul class="words">{rows}</ul>'
 
 
 def render_next_steps(finding: StudyResult) -> str:
     """Return the advice on the vehicle file, and the next flight or measurement."""
-    said = f'{format_advice(finding)} {finding.next_flight}'.strip()
-    return f'<p class="what">{escape(said)}</p>'
+    advice = f'{format_advice(finding)} {finding.next_flight}'.strip()
+    return f'<p class="what">{escape(advice)}</p>'
 
 
 def render_warnings(finding: StudyResult) -> str:

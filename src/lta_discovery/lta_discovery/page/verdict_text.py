@@ -213,18 +213,18 @@ def _format_improvement(finding: StudyResult, conclusion: Conclusion) -> str:
 
 def format_advice(finding: StudyResult) -> str:
     """Return what to do with the vehicle file, in a sentence or two."""
-    said = draw_conclusion(finding)
+    conclusion = draw_conclusion(finding)
     which = (
         ' These flights do not show which of the alternative effects is right.'
-        if said.rivals
+        if conclusion.rivals
         else ''
     )
-    if said.advice == 'refitted':
-        return f'{ADVICE[said.advice]} {COMPENSATE}{_format_other_flights(finding)}'
-    refit = _format_refit(said.refitted)
-    if finding.calibration is not None and said.advice in CALIBRATED:
-        return CALIBRATED[said.advice] + refit
-    return ADVICE[said.advice] + (which if said.advice == 'use' else '') + refit
+    if conclusion.advice == 'refitted':
+        return f'{ADVICE[conclusion.advice]} {COMPENSATE}{_format_other_flights(finding)}'
+    refit = _format_refit(conclusion.refitted)
+    if finding.calibration is not None and conclusion.advice in CALIBRATED:
+        return CALIBRATED[conclusion.advice] + refit
+    return ADVICE[conclusion.advice] + (which if conclusion.advice == 'use' else '') + refit
 
 
 def _format_refit(gap: ChannelErrors | None) -> str:
@@ -246,11 +246,11 @@ def _format_other_flights(finding: StudyResult) -> str:
 
 def list_learned_file_commands(finding: StudyResult, folder: Path) -> dict[str, str]:
     """Return the commands to view the learned file and, if that is the advice, to fly it."""
-    said = draw_conclusion(finding)
-    if said.advice == 'refitted':
+    conclusion = draw_conclusion(finding)
+    if conclusion.advice == 'refitted':
         name, flies = 'refitted.yaml', False
     elif finding.effects or has_law(finding):
-        name, flies = 'vehicle.yaml', said.advice in ('use', 'law')
+        name, flies = 'vehicle.yaml', conclusion.advice in ('use', 'law')
     elif finding.calibration is not None:
         name, flies = 'calibrated.yaml', True
     else:
@@ -266,23 +266,23 @@ def format_flight_roles(finding: StudyResult) -> str:
     """Return the flights with their roles."""
     parts = [f'{words} {join_words(finding.bags[role])}' for role, words in ROLES.items()
              if finding.bags.get(role)]  # fmt: skip
-    said = ', '.join(parts) or finding.vehicle
-    shown = (
+    roles = ', '.join(parts) or finding.vehicle
+    errors_note = (
         'The prediction errors are of flights that no fit has used.'
         if finding.held_out
         else 'No flight was held out, so the prediction errors may be too small.'
     )
     count = len(finding.warnings)
     more = f' See the {format_count(count, "warning")} below.' if count else ''
-    return f'{said[:1].upper()}{said[1:]}. {shown if finding.gaps else ""}{more}'.strip()
+    return f'{roles[:1].upper()}{roles[1:]}. {errors_note if finding.gaps else ""}{more}'.strip()
 
 
 def build_tiles(finding: StudyResult) -> list[Tile]:
     """Return the key figures: effects, evidence, improvement, remainder."""
     gap = select_main_error(finding.gaps)
-    made = [_build_verdict_tile(finding), _build_evidence_tile(finding)]
+    tiles = [_build_verdict_tile(finding), _build_evidence_tile(finding)]
     if gap is None:
-        made.append(Tile('Prediction error', MISSING, '', 'no flight to compute it on'))
+        tiles.append(Tile('Prediction error', MISSING, '', 'no flight to compute it on'))
     else:
         refit = draw_conclusion(finding).advice == 'refitted'
         ahead = f'{gap.channel.capitalize()} error after {gap.horizon_s:g} s'
@@ -293,7 +293,7 @@ def build_tiles(finding: StudyResult) -> list[Tile]:
         floor, coast = (format_quantity(part, gap.unit) for part in (gap.noise_floor, gap.coast))
         models = f'with the vehicle file {before}; with its tolerances fitted {tuned}'
         count = f'{gap.pieces} pieces of flight'
-        made += [
+        tiles += [
             Tile(ahead, value, unit, f'{"all numbers refitted; " if refit else ""}{models}'),
             Tile('Error reduced by', format_percent(1.0 - gap.refitted / gap.before), '%',
                  f'all numbers refitted; {count}')
@@ -303,8 +303,8 @@ def build_tiles(finding: StudyResult) -> list[Tile]:
             Tile('Measurement noise', *floor.partition(' ')[::2],
                  f'error of a forecast that ignores the commands: {coast}'),
         ]  # fmt: skip
-    made.append(_build_remainder_tile(finding))
-    return made
+    tiles.append(_build_remainder_tile(finding))
+    return tiles
 
 
 def _build_remainder_tile(finding: StudyResult) -> Tile:

@@ -35,13 +35,13 @@ def autocorrelation(left: Sequence[Array], longest: float = LONGEST) -> tuple[Ar
     count = round(longest / PERIOD)
     products, pairs = np.zeros(count + 1), np.zeros(count + 1)
     for each in left:
-        known = np.isfinite(each)
-        values = np.where(known, each, 0.0)
+        finite = np.isfinite(each)
+        values = np.where(finite, each, 0.0)
         length = min(count, each.shape[1] - 1)
         for lag in range(length + 1):
             end = each.shape[1] - lag
             products[lag] += np.sum(values[:, :end] * values[:, lag:])
-            pairs[lag] += np.sum(known[:, :end] & known[:, lag:])
+            pairs[lag] += np.sum(finite[:, :end] & finite[:, lag:])
     # Divide by the number of valid pairs, as gaps leave fewer at some lags.
     means = products / np.maximum(pairs, 1.0)
     out: Array = means / means[0] if means[0] > 0.0 else means

@@ -20,7 +20,7 @@ ERRORS: Final = (
 
 def to_dict(finding: StudyResult, cuts: Sequence[ExcludedInterval] = ()) -> dict[str, Any]:
     """Return a finding as JSON: SI units, None for numbers that are not finite."""
-    told: dict[str, Any] = {
+    content: dict[str, Any] = {
         'schema': SCHEMA,
         'verdict': finding.verdict,
         'conclusion': _encode_conclusion(finding),
@@ -56,20 +56,22 @@ def to_dict(finding: StudyResult, cuts: Sequence[ExcludedInterval] = ()) -> dict
         'seed': finding.seed,
         'versions': dict(finding.versions),
     }  # fmt: skip
-    plain: dict[str, Any] = to_json_value(told)
+    plain: dict[str, Any] = to_json_value(content)
     return plain
 
 
 def _encode_conclusion(finding: StudyResult) -> dict[str, Any]:
     """Return the conclusion and the advice."""
-    said = draw_conclusion(finding)
+    conclusion = draw_conclusion(finding)
     return {
         'headline': format_headline(finding),
-        'asserted': said.asserted,
-        'advice': said.advice,
+        'asserted': conclusion.asserted,
+        'advice': conclusion.advice,
         'do': format_advice(finding),
-        'gain': None if said.gain is None else _encode_channel_errors(said.gain),
-        'refitted': None if said.refitted is None else _encode_channel_errors(said.refitted),
+        'gain': None if conclusion.gain is None else _encode_channel_errors(conclusion.gain),
+        'refitted': None
+        if conclusion.refitted is None
+        else _encode_channel_errors(conclusion.refitted),
     }
 
 
@@ -94,39 +96,39 @@ def _encode_effect(effect: NamedEffect) -> dict[str, Any]:
 
 def _encode_draught(finding: StudyResult) -> dict[str, float] | None:
     """Return the draught; None if none was detected."""
-    told = finding.draught
-    return None if told is None else {'force': told.force, 'speed': told.speed}
+    draught = finding.draught
+    return None if draught is None else {'force': draught.force, 'speed': draught.speed}
 
 
 def _encode_law(finding: StudyResult) -> dict[str, Any] | None:
     """Return the law, or why there is none; None if none was sought."""
-    found = finding.law
-    if found is None:
+    search = finding.law
+    if search is None:
         return None
-    law = found.law.model_dump(exclude_defaults=True) if found.law else None
+    law = search.law.model_dump(exclude_defaults=True) if search.law else None
     return {
-        'proposed': found.law is not None,
+        'proposed': search.law is not None,
         'words': list_law_sentences(finding),
-        'reason': found.reason,
+        'reason': search.reason,
         'law': law,
-        'errors': [_encode_channel_errors(one) for one in found.errors],
-        'near': list(found.near),
-        'tolerances': [one._asdict() for one in found.tolerances],
+        'errors': [_encode_channel_errors(one) for one in search.errors],
+        'near': list(search.near),
+        'tolerances': [one._asdict() for one in search.tolerances],
     }
 
 
 def _encode_forecast_evidence(finding: StudyResult) -> dict[str, Any] | None:
     """Return the forecast evidence; None where the sensor readings identified the effects."""
-    told = finding.carried
-    if told is None:
+    evidence = finding.carried
+    if evidence is None:
         return None
     return {
-        'names': [one._asdict() for one in told.names],
-        'regimes': [one._asdict() for one in told.regimes],
-        'interpolates': list(told.interpolates),
-        'numbers_refitted': told.numbers,
-        'rejected': list(told.rejected),
-        'kinds': [one._asdict() for one in told.kinds],
+        'names': [one._asdict() for one in evidence.names],
+        'regimes': [one._asdict() for one in evidence.regimes],
+        'interpolates': list(evidence.interpolates),
+        'numbers_refitted': evidence.numbers,
+        'rejected': list(evidence.rejected),
+        'kinds': [one._asdict() for one in evidence.kinds],
     }
 
 

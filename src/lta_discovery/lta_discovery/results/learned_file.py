@@ -81,13 +81,13 @@ def format_learned_vehicle(
 
     Raise `BadInput` if the format has no place for a number.
     """
-    known = {
+    notes_by_parameter = {
         (effect.name, one.name): format_interval(one) + _format_assumptions(effect)
         for effect in finding.effects
         for one in effect.parameters
     }
     for one in list_changed_quantities(
-        text, vehicle, nominal, learned, known, format_source(finding)
+        text, vehicle, nominal, learned, notes_by_parameter, format_source(finding)
     ):
         text = set_yaml_value(text, one.place.split('.'), one.as_yaml)
     return text
@@ -98,14 +98,14 @@ def add_validity(
 ) -> str:
     """Return the text of a vehicle file with the region that some flights covered."""
     starts = np.concatenate([one.replay.cut.start for one in flights])
-    flown = list_motion(starts[:, 3:7], starts[:, 7:10], starts[:, 10:13])
-    for name, values in flown.items():
+    motion = list_motion(starts[:, 3:7], starts[:, 7:10], starts[:, 10:13])
+    for name, values in motion.items():
         unit = 'm/s' if name == 'speed' else 'rad/s' if name.endswith('rate') else 'rad'
         text = set_yaml_value(text, ['validity', name], _region(values, unit, source))
     # Flights that were commanded by forces have duties of zero, which are none
     flown_by_duty = [one.replay.flight for one in flights if one.replay.flight.wrench is None]
-    known = [one.commands.values for one in flown_by_duty if len(one.commands.values)]
-    table = np.concatenate(known) if known else np.zeros((0, 0))
+    arrays = [one.commands.values for one in flown_by_duty if len(one.commands.values)]
+    table = np.concatenate(arrays) if arrays else np.zeros((0, 0))
     for name, values in zip(rotors, table.T, strict=False):
         text = set_yaml_value(text, ['validity', 'commands', name], _region(values, '1', source))
     return text
@@ -132,10 +132,10 @@ def list_changed_quantities(
         # Both blocks have to be written if one changes
         moved = {**dict.fromkeys(TOGETHER, ()), **moved}
     for effect, names in moved.items():
-        told = {name: notes[effect, name] for name in names if (effect, name) in notes}
+        own_notes = {name: notes[effect, name] for name in names if (effect, name) in notes}
         if effect in BLOCKS:
             yield from _list_block_quantities(
-                content, vehicle, learned, effect, names, told, source
+                content, vehicle, learned, effect, names, own_notes, source
             )
         else:
             units = {one.name: one.unit for one in EFFECTS[effect].parameters}
@@ -144,7 +144,7 @@ def list_changed_quantities(
                     continue
                 place = f'effects.{effect}.{name}'
                 words = _format_provenance(
-                    source, [told[name]] if name in told else [], content, place
+                    source, [own_notes[name]] if name in own_notes else [], content, place
                 )
                 yield VehicleFileQuantity(
                     place, learned.parameter_value(effect, name), units[name], words
@@ -156,11 +156,11 @@ def _find_changed_parameters(
 ) -> dict[str, Sequence[str]]:
     """Return the new or changed parameters, by effect."""
     out: dict[str, Sequence[str]] = {}
-    for effect, given in after.items():
+    for effect, values in after.items():
         old = before.get(effect, {})
         names = [
             name
-            for name, value in given.items()
+            for name, value in values.items()
             if name not in old or not math.isclose(value, old[name], rel_tol=SAME, abs_tol=0.0)
         ]
         if names:

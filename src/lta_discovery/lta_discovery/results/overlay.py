@@ -96,9 +96,9 @@ def _list_messages(one: ThreeModelComparison, place: str) -> list[Row]:
     """Return the messages of one flight with their times and topics."""
     flight = one.flown.flight
     measured = flight.replay.flight
-    known = np.isfinite(measured.position).all(axis=1)
+    valid = np.isfinite(measured.position).all(axis=1)
     rows: list[Row] = []
-    for k in np.flatnonzero(known):
+    for k in np.flatnonzero(valid):
         time_ns = round(float(measured.time[0]) * SECOND) + int(k) * round(PERIOD * SECOND)
         still = np.zeros(6)
         values = np.concatenate([measured.position[k], measured.quaternion[k], still])

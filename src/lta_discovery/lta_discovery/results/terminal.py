@@ -46,22 +46,22 @@ def print_finding(finding: StudyResult, console: Console) -> None:
     if finding.calibration is not None:
         print_table(build_first_step_table(finding.calibration), console)
         console.print(Text(format_forecast_sentence(finding.calibration)), soft_wrap=True)
-    for said in format_effects(finding):
-        console.print(Text(said), soft_wrap=True)
+    for effect_line in format_effects(finding):
+        console.print(Text(effect_line), soft_wrap=True)
     if finding.carried is not None:
-        said = format_forecast_evidence(finding.carried, bool(finding.effects))
-        console.print(Text(said), soft_wrap=True)
+        effect_line = format_forecast_evidence(finding.carried, bool(finding.effects))
+        console.print(Text(effect_line), soft_wrap=True)
     for line in format_prediction_errors(finding):
         console.print(line, soft_wrap=True)
     if finding.where:
         print_table(build_discrepancy_table(finding), console)
-    for said in finding.unexplained:
-        console.print(Text(f'Unexplained: {said}.'), soft_wrap=True)
-    for said in list_law_sentences(finding):
-        console.print(Text(said), soft_wrap=True)
+    for effect_line in finding.unexplained:
+        console.print(Text(f'Unexplained: {effect_line}.'), soft_wrap=True)
+    for effect_line in list_law_sentences(finding):
+        console.print(Text(effect_line), soft_wrap=True)
     if finding.draught is not None:
-        said = finding.draught.sentence
-        console.print(Text(f'{said[:1].upper()}{said[1:]}.'), soft_wrap=True)
+        effect_line = finding.draught.sentence
+        console.print(Text(f'{effect_line[:1].upper()}{effect_line[1:]}.'), soft_wrap=True)
     console.print(Text(f'{format_advice(finding)} {finding.next_flight}'.strip()), soft_wrap=True)
     for word in finding.warnings:
         console.print(Text(word, 'yellow'), soft_wrap=True)

@@ -51,8 +51,8 @@ def compute_detection_limits(
         if knob.typical == 0.0 or knob.name in named:
             continue
         others = np.flatnonzero(free & (np.arange(len(free)) != k))
-        told = [_marginal_information(one, k, others, variance[others]) for one in products]
-        size = _smallest_nameable_size(told, float(variance[k]), knob.typical)
+        information = [_marginal_information(one, k, others, variance[others]) for one in products]
+        size = _smallest_nameable_size(information, float(variance[k]), knob.typical)
         if size < LARGEST * knob.typical:
             out.append(DetectionLimit(knob.name, knob.unit, size, knob.typical))
     return tuple(sorted(out, key=lambda one: one.size / one.typical))

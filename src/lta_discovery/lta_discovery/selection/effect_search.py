@@ -213,7 +213,7 @@ class EffectSearch:
         """
         prior = build_shared_prior(self.knobs, named, self._sizes)
         out = {*expand_vectors(named), *self._list_excluded_candidates(failed, prior, fits)}
-        found: dict[str, float] = {}
+        gain_by_name: dict[str, float] = {}
         # Ways in which each candidate may be present, and the component that it is named after
         ways: dict[tuple[str, ...], dict[frozenset[tuple[str, float]], str]] = {}
         for this in fits:
@@ -228,22 +228,22 @@ class EffectSearch:
                 ]
                 for one in seen[:QUICK]:
                     if one.gain > WORTH:
-                        known = ways.setdefault(vector_components(one.name), {})
+                        own_ways = ways.setdefault(vector_components(one.name), {})
                         for sizes in list_component_sizes(one.name, one.size):
-                            known.setdefault(frozenset(sizes.items()), one.name)
-        for known in ways.values():
+                            own_ways.setdefault(frozenset(sizes.items()), one.name)
+        for own_ways in ways.values():
             gains = {
                 way: self._predict_gain(name, dict(way), named, fits)
-                for way, name in known.items()
+                for way, name in own_ways.items()
             }
             # Scans may suggest several prior scales and components: use the most probable ones
             best = max(gains, key=lambda way: gains[way])
             self._sizes.update(best)
-            found[known[best]] = gains[best]
-        ranked = sorted(found, key=lambda name: -found[name])
-        worth = [name for name in ranked if found[name] > HOPE]
+            gain_by_name[own_ways[best]] = gains[best]
+        ranked = sorted(gain_by_name, key=lambda name: -gain_by_name[name])
+        worth = [name for name in ranked if gain_by_name[name] > HOPE]
         return {
-            name: (found[name], same)
+            name: (gain_by_name[name], same)
             for name, same in self._select_distinct(worth, prior, fits).items()
         }
 
@@ -272,8 +272,8 @@ class EffectSearch:
         prior = build_shared_prior(self.knobs, (*named, name), {**self._sizes, **way})
 
         def evidence_gain(this: JointFit) -> float:
-            found = fit_deviations(this.group, prior, this.deviations, self.floor, worth=ROUGHLY)
-            return found[1] - this.evidence
+            refit = fit_deviations(this.group, prior, this.deviations, self.floor, worth=ROUGHLY)
+            return refit[1] - this.evidence
 
         return sum(map_parallel(evidence_gain, fits)) - _prior_cost(name, way)
 
@@ -301,7 +301,7 @@ class EffectSearch:
         """
         step, then = self._try_candidates(named, fits, self._shortlist_candidates(named, fits))
         trials = step.trials
-        judged = {*expand_vectors(named), *(trial.name for trial in trials)}
+        examined = {*expand_vectors(named), *(trial.name for trial in trials)}
         for _ in range(CHANCES):
             if step.named or not step.trials or not self._displacing.has_remainder(fits):
                 break
@@ -311,7 +311,7 @@ class EffectSearch:
             )
             trials = (*trials, *step.trials)
         # An infinite prediction: always refit, since the scan cannot score these
-        jumping = {name: (np.inf, ()) for name in TRIED if name in set(self._names) - judged}
+        jumping = {name: (np.inf, ()) for name in TRIED if name in set(self._names) - examined}
         if jumping and not step.named and self._displacing.has_remainder(fits):
             step, then = self._try_candidates(named, fits, jumping)
             trials = (*step.trials, *(one for one in trials if one.name not in jumping))

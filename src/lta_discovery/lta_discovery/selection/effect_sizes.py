@@ -32,9 +32,9 @@ def apply_named_effects(
     named: Sequence[NamedEffect],
 ) -> NominalVehicle:
     """Return the vehicle of the file with the named effects, and nothing else changed."""
-    told = {name for one in named for name in one.knobs}
+    names = {name for one in named for name in one.knobs}
     values = np.where(
-        [knob.name in told for knob in parameters],
+        [knob.name in names for knob in parameters],
         _clipped_posterior_mean(proven, parameters),
         0.0,
     )
@@ -75,9 +75,9 @@ def build_effects(
     for name in proven.names:
         # Names are 'effect.parameter'; report each effect once
         by_effect.setdefault(name.partition('.')[0], []).append(name)
-    out, told = [], proven.select_components(knobs, np.sqrt(np.diag(seen.covariance)))
-    for effect, found in by_effect.items():
-        places = [k for name in found for k in told[name]]
+    out, components = [], proven.select_components(knobs, np.sqrt(np.diag(seen.covariance)))
+    for effect, own_names in by_effect.items():
+        places = [k for name in own_names for k in components[name]]
         names = tuple(knobs[k].name for k in places)
         parameters = tuple(
             each
@@ -87,8 +87,8 @@ def build_effects(
             )
         )
         # Parameters of one effect are removed one by one; the largest loss counts
-        cost = max(proven.costs[name] for name in found)
-        rivals = dict.fromkeys(rival for name in found for rival in proven.rivals[name])
+        cost = max(proven.costs[name] for name in own_names)
+        rivals = dict.fromkeys(rival for name in own_names for rival in proven.rivals[name])
         taken = list_assumed_parameters(nominal, effect, parameters)
         out.append(NamedEffect(effect, names, parameters, cost, tuple(rivals), taken))
     return tuple(out)
@@ -100,7 +100,7 @@ def list_assumed_parameters(
     """Return the parameters of an effect that are neither in the vehicle file nor fitted."""
     if effect in nominal.given:
         return ()
-    units = {known.name: known.unit for known in EFFECTS[effect].parameters}
+    units = {parameter.name: parameter.unit for parameter in EFFECTS[effect].parameters}
     fitted = {one.name for one in learned}
     return tuple(
         AssumedValue(name, units[name], value)
@@ -113,7 +113,7 @@ def _estimate_parameters(
     nominal: NominalVehicle, knob: FreeParameter, effect: str, value: float, spread: float
 ) -> list[ParameterEstimate]:
     """Return the estimates of the effect parameters that a free parameter moves."""
-    units = {known.name: known.unit for known in EFFECTS[effect].parameters}
+    units = {declaration.name: declaration.unit for declaration in EFFECTS[effect].parameters}
     begun, out = knob.enable_effect(nominal), []
     for (moved, parameter), rate in knob.moves.items():
         # Companions in other effects (such as cross flow) are not reported here

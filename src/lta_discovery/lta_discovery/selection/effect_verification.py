@@ -120,12 +120,12 @@ class EffectVerification:
         rivals: dict[str, tuple[str, ...]] = {}
         unlike: dict[str, tuple[str, ...]] = {}
         for name in names:
-            found, full, name_now = self._compare_with_rivals(name, names, full)
+            verdict, full, name_now = self._compare_with_rivals(name, names, full)
             if name_now != name:
                 names = tuple(name_now if one == name else one for one in names)
                 costs[name_now] = costs.pop(name)
-            rivals[name_now] = tuple(found)
-            unlike[name_now] = tuple(one for one, same in found.items() if not same)
+            rivals[name_now] = tuple(verdict)
+            unlike[name_now] = tuple(one for one, same in verdict.items() if not same)
         more, full = self._add_weak_effects(names, full, len(named.bare[0].group.pieces))
         for step in more:
             if step.named:
@@ -178,8 +178,8 @@ class EffectVerification:
 
     def _component_indices(self, names: Sequence[str]) -> list[int]:
         """Return the indices of the effects' components."""
-        wanted = expand_vectors(names)
-        return [k for k, name in enumerate(self._order) if name in wanted]
+        components = expand_vectors(names)
+        return [k for k, name in enumerate(self._order) if name in components]
 
     def _refit_without(self, last: JointFit, name: str, names: Sequence[str]) -> JointFit:
         """Refit all flights without one effect."""
@@ -220,7 +220,7 @@ class EffectVerification:
     ) -> tuple[dict[str, bool], JointFit, str]:
         """Return the rivals of an effect with their similarity, the best fit, and its effect."""
         near = self._find_near_rivals(name, names, full)
-        found: dict[str, tuple[float, bool]] = {}
+        gains: dict[str, tuple[float, bool]] = {}
         best, then, most = name, full, full.evidence
         refits = 0
         for other, (linear, alike) in near.items():
@@ -233,12 +233,12 @@ class EffectVerification:
                 evidence = fitted.evidence + vector_cost(name) - vector_cost(other)
                 if evidence > most + TIE:
                     best, then, most = other, fitted, evidence
-            found[other] = evidence, alike
+            gains[other] = evidence, alike
         if best != name:
-            found[name] = full.evidence, found.pop(best)[1]
-        close = [one for one in found if most - found[one][0] < TIE]
-        close.sort(key=lambda one: -found[one][0])
-        return {one: found[one][1] for one in close}, then, best
+            gains[name] = full.evidence, gains.pop(best)[1]
+        close = [one for one in gains if most - gains[one][0] < TIE]
+        close.sort(key=lambda one: -gains[one][0])
+        return {one: gains[one][1] for one in close}, then, best
 
     def _find_near_rivals(
         self, name: str, names: Sequence[str], full: JointFit

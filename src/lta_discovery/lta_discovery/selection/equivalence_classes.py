@@ -69,10 +69,10 @@ def load_frozen_classes() -> FrozenClasses:
 
 def find_kind_classes(kind: Kind) -> DataKindClasses:
     """Return the classes of a kind of data; raise `BadInput` for an unknown kind."""
-    known = load_frozen_classes().kinds
-    if kind not in known:
-        raise unknown_name_error('kind of data', kind, list(known))
-    return known[kind]
+    kinds = load_frozen_classes().kinds
+    if kind not in kinds:
+        raise unknown_name_error('kind of data', kind, list(kinds))
+    return kinds[kind]
 
 
 @cache
@@ -82,16 +82,16 @@ def load_class_map(kind: Kind) -> Mapping[str, str]:
 
     `kind`: 'all' sensors, 'imu', 'pose' alone, commands as a 'wrench' with pose alone, or 'hover'.
     """
-    found = find_kind_classes(kind)
-    out = {name: name for name in found.reach}
+    classes = find_kind_classes(kind)
+    out = {name: name for name in classes.reach}
     # Effects outside any class represent themselves
-    return out | {name: group[0] for group in found.classes for name in group}
+    return out | {name: group[0] for group in classes.classes for name in group}
 
 
 def is_equivalent(a: str, b: str, kind: Kind) -> bool:
     """Return whether two effects are equivalent; an unknown one is in its own class."""
-    known = load_class_map(kind)
-    return known.get(a, a) == known.get(b, b)
+    class_map = load_class_map(kind)
+    return class_map.get(a, a) == class_map.get(b, b)
 
 
 def list_equivalent_effects(name: str, kind: Kind) -> tuple[str, ...]:

@@ -62,8 +62,8 @@ def cross_validate(
     out = []
     zero = np.zeros(len(foresight.knobs))
     for name, inside in regimes.items():
-        taught = foresight.leave_out_flights(fit, which, spread, inside)
-        sizes = [foresight.rms_error(values, inside) for values in (zero, taught)]
+        fitted_without = foresight.leave_out_flights(fit, which, spread, inside)
+        sizes = [foresight.rms_error(values, inside) for values in (zero, fitted_without)]
         out.append(RegimeForecastErrors(name, len(inside), *sizes))
     return sorted(out, key=lambda regime: -regime.ratio)
 
@@ -75,9 +75,9 @@ def format_interpolation_warning(
     worse = [regime for regime in regimes if regime.ratio > KEPT]
     if not worse:
         return ''
-    told = ', '.join(f'{one.name} ({one.ratio:.2f} times its error)' for one in worse[:TOLD])
+    listing = ', '.join(f'{one.name} ({one.ratio:.2f} times its error)' for one in worse[:TOLD])
     more = f' and {len(worse) - TOLD} more' if len(worse) > TOLD else ''
     return (
         f'{", ".join(names)}: interpolation only. Flight regimes that are left out of the fit are '
-        f'predicted worse than by the vehicle file: {told}{more}.'
+        f'predicted worse than by the vehicle file: {listing}{more}.'
     )

@@ -23,16 +23,16 @@ def confirm_groups(
 
     `halves`: training and confirming flights; if one is empty, all effects are confirmed.
     """
-    kept = list(chosen.groups)
+    groups = list(chosen.groups)
     if not all(halves):
-        return tuple(kept)
+        return tuple(groups)
     # Weakest first, so that strong effects are tested with few others
     for group in reversed(chosen.groups):
-        rest = [one for one in kept if one is not group]
-        with_it, without = (_cross_error(sight, chosen, some, halves) for some in (kept, rest))
+        rest = [one for one in groups if one is not group]
+        with_it, without = (_cross_error(sight, chosen, some, halves) for some in (groups, rest))
         if with_it >= without:
-            kept = rest
-    return tuple(kept)
+            groups = rest
+    return tuple(groups)
 
 
 def _cross_error(

@@ -42,9 +42,9 @@ def fit_effect_values(
     which = list_knobs(groups)
     spread = prior_deviations(sight.knobs, which)
     fitted = sight.fit(which, spread, every, rounds=ROUNDS)
-    found = cross_validate(sight, fitted, which, spread, parts)
+    regimes = cross_validate(sight, fitted, which, spread, parts)
     draws = bootstrap_values(fitted, sight.knobs, which, spread, seed)
-    return EffectValues(which, fitted, draws, found)
+    return EffectValues(which, fitted, draws, regimes)
 
 
 def tune_tolerances(

@@ -27,15 +27,15 @@ POSE: Final = CHANNELS[:6]
 
 def coast_errors(flight: FlightLinearizer, horizons: Sequence[float] = HORIZONS) -> Array:
     """Return the errors of constant body velocity and rates, shape (S, H, 6)."""
-    cut, told = flight.replay.cut, flight.replay.flight
+    cut, measured = flight.replay.cut, flight.replay.flight
     at = np.rint(np.array(horizons) / PERIOD).astype(np.int64)
     # In the frame of the tracker, as nothing of the model is used
     states = extrapolate_coast(cut.start, cut.length)[:, at]
     index = flight.index[:, at]
     turn = quaternion_logarithm(
-        quaternion_product(quaternion_conjugate(states[..., 3:7]), told.quaternion[index])
+        quaternion_product(quaternion_conjugate(states[..., 3:7]), measured.quaternion[index])
     )
-    left = np.concatenate([told.position[index] - states[..., :3], turn], axis=-1)
+    left = np.concatenate([measured.position[index] - states[..., :3], turn], axis=-1)
     left[~cut.inside[:, at]] = np.nan
     return left
 
@@ -66,5 +66,5 @@ def compute_pose_errors(
     offs = {kind: forecast_errors(sight, values, every) for kind, values in models.items()}
     offs['coast'] = np.concatenate([coast_errors(flight) for flight in sight.flights])
     at = [HORIZONS.index(horizon) for horizon in TOLD]
-    shown = {kind: off[:, at] for kind, off in offs.items()}
-    return summarize_residuals(sight.flights, shown, seed, (*WHOLE, *POSE))
+    at_horizons = {kind: off[:, at] for kind, off in offs.items()}
+    return summarize_residuals(sight.flights, at_horizons, seed, (*WHOLE, *POSE))

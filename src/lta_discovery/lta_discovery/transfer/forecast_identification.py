@@ -86,15 +86,15 @@ def needs_forecasts(study: DiscoveryStudy) -> bool:
     finding = study.finding
     if finding.verdict not in ('unexplained', 'named+unexplained', 'not_identifiable'):
         return False
-    told = [one.flight.replay.flight for one in study.flights if one.role != 'holdout']
-    if any(np.isfinite(flight.noise[POSE:]).any() for flight in told):
+    flights = [one.flight.replay.flight for one in study.flights if one.role != 'holdout']
+    if any(np.isfinite(flight.noise[POSE:]).any() for flight in flights):
         return False
     # Filtered poses: `estimate_pose_noise` found correlated errors
-    smooth = all(flight.alike > 1.0 for flight in told)
+    smooth = all(flight.alike > 1.0 for flight in flights)
     if smooth:
-        return len(told) >= FEWEST
+        return len(flights) >= FEWEST
     large = any(one.floors >= LARGE for one in finding.remains)
-    return large and not finding.effects and len(told) >= ENOUGH
+    return large and not finding.effects and len(flights) >= ENOUGH
 
 
 def add_forecast_effects(study: DiscoveryStudy, tell: Progress) -> DiscoveryStudy:
@@ -102,45 +102,45 @@ def add_forecast_effects(study: DiscoveryStudy, tell: Progress) -> DiscoveryStud
     if not needs_forecasts(study):
         return _add_refit_beside_readings(study, tell)
     tell('evaluating forecasts', 0.0)
-    taught = _cut_forecast_flights(study, [one for one in study.flights if one.role != 'holdout'])
-    if taught is None or len(taught.flown) < FEWEST:
+    flights = _cut_forecast_flights(study, [one for one in study.flights if one.role != 'holdout'])
+    if flights is None or len(flights.flown) < FEWEST:
         return study
-    parts = _split_regimes(taught)
-    plain, rest = tune_tolerances(taught.sight, parts)
+    parts = _split_regimes(flights)
+    plain, rest = tune_tolerances(flights.sight, parts)
     # Do not name an effect if tuned tolerances explain most of the error.
     if remaining_error_share(rest) < LOOSE:
         study = _add_warning(study, format_tolerance_warning(remaining_error_share(rest)))
-        return _add_refit(study, taught, parts, plain, tell)
-    names = _select_groups(taught, parts, rest, study.finding.seed, tell)
+        return _add_refit(study, flights, parts, plain, tell)
+    names = _select_groups(flights, parts, rest, study.finding.seed, tell)
     if names.best is None:
         study = _warn_of_rejected_effects(study, names.lost, names.rejected)
-        return _add_refit(study, taught, parts, plain, tell)
+        return _add_refit(study, flights, parts, plain, tell)
     models = {'before': np.zeros_like(plain), 'tuned': plain, 'after': names.best.fitted.values}
     numbers = 0
-    if len(taught.flown) >= ENOUGH:
+    if len(flights.flown) >= ENOUGH:
         tell('refitting everything', 0.9)
         refit = refit_all_parameters(
-            taught.sight, _list_candidates(taught), names.best.fitted.values
+            flights.sight, _list_candidates(flights), names.best.fitted.values
         )
         models['refitted'], numbers = refit.values, refit.numbers
-    told = _collect_transfer_evidence(
+    evidence = _collect_transfer_evidence(
         names.chosen, names.kept, names.best, [one.name for one in names.lost], numbers
     )
-    told = replace(
-        told,
+    evidence = replace(
+        evidence,
         rejected=tuple(one.sentence for one in names.rejected),
         kinds=tuple(names.kinds),
     )
-    found = _add_prediction_errors(
-        _add_named_effects(study, taught, names, names.best, told), taught, models
+    result = _add_prediction_errors(
+        _add_named_effects(study, flights, names, names.best, evidence), flights, models
     )
-    if any(is_worse_than_file(found.finding.training, kind) for kind in MODELS):
+    if any(is_worse_than_file(result.finding.training, kind) for kind in MODELS):
         return _add_warning(
             study,
             f'{", ".join(one.name for one in names.kept)}: not reported, because with it the '
             'flights of the fit are predicted worse than with the vehicle file.',
         )
-    return found
+    return result
 
 
 def _select_groups(
@@ -164,24 +164,24 @@ def _select_groups(
         tell('evaluating forecasts', attempt / ATTEMPTS)
         chosen = select_forward(taught.sight, every, parts, candidates)
         both = confirm_groups(taught.sight, chosen, halves)
-        best, kept = _validate_groups(taught.sight, both, parts, seed, rest)
+        best, confirmed = _validate_groups(taught.sight, both, parts, seed, rest)
         kinds = ()
         while best is not None:
-            judged = judge_by_kind(taught.sight, kept, best.fitted.values, splits)
-            rejected, kinds = [*rejected, *judged.rejected], judged.kinds
-            if not judged.rejected:
+            judgement = judge_by_kind(taught.sight, confirmed, best.fitted.values, splits)
+            rejected, kinds = [*rejected, *judgement.rejected], judgement.kinds
+            if not judgement.rejected:
                 break
             # Judged again, so that the errors by kind are those of the effects that remain
-            best, kept = _validate_groups(taught.sight, judged.kept, parts, seed, rest)
-        fell = [one for one in chosen.groups if one not in kept]
-        if both and not kept:
+            best, confirmed = _validate_groups(taught.sight, judgement.kept, parts, seed, rest)
+        fell = [one for one in chosen.groups if one not in confirmed]
+        if both and not confirmed:
             # The others fell in the company of the first, so they have another chance without it
             fell = [one for one in fell if one not in both[1:]]
         lost += [one for one in fell if one.name not in {each.name for each in rejected}]
         if not fell:
             break
         candidates = [one for one in candidates if one not in fell]
-    return TransferOutcome(chosen, kept, best, lost, rejected, kinds)
+    return TransferOutcome(chosen, confirmed, best, lost, rejected, kinds)
 
 
 def _list_candidates(taught: ForecastFlights) -> list[CandidateGroup]:
@@ -233,9 +233,9 @@ def _add_refit(
     models = {
         'before': np.zeros_like(plain), 'tuned': plain, 'after': plain, 'refitted': refit.values,
     }  # fmt: skip
-    found = replace(study, finding=replace(study.finding, carried=evidence))
-    found = _add_prediction_errors(found, taught, models)
-    return study if is_worse_than_file(found.finding.training, 'tuned') else found
+    result = replace(study, finding=replace(study.finding, carried=evidence))
+    result = _add_prediction_errors(result, taught, models)
+    return study if is_worse_than_file(result.finding.training, 'tuned') else result
 
 
 def _add_refit_beside_readings(study: DiscoveryStudy, tell: Progress) -> DiscoveryStudy:
@@ -276,13 +276,15 @@ def _cut_forecast_flights(
     knobs = selected[0].flight.knobs if selected else []
     apart = piece_spacing([one.flight.replay.flight for one in selected])
     cut = [(one, cut_overlapping_pieces(one.flight, knobs, apart)) for one in selected]
-    known = [(one, flight) for one, flight in cut if flight is not None]
-    if not known:
+    long_enough = [(one, flight) for one, flight in cut if flight is not None]
+    if not long_enough:
         return None
     # From a share of the weight to newtons
     lift = LIFT * GRAVITY * study.nominal.mass
-    flights: list[FlightLinearizer] = [flight for _, flight in known]
-    return ForecastFlights([one for one, _ in known], ForecastFitter(study.nominal, flights, lift))
+    flights: list[FlightLinearizer] = [flight for _, flight in long_enough]
+    return ForecastFlights(
+        [one for one, _ in long_enough], ForecastFitter(study.nominal, flights, lift)
+    )
 
 
 def _split_regimes(taught: ForecastFlights) -> Mapping[str, Sequence[int]]:
@@ -376,16 +378,16 @@ def _add_prediction_errors(
 ) -> DiscoveryStudy:
     """Return a study with prediction errors, on held-out flights if there are any."""
     last = _cut_forecast_flights(study, [one for one in study.flights if one.role == 'holdout'])
-    shown = last or taught
-    told = compute_pose_errors(shown.sight, models, study.finding.seed)
-    own = told if last is None else compute_pose_errors(taught.sight, models, study.finding.seed)
+    error_flights = last or taught
+    errors = compute_pose_errors(error_flights.sight, models, study.finding.seed)
+    own = errors if last is None else compute_pose_errors(taught.sight, models, study.finding.seed)
     finding = replace(
         study.finding,
-        gaps=tuple(told),
+        gaps=tuple(errors),
         held_out=last is not None,
         training=tuple(one for one in own if one.channel in WHOLE),
     )
-    seen = [_compare_models(study, one, models) for one in shown.flown]
+    seen = [_compare_models(study, one, models) for one in error_flights.flown]
     every = models.get('refitted')
     whole = (
         None if every is None else apply_parameters(study.nominal, taught.sight.knobs, every)[0]

@@ -90,10 +90,10 @@ def select_forward(
     while sides and len(chosen) < MOST:
         # Zero rounds: linearize all candidates about the current model without a step.
         about = sight.fit(every, np.ones(len(every)), flights, values, rounds=0)
-        said = dict(zip(flights, about.said, strict=True))
+        equations = dict(zip(flights, about.said, strict=True))
         first = first or sum(one.cost for one in about.said)
         tried = _rank_candidates(
-            sight, said, sides, every, values, [g for g, _ in chosen], candidates, first
+            sight, equations, sides, every, values, [g for g, _ in chosen], candidates, first
         )
         rounds.append(tuple(tried))
         # The best candidate that harms no regime much

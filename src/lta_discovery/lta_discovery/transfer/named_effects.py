@@ -49,11 +49,11 @@ def build_named_effects(
                 before.log_evidence + chosen.log_likelihood_gains[place],
                 (*before.confusable_with, *rivals),
             )
-    told = [
+    with_assumptions = [
         replace(one, assumed=list_assumed_parameters(nominal, one.name, one.parameters))
         for one in out.values()
     ]
-    return tuple(sorted(told, key=lambda one: -one.log_evidence))
+    return tuple(sorted(with_assumptions, key=lambda one: -one.log_evidence))
 
 
 def _list_close_rivals(
@@ -71,7 +71,7 @@ def _estimate_parameters(
 ) -> list[ParameterEstimate]:
     """Return the estimates of the effect parameters that a free parameter moves."""
     effect = knob.name.partition('.')[0]
-    units = {known.name: known.unit for known in EFFECTS[effect].parameters}
+    units = {declaration.name: declaration.unit for declaration in EFFECTS[effect].parameters}
     begun, out = knob.enable_effect(nominal), []
     for (moved, parameter), rate in knob.moves.items():
         if moved != effect:

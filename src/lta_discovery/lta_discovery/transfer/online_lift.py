@@ -30,11 +30,11 @@ def subtract_online_lift(
     """
     left, column = ahead.left, ahead.columns[..., -1]
     ends = time[:, None] + np.array(horizons)
-    known = np.isfinite(left).all(axis=-1)
+    finite = np.isfinite(left).all(axis=-1)
     out = left.copy()
     for k, now in enumerate(time):
         # Only forecasts that have ended by now: a real-time estimator knows no more.
-        over = (ends <= now + 1e-6) & known
+        over = (ends <= now + 1e-6) & finite
         size = (SIZE * np.broadcast_to(np.array(horizons), over.shape)[over])[:, None]
         # Errors grow with the horizon, so later ones weigh less
         a, r = column[over][:, :3] / size, left[over][:, :3] / size

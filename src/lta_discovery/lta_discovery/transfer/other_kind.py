@@ -148,30 +148,30 @@ def judge_by_kind(
     `split_by_kind`; if there are none, all effects are kept.
     """
     lost: list[RejectedEffect] = []
-    kept = list(groups)
+    remaining = list(groups)
     if not splits:
-        return KindJudgement(kept, lost, ())
+        return KindJudgement(remaining, lost, ())
     file = _errors_by_kind(splits, [], np.zeros_like(values))
-    own = _errors_by_kind(splits, kept, values)
-    while kept:
+    own = _errors_by_kind(splits, remaining, values)
+    while remaining:
         harm = dict[CandidateGroup, RejectedEffect]()
         without = dict[CandidateGroup, tuple[Array, Errors]]()
-        for group in kept:
-            rest = [one for one in kept if one != group]
+        for group in remaining:
+            rest = [one for one in remaining if one != group]
             fitted = _fit(sight, rest, range(len(sight.flights)), values)
             errors = _errors_by_kind(splits, rest, fitted) if rest else file
             without[group] = fitted, errors
             harm[group] = _worst(group.name, own, errors)
-        worst = max(kept, key=lambda group: harm[group].ratio)
+        worst = max(remaining, key=lambda group: harm[group].ratio)
         whole = _worst(worst.name, own, file)
         if max(harm[worst].ratio, whole.ratio) <= WORSE:
             break
         lost.append(harm[worst] if harm[worst].ratio > WORSE else whole)
-        kept.remove(worst)
+        remaining.remove(worst)
         values, own = without[worst]
     names = list(dict.fromkeys(kind for kind, _ in file))
     return KindJudgement(
-        kept,
+        remaining,
         lost,
         [
             LeftOutKind(kind, *(_ratio(own[kind, each], file[kind, each]) for each in CHANNELS))
@@ -201,10 +201,10 @@ def _errors_by_kind(
         for kind, inside in kinds.items():
             others = [k for k in range(len(sight.flights)) if k not in set(inside)]
             # Fitted, not one step: left-out pieces of another kind are far from the others
-            taught = _fit(sight, groups, others, values)
+            fitted = _fit(sight, groups, others, values)
             for channel, columns in CHANNELS.items():
                 out[kind, channel] = np.array(
-                    [sight.rms_error(taught, [part], columns, np.inf) ** 2 for part in inside]
+                    [sight.rms_error(fitted, [part], columns, np.inf) ** 2 for part in inside]
                 ) * [len(sight.flights[part].replay.first) for part in inside]
     return out
 
@@ -213,20 +213,24 @@ def _ratio(own: Array, other: Array) -> float:
     """Return the ratio of two errors; infinite if forecasts diverge with the first alone."""
     if (np.isinf(own) & np.isfinite(other)).any():
         return math.inf
-    known = np.isfinite(own) & np.isfinite(other)
-    return float(np.sqrt(own[known].sum() / other[known].sum())) if known.any() else 1.0
+    finite = np.isfinite(own) & np.isfinite(other)
+    return float(np.sqrt(own[finite].sum() / other[finite].sum())) if finite.any() else 1.0
 
 
 def _worst(name: str, own: Errors, other: Errors) -> RejectedEffect:
     """Return where forecasts with an effect are worst, compared with others."""
 
     def ratio(where: tuple[str, str]) -> float:
-        found = _ratio(own[where], other[where])
-        known = np.isfinite(own[where]) & np.isfinite(other[where])
-        more = own[where][known] - other[where][known]
+        worst_ratio = _ratio(own[where], other[where])
+        finite = np.isfinite(own[where]) & np.isfinite(other[where])
+        more = own[where][finite] - other[where][finite]
         # A difference within its standard error, which one flight does not tell, counts as none
         chance = CHANCE * np.std(more, ddof=1) * len(more) ** 0.5 if len(more) > 1 else np.inf
-        return min(found, 1.0) if more.sum() <= chance and math.isfinite(found) else found
+        return (
+            min(worst_ratio, 1.0)
+            if more.sum() <= chance and math.isfinite(worst_ratio)
+            else worst_ratio
+        )
 
     kind, channel = max(own, key=ratio)
     return RejectedEffect(name, kind, channel, ratio((kind, channel)))

@@ -47,8 +47,8 @@ def _mass_regime(flight: FlightLinearizer) -> str:
 
 def _command_regime(flight: FlightLinearizer) -> str:
     """Return the regime of a flight with constant commands, else ''."""
-    told = flight.replay.flight
-    stream = told.commands if told.wrench is None else told.wrench
+    measured = flight.replay.flight
+    stream = measured.commands if measured.wrench is None else measured.wrench
     if not len(stream.values):
         return ''
     middle = np.median(stream.values, axis=0)
@@ -99,8 +99,8 @@ def format_regime_warning(study: DiscoveryStudy) -> str:
         return ''
     foresight = ForecastFitter(study.nominal, flights, LIFT)
     which = [k for k, knob in enumerate(foresight.knobs) if knob.name in knobs]
-    known = [foresight.knobs[k] for k in which]
-    spread = np.array([max(knob.typical, 2.0 * knob.tolerance) for knob in known])
+    parameters = [foresight.knobs[k] for k in which]
+    spread = np.array([max(knob.typical, 2.0 * knob.tolerance) for knob in parameters])
     fitted = foresight.fit(which, spread, range(len(flights)), rounds=ROUNDS)
     names = [effect.name for effect in study.finding.effects]
     return format_interpolation_warning(

@@ -82,13 +82,13 @@ def fly_many(
     # The counter-based generator has 32-bit keys
     named = np.asarray(seeds, dtype=np.int64) & 0xFFFFFFFF
     # The union of the effects of all vehicles; those without an effect switch it off by its flag
-    on = np.maximum.reduce([made.model.on for made in flights])
+    on = np.maximum.reduce([each.model.on for each in flights])
     names = tuple(name for name in LAYOUT.effects if on[LAYOUT.flag_index(name)])
     parameters, _ = LAYOUT.find_effect_indices(names)
     # Flights of equal form and strategy share a kernel
     # By its place, as two files may define strategies of one name
-    strategies = list(dict.fromkeys(made.strategy for made in flights))
-    forms = np.array([f'{strategies.index(made.strategy)} {made.form}' for made in flights])
+    strategies = list(dict.fromkeys(each.strategy for each in flights))
+    forms = np.array([f'{strategies.index(each.strategy)} {each.form}' for each in flights])
     for form in dict.fromkeys(forms.tolist()):
         alike = np.flatnonzero(forms == form)
         inside = np.flatnonzero(np.isin(chosen, alike))

@@ -44,4 +44,4 @@ class VehicleAccess:
 
     def _row_offset(self, name: str, layout: EffectLayout) -> int:
         counts = {'parameters': layout.parameters, **FIXED}
-        return sum(counts[known] for known in KEPT[: KEPT.index(name)])
+        return sum(counts[name_before] for name_before in KEPT[: KEPT.index(name)])

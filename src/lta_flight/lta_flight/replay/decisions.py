@@ -76,8 +76,10 @@ def read_heading(messages: TopicMessages) -> Column:
 
 def read_lamp_visible(messages: TopicMessages) -> Column:
     """Return 1 where a lamp is seen, else 0; a huge or negative variance means that none is."""
-    found: Column = select_estimates(messages.numbers['pose.covariance[0]']).astype(np.float64)
-    return found
+    is_visible: Column = select_estimates(messages.numbers['pose.covariance[0]']).astype(
+        np.float64
+    )
+    return is_visible
 
 
 KINDS = (
@@ -97,20 +99,20 @@ KINDS = (
 def compare_decisions(comparisons: Sequence[TopicComparison]) -> list[DecisionComparison]:
     """Return the comparisons of all decisions in the compared topics."""
     topics = {each.topic: each for each in comparisons if each.count}
-    made = []
+    rows = []
     for kind in KINDS:
         each = topics.get(kind.topic)
         if each is None:
             continue
         recorded, again = kind.read(each.recorded), kind.read(each.again)
         # Rows that neither run has, as of a rotor that does not exist
-        known = ~(np.isnan(recorded) & np.isnan(again))
-        if known.any():
+        valid = ~(np.isnan(recorded) & np.isnan(again))
+        if valid.any():
             gaps = compute_differences(recorded, again, kind.turning)
-            made.append(
+            rows.append(
                 DecisionComparison(kind.name, kind.unit, each.recorded.keys, recorded, again, gaps)
             )
-    return made
+    return rows
 
 
 def compute_differences(x: Column, y: Column, turning: bool) -> Column:

@@ -23,8 +23,8 @@ NODES = {  # module and model of each node's parameters, imported late because o
 def load_settings_model(node: str) -> type[Settings]:
     """Return the parameter model of a node."""
     module, name = NODES[node]
-    found: type[Settings] = getattr(import_module(module), name)
-    return found
+    model: type[Settings] = getattr(import_module(module), name)
+    return model
 
 
 def parse_settings(assignments: Sequence[str], nodes: Sequence[str]) -> dict[str, dict[str, Any]]:
@@ -34,7 +34,7 @@ def parse_settings(assignments: Sequence[str], nodes: Sequence[str]) -> dict[str
     `assignments`: each NODE.PARAMETER=VALUE. `nodes`: the nodes that are run again. Raise
     `BadInput` if a node is not run again, the parameter does not exist, or the value is invalid.
     """
-    found: dict[str, dict[str, Any]] = {}
+    settings: dict[str, dict[str, Any]] = {}
     for text in assignments:
         path, equals, value = text.partition('=')
         node, dot, name = path.strip().partition('.')
@@ -42,23 +42,23 @@ def parse_settings(assignments: Sequence[str], nodes: Sequence[str]) -> dict[str
             raise BadInput(f"--set '{text}' is not an assignment; write NODE.PARAMETER=VALUE.")
         if node not in nodes:
             raise unknown_name_error('replayed node', node, list(nodes))
-        found.setdefault(node, {})[name] = parse_typed_value(node, name, value)
-    for node, values in found.items():
+        settings.setdefault(node, {})[name] = parse_typed_value(node, name, value)
+    for node, values in settings.items():
         try:
             # Not strict, as in `NodeParameters`
             load_settings_model(node).model_validate(nest_names(values), strict=False)
         except ValidationError as error:
             raise BadInput(f'{node}: parameter {format_error(error)}') from None
-    return found
+    return settings
 
 
 def parse_typed_value(node: str, name: str, text: str) -> Any:  # noqa: ANN401 - of the parameter's type
     """Return a parameter's value from text, with the type that the node declares."""
-    known = {key: value for key, _, value in iterate_fields(load_settings_model(node)())}
-    if name not in known:
-        raise unknown_name_error(f'parameter of {node}', name, list(known))
-    if isinstance(known[name], str):
+    values = {key: value for key, _, value in iterate_fields(load_settings_model(node)())}
+    if name not in values:
+        raise unknown_name_error(f'parameter of {node}', name, list(values))
+    if isinstance(values[name], str):
         return text
     value = parse_yaml(text, f'{node}.{name}')
     # ROS would reject the integer 1 for a parameter of type double
-    return float(value) if isinstance(known[name], float) and type(value) is int else value
+    return float(value) if isinstance(values[name], float) and type(value) is int else value

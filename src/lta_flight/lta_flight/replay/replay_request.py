@@ -68,28 +68,28 @@ class ReplayRequest:
         replaced = [f'{name} {value}' for name, value in files.items() if value is not None]
         return replaced + [
             f'{node}.{name} = {value}'
-            for node, given in self.settings.items()
-            for name, value in given.items()
+            for node, settings in self.settings.items()
+            for name, value in settings.items()
         ]
 
 
 def parse_nodes(text: str) -> tuple[str, ...]:
     """Return the nodes of a comma-separated list; raise `BadInput` for an unknown one."""
     names = tuple(dict.fromkeys(word.strip() for word in text.split(',') if word.strip()))
-    known = list_replayable_roles(load_topic_table())
+    roles = list_replayable_roles(load_topic_table())
     for name in names:
-        if name not in known:
-            raise unknown_name_error('node', name, known)
+        if name not in roles:
+            raise unknown_name_error('node', name, roles)
     if not names:
         raise BadInput(
-            f'No node to replay was given; name one or more with --nodes: {", ".join(known)}.'
+            f'No node to replay was given; name one or more with --nodes: {", ".join(roles)}.'
         )
     return names
 
 
 def read_recorded_settings(provenance: Mapping[str, str]) -> dict[str, dict[str, Any]]:
     """Return the node parameters that were set for a flight in one process, by node."""
-    found: dict[str, dict[str, Any]] = {}
+    settings: dict[str, dict[str, Any]] = {}
     # `lta simulate` joins its changes with '; '
     for text in filter(None, provenance.get('set', '').split('; ')):
         path, value = parse_assignment(text)
@@ -99,8 +99,8 @@ def read_recorded_settings(provenance: Mapping[str, str]) -> dict[str, dict[str,
             quantity = parse_quantity(value)
             # Node parameters are in SI without units
             plain = value if quantity is None else Quantity.model_validate(quantity).si
-            found.setdefault(node, {})[prefix + below] = plain
-    return found
+            settings.setdefault(node, {})[prefix + below] = plain
+    return settings
 
 
 def check_request(order: ReplayRequest, flight: RecordedFlight) -> None:
@@ -175,12 +175,12 @@ def build_launch_plan(order: ReplayRequest, flight: RecordedFlight, folder: Path
         changed |= {node: {**changed.get(node, {}), **own} for node, own in settings.items()}
     arguments = build_launch_arguments(order, flight, folder)
     plan = load_plan(find_file('launch file', 'fly', '.launch.yaml'), arguments)
-    wanted = ('player', *selection.nodes)
+    roles = ('player', *selection.nodes)
     return LaunchPlan(
         tuple(
             with_parameters(process, changed.get(process.name, {}))
             for process in plan.processes
-            if process.name in wanted
+            if process.name in roles
         )
     )
 

@@ -82,11 +82,11 @@ def build_tiles(verdict: ReplayVerdict) -> list[Tile]:
     """Return tiles for the verdict and each kind of decision."""
     total = sum(topic.count for topic in verdict.topics)
     differing = sum(topic.differing for topic in verdict.topics)
-    made = [
+    tiles = [
         Tile('verdict', NAMES[verdict.word], '', format_count(len(verdict.topics), 'topic')),
         Tile('messages', str(total), '', f'{differing} differ'),
     ]
-    return made + [
+    return tiles + [
         Tile(
             each.name,
             str(each.change_count),
@@ -243,8 +243,8 @@ def to_json(
 def describe_provenance(provenance: Mapping[str, str]) -> dict[str, str]:
     """Return the provenance of the recording."""
     names = ('vehicle', 'scenario', 'strategy', 'seed', 'time', 'created', 'commit', 'platform')
-    known = {name: provenance[name] for name in names if name in provenance}
-    return known or {'recording': 'has no provenance'}
+    entries = {name: provenance[name] for name in names if name in provenance}
+    return entries or {'recording': 'has no provenance'}
 
 
 def suggest_commands(order: ReplayRequest) -> dict[str, str]:

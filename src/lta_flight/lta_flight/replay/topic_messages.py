@@ -55,12 +55,12 @@ def read_topic(bag: Bag, name: str, row: Topic) -> TopicMessages:
             for field, table in stack_points(kind, messages).items()
             for k, column in enumerate(table.T)
         }
-    found = TopicMessages(np.array(keys, np.int64), numbers, texts)
+    topic_content = TopicMessages(np.array(keys, np.int64), numbers, texts)
     if not row.stamped:
-        return found.select_rows(np.argsort(found.keys, kind='stable'))
+        return topic_content.select_rows(np.argsort(topic_content.keys, kind='stable'))
     # Sort by stamp and drop repeated messages
-    _, first = np.unique(found.keys, return_index=True)
-    return found.select_rows(first)
+    _, first = np.unique(topic_content.keys, return_index=True)
+    return topic_content.select_rows(first)
 
 
 def pair_messages(

@@ -122,7 +122,7 @@ def compare_with_recording(
     compare. Raise `BadInput` if the recording has none of these topics.
     """
     table = load_topic_table()
-    found = []
+    topic_comparisons = []
     for name in topics:
         row = table[name]
         then = read_topic(recorded.bag, resolve_topic(recorded.robot, name), row)
@@ -133,12 +133,16 @@ def compare_with_recording(
             # Recorded messages outside the section have no counterpart
             inside = (then.keys >= now.keys[0]) & (then.keys <= now.keys[-1])
             then = then.select_rows(inside.nonzero()[0])
-        found.append(compare_topic(name, then, now, row.stamped))
-    if not any(topic.count for topic in found):
+        topic_comparisons.append(compare_topic(name, then, now, row.stamped))
+    if not any(topic.count for topic in topic_comparisons):
         raise BadInput(
             f"'{recorded.bag.path}' has no message of {', '.join(topics)} to compare with; replay "
             'it without --against.'
         )
-    kept = tuple(topic for topic in found if topic.count or any(topic.unmatched))
+    with_messages = tuple(
+        topic for topic in topic_comparisons if topic.count or any(topic.unmatched)
+    )
     place = find_origin_differences(recorded.provenance, describe_environment())
-    return ReplayVerdict(kept, tuple(compare_decisions(kept)), tuple(place), recorded.start)
+    return ReplayVerdict(
+        with_messages, tuple(compare_decisions(with_messages)), tuple(place), recorded.start
+    )

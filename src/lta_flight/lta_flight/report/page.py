@@ -111,8 +111,8 @@ def build_panel(panel: FlightPanel, view: FlightView) -> Picture | TextSection:
     # A recording of other robots may lack topics
     if missing := [topic for topic in panel.needs if not view.has_topics(topic)]:
         return TextSection(panel.title, [f'The recording has nothing on {" and ".join(missing)}.'])
-    drawn, height = panel.picture(view), HEIGHTS.get(panel.name, 270)
-    return Picture(panel.name, panel.title, panel.caption, drawn, height, timed=panel.timed)
+    figure, height = panel.picture(view), HEIGHTS.get(panel.name, 270)
+    return Picture(panel.name, panel.title, panel.caption, figure, height, timed=panel.timed)
 
 
 def describe_setup(provenance: Mapping[str, str]) -> str:
@@ -150,8 +150,8 @@ def build_result_table(results: FlightResults, *, with_paper: bool) -> TextTable
 
 def describe_provenance(flight: RecordedFlight) -> dict[str, str]:
     """Return the provenance of the data."""
-    found = {key: value for key, value in flight.provenance.items() if key not in FILES}
-    return found | {
+    entries = {key: value for key, value in flight.provenance.items() if key not in FILES}
+    return entries | {
         # Losses are shown, because they may explain gaps in the figures
         'recording': 'complete' if flight.bag.is_complete else ' '.join(flight.bag.losses)
     }
@@ -174,12 +174,12 @@ def suggest_commands(view: FlightView, bag: Path) -> dict[str, str]:
 
 def format_repeat_command(provenance: Mapping[str, str]) -> str:
     """Return the command that repeats a flight; a moved start needs `lta launch`."""
-    given = {key: provenance[key] for key in CHOSEN if key in provenance}
+    choices = {key: provenance[key] for key in CHOSEN if key in provenance}
     moved = {key: provenance[key] for key in MOVED if key in provenance}
     if moved:
         return format_lta_command(
-            'launch', 'fly', *(f'{key}:={value}' for key, value in (given | moved).items())
+            'launch', 'fly', *(f'{key}:={value}' for key, value in (choices | moved).items())
         )
     return format_lta_command(
-        'fly', *(word for key, value in given.items() for word in (f'--{key}', value))
+        'fly', *(word for key, value in choices.items() for word in (f'--{key}', value))
     )

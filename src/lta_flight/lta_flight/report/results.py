@@ -132,7 +132,7 @@ class FlightPhases(NamedTuple):
 def compute_results(view: FlightDataSource) -> FlightResults:
     """Return the results of a flight."""
     phases = find_phases(view)
-    found: dict[str, float] = {
+    metrics: dict[str, float] = {
         'lift_off': phases.lift_off,
         'search_start': phases.search,
         'end': phases.end,
@@ -143,13 +143,13 @@ def compute_results(view: FlightDataSource) -> FlightResults:
         **compute_energy_metrics(view, phases),
         **compute_gas_metrics(view, phases),
     }
-    known: dict[str, Any] = {
+    converted: dict[str, Any] = {
         # Keeps bools and counts as they are
         name: value if isinstance(value, int) else float(value)
-        for name, value in found.items()
+        for name, value in metrics.items()
         if np.isfinite(value)
     }
-    return FlightResults(**known)
+    return FlightResults(**converted)
 
 
 def find_phases(view: FlightDataSource) -> FlightPhases:
@@ -171,9 +171,9 @@ def find_cruise_start(view: FlightDataSource, search: float) -> float:
     if not view.has_topics('ground_truth/odom') or not np.isfinite(search):
         return np.nan
     truth = view.truth
-    asked = hold_last(truth.time, view.speed_setpoint)
+    setpoint = hold_last(truth.time, view.speed_setpoint)
     # A setpoint of 0 would be reached by standing still
-    fast = (truth.time >= search) & (asked > 0.0) & (truth.speed >= CRUISING * asked)
+    fast = (truth.time >= search) & (setpoint > 0.0) & (truth.speed >= CRUISING * setpoint)
     return find_first_time(truth.time, fast)
 
 
@@ -209,8 +209,8 @@ def compute_goal_metrics(view: FlightDataSource, phases: FlightPhases) -> dict[s
     next_lamp = min(len(goal.arrivals), len(goal.places) - 1)
     away = goal.lamp_distance(truth)[goal.leg_index(truth.time) == next_lamp]
     # The path ends at the goal, even if the recording goes on
-    flown = truth.time <= phases.end
-    path = float(np.hypot(np.diff(truth.x[flown]), np.diff(truth.y[flown])).sum())
+    before_end = truth.time <= phases.end
+    path = float(np.hypot(np.diff(truth.x[before_end]), np.diff(truth.y[before_end])).sum())
     end = phases.end if goal.is_reached else np.nan
     return {
         'success': goal.is_reached,
@@ -229,19 +229,19 @@ def compute_cruise_metrics(view: FlightDataSource, phases: FlightPhases) -> dict
     if not view.has_topics('ground_truth/odom'):
         return {}
     truth = view.truth
-    flown = is_cruising(view, phases, truth.time)
-    speed, height = truth.speed[flown], truth.z[flown]
-    found = {
+    cruising = is_cruising(view, phases, truth.time)
+    speed, height = truth.speed[cruising], truth.z[cruising]
+    metrics = {
         'airspeed': mean_or_nan(speed),
         'airspeed_spread': float(np.std(speed)) if len(speed) else np.nan,
         'altitude': mean_or_nan(height),
-        'heading_error': rms(view.goal.lamp_direction(truth)[flown]),
+        'heading_error': rms(view.goal.lamp_direction(truth)[cruising]),
     }
     if view.has_topics('setpoint/pose'):
-        found['altitude_error'] = rms(
-            height - hold_last(truth.time[flown], view.altitude_setpoint)
+        metrics['altitude_error'] = rms(
+            height - hold_last(truth.time[cruising], view.altitude_setpoint)
         )
-    return found
+    return metrics
 
 
 def is_cruising(view: FlightDataSource, phases: FlightPhases, time: Array) -> Flags:
@@ -255,18 +255,18 @@ def is_cruising(view: FlightDataSource, phases: FlightPhases, time: Array) -> Fl
 
 def compute_light_metrics(view: FlightDataSource, phases: FlightPhases) -> dict[str, float]:
     """Return the quality of the light measurements during the search."""
-    found: dict[str, float] = {}
+    metrics: dict[str, float] = {}
     if view.has_topics('light/estimate'):
-        found |= compute_direction_error('lamp', view, phases, view.sighting)
+        metrics |= compute_direction_error('lamp', view, phases, view.sighting)
     if view.has_topics('light/bearing'):
-        found |= compute_direction_error('bearing', view, phases, view.bearing)
+        metrics |= compute_direction_error('bearing', view, phases, view.bearing)
     if view.has_topics('light/peaks'):
         time, parts = view.peaks
         best = parts['snr'].max(axis=1)[is_in_interval(time, phases.search, phases.end)]
         if len(best):
-            found['snr_start'] = float(np.median(best[:ENDS]))
-            found['snr_end'] = float(np.median(best[-ENDS:]))
-    return found
+            metrics['snr_start'] = float(np.median(best[:ENDS]))
+            metrics['snr_end'] = float(np.median(best[-ENDS:]))
+    return metrics
 
 
 def compute_direction_error(
@@ -276,16 +276,16 @@ def compute_direction_error(
     time, angle = arrow
     # Before the search the drone stands or climbs and does not steer by the lamp
     searched = is_in_interval(time, phases.search, phases.end)
-    found = {f'{name}_share': mean_or_nan(np.isfinite(angle[searched]))}
+    metrics = {f'{name}_share': mean_or_nan(np.isfinite(angle[searched]))}
     if not view.has_topics('ground_truth/odom'):
-        return found
+        return metrics
     truth = view.truth
     x, y, yaw = (interpolate(time, truth.time, part) for part in (truth.x, truth.y, truth.yaw))
     there = truth._replace(time=time, x=x, y=y, yaw=yaw)
     error = wrap_angle(angle - beacon_direction(view, there))[searched]
-    known = np.abs(error[np.isfinite(error)])
-    middle = float(np.median(known)) if len(known) else np.nan
-    return found | {f'{name}_error': rms(error), f'{name}_median': middle}
+    finite = np.abs(error[np.isfinite(error)])
+    middle = float(np.median(finite)) if len(finite) else np.nan
+    return metrics | {f'{name}_error': rms(error), f'{name}_median': middle}
 
 
 def beacon_direction(view: FlightDataSource, motion: MotionCurve) -> Array:
@@ -306,12 +306,12 @@ def compute_estimate_errors(view: FlightDataSource, phases: FlightPhases) -> dic
     if not view.has_topics('ground_truth/odom', 'odom'):
         return {}
     estimate, truth = view.estimate, view.truth
-    flown = is_in_interval(estimate.time, phases.lift_off, phases.end)
-    time = estimate.time[flown]
+    in_flight = is_in_interval(estimate.time, phases.lift_off, phases.end)
+    time = estimate.time[in_flight]
     # Both are unwrapped and equal at the start, so no wrapping here
-    yaw = estimate.yaw[flown] - interpolate(time, truth.time, truth.yaw)
-    height = estimate.z[flown] - interpolate(time, truth.time, truth.z)
-    speed = estimate.speed[flown] - interpolate(time, truth.time, truth.speed)
+    yaw = estimate.yaw[in_flight] - interpolate(time, truth.time, truth.yaw)
+    height = estimate.z[in_flight] - interpolate(time, truth.time, truth.z)
+    speed = estimate.speed[in_flight] - interpolate(time, truth.time, truth.speed)
     return {
         'altitude_estimate_error': rms(height),
         'airspeed_estimate_error': rms(speed),

@@ -32,13 +32,13 @@ def select_sample_blocks(view: FlightView) -> list[SampleBlock]:
     # A flight without a search shows the ends of the recording
     chosen = searched if len(searched) else np.arange(len(time))
     rate = load_topic_table().light.sample_rate.si
-    found = []
+    blocks = []
     ends = (int(chosen[0]), int(chosen[-1]))
     for k, samples, colour in zip(ends, view.read_blocks(ends), COLOURS, strict=True):
         block = samples.astype(np.float64)
         # The lamp modulates the light, so its diode has the largest deviation
         brightest = block[:, block.std(axis=0).argmax()]
-        found.append(
+        blocks.append(
             SampleBlock(
                 format_lamp_distance(view, float(time[k])),
                 colour,
@@ -46,7 +46,7 @@ def select_sample_blocks(view: FlightView) -> list[SampleBlock]:
                 brightest,
             )
         )
-    return found
+    return blocks
 
 
 def format_lamp_distance(view: FlightView, time: float) -> str:

@@ -72,7 +72,7 @@ def render_flight_scene(view: FlightView) -> str:
 
 def list_companions(view: FlightView, time: Array) -> list[SceneFlight]:
     """Return the other robots of the bag as ghosts."""
-    bag, found = view.flight.bag, list[SceneFlight]()
+    bag, companions = view.flight.bag, list[SceneFlight]()
     for robot in list_robots(bag):
         if robot == view.flight.robot:
             continue
@@ -85,9 +85,9 @@ def list_companions(view: FlightView, time: Array) -> list[SceneFlight]:
         own = truth.time + (other.flight.start - view.flight.start) * 1e-9
         place = interpolate_columns(time, own, truth.vector(POSITION))
         turn = interpolate_attitude(time, own, truth.vector(ATTITUDE))
-        colour = COMPANIONS[len(found) % len(COMPANIONS)]
-        found.append(SceneFlight(robot, colour, body, place, turn, ghost=True))
-    return found
+        colour = COMPANIONS[len(companions) % len(COMPANIONS)]
+        companions.append(SceneFlight(robot, colour, body, place, turn, ghost=True))
+    return companions
 
 
 def sample_thrust(

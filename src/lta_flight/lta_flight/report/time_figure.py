@@ -23,7 +23,7 @@ def create_time_figure(
         (phases.end, 'at the lamp', 'right'),
     )
     # False for NaN, a phase that never began
-    shown = [mark for mark in marks if view.span[0] < mark[0] < view.span[1]]
+    visible = [mark for mark in marks if view.span[0] < mark[0] < view.span[1]]
     # All at once: to add one, plotly copies those that are there
     return figure.update_layout(
         shapes=[
@@ -32,13 +32,13 @@ def create_time_figure(
                 'yref': 'paper', 'layer': 'below',
                 'line': {'color': WALL, 'width': 1, 'dash': '2px,3px'},
             }
-            for time, _, _ in shown
+            for time, _, _ in visible
         ],
         annotations=[
             {
                 'x': time, 'y': 1.0, 'yref': 'paper', 'yanchor': 'bottom', 'text': text,
                 'xanchor': side, 'font': {'size': 10, 'color': SOFT},
             }
-            for time, text, side in shown
+            for time, text, side in visible
         ],
     )  # fmt: skip

@@ -191,8 +191,8 @@ class FlightView:
         if which not in self._blocks:
             # The bag is read in order; `places` restores the requested order
             order, places = np.unique(which, return_inverse=True)
-            found = self.flight.read_blocks('photodiodes', order.tolist())
-            self._blocks[which] = found.samples[places]
+            blocks = self.flight.read_blocks('photodiodes', order.tolist())
+            self._blocks[which] = blocks.samples[places]
         return self._blocks[which]
 
     @cached_property

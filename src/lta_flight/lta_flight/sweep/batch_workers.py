@@ -80,15 +80,15 @@ class BatchWorkers:
         """Yield the jobs of one batch with their rows; those that cannot be built have failed."""
         begun = time.monotonic()
         places: dict[str, int | str] = {}
-        made: list[BatchFlight] = []
+        flights: list[BatchFlight] = []
         which, seeds, flyable = [], [], []
         for job in jobs:
             # Jobs that differ only in their seed have equal changes
             name = repr(job.changes)
             if name not in places:
                 try:
-                    made.append(self._build_flight(self._base.with_values(job.changes)))
-                    places[name] = len(made) - 1
+                    flights.append(self._build_flight(self._base.with_values(job.changes)))
+                    places[name] = len(flights) - 1
                 except BadInput as error:
                     places[name] = str(error)
             place = places[name]
@@ -101,12 +101,14 @@ class BatchWorkers:
             flyable.append(job)
         if not flyable:
             return
-        flown = fly_many(made, seeds, self._device, closed=not self._duties, which=np.array(which))
+        results = fly_many(
+            flights, seeds, self._device, closed=not self._duties, which=np.array(which)
+        )
         # All flights run at once, so each gets an equal share of the time
         wall = (time.monotonic() - begun) / len(jobs)
-        for job, place, numbers in zip(flyable, which, flown.tolist(), strict=True):
+        for job, place, numbers in zip(flyable, which, results.tolist(), strict=True):
             outputs = dict(zip(FIGURES, numbers, strict=True))
-            yield job, build_sweep_row(job, made[place], outputs, wall)
+            yield job, build_sweep_row(job, flights[place], outputs, wall)
 
 
 def build_sweep_row(

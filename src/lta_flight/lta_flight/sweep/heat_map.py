@@ -41,13 +41,13 @@ def plot_heat_map(
     share: list[list[float | None]] = [[None] * len(xs) for _ in ys]
     times: list[list[float | None]] = [[None] * len(xs) for _ in ys]
     for (i, x), (j, y) in product(enumerate(xs), enumerate(ys)):
-        if found := cells.get((x, y)):
-            reached = [row for row in found if row.outcome == REACHED]
-            share[j][i] = 100.0 * len(reached) / len(found)
+        if cell_rows := cells.get((x, y)):
+            reached = [row for row in cell_rows if row.outcome == REACHED]
+            share[j][i] = 100.0 * len(reached) / len(cell_rows)
             spent = [row.figures.get('search_time') for row in reached]
-            known = [value for value in spent if value is not None]
+            times_reached = [value for value in spent if value is not None]
             # None leaves the cell empty
-            times[j][i] = median(known) if known else None
+            times[j][i] = median(times_reached) if times_reached else None
     figure = create_figure(2, [0.5, 0.5])
     for line, (grid, words) in enumerate(((share, 'reached [%]'), (times, 'time [s]')), start=1):
         add_map(figure, xs, ys, grid, words, line)

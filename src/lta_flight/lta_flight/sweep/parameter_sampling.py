@@ -46,17 +46,17 @@ def sample_parameter(how: Distribution, path: str, seed: int, sample: int) -> An
 
 
 def _draw_normal(how: NormalDistribution, path: str, chance: Generator) -> Any:  # noqa: ANN401 - YAML's
-    given = [how.mean, how.deviation, how.low, how.high]
-    (mean, deviation, low, high), unit = _convert_to_common_unit(given, path)
+    numbers = [how.mean, how.deviation, how.low, how.high]
+    (mean, deviation, low, high), unit = _convert_to_common_unit(numbers, path)
     if mean is None or deviation is None or deviation < 0.0:
         raise BadInput(
             f'{path} has the standard deviation {format_value(how.deviation)}; it must be at '
             'least 0.'
         )
     for _ in range(TRIES):
-        found = float(chance.normal(mean, deviation))
-        if (low is None or found >= low) and (high is None or found <= high):
-            return _build_quantity(found, unit)
+        sample = float(chance.normal(mean, deviation))
+        if (low is None or sample >= low) and (high is None or sample <= high):
+            return _build_quantity(sample, unit)
     raise BadInput(
         f'The normal distribution of {path} gives almost no values between low and high; change '
         'mean, low or high.'
@@ -86,20 +86,20 @@ def _convert_to_common_unit(items: list[Any], path: str) -> tuple[list[float | N
 
 
 def _convert_number(value: Any, unit: str, path: str) -> float:  # noqa: ANN401 - YAML's
-    found = parse_quantity(value)
-    number = value if found is None else found['value']
+    quantity = parse_quantity(value)
+    number = value if quantity is None else quantity['value']
     plain = isinstance(number, int | float) and not isinstance(number, bool)
-    if not plain or (found is None) != (unit == ''):
+    if not plain or (quantity is None) != (unit == ''):
         raise BadInput(
             f'{path} has {format_value(value)} in its distribution; give all numbers '
             'either with or without a unit.'
         )
     # No conversion, to avoid a rounding error
-    if found is None or found['unit'] == unit:
+    if quantity is None or quantity['unit'] == unit:
         return float(number)
-    if found['unit'] not in UNITS or UNITS[found['unit']][0] != UNITS[unit][0]:
-        raise BadInput(f'{path} mixes {unit} and {found["unit"]}; use compatible units.')
-    return float(number) * UNITS[found['unit']][1] / UNITS[unit][1]
+    if quantity['unit'] not in UNITS or UNITS[quantity['unit']][0] != UNITS[unit][0]:
+        raise BadInput(f'{path} mixes {unit} and {quantity["unit"]}; use compatible units.')
+    return float(number) * UNITS[quantity['unit']][1] / UNITS[unit][1]
 
 
 def _build_quantity(number: float, unit: str) -> Any:  # noqa: ANN401 - YAML's

@@ -59,16 +59,16 @@ def plot_histogram(rows: Sequence[SweepRow], measure: PlottedResult) -> Figure:
 def plot_by_parameter(rows: Sequence[SweepRow], path: str, unit: str, even_in_log: bool) -> Figure:
     """Return a figure of reached share, time and path over one parameter."""
     figure = create_figure(3, [0.3, 0.35, 0.35])
-    found = group_by_parameter(rows, path)
+    groups = group_by_parameter(rows, path)
     # Names, such as strategies, need a categorical axis
-    words = any(isinstance(group.place, str) for group in found)
+    words = any(isinstance(group.place, str) for group in groups)
     # There are fewer groups than values, so the parameter was drawn at random
-    drawn = len(found) < len({str(row.values[path]) for row in rows})
-    add_shares(figure, found)
+    is_binned = len(groups) < len({str(row.values[path]) for row in rows})
+    add_shares(figure, groups)
     for line, measure in enumerate(MEASURES, start=2):
-        if drawn:
+        if is_binned:
             add_dots(figure, rows, path, measure, line)
-        add_boxes(figure, found, measure, line, dots=not drawn)
+        add_boxes(figure, groups, measure, line, dots=not is_binned)
         figure.update_yaxes(title_text=f'{measure.title} [{measure.unit}]', row=line)
     title = f'{path} [{unit}]' if unit else path
     figure.update_xaxes(type='category' if words else 'log' if even_in_log else None)
@@ -108,14 +108,14 @@ def add_dots(
     """Add each flight that reached its goal as a dot."""
     # Rounded up, so that at most DOTS are shown
     step = -(-len(rows) // DOTS)
-    shown = [row for row in rows[::step] if collect_result_values([row], measure.name)]
+    arrivals = [row for row in rows[::step] if collect_result_values([row], measure.name)]
     figure.add_trace(
         Scatter(
-            x=[row.values[path] for row in shown],
-            y=[row.figures[measure.name] for row in shown],
+            x=[row.values[path] for row in arrivals],
+            y=[row.figures[measure.name] for row in arrivals],
             mode='markers', name='flights',
             marker={'color': measure.colour, 'size': 4, 'opacity': 0.45},
-            text=[f'flight {row.index}, seed {row.seed}' for row in shown],
+            text=[f'flight {row.index}, seed {row.seed}' for row in arrivals],
             hovertemplate=f'%{{y:.2f}} {measure.unit}<br>%{{text}}<extra></extra>',
         ),
         row=line, col=1,

@@ -117,11 +117,11 @@ class SweepPlan:
     def _list_names(self, paths: Collection[str]) -> set[tuple[str, Any]]:
         """Return path and name of everything that is varied as a whole."""
         ways = self.file.vary.items()
-        drawn = {path: how.choice or [] for path, how in ways if isinstance(how, Distribution)}
-        varied = self.lists | drawn
+        choices = {path: how.choice or [] for path, how in ways if isinstance(how, Distribution)}
+        varied = self.lists | choices
         single = [{path: value} for path in paths for value in varied.get(path, ())]
-        given = [*self.cases.values(), *single]
-        return {(path, values[path]) for values in given for path in paths if path in values}
+        assignments = [*self.cases.values(), *single]
+        return {(path, values[path]) for values in assignments for path in paths if path in values}
 
     def build_job(self, index: int) -> SweepJob:
         """Return one flight by index; the samples or seeds of a grid point are consecutive."""
@@ -177,20 +177,20 @@ class SweepPlan:
             return list(self.lists[path])
         if how.choice is not None:
             return [parse_value(value, path) for value in how.choice]
-        drawn = [
+        samples = [
             sample_parameter(how, path, self.file.seeds.first, k)
             for k in range(self.file.draws_per_point)
         ]
-        numbers = [convert_to_si(value) for value in drawn]
+        numbers = [convert_to_si(value) for value in samples]
         # The least and the greatest number that will really be drawn
-        return [drawn[numbers.index(end(numbers))] for end in (min, max)]
+        return [samples[numbers.index(end(numbers))] for end in (min, max)]
 
     def _find_unit(self, path: str) -> str:
         """Return the SI unit of a parameter that the files omit."""
         how = self.file.vary[path]
-        given = how if isinstance(how, list) else list(iterate_distribution_values(how))
-        found = parse_quantity(parse_value(given[0], path))
-        return '' if found is None else UNITS.get(found['unit'], ('',))[0]
+        values = how if isinstance(how, list) else list(iterate_distribution_values(how))
+        quantity = parse_quantity(parse_value(values[0], path))
+        return '' if quantity is None else UNITS.get(quantity['unit'], ('',))[0]
 
 
 def iterate_distribution_values(how: Distribution) -> Iterator[Any]:
@@ -205,8 +205,8 @@ def iterate_distribution_values(how: Distribution) -> Iterator[Any]:
 
 def convert_to_si(value: Any) -> Any:  # noqa: ANN401 - what YAML holds
     """Return a value as in the table: numbers in SI, anything else unchanged."""
-    found = parse_quantity(value)
-    if found is None:
+    quantity = parse_quantity(value)
+    if quantity is None:
         return value
-    numbers = Quantity.model_validate(found)
+    numbers = Quantity.model_validate(quantity)
     return list(numbers.vector) if isinstance(numbers.value, tuple) else numbers.si

@@ -66,12 +66,12 @@ def format_headline(plan: SweepPlan, rows: Sequence[SweepRow]) -> str:
     """Return the result in a sentence."""
     share = reached_share(rows)
     failed = sum(row.outcome == FAILED for row in rows)
-    flown = len(rows) - failed
+    completed = len(rows) - failed
     # An interrupted sweep states how many flights it has
     begun = '' if len(rows) == plan.count else f' (of {plan.count} planned)'
     if not rows:
         return f'None of the {plan.count} planned flights has finished.'
-    if not flown:
+    if not completed:
         return f'{format_count(len(rows), "flight")}{begun}: none could be flown.'
     reached = sum(row.outcome == REACHED for row in rows)
     ends = f'{100 * share.low:.1f} to {100 * share.high:.1f} %'
@@ -88,9 +88,9 @@ def build_tiles(rows: Sequence[SweepRow]) -> list[Tile]:
     ends = f'{100 * share.low:.1f} to {100 * share.high:.1f} % (Wilson, 95 %)'
     broken = sum(row.outcome == FAILED for row in rows)
     wall = sum(row.wall for row in rows)
-    flown = len(rows) - broken
+    completed = len(rows) - broken
     return [
-        Tile('Reached', format_number(100 * share.value if flown else None, 1), '%', ends),
+        Tile('Reached', format_number(100 * share.value if completed else None, 1), '%', ends),
         *(build_summary_tile(rows, *words) for words in (
             ('search_time', 'Time to the lamp', 's', 1), ('path_length', 'Path', 'm', 2),
             ('airspeed', 'Airspeed', 'm/s', 2), ('energy', 'Energy', 'J', 1))),
@@ -156,8 +156,8 @@ def convert_to_grams(
     small = all(isinstance(value, int | float) and abs(value) < SMALL for value in values)
     if unit != 'kg' or not small:
         return rows, path, unit
-    shown = [replace(row, values={**row.values, path: 1e3 * row.values[path]}) for row in rows]
-    return shown, path, 'g'
+    converted = [replace(row, values={**row.values, path: 1e3 * row.values[path]}) for row in rows]
+    return converted, path, 'g'
 
 
 def list_lost_flights(rows: Sequence[SweepRow]) -> list[SweepRow]:

@@ -97,8 +97,8 @@ def sweep_once(order: SweepRequest, console: Console) -> SweepRun:
             rows = [store.results[index] for index in sorted(store.results)]
             # Also after Ctrl-C, from the flights in the store
             path = write_sweep_table(plan, rows, folder, order)
-        flown = len(rows) - len(done)
-        return SweepRun(order, plan, rows, folder, path, flown, workers.lost, wall, failure)
+        new_flights = len(rows) - len(done)
+        return SweepRun(order, plan, rows, folder, path, new_flights, workers.lost, wall, failure)
 
 
 def create_workers(order: SweepRequest, plan: SweepPlan) -> Workers[SweepJob, SweepRow]:

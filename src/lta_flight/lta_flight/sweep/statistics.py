@@ -53,14 +53,14 @@ def wilson_interval(hits: int, count: int) -> ShareInterval:
 
 def reached_share(rows: Sequence[SweepRow]) -> ShareInterval:
     """Return the share of flights that reached their goal; failed ones are left out."""
-    flown = [row for row in rows if row.outcome != FAILED]
-    return wilson_interval(sum(row.outcome == REACHED for row in flown), len(flown))
+    completed = [row for row in rows if row.outcome != FAILED]
+    return wilson_interval(sum(row.outcome == REACHED for row in completed), len(completed))
 
 
 def collect_result_values(rows: Sequence[SweepRow], name: str) -> list[float]:
     """Return one result of every successful flight that has it."""
-    found = [row.figures.get(name) for row in rows if row.outcome == REACHED]
-    return [float(value) for value in found if value is not None]
+    values = [row.figures.get(name) for row in rows if row.outcome == REACHED]
+    return [float(value) for value in values if value is not None]
 
 
 def group_by_parameter(rows: Sequence[SweepRow], path: str) -> list[ParameterGroup]:
@@ -72,14 +72,14 @@ def group_by_parameter(rows: Sequence[SweepRow], path: str) -> list[ParameterGro
     # Up to GROUPS values each get their own group anyway
     few = grid or len(distinct) <= GROUPS
     if few or not all(map(is_number, values)):
-        found = [ParameterGroup(name, name, []) for name in distinct]
-        by_name = {group.name: group for group in found}
+        groups = [ParameterGroup(name, name, []) for name in distinct]
+        by_name = {group.name: group for group in groups}
         for row, value in zip(rows, values, strict=True):
             by_name[format_value(value)].rows.append(row)
         if all(map(is_number, values)):
-            found = [g._replace(place=float(g.rows[0].values[path])) for g in found]
-            found.sort(key=lambda group: float(group.place))
-        return found
+            groups = [g._replace(place=float(g.rows[0].values[path])) for g in groups]
+            groups.sort(key=lambda group: float(group.place))
+        return groups
     # A stable sort keeps equal values in the order of their flights
     order = np.argsort(np.array(values, dtype=np.float64), kind='stable')
     return [

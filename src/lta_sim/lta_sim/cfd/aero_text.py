@@ -39,9 +39,9 @@ def format_quantity(value: float | Sequence[float], unit: str, source: str) -> d
 
 def _describe_source(sweep: TunnelSweep, axes: Sequence[Axis]) -> str:
     """Return the source of the coefficients of three axes."""
-    flown = [axis for axis in axes if select_solved_points(sweep, axis)]
-    hand = [axis for axis in axes if axis not in flown]
-    sources = [f'{sweep.engine}, {sweep.fidelity}: {", ".join(flown)}'] if flown else []
+    solved = [axis for axis in axes if select_solved_points(sweep, axis)]
+    hand = [axis for axis in axes if axis not in solved]
+    sources = [f'{sweep.engine}, {sweep.fidelity}: {", ".join(solved)}'] if solved else []
     return '; '.join(sources + ([f'by hand: {", ".join(hand)}'] if hand else []))
 
 

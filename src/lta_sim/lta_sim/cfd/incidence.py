@@ -39,7 +39,7 @@ def compare_inclined_flows(sweep: TunnelSweep) -> list[InclinedFlow]:
     """Return the flows of a sweep with the nose up, by incidence; level flight has no moment."""
     fits = fit_drag_by_axis(sweep)
     along, _, upright, *_ = hull.added_mass(load_vehicle_file(sweep.vehicle).hull, sweep.density)
-    found = []
+    comparisons = []
     for name, point in sweep.inclined.items():
         angle = math.radians(INCIDENCES[name])
         c, s = math.cos(angle), math.sin(angle)
@@ -47,7 +47,7 @@ def compare_inclined_flows(sweep: TunnelSweep) -> list[InclinedFlow]:
         by_axis = (-fits['surge'].drag_at(forward), fits['heave'].drag_at(down))
         normal = point.force[2] - by_axis[1]
         pressure = 0.5 * sweep.density * point.speed**2
-        found.append(
+        comparisons.append(
             InclinedFlow(
                 INCIDENCES[name],
                 point,
@@ -58,4 +58,4 @@ def compare_inclined_flows(sweep: TunnelSweep) -> list[InclinedFlow]:
                 normal / (pressure * sweep.frontal[2] * angle),
             )
         )
-    return sorted(found, key=lambda flow: flow.incidence)
+    return sorted(comparisons, key=lambda flow: flow.incidence)

@@ -60,11 +60,11 @@ def plan_validation_flows(model: TunnelModel, fidelity: str, air: Air) -> list[T
                 'wind', 'surge', build_steady_wind_case(model, 'surge', viscosity, COARSE), SPEEDS
             ),
         ]
-    wanted = [
+    cases = [
         (speed, choose_mesh_fineness(model, viscosity, speed), long) for speed, long in TRANSIENTS
     ]
     flows = []
-    for speed, fine, lengths in (*wanted, (MIDDLE, ROUGH, LENGTHS)):
+    for speed, fine, lengths in (*cases, (MIDDLE, ROUGH, LENGTHS)):
         case = build_transient_wind_case(model, 'surge', viscosity, fine, speed, lengths)
         named = replace(case, name=f'{case.name}, hull at level {fine.hull}')
         flows.append(TunnelFlow('transient', 'surge', named, (speed,)))

@@ -35,7 +35,7 @@ def _row_offset(name: str, layout: EffectLayout) -> int:
         **VARIABLES,
     }
     names = list(counts)
-    return sum(counts[known] for known in names[: names.index(name)])
+    return sum(counts[column] for column in names[: names.index(name)])
 
 
 def _format_column(block: str, first: int, count: int, width: str) -> str:
@@ -154,15 +154,15 @@ class ColumnAccess:
     def _write_loop(self, name: str, run: list[ModelStage], layout: EffectLayout) -> str:
         """Return stages as a function with one loop over vehicles."""
         lines: list[str] = []
-        known: set[str] = set()
+        loaded: set[str] = set()
         for stage in run:
-            new = [variable for variable in stage.reads if variable not in known]
+            new = [variable for variable in stage.reads if variable not in loaded]
             lines += [f'{each} = {self.format_all_numbers(each, layout)}' for each in new]
             lines += [*stage.prelude, *stage.lines]
             lines += [
                 f'{self.format_number("rate", k, layout)} = {value}' for k, value in stage.memory
             ]
-            known |= {*stage.reads, *stage.writes}
+            loaded |= {*stage.reads, *stage.writes}
         for variable in dict.fromkeys(each for stage in run for each in stage.writes):
             lines += [
                 f'{self.format_number(variable, k, layout)} = {variable}[{k}]'

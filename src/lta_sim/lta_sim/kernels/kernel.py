@@ -58,11 +58,11 @@ def _build_vehicle(
     start = np.asarray(state, dtype=np.float64)
     if start.shape != (LAYOUT.size,):
         raise ValueError(f'The state has the shape {start.shape}; it must be ({LAYOUT.size},).')
-    flown = SimulatedVehicle(model)
-    flown.state[:] = start
-    _copy_to_front('command', command, flown.command)
-    _copy_to_front('surroundings', surroundings, flown.surroundings)
-    return flown
+    vehicle = SimulatedVehicle(model)
+    vehicle.state[:] = start
+    _copy_to_front('command', command, vehicle.command)
+    _copy_to_front('surroundings', surroundings, vehicle.surroundings)
+    return vehicle
 
 
 def state_derivative(
@@ -91,10 +91,10 @@ def state_derivative(
         If an array has the wrong shape.
 
     """
-    flown = _build_vehicle(state, model, command, surroundings)
-    flown.evaluate_state()
+    vehicle = _build_vehicle(state, model, command, surroundings)
+    vehicle.evaluate_state()
     # A copy, because the row is reused
-    return flown.rate.copy()
+    return vehicle.rate.copy()
 
 
 def advance(
@@ -111,19 +111,19 @@ def advance(
     The quaternion is normalised after each step. The step `dt` [s] must be below about 2.7 times
     the shortest time constant. Other parameters are as for `state_derivative`.
     """
-    flown = _build_vehicle(state, model, command, surroundings)
-    flown.advance(float(dt), int(steps))
-    return flown.state.copy()
+    vehicle = _build_vehicle(state, model, command, surroundings)
+    vehicle.advance(float(dt), int(steps))
+    return vehicle.state.copy()
 
 
 def evaluate_model(
     state: ArrayLike, model: VehicleModel, command: ArrayLike, surroundings: ArrayLike = CALM
 ) -> ModelSnapshot:
     """Return wrenches, thrusts and rates of a vehicle at a state."""
-    flown = _build_vehicle(state, model, command, surroundings)
-    flown.evaluate_state()
-    wrenches = dict(zip(LAYOUT.wrench_names, flown.wrenches, strict=True))
-    return ModelSnapshot(wrenches, flown.thrusts, flown.wind)
+    vehicle = _build_vehicle(state, model, command, surroundings)
+    vehicle.evaluate_state()
+    wrenches = dict(zip(LAYOUT.wrench_names, vehicle.wrenches, strict=True))
+    return ModelSnapshot(wrenches, vehicle.thrusts, vehicle.wind)
 
 
 def rotor_thrusts(

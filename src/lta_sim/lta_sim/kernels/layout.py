@@ -26,8 +26,8 @@ DISPLAY = 30
 
 def format_tuple(items: Iterable[str]) -> str:
     """Return the source of a tuple of any length."""
-    known = list(items)
-    displays = [known[k : k + DISPLAY] for k in range(0, len(known), DISPLAY)] or [[]]
+    values = list(items)
+    displays = [values[k : k + DISPLAY] for k in range(0, len(values), DISPLAY)] or [[]]
     texts = ['(' + ''.join(f'{item}, ' for item in part).rstrip() + ')' for part in displays]
     return texts[0] if len(texts) == 1 else f'({" + ".join(texts)})'
 

@@ -110,10 +110,10 @@ class Simulator(GraphNode):
     def _list_awaited_roles(self) -> set[str]:
         """Return the roles of the nodes to wait for; raise `BadInput` for an unknown one."""
         names = self._settings.wait_for.split()
-        known = [DEFAULT, DESCRIPTION, *self.table.roles]
+        roles = [DEFAULT, DESCRIPTION, *self.table.roles]
         for name in names:
-            if name not in known:
-                raise unknown_name_error('role in wait_for', name, known)
+            if name not in roles:
+                raise unknown_name_error('role in wait_for', name, roles)
         awaited = set(names) - {DEFAULT}
         if DEFAULT in names and self.lockstep:
             awaited.update(role for name in self._outputs for role in self.table[name].subscribers)
@@ -143,8 +143,8 @@ class Simulator(GraphNode):
 
     def _is_subscribed(self, node: str, name: str) -> bool:
         """Return whether a node subscribes to a topic."""
-        known = self.get_subscriptions_info_by_topic(name)
-        return node in {reader.node_name for reader in known}
+        readers = self.get_subscriptions_info_by_topic(name)
+        return node in {reader.node_name for reader in readers}
 
     def _on_motors(self, step: InboxStep) -> None:
         for command in step.messages['motors']:

@@ -54,8 +54,10 @@ def ask_for_columns(
         options.append(('none', 'nothing that moves the vehicle'))
         for one in nameless:
             if not choices.find_answer(f'{one.column}.command'):
-                said = f'What does {one.column} of {topic} command?{follows.get(one.column, "")}'
-                choices.decide(f'{one.column}.command', options, said)
+                question = (
+                    f'What does {one.column} of {topic} command?{follows.get(one.column, "")}'
+                )
+                choices.decide(f'{one.column}.command', options, question)
     return [one for one in known if choices.find_answer(f'{one.column}.command') != 'none']
 
 
@@ -81,7 +83,7 @@ def find_motion_of(
     if len(grid) < LEAST:
         return {}
     speed, pull = find_motion(seconds, tracked.position, tracked.turn, grid)
-    wanted = pull / np.maximum(pull.std(axis=0), 1e-9)
+    target = pull / np.maximum(pull.std(axis=0), 1e-9)
     stamps = table.stamps * 1e-9 - begin
     values = np.nan_to_num(np.column_stack([*columns.values()]))
     base = np.column_stack([speed, np.ones(len(grid))])
@@ -91,7 +93,7 @@ def find_motion_of(
         held = values[rows]
         shares = np.array([
             [
-                _lose_without(base, held, column, wanted[:, axis : axis + 1])
+                _lose_without(base, held, column, target[:, axis : axis + 1])
                 for axis in range(len(MOTIONS))
             ]
             for column in range(held.shape[1])
@@ -111,9 +113,9 @@ def _lose_without(base: Numbers, held: Numbers, column: int, pull: Numbers) -> f
 
 def _tell(shares: Numbers) -> str:
     """Return a sentence on the accelerations that follow a command; '' if none does."""
-    told = [
+    shares_text = [
         f'{100.0 * share:.0f} % of the {word} acceleration'
         for share, word in sorted(zip(shares, MOTIONS, strict=True), reverse=True)
         if share > FOLLOWS
     ]
-    return f' It alone explains {" and ".join(told)}.' if told else ''
+    return f' It alone explains {" and ".join(shares_text)}.' if shares_text else ''

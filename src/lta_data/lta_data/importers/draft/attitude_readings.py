@@ -61,8 +61,8 @@ def _read_quaternions(group: ColumnGroup, numbers: Numbers) -> Iterator[Attitude
     named = 'w' in columns
     for order in orders[:1] if named else orders:
         listed = [columns[axis] for axis in 'xyzw'] if named else list(group.columns)
-        wanted = [group.columns.index(column) for column in listed]
-        rows = numbers[:, wanted] if order == 'xyzw' else numbers[:, wanted][:, [1, 2, 3, 0]]
+        indices = [group.columns.index(column) for column in listed]
+        rows = numbers[:, indices] if order == 'xyzw' else numbers[:, indices][:, [1, 2, 3, 0]]
         turn = Rotation.from_quat(_fill_rows(rows, [0.0, 0.0, 0.0, 1.0]))
         for direction in ('body to world', 'world to body'):
             entry: dict[str, Any] = {'quaternion': listed, 'order': order, 'direction': direction}

@@ -47,12 +47,12 @@ def find_axis_commands(
     names: Sequence[ColumnName], choices: DraftChoices
 ) -> dict[str, ColumnName]:
     """Return the columns that command a body axis, by axis: by answers, else by their names."""
-    told = {
+    by_axis = {
         axis: name
         for name in names
         if (axis := choices.find_answer(f'{name.column}.command')) in BODY_AXES
     }
-    return told or find_named_axes(names)
+    return by_axis or find_named_axes(names)
 
 
 def find_named_axes(names: Sequence[ColumnName]) -> dict[str, ColumnName]:
@@ -197,8 +197,8 @@ def _judge_unit(
         unit, why = '%', f'up to {size:.3g}: per cent of the largest force of each axis'
     else:
         options = [('fraction', 'of the largest force of each axis'), ('N', 'N, and N m')]
-        said = f'Commands of body axes up to {size:.3g} can be fractions or forces.'
-        return choices.decide(KEY, options, said), choices.explain(KEY)
+        question = f'Commands of body axes up to {size:.3g} can be fractions or forces.'
+        return choices.decide(KEY, options, question), choices.explain(KEY)
     answer = choices.override(KEY, unit)
     if answer not in ('fraction', *UNITS):
         raise BadInput(f"--set {KEY} is '{answer}', but must be fraction, %, N or mN.")
@@ -215,9 +215,9 @@ def _find_largest(axis: str, unit: str, choices: DraftChoices) -> float:
         return choices.vehicle.largest[axis]
     option = f'0.1 {unit}' if unit == 'N' else f'0.01 {unit}'
     where = 'a vehicle file (--vehicle)' if choices.vehicle is None else 'its vehicle file'
-    said = f'No force of {axis} is known at full command. A guess is enough for a calibration'
-    said += f', which fits it; {where} states it where rotors push along this axis.'
-    return _parse_force(key, choices.decide(key, [(option, 'for example')], said), unit)
+    question = f'No force of {axis} is known at full command. A guess is enough for a calibration'
+    question += f', which fits it; {where} states it where rotors push along this axis.'
+    return _parse_force(key, choices.decide(key, [(option, 'for example')], question), unit)
 
 
 def _parse_force(key: str, text: str, unit: str) -> float:

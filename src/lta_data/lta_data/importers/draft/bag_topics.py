@@ -151,8 +151,8 @@ def _choose_topics(types: Mapping[str, str], choices: DraftChoices) -> dict[str,
     for ours, fitting in candidates.items():
         table = fitting[0][0]
         if len(fitting) > 1:
-            said = f'Several topics of the bag can be {ours}.'
-            table = choices.decide(f'{ours}.table', fitting, said)
+            question = f'Several topics of the bag can be {ours}.'
+            table = choices.decide(f'{ours}.table', fitting, question)
         chosen[ours] = choices.override(f'{ours}.table', table)
     return {ours: name for ours, name in chosen.items() if name in types}
 
@@ -273,8 +273,8 @@ def _draft_commands(
     topic = changing[0]
     if len(changing) > 1:
         options = [(one, f'{len(columns[one])} numbers that change') for one in changing]
-        said = 'Several topics of the bag can be the commands.'
-        topic = choices.decide('commands.table', options, said)
+        question = 'Several topics of the bag can be the commands.'
+        topic = choices.decide('commands.table', options, question)
     names = [parse_column_name(column) for column in columns[topic]]
     words = parse_column_name(topic).words
     names = ask_for_columns(topic, names, tables[topic], columns[topic], tracked, choices)

@@ -106,9 +106,9 @@ def align_clocks(
     # Commands first: a sensor on their clock follows them
     for table in sorted(others, key=lambda one: one.commands is None):
         key = f'{table.name}.time.start'
-        given = choices.override(key, '')
-        if given:
-            clock = AlignedClock(_parse_seconds(key, given), '', 'as you decided')
+        decision = choices.override(key, '')
+        if decision:
+            clock = AlignedClock(_parse_seconds(key, decision), '', 'as you decided')
         elif pose.shares_clock(table):
             _ask_for_shift(key, pose, table, choices)
             continue
@@ -141,8 +141,8 @@ def _ask_for_shift(key: str, pose: TimedTable, table: TimedTable, choices: Draft
     shift = 0.0 if found is None else found.seconds - (table.first - pose.first)
     if found is not None and found.is_clear and abs(shift) > APART:
         options = [('0 s', 'as stamped'), (f'{shift:.1f} s', 'as the motion shows')]
-        said = f'The motion follows the commands of {table.name} {shift:.1f} s later.'
-        choices.decide(key, options, said)
+        question = f'The motion follows the commands of {table.name} {shift:.1f} s later.'
+        choices.decide(key, options, question)
 
 
 def _parse_seconds(key: str, text: str) -> float:
@@ -264,11 +264,11 @@ def _explain(
         return 0.0
     held = commands[np.searchsorted(stamps, grid[inside], side='right') - 1]
     base = np.column_stack([speed, np.ones(len(grid))])
-    wanted = pull / np.maximum(pull.std(axis=0), 1e-9)
-    whole = sum_residuals(base, wanted)
-    alone = sum_residuals(base[inside], wanted[inside])
-    told = sum_residuals(np.column_stack([base[inside], held]), wanted[inside])
-    return (alone - told) / whole if whole > 0.0 else 0.0
+    target = pull / np.maximum(pull.std(axis=0), 1e-9)
+    whole = sum_residuals(base, target)
+    alone = sum_residuals(base[inside], target[inside])
+    with_commands = sum_residuals(np.column_stack([base[inside], held]), target[inside])
+    return (alone - with_commands) / whole if whole > 0.0 else 0.0
 
 
 def sum_residuals(regressors: Numbers, values: Numbers) -> float:

@@ -161,22 +161,22 @@ def _group_stem(
     if {'roll', 'pitch', 'yaw'} <= {*axes}:
         angles = ('roll', 'pitch', 'yaw')
         rates = kind == 'rates' or UNIT_WORDS.get(unit, ('',))[0] in ('rad/s', 'deg/s')
-        made = 'rates' if rates else 'euler'
-        return _build(made, role, axes, angles, unit, f'roll, pitch, yaw of {label}')
+        angle_kind = 'rates' if rates else 'euler'
+        return _build(angle_kind, role, axes, angles, unit, f'roll, pitch, yaw of {label}')
     for triple in TRIPLES:
         # A heading may stand beside a place
         if {*triple} <= {*axes} and not {*axes} - {*triple} - {*ANGLES.values()}:
-            made = kind or ('position' if not stem or role else '')
+            angle_kind = kind or ('position' if not stem or role else '')
             if triple[0] in '01' and words <= COMMANDS:
                 return None  # cmd_1, cmd_2, cmd_3
-            if made == 'quaternion':
-                made = 'euler' if triple[0] in '01' else ''
+            if angle_kind == 'quaternion':
+                angle_kind = 'euler' if triple[0] in '01' else ''
             # Vicon: RX, RY, RZ, TX, TY, TZ
             if stem == ('r',) and triple[0] == 'x' and _are_angles(axes, table):
-                made = 'euler'
-            if made:
+                angle_kind = 'euler'
+            if angle_kind:
                 why = f'the name {label}' if stem else 'columns x, y, z'
-                return _build(made, role, axes, triple, unit, why)
+                return _build(angle_kind, role, axes, triple, unit, why)
     return None
 
 

@@ -165,11 +165,11 @@ def _list_bag_channels(bag: BagDraft) -> list[SignalChannel]:
     for name, groups in bag.groups.items():
         table = bag.tables[name]
         seconds = (table.stamps - table.stamps[0]) * 1e-9
-        shown = seconds <= FIRST_SECONDS
+        early = seconds <= FIRST_SECONDS
         for group in groups:
             channels += [
-                SignalChannel(f'{group.kind}.{column}', group.kind, seconds[shown],
-                              table.columns[column][shown])
+                SignalChannel(f'{group.kind}.{column}', group.kind, seconds[early],
+                              table.columns[column][early])
                 for column in group.columns
             ]  # fmt: skip
     return channels
@@ -179,12 +179,12 @@ def _list_channels(source: SourceTables, drafts: Mapping[str, TableDraft]) -> li
     """Return the first seconds of all groups, in the numbers of the log."""
     channels = []
     for name, draft in drafts.items():
-        shown = draft.time.seconds <= FIRST_SECONDS
+        early = draft.time.seconds <= FIRST_SECONDS
         for group in draft.groups:
             for column in group.columns:
-                values = np.asarray(source.tables[name][column], dtype=np.float64)[shown]
+                values = np.asarray(source.tables[name][column], dtype=np.float64)[early]
                 label = f'{name}/{group.kind}.{column}' if name else f'{group.kind}.{column}'
                 channels.append(
-                    SignalChannel(label, group.kind, draft.time.seconds[shown], values)
+                    SignalChannel(label, group.kind, draft.time.seconds[early], values)
                 )
     return channels

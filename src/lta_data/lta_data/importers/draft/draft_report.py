@@ -103,9 +103,9 @@ def plot_first_seconds(channels: list[SignalChannel]) -> list[Picture]:
     return [
         Picture(
             f'first-{index}', name, 'As logged.',
-            plot_channels('', shown, (0.0, min(FIRST_SECONDS, float(shown[0].time[-1])))),
+            plot_channels('', lines, (0.0, min(FIRST_SECONDS, float(lines[0].time[-1])))),
             height=220, timed=True,
         )
-        for index, (name, shown) in enumerate(group_channels(channels).items())
-        if len(shown[0].time)
+        for index, (name, lines) in enumerate(group_channels(channels).items())
+        if len(lines[0].time)
     ]  # fmt: skip

@@ -34,22 +34,22 @@ def estimate_clocks(path: Path, mapping: ImportMapping, robot: str) -> Clocks:
         If the table of `align` has no pose.
 
     """
-    wanted = {
+    align_with = {
         one.table or '': one.time.align
         for one in mapping.topics
         if one.time is not None and one.time.align
     }
-    if not wanted:
+    if not align_with:
         return {}
     bare = mapping.model_copy(update={'topics': [_set_start(one, None) for one in mapping.topics]})
-    timed = _read_timed_tables(path, bare, robot, {*wanted, *wanted.values()})
+    timed = _read_timed_tables(path, bare, robot, {*align_with, *align_with.values()})
     aligned: list[tuple[TimedTable, AlignedClock]] = []
-    for name in sorted({*wanted} & {*timed}, key=lambda one: timed[one].commands is None):
-        pose, table = timed.get(wanted[name]), timed[name]
+    for name in sorted({*align_with} & {*timed}, key=lambda one: timed[one].commands is None):
+        pose, table = timed.get(align_with[name]), timed[name]
         if pose is None or pose.position is None:
             raise BadInput(
-                f"The times of table '{name}' are to be aligned with '{wanted[name]}', which has "
-                'no position and attitude in the mapping; correct "align".'
+                f"The times of table '{name}' are to be aligned with '{align_with[name]}', which "
+                'has no position and attitude in the mapping; correct "align".'
             )
         if not pose.shares_clock(table):
             aligned.append((table, choose_clock(pose, table, aligned)))
@@ -65,15 +65,15 @@ def share_clocks(logs: Sequence[Clocks]) -> list[Clocks]:
     """
     shared: Clocks = {}
     for name in dict.fromkeys(name for log in logs for name in log):
-        told = [log[name] for log in logs if name in log and log[name].is_clear]
-        offsets = [one.seconds for one in told]
-        if len(told) < 2:
+        clear_clocks = [log[name] for log in logs if name in log and log[name].is_clear]
+        offsets = [one.seconds for one in clear_clocks]
+        if len(clear_clocks) < 2:
             continue
         span = max(offsets) - min(offsets)
         middle = float(np.median(offsets))
         if span <= ALIKE:
-            why = f'that of {len(told)} logs, which agree within {max(span, 0.01):.2f} s'
-            shared[name] = told[0]._replace(seconds=middle, why=why, is_shared=True)
+            why = f'that of {len(clear_clocks)} logs, which agree within {max(span, 0.01):.2f} s'
+            shared[name] = clear_clocks[0]._replace(seconds=middle, why=why, is_shared=True)
     return [{name: shared.get(name, clock) for name, clock in log.items()} for log in logs]
 
 

@@ -60,14 +60,14 @@ def draft_scalars(
     axes = find_axis_commands([name for name in names if name.column not in taken], choices)
     taken |= {name.column for name in axes.values()}
     rest = [name for name in names if name.column not in taken]
-    told = [one for one in rest if choices.find_answer(f'{one.column}.topic') == 'motors']
-    motors = told or [
+    decided = [one for one in rest if choices.find_answer(f'{one.column}.topic') == 'motors']
+    motors = decided or [
         name
         for name in rest
         if _commands_rotor(name, choices) and np.isfinite(table[name.column]).any()
     ]
     # What a controller asks of a mixer is no actuator, where the actuators are there
-    motors = told or [name for name in motors if not name.words & UPSTREAM] or motors
+    motors = decided or [name for name in motors if not name.words & UPSTREAM] or motors
     entries: list[dict[str, Any]] = [{'topic': topic} | parts for topic, parts in topics.items()]
     told_axes = any(choices.find_answer(f'{name.column}.command') for name in axes.values())
     if axes and (told_axes or not motors):
@@ -150,8 +150,8 @@ def _judge_pulses(
         ('pulse', 'motors stand at 1000 us and turn one way'),
         ('pulse about 1500', 'motors stand at 1500 us and turn both ways'),
     ]
-    said = 'Pulses below and above 1500 us can be slow and fast, or back and forth.'
-    return choices.decide(key, options, said), choices.explain(key)
+    question = 'Pulses below and above 1500 us can be slow and fast, or back and forth.'
+    return choices.decide(key, options, question), choices.explain(key)
 
 
 def _measure_rest(values: Numbers, rest: float) -> float:
@@ -217,8 +217,8 @@ def _name_actuators(motors: Sequence[ColumnName], choices: DraftChoices) -> list
         # The numbers of an array were asked for
         elif rotors and called[index] not in rotors and not NUMBERED.fullmatch(name.column):
             options = [*((rotor, 'a rotor') for rotor in rotors), ('none', 'none of them')]
-            said = f'Which rotor of the vehicle file does {name.column} command?'
-            called[index] = choices.decide(key, options, said)
+            question = f'Which rotor of the vehicle file does {name.column} command?'
+            called[index] = choices.decide(key, options, question)
     return called
 
 

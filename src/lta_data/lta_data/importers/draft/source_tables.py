@@ -65,10 +65,10 @@ def _read_richest_run(runs: Sequence[Path], note: str) -> SourceTables:
     """Return the run in which most columns change: one without commands says little of them."""
     longest = sorted(runs, key=measure_size, reverse=True)[:LOOKED_AT]
     richest = max((read_source(run) for run in longest), key=count_changing_columns)
-    said = [note]
+    notes = [note]
     if richest.tables:
-        said.append(f'Drafted from {richest.path.name}, in which most columns change.')
-    return richest._replace(notes=[*said, *richest.notes])
+        notes.append(f'Drafted from {richest.path.name}, in which most columns change.')
+    return richest._replace(notes=[*notes, *richest.notes])
 
 
 def count_changing_columns(source: SourceTables) -> int:

@@ -148,7 +148,7 @@ def build_tables(
     there = {name: topic for name, topic in topics.items() if topic in available}
     met = {name: RowCollector() for name in there}
     for order, (topic, log_time, decode) in enumerate(messages if there else ()):
-        takers = [name for name, told in there.items() if told == topic]
+        takers = [name for name, source_topic in there.items() if source_topic == topic]
         if not takers:
             continue
         # Decode lazily: messages of unused topics are never decoded
@@ -164,8 +164,8 @@ def list_mapping_tables(mapping: MappingFile | None) -> set[str]:
     """Return the tables that a mapping uses, which must be decoded."""
     if mapping is None:
         return set()
-    told = {entry.table for entry in mapping.topics if entry.table is not None}
-    return told.union(*(entry.join for entry in mapping.topics))
+    tables = {entry.table for entry in mapping.topics if entry.table is not None}
+    return tables.union(*(entry.join for entry in mapping.topics))
 
 
 def complete_entry(entry: TopicMapping, type_name: str, target: str) -> TopicMapping:
@@ -202,11 +202,11 @@ def _build_mapping_part(part: MessagePart) -> Any:  # noqa: ANN401 - one of thre
 
 def can_pass_unchanged(entry: TopicMapping, mapping: MappingFile, theirs: str, ours: str) -> bool:
     """Return whether a topic's messages can be passed on unchanged, under a new name."""
-    told = (
+    has_parts = (
         entry.parts or entry.actuators or entry.forces or entry.where or entry.world or entry.body
     )
     moved = entry.stamps == 'log' or mapping.world is not None or mapping.body is not None
-    return theirs == ours and not told and not moved
+    return theirs == ours and not has_parts and not moved
 
 
 class BagTableLog:

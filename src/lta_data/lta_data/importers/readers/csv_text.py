@@ -174,7 +174,7 @@ class TextRows:
         self._first_skipped = ''
         self._rows = 0
         # Bytes, since a text may not be UTF-8. Read at least one column to count the rows.
-        wanted = types or {names[0]: pa.binary()}
+        column_types = types or {names[0]: pa.binary()}
         with self._refuse_skipped_rows():
             self._reader = pacsv.open_csv(
                 self._lines,
@@ -185,8 +185,8 @@ class TextRows:
                     delimiter=delimiter, invalid_row_handler=self._skip_row
                 ),
                 convert_options=pacsv.ConvertOptions(
-                    include_columns=list(wanted),
-                    column_types=dict(wanted),
+                    include_columns=list(column_types),
+                    column_types=dict(column_types),
                     null_values=[''],
                     strings_can_be_null=True,
                 ),

@@ -80,8 +80,8 @@ def _locate_messages(
             at = following
             continue
         if kind == FMT:
-            if made := _read_format(data[at : at + size]):
-                formats.setdefault(*made)
+            if message_format := _read_format(data[at : at + size]):
+                formats.setdefault(*message_format)
         else:
             places.setdefault(kind, []).append(at)
         at += size

@@ -94,10 +94,10 @@ def _list_raw_topics(bag: Bag, path: Path) -> dict[str, RawTopic]:
 def parse_qos_profiles(text: str) -> list[OfferedQos]:
     """Parse the QoS profiles of rosbag2 version 9 and later; older ones hold numbers: empty."""
     try:
-        told = parse_yaml(text, 'the QoS')
+        content = parse_yaml(text, 'the QoS')
     except BadInput:
         return []
-    named = isinstance(told, list) and all(
-        isinstance(one, dict) and isinstance(one.get('history'), str) for one in told
+    named = isinstance(content, list) and all(
+        isinstance(one, dict) and isinstance(one.get('history'), str) for one in content
     )
-    return cast('list[OfferedQos]', told) if named else []
+    return cast('list[OfferedQos]', content) if named else []

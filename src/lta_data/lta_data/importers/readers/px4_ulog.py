@@ -43,10 +43,10 @@ FACTS = {
 def open_ulog(path: Path, mapping: MappingFile | None) -> InMemoryLog:
     """Read a PX4 log completely; raise BadInput if it cannot be read, or contains no message."""
     check_log_size(path)
-    said = io.StringIO()
+    output = io.StringIO()
     try:
         # pyulog prints warnings, and does not close files that it opens itself.
-        with contextlib.redirect_stdout(said), path.open('rb') as stream, limit_memory():
+        with contextlib.redirect_stdout(output), path.open('rb') as stream, limit_memory():
             log = ULog(stream, None, True)
     except (ULogException, struct.error, *FAULTS) as error:
         reason = ' '.join(str(error).split()) or type(error).__name__

@@ -142,7 +142,11 @@ def build_ros2_typestore(theirs: Typestore) -> Typestore:
     """Return the types of ROS 2 Jazzy, extended by those of a ROS 1 bag."""
     types = get_typestore(Stores.ROS2_JAZZY)
     types.register(
-        {name: told for name, told in theirs.fielddefs.items() if name not in types.fielddefs}
+        {
+            name: definition
+            for name, definition in theirs.fielddefs.items()
+            if name not in types.fielddefs
+        }
     )
     return types
 

@@ -55,10 +55,10 @@ def parse_exact_times(texts: list[str], unit: str, column: str, first: int) -> P
         try:
             found[index] = reading(text)
         except (InvalidOperation, OverflowError, ValueError):
-            told = f"'{shorten_cell(text)}'" if text else 'nothing'
+            content = f"'{shorten_cell(text)}'" if text else 'nothing'
             raise BadInput(
-                f"Column '{column}' has {told} in row {first + index + 1}, which is not a time; "
-                'correct the row or remove it.'
+                f"Column '{column}' has {content} in row {first + index + 1}, which is not a "
+                'time; correct the row or remove it.'
             ) from None
     zoneless = dates and any(find_time_zone(text) == '' for text in texts)
     return ParsedTimes(found, zoneless)

@@ -12,24 +12,24 @@ def plot_airspeed(view: FlightView) -> Figure:
     figure = create_time_figure(view)
     truth = view.truth
     labels = [EndLabel('truth', truth.speed[-1], TRUTH)]
-    shown = [truth.speed]
+    curves = [truth.speed]
     if view.has_topics('setpoint/velocity'):
-        asked = view.speed_setpoint
+        setpoint = view.speed_setpoint
         figure.add_trace(
             build_line_trace(
-                'set-point', *asked, SETPOINT, unit='m/s', width=1.2, dash='dot', steps=True
+                'set-point', *setpoint, SETPOINT, unit='m/s', width=1.2, dash='dot', steps=True
             )
         )
-        labels.append(EndLabel('set-point', asked.value[-1], SETPOINT))
-        shown.append(asked.value)
+        labels.append(EndLabel('set-point', setpoint.value[-1], SETPOINT))
+        curves.append(setpoint.value)
     if view.has_topics('odom'):
         estimate = view.estimate
         figure.add_trace(
             build_line_trace('estimate', estimate.time, estimate.speed, ESTIMATE, unit='m/s')
         )
         labels.append(EndLabel('estimate', estimate.speed[-1], ESTIMATE))
-        shown.append(estimate.speed)
+        curves.append(estimate.speed)
     figure.add_trace(build_line_trace('truth', truth.time, truth.speed, TRUTH, unit='m/s'))
     figure.update_yaxes(title_text='forward airspeed [m/s]')
-    label_ends(figure, labels, padded_range(*shown))
+    label_ends(figure, labels, padded_range(*curves))
     return figure

@@ -20,29 +20,29 @@ def plot_altitude(view: FlightView) -> Figure:
     figure = create_time_figure(view)
     truth = view.truth
     labels = [EndLabel('truth', truth.z[-1], TRUTH)]
-    shown = [truth.z]
+    curves = [truth.z]
     if view.has_topics('range'):
         measured = view.range_altitude
         # First, so that the lines are drawn over the dots
         figure.add_trace(build_dot_trace('range', *measured, RAW, unit='m'))
     if view.has_topics('setpoint/pose'):
-        asked = view.altitude_setpoint
+        setpoint = view.altitude_setpoint
         figure.add_trace(
             build_line_trace(
-                'set-point', *asked, SETPOINT, unit='m', width=1.2, dash='dot', steps=True
+                'set-point', *setpoint, SETPOINT, unit='m', width=1.2, dash='dot', steps=True
             )
         )
-        labels.append(EndLabel('set-point', asked.value[-1], SETPOINT))
+        labels.append(EndLabel('set-point', setpoint.value[-1], SETPOINT))
         # The set-point before lift-off must not widen the axis
-        shown.append(hold_last(truth.time[truth.time >= find_phases(view).lift_off], asked))
+        curves.append(hold_last(truth.time[truth.time >= find_phases(view).lift_off], setpoint))
     if view.has_topics('odom'):
         estimate = view.estimate
         figure.add_trace(
             build_line_trace('estimate', estimate.time, estimate.z, ESTIMATE, unit='m')
         )
         labels.append(EndLabel('estimate', estimate.z[-1], ESTIMATE))
-        shown.append(estimate.z)
+        curves.append(estimate.z)
     figure.add_trace(build_line_trace('truth', truth.time, truth.z, TRUTH, unit='m'))
     figure.update_yaxes(title_text='altitude [m]')
-    label_ends(figure, labels, padded_range(*shown, pad=0.15))
+    label_ends(figure, labels, padded_range(*curves, pad=0.15))
     return figure

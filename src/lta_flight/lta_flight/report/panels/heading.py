@@ -16,7 +16,7 @@ def plot_heading(view: FlightView) -> Figure:
     truth = view.truth
     heading = np.degrees(truth.yaw)
     labels = [EndLabel('truth', heading[-1], TRUTH)]
-    shown = [heading]
+    curves = [heading]
     if view.goal.places:
         # The direction is in the body frame
         lamp = heading + np.degrees(view.goal.lamp_direction(truth))
@@ -24,25 +24,25 @@ def plot_heading(view: FlightView) -> Figure:
             build_line_trace('to the lamp', truth.time, lamp, LAMP, unit='°', width=1.2)
         )
         labels.append(EndLabel('to the lamp', lamp[-1], LAMP))
-        shown.append(lamp)
+        curves.append(lamp)
     if view.has_topics('odom', 'setpoint/pose'):
-        time, asked = view.heading_setpoint
+        time, setpoint = view.heading_setpoint
         estimate = interpolate(time, view.estimate.time, view.estimate.yaw)
         # Shift the set-point by full turns to the estimate, so that the lines stay together
-        asked = np.degrees(estimate + wrap_angle(asked - estimate))
+        setpoint = np.degrees(estimate + wrap_angle(setpoint - estimate))
         figure.add_trace(
             build_line_trace(
-                'set-point', time, asked, SETPOINT, unit='°', width=1.2, dash='dot', steps=True
+                'set-point', time, setpoint, SETPOINT, unit='°', width=1.2, dash='dot', steps=True
             )
         )
-        labels.append(EndLabel('set-point', asked[-1], SETPOINT))
-        shown.append(asked)
+        labels.append(EndLabel('set-point', setpoint[-1], SETPOINT))
+        curves.append(setpoint)
     if view.has_topics('odom'):
         own = np.degrees(view.estimate.yaw)
         figure.add_trace(build_line_trace('estimate', view.estimate.time, own, ESTIMATE, unit='°'))
         labels.append(EndLabel('estimate', own[-1], ESTIMATE))
-        shown.append(own)
+        curves.append(own)
     figure.add_trace(build_line_trace('truth', truth.time, heading, TRUTH, unit='°'))
     figure.update_yaxes(title_text='heading [°]')
-    label_ends(figure, labels, padded_range(*shown))
+    label_ends(figure, labels, padded_range(*curves))
     return figure

@@ -21,8 +21,8 @@ def plot_light(view: FlightView) -> Figure:
     # A heat map needs its rows in ascending order
     order = np.argsort(azimuth)
     amplitude = parts['amplitude'][:, order].T
-    shown = average_stretches(time), azimuth[order], average_stretches(amplitude)
-    figure.add_trace(build_amplitude_map(*shown), row=1, col=1)
+    averages = average_stretches(time), azimuth[order], average_stretches(amplitude)
+    figure.add_trace(build_amplitude_map(*averages), row=1, col=1)
     if view.has_topics('light/bearing'):
         figure.add_trace(build_bearing_trace(view), row=1, col=1)
     if view.has_topics('ground_truth/odom') and view.goal.places:
@@ -48,14 +48,14 @@ def plot_light(view: FlightView) -> Figure:
 def build_amplitude_map(time: Array, azimuth: Array, amplitude: Array) -> Heatmap:
     """Return a map of the lamp's amplitude over time and direction, on a log scale."""
     # A dead diode has no amplitude and is drawn as the faintest
-    known = np.nan_to_num(amplitude, nan=FAINTEST, posinf=FAINTEST, neginf=FAINTEST)
-    shown = np.log10(np.maximum(known, FAINTEST)).astype(np.float32)
-    low, high = np.floor(shown.min()), np.ceil(shown.max())
+    finite = np.nan_to_num(amplitude, nan=FAINTEST, posinf=FAINTEST, neginf=FAINTEST)
+    levels = np.log10(np.maximum(finite, FAINTEST)).astype(np.float32)
+    low, high = np.floor(levels.min()), np.ceil(levels.max())
     ticks = np.arange(low, high + 1)
     return Heatmap(
         x=time.astype(np.float32),
         y=azimuth,
-        z=shown,
+        z=levels,
         customdata=amplitude.astype(np.float32),
         colorscale=build_color_scale(HEAT),
         zmin=low,

@@ -21,11 +21,11 @@ def plot_spectrum(view: FlightView) -> Figure:
         rate = 1.0 / (moment.time[1] - moment.time[0])
         amplitude = amplitude_spectrum(moment.samples[:, None])[:, 0]
         frequency = np.fft.rfftfreq(len(moment.samples), 1.0 / rate)
-        shown = (frequency > 0.0) & (frequency <= HIGHEST)
-        values = np.maximum(amplitude[shown], FLOOR)
+        in_range = (frequency > 0.0) & (frequency <= HIGHEST)
+        values = np.maximum(amplitude[in_range], FLOOR)
         figure.add_trace(
             Scatter(
-                x=frequency[shown].astype(np.float32),
+                x=frequency[in_range].astype(np.float32),
                 y=values.astype(np.float32),
                 mode='lines',
                 line={'color': moment.colour, 'width': 1.4},
