@@ -113,6 +113,7 @@ def format_effects(finding: StudyResult) -> Iterator[str]:
 def format_prediction_errors(finding: StudyResult) -> Iterator[Text]:
     """Yield headings and bars of the prediction errors of all models."""
     gaps = finding.gaps or finding.training
+    file = 'the vehicle file' if finding.calibration is None else 'the calibrated file'
     at = common_horizon(gaps)
     for one in gaps:
         if one.horizon_s == at and one.channel in WHOLE:
@@ -125,12 +126,12 @@ def format_prediction_errors(finding: StudyResult) -> Iterator[Text]:
             yield Text(
                 f'{one.channel.capitalize()} error after {at:g} s, {seen}: '
                 f'{format_percent(sign * one.shrink)} % '
-                f'{word} than with the vehicle file (95 % interval {low} to {high} %)'
+                f'{word} than with {file} (95 % interval {low} to {high} %)'
             )
-            yield from _format_bars(one, bool(finding.effects))
+            yield from _format_bars(one, bool(finding.effects), file)
 
 
-def _format_bars(one: ChannelErrors, named: bool) -> Iterator[Text]:
+def _format_bars(one: ChannelErrors, named: bool, file: str) -> Iterator[Text]:
     """Yield a bar for each model."""
     # The model that ignores the commands may be far off; its bar is cut at the others' scale.
     most = max(one.before, one.tuned, one.after, 1e-12)
@@ -139,6 +140,7 @@ def _format_bars(one: ChannelErrors, named: bool) -> Iterator[Text]:
         absent = key == 'after' and not named
         if absent or (key == 'refitted' and not math.isfinite(size)):
             continue
+        label = file if key == 'before' else label
         share = min(size / most, 1.0) if math.isfinite(size) else 0.0
         bar = '█' * round(BAR * share) + ('>' if size > most else '')
         yield Text(f'  {label:22}{format_quantity(size, one.unit):>9}  ').append(bar, style)

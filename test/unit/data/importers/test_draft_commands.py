@@ -109,6 +109,8 @@ def test_the_reasons_name_the_axes_without_a_force(tmp_path):
     reasons = {one.part: one.reason for one in draft.choices.reasons}
     assert reasons['wrench_command: force'].endswith('; y without a column: taken as zero')
     assert reasons['wrench_command: torque'].endswith('; x and y without a column: taken as zero')
+    readings = {one.part: one.reading for one in draft.choices.reasons}
+    assert readings['wrench_command: torque'] == 'N m'
 
 
 @pytest.mark.parametrize(

@@ -2,12 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+import importlib.util
 import math
 from pathlib import Path
+from types import ModuleType
 
 from lta_challenge.other.flight import FlightSimulator, TICK
 from lta_challenge.other.sensors import SensorSet
-from lta_challenge.other.truth import build_vehicle_truth, Six, VehicleTruth
+from lta_challenge.other.truth import Six, VehicleTruth
 from lta_discovery.lab_tests.design import LabTest
 from lta_discovery.lab_tests.plan import plan_lab_tests
 from lta_discovery.lab_tests.reading import read_lab_tests
@@ -32,6 +34,7 @@ class SquareActuators:
     """Propellers whose thrust goes by the square of the command, and is weaker in reverse."""
 
     def __init__(self, truth: VehicleTruth, duties: Sequence[float]) -> None:
+        self.gains = truth.wrench_gains
         self.set_duties(duties)
 
     def set_duties(self, duties: Sequence[float]) -> None:
@@ -72,9 +75,21 @@ class StepPilot:
         return [own if axis == self.test.axis else 0.0 for axis in AXES]
 
 
+def load_example() -> ModuleType:
+    """Return the script of the tutorial."""
+    path = Path(__file__).resolve().parents[4] / 'examples/blimp_afternoon.py'
+    spec = importlib.util.spec_from_file_location('blimp_afternoon', path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
 def write_log(path: Path, blimp: VehicleTruth, test: LabTest, draw: np.random.Generator) -> None:
     """Fly a test, and write its file as a tracker does."""
-    tilt = [math.cos(0.5 * test.tilt), 0.0, math.sin(0.5 * test.tilt), 0.0]
+    tilt = [math.cos(0.5 * test.tilt), 0.0, 0.0, 0.0]
+    tilt[1 + (test.axis == 'pitch')] = math.sin(0.5 * test.tilt)
     begin = [0.0, 0.0, 2.0, 0.0, 0.0, 0.0, *tilt, 0.0, 0.0, test.rate]
     flight = FlightSimulator(blimp, StepPilot(test), actuators=SquareActuators)
     trajectory = flight.simulate_flight(begin, test.seconds)
@@ -90,15 +105,16 @@ def write_log(path: Path, blimp: VehicleTruth, test: LabTest, draw: np.random.Ge
 @pytest.mark.long
 def test_the_planned_steps_show_exponent_and_reverse(tmp_path: Path) -> None:
     vehicle = load_vehicle('gtmab')
-    blimp = replace(build_vehicle_truth(vehicle), lift=0.003)
-    draw = np.random.default_rng(12)
+    # A vehicle file that is off, as in the tutorial
+    blimp = load_example().draw_blimp(np.random.default_rng([3, 37]))
     plan = plan_lab_tests(vehicle, 'gtmab', 'wrench')
     tests = [
-        one.test for one in plan.tests
-        if one.is_needed and one.test.axis in ('surge', 'yaw', 'pitch')
+        one.test for one in plan.tests if one.is_needed and one.test.kind != 'free_flight'
     ]  # fmt: skip
     for k, test in enumerate(tests):
-        write_log(tmp_path / f'log_{k}.csv', blimp, test, draw)
+        draw = np.random.default_rng([3, 37, k])
+        lifted = replace(blimp, lift=draw.uniform(0.0, 0.006))
+        write_log(tmp_path / f'log_{k:02d}.csv', lifted, test, draw)
     found = read_lab_tests('gtmab', tmp_path, None, {}, None, lambda _what, _part: None)
     # The intervals are far from 1, the law of a proportional command
     for name, truth, width in (

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 from lta_challenge.contradictions import find_contradictions, render_study
 from lta_discovery.conclusion import draw_conclusion, forget_refit
@@ -20,6 +21,7 @@ from lta_discovery.page.verdict_text import (
     list_learned_file_commands,
 )
 from lta_discovery.results.discovery_json import to_dict
+from lta_discovery.results.terminal import format_prediction_errors
 import pytest
 
 DRAG = ParameterEstimate('surge', 'N s/m', 0.0, 0.02, (0.015, 0.025))
@@ -151,3 +153,14 @@ def test_the_laws_find_a_headline_that_hides_the_refitted_file(
     said = said._replace(headline=said.headline.replace(old, new))
     monkeypatch.setattr('lta_challenge.contradictions.render_study', lambda _found: said)
     assert any(law in one for one in find_contradictions(found))
+
+
+def test_the_bars_are_those_of_the_calibrated_file_after_a_calibration() -> None:
+    found = study({3.0: 0.5, 5.0: 1.0})
+    for calibration, file in ((None, 'vehicle'), (SimpleNamespace(), 'calibrated')):
+        lines = [
+            line.plain
+            for line in format_prediction_errors(replace(found, calibration=calibration))
+        ]
+        assert f'less than with the {file} file' in lines[0]
+        assert lines[2].startswith(f'  the {file} file ')

@@ -93,7 +93,7 @@ def find_motion_of(
         held = values[rows]
         shares = np.array([
             [
-                _lose_without(base, held, column, target[:, axis : axis + 1])
+                lose_without(base, held, column, target[:, axis : axis + 1])
                 for axis in range(len(MOTIONS))
             ]
             for column in range(held.shape[1])
@@ -103,7 +103,7 @@ def find_motion_of(
     return {name: _tell(row) for name, row in zip(columns, best[1], strict=True)}
 
 
-def _lose_without(base: Numbers, held: Numbers, column: int, pull: Numbers) -> float:
+def lose_without(base: Numbers, held: Numbers, column: int, pull: Numbers) -> float:
     """Return the share of an acceleration's variance that a command explains and no other does."""
     alone = sum_residuals(base, pull)
     whole = sum_residuals(np.column_stack([base, held]), pull)

@@ -95,9 +95,7 @@ def align_clocks(
     Where the times of two tables do not overlap, they have two clocks. Then the motion says when
     the commands acted; if it does not, both tables are taken to begin together.
     """
-    timed = {
-        name: _read_draft(name, one, tables[name]) for name, one in drafts.items() if one.entries
-    }
+    timed = read_timed_tables(tables, drafts)
     pose = next((one for one in timed.values() if one.position is not None), None)
     if pose is None:
         return {}
@@ -117,6 +115,15 @@ def align_clocks(
         choices.add_reason(f'{table.name}.time', [], f'{clock.seconds:.2f} s later', clock.why)
         clocks[table.name] = clock
     return clocks
+
+
+def read_timed_tables(
+    tables: Mapping[str, Columns], drafts: Mapping[str, TableDraft]
+) -> dict[str, TimedTable]:
+    """Return the drafted tables with their times, commands and poses."""
+    return {
+        name: _read_draft(name, one, tables[name]) for name, one in drafts.items() if one.entries
+    }
 
 
 def choose_clock(

@@ -14,6 +14,7 @@ from lta_data.importers.draft.clock_alignment import align_clocks
 from lta_data.importers.draft.draft_vehicle import DraftVehicle
 from lta_data.importers.draft.source_tables import read_source, SourceTables
 from lta_data.importers.draft.table_draft import draft_table, TableDraft
+from lta_data.importers.draft.wrench_axes import turn_wrench_axes
 from lta_data.importers.formats import FORMATS
 import numpy as np
 import yaml
@@ -48,8 +49,10 @@ def draft_mapping(
     if not source.tables:
         return _draft_shipped_format(source, choices)
     drafts = {name: draft_table(name, table, choices) for name, table in source.tables.items()}
-    for name, clock in align_clocks(source.tables, drafts, choices).items():
+    clocks = align_clocks(source.tables, drafts, choices)
+    for name, clock in clocks.items():
         drafts[name].time.entry.update(clock.list_keys())
+    turn_wrench_axes(source.tables, drafts, clocks, choices)
     content = _build_content(source, drafts, path)
     choices.refuse_unused()
     unused = [
@@ -121,10 +124,12 @@ def _build_content(
     for draft in used.values():
         for entry in draft.entries:
             own = {} if same else {'time': draft.time.entry}
-            body = {}
-            if draft.axes is not None and axes is not None and draft.axes.body != axes.body:
+            body: dict[str, Any] = {}
+            if 'body' in entry:
+                pass  # as the motion shows
+            elif draft.axes is not None and axes is not None and draft.axes.body != axes.body:
                 body = {'body': draft.axes.body}
-            if entry['topic'] == 'wrench_command' and axes is not None and axes.body == 'Y_UP':
+            elif entry['topic'] == 'wrench_command' and axes is not None and axes.body == 'Y_UP':
                 # Only the tracker has y up
                 body = {'body': 'FLU'}
             if entry['topic'] not in filled:

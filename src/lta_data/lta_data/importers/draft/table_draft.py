@@ -16,6 +16,7 @@ from lta_data.importers.log_table import Numbers
 import numpy as np
 
 TOPICS: Final = {'truth': 'ground_truth/odom', 'estimate': 'odom', 'setpoint': 'setpoint/pose'}
+WRENCH_UNITS: Final = {'force': 'N', 'torque': 'N m'}
 INERTIAL: Final = frozenset(
     ['imu', 'gyro', 'gyr', 'gyros', 'gyroscope', 'acc', 'accel', 'accelerometer']
 )
@@ -87,7 +88,7 @@ def _sort_groups(
     """Return the groups by topic and kind."""
     topics: dict[str, Groups] = {}
     words = parse_column_name(name).words if name else frozenset[str]()
-    named = {group.role for group in groups if group.role}
+    roles = {group.role for group in groups if group.role}
     for group in groups:
         kind = 'attitude' if group.kind in ('quaternion', 'euler') else group.kind
         own = frozenset[str]().union(*(parse_column_name(c).words for c in group.columns))
@@ -96,7 +97,7 @@ def _sort_groups(
         elif kind == 'acceleration' or (kind == 'rates' and (own | words) & INERTIAL):
             topic = 'imu'
         else:
-            role = group.role or _role_by_motion(group, topics, table, named)
+            role = group.role or _role_by_motion(group, topics, table, roles)
             topic = choices.override(f'{group.columns[0]}.topic', TOPICS[role])
             if role == 'setpoint' and kind in ('velocity', 'rates'):
                 topic = 'setpoint/velocity'
@@ -105,9 +106,14 @@ def _sort_groups(
         if kind not in members or (kind == 'attitude' and group.kind == 'quaternion'):
             members[kind] = group
             why = group.reason
-            if topic == 'wrench_command' and {*group.axes} <= {*'xyz'}:
-                why += explain_lacking([axis for axis in 'xyz' if axis not in group.axes])
-            choices.add_reason(f'{topic}: {kind}', group.columns, group.kind, why)
+            reading = group.kind
+            if topic == 'wrench_command':
+                named = UNIT_WORDS.get(group.unit, (f'{WRENCH_UNITS[kind]} (assumed)',))[0]
+                reading = choices.override(f'{topic}.{kind}.unit', named)
+                lacking = [axis for axis in 'xyz' if axis not in group.axes]
+                # Of a vector, the components have numbers
+                why += explain_lacking(lacking) if len(lacking) < len('xyz') else ''
+            choices.add_reason(f'{topic}: {kind}', group.columns, reading, why)
     return topics
 
 
@@ -197,10 +203,9 @@ def _inertial_axes(
 
 def _draft_wrench(topic: str, members: Groups, choices: DraftChoices) -> dict[str, Any]:
     """Return the entry of commanded force and torque."""
-    units = {'force': 'N', 'torque': 'N m'}
     entry: dict[str, Any] = {'topic': topic}
     for kind, group in members.items():
-        named = UNIT_WORDS.get(group.unit, (units[kind],))[0]
+        named = UNIT_WORDS.get(group.unit, (WRENCH_UNITS[kind],))[0]
         unit = choices.override(f'{topic}.{kind}.unit', named)
         by_axis = dict(zip(group.axes, group.columns, strict=True))
         # A component that the log lacks is null, and zero in the bag
