@@ -215,7 +215,7 @@ BARRIERS = {
     ),
     'typed name': Barrier(
         'src/lta_cli/lta_cli/verbs/hardware/bench.py',
-        'if sys.stdin.readline().strip() != wanted:', 'if False:',
+        'if sys.stdin.readline().strip() != answer:', 'if False:',
         'test/unit/bridge/hardware/test_motor.py',
     ),
     'emergency stop': Barrier(
