@@ -45,7 +45,7 @@ BARRIERS = {
         'test/property/test_crazyflie_safety.py',
     ),
     'tracker': Barrier(
-        f'{BRIDGE}/crazyflie/bridge_core.py', 'if len(known) == len(both):', 'if False:',
+        f'{BRIDGE}/crazyflie/bridge_core.py', 'if len(recent) == len(both):', 'if False:',
         f'{UNIT}/test_crazyflie_cores.py',
     ),
     'rises': Barrier(
