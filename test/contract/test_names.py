@@ -16,6 +16,10 @@ RETIRED = frozenset((
     'sealed', 'seen', 'shown', 'spare', 'spoken', 'standing', 'staying', 'strung', 'suspicion',
     'taken', 'told', 'vessel', 'wanted', 'watched', 'written',
 ))
+PARTICIPLES = frozenset((
+    'asked', 'drawn', 'flown', 'found', 'given', 'heard', 'judged', 'kept', 'known', 'made',
+    'said', 'sealed', 'shown', 'spoken', 'taught', 'told', 'wanted',
+))
 # fmt: on
 # Arguments of commands are their options on the command line.
 OPTIONS = ROOT / 'src' / 'lta_cli' / 'lta_cli' / 'verbs'
@@ -51,6 +55,25 @@ def test_no_function_class_or_module_has_a_retired_word_as_its_name():
     bad = [f'{path}:{node.lineno}: {node.name}' for path, node in nodes(*kinds)
            if retired(node.name)]  # fmt: skip
     bad += [str(path) for path in sources() if retired(path.stem) or retired(path.parent.name)]
+    assert bad == []
+
+
+def test_no_local_variable_is_a_past_participle():
+    """A name says what a variable holds, not what happened to it."""
+    bad = []
+    for path, function in nodes(ast.FunctionDef, ast.AsyncFunctionDef):
+        arguments = {
+            item.arg
+            for node in ast.walk(function)
+            if isinstance(node, ast.arguments)
+            for item in (*node.posonlyargs, *node.args, *node.kwonlyargs)
+        }
+        bad += [
+            f'{path}:{node.lineno}: {node.id}'
+            for node in ast.walk(function)
+            if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
+            if node.id in PARTICIPLES - arguments
+        ]
     assert bad == []
 
 

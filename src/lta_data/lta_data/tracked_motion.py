@@ -20,13 +20,13 @@ def find_tracker_prefix(channels: Collection[str]) -> str:
 
     Raise `BadInput` if no measured pose was recorded.
     """
-    known = [
+    prefixes = [
         name.removesuffix(POSITION)
         for name in channels
         if name.endswith(POSITION) and f'{name.removesuffix(POSITION)}orientation.yaw' in channels
     ]
     # Estimates and setpoints also have poses, but are not measurements
-    free = [name for name in known if not name.startswith(NO_TRACKER)]
+    free = [name for name in prefixes if not name.startswith(NO_TRACKER)]
     for topic in TRACKERS:
         for name in free:
             if name.startswith(f'{topic}/'):
@@ -58,7 +58,7 @@ def has_newton_commands(provenance: Mapping[str, str]) -> bool | None:
 
 def _list_dicts(holder: object, name: str) -> list[dict[str, Any]]:
     """Return the entries of a list, or the values of a dictionary, that are dictionaries."""
-    found = holder.get(name) if isinstance(holder, dict) else None
+    content = holder.get(name) if isinstance(holder, dict) else None
     # A mapping by name, or a list
-    each = [*found.values()] if isinstance(found, dict) else found
+    each = [*content.values()] if isinstance(content, dict) else content
     return [entry for entry in each if isinstance(entry, dict)] if isinstance(each, list) else []

@@ -80,21 +80,21 @@ def find_duplicate_runs(
         By the name of the later recording of each pair.
 
     """
-    known = [
+    fingerprints = [
         (name, extract_fingerprints(recording), simulation_seed(recording))
         for name, recording in recordings
     ]
-    found: dict[str, list[QualityFinding]] = {}
-    for index, (name, mine, seed) in enumerate(known):
+    findings: dict[str, list[QualityFinding]] = {}
+    for index, (name, mine, seed) in enumerate(fingerprints):
         # Each pair once: the later recording is reported as the duplicate
-        for other, theirs, its in known[:index]:
+        for other, theirs, its in fingerprints[:index]:
             # Simulated flights with different seeds are separate runs by definition.
             if seed and its and seed != its:
                 continue
             twin = compare_fingerprints(theirs, mine, other, limits or QualityLimits())
             if twin is not None:
-                found.setdefault(name, []).append(twin)
-    return found
+                findings.setdefault(name, []).append(twin)
+    return findings
 
 
 def simulation_seed(recording: ChannelRecording) -> str:

@@ -21,27 +21,27 @@ def compute_quaternions(convention: OrientationField, table: LogTable) -> Number
     numbers = np.stack([table.columns[name] for name in convention.columns], axis=1)
     if convention.quaternion is not None:
         # w x y z to x y z w
-        found = numbers if convention.order == 'xyzw' else numbers[:, [1, 2, 3, 0]]
+        quaternions = numbers if convention.order == 'xyzw' else numbers[:, [1, 2, 3, 0]]
     elif convention.euler is not None:
         angles = numbers * np.asarray(convention.signs or [1] * numbers.shape[1], dtype=np.float64)
-        found = _finite_quaternions(
+        quaternions = _finite_quaternions(
             angles,
             lambda rows: Rotation.from_euler(
                 convention.sequence, rows, degrees=convention.unit == 'deg'
             ),
         )
     elif convention.rotation_vector is not None:
-        found = _finite_quaternions(
+        quaternions = _finite_quaternions(
             numbers, lambda rows: Rotation.from_rotvec(rows, degrees=convention.unit == 'deg')
         )
     else:
-        found = _finite_quaternions(
+        quaternions = _finite_quaternions(
             numbers, lambda rows: Rotation.from_matrix(rows.reshape(-1, 3, 3))
         )
     if convention.direction == 'world to body':
         # The inverse rotation is the conjugate.
-        found = found * np.array([-1.0, -1.0, -1.0, 1.0])
-    return found
+        quaternions = quaternions * np.array([-1.0, -1.0, -1.0, 1.0])
+    return quaternions
 
 
 def convert_attitude(

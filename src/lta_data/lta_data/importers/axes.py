@@ -44,8 +44,8 @@ def convert_to_lta_axes(
     mirror = round(np.linalg.det(signed)) if axial else 1
     picked = np.argmax(np.abs(signed), axis=1)
     signs = signed[np.arange(3), picked] * mirror
-    found: Numbers = vectors[:, picked] * signs
-    return found
+    converted: Numbers = vectors[:, picked] * signs
+    return converted
 
 
 def attitude_matrix(world: Sequence[str] | None, body: Sequence[str] | None) -> Numbers:

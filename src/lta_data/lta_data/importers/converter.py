@@ -204,13 +204,13 @@ def _sum_forces(
 
 def _fill_unknown(part: MessagePart) -> dict[str, Any]:
     """Return an unknown part: NaN with -1 in its covariance; an unknown attitude is zero."""
-    found: dict[str, Any] = {part.unknown: UNKNOWN} if part.unknown else {}
+    fill: dict[str, Any] = {part.unknown: UNKNOWN} if part.unknown else {}
     if part.kind == 'number':
-        return found | {part.place: np.nan}
+        return fill | {part.place: np.nan}
     if part.kind == 'attitude':
         # An all-zero quaternion marks an unset attitude.
-        return found | {f'{part.place}.{axis}': 0.0 for axis in 'xyzw'}
-    return found | {f'{part.place}.{axis}': np.nan for axis in 'xyz'}
+        return fill | {f'{part.place}.{axis}': 0.0 for axis in 'xyzw'}
+    return fill | {f'{part.place}.{axis}': np.nan for axis in 'xyz'}
 
 
 def _split_columns(part: MessagePart, values: Numbers | None, axes: str) -> dict[str, Any]:
@@ -251,11 +251,11 @@ def _convert_vector(
             for name, scale in zip(vector.columns, vector.scales, strict=True)
         ]
         values = np.stack(scaled_columns, axis=1)
-    found = convert_to_lta_axes(values, plan.find_axes(frame), axial=part.kind == 'axial')
+    converted = convert_to_lta_axes(values, plan.find_axes(frame), axial=part.kind == 'axial')
     # From the world frame to the body frame
     if frame != part.frame and attitude is not None:
-        return rotate_into_body(found, attitude)
-    return found
+        return rotate_into_body(converted, attitude)
+    return converted
 
 
 def scale_column(

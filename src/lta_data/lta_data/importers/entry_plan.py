@@ -75,22 +75,22 @@ def plan_entry(entry: TopicMapping, mapping: ImportMapping, robot: str) -> Entry
 
     Raise `BadInput` if the target topic does not have what the entry gives.
     """
-    found = EntryPlan(
+    plan = EntryPlan(
         entry,
         robot_topic(robot, entry.topic),
         find_target(entry.topic),
         entry.world or mapping.world,
         entry.body or mapping.body,
     )
-    if found.target.type_name == JOINTS:
-        _check_joints(found)
+    if plan.target.type_name == JOINTS:
+        _check_joints(plan)
     elif entry.actuators is not None:
         raise BadInput(
             f"In the mapping, topic '{entry.topic}' cannot have the key 'actuators'; only the "
             "topic 'motors' can."
         )
-    _check_parts(found)
-    return found
+    _check_parts(plan)
+    return plan
 
 
 def _check_parts(candidate: EntryPlan) -> None:

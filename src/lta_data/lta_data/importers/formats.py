@@ -126,8 +126,8 @@ def detect_format(path: Path) -> str:
         return 'usd'
     if _is_text(head):
         return 'csv'
-    known = '; '.join(f'{name}: {format_.about}' for name, format_ in FORMATS.items())
-    raise BadInput(f"'{path}' is not in a known format ({known}); convert it to one of these.")
+    formats = '; '.join(f'{name}: {format_.about}' for name, format_ in FORMATS.items())
+    raise BadInput(f"'{path}' is not in a known format ({formats}); convert it to one of these.")
 
 
 def _detect_binary(path: Path, head: bytes) -> str | None:

@@ -65,11 +65,11 @@ def join_tables(table: LogTable, others: Mapping[str, LogTable]) -> tuple[LogTab
         order = np.argsort(other.stamps, kind='stable')
         # Never a later row: an onboard program could not know it either.
         at = np.searchsorted(other.stamps[order], table.stamps, side='right') - 1
-        found = at >= 0
+        has_match = at >= 0
         rows = order[np.maximum(at, 0)] if len(order) else np.zeros(len(table), dtype=np.intp)
         for column, numbers in other.columns.items():
             taken = numbers[rows] if len(order) else np.full(len(table), np.nan)
-            columns[f'{name}.{column}'] = np.where(found, taken, np.nan)
-        if found.any():
-            oldest = max(oldest, int((table.stamps - other.stamps[rows])[found].max()))
+            columns[f'{name}.{column}'] = np.where(has_match, taken, np.nan)
+        if has_match.any():
+            oldest = max(oldest, int((table.stamps - other.stamps[rows])[has_match].max()))
     return replace(table, columns=columns), oldest

@@ -170,7 +170,7 @@ def _iterate_converted(
                 for column in columns_by_table[name] & {*table.columns}
             }
             remarks.add_rows(name, table.stamps, used)
-        found = []
+        messages = []
         # A copy, since converters are removed while iterating
         for converter in list(converters):
             one = _convert_topic(converter, tables, notes)
@@ -178,8 +178,8 @@ def _iterate_converted(
                 # Drop the topic for the rest of the log as well.
                 converters.remove(converter)
             else:
-                found.append(one)
-        yield found
+                messages.append(one)
+        yield messages
 
 
 def _convert_topic(
@@ -191,7 +191,7 @@ def _convert_topic(
         tables[entry.table or ''], {name: tables[name] for name in entry.join}
     )
     try:
-        found = converter.convert(table)
+        converted = converter.convert(table)
     except ValueOutOfBounds as wrong:
         if not entry.optional or entry.table is None:
             raise
@@ -203,7 +203,7 @@ def _convert_topic(
             f"Topic '{entry.topic}' has the times of {entry.table} and the latest logged "
             f'values of {others}, which are at most {age * 1e-9:.3g} s old.'
         )
-    return found
+    return converted
 
 
 def _merge_in_order(converted: list[ConvertedMessages]) -> Iterator[Message]:

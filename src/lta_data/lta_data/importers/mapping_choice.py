@@ -85,7 +85,7 @@ def choose_entries(
 
     Raise `BadInput` if a required column is missing, or no entry can be filled.
     """
-    found = MappingChoice([], {}, [])
+    choice = MappingChoice([], {}, [])
     filled: set[str] = set()
     for entry in [] if mapping is None else mapping.topics:
         assert mapping is not None
@@ -94,21 +94,21 @@ def choose_entries(
             continue
         plan = _plan_entry(path, mapping, log, entry, robot)
         if plan is None:
-            found.absent.append(entry.topic)
+            choice.absent.append(entry.topic)
             continue
         filled.add(entry.topic)
         if plan.entry.table is not None and _is_renamed(plan, mapping, log):
-            found.renamed[plan.entry.table] = plan.topic
+            choice.renamed[plan.entry.table] = plan.topic
         else:
-            found.plans.append(plan)
-    absent = [topic for topic in dict.fromkeys(found.absent) if topic not in filled]
+            choice.plans.append(plan)
+    absent = [topic for topic in dict.fromkeys(choice.absent) if topic not in filled]
     if mapping is not None and not filled:
         there = ', '.join(list(dict.fromkeys(_list_contents(log)))[:30])
         raise BadInput(
             f"'{path}' has no data that the mapping '{mapping.name}' uses; it has {there}. Choose "
             'another mapping with --mapping.'
         )
-    return found._replace(absent=absent)
+    return choice._replace(absent=absent)
 
 
 def describe_unknown_actuators(vehicle: str, chosen: MappingChoice) -> list[str]:

@@ -123,7 +123,7 @@ def list_targets() -> dict[str, ImportTarget]:
 
 def find_target(name: str) -> ImportTarget:
     """Return one target; raise `BadInput` with the known names if it is unknown."""
-    found = list_targets()
-    if name not in found:
-        raise unknown_name_error('topic to import into', name, list(found))
-    return found[name]
+    targets = list_targets()
+    if name not in targets:
+        raise unknown_name_error('topic to import into', name, list(targets))
+    return targets[name]

@@ -78,11 +78,11 @@ def import_logs(order: ImportRequest, out: Path, progress: ImportProgress) -> li
         for source, name, times in zip(sources, _name_folders(sources), clocks, strict=True):
             progress.begin_log(source.name)
             inside = Path(name) / BAG if len(sources) > 1 else Path(BAG)
-            found = _import_log(
+            imported = _import_log(
                 order, source, times, len(sources) == 1, folder / inside, progress.show_fraction
             )
-            found.bag = str(out / inside)
-            done.append(found)
+            imported.bag = str(out / inside)
+            done.append(imported)
             progress.end_log()
     return done
 
@@ -99,26 +99,26 @@ def expand_source(source: Path, mapping: str | None) -> list[Path]:
     log = find_bag(source)
     if not log.is_dir() or detect_format(log) == 'bag':
         return [log]
-    if mapping is not None and (known := load_mapping(mapping)[0]).format == 'folder':
+    if mapping is not None and (loaded := load_mapping(mapping)[0]).format == 'folder':
         runs = list_run_folders(source)
         inside = (
             {name_table(runs[0], file) for file in list_data_files(runs[0])} if runs else set()
         )
         # The folders of a source may also be parts of one run, which its mapping then names
-        fits = {one.table.partition('.')[0] for one in known.topics if one.table} <= inside
+        fits = {one.table.partition('.')[0] for one in loaded.topics if one.table} <= inside
         return runs if runs and fits else [source]
     return list_run_files(source)
 
 
 def _name_folders(sources: Sequence[Path]) -> list[str]:
     """Return a unique folder name for each source: its name without suffixes."""
-    found: list[str] = []
+    names: list[str] = []
     for source in sources:
         # The part before the first dot: 'flight.csv.gz' becomes 'flight'
         stem = source.name.split('.')[0] or 'log'
-        count = sum(name == stem or name.startswith(f'{stem}-') for name in found)
-        found.append(f'{stem}-{count + 1}' if stem in found else stem)
-    return found
+        count = sum(name == stem or name.startswith(f'{stem}-') for name in names)
+        names.append(f'{stem}-{count + 1}' if stem in names else stem)
+    return names
 
 
 def _estimate_clocks(order: ImportRequest, source: Path) -> Clocks:
@@ -143,15 +143,15 @@ def _import_log(
     try:
         log = find_format(format_).opened(source, mapping)
         chosen = choose_entries(source, mapping, log, order.robot)
-        found = ImportedLog(
+        imported = ImportedLog(
             str(source), str(bag), format_, mapping.name if mapping else '', provenance['data']
         )
         strange = (
             [] if order.vehicle is None else describe_unknown_actuators(order.vehicle, chosen)
         )
-        found.topics, found.notes = write_log_bag(log, chosen, bag, provenance, reached)
-        found.notes = [to_one_line(note) for note in [*found.notes, *clocks, *strange]]
+        imported.topics, imported.notes = write_log_bag(log, chosen, bag, provenance, reached)
+        imported.notes = [to_one_line(note) for note in [*imported.notes, *clocks, *strange]]
     except (OSError, StorageFault) as fault:
         reason = str(fault).rstrip('.')
         raise BadInput(f"'{source}' cannot be imported: {reason}.") from None
-    return found
+    return imported

@@ -100,7 +100,7 @@ def needs_forecasts(study: DiscoveryStudy) -> bool:
 def add_forecast_effects(study: DiscoveryStudy, tell: Progress) -> DiscoveryStudy:
     """Add the effects that forecasts identify to a study, or return it unchanged."""
     if not needs_forecasts(study):
-        return _add_refit_beside_readings(study, tell)
+        return _add_refit_with_readings(study, tell)
     tell('evaluating forecasts', 0.0)
     flights = _cut_forecast_flights(study, [one for one in study.flights if one.role != 'holdout'])
     if flights is None or len(flights.flown) < FEWEST:
@@ -238,7 +238,7 @@ def _add_refit(
     return study if is_worse_than_file(result.finding.training, 'tuned') else result
 
 
-def _add_refit_beside_readings(study: DiscoveryStudy, tell: Progress) -> DiscoveryStudy:
+def _add_refit_with_readings(study: DiscoveryStudy, tell: Progress) -> DiscoveryStudy:
     """
     Return a study whose readings decided, with all numbers refitted beside what they show.
 
@@ -249,20 +249,20 @@ def _add_refit_beside_readings(study: DiscoveryStudy, tell: Progress) -> Discove
     if fit is None or (finding.verdict == 'none' and not finding.offsets):
         return study
     based = replace(study, nominal=study.learned)
-    taught = _cut_forecast_flights(based, [one for one in study.flights if one.role != 'holdout'])
-    if taught is None or len(taught.flown) < ENOUGH:
+    flights = _cut_forecast_flights(based, [one for one in study.flights if one.role != 'holdout'])
+    if flights is None or len(flights.flown) < ENOUGH:
         return study
     tell('refitting everything', 0.9)
-    begin = np.zeros(len(taught.sight.knobs))
-    parts = _split_regimes(taught)
-    refit = refit_all_parameters(taught.sight, _list_candidates(taught), begin, parts)
-    whole = apply_parameters(study.learned, taught.sight.knobs, refit.values)[0]
-    shown = [one.flown.flight for one in study.shown]
+    begin = np.zeros(len(flights.sight.knobs))
+    parts = _split_regimes(flights)
+    refit = refit_all_parameters(flights.sight, _list_candidates(flights), begin, parts)
+    whole = apply_parameters(study.learned, flights.sight.knobs, refit.values)[0]
+    error_flights = [one.flown.flight for one in study.shown]
     gaps = compute_model_errors(
-        shown,
+        error_flights,
         [FlightUnderModels(one.before, one.tuned, one.after) for one in study.shown],
         finding.seed,
-        refitted=[build_vehicle_point(each, whole, fit.deviations) for each in shown],
+        refitted=[build_vehicle_point(each, whole, fit.deviations) for each in error_flights],
     )
     evidence = TransferEvidence((), _list_left_out_regimes(refit.regimes), numbers=refit.numbers)
     finding = replace(finding, gaps=tuple(gaps), carried=evidence)

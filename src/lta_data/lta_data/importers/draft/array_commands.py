@@ -42,7 +42,7 @@ def ask_for_columns(
     An array says nothing of its numbers: they are asked for, if the vehicle is known or if they
     can be those of a stick.
     """
-    known = [_name_part(name) for name in names]
+    parts = [_name_part(name) for name in names]
     nameless = [one for one in names if NUMBERED.fullmatch(one.column)]
     values = np.concatenate([columns[one.column] for one in nameless]) if nameless else np.zeros(1)
     stick = float(np.nanmin(values)) < 0.0 and float(np.nanmax(np.abs(values))) <= BOTH_WAYS
@@ -58,7 +58,7 @@ def ask_for_columns(
                     f'What does {one.column} of {topic} command?{follows.get(one.column, "")}'
                 )
                 choices.decide(f'{one.column}.command', options, question)
-    return [one for one in known if choices.find_answer(f'{one.column}.command') != 'none']
+    return [one for one in parts if choices.find_answer(f'{one.column}.command') != 'none']
 
 
 def _name_part(name: ColumnName) -> ColumnName:

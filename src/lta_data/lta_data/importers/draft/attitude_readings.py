@@ -123,8 +123,8 @@ def _fill_rows(rows: Numbers, instead: list[float]) -> Numbers:
     good = np.isfinite(rows).all(axis=1)
     if rows.shape[1] == 4:
         good &= (rows != 0.0).any(axis=1)
-    found: Numbers = np.where(good.reshape(-1, 1), rows, np.asarray(instead))
-    return found
+    filled: Numbers = np.where(good.reshape(-1, 1), rows, np.asarray(instead))
+    return filled
 
 
 def fit_scale(measured: Numbers, derived: Numbers, seconds: Numbers) -> ScaleFit:
@@ -154,10 +154,10 @@ def fit_scale(measured: Numbers, derived: Numbers, seconds: Numbers) -> ScaleFit
 def differentiate(values: Numbers, seconds: Numbers) -> Numbers:
     """Return the derivative at the samples."""
     rising = np.concatenate(([True], np.diff(seconds) > 0.0))
-    found = np.full(values.shape, np.nan)
+    rates = np.full(values.shape, np.nan)
     if rising.sum() > 2:
-        found[rising] = np.gradient(values[rising], seconds[rising], axis=0)
-    return found
+        rates[rising] = np.gradient(values[rising], seconds[rising], axis=0)
+    return rates
 
 
 def body_rates_of(turn: Rotation, seconds: Numbers) -> Numbers:

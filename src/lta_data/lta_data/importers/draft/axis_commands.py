@@ -62,7 +62,7 @@ def find_named_axes(names: Sequence[ColumnName]) -> dict[str, ColumnName]:
     Roll, pitch and yaw may be angles: they are commands only beside surge, sway or heave, and with
     a word for a command or the other words of these.
     """
-    found: dict[str, ColumnName] = {}
+    by_axis: dict[str, ColumnName] = {}
     alike: list[frozenset[str]] = []
     read = [(name, *_read_axis(name)) for name in names]
     # Of cmd_left, cmd_right and cmd_up, the last is the place of a rotor
@@ -71,16 +71,16 @@ def find_named_axes(names: Sequence[ColumnName]) -> dict[str, ColumnName]:
     )
     for linear in (True, False):
         for name, axis, rest in read:
-            known = bool(rest & COMMANDING) or rest in alike
+            is_command = bool(rest & COMMANDING) or rest in alike
             if placed and name.words & PLACES and name.words & {*BODY_WORDS}:
                 continue
-            if axis and (axis in LINEAR) is linear and (linear or known):
-                found.setdefault(axis, name)
+            if axis and (axis in LINEAR) is linear and (linear or is_command):
+                by_axis.setdefault(axis, name)
                 alike += [rest] if linear else []
-    angles = [found[axis].words for axis in BODY_AXES[3:] if axis in found]
-    if not LINEAR & {*found} or angles == [frozenset()] * 3 or _are_places(found):
+    angles = [by_axis[axis].words for axis in BODY_AXES[3:] if axis in by_axis]
+    if not LINEAR & {*by_axis} or angles == [frozenset()] * 3 or _are_places(by_axis):
         return {}
-    return found
+    return by_axis
 
 
 def _are_places(commands: Mapping[str, ColumnName]) -> bool:

@@ -86,9 +86,9 @@ def draft_bag_topics(path: Path, choices: DraftChoices) -> BagDraft:
         choices.add_reason(ours, [name], types[name], 'the message type and the name')
         entry = {'topic': ours, 'table': name}
         if ours in poses and name in tables:
-            found = _group_pose(types[name], tables[name])
-            groups[name] = [*found.values()]
-            drafted, axes = _draft_pose(ours, found, tables[name], choices)
+            pose_groups = _group_pose(types[name], tables[name])
+            groups[name] = [*pose_groups.values()]
+            drafted, axes = _draft_pose(ours, pose_groups, tables[name], choices)
             entry |= _list_differences(drafted, axes)
             if tracked is None and ours != ROLES['setpoint']:
                 tracked = _place_in_our_axes(name, tables[name], drafted, axes)
@@ -181,17 +181,17 @@ def _read_tables(path: Path, names: Sequence[str]) -> Mapping[str, LogTable]:
 
 def _group_pose(kind: str, table: LogTable) -> dict[str, ColumnGroup]:
     """Return the parts of a pose or odometry message; a twist of zeros was never filled in."""
-    found = {}
+    groups = {}
     for name, part in (FURTHER.get(kind) or SHAPES[kind]).items():
         letters = 'xyzw' if part.kind == 'attitude' else 'xyz'
         columns = tuple(f'{part.place}.{axis}' for axis in letters)
         filled = any(np.any(table.columns[one]) for one in columns if one in table.columns)
         if filled or name in KINDS:
             group = 'quaternion' if part.kind == 'attitude' else name
-            found[KINDS.get(name, name)] = ColumnGroup(
+            groups[KINDS.get(name, name)] = ColumnGroup(
                 group, '', columns, tuple(letters), '', 'the message type'
             )
-    return found
+    return groups
 
 
 def _draft_pose(
@@ -222,12 +222,12 @@ def _list_differences(drafted: MotionDraft, axes: VerticalAxes | None) -> dict[s
         {key: value for key, value in part.items() if key not in fixed} != usual[name]
         for name, part in drafted.parts.items()
     )
-    found = dict(drafted.parts) if differs else {}
+    differences = dict(drafted.parts) if differs else {}
     if axes is not None and axes.world != 'ENU':
-        found['world'] = axes.world
+        differences['world'] = axes.world
     if axes is not None and axes.body != 'FLU':
-        found['body'] = axes.body
-    return found
+        differences['body'] = axes.body
+    return differences
 
 
 def _place_in_our_axes(

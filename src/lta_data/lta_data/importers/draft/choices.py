@@ -78,7 +78,7 @@ class DraftChoices:
         """Raise BadInput for an answer to a question that does not arise."""
         unused = sorted({*self.answers} - self.used)
         if unused:
-            known = ', '.join(sorted(self.used)) or 'none'
+            keys = ', '.join(sorted(self.used)) or 'none'
             raise BadInput(
-                f'--set {unused[0]} decides nothing in this log; it has the keys {known}.'
+                f'--set {unused[0]} decides nothing in this log; it has the keys {keys}.'
             )

@@ -133,20 +133,20 @@ def choose_clock(
     for other, clock in aligned:
         if other.shares_clock(table):
             return clock._replace(why=f'the clock of {other.name}')
-    found, stamped = pose.estimate_offset(table), table.first - pose.first
-    if found is not None and found.is_clear:
-        share = f'{100.0 * found.explained:.0f} %'
+    offset, stamped = pose.estimate_offset(table), table.first - pose.first
+    if offset is not None and offset.is_clear:
+        share = f'{100.0 * offset.explained:.0f} %'
         why = f'there, the commands explain {share} of the accelerations'
-        return AlignedClock(found.seconds - stamped, pose.name, why, True)
+        return AlignedClock(offset.seconds - stamped, pose.name, why, True)
     why = f'another clock than {pose.name}; taken to begin together: check it'
     return AlignedClock(-stamped, pose.name, why)
 
 
 def _ask_for_shift(key: str, pose: TimedTable, table: TimedTable, choices: DraftChoices) -> None:
     """Ask about commands on the clock of the pose which the motion follows much later."""
-    found = pose.estimate_offset(table)
-    shift = 0.0 if found is None else found.seconds - (table.first - pose.first)
-    if found is not None and found.is_clear and abs(shift) > APART:
+    offset = pose.estimate_offset(table)
+    shift = 0.0 if offset is None else offset.seconds - (table.first - pose.first)
+    if offset is not None and offset.is_clear and abs(shift) > APART:
         options = [('0 s', 'as stamped'), (f'{shift:.1f} s', 'as the motion shows')]
         question = f'The motion follows the commands of {table.name} {shift:.1f} s later.'
         choices.decide(key, options, question)
@@ -231,13 +231,13 @@ def estimate_clock_offset(
 
 def _find_rising(times: Numbers) -> Any:  # noqa: ANN401 - an array of bool
     """Return which times are later than all before them, without jumps of an hour."""
-    known = np.isfinite(times)
-    latest = np.maximum.accumulate(np.where(known, times, -np.inf))
+    finite = np.isfinite(times)
+    latest = np.maximum.accumulate(np.where(finite, times, -np.inf))
     before = np.concatenate([[-np.inf], latest[:-1]])
-    jumped = np.concatenate([[False], np.diff(np.where(known, times, np.nan)) > JUMP])
+    jumped = np.concatenate([[False], np.diff(np.where(finite, times, np.nan)) > JUMP])
     # What follows a jump is on the clock that the rest of the table has
     begin = int(np.flatnonzero(jumped)[-1]) if jumped.any() else 0
-    rising: Any = known & (times > before) & (np.arange(len(times)) >= begin)
+    rising: Any = finite & (times > before) & (np.arange(len(times)) >= begin)
     return rising
 
 

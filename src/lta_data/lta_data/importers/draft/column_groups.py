@@ -60,10 +60,10 @@ def group_columns(table: Columns) -> tuple[list[ColumnGroup], list[ColumnName]]:
     grouped = {column for group in groups for column in group.columns}
     for (stem, unit), axes in stems.items():
         for part in _split_angles(axes):
-            found = _group_stem(stem, unit, part, table)
-            if found is not None and not grouped & {*found.columns}:
-                groups.append(found)
-                grouped |= {*found.columns}
+            stem_group = _group_stem(stem, unit, part, table)
+            if stem_group is not None and not grouped & {*stem_group.columns}:
+                groups.append(stem_group)
+                grouped |= {*stem_group.columns}
     groups += _group_nameless(table, names, grouped)
     grouped |= {column for group in groups for column in group.columns}
     rest = [name for name in named if name.column not in grouped]
@@ -91,10 +91,10 @@ def _complete_angles(
 
 def _wraps_at_pi(values: Numbers) -> bool:
     """Return whether an angle jumps from one end of +-pi to the other: it is in radians."""
-    known = np.asarray(values, dtype=np.float64)
-    known = known[np.isfinite(known)]
-    jumps = np.abs(np.diff(known)) > 1.5 * np.pi
-    return bool(np.abs(known).max(initial=0.0) < 1.01 * np.pi and jumps.any())
+    angles = np.asarray(values, dtype=np.float64)
+    angles = angles[np.isfinite(angles)]
+    jumps = np.abs(np.diff(angles)) > 1.5 * np.pi
+    return bool(np.abs(angles).max(initial=0.0) < 1.01 * np.pi and jumps.any())
 
 
 def _is_marker(group: ColumnGroup, groups: Sequence[ColumnGroup]) -> bool:
@@ -113,14 +113,14 @@ def _is_marker(group: ColumnGroup, groups: Sequence[ColumnGroup]) -> bool:
 def _group_heading(names: list[ColumnName], groups: list[ColumnGroup]) -> ColumnGroup | None:
     """Return the one heading beside a position without any other attitude."""
     kinds = {group.kind for group in groups}
-    found = [
+    headings = [
         name
         for name in names
         if name.axis == 'yaw' and not {'rates', 'setpoint'} & {*_describe(name)}
     ]
-    if len(found) != 1 or 'position' not in kinds or kinds & {'quaternion', 'euler'}:
+    if len(headings) != 1 or 'position' not in kinds or kinds & {'quaternion', 'euler'}:
         return None
-    (one,) = found
+    (one,) = headings
     why = 'a heading without roll and pitch'
     return ColumnGroup('euler', match_role(one.words), (one.column,), ('yaw',), one.unit, why)
 
@@ -155,9 +155,9 @@ def _group_stem(
         return _build('quaternion', role, axes, order, unit, f'axes w, x, y, z of {label}')
     for four in FOURS:
         if {*four} <= {*axes} and len(axes) == 4 and kind in ('quaternion', 'euler', ''):
-            found = _build('quaternion', role, axes, four, unit, f'four columns of {label}')
-            if _has_unit_length(found.stack(table)):
-                return found
+            group = _build('quaternion', role, axes, four, unit, f'four columns of {label}')
+            if _has_unit_length(group.stack(table)):
+                return group
     if {'roll', 'pitch', 'yaw'} <= {*axes}:
         angles = ('roll', 'pitch', 'yaw')
         rates = kind == 'rates' or UNIT_WORDS.get(unit, ('',))[0] in ('rad/s', 'deg/s')
@@ -221,8 +221,8 @@ def _group_wrench(names: Sequence[ColumnName]) -> Iterator[ColumnGroup]:
     order_of_words = sorted(
         parts, key=lambda rest: (match_role(rest) != 'setpoint', -len(parts[rest]))
     )
-    for found in (parts[rest] for rest in order_of_words):
-        for kind, by_axis in found.items():
+    for by_kind in (parts[rest] for rest in order_of_words):
+        for kind, by_axis in by_kind.items():
             order = tuple(axis for axis in 'xyz' if axis in by_axis)
             first = by_axis[order[0]]
             why = f'the name {"_".join(first.stem)}'

@@ -124,19 +124,23 @@ def _read_timed_tables(
     for plan in plans:
         selection.setdefault(plan.entry.table or '', set()).update(plan.entry.columns)
         selection |= {other: set() for other in plan.entry.join if other not in selection}
-    found: dict[str, TimedTable] = {}
+    tables: dict[str, TimedTable] = {}
     read = next(iter(log.iterate_tables(selection, lambda _: None))) if selection else {}
     for plan in plans:
         name = plan.entry.table or ''
         joined, _ = join_tables(read[name], {other: read[other] for other in plan.entry.join})
         converter = TopicConverter(plan)
         rows = converter.select_rows(joined)
-        known = found.get(name)
+        earlier = tables.get(name)
         # A table may have a sensor beside its pose or its commands
-        if len(rows) and (known is None or (known.position is None and known.commands is None)):
+        if len(rows) and (
+            earlier is None or (earlier.position is None and earlier.commands is None)
+        ):
             commands = plan.entry.topic in COMMANDS
-            found[name] = _build_timed_table(name, rows, converter.compute_numbers(rows), commands)
-    return found
+            tables[name] = _build_timed_table(
+                name, rows, converter.compute_numbers(rows), commands
+            )
+    return tables
 
 
 def _build_timed_table(

@@ -141,8 +141,8 @@ def _named_unit(group: ColumnGroup) -> tuple[str, float] | None:
 
 
 def _build_vector(group: ColumnGroup, unit: str, scale: float = 1.0) -> dict[str, Any]:
-    found: dict[str, Any] = {'columns': list(group.columns), 'unit': unit}
-    return found if scale == 1.0 else found | {'scale': scale}
+    vector: dict[str, Any] = {'columns': list(group.columns), 'unit': unit}
+    return vector if scale == 1.0 else vector | {'scale': scale}
 
 
 def _draft_acceleration(
@@ -239,9 +239,9 @@ def _draft_position(
                              turn.inv().apply(np.nan_to_num(speed)))),
             key=lambda fit: fit.share,
         )  # fmt: skip
-        known = _named_unit(velocity)
+        named_unit = _named_unit(velocity)
         if best.share > AGREE:
-            factor = best.factor * (known[1] if known else 1.0)
+            factor = best.factor * (named_unit[1] if named_unit else 1.0)
             near = {one: abs(np.log(factor / scale)) for one, scale in LENGTHS.items()}
             unit = min(near, key=lambda one: near[one])
             why = f'the velocity is {best.factor:.3g} times its derivative'

@@ -160,8 +160,8 @@ def parse_column_name(column: str) -> ColumnName:
     """Take the name of a column apart."""
     text, unit = column, ''
     bracket = re.search(r'\s*[\[(]([^\[\]()]*)[\])]\s*$', column)
-    if bracket and (known := _normalise_unit(bracket[1])) in UNIT_WORDS:
-        text, unit = column[: bracket.start()], known
+    if bracket and (unit_token := _normalise_unit(bracket[1])) in UNIT_WORDS:
+        text, unit = column[: bracket.start()], unit_token
     tokens = [token for token in re.split(r'[_\s.]+', text) if token]
     for count in (2, 1):
         end = ' '.join(tokens[-count:]).lower()
@@ -226,8 +226,8 @@ def match_kind(words: Iterable[str]) -> str:
     there = frozenset(words)
     # The quantity is named by a full word before it is by a letter
     for long in (True, False):
-        for kind, known in KINDS.items():
-            if any((len(word) > 1) == long for word in there & known):
+        for kind, kind_words in KINDS.items():
+            if any((len(word) > 1) == long for word in there & kind_words):
                 return kind
     return ''
 
@@ -237,4 +237,4 @@ def match_role(words: Iterable[str]) -> str:
     there = frozenset(words)
     if 'state' in there and 'estimate' in there:
         return 'estimate'
-    return next((role for role, known in ROLES.items() if there & known), '')
+    return next((role for role, role_words in ROLES.items() if there & role_words), '')

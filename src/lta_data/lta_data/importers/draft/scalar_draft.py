@@ -88,9 +88,9 @@ def _choose_unit(
     name: ColumnName, values: Numbers, units: Mapping[str, tuple[float, float]]
 ) -> tuple[str, str]:
     """Return the unit of a column and the reason; '' if its values fit none."""
-    known = UNIT_WORDS.get(name.unit, ('',))[0]
-    if known in units:
-        return known, 'the unit in the name'
+    named_unit = UNIT_WORDS.get(name.unit, ('',))[0]
+    if named_unit in units:
+        return named_unit, 'the unit in the name'
     typical = float(np.nanmedian(np.abs(values)))
     for unit, (low, high) in units.items():
         if low <= typical <= high:

@@ -40,9 +40,9 @@ class TableDraft(NamedTuple):
 def draft_table(name: str, table: Columns, choices: DraftChoices) -> TableDraft:
     """Return the topics that a table fills; `name` is '' for a single table."""
     numbers = {column: cells for column, cells in table.items() if cells.dtype.kind in 'fiub'}
-    told = [column for column in numbers if choices.find_answer(f'{column}.command')]
-    groups, singles = group_columns({one: numbers[one] for one in numbers if one not in told})
-    singles += [parse_column_name(column) for column in told]
+    decided = [column for column in numbers if choices.find_answer(f'{column}.command')]
+    groups, singles = group_columns({one: numbers[one] for one in numbers if one not in decided})
+    singles += [parse_column_name(column) for column in decided]
     time = find_time_base(name, table, groups, choices)
     if name:
         # The file of a sensor often says what it is

@@ -42,15 +42,15 @@ def find_time_base(
     rate, why = _derive_rate(table, groups)
     key = f'{prefix}time.rate'
     if rate:
-        found = choices.override(key, f'{rate:g}')
+        rate_text = choices.override(key, f'{rate:g}')
     else:
         options = [(f'{hertz}', f'{hertz} rows per second') for hertz in (100, 50, 60, 200)]
-        found = choices.answers.get(key) or choices.decide(
+        rate_text = choices.answers.get(key) or choices.decide(
             key, options, 'No column is a time, and no velocity says how fast the rows follow.'
         )
         choices.used.add(key)
-    choices.add_reason(f'{prefix}time', [], f'{found} Hz', why)
-    return TimeBase(rows / float(found), {'rate': f'{float(found):g} Hz'})
+    choices.add_reason(f'{prefix}time', [], f'{rate_text} Hz', why)
+    return TimeBase(rows / float(rate_text), {'rate': f'{float(rate_text):g} Hz'})
 
 
 def _find_time_column(table: Columns, groups: list[ColumnGroup]) -> str:

@@ -62,12 +62,12 @@ def find_axes(
     sign = {'up': 1, 'down': -1}.get(choices.override(CONFLICT, ''), sign)
     down: Axes = 'NED' if axis_names == 'ned' else DOWN
     body_up = sign if same else -sign
-    found = VerticalAxes('ENU' if sign > 0 else down, 'FLU' if body_up > 0 else 'FRD', why)
-    choices.add_reason('axes: world', [], _format_axes(found.world), why)
+    axes = VerticalAxes('ENU' if sign > 0 else down, 'FLU' if body_up > 0 else 'FRD', why)
+    choices.add_reason('axes: world', [], _format_axes(axes.world), why)
     relation = 'is along' if same else 'is opposite to'
-    choices.add_reason('axes: body', [], _format_axes(found.body),
+    choices.add_reason('axes: body', [], _format_axes(axes.body),
                        f'z of the body {relation} z of the world')  # fmt: skip
-    return found
+    return axes
 
 
 def _format_axes(axes: Axes) -> str:

@@ -73,12 +73,12 @@ def _find_signs(
         column = entry.get(part, {}).get('columns', [None])[-1]
         if column is None:
             continue
-        k, wanted = columns.index(column), pull[:, axis : axis + 1]
+        k, target = columns.index(column), pull[:, axis : axis + 1]
         shares, factors = [], []
         for delay in DELAYS:
             rows = np.clip(np.searchsorted(stamps + delay, grid, side='right') - 1, 0, None)
-            shares.append(lose_without(base, held[rows], k, wanted))
-            fit = np.linalg.lstsq(np.column_stack([base, held[rows]]), wanted, rcond=None)[0]
+            shares.append(lose_without(base, held[rows], k, target))
+            fit = np.linalg.lstsq(np.column_stack([base, held[rows]]), target, rcond=None)[0]
             factors.append(float(fit[base.shape[1] + k, 0]))
         if max(shares) > CLEAR:
             signs.add(float(np.sign(factors[int(np.argmax(shares))])))

@@ -116,11 +116,11 @@ def read_numpy_file(path: Path) -> READ:
         if zipfile.is_zipfile(path):
             _refuse_bomb(path)
         with limit_memory(), path.open('rb') as stream:
-            found = np.load(stream, allow_pickle=False)
+            content = np.load(stream, allow_pickle=False)
             leaves = (
-                {name: found[name] for name in found.files}
-                if isinstance(found, np.lib.npyio.NpzFile)
-                else _name_array(found)
+                {name: content[name] for name in content.files}
+                if isinstance(content, np.lib.npyio.NpzFile)
+                else _name_array(content)
             )
     except BadInput:
         raise

@@ -70,13 +70,13 @@ def refuse_unsafe_database(file: Path) -> None:
     """Raise BadInput for a database with computed content or oversized messages."""
     try:
         with closing(sqlite3.connect(f'{file.absolute().as_uri()}?mode=ro', uri=True)) as base:
-            found = [name for (name,) in base.execute(PROGRAMS, ('CREATE VIRTUAL%',))]
+            programs = [name for (name,) in base.execute(PROGRAMS, ('CREATE VIRTUAL%',))]
             for table in ('messages', 'topics', 'schema', 'message_definitions'):
                 for _, name, *_, kind in base.execute(f'PRAGMA table_xinfo({table})'):
-                    found += [name] if kind in COMPUTED else []
-            if found:
+                    programs += [name] if kind in COMPUTED else []
+            if programs:
                 raise BadInput(
-                    f"'{file}' has '{found[0]}', a view, trigger or computed column, which no "
+                    f"'{file}' has '{programs[0]}', a view, trigger or computed column, which no "
                     'recording has; get it from a trusted source.'
                 )
             for (head,) in base.execute('SELECT substr(data, 1, 18) FROM messages'):

@@ -59,7 +59,7 @@ class ColumnLog:
         reached(0.5)
         stamps = {name: self._read_stamps(name) for name in selection}
         shift = self._choose_time_offset(stamps)
-        found = {}
+        tables = {}
         for name in selection:
             at = stamps[name] + shift
             numbers = {
@@ -68,8 +68,8 @@ class ColumnLog:
             }
             rows = np.arange(len(at), dtype=np.int64)
             # Several tables are merged by time, a single one keeps its order
-            found[name] = LogTable(at, at, rows if len(selection) == 1 else at, numbers)
-        yield found
+            tables[name] = LogTable(at, at, rows if len(selection) == 1 else at, numbers)
+        yield tables
 
     def iterate_messages(self, reached: Reached) -> Iterator[PassThroughMessage]:
         """Yield nothing."""
@@ -102,10 +102,10 @@ class ColumnLog:
 
 def _list_table_times(tables: Tables, mapping: MappingFile) -> dict[str, TimeColumn]:
     """Return the time of each table: its own, or that of the mapping."""
-    found = {} if mapping.time is None else dict.fromkeys(tables, mapping.time)
+    times = {} if mapping.time is None else dict.fromkeys(tables, mapping.time)
     only = next(iter(tables)) if len(tables) == 1 else ''
     own = {entry.table or only: entry.time for entry in mapping.topics if entry.time is not None}
-    return found | own
+    return times | own
 
 
 def _to_nanoseconds(cells: Column, time: TimeColumn) -> Times:
@@ -124,5 +124,5 @@ def _to_nanoseconds(cells: Column, time: TimeColumn) -> Times:
     # Whole and fractional seconds apart: their product with 1e9 would lose digits
     scaled = cells.astype(np.float64) * UNITS[time.unit][1]
     whole = np.floor(scaled)
-    found: Times = whole.astype(np.int64) * SECOND
-    return found + np.round((scaled - whole) * SECOND).astype(np.int64)
+    seconds_part: Times = whole.astype(np.int64) * SECOND
+    return seconds_part + np.round((scaled - whole) * SECOND).astype(np.int64)

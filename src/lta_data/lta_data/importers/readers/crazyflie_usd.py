@@ -78,10 +78,10 @@ def open_usd_log(path: Path, mapping: MappingFile | None) -> InMemoryLog:
             'there on are left out.'
         )
     tables: dict[str, LogTable] = {}
-    for number, found in places.items():
+    for number, event_places in places.items():
         name = events[number].name
         name = f'{name} ({number})' if name in tables else name
-        tables[name] = _build_table(data, events[number], found, version)
+        tables[name] = _build_table(data, events[number], event_places, version)
     if not tables:
         raise BadInput(f"'{path}' is a Crazyflie log without events; give a log with data.")
     facts = {
@@ -139,13 +139,13 @@ def _read_text(data: bytes, at: int) -> tuple[str, int]:
 
 def _parse_field(text: str, path: Path) -> tuple[str, str]:
     """Return a variable's name and numpy type."""
-    found = VARIABLE.fullmatch(text)
-    if found is None:
+    match = VARIABLE.fullmatch(text)
+    if match is None:
         raise BadInput(
             f"In the header of '{path}', the variable '{text}' has an unknown type, so the file "
             'is probably damaged; copy it again.'
         )
-    return found[1], np.dtype(f'<{found[2]}').str
+    return match[1], np.dtype(f'<{match[2]}').str
 
 
 def _locate_events(
@@ -153,7 +153,7 @@ def _locate_events(
 ) -> tuple[dict[int, list[tuple[int, int]]], int]:
     """Return (position in the log, offset) of each event by type, and where they stop."""
     sizes = {number: event.record.itemsize for number, event in events.items()}
-    found: dict[int, list[tuple[int, int]]] = {}
+    places: dict[int, list[tuple[int, int]]] = {}
     rank = 0
     while at + 2 <= end:
         number = data[at] | data[at + 1] << 8
@@ -161,10 +161,10 @@ def _locate_events(
         # Records have no length field, so nothing after an unknown type can be read.
         if size is None or at + size > end:
             break
-        found.setdefault(number, []).append((rank, at))
+        places.setdefault(number, []).append((rank, at))
         rank += 1
         at += size
-    return found, at
+    return places, at
 
 
 def _build_table(

@@ -112,24 +112,24 @@ class CsvLog:
         """Return the measurement times of the rows. [ns]"""
         time = self._mapping.time
         if time is None or time.column is None:
-            found = compute_even_times(time, rows)
+            stamps = compute_even_times(time, rows)
         else:
             texts = list(map(decode_cell, batch.column(time.column).to_pylist()))
-            found, zoneless = parse_exact_times(texts, time.unit, time.column, int(rows[0]))
+            stamps, zoneless = parse_exact_times(texts, time.unit, time.column, int(rows[0]))
             if zoneless and ZONELESS not in self.notes:
                 self.notes.append(ZONELESS)
         # The first part decides for the whole file
         if self._shift is None:
-            self._shift = choose_time_offset(int(found[0]), self.notes, self.facts)
-        return found + self._shift
+            self._shift = choose_time_offset(int(stamps[0]), self.notes, self.facts)
+        return stamps + self._shift
 
     def _translate_error(self, error: str, types: Mapping[str, pa.DataType]) -> BadInput:
         """Return the error for text that pyarrow cannot read."""
         # pyarrow names neither row nor column reliably, so find the cell by reading again
         if 'conversion error' in error:
             for name, kind in types.items():
-                if kind == pa.float64() and (found := self._find_non_numeric_cell(name)):
-                    row, cell = found
+                if kind == pa.float64() and (cell_place := self._find_non_numeric_cell(name)):
+                    row, cell = cell_place
                     return BadInput(
                         f"'{self._path}': '{cell}' in column '{name}', row {row}, is not a "
                         'number; correct it, or leave the cell empty.'
@@ -264,17 +264,17 @@ def read_column_names(path: Path, text: TextFormat) -> list[str]:
     except (OSError, EOFError, pa.ArrowInvalid) as error:
         raise BadInput(f"'{path}' cannot be read ({error}); give an intact text file.") from None
     cells = next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])
-    found: list[str] = []
+    names: list[str] = []
     for index, cell in enumerate(cells):
         name = cell.strip() or f'unnamed {index + 1}'
         # pyarrow needs unique names
-        found.append(name if name not in found else f'{name} ({index + 1})')
-    if not found:
+        names.append(name if name not in names else f'{name} ({index + 1})')
+    if not names:
         raise BadInput(
             f"'{path}' has no line with column names; add one, or list the names in the mapping, "
             'as "header" under "text".'
         )
-    return found
+    return names
 
 
 def read_first_line(source: Any) -> str:  # noqa: ANN401 - a stream of pyarrow or of ours
@@ -316,8 +316,8 @@ def is_number(cell: str) -> bool:
 def missing_columns_error(path: Path, absent: list[str], there: list[str]) -> BadInput:
     """Return the error for missing columns."""
     words = ', '.join(f"'{name}'" for name in absent[:5])
-    known = ', '.join(there[:60]) + (' ...' if len(there) > 60 else '')
+    available = ', '.join(there[:60]) + (' ...' if len(there) > 60 else '')
     plural = 's' if len(absent) > 1 else ''
     return BadInput(
-        f"'{path}' has no column{plural} {words}; it has {known}. Correct the mapping."
+        f"'{path}' has no column{plural} {words}; it has {available}. Correct the mapping."
     )

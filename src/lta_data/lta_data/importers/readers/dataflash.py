@@ -47,8 +47,8 @@ def open_dataflash(path: Path, mapping: MappingFile | None) -> InMemoryLog:
     data = path.read_bytes()
     formats, places, skipped = _locate_messages(data)
     tables = {
-        formats[kind].name: _build_table(data, formats[kind], found)
-        for kind, found in places.items()
+        formats[kind].name: _build_table(data, formats[kind], kind_places)
+        for kind, kind_places in places.items()
         if TIME in formats[kind].factors
     }
     if not tables:
@@ -70,8 +70,10 @@ def _locate_messages(
         kind = data[at + 2]
         size = 0
         if data[at : at + 2] == HEAD:
-            known = formats.get(kind)
-            size = FMT_BYTES if kind == FMT else known.record.itemsize if known else 0
+            message_type = formats.get(kind)
+            size = (
+                FMT_BYTES if kind == FMT else message_type.record.itemsize if message_type else 0
+            )
         if not size or at + size > len(data):
             # Damaged or unknown: search for the next head
             following = data.find(HEAD, at + 1)

@@ -12,15 +12,17 @@ from rosbags.typesys.store import Typestore
 
 def read_bag_definition(channel: Channel, schema: Schema | None) -> MessageDefinition:
     """Return a topic's definition from an MCAP file, with its REP-2016 hash if possible."""
-    found = build_definition(channel, schema)
-    if found.rihs01 or found.encoding != 'ros2msg':
-        return found
+    definition = build_definition(channel, schema)
+    if definition.rihs01 or definition.encoding != 'ros2msg':
+        return definition
     types = get_typestore(Stores.EMPTY)
     try:
-        types.register(parse_definition(found.text, found.type_name, found.encoding))
-        return replace(found, rihs01=types.hash_rihs01(found.type_name))
+        types.register(
+            parse_definition(definition.text, definition.type_name, definition.encoding)
+        )
+        return replace(definition, rihs01=types.hash_rihs01(definition.type_name))
     except MISDEFINED:
-        return found  # unreadable, but kept as it is
+        return definition  # unreadable, but kept as it is
 
 
 def find_store_definition(type_name: str, types: Typestore, notes: list[str]) -> MessageDefinition:

@@ -33,14 +33,14 @@ class BoundedGzipFile(gzip.GzipFile):
 
     def read(self, size: int | None = -1) -> bytes:
         """Return the next bytes; raise OSError if the compression ratio is implausible."""
-        found = super().read(size)
+        data = super().read(size)
         # Bounded by what has been read so far, so that a bomb stops early.
         allowed = INFLATED_FREELY + INFLATION * self._packed.tell()
         if self.tell() > allowed:
             raise OSError(
                 f'it unpacks to more than {INFLATION} times its size, which no text log does'
             )
-        return found
+        return data
 
 
 def open_text_lines(

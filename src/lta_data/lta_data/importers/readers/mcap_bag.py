@@ -80,15 +80,15 @@ class McapLog(BagTableLog):
 
 def _list_raw_topics(bag: Bag, path: Path) -> dict[str, RawTopic]:
     """Return the topics with their definitions, whatever their encoding."""
-    found: dict[str, RawTopic] = {}
+    topics: dict[str, RawTopic] = {}
     for file in find_bag_files(path):
         contents = read_file_contents(file)
         for channel in contents.channels.values():
             # A channel without a schema gets None
-            known = read_bag_definition(channel, contents.schemas.get(channel.schema_id))
+            definition = read_bag_definition(channel, contents.schemas.get(channel.schema_id))
             qos = parse_qos_profiles(channel.metadata.get('offered_qos_profiles', ''))
-            found.setdefault(channel.topic, RawTopic(known, qos))
-    return {name: raw for name, raw in found.items() if name in bag.topics}
+            topics.setdefault(channel.topic, RawTopic(definition, qos))
+    return {name: raw for name, raw in topics.items() if name in bag.topics}
 
 
 def parse_qos_profiles(text: str) -> list[OfferedQos]:

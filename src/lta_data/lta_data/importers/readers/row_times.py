@@ -32,10 +32,10 @@ def compute_even_times(time: Any, rows: Times) -> Times:  # noqa: ANN401 - lta_c
     """Return the times of evenly spaced rows, without accumulated error. [ns]"""
     if time.step is None:
         # From the row number, so that rounding does not add up.
-        found: Times = np.round(rows * (SECOND / time.rate.si)).astype(np.int64)
+        times: Times = np.round(rows * (SECOND / time.rate.si)).astype(np.int64)
     else:
-        found = rows * round(time.step.si * SECOND)
-    return found
+        times = rows * round(time.step.si * SECOND)
+    return times
 
 
 def parse_exact_times(texts: list[str], unit: str, column: str, first: int) -> ParsedTimes:
@@ -50,10 +50,10 @@ def parse_exact_times(texts: list[str], unit: str, column: str, first: int) -> P
     # The first cell decides between dates and decimals
     dates = bool(texts) and DATE.fullmatch(texts[0].strip()) is not None
     reading = parse_date if dates else build_decimal_parser(unit)
-    found = np.empty(len(texts), dtype=np.int64)
+    times = np.empty(len(texts), dtype=np.int64)
     for index, text in enumerate(texts):
         try:
-            found[index] = reading(text)
+            times[index] = reading(text)
         except (InvalidOperation, OverflowError, ValueError):
             content = f"'{shorten_cell(text)}'" if text else 'nothing'
             raise BadInput(
@@ -61,13 +61,13 @@ def parse_exact_times(texts: list[str], unit: str, column: str, first: int) -> P
                 'time; correct the row or remove it.'
             ) from None
     zoneless = dates and any(find_time_zone(text) == '' for text in texts)
-    return ParsedTimes(found, zoneless)
+    return ParsedTimes(times, zoneless)
 
 
 def find_time_zone(text: str) -> str | None:
     """Return the time zone of a date as written, '' without one; None if it is not a date."""
-    found = DATE.fullmatch(text.strip())
-    return None if found is None else found[3]
+    match = DATE.fullmatch(text.strip())
+    return None if match is None else match[3]
 
 
 def build_decimal_parser(unit: str) -> Callable[[str], int]:
@@ -79,10 +79,10 @@ def build_decimal_parser(unit: str) -> Callable[[str], int]:
 
 def parse_date(text: str) -> int:
     """Return the time of a date since 1970, with all digits of its second. [ns]"""
-    found = DATE.fullmatch(text.strip())
-    if found is None:
+    match = DATE.fullmatch(text.strip())
+    if match is None:
         raise ValueError(text)
-    whole, fraction, zone = found.groups()
+    whole, fraction, zone = match.groups()
     zone = '+00:00' if zone in ('', 'Z', 'z', 'UTC') else zone
     passed = datetime.fromisoformat(whole.replace(' ', 'T') + zone) - EPOCH
     # Apart from the whole seconds, since datetime resolves microseconds only

@@ -57,9 +57,9 @@ def read_folder(path: Path) -> READ:
     tables: dict[str, dict[str, Column]] = {}
     notes: list[str] = []
     for file in list_data_files(path):
-        found, remarks = read_table_file(file)
+        file_tables, remarks = read_table_file(file)
         base = name_table(path, file)
-        for name, columns in found.items():
+        for name, columns in file_tables.items():
             tables[f'{base}.{name}' if name else base] = columns
         notes += [f'{base}: {remark}' for remark in remarks]
     if not tables:

@@ -31,14 +31,14 @@ def detect_text_format(path: Path) -> TextFormat:
     Raise `BadInput` if no two lines have equally many numbers.
     """
     lines = list(_read_lines(path))
-    found = {
+    row_counts = {
         (name, decimal): _count_rows(lines, mark, decimal)
         for decimal in DECIMALS
         for name, mark in DELIMITERS.items()
         if name != decimal
     }
     # By rows, then by how many more cells are numbers than not: a comma may be either mark
-    (delimiter, decimal), (rows, _, cells) = max(found.items(), key=lambda one: one[1])
+    (delimiter, decimal), (rows, _, cells) = max(row_counts.items(), key=lambda one: one[1])
     if rows < 2:
         raise BadInput(
             f"'{path}' has no two lines with equally many numbers between commas, semicolons, "
@@ -167,16 +167,16 @@ def _join_lines_of_names(lines: Sequence[str], mark: str | None, cells: int) -> 
 def _make_unique(names: Sequence[str]) -> list[str]:
     unique: list[str] = []
     for index, name in enumerate(names):
-        known = name or f'unnamed {index + 1}'
-        unique.append(known if known not in unique else f'{known} ({index + 1})')
+        label = name or f'unnamed {index + 1}'
+        unique.append(label if label not in unique else f'{label} ({index + 1})')
     return unique
 
 
 def _are_units(names: Sequence[str]) -> bool:
     """Return whether most cells of a line are known units, and two of them at least."""
     filled = [unit for unit in map(_bare_unit, names) if unit]
-    known = sum(unit in UNIT_WORDS for unit in filled)
-    return known >= 2 and 2 * known > len(filled)
+    count = sum(unit in UNIT_WORDS for unit in filled)
+    return count >= 2 and 2 * count > len(filled)
 
 
 def _bare_unit(cell: str) -> str:
