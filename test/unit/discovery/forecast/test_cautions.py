@@ -26,7 +26,7 @@ def test_a_fit_that_predicts_worse_is_said_and_so_is_a_model_of_no_use() -> None
     ]
     where = '(position after 5 s, attitude after 3, 5 s)'
     worse, idle = list_forecast_warnings(told)
-    assert worse.startswith(f'The fitted model predicts worse than the vehicle file {where}:')
+    assert worse.startswith(f'The fitted model predicts worse than the vehicle file {where}.')
     assert idle.endswith(f'which ignores the commands, is better than every model {where}.')
 
 
