@@ -36,10 +36,10 @@ STUDIES = 'lta_studies/lta_studies'
 RULES = {
     # The navigator node names the lamp of a leg in its health report.
     'guidance': rule(
-        f'{CONTROL}/mission.py {CONTROL}/nodes/navigator.py', 'leg asked turns refused heard', 3
+        f'{CONTROL}/mission.py {CONTROL}/nodes/navigator.py', 'leg target turns refused receptions', 3
     ),
     'climb and landing': rule(f'{CONTROL}/mission.py', 'reached landing'),
-    'change of lamps': rule(f'{CONTROL}/mission.py', 'heard patience again'),
+    'change of lamps': rule(f'{CONTROL}/mission.py', 'reception_time patience again'),
     # The settings give their numbers to the rule.
     'action at the reserve': rule(
         f'{CONTROL}/reserve_policy.py {CONTROL}/reserve.py', 'action home patience turning'
