@@ -36,7 +36,8 @@ STUDIES = 'lta_studies/lta_studies'
 RULES = {
     # The navigator node names the lamp of a leg in its health report.
     'guidance': rule(
-        f'{CONTROL}/mission.py {CONTROL}/nodes/navigator.py', 'leg target turns refused receptions', 3
+        f'{CONTROL}/mission.py {CONTROL}/nodes/navigator.py',
+        'leg target turns refused receptions', 3
     ),
     'climb and landing': rule(f'{CONTROL}/mission.py', 'reached landing'),
     'change of lamps': rule(f'{CONTROL}/mission.py', 'reception_time patience again'),
