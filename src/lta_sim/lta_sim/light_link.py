@@ -125,7 +125,7 @@ def build_light_link(
         )
     # Columns 0..2: position of a diode, 3..5: its axis, body frame
     axes = array.planes[:, 3:]
-    daylight = field.daylight if field.outside is None else field.outside.daylight
+    daylight = field.any_daylight
     return LightLink(
         lamps=tuple(build_reflecting_beam(lamp, field) for lamp in field.lamps),
         signals=tuple(signals),

@@ -52,7 +52,7 @@ class TrackedDrone:
             Motion of the vehicle in the map, stamped in graph time, in order.
 
         """
-        set_back, was_found = self.sieve.set_back, self.sieve.found
+        set_back, found_before = self.sieve.set_back, self.sieve.found
         self._poses += 1
         self._arrival_ns = arrival_ns
         if not self.sieve.accept_pose(stamp_ns, pose):
@@ -61,7 +61,7 @@ class TrackedDrone:
         if self.sieve.set_back > set_back:
             self.clock.discard_estimate()
         # No derivative across a jump of the clock or of the position
-        if (self.sieve.set_back, self.sieve.found) != (set_back, was_found):
+        if (self.sieve.set_back, self.sieve.found) != (set_back, found_before):
             self.window.clear()
         restarts = self.clock.restarts
         self.clock.stamp_arrival(stamp_ns, arrival_ns)

@@ -98,19 +98,19 @@ def check_ports() -> HardwareCheck:
     """Check that no other graph uses the domain of a flight."""
     text = os.environ.get('ROS_DOMAIN_ID') or '0'
     if not text.isdecimal() or int(text) > 232:  # the ports of domain 233 exceed 65535
-        found_text = f'ROS_DOMAIN_ID is {text!r}'
+        summary = f'ROS_DOMAIN_ID is {text!r}'
         return HardwareCheck(
             'ports',
             'fail',
-            found_text,
+            summary,
             'Set ROS_DOMAIN_ID to a number from 0 to 101, or unset it.',
         )
     domain = int(text)
     busy = find_busy_ports(domain_ports(domain))
     if busy:
-        found_text = f'ROS domain {domain}: UDP port {", ".join(map(str, busy))} in use'
+        summary = f'ROS domain {domain}: UDP port {", ".join(map(str, busy))} in use'
         remedy = 'Stop the other ROS 2 nodes, or choose another domain, such as ROS_DOMAIN_ID=7'
-        return HardwareCheck('ports', 'warn', found_text, f'{remedy}.')
+        return HardwareCheck('ports', 'warn', summary, f'{remedy}.')
     listened = domain_ports(domain)
     return HardwareCheck(
         'ports', 'ok', f'ROS domain {domain}: UDP ports {listened[0]} to {listened[-1]} are free'

@@ -50,12 +50,12 @@ def render_comparison_scene(
     pose = find_pose_prefix(comparison.channels)
     by_name = {each.name: each for each in comparison.channels}
     places = [by_name.get(f'{pose}{field}') for field in PLACE]
-    found_places = [each for each in places if each is not None]
-    if not pose or len(found_places) < len(PLACE):
+    channels = [each for each in places if each is not None]
+    if not pose or len(channels) < len(PLACE):
         return '', {}
     angles = [by_name.get(f'{pose}{field}') for field in ANGLES]
     time = sample_times(*span)
-    poses = {side: sample_pose(found_places, angles, side, time) for side in ('a', 'b')}
+    poses = {side: sample_pose(channels, angles, side, time) for side in ('a', 'b')}
     scene = read_recorded_scene(comparison)
     body, reach, _ = draw_vehicle(scene.vehicle)
     flights = [

@@ -67,9 +67,8 @@ def recognise_tests(flight: MeasuredFlight, vehicle: Vehicle) -> tuple[Recognise
 
 
 def _describe_step(orders: Stream, axis: str) -> RecognisedTest:
+    # A log begins before the step
     change = orders.values[:, AXES.index(axis)] - orders.values[0, AXES.index(axis)]
-    if not change.any():
-        change = -orders.values[0, AXES.index(axis)] * np.ones(1)
     size = float(change[np.argmax(np.abs(change))])
     unit = 'mN' if axis in AXES[:3] else 'mN m'
     words = f'a command in {axis} of {1e3 * size:.3g} {unit} that is held'

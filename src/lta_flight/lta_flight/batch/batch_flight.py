@@ -264,7 +264,7 @@ def build_power(vehicle: Vehicle, scenario: Scenario, policy: FlightStack) -> Ba
     """Return the electrical system of a vehicle in a scene."""
     field = scenario.light_field
     ambient = field.ambient
-    daylight = field.daylight if field.outside is None else field.outside.daylight
+    daylight = field.any_daylight
     return BatchPower(
         SupplyComponents(vehicle.battery, vehicle.charger, vehicle.panel),
         vehicle.loads,

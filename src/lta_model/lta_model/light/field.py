@@ -62,6 +62,11 @@ class LightField:
         """The first beacon."""
         return self.lamps[0]
 
+    @property
+    def any_daylight(self) -> Daylight | None:
+        """The daylight of the scene, or that beyond its door."""
+        return self.daylight if self.outside is None else self.outside.daylight
+
 
 @final
 @dataclass(frozen=True, slots=True)

@@ -47,7 +47,7 @@ class LightWeights(NamedTuple):
 def find_spectral_weights(field: LightField, vehicle: Vehicle) -> LightWeights:
     """Return what the solar cells of a vehicle make of the spectra in a scene."""
     energy = vehicle.file.energy
-    daylight = field.daylight if field.outside is None else field.outside.daylight
+    daylight = field.any_daylight
     return LightWeights(
         tuple(array_spectral_factor(energy, lamp.efficacy) for lamp in field.lamps),
         array_spectral_factor(energy, field.ambient.efficacy),
@@ -131,8 +131,7 @@ class LightView:
     @property
     def _daylight_efficacy(self) -> float:
         """Luminous efficacy of the daylight; infinite if there is none. [lm/W]"""
-        field = self.field
-        daylight = field.daylight if field.outside is None else field.outside.daylight
+        daylight = self.field.any_daylight
         return math.inf if daylight is None else daylight.efficacy
 
     @property

@@ -192,12 +192,12 @@ def draw_static_limit(name: str, density: float) -> tuple[float, float] | None:
     content = load_yaml(find_file('vehicle', name))
     if not list_ranges(content):
         return None
-    limits_drawn = []
+    speeds = []
     for seed in range(1, DRAWS + 1):
         variant = draw_content(content, seed, 'vehicle')
         file = validate_content(VehicleFile, variant, f'a draw of {name}')
-        limits_drawn.append(wind_limits.static_wind_limit(Vehicle(file, density)))
-    low, high = map(float, np.quantile(limits_drawn, [0.05, 0.95]))
+        speeds.append(wind_limits.static_wind_limit(Vehicle(file, density)))
+    low, high = map(float, np.quantile(speeds, [0.05, 0.95]))
     return low, high
 
 
