@@ -2,8 +2,8 @@
 Find a calibration near the best one, from a vehicle file that may be far off.
 
 Forecasts over a second are nearly linear in gains, lift and the markers' frame, also where a gain
-has the wrong sign. The delay of the commands is not, so a grid of delays is tried there. Forecasts
-over three seconds then add what shows slowly: inertia, balance, drag.
+has the wrong sign. The delay of the commands is not, so a grid of delays is tried there. Inertia,
+balance and drag are added then, and forecasts over three seconds last.
 """
 
 from collections.abc import Sequence
@@ -126,10 +126,12 @@ def fit_coarse_calibration(
             start = min(starts, key=lambda fit: fitter.rms_error(fit.values, every))
             late = [k for k in shared if knobs[k].name == DELAY]
             best = _improve(fitter, picked, best, start.values, [*first, *late])
-    # Of runs of a few seconds, short forecasts fit all numbers, too
-    long = build_longest_fitter(nominal, flights)
-    if long is not None:
-        best = _improve(*long, best, best.values, shared)
+    # In longer forecasts, a fast oscillation is out of phase unless the short ones corrected it
+    for fitter, picked in filter(
+        None, (short, build_forecast_fitter(nominal, flights, LONG, APART[1]))
+    ):
+        fitter.weigh_errors(best.values, best.lifts[picked])
+        best = _improve(fitter, picked, best, best.values, shared)
     if short is not None:
         # A flight that is too short for forecasts has the mean lift of the others
         rest = [f for f in range(len(flights)) if f not in short[1]]

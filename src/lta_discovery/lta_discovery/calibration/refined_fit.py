@@ -23,7 +23,11 @@ import numpy as np
 def refine_calibration(
     nominal: NominalVehicle, flights: Sequence[FlightLinearizer], coarse: CoarseCalibration
 ) -> JointFit | None:
-    """Return the joint fit of all flights from a coarse calibration; None if it cannot run."""
+    """
+    Return the joint fit of all flights from a coarse calibration; None if it does not converge.
+
+    Values and intervals of a fit that stopped on the way are those of a linearization elsewhere.
+    """
     knobs = flights[0].knobs
     near = apply_parameters(nominal, knobs, coarse.values)[0]
     knots = count_needed_knots(flights, near)
@@ -42,6 +46,7 @@ def refine_calibration(
     at = np.append(coarse.values, np.zeros(len(SENSORS)))
     try:
         begin = fitter.linearize_flights(at, points, prior)
-        return fitter.fit(prior, begin, 2.5 * floor, narrow=True)
+        fit = fitter.fit(prior, begin, 2.5 * floor, narrow=True)
     except (BadInput, np.linalg.LinAlgError):
         return None
+    return fit if fit.is_converged else None

@@ -78,6 +78,8 @@ class JointFit:
     fitted: ParameterPosterior
     evidence: float
     rounds: int
+    # Whether it ended where the linearization holds, not because no step improved it
+    is_converged: bool = False
 
     @property
     def members(self) -> tuple[FlightFit, ...]:
@@ -171,26 +173,27 @@ class JointFitter:
             About the last point, or the one before if the last step met its prediction.
 
         """
-        last, count = self.fit_deviations(begin, prior, deviations), 1
-        while count < rounds:
+        last, count, converged = self.fit_deviations(begin, prior, deviations), 1, False
+        while count < rounds and not converged:
             step = self._choose_step(last)
+            if step is None:
+                break
             # Misfit is -2 log density, so 2 units of it are 1 nat
-            if step is None or step.kept < 2.0 * rest:
+            if step.kept < 2.0 * rest:
+                converged = True
                 break
             try:
                 there = self.linearize_flights(step.at, step.points, prior if narrow else None)
                 now = self.fit_deviations(there, prior, last.deviations, last.rounds + 1)
             except BadInput:
                 break  # the point can be simulated, but not linearized
-            rests = (
+            converged = (
                 last.group.is_aligned and step.whole and abs(now.evidence - last.evidence) < rest
             )
             # Large gains mean that the start was far away; they do not use up the rounds
             count += now.evidence - last.evidence < LEAP or last.rounds > 3 * ROUNDS
             last = now
-            if rests:
-                break
-        return last
+        return replace(last, is_converged=converged)
 
     def propose_step(self, last: JointFit) -> tuple[Array, list[LinearizationPoint]]:
         """Return the most probable shared parameters and points after a fit."""

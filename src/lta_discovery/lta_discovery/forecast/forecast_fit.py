@@ -93,7 +93,7 @@ class ForecastFitter:
         horizons: Sequence[float] = HORIZONS,
     ) -> None:
         self.nominal, self.flights, self.lift = nominal, flights, lift
-        self.horizons = horizons
+        self.place, self.horizons = place, horizons
         self.knobs: list[FreeParameter] = flights[0].knobs
         self._lift = next(k for k, knob in enumerate(self.knobs) if knob.name == NET_LIFT)
         zero = np.zeros(len(self.knobs))
@@ -107,6 +107,19 @@ class ForecastFitter:
         # Number of readings, to detect forecasts that diverge
         self._known = [int(np.isfinite(left).sum()) for left in first]
         self._measured = [find_measured_poses(one, horizons) for one in flights]
+
+    def weigh_errors(self, values: Array, lifts: Sequence[float]) -> None:
+        """
+        Weigh errors from now on by those that are left with some values.
+
+        By those of a vehicle file that is far off, the errors of one short test hardly count.
+
+        `lifts`: net lift of each flight, besides the shared one. [N]
+        """
+        left = [
+            self.compute_flight_errors(values, f, lift=lift).left for f, lift in enumerate(lifts)
+        ]
+        self.weights = _error_weights(np.concatenate(left), self.place)
 
     def build_linearization_point(
         self, values: Array, lift: float, flight: FlightLinearizer
