@@ -34,8 +34,9 @@ BETTER: Final = ('falls from', 'tolerances reduces the', 'Use the corrected vehi
 AGAIN: Final = 'Record another flight before'
 DOUBT: Final = (
     'inconclusive', 'cannot distinguish', AGAIN, 'do not trust', 'predicts worse',
-    'named effects are worse', 'do not show which',
+    'named effects are worse', 'do not show which', 'no forecast shows',
 )  # fmt: skip
+IDLE: Final = 'no forecast shows'
 FITS: Final = 'explains these flights to within'
 REMEASURE: Final = 'Calibrate first'
 UNFIT: Final = ('standard deviations of their tolerance', 'Measure the parameters')
@@ -95,7 +96,7 @@ def find_contradictions(finding: StudyResult) -> list[str]:
     laws = (_check_gains(rendered), _check_names(finding, rendered),
             _check_nothing(finding, rendered), _check_values(finding, rendered),
             _check_json(finding, rendered), _check_law(rendered),
-            _check_refit(rendered))  # fmt: skip
+            _check_refit(rendered), _check_added(finding, rendered))  # fmt: skip
     return [each for law in laws for each in law]
 
 
@@ -175,7 +176,7 @@ def _check_json(finding: StudyResult, rendered: RenderedStudy) -> Iterator[str]:
     if gain != (conclusion['gain'] is not None):
         yield 'headline and JSON disagree on whether the prediction improves'
     # The first two phrases are those of an undecided result
-    undecided = any(words in rendered.headline for words in DOUBT[:2])
+    undecided = any(words in rendered.headline for words in (*DOUBT[:2], IDLE))
     if conclusion['asserted'] != (bool(finding.effects) and not undecided):
         yield 'headline and JSON disagree on whether an effect is missing'
     if (
@@ -214,3 +215,23 @@ def _check_refit(rendered: RenderedStudy) -> Iterator[str]:
         yield 'the refitted file forecasts best, but the headline says to calibrate first'
     if (conclusion['advice'] == 'refitted') > best:
         yield 'the advice is the refitted file, which does not forecast best'
+
+
+def _check_added(finding: StudyResult, rendered: RenderedStudy) -> Iterator[str]:
+    """Check that effects are only advised if forecasts with them beat fitted tolerances."""
+    conclusion = rendered.json['conclusion']
+    beats = any(
+        0.0 < (gap['added_ci95'][0] or 0.0) or (gap['tuned'] is None and gap['after'] is not None)
+        for gap in rendered.json['gaps']
+    )
+    if finding.effects and conclusion['advice'] == 'use' and not beats:
+        yield 'effects are advised that improve no forecast over fitted tolerances'
+    vain = IDLE in rendered.headline
+    if vain and (conclusion['advice'] == 'use' or conclusion['asserted']):
+        yield 'the headline says that no forecast shows the effects, but the JSON asserts them'
+    if vain and BETTER[2] in rendered.text_without_json:
+        yield 'the headline says that no forecast shows the effects, but their file is advised'
+    if vain != (' possible ' in rendered.tiles):
+        yield 'headline and tiles disagree on whether forecasts show the effects'
+    if conclusion['advice'] != 'use' and 'falls from' in rendered.headline:
+        yield 'the headline states a gain by effects that are not advised'

@@ -15,16 +15,24 @@ from lta_discovery.forecast.forecast_warnings import (
     find_worse_forecasts,
     find_worse_than_tolerances,
     should_keep_file,
+    WHOLE,
 )
 from lta_discovery.model.candidates import vector_components
 from lta_discovery.selection.candidate_acceptance import GAIN
+from lta_model.effects import EFFECTS
 
 Advice = Literal['keep', 'measure', 'again', 'use', 'law', 'refitted']
 
 FAR: Final = 3.0  # s; the horizon at which a model has to be better than coasting
 LOOSE: Final = 0.7  # of the error before; below it, tuning the tolerances alone is worth reporting
 WORSE: Final = 1.05  # of the error before; above it, the learned file should not be used yet
-CLOSER: Final = 0.95  # of the error with tolerances alone; above it, the effect predicts no better
+# Channels of the measurement effects that no forecast of the pose shows, by the kind of sensor
+SENSORS: Final[Mapping[str, tuple[str, ...]]] = {
+    'rates': ('p', 'q', 'r'),
+    'force': ('fx', 'fy', 'fz'),
+    'range': ('range',),
+    'pressure': ('pressure',),
+}
 CLEARLY: Final = 0.9  # of the error of the other files; below it, the refitted one is advised
 ADVICE: Final[Mapping[Advice, str]] = {
     'keep': 'Keep the vehicle file as it is.',
@@ -55,11 +63,11 @@ class Conclusion:
     # Whether a model that ignores the commands predicts the position best, at the longest horizon
     coasting: bool
     advice: Advice  # what to do with the vehicle file, a key of `ADVICE`
-    # The improvement to report: the position at the longest horizon. None unless the advice is to
-    # act on it.
+    # The improvement to report: the position at the longest horizon, or another error that only
+    # the named effects reduce. None unless the advice is to act on it.
     gain: ChannelErrors | None
-    # Whether tuning the tolerances of the file alone makes most of that improvement
-    by_tolerances: bool
+    # Whether the named effects improve no forecast beyond what fitting the tolerances does
+    idle: bool
     # Whether the vehicle file explains the flights to within its tolerances and the noise
     fits: bool
     # The position error over some seconds, if the final model does not beat coasting there: then
@@ -72,14 +80,19 @@ class Conclusion:
     @property
     def is_doubtful(self) -> bool:
         """Whether the names or their values are in doubt."""
-        return bool(self.rivals or self.useless) or self.advice == 'again' or self.coasting
+        doubts = self.rivals, self.useless, self.advice == 'again', self.coasting, self.idle
+        return any(map(bool, doubts))
 
 
 def draw_conclusion(finding: StudyResult) -> Conclusion:
     """Return the conclusion that a finding supports."""
-    gap = select_main_error(finding.gaps)
-    advice, loose = _choose_advice(finding), _tolerances_suffice(finding)
-    if advice == 'keep' and has_law(finding) and not find_law_obstacle(finding):
+    gap, added = select_main_error(finding.gaps), find_added_gain(finding)
+    advice = _choose_advice(finding)
+    idle = bool(finding.effects) and finding.verdict != 'not_identifiable' and added is None
+    loose = _tolerances_suffice(gap) and (idle or finding.verdict == 'none')
+    if idle and advice == 'use':
+        advice = 'measure' if loose else 'again'
+    if (idle or advice == 'keep') and has_law(finding) and not find_law_obstacle(finding):
         advice = 'law'
     refitted = find_better_refit(finding)
     unnamed = not finding.effects and finding.verdict != 'not_identifiable'
@@ -90,15 +103,14 @@ def draw_conclusion(finding: StudyResult) -> Conclusion:
     beaten = advice in ('law', 'refitted')
     useless = None if beaten else find_useless_forecast(finding.gaps)
     # A gain is only reported together with the advice to use it
-    better = advice == 'use' and gap is not None and gap.shrink > 0.0
-    worthy = better or (loose and advice == 'measure')
+    gain = added if advice == 'use' else gap if loose and advice == 'measure' else None
     return Conclusion(
-        asserted=bool(finding.effects) and finding.verdict != 'not_identifiable',
+        asserted=bool(finding.effects) and finding.verdict != 'not_identifiable' and not idle,
         rivals=tuple(rivals),
         coasting=gap is not None and gap.coast < min(gap.tuned, gap.after),
         advice=advice,
-        gain=gap if worthy and useless is None else None,
-        by_tolerances=gap is not None and gap.after >= CLOSER * gap.tuned,
+        gain=gain if useless is None else None,
+        idle=idle,
         fits=finding.verdict == 'none'
         and advice == 'keep'
         and useless is None
@@ -106,6 +118,28 @@ def draw_conclusion(finding: StudyResult) -> Conclusion:
         useless=useless,
         refitted=refitted,
     )
+
+
+def find_added_gain(finding: StudyResult) -> ChannelErrors | None:
+    """
+    Return an error that the named effects reduce beyond what fitting the tolerances does.
+
+    At its longest horizon and beyond its uncertainty: that of the position if there is one, or of
+    the attitude, or of the readings of a sensor that a named effect is about.
+    """
+    kinds = [getattr(EFFECTS.get(one.name), 'channel', '') for one in finding.effects]
+    sensors = [channel for kind in kinds for channel in SENSORS.get(kind, ())]
+    for channel in (*WHOLE, *sensors):
+        own = [gap for gap in finding.gaps if gap.channel == channel]
+        gap = max(own, key=lambda one: one.horizon_s, default=None)
+        if gap is not None and gap.after < min(gap.before, gap.tuned) and _is_added(gap):
+            return gap
+    return None
+
+
+def _is_added(gap: ChannelErrors) -> bool:
+    """Return whether the named effects reduce an error beyond its uncertainty."""
+    return gap.added_ci95[0] > 0.0 or math.isinf(gap.tuned)
 
 
 def has_law(finding: StudyResult) -> bool:
@@ -163,17 +197,17 @@ def _choose_advice(finding: StudyResult) -> Advice:
         gap = select_main_error(finding.gaps)
         worse = gap is not None and gap.after > WORSE * gap.before
         return 'again' if worse or find_useless_forecast(finding.gaps) is not None else 'use'
-    if finding.strained or _tolerances_suffice(finding):
+    gap = select_main_error(finding.gaps)
+    if finding.strained or (finding.verdict == 'none' and _tolerances_suffice(gap)):
         return 'measure'
     # Strong evidence without a name means that the training and confirming flights disagree.
     strong = any(rung.total > GAIN for step in finding.ladder for rung in step)
     return 'again' if strong and finding.verdict == 'none' else 'keep'
 
 
-def _tolerances_suffice(finding: StudyResult) -> bool:
-    """Return whether no effect is missing and the tolerances alone remove most of the error."""
-    gap = select_main_error(finding.gaps)
-    return finding.verdict == 'none' and gap is not None and gap.tuned < LOOSE * gap.before
+def _tolerances_suffice(gap: ChannelErrors | None) -> bool:
+    """Return whether the tolerances alone remove much of the main error."""
+    return gap is not None and gap.tuned < LOOSE * gap.before
 
 
 def select_main_error(gaps: Sequence[ChannelErrors]) -> ChannelErrors | None:

@@ -109,6 +109,8 @@ class ChannelErrors:
     pieces: int
     # Root mean square error with all parameters fitted to forecasts; NaN where that was not done
     refitted: float = float('nan')
+    # 95 % interval of 1 - after / tuned, by bootstrap over pieces: what the named effects add
+    added_ci95: Interval = (float('nan'), float('nan'))
 
 
 @final

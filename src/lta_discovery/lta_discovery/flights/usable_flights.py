@@ -51,6 +51,8 @@ MOST: Final = 0.5  # of a flight; a channel that is bad for longer is dropped
 AROUND: Final = 0.2  # s; margin cut on either side of an interval
 # m above the standing height; a swinging vehicle may still touch the floor
 NEAR_FLOOR: Final = 0.05
+# m; clearance from a floor that the tracker does not know, so that the model has no contact there
+CLEAR: Final = 0.5
 LOWEST: Final = 0.01  # quantile; lower poses may be outliers
 SHORTEST: Final = 1.5  # s; of a flight; only the total length decides beyond it
 LEAST: Final = 20.0  # s; of all training flights together
@@ -199,10 +201,13 @@ def _raise_to_floor(
     # Heights below zero throughout are those of an axis that points down, which is checked later
     if low >= 0.0 or finite.max() <= 0.0:
         return streams, []
-    more = vehicle.hull_height_on_floor - low
+    # A range reading says how high the lowest pose was; otherwise it need not be on the floor
+    clear = 0.0 if 'range' in streams.others else CLEAR
+    more = vehicle.hull_height_on_floor + clear - low
     values = streams.pose.values.copy()
     values[:, 2] += more
-    return replace(streams, pose=replace(streams.pose, values=values)), [
+    pose = replace(streams.pose, values=values)
+    return replace(streams, pose=pose, floor=streams.floor + clear), [
         f'{name}: the hull centre is up to {-low:.2f} m below the floor, so the zero of the '
         f"tracker is not on the floor. All heights were raised by {more:.2f} m; set the tracker's "
         'origin on the floor, where height matters.'

@@ -243,6 +243,7 @@ def summarize_residuals(
     """
     noise = np.sqrt(np.mean([each.replay.flight.reading_deviation**2 for each in flights], axis=0))
     rng, out = np.random.default_rng(seed), []
+    second = np.random.default_rng([seed, 1])
     which = {**WHOLE, **{c: (UNITS[c], slice(k, k + 1)) for k, c in enumerate(CHANNELS)}}
     for name, (unit, columns) in which.items():
         if name not in channels:
@@ -270,6 +271,9 @@ def summarize_residuals(
                         square['before'][finite], square['after'][finite], rng,
                     ),
                     pieces=int(finite.sum()),
+                    added_ci95=bootstrap_shrinkage(
+                        square['tuned'][finite], square['after'][finite], second,
+                    ),
                 )
             )  # fmt: skip
     return out

@@ -35,6 +35,8 @@ MOST: Final = 3  # most calibration offsets in the headline
 # Advice after a calibration, where it differs from `ADVICE`
 CALIBRATED: Final = {
     'keep': 'Use the calibrated vehicle file: calibrated.yaml in the results folder.',
+    'measure': 'Use the calibrated vehicle file: calibrated.yaml in the results folder. Measure its '
+    'other parameters again.',
     'again': 'Use the calibrated vehicle file, calibrated.yaml in the results folder, and record '
     'another flight before you add an effect to it.',
 }
@@ -98,8 +100,13 @@ def _format_verdict(finding: StudyResult, conclusion: Conclusion) -> str:
             f'{_format_law(finding)}'
         )
     names = join_words([_format_alternatives(one) for one in finding.effects])
-    verb = 'are' if _has_several_parameters(finding) else 'is'
-    gain = _format_improvement(finding, conclusion)
+    several = _has_several_parameters(finding)
+    verb = 'may be' if conclusion.idle else 'are' if several else 'is'
+    if conclusion.idle:
+        gain = f', but no forecast shows {"them" if several else "it"}'
+        gain += _format_tolerance_gain(conclusion)
+    else:
+        gain = _format_improvement(finding, conclusion)
     text = f'{names[:1].upper()}{names[1:]} {verb} missing from the model{gain}'
     if finding.verdict == 'named+unexplained':
         return (
@@ -176,16 +183,20 @@ def format_draught_size(one: DraughtEstimate) -> str:
 
 def _format_no_effect_headline(conclusion: Conclusion) -> str:
     """Return the headline if no effect is missing, with the gain of tuned tolerances if any."""
+    if conclusion.gain is None and conclusion.advice == 'keep':
+        return 'These flights reveal no effect that the model lacks.'
+    return f'No missing effect was confirmed{_format_tolerance_gain(conclusion)}.'
+
+
+def _format_tolerance_gain(conclusion: Conclusion) -> str:
+    """Return what fitting the tolerances alone gains, to be appended without a full stop."""
     gap = conclusion.gain
     if gap is None:
-        if conclusion.advice == 'keep':
-            return 'These flights reveal no effect that the model lacks.'
-        return 'No missing effect was confirmed.'
+        return ''
     before, tuned = (format_quantity(part, gap.unit, 2) for part in (gap.before, gap.tuned))
     return (
-        f'No missing effect was confirmed. Fitting the parameters of the vehicle file within '
-        f'their tolerances reduces the {gap.channel} error after {gap.horizon_s:g} s from '
-        f'{before} to {tuned}.'
+        '. Fitting the parameters of the vehicle file within their tolerances reduces the '
+        f'{gap.channel} error after {gap.horizon_s:g} s from {before} to {tuned}'
     )
 
 
@@ -201,10 +212,6 @@ def _format_improvement(finding: StudyResult, conclusion: Conclusion) -> str:
         format_quantity(part, gap.unit, 2) for part in (gap.before, gap.tuned, gap.after)
     )
     text = f': the {gap.channel} error after {gap.horizon_s:g} s falls from {before}'
-    # The effects add nothing to what the tolerances achieve
-    if conclusion.by_tolerances:
-        alone = 'fitting the parameters of the file within their tolerances does as much'
-        return f'{text} to {after} with {them}, but {alone}'
     # Fitting alone may do most of it, and no effect may take the credit for that
     if gap.tuned < gap.before:
         text += f' to {tuned} by fitting the vehicle file within its tolerances, and'
@@ -249,10 +256,12 @@ def list_learned_file_commands(finding: StudyResult, folder: Path) -> dict[str, 
     conclusion = draw_conclusion(finding)
     if conclusion.advice == 'refitted':
         name, flies = 'refitted.yaml', False
-    elif finding.effects or has_law(finding):
-        name, flies = 'vehicle.yaml', conclusion.advice in ('use', 'law')
+    elif conclusion.advice in ('use', 'law'):
+        name, flies = 'vehicle.yaml', True
     elif finding.calibration is not None:
         name, flies = 'calibrated.yaml', True
+    elif finding.effects or has_law(finding):
+        name, flies = 'vehicle.yaml', False
     else:
         return {}
     learned = relative_path(folder / name)
@@ -339,8 +348,9 @@ def _build_verdict_tile(finding: StudyResult) -> Tile:
         'not_identifiable': 'another flight is needed',
     }.get(finding.verdict, '; '.join(values[:3]))
     value = {'none': 'none', 'unexplained': 'unknown', 'not_identifiable': 'inconclusive'}
+    named = 'possible' if draw_conclusion(finding).idle else 'named'
     return Tile('Missing effects', value.get(finding.verdict, str(count)),
-                '' if finding.verdict in value else 'named', note)  # fmt: skip
+                '' if finding.verdict in value else named, note)  # fmt: skip
 
 
 def _build_evidence_tile(finding: StudyResult) -> Tile:

@@ -15,6 +15,7 @@ NAME: Final = 'discovery.json'
 WHAT: Final = 'position'  # channel of the overall prediction error
 ERRORS: Final = (
     'before', 'tuned', 'after', 'coast', 'noise_floor', 'refitted', 'shrink', 'shrink_ci95',
+    'added_ci95',
 )  # fmt: skip
 
 
