@@ -1,6 +1,7 @@
 """Laws over what studies say: whatever the numbers, no page asserts and retracts."""
 
 from dataclasses import replace
+from typing import Any
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -9,6 +10,7 @@ from lta_challenge.contradictions import (
     DOUBT,
     find_contradictions,
     FITS,
+    IDLE,
     NOTHING,
     render_study,
     UNFIT,
@@ -46,9 +48,10 @@ def gaps(draw, named):
     shrink, half = 1.0 - after / before, draw(st.floats(0.01, 0.5))
     channel = draw(st.sampled_from(['position', 'attitude', 'q']))
     ends = shrink - half, shrink + half
+    added = 1.0 - after / tuned
     return ChannelErrors(
         channel, 'm', draw(st.sampled_from([1.0, 3.0, 5.0])), before, tuned, after, coast, 0.001,
-        shrink, ends, 9, draw(st.just(float('nan')) | SIZES),
+        shrink, ends, 9, draw(st.just(float('nan')) | SIZES), (added - half, added + half),
     )  # fmt: skip
 
 
@@ -127,9 +130,20 @@ def named() -> StudyResult:
         ('quadratic_drag.surge',),
     )  # fmt: skip
     gap = ChannelErrors('position', 'm', 5.0, 0.3, 0.2, 0.1, 1.0, 0.002, 0.66, (0.6, 0.7), 9)
+    gap = replace(gap, added_ci95=(0.4, 0.6))
     rungs = ((SearchCandidate('linear_drag.surge', 30.0, 20.0, 20.0, 0.1, True),),)
     bags = {'train': ('a',), 'confirm': ('b',)}
     return StudyResult('named', (drag,), rungs, (), (gap,), True, (), (), 1, bags, 'gtmab')
+
+
+def give_added(told: dict[str, Any], ends: tuple[float, float]) -> dict[str, Any]:
+    """Return the JSON of a study whose effects add that much to fitted tolerances."""
+    return {**told, 'gaps': [{**gap, 'added_ci95': list(ends)} for gap in told['gaps']]}
+
+
+def give_advice(told: dict[str, Any], advice: str) -> dict[str, Any]:
+    """Return the JSON of a study with another advice."""
+    return {**told, 'conclusion': {**told['conclusion'], 'advice': advice}}
 
 
 def test_the_laws_find_a_page_that_retracts(
@@ -154,6 +168,11 @@ def test_the_laws_find_a_page_that_retracts(
         'shows a vehicle-file value': said._replace(effects='not in the vehicle file'),
         'headline and JSON disagree': said._replace(headline=said.headline.partition(':')[0]),
         'give different advice': said._replace(terminal=said.terminal.replace('Use', 'Keep')),
+        'improve no forecast over': said._replace(json=give_added(said.json, (-0.1, 0.2))),
+        'but the JSON asserts them': said._replace(headline=f'It is so, but {IDLE} it'),
+        'but their file is advised': said._replace(headline=f'It is so, but {IDLE} it'),
+        'headline and tiles disagree': said._replace(tiles='1 possible effect'),
+        'a gain by effects that are not': said._replace(json=give_advice(said.json, 'again')),
     }
     other = replace(
         named, ladder=((SearchCandidate('net_lift.force', 30.0, 20.0, 20.0, 0.1, True),),)
@@ -190,11 +209,49 @@ def test_each_phrase_of_the_laws_is_one_that_some_study_says(named: StudyResult)
     ]
     said = '\n'.join(render_study(one).text_without_json for one in findings)
     phrases = (
-        *BETTER, *DOUBT, *UNFIT, FITS, NOTHING, 'Unexplained:', 'no unexplained force or moment',
+        *BETTER, *DOUBT, *UNFIT, FITS, IDLE, NOTHING, 'Unexplained:', 'no unexplained force or moment',
         'no cause for doubt', 'not in the vehicle file', 'assumed and not fitted',
         ' fly --vehicle', 'Keep the vehicle file', 'linear drag (surge) is named',
     )  # fmt: skip
     assert [one for one in phrases if one not in said] == []
+
+
+@pytest.mark.parametrize(
+    ('changes', 'advice'),
+    [
+        ({}, 'use'),
+        ({'added_ci95': (-0.02, 0.6)}, 'measure'),  # within the uncertainty
+        ({'added_ci95': (float('nan'), float('nan'))}, 'measure'),  # which is not known
+        ({'added_ci95': (-0.02, 0.6), 'tuned': 0.25}, 'again'),  # tolerances explain little
+        ({'after': 0.2}, 'measure'),
+    ],
+)
+def test_an_effect_that_forecasts_no_better_than_fitted_tolerances_is_not_advised(
+    named: StudyResult, changes: dict[str, Any], advice: str
+) -> None:
+    found = replace(named, gaps=(replace(named.gaps[0], **changes),))
+    said, idle = draw_conclusion(found), advice != 'use'
+    assert (said.advice, said.idle, said.asserted) == (advice, idle, not idle)
+    text = render_study(found)
+    assert (IDLE in text.headline) == (' may be missing' in text.headline) == idle
+    assert ('vehicle.yaml in the results' in text.text_without_json) == (not idle)
+    assert (' fly --vehicle' in text.commands) == (not idle)
+    assert ('reduces the position error after 5 s from 30 cm to 20' in text.headline) == (
+        advice == 'measure'
+    )
+    assert find_contradictions(found) == []
+
+
+def test_an_effect_may_help_attitude_or_the_readings_of_its_sensor(named: StudyResult) -> None:
+    vain = replace(named.gaps[0], added_ci95=(-0.1, 0.1))
+    turn, rate, force = (
+        replace(named.gaps[0], channel=channel) for channel in ('attitude', 'p', 'fx')
+    )
+    assert draw_conclusion(replace(named, gaps=(vain, turn))).gain == turn
+    assert draw_conclusion(replace(named, gaps=(vain, rate))).idle
+    gyro = replace(named.effects[0], name='gyro_bias', knobs=('gyro_bias.x',))
+    for gap, idle in ((rate, False), (force, True)):
+        assert draw_conclusion(replace(named, effects=(gyro,), gaps=(vain, gap))).idle == idle
 
 
 def test_the_advice_follows_the_forecasts(named: StudyResult) -> None:

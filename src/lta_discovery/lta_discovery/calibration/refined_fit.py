@@ -11,6 +11,7 @@ from lta_config.errors import BadInput
 from lta_discovery.calibration.coarse_fit import CoarseCalibration
 from lta_discovery.fit.bounds import apply_parameters
 from lta_discovery.fit.evidence import build_shared_prior, per_flight_variance, wrench_floor
+from lta_discovery.fit.initial_guess import guess_start
 from lta_discovery.fit.joint_fit import JointFit, JointFitter
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import NET_LIFT
@@ -45,8 +46,10 @@ def refine_calibration(
     prior = build_shared_prior(knobs)
     at = np.append(coarse.values, np.zeros(len(SENSORS)))
     try:
+        # Over a whole piece, a swing is far from linear in a state that is slightly off
+        at, points, deviations = guess_start(fitter, prior, at, points)
         begin = fitter.linearize_flights(at, points, prior)
-        fit = fitter.fit(prior, begin, 2.5 * floor, narrow=True)
+        fit = fitter.fit(prior, begin, deviations, narrow=True)
     except (BadInput, np.linalg.LinAlgError):
         return None
     return fit if fit.is_converged else None

@@ -41,15 +41,17 @@ def shorten_pieces(flight: FlightLinearizer, seconds: float) -> FlightLinearizer
 
 
 def guess_start(
-    fitter: JointFitter, prior: Prior, points: Sequence[LinearizationPoint]
+    fitter: JointFitter, prior: Prior, at: Array, points: Sequence[LinearizationPoint]
 ) -> tuple[Array, list[LinearizationPoint], Array]:
     """
     Find where to start the fit of flights.
 
     Parameters
     ----------
+    at : ndarray, shape (G,)
+        Shared parameters at which the search begins.
     points : sequence of LinearizationPoint
-        Of the vehicle file; all at the same values.
+        Of each flight, at these parameters.
 
     Returns
     -------
@@ -57,7 +59,7 @@ def guess_start(
         Shared parameters, point of each flight, and deviations of the latent wrench.
 
     """
-    at, deviations = points[0].values, fitter.floor
+    deviations = fitter.floor
     for seconds in STAGES:
         flights = [shorten_pieces(flight, seconds) for flight in fitter.flights]
         stage = replace(fitter, flights=flights)

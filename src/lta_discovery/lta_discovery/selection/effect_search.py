@@ -156,7 +156,9 @@ class EffectSearch:
                 unchanged_vehicle_point(self.nominal, self.knobs, each.replay.cut)
                 for each in fitter.flights
             ]
-            at, points, deviations = initial_guess.guess_start(fitter, prior, points)
+            at, points, deviations = initial_guess.guess_start(
+                fitter, prior, points[0].values, points
+            )
             return fitter.fit(prior, fitter.linearize_flights(at, points), deviations)
 
         first, second = map_parallel(fit_side, self.fitters)

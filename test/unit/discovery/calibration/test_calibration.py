@@ -1,10 +1,15 @@
 """Calibrations hidden in flights of the independent simulator, which shares no code."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 import math
 from pathlib import Path
 
+from lta_challenge.case import CaseFlight
 from lta_challenge.other.calibration_case import CalibrationCase, generate_calibration_case
+from lta_challenge.other.flight import FlightSimulator, TICK
+from lta_challenge.other.sensors import SensorSet
+from lta_challenge.other.truth import build_vehicle_truth, to_triple, VehicleTruth
 from lta_challenge.other.wrench_flight import Course, WrenchActuators
 from lta_challenge.recording import write_bag
 from lta_config.files import find_file
@@ -16,6 +21,7 @@ from lta_discovery.calibration.prepared_flights import prepare_calibration
 from lta_discovery.calibration.report import build_report
 from lta_discovery.calibration.result import Calibration
 from lta_discovery.calibration.verdict import format_inseparable
+from lta_discovery.fit.joint_fit import JointFitter
 from lta_discovery.flights.bags import read_bags, Role
 from lta_discovery.flights.usable_flights import select_usable_flights
 from lta_discovery.model.calibration_parameters import list_calibration_parameters
@@ -83,6 +89,66 @@ def test_a_hidden_calibration_is_found(calibrated: tuple[CalibrationCase, Calibr
     assert_truth_is_found(*calibrated)
     _, found = calibrated
     assert found.method == 'likelihood'
+
+
+class PushingPilot:
+    """A pilot who commands a weak yaw moment after a second, as a flight needs a command."""
+
+    def initial_duties(self) -> list[float]:
+        """Return no command."""
+        return [0.0] * 6
+
+    def compute_duties(self, time: float, state: list[float]) -> list[float]:
+        """Return the command at a time."""
+        return [0.0] * 5 + [1e-4 * (time >= 1.0)]
+
+
+def release_tilted(blimp: VehicleTruth, axis: int, draw: np.random.Generator) -> CaseFlight:
+    """Return poses of a blimp that is let go tilted by 20 degrees about roll (0) or pitch (1)."""
+    turn = Rotation.from_rotvec(math.radians(20.0) * np.eye(3)[axis]).as_quat(scalar_first=True)
+    begin = [0.0, 0.0, 3.5, 0.0, 0.0, 0.0, *turn, 0.0, 0.0, 0.0]
+    simulator = FlightSimulator(blimp, PushingPilot(), actuators=WrenchActuators)
+    path = simulator.simulate_flight(begin, 14.0)
+    time = TICK * np.arange(len(path.commands), dtype=np.float64)
+    poses = SensorSet(path, blimp, 'exact', draw).measure_poses()
+    streams = {'ground_truth/odom': poses, 'wrench_command': (time, path.commands)}
+    return CaseFlight(f'swing_{axis}', 'train', 'wrench', streams)
+
+
+def test_a_pendulum_forty_percent_faster_than_the_files_is_found(tmp_path: Path) -> None:
+    """After three seconds of forecast, it is a whole swing ahead of that of the file."""
+    vehicle, draw = load_vehicle('gtmab'), np.random.default_rng(3)
+    file = build_vehicle_truth(vehicle)
+    blimp = replace(
+        file, cg=(0.004, -0.003, 1.4 * file.cg[2]), marker_arm=(-0.06, -0.03, -0.07),
+        inertia=to_triple([0.64 * each for each in file.inertia]),
+    )  # fmt: skip
+    for axis in (0, 1):
+        flight = release_tilted(blimp, axis, draw)
+        write_bag(tmp_path / flight.name, flight.streams, vehicle.rotor_names, {})
+    bags: dict[Role, list[Path]] = {'train': sorted(tmp_path.iterdir())}
+    flights = select_usable_flights(read_bags(bags), vehicle).flights
+    found = calibrate_flights(vehicle, 'gtmab', flights, lambda _what, _part: None)
+    assert found.method == 'likelihood'
+    for name, truth in (
+        ('vehicle.roll', 0.64),
+        ('vehicle.pitch', 0.64),
+        ('cg_height.z', 0.4 * file.cg[2]),
+        ('marker_offset.z', -0.07),
+    ):
+        one = found.find(name)
+        assert one is not None
+        assert one.ci95[0] < truth < one.ci95[1], (name, one)
+    assert found.scores['train'][-1].after[1] < math.radians(2.0)
+
+
+def test_a_fit_that_did_not_converge_has_no_intervals(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its values are those of a linearization elsewhere; the fit to forecasts is used instead."""
+    monkeypatch.setattr(JointFitter, '_choose_step', lambda *_: None)
+    _, found = calibrate_case(6, tmp_path)
+    assert found.method == 'forecasts'
 
 
 def test_the_first_line_says_what_is_wrong(

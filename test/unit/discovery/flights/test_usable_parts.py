@@ -220,6 +220,23 @@ def test_a_flight_below_the_floor_is_raised_and_said(flights, gtmab):
     assert abs(raised[-1]) < 0.02  # the flight begins on the floor, so its lowest pose is there
 
 
+def test_a_flight_whose_lowest_pose_may_be_in_the_air_is_raised_clear_of_the_floor(flights, gtmab):
+    """Without a range reading; at the height of standing, the model would touch its floor."""
+
+    def lower(channel):
+        return replace(channel, values=channel.values - 0.6)
+
+    blind = {name: one for name, one in flights[0].recording.channels.items() if 'range' not in name}
+    first = replace(flights[0], recording=replace(flights[0].recording, channels=blind))
+    high, low = (
+        select_usable_flights([one, *flights[1:]], gtmab).flights[0][2]
+        for one in (first, _changed(first, lower, f'{TRUTH}pose.pose.position.z'))
+    )
+    # Standing poses stay unused
+    np.testing.assert_array_equal(low.usable, high.usable)
+    np.testing.assert_allclose(low.position[:, 2] - high.position[:, 2], 0.5, atol=0.02)
+
+
 def _resting(channel):
     """Return a channel of a tracker that sees a vehicle at rest."""
     draw = np.random.default_rng(len(channel.values))
