@@ -119,6 +119,7 @@ def test_the_planned_steps_show_exponent_and_reverse(tmp_path: Path) -> None:
     # The intervals are far from 1, the law of a proportional command
     for name, truth, width in (
         ('exponent_surge', EXPONENT, 0.6),
+        ('exponent_heave', EXPONENT, 0.6),
         ('exponent_yaw', EXPONENT, 0.3),
         ('reverse_yaw', REVERSE, 0.1),
     ):
