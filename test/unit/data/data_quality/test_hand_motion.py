@@ -52,6 +52,18 @@ def test_a_drop_is_free(speed: float) -> None:
     assert not judged(np.column_stack([0.0 * TIME, 0.0 * TIME, 30.0 - fallen]))
 
 
+def test_a_swing_that_falls_is_free() -> None:
+    """Markers 10 cm from the centre of a heavy blimp, which swings in roll and in pitch."""
+    time, arm = TIME, 0.1
+    roll, pitch = (
+        0.35 * np.exp(-time / decay) * np.cos(rate * time)
+        for rate, decay in ((4.4, 9.0), (3.9, 5.0))
+    )
+    fallen = 0.25 * np.log(np.cosh(time / 5.0)) * 5.0
+    height = 9.0 - fallen + arm * (roll - pitch)
+    assert not judged(np.column_stack([0.01 * time + arm * pitch, arm * roll, height]))
+
+
 def test_a_push_is_free() -> None:
     ahead = np.log1p(np.maximum(TIME - 1.0, 0.0))
     assert not judged(np.column_stack([ahead, 0.0 * TIME, 1.5 - 0.02 * TIME]))

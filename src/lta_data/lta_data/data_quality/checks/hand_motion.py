@@ -207,7 +207,8 @@ def find_idle_motion(
             continue
         moved = inside & (fast > limits.carried_speed) & (pull > 0.0)
         pushed = inside & (pull > limits.carried_force)
-        lifted = float(np.ptp(speed[inside, 2]))  # wind hardly changes the vertical speed
+        # Wind hardly changes the vertical speed, and a fall only one way
+        lifted = float(np.ptp(_remove_line(speed[inside, 2:])))
         if is_decaying_swing(calm[inside]) or is_drop(speed[inside], step):
             continue
         if lifted > LIFTED and moved.sum() * step > 0.5 and pushed.sum() * step > 0.2:
@@ -221,11 +222,16 @@ def find_idle_motion(
             )  # fmt: skip
 
 
+def _remove_line(values: Array) -> Array:
+    """Return the columns of values without their linear trend."""
+    time = np.linspace(-1.0, 1.0, len(values))
+    return values - np.column_stack([np.polyval(np.polyfit(time, c, 1), time) for c in values.T])
+
+
 def is_decaying_swing(place: Array) -> bool:
     """Return whether a vehicle swings freely: with a steady period, and ever less."""
-    time = np.linspace(-1.0, 1.0, len(place))
     # A free vehicle may drift while it swings
-    apart = place - np.column_stack([np.polyval(np.polyfit(time, c, 1), time) for c in place.T])
+    apart = _remove_line(place)
     along = apart @ np.linalg.svd(apart, full_matrices=False)[2][0]
     crossings = np.flatnonzero(np.diff(np.sign(along)) != 0.0)
     if len(crossings) < SWINGS + 1:
