@@ -86,7 +86,8 @@ class Conclusion:
 
 def draw_conclusion(finding: StudyResult) -> Conclusion:
     """Return the conclusion that a finding supports."""
-    gap, added = select_main_error(finding.gaps), find_added_gain(finding)
+    gap = select_main_error(finding.gaps)
+    added = find_added_gain(finding.gaps, [one.name for one in finding.effects])
     advice = _choose_advice(finding)
     idle = bool(finding.effects) and finding.verdict != 'not_identifiable' and added is None
     loose = _tolerances_suffice(gap) and (idle or finding.verdict == 'none')
@@ -120,17 +121,19 @@ def draw_conclusion(finding: StudyResult) -> Conclusion:
     )
 
 
-def find_added_gain(finding: StudyResult) -> ChannelErrors | None:
+def find_added_gain(
+    gaps: Sequence[ChannelErrors], effects: Sequence[str]
+) -> ChannelErrors | None:
     """
-    Return an error that the named effects reduce beyond what fitting the tolerances does.
+    Return an error that named effects reduce beyond what fitting the tolerances does.
 
     At its longest horizon and beyond its uncertainty: that of the position if there is one, or of
     the attitude, or of the readings of a sensor that a named effect is about.
     """
-    kinds = [getattr(EFFECTS.get(one.name), 'channel', '') for one in finding.effects]
+    kinds = [getattr(EFFECTS.get(effect), 'channel', '') for effect in effects]
     sensors = [channel for kind in kinds for channel in SENSORS.get(kind, ())]
     for channel in (*WHOLE, *sensors):
-        own = [gap for gap in finding.gaps if gap.channel == channel]
+        own = [gap for gap in gaps if gap.channel == channel]
         gap = max(own, key=lambda one: one.horizon_s, default=None)
         if gap is not None and gap.after < min(gap.before, gap.tuned) and _is_added(gap):
             return gap

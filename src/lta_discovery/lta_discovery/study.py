@@ -11,7 +11,7 @@ from lta_discovery.calibration.offsets import (
 )
 from lta_discovery.calibration.priors import apply_calibration
 from lta_discovery.calibration.result import Calibration
-from lta_discovery.conclusion import FAR
+from lta_discovery.conclusion import FAR, find_added_gain
 from lta_discovery.finding import ChannelErrors, SearchCandidate, StudyResult, Verdict
 from lta_discovery.fit.bounds import find_exceeded_tolerances, format_bounds_warning
 from lta_discovery.fit.evidence import per_flight_variance, wrench_floor
@@ -348,8 +348,11 @@ def decide_study_verdict(
     """
     # A model that ignores the commands must not predict the position better than the fitted ones.
     far = [gap for gap in differences if gap.channel == 'position' and gap.horizon_s == FAR]
-    if far and far[0].coast < min(far[0].tuned, far[0].after) and not rest.is_trackable:
-        return 'not_identifiable'
+    if far and far[0].coast < min(far[0].tuned, far[0].after):
+        effects = [name.partition('.')[0] for name in proven.names]
+        idle = bool(effects) and find_added_gain(differences, effects) is None
+        if idle or not rest.is_trackable:
+            return 'not_identifiable'
     doubted = [
         any(not is_equivalent(name, one, kind) for one in proven.unlike[name])
         for name in proven.names

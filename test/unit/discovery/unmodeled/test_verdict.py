@@ -1,6 +1,8 @@
 """What is said at the end follows from what was named and what is left."""
 
+from lta_discovery.finding import ChannelErrors
 from lta_discovery.fit.evidence import ParameterPosterior
+from lta_discovery.fit.joint_fit import JointFit
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.selection.effect_search import EffectSearch
@@ -149,17 +151,40 @@ def test_a_rival_says_what_an_axis_follows() -> None:
     assert added[1].floors == pytest.approx(7.5)
 
 
-def test_another_word_for_the_same_puts_no_name_in_question(
-    gtmab: tuple[NominalVehicle, list[FreeParameter]],
-) -> None:
+@pytest.fixture(scope='module')
+def joint(gtmab: tuple[NominalVehicle, list[FreeParameter]]) -> JointFit:
     nominal, known = gtmab
     flight = prepared(flown({}, 5, 14.0), known)
-    joint = EffectSearch(nominal, ([flight], [flight])).run().bare[0]
+    return EffectSearch(nominal, ([flight], [flight])).run().bare[0]
+
+
+def test_another_word_for_the_same_puts_no_name_in_question(joint: JointFit) -> None:
     name, rest = 'net_lift.force', UnmodeledForces((), (), ())
     for other, expected in (('ballast.mass', 'named'), ('motor_lag', 'not_identifiable')):
         rivals = {name: (other,)}
         proven = VerifiedEffects((name,), {name: 30.0}, rivals, rivals, joint, joint, joint)
         assert decide_study_verdict(proven, rest, [], 'all') == expected
+
+
+@pytest.mark.parametrize(
+    ('name', 'added', 'expected'),
+    [
+        ('cg_offset.x', (-0.1, 0.1), 'not_identifiable'),
+        ('cg_offset.x', (0.1, 0.3), 'named+unexplained'),
+        ('', (-0.1, 0.1), 'unexplained'),
+    ],
+)
+def test_a_hover_that_coasting_forecasts_best_identifies_no_effect_that_adds_nothing(
+    joint: JointFit, name: str, added: tuple[float, float], expected: str
+) -> None:
+    """Though forces are left over in a flight that the model can follow: a draught, say."""
+    names, none = (name,) if name else (), {name: ()}
+    proven = VerifiedEffects(names, {name: 90.0}, none, none, joint, joint, joint)
+    gap = ChannelErrors(
+        'position', 'm', 3.0, 0.3, 0.2, 0.19, 0.05, 0.002, 0.3, (0.2, 0.4), 9, added_ci95=added
+    )
+    rest = UnmodeledForces((PITCH,), (), ())
+    assert decide_study_verdict(proven, rest, [gap], 'pose') == expected
 
 
 def test_a_value_is_known_less_well_beside_what_has_no_name() -> None:
