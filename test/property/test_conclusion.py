@@ -209,8 +209,8 @@ def test_each_phrase_of_the_laws_is_one_that_some_study_says(named: StudyResult)
     ]
     said = '\n'.join(render_study(one).text_without_json for one in findings)
     phrases = (
-        *BETTER, *DOUBT, *UNFIT, FITS, IDLE, NOTHING, 'Unexplained:', 'no unexplained force or moment',
-        'no cause for doubt', 'not in the vehicle file', 'assumed and not fitted',
+        *BETTER, *DOUBT, *UNFIT, FITS, IDLE, NOTHING, 'Unexplained:',
+        'no unexplained force or moment', 'no cause for doubt', 'not in the vehicle file', 'assumed and not fitted',
         ' fly --vehicle', 'Keep the vehicle file', 'linear drag (surge) is named',
     )  # fmt: skip
     assert [one for one in phrases if one not in said] == []
@@ -226,7 +226,7 @@ def test_each_phrase_of_the_laws_is_one_that_some_study_says(named: StudyResult)
         ({'after': 0.2}, 'measure'),
     ],
 )
-def test_an_effect_that_forecasts_no_better_than_fitted_tolerances_is_not_advised(
+def test_an_effect_that_adds_nothing_to_fitted_tolerances_is_not_advised(
     named: StudyResult, changes: dict[str, Any], advice: str
 ) -> None:
     found = replace(named, gaps=(replace(named.gaps[0], **changes),))

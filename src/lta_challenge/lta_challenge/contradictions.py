@@ -221,7 +221,7 @@ def _check_added(finding: StudyResult, rendered: RenderedStudy) -> Iterator[str]
     """Check that effects are only advised if forecasts with them beat fitted tolerances."""
     conclusion = rendered.json['conclusion']
     beats = any(
-        0.0 < (gap['added_ci95'][0] or 0.0) or (gap['tuned'] is None and gap['after'] is not None)
+        (gap['added_ci95'][0] or 0.0) > 0.0 or (gap['tuned'] is None and gap['after'] is not None)
         for gap in rendered.json['gaps']
     )
     if finding.effects and conclusion['advice'] == 'use' and not beats:

@@ -121,9 +121,7 @@ def draw_conclusion(finding: StudyResult) -> Conclusion:
     )
 
 
-def find_added_gain(
-    gaps: Sequence[ChannelErrors], effects: Sequence[str]
-) -> ChannelErrors | None:
+def find_added_gain(gaps: Sequence[ChannelErrors], effects: Sequence[str]) -> ChannelErrors | None:
     """
     Return an error that named effects reduce beyond what fitting the tolerances does.
 

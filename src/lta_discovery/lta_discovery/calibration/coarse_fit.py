@@ -130,7 +130,7 @@ def fit_coarse_calibration(
     for fitter, picked in filter(
         None, (short, build_forecast_fitter(nominal, flights, LONG, APART[1]))
     ):
-        fitter.weigh_errors(best.values, best.lifts[picked])
+        fitter.weigh_errors(best.values, best.lifts[picked].tolist())
         best = _improve(fitter, picked, best, best.values, shared)
     if short is not None:
         # A flight that is too short for forecasts has the mean lift of the others

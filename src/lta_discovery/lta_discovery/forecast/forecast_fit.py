@@ -119,7 +119,9 @@ class ForecastFitter:
         left = [
             self.compute_flight_errors(values, f, lift=lift).left for f, lift in enumerate(lifts)
         ]
-        self.weights = _error_weights(np.concatenate(left), self.place)
+        # A forecast that diverges has no weight
+        known = np.concatenate([np.where(np.isfinite(each), each, np.nan) for each in left])
+        self.weights = _error_weights(known, self.place)
 
     def build_linearization_point(
         self, values: Array, lift: float, flight: FlightLinearizer

@@ -35,8 +35,8 @@ MOST: Final = 3  # most calibration offsets in the headline
 # Advice after a calibration, where it differs from `ADVICE`
 CALIBRATED: Final = {
     'keep': 'Use the calibrated vehicle file: calibrated.yaml in the results folder.',
-    'measure': 'Use the calibrated vehicle file: calibrated.yaml in the results folder. Measure its '
-    'other parameters again.',
+    'measure': 'Use the calibrated vehicle file: calibrated.yaml in the results folder. Measure '
+    'its other parameters again.',
     'again': 'Use the calibrated vehicle file, calibrated.yaml in the results folder, and record '
     'another flight before you add an effect to it.',
 }

@@ -107,7 +107,16 @@ def record_poses(
     name: str, blimp: VehicleTruth, pilot: DutyPilot, tilt: float, seconds: float
 ) -> CaseFlight:
     """Return poses and commands of a blimp that is let go with its nose down by an angle."""
-    begin = [0.0, 0.0, 3.5, *[0.0] * 3, math.cos(0.5 * tilt), 0.0, math.sin(0.5 * tilt), *[0.0] * 4]
+    begin = [
+        0.0,
+        0.0,
+        3.5,
+        *[0.0] * 3,
+        math.cos(0.5 * tilt),
+        0.0,
+        math.sin(0.5 * tilt),
+        *[0.0] * 4,
+    ]
     simulator = FlightSimulator(blimp, pilot, actuators=WrenchActuators)
     path = simulator.simulate_flight(begin, seconds)
     time = TICK * np.arange(len(path.commands), dtype=np.float64)

@@ -226,7 +226,9 @@ def test_a_flight_whose_lowest_pose_may_be_in_the_air_is_raised_clear_of_the_flo
     def lower(channel):
         return replace(channel, values=channel.values - 0.6)
 
-    blind = {name: one for name, one in flights[0].recording.channels.items() if 'range' not in name}
+    blind = {
+        name: one for name, one in flights[0].recording.channels.items() if 'range' not in name
+    }
     first = replace(flights[0], recording=replace(flights[0].recording, channels=blind))
     high, low = (
         select_usable_flights([one, *flights[1:]], gtmab).flights[0][2]

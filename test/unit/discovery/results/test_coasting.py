@@ -30,13 +30,9 @@ NAMED = NamedEffect('linear_drag', ('linear_drag.surge',), (DRAG,), 50.0)
 
 def study(coast: Mapping[float, float], *, named: bool = True) -> StudyResult:
     """Return a study in which the error falls to a tenth, by the errors of coasting."""
-    gaps = tuple(
-        ChannelErrors(
-            'position', 'm', at, 1.0, 0.5, 0.1, error, 0.01, 0.9, (0.8, 0.95), 20,
-            added_ci95=(0.7, 0.9),
-        )
-        for at, error in coast.items()
-    )
+    gap = ChannelErrors('position', 'm', 0.0, 1.0, 0.5, 0.1, 0.0, 0.01, 0.9, (0.8, 0.95), 20)
+    gap = replace(gap, added_ci95=(0.7, 0.9))
+    gaps = tuple(replace(gap, horizon_s=at, coast=error) for at, error in coast.items())
     effects = (NAMED,) if named else ()
     verdict = 'named' if named else 'none'
     return StudyResult(verdict, effects, (), (), gaps, True, (), (), 1, {}, 'gtmab')
