@@ -210,8 +210,9 @@ def test_each_phrase_of_the_laws_is_one_that_some_study_says(named: StudyResult)
     said = '\n'.join(render_study(one).text_without_json for one in findings)
     phrases = (
         *BETTER, *DOUBT, *UNFIT, FITS, IDLE, NOTHING, 'Unexplained:',
-        'no unexplained force or moment', 'no cause for doubt', 'not in the vehicle file', 'assumed and not fitted',
-        ' fly --vehicle', 'Keep the vehicle file', 'linear drag (surge) is named',
+        'no unexplained force or moment', 'no cause for doubt', 'not in the vehicle file',
+        'assumed and not fitted', ' fly --vehicle', 'Keep the vehicle file',
+        'linear drag (surge) is named',
     )  # fmt: skip
     assert [one for one in phrases if one not in said] == []
 

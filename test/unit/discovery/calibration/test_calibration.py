@@ -6,6 +6,7 @@ import math
 from pathlib import Path
 
 from lta_challenge.case import CaseFlight
+from lta_challenge.contradictions import find_contradictions
 from lta_challenge.other.calibration_case import CalibrationCase, generate_calibration_case
 from lta_challenge.other.flight import DutyPilot, FlightSimulator, TICK
 from lta_challenge.other.sensors import SensorSet
@@ -21,6 +22,8 @@ from lta_discovery.calibration.prepared_flights import prepare_calibration
 from lta_discovery.calibration.report import build_report
 from lta_discovery.calibration.result import Calibration
 from lta_discovery.calibration.verdict import format_inseparable
+from lta_discovery.conclusion import draw_conclusion
+from lta_discovery.finding import StudyResult
 from lta_discovery.fit.joint_fit import JointFitter
 from lta_discovery.flights.bags import read_bags, Role
 from lta_discovery.flights.usable_flights import select_usable_flights
@@ -45,11 +48,12 @@ def calibrate_case(
     effects: Mapping[str, float] | None = None,
     course: Course | None = None,
     heading: float = 0.0,
+    number: int = 0,
 ) -> tuple[CalibrationCase, Calibration]:
     """Return a case and its calibration, through bags; the markers are turned by a heading."""
     vehicle = load_vehicle(name)
     case = generate_calibration_case(
-        load_vehicle('gtmab'), seed, 0, ROLES, SECONDS, effects=effects, course=course
+        load_vehicle('gtmab'), seed, number, ROLES, SECONDS, effects=effects, course=course
     )
     bags: dict[Role, list[Path]] = {'train': [], 'confirm': []}
     for flight in case.flights:
@@ -196,6 +200,16 @@ def test_a_marker_frame_without_regard_to_the_nose_is_found(tmp_path: Path) -> N
     assert last.after[0] < 0.5 * min(last.before[0], last.coast[0])
 
 
+def study_case(case: CalibrationCase, folder: Path) -> StudyResult:
+    """Return what a discovery finds in the flights of a case."""
+    vehicle, bags = load_vehicle('gtmab'), {'train': [], 'confirm': []}
+    for flight in case.flights:
+        bags['train' if flight.role == 'train' else 'confirm'].append(folder / flight.name)
+    usable = select_usable_flights(read_bags(bags), vehicle)
+    request = DiscoveryRequest('gtmab', bags)
+    return study_usable_flights(request, vehicle, usable, lambda _what, _part: None).finding
+
+
 @pytest.mark.long
 @pytest.mark.parametrize('course', ['hover', 'circle', 'places'])
 def test_flights_in_closed_loop_are_calibrated_and_nothing_is_named(
@@ -205,16 +219,22 @@ def test_flights_in_closed_loop_are_calibrated_and_nothing_is_named(
     case, found = calibrate_case(6, tmp_path, effects={}, course=course)
     # A hover is nearly a coast: the share was 0.56 there
     assert_truth_is_found(case, found, share=0.75)
-    vehicle, bags = load_vehicle('gtmab'), {'train': [], 'confirm': []}
-    for flight in case.flights:
-        bags['train' if flight.role == 'train' else 'confirm'].append(tmp_path / flight.name)
-    usable = select_usable_flights(read_bags(bags), vehicle)
-    request = DiscoveryRequest('gtmab', bags)
-    study = study_usable_flights(request, vehicle, usable, lambda _what, _part: None).finding
+    study = study_case(case, tmp_path)
     assert not study.effects
     assert study.calibration is not None
     (last,) = [one for one in study.gaps if one.channel == 'position' and one.horizon_s == 3.0]
     assert last.after < last.coast
+
+
+@pytest.mark.long
+@pytest.mark.parametrize('course', ['hover', 'places'])
+def test_a_controller_in_a_draught_shows_no_effect(tmp_path: Path, course: Course) -> None:
+    """All that it commands is an answer to the air, which looks like anything."""
+    case, _ = calibrate_case(6, tmp_path, effects={}, course=course, number=1)
+    study = study_case(case, tmp_path)
+    assert not study.effects or study.verdict == 'not_identifiable'
+    assert draw_conclusion(study).advice != 'use'
+    assert find_contradictions(study) == []
 
 
 def test_the_gain_of_a_controller_that_dithers_nothing_is_found(tmp_path: Path) -> None:
