@@ -32,11 +32,11 @@ CLAIMS: Final = re.compile('(?!.*These flights).* (is|are) missing')
 NOTHING: Final = 'no effect that the model lacks'
 BETTER: Final = ('falls from', 'tolerances reduces the', 'Use the corrected vehicle file')
 AGAIN: Final = 'Record another flight before'
+IDLE: Final = 'no forecast shows'
 DOUBT: Final = (
     'inconclusive', 'cannot distinguish', AGAIN, 'do not trust', 'predicts worse',
-    'named effects are worse', 'do not show which', 'no forecast shows',
+    'named effects are worse', 'do not show which', IDLE,
 )  # fmt: skip
-IDLE: Final = 'no forecast shows'
 FITS: Final = 'explains these flights to within'
 REMEASURE: Final = 'Calibrate first'
 UNFIT: Final = ('standard deviations of their tolerance', 'Measure the parameters')

@@ -242,8 +242,7 @@ def summarize_residuals(
     `offs`, shape (S, H, C): of all flights, at `HORIZONS`, with the first C of `CHANNELS`.
     """
     noise = np.sqrt(np.mean([each.replay.flight.reading_deviation**2 for each in flights], axis=0))
-    rng, out = np.random.default_rng(seed), []
-    second = np.random.default_rng([seed, 1])
+    rng, added_rng, out = np.random.default_rng(seed), np.random.default_rng([seed, 1]), []
     which = {**WHOLE, **{c: (UNITS[c], slice(k, k + 1)) for k, c in enumerate(CHANNELS)}}
     for name, (unit, columns) in which.items():
         if name not in channels:
@@ -272,7 +271,7 @@ def summarize_residuals(
                     ),
                     pieces=int(finite.sum()),
                     added_ci95=bootstrap_shrinkage(
-                        square['tuned'][finite], square['after'][finite], second,
+                        square['tuned'][finite], square['after'][finite], added_rng,
                     ),
                 )
             )  # fmt: skip
