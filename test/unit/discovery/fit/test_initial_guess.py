@@ -49,7 +49,7 @@ def test_a_stage_that_ends_lost_is_no_place_to_go_on_from(
     lost = SimpleNamespace(deviations=np.where(np.arange(6) == 4, 1000.0, 1.0) * fitter.floor)
     stages: list[JointFitter] = []
     monkeypatch.setattr(JointFitter, 'fit', lambda self, *_, **__: stages.append(self) or lost)
-    at, then, deviations = guess_start(fitter, prior, points)
+    at, then, deviations = guess_start(fitter, prior, points[0].values, points)
     assert len(stages) == 1
     assert (then, at is points[0].values) == (points, True)
     np.testing.assert_array_equal(deviations, fitter.floor)
@@ -80,7 +80,7 @@ def test_each_stage_starts_from_the_result_of_the_stage_before(
     monkeypatch.setattr(
         JointFitter, 'propose_step', lambda *_: (f'at {len(seen)}', [f'point {len(seen)}'])
     )
-    at, then, deviations = guess_start(fitter, prior, points)
+    at, then, deviations = guess_start(fitter, prior, points[0].values, points)
     assert [each[2] for each in seen] == [20, 60]
     assert seen[1][:2] == ('at 1', ['point 1'])
     assert [each[0] for each in begun_with][1:] == ['about at 1']
@@ -102,7 +102,7 @@ def test_a_stage_whose_vehicle_is_impossible_is_the_last(
         raise BadInput('no such vehicle can be')
 
     monkeypatch.setattr(JointFitter, 'linearize_flights', about)
-    at, then, deviations = guess_start(fitter, prior, points)
+    at, then, deviations = guess_start(fitter, prior, points[0].values, points)
     assert len(tried) == 1
     assert (then, at is points[0].values) == (points, True)
     np.testing.assert_array_equal(deviations, fitter.floor)
@@ -120,7 +120,7 @@ def test_a_centre_of_gravity_far_too_low_does_not_run_away(
     )
     fitter = JointFitter(nominal, [flight], per_flight_variance(knobs), floor)
     points = [unchanged_vehicle_point(nominal, knobs, flight.replay.cut)]
-    at, then, deviations = guess_start(fitter, prior, points)
+    at, then, deviations = guess_start(fitter, prior, points[0].values, points)
     found = fitter.fit(prior, fitter.linearize_flights(at, then), deviations)
     # Its tolerance, stretched, explains it: nothing is left to a latent wrench.
     assert np.all(found.deviations < floor)
