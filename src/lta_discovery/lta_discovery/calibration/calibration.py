@@ -30,8 +30,8 @@ Progress = Callable[[str, float | None], None]
 KNOWN: Final = 0.7  # of the deviation before; a value with a larger one was not learned
 ALIKE: Final = 0.85  # correlation; values above it cannot be separated
 FAR: Final = 3.0  # tolerances; a value further from the file is reported first
-# Of the refined fit's forecast error; the coarse fit needs less. It is fitted to these forecasts, and
-# follows the noise in their initial states, too.
+# Of the refined fit's forecast error; the coarse fit needs less. It is fitted to these forecasts,
+# and follows the noise in their initial states, too.
 BETTER: Final = 0.7
 MAP: Final = 'the direction of the axes of the map'
 
