@@ -49,7 +49,7 @@ test-packages: test-environment  ## run the unit tests of each package with colc
 bench: test-environment  ## run the benchmarks, next to other projects (ARGS='kernel mujoco': only some)
 	@$(enter) && .venv/bin/python test/benchmark/bench.py $(ARGS)
 
-bench-compare: test-environment  ## compare the last `make bench` with the stored ratios (ARGS=--keep: store it)
+bench-compare: test-environment  ## compare the last `make bench` with the stored ratios (ARGS=--keep: store it, and write docs/validation.md)
 	@$(enter) && .venv/bin/python test/benchmark/compare.py $(ARGS)
 
 flights: test-environment  ## fly many seeds (ARGS=SEEDS, 20 by default: minutes)

@@ -6,13 +6,15 @@ this machine it refuses with `BadInput`, and is listed as skipped. All figures a
 about over the whole run and the best sample of each counts, so that other work on the machine
 spoils neither them nor their ratio. `make bench ARGS='kernel mujoco'` takes only these files.
 
-The file is a list of {name, value, unit, peer, ratio}. `ratio` is always LTA's figure over the
-peer's: in LTA's own row over its best peer's, in a peer's row over this peer's.
+The file has the date, the number of cores, the load of the machine at the beginning and the end,
+and `rows` of {name, value, unit, peer, ratio}. `ratio` is always LTA's figure over the peer's: in
+LTA's own row over its best peer's, in a peer's row over this peer's.
 """
 
 from argparse import ArgumentParser
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass, replace
+from datetime import date
 from importlib import import_module
 import json
 import os
@@ -28,7 +30,9 @@ from rich.table import Table
 HERE = Path(__file__).resolve().parent
 RESULTS = HERE.parents[1] / 'runs' / 'bench.json'
 # `make flights` and the peers of laws take minutes and have tables of their own.
-NO_BENCHMARKS = ('bench', 'compare', 'flights', 'gtmab', 'law_peers')
+NO_BENCHMARKS = (
+    'bench', 'compare', 'flights', 'gtmab', 'law_peers', 'rotor_advance', 'speed_table'
+)  # fmt: skip
 Choice = Callable[[Iterable[float]], float]
 
 
@@ -167,11 +171,17 @@ def number(value: float) -> str:
     return f'{value:,.0f}' if abs(value) >= 10_000 else f'{value:.4g}'
 
 
-def write(rows: Sequence[Row], path: Path) -> None:
+def write(rows: Sequence[Row], path: Path, load: Sequence[float]) -> None:
     """Write the file as a whole: an interrupted run leaves the one before."""
     path.parent.mkdir(exist_ok=True)
+    content = {
+        'date': date.today().isoformat(),
+        'cores': count_cores(),
+        'load': [round(value, 1) for value in load],
+        'rows': [asdict(row) for row in rows],
+    }
     temporary = path.with_suffix(f'.{os.getpid()}')
-    temporary.write_text(json.dumps([asdict(row) for row in rows], indent=1) + '\n')
+    temporary.write_text(json.dumps(content, indent=1) + '\n')
     temporary.replace(path)
 
 
@@ -184,7 +194,7 @@ def main(chosen: Sequence[str] = ()) -> int:
     # All imports first: rclpy's starts the interpreter anew.
     modules = [(name, module) for name, module in known.items() if not chosen or name in chosen]
     figures, absent = gather(modules)
-    ordered = groups(figures)
+    ordered, load = groups(figures), os.getloadavg()[0]
     with Console(stderr=True).status('') as status:
         values, broken = sample([figure for group in ordered for figure in group], status.update)
     rows = [
@@ -194,7 +204,7 @@ def main(chosen: Sequence[str] = ()) -> int:
     ]
     absent += broken
     show(Console(width=None if sys.stdout.isatty() else 120), rows, absent)
-    write(rows, RESULTS)
+    write(rows, RESULTS, (load, os.getloadavg()[0]))
     sys.stdout.write(f'{RESULTS}\n')
     return int(any(each.failed for each in absent))
 

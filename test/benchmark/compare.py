@@ -1,9 +1,10 @@
 """
-Hold the last `make bench` against the ratios that are kept in git: `make bench-compare`.
+Compare the last `make bench` with the figures that are stored in git: `make bench-compare`.
 
 Only ratios carry over from machine to machine, so a figure without a peer is not compared. What is
 worse by more than a fifth ends it with status 1; better or worse, `--keep` makes the last run the
-reference. What one of the two has not is listed and no fault: peers are optional.
+reference, and writes the table of docs/validation.md. What one of the two has not is listed and no
+fault: peers are optional.
 """
 
 from argparse import ArgumentParser
@@ -16,6 +17,7 @@ import sys
 from bench import RESULTS
 from rich.console import Console
 from rich.table import Table
+from speed_table import PAGE, update_page
 
 REFERENCE = Path(__file__).resolve().parent / 'reference.json'
 WORSE = 0.2  # share of a ratio
@@ -38,10 +40,9 @@ class Ratio:
 
 def ratios(path: Path) -> dict[Key, Ratio]:
     """Return the ratios of a file that `make bench` or `--keep` wrote."""
-    rows = json.loads(path.read_text(encoding='utf-8'))
     return {
         (row['name'], row['peer']): Ratio(row['ratio'], row['unit'])
-        for row in rows
+        for row in json.loads(path.read_text(encoding='utf-8'))['rows']
         if row['ratio'] is not None
     }
 
@@ -65,14 +66,24 @@ def show(now: Mapping[Key, Ratio], before: Mapping[Key, Ratio]) -> list[Key]:
     return worse
 
 
-def keep(now: Mapping[Key, Ratio]) -> None:
-    """Make a run the reference; what it has not measured stays as it was."""
-    before = ratios(REFERENCE) if REFERENCE.is_file() else {}
-    rows = [
-        {'name': name, 'peer': peer, 'ratio': float(f'{ratio.value:.4g}'), 'unit': ratio.unit}
-        for (name, peer), ratio in sorted((before | dict(now)).items())
-    ]
-    REFERENCE.write_text(json.dumps(rows, indent=1) + '\n', encoding='utf-8')
+def keep() -> None:
+    """Make the last run the reference; figures that it has not measured stay as they were."""
+    run = json.loads(RESULTS.read_text(encoding='utf-8'))
+    before = json.loads(REFERENCE.read_text(encoding='utf-8')) if REFERENCE.is_file() else {}
+    circumstances = {name: run[name] for name in ('date', 'cores', 'load')}
+    # By name alone: the best peer of a figure may be another one than last time
+    rows = {row['name']: row for row in before.get('rows', ())}
+    for row in run['rows']:
+        digits = {key: round_figure(row[key]) for key in ('value', 'ratio')}
+        rows[row['name']] = row | digits | circumstances
+    content = {'rows': [rows[name] for name in sorted(rows)]}
+    REFERENCE.write_text(json.dumps(content, indent=1) + '\n', encoding='utf-8')
+    update_page(PAGE, REFERENCE)
+
+
+def round_figure(value: float | None) -> float | None:
+    """Return a figure with four digits."""
+    return None if value is None else float(f'{value:.4g}')
 
 
 def main(words: list[str] | None = None) -> int:
@@ -84,12 +95,11 @@ def main(words: list[str] | None = None) -> int:
         if not path.is_file() and not (kept and path == REFERENCE):
             sys.stderr.write(f'There is no {path}; run "{remedy}" first.\n')
             return 2
-    now = ratios(RESULTS)
     if kept:
-        keep(now)
+        keep()
         sys.stdout.write(f'{REFERENCE}\n')
         return 0
-    worse = show(now, ratios(REFERENCE))
+    worse = show(ratios(RESULTS), ratios(REFERENCE))
     for name, peer in worse:
         sys.stderr.write(f'{name} is worse beside {peer} by more than {WORSE:.0%}.\n')
     return int(bool(worse))

@@ -4,8 +4,8 @@ The quick page of the reproduction, found again: every figure within its declare
 Rows whose flights and kernels take longer are found again by `make test-long`.
 
 `./lta reproduce --quick && cp runs/paper-quick/paper.json test/golden/paper_quick.json` makes the
-reference anew, after a change that is meant to change what comes out. The full run takes five
-minutes of two cores and is not repeated here: docs/paper.md is made of its figures,
+reference anew, after a change that is meant to change what comes out. The full run takes about
+an hour of two cores and is not repeated here: docs/paper.md is made of its figures,
 paper_full.json.
 """
 

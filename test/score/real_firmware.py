@@ -27,6 +27,7 @@ from campaign import (
     count_flights,
     describe_lateness,
     list_flown_files,
+    read_stored,
     Row,
     store,
     StoredCampaign,
@@ -260,7 +261,10 @@ def main() -> int:
     programs = {name: build(words.firmware, name, words.out) for name in words.builds}
     kept = json.loads(RECORD.read_text()) if RECORD.exists() else {'builds': {}}
     suites_file = words.out / 'suites.json'
-    suites = json.loads(suites_file.read_text()) if suites_file.exists() else {}
+    # Without a run of the suite in this folder, those of the page stand
+    suites = read_stored(FLIGHTS).facts['suites'] if FLIGHTS.exists() else {}
+    if suites_file.exists():
+        suites = json.loads(suites_file.read_text())
     if 'record' in words.steps:
         kept['builds'] |= {
             name: {'commit': commit, 'ours': hashed(app_files()), **record(program)}

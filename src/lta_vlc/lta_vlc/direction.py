@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import math
 from typing import Any, final
 
+from lta_config.compilation.compiler import compile_functions
 from lta_vlc.demodulation import Peaks
 from lta_vlc.diodes import DiodeArray
 from lta_vlc.direction_fit import DirectionFit, fit_direction
@@ -107,6 +108,11 @@ class DirectionFinder:
             fit.azimuth_variance, fit.covariance, fit.elevation_variance,
             fit.strength, math.sqrt(fit.strength_variance), fit.pedestal,
         )  # fmt: skip
+
+
+def compile_direction_finder(diodes: DiodeArray) -> DirectionFinder:
+    """Return a finder with the compiled fit, for loops over many blocks."""
+    return DirectionFinder(diodes, compile_functions(fit_direction)[0], np.array)
 
 
 def build_fit_inputs(

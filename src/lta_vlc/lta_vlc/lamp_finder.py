@@ -2,14 +2,11 @@
 
 from typing import final, NamedTuple
 
-from lta_config.compilation.compiler import compile_functions
 from lta_vlc.bearing import Bearing, estimate_bearing
 from lta_vlc.demodulation import Peaks
 from lta_vlc.diodes import DiodeArray
-from lta_vlc.direction import DirectionFinder
-from lta_vlc.direction_fit import fit_direction
+from lta_vlc.gain_tracking import build_direction_finder
 from lta_vlc.lamp import estimate_lamp_position, LampEstimate, LampPrior
-import numpy as np
 
 
 class LampDetection(NamedTuple):
@@ -21,12 +18,11 @@ class LampDetection(NamedTuple):
 
 @final
 class LampFinder:
-    """Find the lamp with an array of diodes."""
+    """Find the lamp with an array of diodes; `learns` if it learns their gains and response."""
 
-    def __init__(self, diodes: DiodeArray) -> None:
+    def __init__(self, diodes: DiodeArray, *, learns: bool = False) -> None:
         self.diodes = diodes
-        # The fit is compiled: it runs for each block
-        self._finder = DirectionFinder(diodes, compile_functions(fit_direction)[0], np.array)
+        self._finder = build_direction_finder(diodes, learns=learns)
 
     def prepare(self) -> None:
         """Compile the fit, or load it from disk, before the first block."""

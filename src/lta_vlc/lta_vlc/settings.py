@@ -54,6 +54,12 @@ class DemodulationSettings(Settings):
         low=0.0,
         high=400.0,
     )
+    learn_gains: bool = setting(
+        False,
+        'Whether to learn the gains of the photodiodes and the exponent of their response as the '
+        'drone turns.',
+        fixed=True,
+    )
 
     @property
     def beacons(self) -> tuple[float, ...]:

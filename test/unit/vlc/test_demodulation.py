@@ -136,4 +136,5 @@ def test_setting_out_of_bounds_is_refused(setting):
 def test_every_setting_says_what_it_is():
     for name, field in DemodulationSettings.model_fields.items():
         assert field.description, name
-        assert field.json_schema_extra['unit'], name
+        # A switch has no unit
+        assert field.json_schema_extra['unit'] or field.annotation is bool, name

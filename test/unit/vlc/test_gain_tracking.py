@@ -6,7 +6,8 @@ import math
 from lta_vlc.demodulation import Peaks
 from lta_vlc.diodes import DiodeArray
 from lta_vlc.direction import Direction
-from lta_vlc.gain_tracking import GainTracker
+from lta_vlc.gain_tracking import build_direction_finder, GainTracker, LearningDirectionFinder
+from lta_vlc.lamp import LampPrior
 import numpy as np
 import pytest
 
@@ -94,3 +95,47 @@ def test_no_spread_is_more_than_that_of_the_prior(spread):
     assert tracker.diodes.spread == spread
     tracker.update_gains(*block(0.0))
     assert tracker.diodes.spread == spread
+
+
+def test_a_lamp_behind_the_hull_teaches_nothing():
+    tracker = GainTracker(array())
+    tracker.update_gains(*block(0.4))
+    learnt = tracker.diodes
+    peaks, direction = block(1.2)
+    # The diode that faces the lamp reads half of what its neighbours say
+    peaks.amplitude[int(np.argmin(np.abs(ANGLES - 1.2)))] *= 0.5
+    tracker.update_gains(peaks, direction)
+    assert tracker.diodes == learnt
+
+
+def find_directions(finder, angles, **options):
+    """Return the errors of the directions of a lamp that stands at each of some angles. [rad]"""
+    errors = []
+    for angle in angles:
+        found = finder.find(block(angle, **options)[0], 6.0, LampPrior())
+        errors.append(math.remainder(found.azimuth - angle, math.tau))
+    return np.array(errors)
+
+
+def test_directions_become_better_while_the_drone_turns():
+    diodes = replace(array(), response_deviation=0.5)
+    turn = np.arange(112) * math.tau / 16
+    learning = build_direction_finder(diodes, learns=True)
+    before = find_directions(learning, turn[:-16])
+    after = find_directions(learning, turn[-16:])
+    fixed = find_directions(build_direction_finder(diodes, learns=False), turn[:16])
+    # The first block is read with the file's gains
+    assert before[0] == fixed[0]
+    assert np.sqrt(np.mean(after**2)) < 0.5 * np.sqrt(np.mean(fixed**2))
+    assert learning.diodes.spread < 0.6 * diodes.spread
+
+
+def test_many_blocks_from_one_direction_count_once():
+    once, often = (LearningDirectionFinder(array()) for _ in range(2))
+    find_directions(once, [0.2])
+    find_directions(often, [0.2 + 0.01 * math.sin(k) for k in range(50)])
+    assert once.diodes == often.diodes
+    # Also across the turn at half a revolution
+    find_directions(often, [math.pi - 0.02, 0.02 - math.pi])
+    find_directions(once, [math.pi - 0.02])
+    assert once.diodes.gains == pytest.approx(often.diodes.gains, abs=1e-12)

@@ -51,6 +51,7 @@ def fly_many(
     *,
     closed: bool = True,
     which: NDArray[np.intp] | None = None,
+    on: NDArray[np.uint8] | None = None,
 ) -> Array:
     """
     Fly many vehicles, each to the end of its own flight.
@@ -65,6 +66,9 @@ def fly_many(
         Whether the drone decides; otherwise it keeps its duties.
     which : ndarray of int, optional
         Index into `flights` for each seed; by default one after the other.
+    on : ndarray of uint8, optional
+        Flags of the effects that the kernel has in addition to those of `flights`, so that several
+        calls share a kernel.
 
     Returns
     -------
@@ -82,7 +86,8 @@ def fly_many(
     # The counter-based generator has 32-bit keys
     named = np.asarray(seeds, dtype=np.int64) & 0xFFFFFFFF
     # The union of the effects of all vehicles; those without an effect switch it off by its flag
-    on = np.maximum.reduce([each.model.on for each in flights])
+    flags = [each.model.on for each in flights]
+    on = np.maximum.reduce(flags if on is None else [*flags, on])
     names = tuple(name for name in LAYOUT.effects if on[LAYOUT.flag_index(name)])
     parameters, _ = LAYOUT.find_effect_indices(names)
     # Flights of equal form and strategy share a kernel

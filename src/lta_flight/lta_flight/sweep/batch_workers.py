@@ -28,6 +28,7 @@ from lta_sim.kernels.gpu import require_cuda
 from lta_sim.readings import FlightOutcome
 from lta_sim.termination import OUTCOMES
 import numpy as np
+from numpy.typing import NDArray
 
 # Flights per batch: more use a GPU better, fewer are lost when a sweep is interrupted
 BATCH: dict[str, int] = {'cpu-batch': 512, 'gpu': 65_536}
@@ -46,6 +47,8 @@ class BatchWorkers:
     def __init__(self, base: FlightSpec, device: Device, duties: tuple[float, ...] = ()) -> None:
         self._base, self._device, self._duties = base, device, duties
         self._table = load_topic_table()
+        # Effects that some flight has, so that one kernel of each strategy serves all batches
+        self._on: NDArray[np.uint8] | None = None
         self.lost = 0
         vehicle, *_ = build_vehicle_scenario_stack(base)
         if duties and len(duties) != len(vehicle.rotors):
@@ -74,7 +77,10 @@ class BatchWorkers:
             yield from self._fly_batch(batch)
 
     def _build_flight(self, spec: FlightSpec) -> BatchFlight:
-        return build_flight(*build_vehicle_scenario_stack(spec), self._table, self._duties)
+        flight = build_flight(*build_vehicle_scenario_stack(spec), self._table, self._duties)
+        on = flight.model.on
+        self._on = on if self._on is None else np.maximum(self._on, on)
+        return flight
 
     def _fly_batch(self, jobs: list[SweepJob]) -> Iterator[tuple[SweepJob, SweepRow]]:
         """Yield the jobs of one batch with their rows; those that cannot be built have failed."""
@@ -102,8 +108,9 @@ class BatchWorkers:
         if not flyable:
             return
         results = fly_many(
-            flights, seeds, self._device, closed=not self._duties, which=np.array(which)
-        )
+            flights, seeds, self._device, closed=not self._duties, which=np.array(which),
+            on=self._on,
+        )  # fmt: skip
         # All flights run at once, so each gets an equal share of the time
         wall = (time.monotonic() - begun) / len(jobs)
         for job, place, numbers in zip(flyable, which, results.tolist(), strict=True):

@@ -43,8 +43,9 @@ class Demodulator(GraphNode):
         self._sequence = BlockSequence(self.table['photodiodes'].period_ns)
         self._refused = 0
         # After the outputs: messages published before a subscriber is there are lost in real time.
-        entry = load_vehicle_file(self._settings.value.vehicle).sensors.diodes
-        self._finder = LampFinder(build_diode_array(entry))
+        settings = self._settings.value
+        entry = load_vehicle_file(settings.vehicle).sensors.diodes
+        self._finder = LampFinder(build_diode_array(entry), learns=settings.learn_gains)
         self._listener.prepare()  # the first block must be answered at once
         self._finder.prepare()
         inputs = self.table.read_by('demodulator')

@@ -13,11 +13,14 @@ from lta_cli import app
 from lta_config.errors import BadInput
 from lta_config.files import list_shipped_names
 from lta_config.schema.sweep_file import load_sweep
+from lta_flight.batch.flight_loop import FIGURES
 from lta_flight.flight_spec import load_spec
 from lta_flight.sweep.job_runner import SweepRow
 from lta_flight.sweep.plan import SweepPlan
 from lta_report.report import TextTable
 from lta_report.study import StudyOptions
+from lta_sim.readings import FlightOutcome
+from lta_sim.termination import OUTCOMES
 from lta_studies.light.evaluation import (
     ground_roughness,
     path_order,
@@ -223,6 +226,39 @@ def test_two_seeds_are_flown_from_end_to_end(done):
     assert all(0.29 < path < 0.6 for path in paths.values())
     best = cells['draught', 'pilot']
     assert cells['draught', 'bag'].ratio_to(best).value == pytest.approx(1.0, abs=0.1)
+
+
+def test_batches_fly_all_strategies_and_leave_the_pilot_alone(done, tmp_path, monkeypatch):
+    batches = []
+
+    def fly_many(flights, seeds, device, *, closed, which, on):
+        batches.append((len(flights), list(seeds), device, closed))
+        # A kernel for all batches has the effects of every flight
+        assert all((each.model.on <= on).all() for each in flights)
+        out = np.zeros((len(seeds), len(FIGURES)))
+        out[:, FIGURES.index('outcome')] = OUTCOMES.index(FlightOutcome.REACHED)
+        out[:, FIGURES.index('path_length')] = 10.0 * which + seeds
+        return out
+
+    monkeypatch.setattr('lta_flight.sweep.batch_workers.fly_many', fly_many)
+    order = replace(done.order, folder=tmp_path / 'out', device='cpu-batch')
+    batched = run_evaluation(order, QUIET)
+    assert (batched.flown, batched.total) == (12, 12)
+    # Two sets of two cases with two seeds each
+    assert batches == [(2, [1, 1, 1, 1, 2, 2, 2, 2], 'cpu-batch', True)]
+    for name, own in done.cells.items():
+        for single, each in zip(own, batched.cells[name], strict=True):
+            if each.strategy == pilot.NAME:
+                # Single flights as before, but for the time that they took
+                found = {seed: replace(row, wall=0.0) for seed, row in each.rows.items()}
+                assert found == {seed: replace(row, wall=0.0) for seed, row in single.rows.items()}
+            else:
+                begin = 10.0 * (each.case == 'draught')
+                assert each.arrival_values('path_length') == {1: begin + 1.0, 2: begin + 2.0}
+    # Flights of another kind are not taken for these
+    with pytest.raises(BadInput, match='other'):
+        run_evaluation(replace(order, device=None), QUIET)
+    assert '--device cpu-batch' in scores_page.format_scores_page(batched)
 
 
 def test_what_was_flown_is_not_flown_again_and_more_seeds_only_add(done, monkeypatch):

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 import math
 from typing import final
 
-from lta_config.compilation.compiler import compile_functions
 from lta_config.topics import load_topic_table
 from lta_control.cascade import wrap_angle
 from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec
@@ -13,10 +12,9 @@ from lta_model.sensors.photodiode import PhotodiodeArray
 from lta_studies.light.bearing.poses import Pose
 from lta_vlc.bearing import estimate_bearing
 from lta_vlc.demodulation import demodulate_beacon, Peaks, plan_bins
-from lta_vlc.diodes import build_diode_array, DiodeArray
-from lta_vlc.direction import DirectionFinder, PART
-from lta_vlc.direction_fit import fit_direction
-from lta_vlc.gain_tracking import GainTracker
+from lta_vlc.diodes import build_diode_array
+from lta_vlc.direction import compile_direction_finder, DirectionFinder, PART
+from lta_vlc.gain_tracking import LearningDirectionFinder
 import numpy as np
 from numpy.random import Generator
 from scipy.spatial.transform import Rotation
@@ -57,8 +55,7 @@ class BearingBench:
         if truth is not None:
             self._vehicle = build_vehicle_scenario_stack(truth)[0]
         # The compiled fit is the one that flies, and fast enough for thousands of poses.
-        self._core = compile_functions(fit_direction)[0]
-        self._finder = self._build_finder(self._believed)
+        self._finder = compile_direction_finder(self._believed)
         # Columns 0 to 2 are the positions of the diodes; bearings refer to their centre. [m, body]
         self._middle = self._vehicle.diodes.planes[:, :3].mean(axis=0)
         self._lamp = np.array(self.scenario.goal_lamp.position.vector)
@@ -67,22 +64,15 @@ class BearingBench:
         """Return the diodes of one vehicle with random gains."""
         return self._vehicle.diodes.draw_gains(chance)
 
-    def _build_finder(self, diodes: DiodeArray) -> DirectionFinder:
-        return DirectionFinder(diodes, self._core, np.array)
-
     def learn_gains(
         self, pose: Pose, diodes: PhotodiodeArray, turn: int, chance: Generator
-    ) -> DirectionFinder:
+    ) -> LearningDirectionFinder:
         """Return the fit after a turn in place, of so many light blocks, that taught it gains."""
-        tracker = GainTracker(self._believed)
-        finder = self._finder
+        finder = LearningDirectionFinder(self._believed)
         for k in range(turn):
             heading = Rotation.from_euler('z', math.tau * k / turn) * Rotation.from_quat(pose[3:])
             peaks = self._simulate_peaks((*pose[:3], *heading.as_quat()), diodes, chance)
-            direction = finder.find(peaks, self._policy.demodulation.threshold, self._policy.prior)
-            if direction is not None:
-                tracker.update_gains(peaks, direction)
-                finder = self._build_finder(tracker.diodes)
+            finder.find(peaks, self._policy.demodulation.threshold, self._policy.prior)
         return finder
 
     def _simulate_peaks(self, pose: Pose, diodes: PhotodiodeArray, chance: Generator) -> Peaks:
@@ -99,7 +89,7 @@ class BearingBench:
         pose: Pose,
         diodes: PhotodiodeArray,
         chance: Generator,
-        finder: DirectionFinder | None = None,
+        finder: DirectionFinder | LearningDirectionFinder | None = None,
     ) -> BearingReading:
         """
         Simulate one light block and estimate the bearing.
@@ -112,7 +102,7 @@ class BearingBench:
             The true diodes.
         chance : Generator
             Random generator of the noise and of the lamp's phase.
-        finder : DirectionFinder, optional
+        finder : DirectionFinder or LearningDirectionFinder, optional
             The fit, by default that of the vehicle file.
 
         """

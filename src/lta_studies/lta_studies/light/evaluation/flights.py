@@ -3,21 +3,24 @@ List the flights of an evaluation seed by seed, and fly them.
 
 All sets fly their first seed before any flies its second, so that an evaluation that is stopped
 early covers all sets. A flight is identified by its set and its index in that set's sweep, which
-does not depend on the number of seeds: more seeds extend an existing evaluation.
+does not depend on the number of seeds: more seeds extend an existing evaluation. In batch mode the
+flights of a strategy are one batch, and the pilot, which reads the simulated world, flies alone.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 import math
-from typing import Final, final
+from typing import Final, final, Self
 
 from lta_config.errors import BadInput
 from lta_config.schema.sweep_file import load_sweep, SweepSeeds
 from lta_control.cascade import CascadeGains
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_spec import build_loop, FlightSpec, load_spec
+from lta_flight.sweep.batch_workers import BatchWorkers
 from lta_flight.sweep.job_runner import run_job, SweepRow
 from lta_flight.sweep.plan import SweepJob, SweepPlan
+from lta_report.workers import ItemFailure, Workers
 from lta_studies.light.evaluation import pilot
 from lta_studies.light.evaluation.sets import find_flight_set
 
@@ -34,7 +37,44 @@ class EvaluationTask:
     job: SweepJob
 
 
-def build_sweep_plan(name: str) -> SweepPlan:
+@final
+class BatchEvaluation:
+    """
+    Fly tasks in batches; those of the pilot by other workers.
+
+    `batches`: workers of the batches. `others`: workers that apply `fly_task`.
+    """
+
+    def __init__(self, batches: BatchWorkers, others: Workers[EvaluationTask, SweepRow]) -> None:
+        self._batches, self._others = batches, others
+        self.lost = 0
+
+    def __enter__(self) -> Self:
+        """Start the workers."""
+        self._others.__enter__()
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        """Stop the workers."""
+        self._others.__exit__(*exception)
+        self.lost = self._others.lost
+
+    def run(
+        self, items: Iterable[EvaluationTask]
+    ) -> Iterator[tuple[EvaluationTask, SweepRow | ItemFailure]]:
+        """Yield each task with its row, one strategy after the other, then the pilot's."""
+        by_strategy: dict[str, list[EvaluationTask]] = {}
+        for task in items:
+            by_strategy.setdefault(str(task.job.changes[STRATEGY]), []).append(task)
+        piloted = by_strategy.pop(pilot.NAME, [])
+        for tasks in by_strategy.values():
+            by_job = {id(task.job): task for task in tasks}
+            for job, row in self._batches.run(task.job for task in tasks):
+                yield by_job[id(job)], row
+        yield from self._others.run(piloted)
+
+
+def build_sweep_plan(name: str, check: Callable[[SweepPlan], None] = SweepPlan.check) -> SweepPlan:
     """
     Return the checked sweep plan of a set, including the pilot's flights if it has any.
 
@@ -49,7 +89,7 @@ def build_sweep_plan(name: str) -> SweepPlan:
             'vary and must not use samples; correct the file.'
         )
     # Check before the pilot is added, which is not a strategy that a file may name.
-    SweepPlan(file).check()
+    check(SweepPlan(file))
     flyers = [*strategies, *([pilot.NAME] if part.piloted else [])]
     seeds = SweepSeeds(first=file.seeds.first, count=MOST)
     return SweepPlan(
@@ -119,6 +159,8 @@ def build_flight_spec(changes: dict[str, object]) -> FlightSpec:
     return load_spec(vehicle, scenario, strategy, gains).with_values(changes)
 
 
-def build_sweep_plans(names: Sequence[str]) -> dict[str, SweepPlan]:
-    """Return the unique plans of some sets in their order."""
-    return {name: build_sweep_plan(name) for name in dict.fromkeys(names)}
+def build_sweep_plans(
+    names: Sequence[str], check: Callable[[SweepPlan], None] = SweepPlan.check
+) -> dict[str, SweepPlan]:
+    """Return the unique plans of some sets in their order, each checked."""
+    return {name: build_sweep_plan(name, check) for name in dict.fromkeys(names)}

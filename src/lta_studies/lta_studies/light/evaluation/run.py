@@ -7,14 +7,18 @@ from pathlib import Path
 import time
 from typing import final
 
+from lta_flight.batch.fly import Device
+from lta_flight.flight_spec import load_spec
+from lta_flight.sweep.batch_workers import BatchWorkers
 from lta_flight.sweep.job_runner import STORE, store_row, SweepRow
 from lta_flight.sweep.plan import SweepPlan
-from lta_report.study import run_items, StudyOptions
+from lta_report.study import hash_inputs, run_items, StudyOptions
 from lta_report.study_progress import StudyProgress
 from lta_report.study_store import refuse_foreign_folder, StudyStore
-from lta_report.workers import ItemFailure
+from lta_report.workers import ItemFailure, Workers
 from lta_studies.light.evaluation.cells import build_cells, EvaluationCell
 from lta_studies.light.evaluation.flights import (
+    BatchEvaluation,
     build_standalone_job,
     build_sweep_plans,
     count_flights_per_seed,
@@ -36,6 +40,11 @@ class EvaluationRequest:
     seeds: int
     folder: Path
     options: StudyOptions = field(default_factory=StudyOptions)
+    device: Device | None = None  # of the batches; None for single flights
+
+    def compute_set_hash(self, plan: SweepPlan) -> str:
+        """Return the hash of everything that determines the flights of a set."""
+        return plan.identity if self.device is None else hash_inputs(plan.identity, self.device)
 
 
 @final
@@ -64,15 +73,25 @@ def run_evaluation(order: EvaluationRequest, console: Console) -> EvaluationStat
     Raise `BadInput` if a set cannot be flown; raised before any flight.
     """
     # All sets are checked before the first flight.
-    plans = build_sweep_plans(order.sets)
+    options = order.options
+    workers: Workers[EvaluationTask, SweepRow] = options.open_workers(fly_task)
+    if order.device is None:
+        plans = build_sweep_plans(order.sets)
+    else:
+        # Every job names all its files, so that any base will do
+        batches = BatchWorkers(load_spec('gtmab', 'lamp_room', 'bag', ''), order.device)
+        plans = build_sweep_plans(order.sets, batches.check)
+        workers = BatchEvaluation(batches, workers)
     refuse_foreign_folder(order.folder, FLIGHTS, 'comparison of strategies')
     begun = time.monotonic()
-    options = order.options
     with ExitStack() as stack:
         stores = {
             name: stack.enter_context(
                 StudyStore(
-                    order.folder / FLIGHTS / name, STORE, plan.identity, options.retry_failed
+                    order.folder / FLIGHTS / name,
+                    STORE,
+                    order.compute_set_hash(plan),
+                    options.retry_failed,
                 )
             )
             for name, plan in plans.items()
@@ -93,7 +112,7 @@ def run_evaluation(order: EvaluationRequest, console: Console) -> EvaluationStat
                     replace(task, job=build_standalone_job(plans[task.part], task.job))
                     for task in todo
                 ),
-                options.open_workers(fly_task),
+                workers,
                 save,
                 StudyProgress(console, total, total - len(todo), 'flights'),
             )

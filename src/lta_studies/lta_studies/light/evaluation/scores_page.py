@@ -18,7 +18,8 @@ def format_scores_page(status: EvaluationStatus) -> str:
     """Return the page as Markdown."""
     sets = status.cells
     some = '' if len(sets) == len(SETS) else f' --sets {" ".join(sets)}'
-    command = f'lta light evaluate --seeds {status.order.seeds}{some} --markdown'
+    device = '' if status.order.device is None else f' --device {status.order.device}'
+    command = f'lta light evaluate --seeds {status.order.seeds}{some}{device} --markdown'
     ablations = find_ablations(status)
     statement = describe_paper_order(status, ablations)
     targets = tables.build_target_table(sets)

@@ -13,7 +13,6 @@ import math
 from pathlib import Path
 from typing import Final, final, NamedTuple
 
-from lta_config.compilation.compiler import compile_functions
 from lta_config.errors import BadInput
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.topics import load_topic_table
@@ -26,8 +25,7 @@ from lta_studies.light.bearing.study import DIRECTIONS, RingStudy
 from lta_vlc.bearing import estimate_bearing
 from lta_vlc.demodulation import demodulate_block, plan_bins
 from lta_vlc.diodes import build_diode_array, DiodeArray
-from lta_vlc.direction import DirectionFinder
-from lta_vlc.direction_fit import fit_direction
+from lta_vlc.direction import compile_direction_finder
 from lta_vlc.lamp import LampPrior
 from lta_vlc.settings import DemodulationSettings
 import numpy as np
@@ -118,7 +116,7 @@ def evaluate_turn(
     """
     light = load_topic_table().light
     bins = plan_bins(demodulation, light.sample_rate.si, light.samples)
-    finder = DirectionFinder(diodes, compile_functions(fit_direction)[0], np.array)
+    finder = compile_direction_finder(diodes)
     # Half the duration of a block [s]; the truth is taken at its middle.
     half = 0.5 * light.samples / light.sample_rate.si
     lamp = _build_true_direction(flight, table)

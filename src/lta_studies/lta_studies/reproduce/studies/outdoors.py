@@ -55,7 +55,7 @@ ALGORITHMS: Final = {  # seed paper, table of algorithms: diodes, position, load
     'bag': ('several', 'not needed', 'low'), 'des': ('one', 'not needed', 'medium'),
     'dga': ('one', 'needed', 'high'),
 }  # fmt: skip
-HEIGHT, REFERENCE, SHOWN = 0.5, 10.0, 0.4  # m: hull, reference wind, a flyable roughness
+HEIGHT, REFERENCE, SHOWN = 0.5, 10.0, 0.45  # m: hull, reference wind, a flyable roughness
 TRACKS: Final = (
     'Ground tracks from above, seed 1. The wind blows from the lamp to the start; the '
     'airspeed command is 0.7 m/s. Dashed circle: 1 m from the lamp, which counts as reached.'
