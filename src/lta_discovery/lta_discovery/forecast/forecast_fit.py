@@ -120,8 +120,8 @@ class ForecastFitter:
             self.compute_flight_errors(values, f, lift=lift).left for f, lift in enumerate(lifts)
         ]
         # A forecast that diverges has no weight
-        known = np.concatenate([np.where(np.isfinite(each), each, np.nan) for each in left])
-        self.weights = _error_weights(known, self.place)
+        finite = np.concatenate([np.where(np.isfinite(each), each, np.nan) for each in left])
+        self.weights = _error_weights(finite, self.place)
 
     def build_linearization_point(
         self, values: Array, lift: float, flight: FlightLinearizer
