@@ -38,6 +38,8 @@ class DraftChoices:
     used: set[str] = field(default_factory=set)
     settled: dict[str, str] = field(default_factory=dict)  # by the first topic, for the others
     vehicle: DraftVehicle | None = None  # that flew
+    shown: Mapping[str, str] = field(default_factory=dict)  # what the motion decides, by key
+    follows: Mapping[str, str] = field(default_factory=dict)  # the motion of a column, a sentence
 
     def add_reason(self, part: str, columns: Sequence[str], reading: str, reason: str) -> None:
         """Add a row to the table of reasons."""
@@ -49,10 +51,10 @@ class DraftChoices:
         return self.answers.get(key, value)
 
     def find_answer(self, key: str) -> str:
-        """Return the user's value of a key that many columns have; '' without one."""
+        """Return the value of a key that many columns have, by the user or the motion, or ''."""
         if key in self.answers:
             self.used.add(key)
-        return self.answers.get(key, '')
+        return self.answers.get(key, self.shown.get(key, ''))
 
     def decide(self, key: str, options: Sequence[tuple[str, str]], reason: str) -> str:
         """

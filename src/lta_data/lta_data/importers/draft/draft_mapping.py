@@ -10,7 +10,8 @@ from lta_config.files import find_file
 from lta_data.bag.channels import SignalChannel
 from lta_data.importers.draft.bag_topics import BagDraft, draft_bag_topics
 from lta_data.importers.draft.choices import DraftChoices
-from lta_data.importers.draft.clock_alignment import align_clocks
+from lta_data.importers.draft.clock_alignment import align_clocks, AlignedClock
+from lta_data.importers.draft.command_motion import find_driven_axes, list_answers
 from lta_data.importers.draft.draft_vehicle import DraftVehicle
 from lta_data.importers.draft.source_tables import read_source, SourceTables
 from lta_data.importers.draft.table_draft import draft_table, TableDraft
@@ -48,8 +49,14 @@ def draft_mapping(
     choices = DraftChoices(answers, vehicle=vehicle)
     if not source.tables:
         return _draft_shipped_format(source, choices)
-    drafts = {name: draft_table(name, table, choices) for name, table in source.tables.items()}
-    clocks = align_clocks(source.tables, drafts, choices)
+    drafts, clocks = _draft_tables(source, choices)
+    if driven := find_driven_axes(source.tables, drafts, clocks):
+        # Once more, as what commands drive decides how columns are grouped
+        follows = {column: one.text for column, one in driven.items()}
+        choices = DraftChoices(
+            answers, vehicle=vehicle, shown=list_answers(driven), follows=follows
+        )
+        drafts, clocks = _draft_tables(source, choices)
     for name, clock in clocks.items():
         drafts[name].time.entry.update(clock.list_keys())
     turn_wrench_axes(source.tables, drafts, clocks, choices)
@@ -62,6 +69,14 @@ def draft_mapping(
     ]
     text = _format_mapping(content, path)
     return MappingDraft(text, source, choices, _list_channels(source, drafts), unused)
+
+
+def _draft_tables(
+    source: SourceTables, choices: DraftChoices
+) -> tuple[dict[str, TableDraft], dict[str, AlignedClock]]:
+    """Return the drafts of the tables of a source, and the clocks that differ from the pose's."""
+    drafts = {name: draft_table(name, table, choices) for name, table in source.tables.items()}
+    return drafts, align_clocks(source.tables, drafts, choices)
 
 
 def _draft_shipped_format(source: SourceTables, choices: DraftChoices) -> MappingDraft:

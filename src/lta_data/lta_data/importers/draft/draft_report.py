@@ -21,7 +21,8 @@ def build_draft_report(source: Path, draft: MappingDraft, commands: dict[str, st
     if draft.unused:
         notes.append(
             f'Columns without a meaning: {", ".join(draft.unused)}. If one commands an actuator, '
-            f'add --set {draft.unused[0]}.topic=motors.'
+            f'add --set {draft.unused[0]}.topic=motors; if one commands a force or moment of the '
+            f'body, --set {draft.unused[0]}.command=surge (sway, heave, roll, pitch, yaw).'
         )
     if missing := list_missing_parts(draft.text):
         notes.append(

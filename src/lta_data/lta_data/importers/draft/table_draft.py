@@ -4,9 +4,10 @@ from collections.abc import Mapping
 from typing import Any, Final, final, NamedTuple
 
 from lta_data.importers.draft.attitude_readings import body_rates_of, fit_scale, MotionEvidence
-from lta_data.importers.draft.axis_commands import explain_lacking
+from lta_data.importers.draft.axis_commands import explain_lacking, LINEAR
 from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.column_groups import ColumnGroup, Columns, group_columns
+from lta_data.importers.draft.generic_commands import ask_for_meanings, list_generic_commands
 from lta_data.importers.draft.motion_draft import draft_motion, MotionDraft
 from lta_data.importers.draft.name_hints import parse_column_name, UNIT_WORDS
 from lta_data.importers.draft.scalar_draft import draft_scalars
@@ -34,15 +35,22 @@ class TableDraft(NamedTuple):
     axes: VerticalAxes | None
     groups: list[ColumnGroup]
     unused: list[str]
+    generic: list[str]  # commands whose names do not say what they drive
     motion: MotionDraft | None  # of the first topic with a pose or a velocity
 
 
 def draft_table(name: str, table: Columns, choices: DraftChoices) -> TableDraft:
     """Return the topics that a table fills; `name` is '' for a single table."""
     numbers = {column: cells for column, cells in table.items() if cells.dtype.kind in 'fiub'}
-    decided = [column for column in numbers if choices.find_answer(f'{column}.command')]
-    groups, singles = group_columns({one: numbers[one] for one in numbers if one not in decided})
-    singles += [parse_column_name(column) for column in decided]
+    answers = {column: choices.find_answer(f'{column}.command') for column in numbers}
+    generic = list_generic_commands([parse_column_name(one) for one in numbers])
+    decided = [column for column in numbers if answers[column] or column in generic]
+    groups, singles = group_columns(
+        {one: numbers[one] for one in numbers if one not in decided},
+        beside=any(answer in LINEAR for answer in answers.values()),
+    )
+    open_ = ask_for_meanings(generic, '', choices)
+    singles += [parse_column_name(column) for column in decided if column not in open_]
     time = find_time_base(name, table, groups, choices)
     if name:
         # The file of a sensor often says what it is
@@ -79,7 +87,7 @@ def draft_table(name: str, table: Columns, choices: DraftChoices) -> TableDraft:
     entries += draft_scalars(name, table, rest, choices)
     used = {column for entry in entries for column in list_columns(entry)}
     unused = [c for c in table if c not in used and c != time.entry.get('column')]
-    return TableDraft(entries, time, axes, groups, unused, primary)
+    return TableDraft(entries, time, axes, groups, unused, generic, primary)
 
 
 def _sort_groups(
