@@ -4,7 +4,13 @@ from collections.abc import Mapping, Sequence
 from typing import Final
 
 from lta_data.importers.draft.choices import DraftChoices
-from lta_data.importers.draft.clock_alignment import find_motion, STEP, sum_residuals, TimedTable
+from lta_data.importers.draft.clock_alignment import (
+    find_motion,
+    find_rising,
+    STEP,
+    sum_residuals,
+    TimedTable,
+)
 from lta_data.importers.draft.draft_vehicle import BODY_AXES
 from lta_data.importers.draft.generic_commands import ask_for_meanings
 from lta_data.importers.draft.name_hints import ColumnName, NUMBERED
@@ -93,10 +99,11 @@ def measure_shares(tracked: TimedTable, stamps: Numbers, values: Numbers) -> Num
     """
     if tracked.position is None or tracked.turn is None:
         return None
-    seconds = tracked.seconds
-    grid = np.arange(seconds[0], seconds[-1], STEP)
-    if len(grid) < LEAST:
+    seconds, rising = tracked.seconds, find_rising(stamps)
+    grid = np.arange(np.nanmin(seconds), np.nanmax(seconds), STEP)
+    if len(grid) < LEAST or not rising.any():
         return None
+    stamps, values = stamps[rising], values[rising]
     speed, pull = find_motion(seconds, tracked.position, tracked.turn, grid)
     target = pull / np.maximum(pull.std(axis=0), 1e-9)
     values = np.nan_to_num(values)

@@ -243,7 +243,8 @@ def _find_largest(axis: str, unit: str, choices: DraftChoices) -> float:
     where = 'a vehicle file (--vehicle)' if choices.vehicle is None else 'its vehicle file'
     question = f'No force of {axis} is known at full command. A guess is enough for a calibration'
     question += f', which fits it; {where} states it where rotors push along this axis.'
-    return _parse_force(key, choices.decide(key, [(option, 'for example')], question), unit)
+    answer = choices.decide(key, [(option, 'for example')], question, is_open=True)
+    return _parse_force(key, answer, unit)
 
 
 def _parse_force(key: str, text: str, unit: str) -> float:

@@ -25,6 +25,7 @@ class DraftQuestion(NamedTuple):
     key: str
     options: Sequence[tuple[str, str]]
     reason: str
+    is_open: bool = False  # the options are examples, and other answers fit too
 
 
 @final
@@ -56,19 +57,27 @@ class DraftChoices:
             self.used.add(key)
         return self.answers.get(key, self.shown.get(key, ''))
 
-    def decide(self, key: str, options: Sequence[tuple[str, str]], reason: str) -> str:
+    def decide(
+        self,
+        key: str,
+        options: Sequence[tuple[str, str]],
+        reason: str,
+        *,
+        is_open: bool = False,
+    ) -> str:
         """
         Return the user's answer; without one, note the question and return the first option.
 
-        Raise `BadInput` if the answer is not one of the options.
+        `is_open`: the options are examples. Raise `BadInput` if the answer is none of them
+        otherwise.
         """
         self.used.add(key)
         names = [name for name, _ in options]
         answer = self.answers.get(key)
         if answer is None:
-            self.questions.append(DraftQuestion(key, options, reason))
+            self.questions.append(DraftQuestion(key, options, reason, is_open))
             return names[0]
-        if answer not in names:
+        if answer not in names and not is_open:
             raise unknown_name_error(f'answer to {key}', answer, names)
         return answer
 

@@ -73,6 +73,8 @@ def group_columns(
     groups += _group_nameless(table, names, grouped)
     grouped |= {column for group in groups for column in group.columns}
     rest = [name for name in named if name.column not in grouped]
+    # Without a tracker, a quaternion is zero throughout
+    groups = [one for one in groups if one.kind != 'quaternion' or one.stack(table).any()]
     groups = [group for group in groups if not _is_marker(group, groups)]
     heading = _group_heading(rest, groups)
     if heading is not None:

@@ -8,6 +8,7 @@ from lta_data.importers.draft.clock_alignment import (
     AlignedClock,
     COMMANDS,
     find_motion,
+    find_rising,
     read_timed_tables,
     STEP,
     TimedTable,
@@ -71,7 +72,10 @@ def find_driven_axes(
 
 def _measure_overlapping(pose: TimedTable, stamps: Numbers, values: Numbers) -> Numbers | None:
     """Return the shares of commands that were sent while the pose was logged; else None."""
-    shared = min(stamps[-1], pose.seconds[-1]) - max(stamps[0], pose.seconds[0])
+    begins, ends = (
+        [function(one) for one in (stamps, pose.seconds)] for function in (np.nanmin, np.nanmax)
+    )
+    shared = min(ends) - max(begins)
     return measure_shares(pose, stamps, values) if shared > LEAST * STEP else None
 
 
@@ -108,12 +112,14 @@ def _is_reached(pose: TimedTable, stamps: Numbers, command: Numbers) -> bool:
     """Return whether a command is a place, heading or speed that the vehicle then reaches."""
     if pose.position is None or pose.turn is None:
         return False
-    heading = np.unwrap(pose.turn.as_euler('ZYX')[:, 0])
-    speed, _ = find_motion(pose.seconds, pose.position, pose.turn, pose.seconds)
-    states = np.column_stack([pose.position, heading, speed])
+    rows = find_rising(pose.seconds) & np.isfinite(pose.position).all(axis=1)
+    seconds, position, turn = pose.seconds[rows], pose.position[rows], pose.turn[rows]
+    heading = np.unwrap(turn.as_euler('ZYX')[:, 0])
+    speed, _ = find_motion(seconds, position, turn, seconds)
+    states = np.column_stack([position, heading, speed])
     for delay in ARRIVALS:
         for state in states.T:
-            later = np.interp(stamps + delay, pose.seconds, state)
+            later = np.interp(stamps + delay, seconds, state)
             good = np.isfinite(command) & np.isfinite(later)
             sent, reached = command[good], later[good]
             if not np.ptp(sent) or not np.ptp(reached):

@@ -117,6 +117,8 @@ def ask_for_meanings(columns: Sequence[str], where: str, choices: DraftChoices) 
         if shown:
             choices.add_reason('commands', [column], shown, follows.strip().rstrip('.'))
         else:
-            choices.decide(key, options, f'What does {column}{where} command?{follows}')
+            question = f'What does {column}{where} command?{follows}'
+            # The name of a rotor is any name, unless a vehicle file has them
+            choices.decide(key, options, question, is_open=not rotors)
             open_.append(column)
     return open_

@@ -174,7 +174,9 @@ def parse_column_name(column: str) -> ColumnName:
     for count in (2, 1):
         end = ' '.join(tokens[-count:]).lower()
         rest = [word.lower() for token in tokens[:-count] for word in WORDS.findall(token)]
-        if not unit and rest and end in UNIT_WORDS and _ends_with_unit(rest, end):
+        # A row of units may repeat what the names say: fx_N [N]
+        is_same = not unit or UNIT_WORDS.get(end) == UNIT_WORDS[unit]
+        if is_same and rest and end in UNIT_WORDS and _ends_with_unit(rest, end):
             return _find_axis(column, rest, end)
     return _find_axis(column, [word.lower() for word in WORDS.findall(text)], unit)
 

@@ -104,9 +104,19 @@ def _list_columns(folder: Path) -> list[list[str]]:
     return [read_column_names(file, detect_text_format(file)) for file in texts]
 
 
+def describe_empty_files(path: Path) -> list[str]:
+    """Return a sentence on the logs in a folder that hold nothing, if there are any."""
+    if not path.is_dir():
+        return []
+    files = [one for one in sorted(path.rglob('*')) if _suffix(one) in (*TEXTS, *READERS, *RUNS)]
+    names = [one.name for one in files if one.is_file() and not one.stat().st_size]
+    return [f'Left out, as nothing is in them: {", ".join(names)}.'] if names else []
+
+
 def _list_files(path: Path, suffixes: tuple[str, ...]) -> list[Path]:
+    """Return the files of a folder that hold something; a recording that failed is empty."""
     files = (file for file in path.rglob('*') if file.is_file() and file.name[0] != '.')
-    return sorted(file for file in files if _suffix(file) in suffixes)
+    return sorted(file for file in files if _suffix(file) in suffixes and file.stat().st_size)
 
 
 def name_table(folder: Path, file: Path) -> str:
