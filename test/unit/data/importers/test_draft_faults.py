@@ -68,6 +68,13 @@ def test_a_tracker_without_an_attitude_gives_none(tmp_path):
     assert 'The mapping has no attitude' in notes
 
 
+def test_a_quaternion_of_another_length_is_told(tmp_path):
+    longer = three('q', 1.7 * lab_flight()['q'], 'xyzw')
+    draft = draft_mapping(write_csv(tmp_path / 'a.csv', list_columns(**longer)), {})
+    (said,) = [one.reason for one in draft.choices.reasons if one.reading == 'quaternion']
+    assert said.endswith('; its length is 1.7, not 1: it is taken as a direction')
+
+
 def test_units_below_the_names_may_repeat_those_in_the_names(tmp_path):
     path = write_csv(tmp_path / 'a.csv', list_columns())
     head, *rows = path.read_text().splitlines()
@@ -85,18 +92,20 @@ def test_an_open_question_takes_other_answers_than_its_examples(monkeypatch):
     assert 'surge.largest (such as 0.1 N):' in console.export_text()
 
 
-def test_empty_files_of_a_folder_are_left_out_and_named(tmp_path):
+def test_files_without_rows_in_a_folder_are_left_out_and_named(tmp_path):
     folder = tmp_path / 'tests'
     folder.mkdir()
     write_csv(folder / 'a.csv', list_columns())
     (folder / 'b.csv').write_text('')
+    (folder / 'notes.txt').write_text('Windy.\nThe door was open.\n')
     draft = draft_mapping(folder, {})
     assert draft.source.path == folder / 'a.csv'
     assert draft.source.notes == [
-        'The 1 file of tests is one run.', 'Left out, as nothing is in them: b.csv.',
-    ]  # fmt: skip
+        'The 1 file of tests is one run.',
+        'Left out, as they hold no rows of numbers: b.csv, notes.txt.',
+    ]
     (tmp_path / 'mapping.yaml').write_text(draft.text)
     with ImportProgress(Console(quiet=True), 1) as progress:
         request = ImportRequest([folder], str(tmp_path / 'mapping.yaml'))
         (done,) = import_logs(request, tmp_path / 'out', progress)
-    assert done.notes[-1] == 'Left out, as nothing is in them: b.csv.'
+    assert done.notes[-1] == 'Left out, as they hold no rows of numbers: b.csv, notes.txt.'

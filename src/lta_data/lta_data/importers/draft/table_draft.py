@@ -6,7 +6,7 @@ from typing import Any, Final, final, NamedTuple
 from lta_data.importers.draft.attitude_readings import body_rates_of, fit_scale, MotionEvidence
 from lta_data.importers.draft.axis_commands import explain_lacking, LINEAR
 from lta_data.importers.draft.choices import DraftChoices
-from lta_data.importers.draft.column_groups import ColumnGroup, Columns, group_columns
+from lta_data.importers.draft.column_groups import ColumnGroup, Columns, group_columns, UNIT_NORM
 from lta_data.importers.draft.generic_commands import ask_for_meanings, list_generic_commands
 from lta_data.importers.draft.motion_draft import draft_motion, MotionDraft
 from lta_data.importers.draft.name_hints import parse_column_name, UNIT_WORDS
@@ -113,7 +113,7 @@ def _sort_groups(
         # An attitude as quaternion and as angles: the quaternion has no convention to guess
         if kind not in members or (kind == 'attitude' and group.kind == 'quaternion'):
             members[kind] = group
-            why = group.reason
+            why = group.reason + _describe_length(group, table)
             reading = group.kind
             if topic == 'wrench_command':
                 named = UNIT_WORDS.get(group.unit, (f'{WRENCH_UNITS[kind]} (assumed)',))[0]
@@ -123,6 +123,15 @@ def _sort_groups(
                 why += explain_lacking(lacking) if len(lacking) < len('xyz') else ''
             choices.add_reason(f'{topic}: {kind}', group.columns, reading, why)
     return topics
+
+
+def _describe_length(group: ColumnGroup, table: Columns) -> str:
+    """Return what a reason adds on a quaternion that has not length one."""
+    if group.kind != 'quaternion':
+        return ''
+    length = float(np.nanmedian(np.linalg.norm(group.stack(table), axis=1)))
+    is_one = abs(length - 1.0) < UNIT_NORM
+    return '' if is_one else f'; its length is {length:.3g}, not 1: it is taken as a direction'
 
 
 def _role_by_motion(

@@ -105,18 +105,36 @@ def _list_columns(folder: Path) -> list[list[str]]:
 
 
 def describe_empty_files(path: Path) -> list[str]:
-    """Return a sentence on the logs in a folder that hold nothing, if there are any."""
+    """Return a sentence on the files in a folder that hold no rows, if others do."""
     if not path.is_dir():
         return []
-    files = [one for one in sorted(path.rglob('*')) if _suffix(one) in (*TEXTS, *READERS, *RUNS)]
-    names = [one.name for one in files if one.is_file() and not one.stat().st_size]
-    return [f'Left out, as nothing is in them: {", ".join(names)}.'] if names else []
+    used = list_run_files(path)
+    names = [
+        file.name for file in _find_files(path, (*TEXTS, *READERS, *RUNS)) if file not in used
+    ]
+    return [f'Left out, as they hold no rows of numbers: {", ".join(names)}.'] if names else []
 
 
 def _list_files(path: Path, suffixes: tuple[str, ...]) -> list[Path]:
-    """Return the files of a folder that hold something; a recording that failed is empty."""
+    """Return the files that hold something, but all if none does, whose fault is then told."""
+    files = _find_files(path, suffixes)
+    return [file for file in files if _has_rows(file)] or files
+
+
+def _find_files(path: Path, suffixes: tuple[str, ...]) -> list[Path]:
     files = (file for file in path.rglob('*') if file.is_file() and file.name[0] != '.')
-    return sorted(file for file in files if _suffix(file) in suffixes and file.stat().st_size)
+    return sorted(file for file in files if _suffix(file) in suffixes)
+
+
+def _has_rows(file: Path) -> bool:
+    """Return whether a file is no recording that failed, and no notes of a person."""
+    if _suffix(file) not in TEXTS:
+        return file.stat().st_size > 0
+    try:
+        detect_text_format(file)
+    except BadInput:
+        return False
+    return True
 
 
 def name_table(folder: Path, file: Path) -> str:
