@@ -58,15 +58,17 @@ def find_axis_commands(
         if (axis := choices.find_answer(f'{name.column}.command')) in BODY_AXES
     }
     rest = [name for name in names if not choices.find_answer(f'{name.column}.command')]
-    return find_named_axes(rest, beside=bool(LINEAR & {*by_axis})) | by_axis
+    return find_named_axes(rest, has_linear=bool(LINEAR & {*by_axis})) | by_axis
 
 
-def find_named_axes(names: Sequence[ColumnName], *, beside: bool = False) -> dict[str, ColumnName]:
+def find_named_axes(
+    names: Sequence[ColumnName], *, has_linear: bool = False
+) -> dict[str, ColumnName]:
     """
     Return the columns whose names say that they command a body axis, by axis.
 
     Roll, pitch and yaw may be angles: they are commands only beside surge, sway or heave, and with
-    a word for a command or the other words of these. `beside`: one of these is known already.
+    a word for a command or the other words of these. `has_linear`: one of these is known already.
     """
     by_axis = find_lettered_axes(names)
     names = [name for name in names if name not in by_axis.values()]
@@ -86,7 +88,11 @@ def find_named_axes(names: Sequence[ColumnName], *, beside: bool = False) -> dic
                 by_axis.setdefault(axis, name)
                 alike += [rest] if linear else []
     angles = [by_axis[axis].words for axis in BODY_AXES[3:] if axis in by_axis]
-    if not (beside or LINEAR & {*by_axis}) or angles == [frozenset()] * 3 or _are_places(by_axis):
+    if (
+        not (has_linear or LINEAR & {*by_axis})
+        or angles == [frozenset()] * 3
+        or _are_places(by_axis)
+    ):
         return {}
     return by_axis
 

@@ -39,7 +39,7 @@ class DraftChoices:
     used: set[str] = field(default_factory=set)
     settled: dict[str, str] = field(default_factory=dict)  # by the first topic, for the others
     vehicle: DraftVehicle | None = None  # that flew
-    shown: Mapping[str, str] = field(default_factory=dict)  # what the motion decides, by key
+    by_motion: Mapping[str, str] = field(default_factory=dict)  # what the motion decides, by key
     follows: Mapping[str, str] = field(default_factory=dict)  # the motion of a column, a sentence
 
     def add_reason(self, part: str, columns: Sequence[str], reading: str, reason: str) -> None:
@@ -55,7 +55,7 @@ class DraftChoices:
         """Return the value of a key that many columns have, by the user or the motion, or ''."""
         if key in self.answers:
             self.used.add(key)
-        return self.answers.get(key, self.shown.get(key, ''))
+        return self.answers.get(key, self.by_motion.get(key, ''))
 
     def decide(
         self,

@@ -47,15 +47,15 @@ class ColumnGroup(NamedTuple):
 
 
 def group_columns(
-    table: Columns, *, beside: bool = False
+    table: Columns, *, has_linear: bool = False
 ) -> tuple[list[ColumnGroup], list[ColumnName]]:
     """
     Return the groups of a table, and the names of the other columns.
 
-    `beside`: the table has a command of surge, sway or heave beside these columns.
+    `has_linear`: the table has a command of surge, sway or heave beside these columns.
     """
     named = [parse_column_name(column) for column in table]
-    commands = [*find_named_axes(named, beside=beside).values()]
+    commands = [*find_named_axes(named, has_linear=has_linear).values()]
     names = [name for name in named if name not in commands]
     stems: dict[tuple[tuple[str, ...], str], dict[str, ColumnName]] = {}
     for name in names:

@@ -56,7 +56,7 @@ def draft_mapping(
         # Once more, as what commands drive decides how columns are grouped
         follows = {column: one.text for column, one in driven.items()}
         choices = DraftChoices(
-            answers, vehicle=vehicle, shown=list_answers(driven), follows=follows
+            answers, vehicle=vehicle, by_motion=list_answers(driven), follows=follows
         )
         drafts, clocks = _draft_tables(source, choices)
     for name, clock in clocks.items():

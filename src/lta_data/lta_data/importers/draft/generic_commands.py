@@ -64,7 +64,7 @@ def _list_thrusts(names: Sequence[ColumnName]) -> Iterator[ColumnName]:
     """Yield the one thrust beside commands of body axes, with angles that may be setpoints."""
     thrusts = [name for name in names if name.words & THRUSTS and not name.axis
                and not name.words & (PARTS | PLACES | {*BODY_WORDS})]  # fmt: skip
-    axes = find_named_axes(names, beside=True)
+    axes = find_named_axes(names, has_linear=True)
     if len(thrusts) == 1 and axes:
         yield from thrusts
         yield from (name for name in axes.values() if {*name.stem} <= COMMANDS and name.stem)
@@ -111,11 +111,11 @@ def ask_for_meanings(columns: Sequence[str], where: str, choices: DraftChoices) 
     open_ = []
     for column in columns:
         key, follows = f'{column}.command', choices.follows.get(column, '')
-        shown = choices.shown.get(key) or choices.shown.get(f'{column}.topic')
+        reading = choices.by_motion.get(key) or choices.by_motion.get(f'{column}.topic')
         if choices.answers.get(key):
             continue
-        if shown:
-            choices.add_reason('commands', [column], shown, follows.strip().rstrip('.'))
+        if reading:
+            choices.add_reason('commands', [column], reading, follows.strip().rstrip('.'))
         else:
             question = f'What does {column}{where} command?{follows}'
             # The name of a rotor is any name, unless a vehicle file has them

@@ -47,7 +47,7 @@ def draft_table(name: str, table: Columns, choices: DraftChoices) -> TableDraft:
     decided = [column for column in numbers if answers[column] or column in generic]
     groups, singles = group_columns(
         {one: numbers[one] for one in numbers if one not in decided},
-        beside=any(answer in LINEAR for answer in answers.values()),
+        has_linear=any(answer in LINEAR for answer in answers.values()),
     )
     open_ = ask_for_meanings(generic, '', choices)
     singles += [parse_column_name(column) for column in decided if column not in open_]
