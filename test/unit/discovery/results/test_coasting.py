@@ -158,6 +158,15 @@ def test_the_laws_find_a_headline_that_hides_the_refitted_file(
     assert any(law in one for one in find_contradictions(found))
 
 
+def test_the_laws_find_a_headline_of_three_sentences(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = refit_study(named=False)
+    said = render_study(found)
+    conclusion = said.json['conclusion']
+    conclusion |= {'headline': said.headline, 'details': ''}
+    monkeypatch.setattr('lta_challenge.contradictions.render_study', lambda _found: said)
+    assert find_contradictions(found) == ['the headline has more than two sentences']
+
+
 def test_the_bars_are_those_of_the_calibrated_file_after_a_calibration() -> None:
     found = study({3.0: 0.5, 5.0: 1.0})
     for calibration, file in ((None, 'vehicle'), (SimpleNamespace(), 'calibrated')):
