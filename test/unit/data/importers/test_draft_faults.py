@@ -68,11 +68,15 @@ def test_a_tracker_without_an_attitude_gives_none(tmp_path):
     assert 'The mapping has no attitude' in notes
 
 
-def test_a_quaternion_of_another_length_is_told(tmp_path):
-    longer = three('q', 1.7 * lab_flight()['q'], 'xyzw')
-    draft = draft_mapping(write_csv(tmp_path / 'a.csv', list_columns(**longer)), {})
+@pytest.mark.parametrize('length', [1.7, 2.0**30])
+def test_quaternions_of_another_length_are_divided_by_it(tmp_path, bring, length):
+    f = lab_flight()
+    path = write_csv(tmp_path / 'a.csv', list_columns(**three('q', length * f['q'], 'xyzw')))
+    draft = draft_mapping(path, {})
     (said,) = [one.reason for one in draft.choices.reasons if one.reading == 'quaternion']
-    assert said.endswith('; its length is 1.7, not 1: it is taken as a direction')
+    assert 'and are divided by it' in said
+    pose = bring(path, draft.text).messages['/lta1/ground_truth/odom'][300].pose.pose.orientation
+    assert (pose.x, pose.y, pose.z, pose.w) == pytest.approx(tuple(f['q'][300]), abs=1e-5)
 
 
 def test_units_below_the_names_may_repeat_those_in_the_names(tmp_path):

@@ -3,10 +3,15 @@
 from collections.abc import Mapping
 from typing import Any, Final, final, NamedTuple
 
-from lta_data.importers.draft.attitude_readings import body_rates_of, fit_scale, MotionEvidence
+from lta_data.importers.draft.attitude_readings import (
+    body_rates_of,
+    fit_scale,
+    measure_length,
+    MotionEvidence,
+)
 from lta_data.importers.draft.axis_commands import explain_lacking, LINEAR
 from lta_data.importers.draft.choices import DraftChoices
-from lta_data.importers.draft.column_groups import ColumnGroup, Columns, group_columns, UNIT_NORM
+from lta_data.importers.draft.column_groups import ColumnGroup, Columns, group_columns
 from lta_data.importers.draft.generic_commands import ask_for_meanings, list_generic_commands
 from lta_data.importers.draft.motion_draft import draft_motion, MotionDraft
 from lta_data.importers.draft.name_hints import parse_column_name, UNIT_WORDS
@@ -129,9 +134,8 @@ def _describe_length(group: ColumnGroup, table: Columns) -> str:
     """Return what a reason adds on a quaternion that has not length one."""
     if group.kind != 'quaternion':
         return ''
-    length = float(np.nanmedian(np.linalg.norm(group.stack(table), axis=1)))
-    is_one = abs(length - 1.0) < UNIT_NORM
-    return '' if is_one else f'; its length is {length:.3g}, not 1: it is taken as a direction'
+    length = measure_length(group.stack(table))
+    return '' if length == 1.0 else f'; they have the length {length:g}, and are divided by it'
 
 
 def _role_by_motion(
