@@ -1,7 +1,7 @@
 """
 Write the CSV files of an afternoon with an unfamiliar blimp, as a motion-capture room logs them.
 
-    .venv/bin/python examples/blimp_afternoon.py afternoon --seed 1
+    (root=$PWD; . tools/workspace.sh; .venv/bin/python examples/blimp_afternoon.py afternoon)
 
 The blimp is commanded by forces and moments. It comes from the independent simulator of `lta
 challenge`, which shares no code with the models of LTA. It differs from the vehicle file gtmab by

@@ -49,5 +49,5 @@ draw quick energy_hover top ./lta energy hover --out
 draw quick mounting top ./lta energy mounting --out
 draw quick light_plan coverage ./lta light plan warehouse --out
 draw quick mission day ./lta mission greenhouse_summer --out
-draw long evaluate top ./lta light evaluate --seeds 50 --out
+draw long evaluate top ./lta light evaluate --seeds 50 --device cpu-batch --out
 draw long cfd_sphere sphere ./lta cfd validate --fidelity reference --out

@@ -145,6 +145,8 @@ class OrientationField(StrictModel):
 
     quaternion: Annotated[list[Column], Field(min_length=4, max_length=4)] | None = None
     order: Literal['xyzw', 'wxyz'] = 'xyzw'
+    # By which quaternions are divided: 1073741824 of an IMU that logs integers
+    length: Annotated[float, Field(gt=0.0, allow_inf_nan=False)] = 1.0
     euler: Annotated[list[Column], Field(min_length=1, max_length=3)] | None = None
     sequence: Annotated[str, Field(pattern=r'^([XYZ]{1,3}|[xyz]{1,3})$')] = 'ZYX'
     signs: list[Literal[1, -1]] | None = None

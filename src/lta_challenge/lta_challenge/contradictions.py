@@ -17,6 +17,7 @@ from lta_discovery.page import tables
 from lta_discovery.page.formatting import format_parameter
 from lta_discovery.page.verdict_text import (
     build_tiles,
+    format_details,
     format_flight_roles,
     format_headline,
     list_learned_file_commands,
@@ -26,6 +27,8 @@ from lta_discovery.results.terminal import print_finding
 from rich.console import Console
 
 COLUMNS: Final = 80
+# Ends of sentences inside a text
+SENTENCES: Final = re.compile(r'\. (?=[A-Z])')
 TAG: Final = re.compile('<[^>]+>')
 # Headlines that assert a missing effect; the lookahead excludes guesses and negations
 CLAIMS: Final = re.compile('(?!.*These flights).* (is|are) missing')
@@ -46,7 +49,7 @@ UNFIT: Final = ('standard deviations of their tolerance', 'Measure the parameter
 class RenderedStudy(NamedTuple):
     """The outputs of a study as plain text."""
 
-    headline: str
+    headline: str  # with the sentences below it
     tiles: str
     effects: str
     ladder: str
@@ -74,7 +77,7 @@ def render_study(finding: StudyResult) -> RenderedStudy:
         tables.render_unexplained(finding),
     )
     return RenderedStudy(
-        format_headline(finding),
+        f'{format_headline(finding)} {format_details(finding)}'.strip(),
         '\n'.join(' '.join(map(str, one)) for one in build_tiles(finding)),
         _strip_tags(tables.render_effects(finding)),
         _strip_tags(tables.render_search_rounds(finding)),
@@ -172,6 +175,10 @@ def _check_values(finding: StudyResult, rendered: RenderedStudy) -> Iterator[str
 def _check_json(finding: StudyResult, rendered: RenderedStudy) -> Iterator[str]:
     """Check that JSON and texts draw the same conclusion."""
     conclusion = rendered.json['conclusion']
+    if len(SENTENCES.findall(conclusion['headline'])) > 1:
+        yield 'the headline has more than two sentences'
+    if f'{conclusion["headline"]} {conclusion["details"]}'.strip() != rendered.headline:
+        yield 'headline and JSON differ'
     gain = any(words in rendered.headline for words in BETTER)
     if gain != (conclusion['gain'] is not None):
         yield 'headline and JSON disagree on whether the prediction improves'
@@ -191,7 +198,7 @@ def _check_law(rendered: RenderedStudy) -> Iterator[str]:
     law = rendered.json['law']
     proposed = bool(law and law['proposed'])
     folded = ' '.join(rendered.terminal.split())
-    if (' A law of ' in rendered.headline) != proposed:
+    if ('A law of ' in rendered.headline) != proposed:
         yield 'headline and JSON disagree on whether a law is proposed'
     if ('A law describes it' in folded) != proposed or ('No law is proposed' in folded) == (
         proposed or law is None
@@ -207,7 +214,7 @@ def _check_refit(rendered: RenderedStudy) -> Iterator[str]:
     """Check that all outputs agree on whether the refitted file forecasts best."""
     conclusion = rendered.json['conclusion']
     best = conclusion['refitted'] is not None
-    if (' With all numbers refitted, ' in rendered.headline) != best:
+    if ('With all numbers refitted, ' in rendered.headline) != best:
         yield 'headline and JSON disagree on whether the refitted file forecasts best'
     if ('use refitted.yaml' in conclusion['do']) != best:
         yield 'the advice and the JSON disagree on whether to predict with the refitted file'

@@ -61,7 +61,12 @@ def run_draft(
         print_table(build_reason_table(draft), console)
         question = draft.choices.questions[0]
         answers[question.key] = ask_user(question, console)
-        draft = draft_mapping(source, answers, draft_vehicle)
+        try:
+            draft = draft_mapping(source, answers, draft_vehicle)
+        except BadInput as fault:
+            # The answer to an open question may not fit
+            console.print(str(fault), style='yellow', highlight=False, markup=False)
+            del answers[question.key]
     named = [] if vehicle is None else ['--vehicle', vehicle]
     command = format_lta_command(
         'import', relative_path(source), '--mapping', relative_path(folder / MAPPING), *named
@@ -98,6 +103,7 @@ def print_questions(draft: MappingDraft, console: Console) -> None:
     """Print the reasons, and for each question both readings with the option that decides."""
     print_table(build_reason_table(draft), console)
     for question in draft.choices.questions:
+        console.print(question.reason, style='bold', highlight=False, markup=False, soft_wrap=True)
         print_table(build_question_table(question), console)
     count = len(draft.choices.questions)
     words = 'One reading is' if count == 1 else f'{count} readings are'
@@ -110,7 +116,7 @@ def print_questions(draft: MappingDraft, console: Console) -> None:
 
 def ask_user(question: DraftQuestion, console: Console) -> str:
     """
-    Ask which reading is right, on the terminal, until the answer is one of them.
+    Ask which reading is right, on the terminal, until the answer is one that fits.
 
     Raise `BadInput` if the input ends.
     """
@@ -118,10 +124,12 @@ def ask_user(question: DraftQuestion, console: Console) -> str:
     console.print(question.reason, style='bold', highlight=False, markup=False)
     for name, meaning in question.options:
         console.print(f'  {name}: {meaning}', highlight=False, markup=False)
+    examples = 'such as ' if question.is_open else ''
     while True:
         console.print(
-            f'{question.key} ({", ".join(names)}): ', end='', highlight=False, markup=False
-        )
+            f'{question.key} ({examples}{", ".join(names)}): ', end='', highlight=False,
+            markup=False,
+        )  # fmt: skip
         try:
             answer = input().strip()
         except EOFError:
@@ -130,7 +138,7 @@ def ask_user(question: DraftQuestion, console: Console) -> str:
                 f'The input ended before {question.key} was decided; repeat the command with '
                 f'{choices}.'
             ) from None
-        if answer in names:
+        if answer in names or (question.is_open and answer):
             return answer
         console.print(f"  '{answer}' is none of them.", highlight=False, markup=False)
 

@@ -13,8 +13,8 @@ def compute_quaternions(convention: OrientationField, table: LogTable) -> Number
     """
     Return the attitude of each row, from the log's body frame to its world frame.
 
-    Quaternions stay as logged, not normalised. In the other forms a row with a NaN becomes NaN,
-    and a matrix that is not a rotation becomes the nearest rotation.
+    Quaternions are divided by `length`, and else not normalised. In the other forms a row with a
+    NaN becomes NaN, and a matrix that is not a rotation becomes the nearest rotation.
 
     The result has shape (n, 4): x, y, z, w.
     """
@@ -22,6 +22,8 @@ def compute_quaternions(convention: OrientationField, table: LogTable) -> Number
     if convention.quaternion is not None:
         # w x y z to x y z w
         quaternions = numbers if convention.order == 'xyzw' else numbers[:, [1, 2, 3, 0]]
+        if convention.length != 1.0:
+            quaternions = quaternions / convention.length
     elif convention.euler is not None:
         angles = numbers * np.asarray(convention.signs or [1] * numbers.shape[1], dtype=np.float64)
         quaternions = _finite_quaternions(

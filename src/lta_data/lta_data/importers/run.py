@@ -22,6 +22,7 @@ from lta_data.importers.mapping_choice import (
 from lta_data.importers.progress import ImportProgress
 from lta_data.importers.protocol import Reached
 from lta_data.importers.readers.sensor_folder import (
+    describe_empty_files,
     list_data_files,
     list_run_files,
     list_run_folders,
@@ -84,6 +85,7 @@ def import_logs(order: ImportRequest, out: Path, progress: ImportProgress) -> li
             imported.bag = str(out / inside)
             done.append(imported)
             progress.end_log()
+    done[0].notes += [note for one in order.sources for note in describe_empty_files(one)]
     return done
 
 

@@ -18,7 +18,7 @@ from lta_data.importers.draft.source_tables import (
 )
 from lta_data.importers.formats import detect_format, FORMATS
 from lta_data.importers.progress import ImportProgress
-from lta_data.importers.readers.sensor_folder import list_run_files
+from lta_data.importers.readers.sensor_folder import describe_empty_files, list_run_files
 from lta_data.importers.run import import_logs, ImportRequest
 from rich.console import Console
 
@@ -33,6 +33,7 @@ class LabLogs(NamedTuple):
 
     bags: list[Path]
     drafts: dict[str, str]  # drafted mappings by the name of a file
+    notes: list[str]  # on files that were left out, one sentence each
 
 
 def open_lab_folder(
@@ -69,7 +70,8 @@ def open_lab_folder(
         name = next(each for each, other in written.items() if other == text)
         (scratch / name).write_text(text, encoding='utf-8')
         mappings[log] = str(scratch / name)
-    return LabLogs([_open_log(log, mappings[log], scratch, tell) for log in logs], written)
+    bags = [_open_log(log, mappings[log], scratch, tell) for log in logs]
+    return LabLogs(bags, written, describe_empty_files(folder))
 
 
 def _list_logs(folder: Path) -> Iterator[Path]:

@@ -68,7 +68,7 @@ def read_lab_tests(
     tests = {title: recognise_tests(flight, vehicle) for title, _, flight in usable.flights}
     flights = _hold_back_flight(usable, tests).flights
     calibration = calibrate_flights(vehicle, name, flights, tell)
-    calibration = replace(calibration, warnings=usable.warnings)
+    calibration = replace(calibration, warnings=(*logs.notes, *usable.warnings))
     wrench = any(flight.wrench is not None for _, _, flight in usable.flights)
     plan = plan_lab_tests(vehicle, name, 'wrench' if wrench else 'rotors')
     seconds = {title: PERIOD * float(flight.usable.sum()) for title, _, flight in usable.flights}

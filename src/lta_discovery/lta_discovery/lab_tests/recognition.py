@@ -23,6 +23,7 @@ Array = NDArray[np.float64]
 
 MOVED: Final = 0.1  # of the largest command of a kind (force, moment): an axis that is commanded
 JUMP: Final = 0.2  # of the range of an axis; a change that counts
+ZERO: Final = 0.02  # of the range of an axis; a command that is zero but for rounding
 LEVELS: Final = 3  # most changes of a command that is stepped
 SMALL: Final = 0.4  # of the largest command; a further axis below it may trim or hold the altitude
 SWUNG: Final = math.radians(4.0)  # rad; amplitude of a swing
@@ -67,12 +68,25 @@ def recognise_tests(flight: MeasuredFlight, vehicle: Vehicle) -> tuple[Recognise
 
 
 def _describe_step(orders: Stream, axis: str) -> RecognisedTest:
-    # A log begins before the step
-    change = orders.values[:, AXES.index(axis)] - orders.values[0, AXES.index(axis)]
+    values = orders.values[:, AXES.index(axis)]
+    change = values - _find_rest(values)
     size = float(change[np.argmax(np.abs(change))])
     unit = 'mN' if axis in AXES[:3] else 'mN m'
     words = f'a command in {axis} of {1e3 * size:.3g} {unit} that is held'
     return RecognisedTest('step', axis, words, size)
+
+
+def _find_rest(values: Array) -> float:
+    """
+    Return the command from which a step starts.
+
+    It is zero where zero is commanded at all, as a log may begin in a step. Else it is a trim: the
+    command at both ends, or the smaller one of one sign.
+    """
+    span, first, last = float(np.ptp(values)), float(values[0]), float(values[-1])
+    if np.abs(values).min() < ZERO * span:
+        return 0.0
+    return last if abs(last) < abs(first) - JUMP * span and first * last > 0.0 else first
 
 
 def read_commanded_wrench(flight: MeasuredFlight, vehicle: Vehicle) -> Stream:

@@ -1,6 +1,6 @@
 """Render prediction errors under each model as HTML: pose first, then every channel."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from html import escape
 import math
 from typing import Final
@@ -11,15 +11,14 @@ from lta_discovery.page import strips
 from lta_discovery.page.formatting import format_percent, format_quantity, join_words
 from lta_discovery.page.tables import render_table, Row
 
-HEADS: Final = (
-    'before', 'tuned', 'after', 'coast', 'noise', 'reduced by', '95 % interval', 'pieces',
-)  # fmt: skip
+# Models in the order of the columns, with the field that holds their error
+MODELS: Final = {
+    'before': 'before', 'tuned': 'tuned', 'after': 'after', 'refitted': 'refitted',
+    'coast': 'coast', 'noise': 'noise_floor',
+}  # fmt: skip
+HEADS: Final = ('reduced by', '95 % interval', 'pieces')
 WHOLE: Final = ('position', 'attitude')
-KEY: Final = (
-    '<p class="note"><i class="key before"></i>before <i class="key tuned"></i>tuned '
-    '<i class="key after"></i>after <i class="key coast"></i>coast '
-    '<i class="key noise"></i>noise</p>'
-)
+REFITTED: Final = 'Refitted: with all numbers fitted to forecasts, as in refitted.yaml. '
 
 
 def render_pose_errors(finding: StudyResult) -> str:
@@ -31,10 +30,17 @@ def render_pose_errors(finding: StudyResult) -> str:
         )
     whole = [gap for gap in finding.gaps if gap.channel in WHOLE] or list(finding.gaps)
     tables = _render_error_tables(whole)
+    key = ' '.join(f'<i class="key {one}"></i>{one}' for one in _list_models(whole))
     return (
-        f'{KEY}{tables}<p class="note">{escape(_format_scope(finding))}</p>'
+        f'<p class="note">{key}</p>{tables}<p class="note">{escape(_format_scope(finding))}</p>'
         f'{_render_training_errors(finding)}'
     )
+
+
+def _list_models(errors: Sequence[ChannelErrors]) -> dict[str, str]:
+    """Return the models with errors: without the refitted one where nothing was refitted."""
+    refitted = any(math.isfinite(gap.refitted) for gap in errors)
+    return {name: of for name, of in MODELS.items() if refitted or name != 'refitted'}
 
 
 def _render_training_errors(finding: StudyResult) -> str:
@@ -49,17 +55,17 @@ def _render_training_errors(finding: StudyResult) -> str:
 
 def _render_error_tables(errors: Sequence[ChannelErrors], where: str = '') -> str:
     """Return a table of the errors of each channel under all models, by horizon."""
-    out = []
+    out, models = [], _list_models(errors)
     for channel in dict.fromkeys(gap.channel for gap in errors):
         of = [gap for gap in errors if gap.channel == channel]
         low, high = log_scale_limits(of)
         rows = [
-            (_format_horizon(gap), _render_strip(gap, low, high), *_format_error_cells(gap))
+            (_format_horizon(gap), _render_strip(gap, low, high), *_format_cells(gap, models))
             for gap in of
         ]
         title = NAMES.get(channel, channel)
         caption = f'Errors of {title}{where}'
-        inside = render_table(('horizon', '', *HEADS), rows, 'plain gaps', caption)
+        inside = render_table(('horizon', '', *models, *HEADS), rows, 'plain gaps', caption)
         out.append(f'<h3>{escape(title.capitalize())}</h3>{inside}')
     return ''.join(out)
 
@@ -69,16 +75,17 @@ def render_channel_errors(finding: StudyResult) -> str:
     single = [gap for gap in finding.gaps if gap.channel not in WHOLE]
     if not single or len(single) == len(finding.gaps):
         return ''
+    models = _list_models(single)
     rows = [
         (
             escape(NAMES.get(gap.channel, gap.channel)),
             _format_horizon(gap),
-            *_format_error_cells(gap),
+            *_format_cells(gap, models),
         )
         for gap in single
     ]
     inside = render_table(
-        ('channel', 'horizon', *HEADS), rows, 'plain', 'Errors of single channels'
+        ('channel', 'horizon', *models, *HEADS), rows, 'plain', 'Errors of single channels'
     )
     summary = '<summary>Every channel that was measured, at every horizon</summary>'
     return f'<details>{summary}{inside}</details>'
@@ -91,12 +98,14 @@ def _format_scope(finding: StudyResult) -> str:
         if finding.held_out
         else 'on flights that the search has used as well'
     )
+    refitted = 'refitted' in _list_models(finding.gaps)
     return (
         f'Root mean square errors {whose}. Before: with the vehicle file. Tuned: with its '
         'parameters fitted within their tolerances, without a new effect. After: with the named '
-        'effects. Coast: with constant velocity and turn rates, without the commands. Shaded: the '
-        'measurement noise, the smallest error that can be seen. The reduction is from before to '
-        'after; its interval is a bootstrap over the pieces of flight.'
+        f'effects. {REFITTED if refitted else ""}Coast: with constant velocity and turn rates, '
+        'without the commands. Shaded: the measurement noise, the smallest error that can be '
+        'seen. The reduction is from before to after; its interval is a bootstrap over the '
+        'pieces of flight.'
     )
 
 
@@ -105,7 +114,7 @@ def log_scale_limits(of: Sequence[ChannelErrors]) -> tuple[float, float]:
     every = [
         part
         for gap in of
-        for part in (gap.before, gap.tuned, gap.after, gap.coast, gap.noise_floor)
+        for part in (getattr(gap, field) for field in MODELS.values())
         if math.isfinite(part) and part > 0.0
     ]
     return min(every, default=1.0) / 1.3, max(every, default=1.0) * 1.1
@@ -117,13 +126,14 @@ def _format_horizon(gap: ChannelErrors) -> str:
 
 def _render_strip(gap: ChannelErrors, low: float, high: float) -> str:
     """Return the errors of all models as points on one scale."""
-    four = {'coast': gap.coast, 'before': gap.before, 'tuned': gap.tuned, 'after': gap.after}
-    return strips.render_log_points(four, low, high, gap.noise_floor)
+    # The last drawn is on top
+    kinds = ('coast', 'before', 'refitted', 'tuned', 'after')
+    errors = {kind: getattr(gap, kind) for kind in kinds}
+    return strips.render_log_points(errors, low, high, gap.noise_floor)
 
 
-def _format_error_cells(gap: ChannelErrors) -> Row:
-    """Return the table cells of one channel at one horizon, in the order of HEADS."""
-    five = (gap.before, gap.tuned, gap.after, gap.coast, gap.noise_floor)
+def _format_cells(gap: ChannelErrors, models: Mapping[str, str]) -> Row:
+    """Return the table cells of one channel at one horizon: models, then those of HEADS."""
     a, b = (format_percent(part) for part in gap.shrink_ci95)
-    errors = (format_quantity(part, gap.unit) for part in five)
+    errors = (format_quantity(getattr(gap, field), gap.unit) for field in models.values())
     return (*errors, f'{format_percent(gap.shrink)} %', f'{a} to {b} %', str(gap.pieces))

@@ -25,6 +25,7 @@ from lta_discovery.page.scene import READOUT, render_study_scene
 from lta_discovery.page.transfer_table import render_transfer
 from lta_discovery.page.verdict_text import (
     build_tiles,
+    format_details,
     format_flight_roles,
     format_headline,
     list_learned_file_commands,
@@ -37,7 +38,7 @@ from lta_report.flight_scene import pack_column, render_time_bar
 from lta_report.formatting import format_count
 from lta_report.html_elements import embed_data, render_colors, render_section
 from lta_report.page_frame import write_file
-from lta_report.palette import ESTIMATE, FILL, GOOD, LAMP, TRUTH, WALL
+from lta_report.palette import ESTIMATE, FILL, GOOD, LAMP, TIME, TRUTH, WALL
 from lta_report.report import HtmlBlock, Report
 from lta_report.report_page import render_panel, render_report
 import numpy as np
@@ -48,8 +49,8 @@ Bags = Mapping[Any, Sequence[Path | str]]
 NONE: Final[Bags] = {}
 NAME: Final = 'report.html'
 COLOURS: Final = {
-    'before': ESTIMATE, 'tuned': LAMP, 'after': TRUTH, 'coast': WALL, 'floor': FILL,
-    'evidence': GOOD,
+    'before': ESTIMATE, 'tuned': LAMP, 'after': TRUTH, 'refitted': TIME[0], 'coast': WALL,
+    'floor': FILL, 'evidence': GOOD,
 }  # fmt: skip
 HEAT: Final = (
     'Each column is a few seconds of flight, each row a channel. A darker cell means a larger '
@@ -141,7 +142,7 @@ def build_report(
         command='discover',
         subject=f'{finding.vehicle} · {format_count(len(study.flights), "flight")}',
         headline=format_headline(finding),
-        introduction=format_flight_roles(finding),
+        introduction=f'{format_details(finding)} {format_flight_roles(finding)}'.strip(),
         tiles=build_tiles(finding),
         blocks=[HtmlBlock(html, heading) for heading, html in panels if html],
         data={},

@@ -3,20 +3,15 @@
 from collections.abc import Sequence
 from html import escape
 import math
-from typing import Final
 
 from lta_discovery.finding import LeftOutKind, StudyResult, TransferEvidence
 from lta_discovery.page import strips
 from lta_discovery.page.formatting import (
     format_number,
     format_percent,
-    format_quantity,
     join_words,
 )
 from lta_discovery.page.tables import render_table
-
-WHOLE: Final = ('position', 'attitude')
-HEADS: Final = ('error', 'vehicle file', 'named effects', 'all parameters fitted', 'ratio')
 
 
 def render_transfer(finding: StudyResult) -> str:
@@ -90,28 +85,16 @@ def _render_regimes(evidence: TransferEvidence) -> str:
 
 
 def _render_refit(finding: StudyResult) -> str:
-    """Return the errors with everything refitted; '' where that was not done."""
+    """Return what the refitted numbers are worth; '' where nothing was refitted."""
     evidence = finding.carried
-    rows = [
-        (
-            f'{escape(gap.channel)} after {gap.horizon_s:g} s',
-            *(format_quantity(part, gap.unit) for part in (gap.before, gap.after, gap.refitted)),
-            format_number(gap.refitted / gap.before, 2),
-        )
-        for gap in finding.gaps
-        if math.isfinite(gap.refitted) and gap.channel in WHOLE
-    ]
-    if evidence is None or not rows:
+    if evidence is None or not any(math.isfinite(gap.refitted) for gap in finding.gaps):
         return ''
-    # The readings may have named effects
-    named = bool(evidence.names or finding.effects)
+    named = evidence.names or finding.effects
     what = '' if named else 'Forecasts identify no effect that holds in every regime. '
-    heads = HEADS if named else (*HEADS[:2], 'its tolerances fitted', *HEADS[3:])
     return (
-        f'<p class="note">{what}With all {evidence.numbers} candidate parameters fitted, '
-        'forecasts within the flown regimes reach this accuracy. None of them is a measurement: '
-        'they compensate each other. They are in refitted.yaml.</p>'
-        + render_table(heads, rows, 'plain', 'With everything refitted')
+        f'<p class="note">{what}The column "refitted" above has the errors with all '
+        f'{evidence.numbers} candidate parameters fitted to forecasts. None of them is a '
+        'measurement: they compensate each other. They are in refitted.yaml.</p>'
     )
 
 

@@ -32,6 +32,7 @@ from lta_discovery.unmodeled.draught import DraughtEstimate
 from lta_report.formatting import format_count, MISSING, Tile
 
 MOST: Final = 3  # most calibration offsets in the headline
+LONGEST: Final = 2  # sentences of the headline
 # Advice after a calibration, where it differs from `ADVICE`
 CALIBRATED: Final = {
     'keep': 'Use the calibrated vehicle file: calibrated.yaml in the results folder.',
@@ -47,73 +48,93 @@ ROLES: Final = {
 
 
 def format_headline(finding: StudyResult) -> str:
-    """Return the verdict in a sentence, with what to calibrate first and how coasting does."""
+    """Return the verdict in at most two sentences."""
+    return ' '.join(_list_sentences(finding)[:LONGEST])
+
+
+def format_details(finding: StudyResult) -> str:
+    """Return what the headline has no room for; '' if it says all."""
+    return ' '.join(_list_sentences(finding)[LONGEST:])
+
+
+def _list_sentences(finding: StudyResult) -> list[str]:
+    """Return the verdict in sentences, the most important ones first."""
     conclusion = draw_conclusion(finding)
-    verdict = f'{_format_verdict(finding, conclusion)}{_format_useless(conclusion)}'
-    if conclusion.refitted is not None:
-        verdict += _format_refit_gain(finding, conclusion.refitted)
+    verdict, *more = _list_verdict(finding, conclusion)
+    first, useless = _format_first_step(finding, conclusion), _format_useless(conclusion)
+    refit = _format_refit_gain(finding, conclusion.refitted)
+    if not refit:
+        sentences = [first, verdict, useless, *more]
+    elif finding.calibration is None:
+        sentences = [verdict, refit, first, *more]
+    elif finding.effects:
+        sentences = [first, verdict, refit, *more]
+    else:
+        sentences = [first, refit, verdict, *more]
+    return [one for one in sentences if one]
+
+
+def _format_first_step(finding: StudyResult, conclusion: Conclusion) -> str:
+    """Return what was calibrated or should be, in a sentence; '' if nothing."""
     if finding.calibration is not None:
-        first = '; '.join(list_differences(finding.calibration)[:MOST])
-        return f'Calibrated first ({first}). {verdict}'
+        return f'Calibrated first ({"; ".join(list_differences(finding.calibration)[:MOST])}).'
     if not finding.offsets:
-        return verdict
-    first = '; '.join(finding.offsets[:MOST])
-    if conclusion.refitted is not None:
-        return f'The vehicle file is off ({first}). {verdict}'
-    return f'Calibrate first ({first}). {verdict}'
+        return ''
+    start = 'Calibrate first' if conclusion.refitted is None else 'The vehicle file is off'
+    return f'{start} ({"; ".join(finding.offsets[:MOST])}).'
 
 
-def _format_refit_gain(finding: StudyResult, gap: ChannelErrors) -> str:
-    """Return a sentence to be appended if the refitted file forecasts best."""
+def _format_refit_gain(finding: StudyResult, gap: ChannelErrors | None) -> str:
+    """Return a sentence on the refitted file if it forecasts best; else ''."""
+    if gap is None:
+        return ''
     coast, before, refitted = (
         format_quantity(part, gap.unit, 2) for part in (gap.coast, gap.before, gap.refitted)
     )
     file = 'vehicle file' if finding.calibration is None else 'calibrated file'
     return (
-        f' With all numbers refitted, the {gap.channel} error of held-out flights after '
-        f'{gap.horizon_s:g} s is {refitted} ({file} {before}, coasting {coast}).'
+        f'With all numbers refitted, the {gap.channel} error after {gap.horizon_s:g} s is '
+        f'{refitted} ({file} {before}, coasting {coast}).'
     )
 
 
 def _format_useless(conclusion: Conclusion) -> str:
-    """Return a sentence to be appended if the final model does not beat coasting."""
+    """Return a sentence if the final model does not beat coasting; else ''."""
     gap = conclusion.useless
     if gap is None:
         return ''
     coast, after = (format_quantity(part, gap.unit, 2) for part in (gap.coast, gap.after))
     return (
-        f' The final model is no improvement: coasting, which ignores the commands, predicts the '
+        f'The final model is no improvement: coasting, which ignores the commands, predicts the '
         f'position {gap.horizon_s:g} s ahead as well or better ({coast} against {after}).'
     )
 
 
-def _format_verdict(finding: StudyResult, conclusion: Conclusion) -> str:
-    """Return the verdict in a sentence."""
+def _list_verdict(finding: StudyResult, conclusion: Conclusion) -> list[str]:
+    """Return the verdict in sentences."""
     rest = _format_remainder(finding)
     if finding.verdict == 'none':
-        return f'{_format_no_effect_headline(conclusion)}{_format_draught(finding)}'
+        return [*_format_no_effect(conclusion), *_format_draught(finding)]
     if finding.verdict == 'not_identifiable':
-        return _format_unidentifiable(finding, conclusion)
+        return [_format_unidentifiable(finding, conclusion)]
     if finding.verdict == 'unexplained':
-        return (
-            f'The model lacks something that no effect of the library describes{rest}.'
-            f'{_format_law(finding)}'
-        )
+        lacking = f'The model lacks something that no effect of the library describes{rest}.'
+        return [lacking, *_format_law(finding)]
     names = join_words([_format_alternatives(one) for one in finding.effects])
     several = _has_several_parameters(finding)
-    verb = 'may be' if conclusion.idle else 'are' if several else 'is'
+    names = f'{names[:1].upper()}{names[1:]}'
+    vain = list[str]()
     if conclusion.idle:
-        gain = f', but no forecast shows {"them" if several else "it"}'
-        gain += _format_tolerance_gain(conclusion)
+        them = 'them' if several else 'it'
+        text = f'{names} may be missing from the model, but no forecast shows {them}.'
+        vain = _list_tolerance_gain(conclusion)
     else:
         gain = _format_improvement(finding, conclusion)
-    text = f'{names[:1].upper()}{names[1:]} {verb} missing from the model{gain}'
+        text = f'{names} {"are" if several else "is"} missing from the model{gain}.'
     if finding.verdict == 'named+unexplained':
-        return (
-            f'{text}. Something else is missing that no effect of the library describes{rest}.'
-            f'{_format_law(finding)}'
-        )
-    return f'{text}.'
+        more = f'Something else is missing that no effect of the library describes{rest}.'
+        return [text, more, *_format_law(finding), *vain]
+    return [text, *vain]
 
 
 def _format_unidentifiable(finding: StudyResult, conclusion: Conclusion) -> str:
@@ -152,28 +173,26 @@ def _format_remainder(finding: StudyResult) -> str:
     return f': {finding.unexplained[0]}' if finding.unexplained else ''
 
 
-def _format_law(finding: StudyResult) -> str:
-    """Return a sentence about the law, to be appended; '' if none is proposed."""
+def _format_law(finding: StudyResult) -> list[str]:
+    """Return a sentence about the law, if one is proposed."""
     if finding.law is None or finding.law.law is None:
-        return ''
+        return []
     count = format_count(len(finding.law.law.terms), 'term')
     far = [one for one in finding.law.errors if one.horizon_s == FAR]
     # The channel that it improves most
     best = min(far, key=lambda one: one.after / one.tuned)
     after, before = (format_quantity(part, best.unit, 2) for part in (best.after, best.tuned))
-    return (
-        f' A law of {count} describes it: with the law, the {best.channel} error of held-out '
+    return [
+        f'A law of {count} describes it: with the law, the {best.channel} error of held-out '
         f'flights after {FAR:g} s is {after}, without {before}.'
-    )
+    ]
 
 
-def _format_draught(finding: StudyResult) -> str:
-    """Return a sentence about the draught, to be appended; '' if there is none."""
-    return (
-        f' A draught pushed the vehicle with {format_draught_size(finding.draught)} rms.'
-        if finding.draught
-        else ''
-    )
+def _format_draught(finding: StudyResult) -> list[str]:
+    """Return a sentence about the draught, if there is one."""
+    if not finding.draught:
+        return []
+    return [f'A draught pushed the vehicle with {format_draught_size(finding.draught)} rms.']
 
 
 def format_draught_size(one: DraughtEstimate) -> str:
@@ -181,23 +200,23 @@ def format_draught_size(one: DraughtEstimate) -> str:
     return f'{format_number(1e3 * one.force, 2)} mN'
 
 
-def _format_no_effect_headline(conclusion: Conclusion) -> str:
-    """Return the headline if no effect is missing, with the gain of tuned tolerances if any."""
+def _format_no_effect(conclusion: Conclusion) -> list[str]:
+    """Return the verdict if no effect is missing, with the gain of tuned tolerances if any."""
     if conclusion.gain is None and conclusion.advice == 'keep':
-        return 'These flights reveal no effect that the model lacks.'
-    return f'No missing effect was confirmed{_format_tolerance_gain(conclusion)}.'
+        return ['These flights reveal no effect that the model lacks.']
+    return ['No missing effect was confirmed.', *_list_tolerance_gain(conclusion)]
 
 
-def _format_tolerance_gain(conclusion: Conclusion) -> str:
-    """Return what fitting the tolerances alone gains, to be appended without a full stop."""
+def _list_tolerance_gain(conclusion: Conclusion) -> list[str]:
+    """Return a sentence on what fitting the tolerances alone gains; nothing if no gain."""
     gap = conclusion.gain
     if gap is None:
-        return ''
+        return []
     before, tuned = (format_quantity(part, gap.unit, 2) for part in (gap.before, gap.tuned))
-    return (
-        '. Fitting the parameters of the vehicle file within their tolerances reduces the '
-        f'{gap.channel} error after {gap.horizon_s:g} s from {before} to {tuned}'
-    )
+    return [
+        f'Fitting the parameters of the vehicle file within their tolerances reduces the '
+        f'{gap.channel} error after {gap.horizon_s:g} s from {before} to {tuned}.'
+    ]
 
 
 def _format_improvement(finding: StudyResult, conclusion: Conclusion) -> str:

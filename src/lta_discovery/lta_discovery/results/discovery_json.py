@@ -8,7 +8,7 @@ from lta_discovery.conclusion import draw_conclusion
 from lta_discovery.finding import ChannelErrors, NamedEffect, SCHEMA, StudyResult
 from lta_discovery.flights.noisy_intervals import ExcludedInterval
 from lta_discovery.page.law_section import list_law_sentences
-from lta_discovery.page.verdict_text import format_advice, format_headline
+from lta_discovery.page.verdict_text import format_advice, format_details, format_headline
 from lta_report.json_value import to_json_value
 
 NAME: Final = 'discovery.json'
@@ -66,6 +66,7 @@ def _encode_conclusion(finding: StudyResult) -> dict[str, Any]:
     conclusion = draw_conclusion(finding)
     return {
         'headline': format_headline(finding),
+        'details': format_details(finding),
         'asserted': conclusion.asserted,
         'advice': conclusion.advice,
         'do': format_advice(finding),

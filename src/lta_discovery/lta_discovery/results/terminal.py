@@ -19,7 +19,7 @@ from lta_discovery.page.formatting import (
     join_words,
 )
 from lta_discovery.page.law_section import list_law_sentences
-from lta_discovery.page.verdict_text import format_advice, format_headline
+from lta_discovery.page.verdict_text import format_advice, format_details, format_headline
 from lta_discovery.results.discovery_json import common_horizon
 from lta_model.effects.protocol import AXES
 from lta_report.report import TextTable
@@ -43,6 +43,8 @@ MOST: Final = 8  # most discrepancies that are printed
 def print_finding(finding: StudyResult, console: Console) -> None:
     """Print verdict, effects with intervals, prediction errors and discrepancies."""
     console.print(Text(format_headline(finding), 'bold'), soft_wrap=True)
+    if details := format_details(finding):
+        console.print(Text(details), soft_wrap=True)
     if finding.calibration is not None:
         print_table(build_first_step_table(finding.calibration), console)
         console.print(Text(format_forecast_sentence(finding.calibration)), soft_wrap=True)

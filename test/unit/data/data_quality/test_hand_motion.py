@@ -45,6 +45,18 @@ def test_a_decaying_swing_is_free(angle: float) -> None:
     assert not judged(place)
 
 
+@pytest.mark.parametrize('lift', [0.005, 0.02])
+def test_a_swing_that_rises_and_circles_is_free(lift: float) -> None:
+    """Too light by `lift` [N], with added mass 0.7 kg, and released with a push to one side."""
+    pace = 2.0 * np.pi * 0.7 * TIME
+    fading = 0.13 * np.exp(-TIME / 15.0)
+    place = np.column_stack([
+        fading * np.cos(pace), 0.4 * fading * np.sin(pace) + 0.02 * TIME,
+        0.5 * fading * np.cos(pace + 0.4) + 0.5 * lift / 0.7 * TIME**2,
+    ])  # fmt: skip
+    assert not judged(place)
+
+
 @pytest.mark.parametrize('speed', [0.5, 1.0, 2.0])
 def test_a_drop_is_free(speed: float) -> None:
     """From rest to the final speed of quadratic drag."""

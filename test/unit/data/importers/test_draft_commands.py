@@ -134,7 +134,7 @@ def test_a_command_may_name_its_axis_in_other_words(tmp_path, names):
     ('names', 'called'),
     [
         (('cmd_left', 'cmd_right', 'cmd_up'), ['left', 'right', 'up']),
-        (('cmd_1', 'cmd_2', 'cmd_3'), ['cmd_1', 'cmd_2', 'cmd_3']),
+        (('motor_1', 'motor_2', 'motor_3'), ['motor_1', 'motor_2', 'motor_3']),
         (('motor_up', 'motor_forward'), ['motor_up', 'motor_forward']),
         (('thr_l', 'thr_r'), ['left', 'right']),
     ],

@@ -6,10 +6,12 @@ from pathlib import Path
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
+from lta_discovery.flights.measured_flight import Stream
 from lta_discovery.lab_tests.plan import LabPlan, plan_lab_tests
 from lta_discovery.lab_tests.reading import LabReading, list_missing_tests, read_lab_tests
 from lta_discovery.lab_tests.reading_report import build_reading_report
-from lta_discovery.lab_tests.recognition import RecognisedTest
+from lta_discovery.lab_tests.recognition import recognise_tests, RecognisedTest
+from lta_model.effects.protocol import AXES
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
@@ -93,6 +95,34 @@ def test_a_missing_test_is_named_with_what_it_would_teach(plan: LabPlan) -> None
         one.is_known = True
     (said,) = list_missing_tests(plan, one_flight, found, ROTORS)
     assert said.startswith('Only one free flight')
+
+
+@pytest.mark.parametrize(
+    ('axis', 'levels', 'size'),
+    [
+        ('surge', (0.0, 0.1, 0.0), 0.1),
+        ('surge', (0.0, -0.1), -0.1),
+        ('surge', (0.1, 0.0), 0.1),  # begins in the step
+        ('surge', (-0.1, 0.0, -0.1), -0.1),
+        ('yaw', (0.004, 0.0), 0.004),
+        # A trim in heave
+        ('heave', (0.03, 0.07, 0.03), 0.04),
+        ('heave', (0.03, 0.01, 0.03), -0.02),
+        ('heave', (0.07, 0.03), 0.04),
+        ('heave', (0.03, -0.02), -0.05),
+    ],
+)
+def test_a_step_leaves_the_rest_or_a_trim(
+    axis: str, levels: tuple[float, ...], size: float
+) -> None:
+    values = np.zeros((50 * len(levels), 6))
+    values[:, AXES.index(axis)] = np.repeat(levels, 50)
+    flight: Any = SimpleNamespace(
+        time=np.arange(0.0, 3.0, 0.04), quaternion=np.tile([1.0, 0.0, 0.0, 0.0], (75, 1)),
+        wrench=Stream(0.1 * np.arange(len(values)), values),
+    )  # fmt: skip
+    (step,) = recognise_tests(flight, load_vehicle('gtmab'))
+    assert (step.kind, step.axis, step.size) == ('step', axis, pytest.approx(size))
 
 
 @pytest.fixture(scope='module')

@@ -29,6 +29,7 @@ from lta_discovery.laws.proposal import add_law
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.page import flight_views
+from lta_discovery.page.error_tables import render_pose_errors
 from lta_discovery.page.figures import _label_flights, average_pieces
 from lta_discovery.page.flight_views import build_flight_views, build_overlay
 from lta_discovery.page.formatting import (
@@ -512,6 +513,22 @@ def test_an_effect_that_predicts_no_better_than_tolerances_is_said_to(
     said = format_headline(replace(found.finding, gaps=(gap,)))
     assert 'may be missing from the model, but no forecast shows it. Fitting the' in said
     assert 'tolerances reduces the position error after 5 s' in said
+
+
+def test_the_errors_of_a_refitted_file_have_a_column_of_their_own(found: DiscoveryStudy) -> None:
+    gap = next(one for one in found.finding.gaps if one.channel == 'position')
+    without = render_pose_errors(replace(found.finding, gaps=(gap,)))
+    assert 'refitted' not in without.lower()
+    table = render_pose_errors(replace(found.finding, gaps=(replace(gap, refitted=0.0777),)))
+    heads = re.findall(r'<th scope="col">(.*?)</th>', table)
+    cells = re.findall(r'<td>(.*?)</td>', table)
+    assert [one for one in heads if one in ('after', 'refitted', 'coast')] == [
+        'after', 'refitted', 'coast',
+    ]  # fmt: skip
+    # The horizon is the head of the row
+    assert cells[heads.index('refitted') - 1] == '7.77 cm'
+    assert table.count('class="dot refitted"') == 1
+    assert 'as in refitted.yaml' in table
 
 
 def test_the_headline_says_what_is_missing_and_how_much_better(found: DiscoveryStudy) -> None:

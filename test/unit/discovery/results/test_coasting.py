@@ -17,6 +17,7 @@ from lta_discovery.finding import (
 from lta_discovery.page.verdict_text import (
     build_tiles,
     format_advice,
+    format_details,
     format_headline,
     list_learned_file_commands,
 )
@@ -98,10 +99,12 @@ def test_headline_and_advice_are_the_refitted_file_where_it_forecasts_best(
     found = refit_study(named=False, verdict=verdict)
     assert draw_conclusion(found).advice == 'refitted'
     headline, advice = format_headline(found), format_advice(found)
-    assert headline.startswith('The vehicle file is off (the mass is 1.2). ')
+    # The rest stands below the headline
+    assert headline.count('. ') == 1
+    assert format_details(found) == 'The vehicle file is off (the mass is 1.2).'
     assert headline.endswith(
-        'With all numbers refitted, the position error of held-out flights after 5 s is 5 cm '
-        '(vehicle file 1 m, coasting 1 m).'
+        'With all numbers refitted, the position error after 5 s is 5 cm (vehicle file 1 m, '
+        'coasting 1 m).'
     )
     assert advice.startswith('To predict flights, use refitted.yaml in the results folder, in its')
     assert advice.endswith('For other flights, calibrate the vehicle file first.')
@@ -140,7 +143,7 @@ def test_a_refitted_file_that_loses_to_coasting_after_three_seconds_is_not_advis
 @pytest.mark.parametrize(
     ('old', 'new', 'law'),
     [
-        (' With all numbers refitted, ', ' ', 'headline and JSON disagree on whether the refit'),
+        ('With all numbers refitted, ', '', 'headline and JSON disagree on whether the refit'),
         ('The vehicle file is off', 'Calibrate first', 'but the headline says to calibrate'),
     ],
 )
@@ -152,6 +155,15 @@ def test_the_laws_find_a_headline_that_hides_the_refitted_file(
     said = said._replace(headline=said.headline.replace(old, new))
     monkeypatch.setattr('lta_challenge.contradictions.render_study', lambda _found: said)
     assert any(law in one for one in find_contradictions(found))
+
+
+def test_the_laws_find_a_headline_of_three_sentences(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = refit_study(named=False)
+    said = render_study(found)
+    conclusion = said.json['conclusion']
+    conclusion |= {'headline': said.headline, 'details': ''}
+    monkeypatch.setattr('lta_challenge.contradictions.render_study', lambda _found: said)
+    assert find_contradictions(found) == ['the headline has more than two sentences']
 
 
 def test_the_bars_are_those_of_the_calibrated_file_after_a_calibration() -> None:

@@ -38,6 +38,9 @@ LIFTED = 0.3  # least range of the vertical speed in a hand [m/s]
 WIDE = 0.5  # smoothing; motion of a hand is slower [s]
 SWINGS = 4  # fewest half swings of a free decay
 STEADY = 1.5  # ratio of its longest to its shortest half period
+CYCLES = 6  # fewest periods of a swing that its spectrum shows
+LINE = 0.15  # half the width of a line in that spectrum, relative to the frequency
+PURE = 0.93  # of the power of a swing is in the line; in 1 of 500 carried flights, too
 GROWN = 1.1  # most growth from one half swing to the next: noise
 SIDEWAYS = 0.3  # most horizontal speed of a drop, relative to the vertical one
 BUMPS = 0.02  # most decrease of the speed of a drop in a step, relative to the largest
@@ -198,7 +201,8 @@ def find_idle_motion(
     table, valid = interpolate_on_grid(place.time[good], place.values[good], grid)
     calm = smooth_columns(table, hann_kernel(WIDE, step))
     speed = np.gradient(calm, step, axis=0)
-    pull = np.linalg.norm(np.gradient(speed, step, axis=0), axis=1)
+    pulls = np.gradient(speed, step, axis=0)
+    pull = np.linalg.norm(pulls, axis=1)
     fast = np.linalg.norm(speed, axis=1)
     for begin, end in find_runs(idle).tolist():
         first, last = float(time[begin]) + CALM, float(time[end - 1])
@@ -207,9 +211,9 @@ def find_idle_motion(
             continue
         moved = inside & (fast > limits.carried_speed) & (pull > 0.0)
         pushed = inside & (pull > limits.carried_force)
-        # Wind hardly changes the vertical speed, and a fall only one way
-        lifted = float(np.ptp(_remove_line(speed[inside, 2:])))
-        if is_decaying_swing(calm[inside]) or is_drop(speed[inside], step):
+        lifted = float(np.ptp(speed[inside, 2]))  # wind hardly changes the vertical speed
+        swings = is_decaying_swing(calm[inside]) or is_pure_swing(pulls[inside])
+        if swings or is_drop(speed[inside], step):
             continue
         if lifted > LIFTED and moved.sum() * step > 0.5 and pushed.sum() * step > 0.2:
             at = grid[moved | pushed]
@@ -222,16 +226,11 @@ def find_idle_motion(
             )  # fmt: skip
 
 
-def _remove_line(values: Array) -> Array:
-    """Return the columns of values without their linear trend."""
-    time = np.linspace(-1.0, 1.0, len(values))
-    return values - np.column_stack([np.polyval(np.polyfit(time, c, 1), time) for c in values.T])
-
-
 def is_decaying_swing(place: Array) -> bool:
     """Return whether a vehicle swings freely: with a steady period, and ever less."""
+    time = np.linspace(-1.0, 1.0, len(place))
     # A free vehicle may drift while it swings
-    apart = _remove_line(place)
+    apart = place - np.column_stack([np.polyval(np.polyfit(time, c, 1), time) for c in place.T])
     along = apart @ np.linalg.svd(apart, full_matrices=False)[2][0]
     crossings = np.flatnonzero(np.diff(np.sign(along)) != 0.0)
     if len(crossings) < SWINGS + 1:
@@ -240,6 +239,25 @@ def is_decaying_swing(place: Array) -> bool:
     peaks = np.array([np.abs(along[a : b + 1]).max() for a, b in itertools.pairwise(crossings)])
     steady = half.max() < STEADY * half.min()
     return bool(steady and (peaks[1:] < GROWN * peaks[:-1]).all() and peaks[-1] < peaks[0])
+
+
+def is_pure_swing(pull: Array) -> bool:
+    """
+    Return whether accelerations are those of a free swing: of one frequency, and ever less.
+
+    A vehicle that also rises, or circles, crosses no line regularly.
+    """
+    apart = pull - pull.mean(axis=0)
+    along = apart @ np.linalg.svd(apart, full_matrices=False)[2][0]
+    power = np.abs(np.fft.rfft(along * np.hanning(len(along)))) ** 2
+    cycles = int(power.argmax())
+    if cycles < CYCLES:
+        return False
+    # The window spreads a line over two bins to either side
+    width = max(2, round(LINE * cycles))
+    pure = power[cycles - width : cycles + width + 1].sum() > PURE * power.sum()
+    first, _, last = (float(np.square(part).mean()) for part in np.array_split(along, 3))
+    return bool(pure and last < first)
 
 
 def is_drop(speed: Array, step: float) -> bool:

@@ -40,7 +40,8 @@ def find_missing_noise(evidence: CheckContext) -> CheckVerdict:
     groups: defaultdict[tuple[str, str], list[SignalChannel]] = defaultdict(list)
     for channel in evidence.recording.channels.values():
         what = roles.match_noisy_quantity(channel)
-        if what is not None:
+        # A quantity that was not logged has no numbers
+        if what is not None and np.isfinite(channel.values).any():
             groups[what, roles.vector_name(channel.name)].append(channel)
     findings, unjudged = [], []
     for (what, name), group in groups.items():

@@ -4,8 +4,15 @@ from collections.abc import Mapping, Sequence
 from typing import Final
 
 from lta_data.importers.draft.choices import DraftChoices
-from lta_data.importers.draft.clock_alignment import find_motion, STEP, sum_residuals, TimedTable
+from lta_data.importers.draft.clock_alignment import (
+    find_motion,
+    find_rising,
+    STEP,
+    sum_residuals,
+    TimedTable,
+)
 from lta_data.importers.draft.draft_vehicle import BODY_AXES
+from lta_data.importers.draft.generic_commands import ask_for_meanings
 from lta_data.importers.draft.name_hints import ColumnName, NUMBERED
 from lta_data.importers.log_table import LogTable, Numbers
 import numpy as np
@@ -17,10 +24,6 @@ PARTS: Final = {
     for part in parts
     for k, axis in enumerate('xyz')
 }
-MEANINGS: Final = {
-    'surge': 'the force forward', 'sway': 'the force to the left', 'heave': 'the force up',
-    'roll': 'the moment about x', 'pitch': 'the moment about y', 'yaw': 'the moment about z',
-}  # fmt: skip
 BOTH_WAYS: Final = 1.05  # a command that has both signs and stays below it is that of a stick
 DELAYS: Final = (0.0, 0.2, 0.4, 0.6)  # of a reaction, that are tried [s]
 FOLLOWS: Final = 0.03  # share of an acceleration that is worth telling
@@ -47,17 +50,8 @@ def ask_for_columns(
     values = np.concatenate([columns[one.column] for one in nameless]) if nameless else np.zeros(1)
     stick = float(np.nanmin(values)) < 0.0 and float(np.nanmax(np.abs(values))) <= BOTH_WAYS
     if nameless and (stick or choices.vehicle is not None):
-        follows = find_motion_of(table, columns, tracked)
-        rotors = () if choices.vehicle is None else choices.vehicle.rotors
-        options = [*MEANINGS.items()]
-        options += [(rotor, 'a rotor') for rotor in rotors] or [('NAME', 'of a rotor')]
-        options.append(('none', 'nothing that moves the vehicle'))
-        for one in nameless:
-            if not choices.find_answer(f'{one.column}.command'):
-                question = (
-                    f'What does {one.column} of {topic} command?{follows.get(one.column, "")}'
-                )
-                choices.decide(f'{one.column}.command', options, question)
+        choices.follows = find_motion_of(table, columns, tracked)
+        ask_for_meanings([one.column for one in nameless], f' of {topic}', choices)
     return [one for one in parts if choices.find_answer(f'{one.column}.command') != 'none']
 
 
@@ -76,18 +70,45 @@ def find_motion_of(
     The accelerations (forward, vertical, yaw) are regressed on all commands, the velocities and a
     constant; the share of a command is what the fit loses without it.
     """
-    if tracked is None or tracked.position is None or tracked.turn is None:
+    if tracked is None:
         return {}
-    begin, seconds = tracked.first, tracked.seconds
-    grid = np.arange(seconds[0], seconds[-1], STEP)
-    if len(grid) < LEAST:
+    stamps: Numbers = np.asarray(table.stamps * 1e-9 - tracked.first, dtype=np.float64)
+    values: Numbers = np.array([*columns.values()], dtype=np.float64).T
+    shares = measure_shares(tracked, stamps, values)
+    if shares is None:
         return {}
+    return {name: describe_shares(row) for name, row in zip(columns, shares, strict=True)}
+
+
+def measure_shares(tracked: TimedTable, stamps: Numbers, values: Numbers) -> Numbers | None:
+    """
+    Return the share of each acceleration that each command alone explains.
+
+    Parameters
+    ----------
+    tracked
+        The poses.
+    stamps, values : arrays, shapes (m,) and (m, k)
+        Times since the first pose [s], and commands in any unit.
+
+    Returns
+    -------
+    array, shape (k, 3), or None
+        Of the accelerations forward, up and yaw; None if the poses are too few.
+
+    """
+    if tracked.position is None or tracked.turn is None:
+        return None
+    seconds, rising = tracked.seconds, find_rising(stamps)
+    grid = np.arange(np.nanmin(seconds), np.nanmax(seconds), STEP)
+    if len(grid) < LEAST or not rising.any():
+        return None
+    stamps, values = stamps[rising], values[rising]
     speed, pull = find_motion(seconds, tracked.position, tracked.turn, grid)
     target = pull / np.maximum(pull.std(axis=0), 1e-9)
-    stamps = table.stamps * 1e-9 - begin
-    values = np.nan_to_num(np.column_stack([*columns.values()]))
+    values = np.nan_to_num(values)
     base = np.column_stack([speed, np.ones(len(grid))])
-    best: tuple[float, Numbers] = (-np.inf, np.zeros((len(columns), len(MOTIONS))))
+    best: tuple[float, Numbers] = (-np.inf, np.zeros((values.shape[1], len(MOTIONS))))
     for delay in DELAYS:
         rows = np.clip(np.searchsorted(stamps + delay, grid, side='right') - 1, 0, None)
         held = values[rows]
@@ -100,7 +121,7 @@ def find_motion_of(
         ])  # fmt: skip
         if shares.sum() > best[0]:
             best = float(shares.sum()), shares
-    return {name: _tell(row) for name, row in zip(columns, best[1], strict=True)}
+    return best[1]
 
 
 def lose_without(base: Numbers, held: Numbers, column: int, pull: Numbers) -> float:
@@ -111,7 +132,7 @@ def lose_without(base: Numbers, held: Numbers, column: int, pull: Numbers) -> fl
     return (others - whole) / alone if alone > 0.0 else 0.0
 
 
-def _tell(shares: Numbers) -> str:
+def describe_shares(shares: Numbers) -> str:
     """Return a sentence on the accelerations that follow a command; '' if none does."""
     shares_text = [
         f'{100.0 * share:.0f} % of the {word} acceleration'

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import Any, Final, final, NamedTuple
 
 from lta_data.data_quality.smoothing import hann_kernel, smooth_columns
-from lta_data.importers.draft.column_groups import ColumnGroup
+from lta_data.importers.draft.column_groups import ColumnGroup, UNIT_NORM
 from lta_data.importers.log_table import Numbers
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -13,6 +13,7 @@ KERNEL: Final = 0.25  # that smooths both sides of a comparison [s]
 LONGEST: Final = 20_000  # rows that are looked at
 UNCLEAR: Final = (7.0, 40.0)  # a larger angle is in degrees: of three, and of a heading alone
 CLEAR: Final = 0.05  # advantage of a reading that decides
+COMMON: Final = 0.9  # of the quaternions of a log that have one length
 SAME: Final = 3.0  # readings that differ by less are the same in this flight [deg]
 AGREE: Final = 0.6  # explained share of a motion that counts as agreement
 
@@ -55,10 +56,20 @@ def list_readings(group: ColumnGroup, numbers: Numbers) -> Iterator[AttitudeRead
         yield from _read_angles(group, numbers)
 
 
+def measure_length(rows: Numbers) -> float:
+    """Return the length of logged quaternions; 1 where they have it, or none in common."""
+    lengths = np.linalg.norm(rows, axis=1)
+    lengths = lengths[np.isfinite(lengths) & (lengths > 0.0)]
+    usual = float(np.median(lengths)) if len(lengths) else 1.0
+    alike = np.abs(lengths / usual - 1.0) < UNIT_NORM
+    is_other = abs(usual - 1.0) > UNIT_NORM and len(lengths) and alike.mean() > COMMON
+    return float(f'{usual:.6g}') if is_other else 1.0
+
+
 def _read_quaternions(group: ColumnGroup, numbers: Numbers) -> Iterator[AttitudeReading]:
     orders = ('xyzw', 'wxyz')
     columns = dict(zip(group.axes, group.columns, strict=True))
-    named = 'w' in columns
+    named, length = 'w' in columns, measure_length(numbers)
     for order in orders[:1] if named else orders:
         listed = [columns[axis] for axis in 'xyzw'] if named else list(group.columns)
         indices = [group.columns.index(column) for column in listed]
@@ -66,6 +77,7 @@ def _read_quaternions(group: ColumnGroup, numbers: Numbers) -> Iterator[Attitude
         turn = Rotation.from_quat(_fill_rows(rows, [0.0, 0.0, 0.0, 1.0]))
         for direction in ('body to world', 'world to body'):
             entry: dict[str, Any] = {'quaternion': listed, 'order': order, 'direction': direction}
+            entry |= {} if length == 1.0 else {'length': length}
             label = f'quaternion {order if not named else "".join(group.axes)}, {direction}'
             yield AttitudeReading(
                 label, entry, turn if direction == 'body to world' else turn.inv()

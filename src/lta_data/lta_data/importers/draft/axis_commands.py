@@ -5,6 +5,7 @@ A mixer on board turns them into duties, so they are a wrench, and no actuators.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
+import re
 from typing import Any, Final
 
 from lta_config.errors import BadInput
@@ -13,16 +14,19 @@ from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.draft_vehicle import BODY_AXES
 from lta_data.importers.draft.name_hints import (
     ACTUATORS,
+    AXIS_LETTERS,
     BODY_WORDS,
     ColumnName,
     COMMANDS,
     KINDS,
+    LOOSE_WORDS,
     match_kind,
     match_role,
     PARTS,
     PLACES,
     ROLES,
     UNIT_WORDS,
+    WORDS,
 )
 from lta_data.importers.log_table import Numbers
 import numpy as np
@@ -35,6 +39,7 @@ TWIST: Final = frozenset(['linear', 'angular'])
 COMMANDING: Final = COMMANDS | ACTUATORS | KINDS['force'] | KINDS['torque'] | {'wrench'}
 # Words beside x, y, z that make it the axis of a command
 DRIVING: Final = (COMMANDS | ACTUATORS | {'wrench'}) - PARTS
+TURNING: Final = (frozenset('t'), frozenset('m'))
 OTHERS: Final = KINDS['force'] | {'m', 't'}
 FRACTION: Final = 1.05  # largest number of a fraction
 SMALL: Final = 0.3  # a fraction that never exceeds it can be a force of a blimp [N]
@@ -52,17 +57,21 @@ def find_axis_commands(
         for name in names
         if (axis := choices.find_answer(f'{name.column}.command')) in BODY_AXES
     }
-    return by_axis or find_named_axes(names)
+    rest = [name for name in names if not choices.find_answer(f'{name.column}.command')]
+    return find_named_axes(rest, has_linear=bool(LINEAR & {*by_axis})) | by_axis
 
 
-def find_named_axes(names: Sequence[ColumnName]) -> dict[str, ColumnName]:
+def find_named_axes(
+    names: Sequence[ColumnName], *, has_linear: bool = False
+) -> dict[str, ColumnName]:
     """
     Return the columns whose names say that they command a body axis, by axis.
 
     Roll, pitch and yaw may be angles: they are commands only beside surge, sway or heave, and with
-    a word for a command or the other words of these.
+    a word for a command or the other words of these. `has_linear`: one of these is known already.
     """
-    by_axis: dict[str, ColumnName] = {}
+    by_axis = find_lettered_axes(names)
+    names = [name for name in names if name not in by_axis.values()]
     alike: list[frozenset[str]] = []
     read = [(name, *_read_axis(name)) for name in names]
     # Of cmd_left, cmd_right and cmd_up, the last is the place of a rotor
@@ -72,15 +81,38 @@ def find_named_axes(names: Sequence[ColumnName]) -> dict[str, ColumnName]:
     for linear in (True, False):
         for name, axis, rest in read:
             is_command = bool(rest & COMMANDING) or rest in alike
+            is_command |= frozenset('f') in alike and rest in TURNING  # t_yaw beside f_up
             if placed and name.words & PLACES and name.words & {*BODY_WORDS}:
                 continue
             if axis and (axis in LINEAR) is linear and (linear or is_command):
                 by_axis.setdefault(axis, name)
                 alike += [rest] if linear else []
     angles = [by_axis[axis].words for axis in BODY_AXES[3:] if axis in by_axis]
-    if not LINEAR & {*by_axis} or angles == [frozenset()] * 3 or _are_places(by_axis):
+    if (
+        not (has_linear or LINEAR & {*by_axis})
+        or angles == [frozenset()] * 3
+        or _are_places(by_axis)
+    ):
         return {}
     return by_axis
+
+
+def find_lettered_axes(names: Sequence[ColumnName]) -> dict[str, ColumnName]:
+    """Return commands with the letters of marine craft: tau_u with tau_r, X_cmd with N_cmd."""
+    families: dict[frozenset[str], dict[str, ColumnName]] = {}
+    for name in names:
+        words = [word.lower() for word in WORDS.findall(re.sub(r'[\[(].*', '', name.column))]
+        letter = next((word for word in words if len(word) == 1), '')
+        families.setdefault(frozenset(words) - {letter}, {})[letter] = name
+    forces = KINDS['force'] | KINDS['torque'] | {'wrench'}
+    either = (frozenset('kmn'), forces | COMMANDS), (frozenset('u'), forces)
+    for rest, family in families.items():
+        there = {*family}
+        for letters, (needed, allowed) in zip(AXIS_LETTERS, either, strict=True):
+            fitting = there <= {*letters} and there & needed and there & {*letters[:3]}
+            if rest & allowed and fitting and len(there) > 1:
+                return {BODY_AXES[letters.index(one)]: name for one, name in family.items()}
+    return {}
 
 
 def _are_places(commands: Mapping[str, ColumnName]) -> bool:
@@ -97,7 +129,7 @@ def _read_axis(name: ColumnName) -> tuple[str, frozenset[str]]:
     rest = name.words - {word}
     if rest & COMMANDS and rest & TWIST:
         rest -= {*TWIST, 'vel', 'twist'}  # cmd_vel.linear.x, which is no velocity of a blimp
-    axis = BODY_WORDS.get(word, '')
+    axis = BODY_WORDS.get(word, '') if word not in LOOSE_WORDS or rest & COMMANDING else ''
     turns = name.words & {*KINDS['torque'], 'angular'}
     driven = turns or (rest & DRIVING and not rest & OTHERS)
     # What names say to be forces is grouped with those that are measured
@@ -105,7 +137,7 @@ def _read_axis(name: ColumnName) -> tuple[str, frozenset[str]]:
         axis = BODY_AXES['xyz'.index(name.axis) + (3 if turns else 0)]
     # motor_up is a motor
     axis = '' if word and word not in BODY_AXES and (rest & PARTS or not rest) else axis
-    measured = match_kind(rest) in MOTIONS or match_role(rest) in ('truth', 'estimate')
+    measured = match_kind(rest - {'t'}) in MOTIONS or match_role(rest) in ('truth', 'estimate')
     moved = UNIT_WORDS.get(name.unit, ('',))[0] in ('m', 'm/s', 'm/s2', 'rad', 'deg', 'rad/s')
     return ('' if measured or moved or rest & WANTED else axis), rest
 
@@ -217,7 +249,8 @@ def _find_largest(axis: str, unit: str, choices: DraftChoices) -> float:
     where = 'a vehicle file (--vehicle)' if choices.vehicle is None else 'its vehicle file'
     question = f'No force of {axis} is known at full command. A guess is enough for a calibration'
     question += f', which fits it; {where} states it where rotors push along this axis.'
-    return _parse_force(key, choices.decide(key, [(option, 'for example')], question), unit)
+    answer = choices.decide(key, [(option, 'for example')], question, is_open=True)
+    return _parse_force(key, answer, unit)
 
 
 def _parse_force(key: str, text: str, unit: str) -> float:

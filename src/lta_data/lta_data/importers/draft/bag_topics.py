@@ -17,6 +17,7 @@ from lta_data.importers.draft.motion_draft import draft_motion, MotionDraft
 from lta_data.importers.draft.name_hints import (
     ACTUATORS,
     COMMANDS,
+    JOYSTICKS,
     match_role,
     parse_column_name,
 )
@@ -47,7 +48,6 @@ POSES: Final = (
     'geometry_msgs/msg/PoseWithCovarianceStamped',
 )
 ROLES: Final = {'truth': 'ground_truth/odom', 'estimate': 'odom', 'setpoint': 'setpoint/pose'}
-JOYSTICKS: Final = frozenset(['joy', 'joystick', 'gamepad', 'stick', 'sticks'])
 CLOCK: Final = 1.0  # between stamp and log time; more is another clock, not a delay [s]
 ARRAY: Final = 'data['  # in the columns of an array
 NO_NUMBERS: Final = ('header.', 'layout.')  # beginnings of columns that command nothing

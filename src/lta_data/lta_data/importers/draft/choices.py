@@ -25,6 +25,7 @@ class DraftQuestion(NamedTuple):
     key: str
     options: Sequence[tuple[str, str]]
     reason: str
+    is_open: bool = False  # the options are examples, and other answers fit too
 
 
 @final
@@ -38,6 +39,8 @@ class DraftChoices:
     used: set[str] = field(default_factory=set)
     settled: dict[str, str] = field(default_factory=dict)  # by the first topic, for the others
     vehicle: DraftVehicle | None = None  # that flew
+    by_motion: Mapping[str, str] = field(default_factory=dict)  # what the motion decides, by key
+    follows: Mapping[str, str] = field(default_factory=dict)  # the motion of a column, a sentence
 
     def add_reason(self, part: str, columns: Sequence[str], reading: str, reason: str) -> None:
         """Add a row to the table of reasons."""
@@ -49,24 +52,32 @@ class DraftChoices:
         return self.answers.get(key, value)
 
     def find_answer(self, key: str) -> str:
-        """Return the user's value of a key that many columns have; '' without one."""
+        """Return the value of a key that many columns have, by the user or the motion, or ''."""
         if key in self.answers:
             self.used.add(key)
-        return self.answers.get(key, '')
+        return self.answers.get(key, self.by_motion.get(key, ''))
 
-    def decide(self, key: str, options: Sequence[tuple[str, str]], reason: str) -> str:
+    def decide(
+        self,
+        key: str,
+        options: Sequence[tuple[str, str]],
+        reason: str,
+        *,
+        is_open: bool = False,
+    ) -> str:
         """
         Return the user's answer; without one, note the question and return the first option.
 
-        Raise `BadInput` if the answer is not one of the options.
+        `is_open`: the options are examples. Raise `BadInput` if the answer is none of them
+        otherwise.
         """
         self.used.add(key)
         names = [name for name, _ in options]
         answer = self.answers.get(key)
         if answer is None:
-            self.questions.append(DraftQuestion(key, options, reason))
+            self.questions.append(DraftQuestion(key, options, reason, is_open))
             return names[0]
-        if answer not in names:
+        if answer not in names and not is_open:
             raise unknown_name_error(f'answer to {key}', answer, names)
         return answer
 

@@ -199,8 +199,8 @@ def estimate_clock_offset(
         Times since the first row of their table [s], and commands in any unit.
 
     """
-    good = _find_rising(seconds) & np.isfinite(position).all(axis=1)
-    rising = _find_rising(stamps)
+    good = find_rising(seconds) & np.isfinite(position).all(axis=1)
+    rising = find_rising(stamps)
     if good.sum() < 2 or rising.sum() < 2:
         return None
     seconds, position, turn = seconds[good], position[good], turn[good]
@@ -229,7 +229,7 @@ def estimate_clock_offset(
     return CommandOffset(float(offsets[best]), float(gains[best]), bool(clear))
 
 
-def _find_rising(times: Numbers) -> Any:  # noqa: ANN401 - an array of bool
+def find_rising(times: Numbers) -> Any:  # noqa: ANN401 - an array of bool
     """Return which times are later than all before them, without jumps of an hour."""
     finite = np.isfinite(times)
     latest = np.maximum.accumulate(np.where(finite, times, -np.inf))
@@ -245,6 +245,11 @@ def find_motion(
     seconds: Numbers, position: Numbers, turn: Rotation, grid: Numbers
 ) -> tuple[Numbers, Numbers]:
     """Return velocities and accelerations on a grid: forward, up, yaw; shape (n, 3)."""
+    # Times may be missing or repeat, and places be lost
+    good = find_rising(seconds) & np.isfinite(position).all(axis=1)
+    if good.sum() < 2:
+        return np.zeros((len(grid), 3)), np.zeros((len(grid), 3))
+    seconds, position, turn = seconds[good], position[good], turn[good]
     body = turn.inv().apply(np.nan_to_num(differentiate(position, seconds)))
     up = np.nan_to_num(differentiate(position[:, 2:], seconds))[:, 0]
     yaw = np.nan_to_num(body_rates_of(turn, seconds))[:, 2]

@@ -46,10 +46,16 @@ class ColumnGroup(NamedTuple):
         return np.stack([table[name] for name in self.columns], axis=1).astype(np.float64)
 
 
-def group_columns(table: Columns) -> tuple[list[ColumnGroup], list[ColumnName]]:
-    """Return the groups of a table, and the names of the other columns."""
+def group_columns(
+    table: Columns, *, has_linear: bool = False
+) -> tuple[list[ColumnGroup], list[ColumnName]]:
+    """
+    Return the groups of a table, and the names of the other columns.
+
+    `has_linear`: the table has a command of surge, sway or heave beside these columns.
+    """
     named = [parse_column_name(column) for column in table]
-    commands = [*find_named_axes(named).values()]
+    commands = [*find_named_axes(named, has_linear=has_linear).values()]
     names = [name for name in named if name not in commands]
     stems: dict[tuple[tuple[str, ...], str], dict[str, ColumnName]] = {}
     for name in names:
@@ -67,6 +73,8 @@ def group_columns(table: Columns) -> tuple[list[ColumnGroup], list[ColumnName]]:
     groups += _group_nameless(table, names, grouped)
     grouped |= {column for group in groups for column in group.columns}
     rest = [name for name in named if name.column not in grouped]
+    # Without a tracker, a quaternion is zero throughout
+    groups = [one for one in groups if one.kind != 'quaternion' or one.stack(table).any()]
     groups = [group for group in groups if not _is_marker(group, groups)]
     heading = _group_heading(rest, groups)
     if heading is not None:
@@ -199,13 +207,20 @@ def _group_wrench(names: Sequence[ColumnName]) -> Iterator[ColumnGroup]:
     """Yield force and torque, also where only some of their components are commanded."""
     # By the words around force and torque: measured and commanded ones differ by them
     parts: dict[frozenset[str], dict[str, dict[str, ColumnName]]] = {}
-    letters_of_torque = TORQUE_LETTERS - ({'t'} if _needs_translation(names) else set())
+    letters_of_torque = TORQUE_LETTERS - ({'t'} if needs_translation(names) else set())
+    # T_x beside M_z is a thrust
+    there = frozenset().union(*(one.words for one in names if one.axis in {*'xyz'}))
+    is_thrust = letters_of_torque <= there and not there & KINDS['force']
+    thrusts = letters_of_torque - {'m'} if is_thrust else frozenset[str]()
+    letters_of_torque -= thrusts
     for letters in (False, True):
         for name in names:
             rest = name.words - KINDS['force'] - KINDS['torque'] - TORQUE_LETTERS
             axis = ANGLE_AXES.get(name.axis, name.axis)
             unit = UNIT_WORDS.get(name.unit, ('',))[0]
             kind = KIND_OF_UNIT.get(unit) or match_kind(name.words - rest)
+            if name.words & thrusts:
+                kind = 'force'
             # tx beside fx is a torque; alone it is a place
             if letters and name.words & letters_of_torque and 'force' in parts.get(rest, {}):
                 kind = 'torque'
@@ -229,7 +244,7 @@ def _group_wrench(names: Sequence[ColumnName]) -> Iterator[ColumnGroup]:
             yield _build(kind, match_role(first.words), by_axis, order, first.unit, why)
 
 
-def _needs_translation(names: Sequence[ColumnName]) -> bool:
+def needs_translation(names: Sequence[ColumnName]) -> bool:
     """Return whether tx, ty, tz are the only place beside an attitude, as in TUM's files."""
     places = [
         name for name in names

@@ -10,12 +10,14 @@ from lta_config.files import find_file
 from lta_data.bag.channels import SignalChannel
 from lta_data.importers.draft.bag_topics import BagDraft, draft_bag_topics
 from lta_data.importers.draft.choices import DraftChoices
-from lta_data.importers.draft.clock_alignment import align_clocks
+from lta_data.importers.draft.clock_alignment import align_clocks, AlignedClock
+from lta_data.importers.draft.command_motion import find_driven_axes, list_answers
 from lta_data.importers.draft.draft_vehicle import DraftVehicle
 from lta_data.importers.draft.source_tables import read_source, SourceTables
 from lta_data.importers.draft.table_draft import draft_table, TableDraft
 from lta_data.importers.draft.wrench_axes import turn_wrench_axes
 from lta_data.importers.formats import FORMATS
+from lta_data.importers.readers.column_log import Column
 import numpy as np
 import yaml
 
@@ -32,6 +34,7 @@ class MappingDraft(NamedTuple):
     # The first seconds of the columns in use, in the numbers of the log
     channels: list[SignalChannel]
     unused: list[str]  # columns without a meaning
+    silent: list[str]  # those of them that are empty or zero throughout
 
 
 def draft_mapping(
@@ -48,20 +51,42 @@ def draft_mapping(
     choices = DraftChoices(answers, vehicle=vehicle)
     if not source.tables:
         return _draft_shipped_format(source, choices)
-    drafts = {name: draft_table(name, table, choices) for name, table in source.tables.items()}
-    clocks = align_clocks(source.tables, drafts, choices)
+    drafts, clocks = _draft_tables(source, choices)
+    if driven := find_driven_axes(source.tables, drafts, clocks):
+        # Once more, as what commands drive decides how columns are grouped
+        follows = {column: one.text for column, one in driven.items()}
+        choices = DraftChoices(
+            answers, vehicle=vehicle, by_motion=list_answers(driven), follows=follows
+        )
+        drafts, clocks = _draft_tables(source, choices)
     for name, clock in clocks.items():
         drafts[name].time.entry.update(clock.list_keys())
     turn_wrench_axes(source.tables, drafts, clocks, choices)
     content = _build_content(source, drafts, path)
     choices.refuse_unused()
-    unused = [
-        f'{name}.{column}' if name else column
+    left_out = {
+        f'{name}.{column}' if name else column: source.tables[name][column]
         for name, draft in drafts.items()
         for column in draft.unused
-    ]
+    }
+    silent = [one for one, cells in left_out.items() if _is_silent(cells)]
     text = _format_mapping(content, path)
-    return MappingDraft(text, source, choices, _list_channels(source, drafts), unused)
+    return MappingDraft(text, source, choices, _list_channels(source, drafts), [*left_out], silent)
+
+
+def _draft_tables(
+    source: SourceTables, choices: DraftChoices
+) -> tuple[dict[str, TableDraft], dict[str, AlignedClock]]:
+    """Return the drafts of the tables of a source, and the clocks that differ from the pose's."""
+    drafts = {name: draft_table(name, table, choices) for name, table in source.tables.items()}
+    return drafts, align_clocks(source.tables, drafts, choices)
+
+
+def _is_silent(cells: Column) -> bool:
+    """Return whether a column has no number but zero."""
+    if cells.dtype.kind not in 'fiub':
+        return all(str(cell).lower() in ('', 'nan') for cell in cells)
+    return not np.nan_to_num(cells).any()
 
 
 def _draft_shipped_format(source: SourceTables, choices: DraftChoices) -> MappingDraft:
@@ -73,12 +98,12 @@ def _draft_shipped_format(source: SourceTables, choices: DraftChoices) -> Mappin
             'all topics', [], f'mapping {shipped}', 'the firmware fixes names, units and axes'
         )
         choices.refuse_unused()
-        return MappingDraft(text, source, choices, [], [])
+        return MappingDraft(text, source, choices, [], [], [])
     bag = draft_bag_topics(source.path, choices)
     choices.refuse_unused()
     content = _build_head(source, source.path) | {'topics': bag.entries}
     text = _format_mapping(content, source.path)
-    return MappingDraft(text, source, choices, _list_bag_channels(bag), [])
+    return MappingDraft(text, source, choices, _list_bag_channels(bag), [], [])
 
 
 def _build_head(source: SourceTables, path: Path) -> dict[str, Any]:

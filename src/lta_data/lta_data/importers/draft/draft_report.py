@@ -18,10 +18,14 @@ def build_draft_report(source: Path, draft: MappingDraft, commands: dict[str, st
     """Return the report of a draft without open questions."""
     topics = sum(line.startswith('  - topic:') for line in draft.text.splitlines())
     notes = [*draft.source.notes]
-    if draft.unused:
+    unknown = [column for column in draft.unused if column not in draft.silent]
+    if draft.silent:
+        notes.append(f'Columns without a number but zero: {", ".join(draft.silent)}.')
+    if unknown:
         notes.append(
-            f'Columns without a meaning: {", ".join(draft.unused)}. If one commands an actuator, '
-            f'add --set {draft.unused[0]}.topic=motors.'
+            f'Columns without a meaning: {", ".join(unknown)}. If one commands an actuator, '
+            f'add --set {unknown[0]}.topic=motors; if one commands a force or moment of the body, '
+            f'--set {unknown[0]}.command=surge (sway, heave, roll, pitch, yaw).'
         )
     if missing := list_missing_parts(draft.text):
         notes.append(
@@ -87,7 +91,7 @@ def build_reason_table(draft: MappingDraft) -> TextTable:
 def build_question_table(question: DraftQuestion) -> TextTable:
     """Return the interpretations of a question, with the option that decides for each."""
     rows = [[f'--set {question.key}={name}', meaning] for name, meaning in question.options]
-    return TextTable(question.reason, ['option', 'meaning'], rows)
+    return TextTable('', ['option', 'meaning'], rows)
 
 
 def group_channels(channels: list[SignalChannel]) -> dict[str, list[SignalChannel]]:

@@ -63,8 +63,10 @@ COMPASS: Final = {'north': 'n', 'east': 'e', 'down': 'd'}
 NUMBERED: Final = re.compile(r'(data|axes|buttons|channels|values)\[\d+\]')
 JOINED: Final = re.compile(
     r'(pos|vel|acc|accel|gyr|gyro|omega|euler|quat|force|torque|tau|moment|[pvqwtagfrobe]'
-    r'|m(?=[xyz]))([xyzwned]|\d)'
+    r'|m(?=[xyz])|u(?=[xyz\d])|(?:cmd|ctrl|control|input|chan|channel|ch)(?=\d))([xyzwned]|\d)'
 )
+# An angle behind the letter of a command: upsi
+TURNED: Final = re.compile(r'(tau|cmd|[uftm])(roll|pitch|yaw|phi|theta|psi)')
 WORDS: Final = re.compile(r'[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+\d?|[A-Z]+\d?|\d+')
 
 KINDS: Final[dict[str, frozenset[str]]] = {
@@ -132,7 +134,13 @@ BODY_WORDS: Final = {
     'surge': 'surge', 'forward': 'surge', 'fwd': 'surge', 'longitudinal': 'surge',
     'sway': 'sway', 'lateral': 'sway', 'heave': 'heave', 'vertical': 'heave', 'up': 'heave',
     'roll': 'roll', 'pitch': 'pitch', 'yaw': 'yaw',
+    'lift': 'heave', 'turn': 'yaw', 'steer': 'yaw', 'steering': 'yaw',
 }  # fmt: skip
+# Not without a word for a command: a lift is measured, too
+LOOSE_WORDS: Final = frozenset(['lift', 'turn', 'steer', 'steering'])
+# The letters of marine craft: forces X, Y, Z with moments K, M, N, or along velocities u to r
+AXIS_LETTERS: Final = ('xyzkmn', 'uvwpqr')
+JOYSTICKS: Final = frozenset(['joy', 'joystick', 'gamepad', 'stick', 'sticks'])
 # A command of a place is that of the actuator there: cmd_left
 COMMANDS: Final = frozenset(['cmd', 'command', 'commanded', 'ctrl', 'control', 'input'])
 PLACES: Final[frozenset[str]] = frozenset([
@@ -166,7 +174,9 @@ def parse_column_name(column: str) -> ColumnName:
     for count in (2, 1):
         end = ' '.join(tokens[-count:]).lower()
         rest = [word.lower() for token in tokens[:-count] for word in WORDS.findall(token)]
-        if not unit and rest and end in UNIT_WORDS and _ends_with_unit(rest, end):
+        # A row of units may repeat what the names say: fx_N [N]
+        is_same = not unit or UNIT_WORDS.get(end) == UNIT_WORDS[unit]
+        if is_same and rest and end in UNIT_WORDS and _ends_with_unit(rest, end):
             return _find_axis(column, rest, end)
     return _find_axis(column, [word.lower() for word in WORDS.findall(text)], unit)
 
@@ -186,9 +196,9 @@ def _find_axis(column: str, words: Sequence[str], unit: str) -> ColumnName:
             return ColumnName(column, (*words[:index], *words[index + 1 :]), COMPASS[word], unit)
         if word in AXES or word.isdigit():
             return ColumnName(column, (*words[:index], *words[index + 1 :]), word, unit)
-        if joined := JOINED.fullmatch(word):
+        if joined := JOINED.fullmatch(word) or TURNED.fullmatch(word):
             stem = (*words[:index], joined[1], *words[index + 1 :])
-            return ColumnName(column, stem, joined[2], unit)
+            return ColumnName(column, stem, ANGLES.get(joined[2], joined[2]), unit)
     return ColumnName(column, tuple(words), '', unit)
 
 

@@ -32,13 +32,14 @@ SCALARS: Final = (
      {'Pa': (3e4, 1.1e5), 'hPa': (300.0, 1100.0)}),
 )  # fmt: skip
 CORNERS: Final = frozenset(['rl', 'rr', 'bl', 'br'])  # of a quadrotor, beside fl and fr
-FORCES: Final = frozenset(['f', 'force', 'fl', 'fr', 'thrust', 'forces']) | CORNERS
+FORCES: Final = frozenset(['f', 'force', 'fl', 'fr', 'fu', 'thrust', 'forces']) | CORNERS
 UPSTREAM: Final = frozenset(['pid', 'controller', 'cmd', 'setpoint', 'sp', 'ref', 'mixer'])
 FULL: Final = {'l': 'left', 'r': 'right'}
 RESTING: Final = 15.0  # a motor stands at a pulse nearer to its rest [us]
 OFTEN: Final = 0.05  # share of the pulses at which motors stand, in a log with pauses
 BOTH_WAYS: Final = 0.1  # share of the pulses on each side of 1500 us of a motor that may reverse
 NAME: Final = re.compile(r'[a-z][a-z0-9_]*')
+SERVOS: Final = frozenset(['servo', 'servos'])
 SPEEDS: Final = frozenset(['rpm', 'speed', 'rotorspeed', 'omega'])
 
 
@@ -69,8 +70,9 @@ def draft_scalars(
     # What a controller asks of a mixer is no actuator, where the actuators are there
     motors = decided or [name for name in motors if not name.words & UPSTREAM] or motors
     entries: list[dict[str, Any]] = [{'topic': topic} | parts for topic, parts in topics.items()]
-    told_axes = any(choices.find_answer(f'{name.column}.command') for name in axes.values())
-    if axes and (told_axes or not motors):
+    told_axes = any(f'{name.column}.command' in choices.answers for name in axes.values())
+    # A servo beside forces turns what makes them
+    if axes and (told_axes or all(name.words & SERVOS for name in motors)):
         entries.append(draft_axis_commands(axes, table, choices))
     elif motors:
         entries.append({'topic': 'motors', 'actuators': _draft_actuators(motors, table, choices)})

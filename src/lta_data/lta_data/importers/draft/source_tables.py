@@ -11,6 +11,7 @@ from lta_data.importers.draft.bag_topics import count_changing_commands
 from lta_data.importers.formats import detect_format
 from lta_data.importers.readers.column_log import Column
 from lta_data.importers.readers.sensor_folder import (
+    describe_empty_files,
     list_run_files,
     list_run_folders,
     read_folder,
@@ -18,6 +19,7 @@ from lta_data.importers.readers.sensor_folder import (
     read_text_file,
 )
 from lta_data.importers.readers.text_dialect import detect_text_format
+from lta_report.formatting import format_count
 
 COLUMNS = ('csv', 'mat', 'numpy', 'parquet', 'folder')  # formats without meanings of their own
 LOOKED_AT = 10  # runs of a folder, the longest ones
@@ -38,6 +40,7 @@ def read_source(source: Path) -> SourceTables:
     """Read a source; raise BadInput if it is of no known format."""
     path = find_bag(source)
     format_ = detect_format(path)
+    empty = describe_empty_files(path)
     if format_ == 'folder':
         if folders := list_run_folders(path):
             note = f'The {len(folders)} folders of {source.name} are runs with the same tables.'
@@ -45,8 +48,9 @@ def read_source(source: Path) -> SourceTables:
         files = list_run_files(path)
         kinds = {detect_format(file) for file in files}
         if len(files) == 1 or (len(kinds) == 1 and _have_same_columns(files)):
-            note = f'The {len(files)} files of {source.name} are runs with the same columns.'
-            return _read_richest_run(files, note)
+            runs = 'is one run' if len(files) == 1 else 'are runs with the same columns'
+            note = f'The {format_count(len(files), "file")} of {source.name} {runs}.'
+            return _read_richest_run(files, note, *empty)
         if not kinds <= {*COLUMNS}:
             raise BadInput(
                 f"Folder '{source}' has files of different formats ({', '.join(sorted(kinds))}), "
@@ -58,17 +62,16 @@ def read_source(source: Path) -> SourceTables:
         tables, notes = read_text_file(path)
         return SourceTables(path, format_, tables, detect_text_format(path), notes)
     tables, notes = read_folder(path) if format_ == 'folder' else read_table_file(path)
-    return SourceTables(path, format_, tables, None, notes)
+    return SourceTables(path, format_, tables, None, [*empty, *notes])
 
 
-def _read_richest_run(runs: Sequence[Path], note: str) -> SourceTables:
+def _read_richest_run(runs: Sequence[Path], *notes: str) -> SourceTables:
     """Return the run in which most columns change: one without commands says little of them."""
     longest = sorted(runs, key=measure_size, reverse=True)[:LOOKED_AT]
     richest = max((read_source(run) for run in longest), key=count_changing_columns)
-    notes = [note]
-    if richest.tables:
-        notes.append(f'Drafted from {richest.path.name}, in which most columns change.')
-    return richest._replace(notes=[*notes, *richest.notes])
+    drafted = [f'Drafted from {richest.path.name}, in which most columns change.']
+    more = drafted if richest.tables and len(runs) > 1 else []
+    return richest._replace(notes=[*notes, *more, *richest.notes])
 
 
 def count_changing_columns(source: SourceTables) -> int:

@@ -3,10 +3,16 @@
 from collections.abc import Mapping
 from typing import Any, Final, final, NamedTuple
 
-from lta_data.importers.draft.attitude_readings import body_rates_of, fit_scale, MotionEvidence
-from lta_data.importers.draft.axis_commands import explain_lacking
+from lta_data.importers.draft.attitude_readings import (
+    body_rates_of,
+    fit_scale,
+    measure_length,
+    MotionEvidence,
+)
+from lta_data.importers.draft.axis_commands import explain_lacking, LINEAR
 from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.column_groups import ColumnGroup, Columns, group_columns
+from lta_data.importers.draft.generic_commands import ask_for_meanings, list_generic_commands
 from lta_data.importers.draft.motion_draft import draft_motion, MotionDraft
 from lta_data.importers.draft.name_hints import parse_column_name, UNIT_WORDS
 from lta_data.importers.draft.scalar_draft import draft_scalars
@@ -34,15 +40,22 @@ class TableDraft(NamedTuple):
     axes: VerticalAxes | None
     groups: list[ColumnGroup]
     unused: list[str]
+    generic: list[str]  # commands whose names do not say what they drive
     motion: MotionDraft | None  # of the first topic with a pose or a velocity
 
 
 def draft_table(name: str, table: Columns, choices: DraftChoices) -> TableDraft:
     """Return the topics that a table fills; `name` is '' for a single table."""
     numbers = {column: cells for column, cells in table.items() if cells.dtype.kind in 'fiub'}
-    decided = [column for column in numbers if choices.find_answer(f'{column}.command')]
-    groups, singles = group_columns({one: numbers[one] for one in numbers if one not in decided})
-    singles += [parse_column_name(column) for column in decided]
+    answers = {column: choices.find_answer(f'{column}.command') for column in numbers}
+    generic = list_generic_commands([parse_column_name(one) for one in numbers])
+    decided = [column for column in numbers if answers[column] or column in generic]
+    groups, singles = group_columns(
+        {one: numbers[one] for one in numbers if one not in decided},
+        has_linear=any(answer in LINEAR for answer in answers.values()),
+    )
+    open_ = ask_for_meanings(generic, '', choices)
+    singles += [parse_column_name(column) for column in decided if column not in open_]
     time = find_time_base(name, table, groups, choices)
     if name:
         # The file of a sensor often says what it is
@@ -79,7 +92,7 @@ def draft_table(name: str, table: Columns, choices: DraftChoices) -> TableDraft:
     entries += draft_scalars(name, table, rest, choices)
     used = {column for entry in entries for column in list_columns(entry)}
     unused = [c for c in table if c not in used and c != time.entry.get('column')]
-    return TableDraft(entries, time, axes, groups, unused, primary)
+    return TableDraft(entries, time, axes, groups, unused, generic, primary)
 
 
 def _sort_groups(
@@ -105,7 +118,7 @@ def _sort_groups(
         # An attitude as quaternion and as angles: the quaternion has no convention to guess
         if kind not in members or (kind == 'attitude' and group.kind == 'quaternion'):
             members[kind] = group
-            why = group.reason
+            why = group.reason + _describe_length(group, table)
             reading = group.kind
             if topic == 'wrench_command':
                 named = UNIT_WORDS.get(group.unit, (f'{WRENCH_UNITS[kind]} (assumed)',))[0]
@@ -115,6 +128,14 @@ def _sort_groups(
                 why += explain_lacking(lacking) if len(lacking) < len('xyz') else ''
             choices.add_reason(f'{topic}: {kind}', group.columns, reading, why)
     return topics
+
+
+def _describe_length(group: ColumnGroup, table: Columns) -> str:
+    """Return what a reason adds on a quaternion that has not length one."""
+    if group.kind != 'quaternion':
+        return ''
+    length = measure_length(group.stack(table))
+    return '' if length == 1.0 else f'; they have the length {length:g}, and are divided by it'
 
 
 def _role_by_motion(

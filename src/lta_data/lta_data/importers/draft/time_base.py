@@ -2,6 +2,7 @@
 
 from typing import Final, final, NamedTuple
 
+from lta_config.errors import BadInput
 from lta_config.quantity import UNITS
 from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.column_groups import ColumnGroup, Columns
@@ -45,12 +46,39 @@ def find_time_base(
         rate_text = choices.override(key, f'{rate:g}')
     else:
         options = [(f'{hertz}', f'{hertz} rows per second') for hertz in (100, 50, 60, 200)]
-        rate_text = choices.answers.get(key) or choices.decide(
-            key, options, 'No column is a time, and no velocity says how fast the rows follow.'
+        question = 'No velocity says how fast the rows follow.'
+        rate_text = choices.decide(
+            key, options, f'{_describe_times(table)} {question}', is_open=True
         )
-        choices.used.add(key)
-    choices.add_reason(f'{prefix}time', [], f'{rate_text} Hz', why)
-    return TimeBase(rows / float(rate_text), {'rate': f'{float(rate_text):g} Hz'})
+        why = choices.explain(key)
+    hertz = _parse_rate(key, rate_text)
+    choices.add_reason(f'{prefix}time', [], f'{hertz:g} Hz', why)
+    return TimeBase(rows / hertz, {'rate': f'{hertz:g} Hz'})
+
+
+def _parse_rate(key: str, text: str) -> float:
+    """Return a rate that the user gave. [Hz]"""
+    try:
+        rate = float(text.removesuffix('Hz'))
+    except ValueError:
+        rate = 0.0
+    if not 0.0 < rate < np.inf:
+        raise BadInput(
+            f"--set {key} is '{text}', but must be rows per second above 0, such as 50."
+        )
+    return rate
+
+
+def _describe_times(table: Columns) -> str:
+    """Return why no column is a time, in a sentence."""
+    for column, cells in table.items():
+        name = parse_column_name(column)
+        if not (name.words | {name.axis}) & TIMES:
+            continue
+        if cells.dtype.kind in 'fiub':
+            return f"Column '{column}' does not rise from row to row, so it is no time."
+        return f"Column '{column}' has cells such as '{cells[0]}', no numbers and no dates."
+    return 'No column is a time.'
 
 
 def _find_time_column(table: Columns, groups: list[ColumnGroup]) -> str:
@@ -78,7 +106,7 @@ def _find_time_column(table: Columns, groups: list[ColumnGroup]) -> str:
 def _rises(cells: Numbers) -> bool:
     """Return whether numbers rise nearly everywhere."""
     good = cells[np.isfinite(cells)]
-    return len(good) > 2 and bool(np.mean(np.diff(good) > 0.0) > 0.9) and good[-1] > good[0]
+    return len(good) > 1 and bool(np.mean(np.diff(good) > 0.0) > 0.9) and good[-1] > good[0]
 
 
 def _counts(column: str, cells: Numbers) -> bool:

@@ -8,6 +8,7 @@ from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.clock_alignment import (
     AlignedClock,
     find_motion,
+    find_rising,
     read_timed_tables,
     STEP,
     TimedTable,
@@ -61,9 +62,12 @@ def _find_signs(
     """Return the signs with which force and moment along z act upwards and to the left."""
     columns = list_columns(entry)
     held = np.nan_to_num(np.column_stack([table[one] for one in columns]).astype(float))
-    if pose.position is None or pose.turn is None or not len(stamps):
+    rising = find_rising(stamps)
+    if pose.position is None or pose.turn is None or not rising.any():
         return set()
-    grid = np.arange(max(pose.seconds[0], stamps[0]), min(pose.seconds[-1], stamps[-1]), STEP)
+    stamps, held = stamps[rising], held[: len(rising)][rising]
+    begin, end = np.nanmin(pose.seconds), np.nanmax(pose.seconds)
+    grid = np.arange(max(begin, stamps[0]), min(end, stamps[-1]), STEP)
     if len(grid) < LEAST:
         return set()
     speed, pull = find_motion(pose.seconds, pose.position, pose.turn, grid)

@@ -104,9 +104,37 @@ def _list_columns(folder: Path) -> list[list[str]]:
     return [read_column_names(file, detect_text_format(file)) for file in texts]
 
 
+def describe_empty_files(path: Path) -> list[str]:
+    """Return a sentence on the files in a folder that hold no rows, if others do."""
+    if not path.is_dir():
+        return []
+    used = list_run_files(path)
+    names = [
+        file.name for file in _find_files(path, (*TEXTS, *READERS, *RUNS)) if file not in used
+    ]
+    return [f'Left out, as they hold no rows of numbers: {", ".join(names)}.'] if names else []
+
+
 def _list_files(path: Path, suffixes: tuple[str, ...]) -> list[Path]:
+    """Return the files that hold something, but all if none does, whose fault is then told."""
+    files = _find_files(path, suffixes)
+    return [file for file in files if _has_rows(file)] or files
+
+
+def _find_files(path: Path, suffixes: tuple[str, ...]) -> list[Path]:
     files = (file for file in path.rglob('*') if file.is_file() and file.name[0] != '.')
     return sorted(file for file in files if _suffix(file) in suffixes)
+
+
+def _has_rows(file: Path) -> bool:
+    """Return whether a file is no recording that failed, and no notes of a person."""
+    if _suffix(file) not in TEXTS:
+        return file.stat().st_size > 0
+    try:
+        detect_text_format(file)
+    except BadInput:
+        return False
+    return True
 
 
 def name_table(folder: Path, file: Path) -> str:

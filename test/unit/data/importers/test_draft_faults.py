@@ -1,0 +1,115 @@
+"""Logs with faults are drafted, or their user learns in a sentence what is wrong."""
+
+import io
+
+from lta_cli.options.draft_command import ask_user
+from lta_config.errors import BadInput
+from lta_data.importers.draft.choices import DraftQuestion
+from lta_data.importers.draft.draft_mapping import draft_mapping
+from lta_data.importers.draft.draft_report import build_draft_report
+from lta_data.importers.progress import ImportProgress
+from lta_data.importers.run import import_logs, ImportRequest
+import numpy as np
+import pytest
+from rich.console import Console
+import yaml
+
+from .lab_flights import lab_flight, three, write_csv
+
+
+def list_columns(**changes):
+    """Return the columns of a flight with poses and forces, some of them changed."""
+    f = lab_flight()
+    rng = np.random.default_rng(3)
+    forces = {name: np.repeat(rng.uniform(-1.0, 1.0, 30), 50) for name in ('fx_N', 'fz_N')}
+    columns = {'t': f['t'] + 9.0, **three('p', f['p']), **three('q', f['q'], 'xyzw'), **forces}
+    return columns | changes
+
+
+def list_notes(path, answers):
+    draft = draft_mapping(path, answers)
+    return ' '.join(build_draft_report(path, draft, {}).data['notes'])
+
+
+@pytest.mark.parametrize('lost', [slice(200, 400), slice(0, 50), slice(-50, None)])
+@pytest.mark.parametrize('column', ['t', 'px', 'fx_N'])
+def test_cells_without_a_number_are_no_hindrance(tmp_path, column, lost):
+    columns = list_columns()
+    columns[column] = columns[column].copy()
+    columns[column][lost] = np.nan
+    topics = yaml.safe_load(draft_mapping(write_csv(tmp_path / 'a.csv', columns), {}).text)
+    assert [one['topic'] for one in topics['topics']] == ['ground_truth/odom', 'wrench_command']
+
+
+def test_a_column_of_times_that_do_not_rise_is_named(tmp_path):
+    still = write_csv(tmp_path / 'a.csv', list_columns(t=np.full(1500, 9.0)))
+    question = draft_mapping(still, {}).choices.questions[0]
+    assert question.key == 'time.rate'
+    assert question.reason.startswith("Column 't' does not rise from row to row, so it is no time")
+    # The options are examples
+    assert 'time: {rate: 30 Hz}' in draft_mapping(still, {'time.rate': '30'}).text
+    with pytest.raises(BadInput, match=r"--set time\.rate is 'fast', but must be rows per second"):
+        draft_mapping(still, {'time.rate': 'fast'})
+    text = still.read_text().splitlines()
+    rows = [f'10:00:{k:02d}.5,{line.partition(",")[2]}' for k, line in enumerate(text[1:60])]
+    still.write_text('\n'.join([text[0], *rows]))
+    question = draft_mapping(still, {}).choices.questions[0]
+    assert question.reason.startswith("Column 't' has cells such as '10:00:00.5', no numbers")
+
+
+def test_a_tracker_without_an_attitude_gives_none(tmp_path):
+    zeros = dict.fromkeys(('qx', 'qy', 'qz', 'qw'), np.zeros(1500))
+    path = write_csv(tmp_path / 'a.csv', list_columns(**zeros))
+    (pose, _) = yaml.safe_load(draft_mapping(path, {}).text)['topics']
+    assert 'orientation' not in pose
+    notes = list_notes(path, {})
+    assert 'Columns without a number but zero: qx, qy, qz, qw.' in notes
+    assert 'Columns without a meaning' not in notes
+    assert 'The mapping has no attitude' in notes
+
+
+@pytest.mark.parametrize('length', [1.7, 2.0**30])
+def test_quaternions_of_another_length_are_divided_by_it(tmp_path, bring, length):
+    f = lab_flight()
+    path = write_csv(tmp_path / 'a.csv', list_columns(**three('q', length * f['q'], 'xyzw')))
+    draft = draft_mapping(path, {})
+    (said,) = [one.reason for one in draft.choices.reasons if one.reading == 'quaternion']
+    assert 'and are divided by it' in said
+    pose = bring(path, draft.text).messages['/lta1/ground_truth/odom'][300].pose.pose.orientation
+    assert (pose.x, pose.y, pose.z, pose.w) == pytest.approx(tuple(f['q'][300]), abs=1e-5)
+
+
+def test_units_below_the_names_may_repeat_those_in_the_names(tmp_path):
+    path = write_csv(tmp_path / 'a.csv', list_columns())
+    head, *rows = path.read_text().splitlines()
+    path.write_text('\n'.join([head, 's,m,m,m,,,,,N,N', *rows]))
+    (_, wrench) = yaml.safe_load(draft_mapping(path, {}).text)['topics']
+    assert wrench['force']['columns'] == ['fx_N [n]', None, 'fz_N [n]']
+
+
+def test_an_open_question_takes_other_answers_than_its_examples(monkeypatch):
+    console = Console(file=io.StringIO(), width=80, record=True)
+    answers = iter(['', '0.15 N'])
+    monkeypatch.setattr('builtins.input', lambda: next(answers))
+    question = DraftQuestion('surge.largest', [('0.1 N', 'for example')], 'How much?', True)
+    assert ask_user(question, console) == '0.15 N'
+    assert 'surge.largest (such as 0.1 N):' in console.export_text()
+
+
+def test_files_without_rows_in_a_folder_are_left_out_and_named(tmp_path):
+    folder = tmp_path / 'tests'
+    folder.mkdir()
+    write_csv(folder / 'a.csv', list_columns())
+    (folder / 'b.csv').write_text('')
+    (folder / 'notes.txt').write_text('Windy.\nThe door was open.\n')
+    draft = draft_mapping(folder, {})
+    assert draft.source.path == folder / 'a.csv'
+    assert draft.source.notes == [
+        'The 1 file of tests is one run.',
+        'Left out, as they hold no rows of numbers: b.csv, notes.txt.',
+    ]
+    (tmp_path / 'mapping.yaml').write_text(draft.text)
+    with ImportProgress(Console(quiet=True), 1) as progress:
+        request = ImportRequest([folder], str(tmp_path / 'mapping.yaml'))
+        (done,) = import_logs(request, tmp_path / 'out', progress)
+    assert done.notes[-1] == 'Left out, as they hold no rows of numbers: b.csv, notes.txt.'
