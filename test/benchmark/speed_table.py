@@ -81,10 +81,11 @@ def format_table(reference: Path) -> str:
 def format_row(row: Mapping[str, Any], about: str) -> str:
     """Return one row of the table."""
     beside = '' if row['ratio'] is None else f'{row["ratio"]:.3g} ({row["peer"]})'
-    low, high = sorted(row['load'])
+    low, high = (f'{value:.0f}' for value in sorted(row['load']))
+    load = low if low == high else f'{low} to {high}'
     return (
         f'| `{row["name"]}` | {format_value(row["value"])} {row["unit"]} | {beside} | {about} | '
-        f'{row["date"]}, {row["cores"]} cores, load {low:.0f} to {high:.0f} |'
+        f'{row["date"]}, {row["cores"]} cores, load {load} |'
     )
 
 
