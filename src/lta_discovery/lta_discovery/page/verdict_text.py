@@ -53,7 +53,7 @@ def format_headline(finding: StudyResult) -> str:
 
 
 def format_details(finding: StudyResult) -> str:
-    """Return what the headline has no room for; '' if it says all."""
+    """Return the sentences that follow the headline; '' if there are none."""
     return ' '.join(_list_sentences(finding)[LONGEST:])
 
 

@@ -54,7 +54,7 @@ def test_a_column_of_times_that_do_not_rise_is_named(tmp_path):
     rows = [f'10:00:{k:02d}.5,{line.partition(",")[2]}' for k, line in enumerate(text[1:60])]
     still.write_text('\n'.join([text[0], *rows]))
     question = draft_mapping(still, {}).choices.questions[0]
-    assert question.reason.startswith("Column 't' has cells such as '10:00:00.5', no numbers")
+    assert question.reason.startswith("Column 't' has cells such as '10:00:00.5', neither")
 
 
 def test_a_tracker_without_an_attitude_gives_none(tmp_path):

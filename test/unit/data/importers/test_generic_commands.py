@@ -22,7 +22,7 @@ def write_motion(path, place, turn, commands):
 
 
 def draft_commands(path, names, responds=True, order=(0, 1, 2)):
-    """Draft a flight with commands ahead, up and to the left, in some order, by these names."""
+    """Draft a flight whose commands for surge, heave and yaw have these names, in an order."""
     orders, place, turn = fly_commands(responds)
     orders = orders / np.abs(orders).max(axis=0)
     commands = dict(zip(names.split(), orders[:, order].T, strict=True))

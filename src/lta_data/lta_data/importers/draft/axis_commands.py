@@ -98,7 +98,7 @@ def find_named_axes(
 
 
 def find_lettered_axes(names: Sequence[ColumnName]) -> dict[str, ColumnName]:
-    """Return commands with the letters of marine craft: tau_u with tau_r, X_cmd with N_cmd."""
+    """Return commands named by the letters of marine craft, as tau_u and tau_r, or X_cmd."""
     families: dict[frozenset[str], dict[str, ColumnName]] = {}
     for name in names:
         words = [word.lower() for word in WORDS.findall(re.sub(r'[\[(].*', '', name.column))]

@@ -86,7 +86,7 @@ def _list_orders(names: Sequence[ColumnName]) -> Iterator[ColumnName]:
 
 
 def _list_letters(names: Sequence[ColumnName]) -> Iterator[ColumnName]:
-    """Yield commands with letters that are no axes, as u_v and u_h."""
+    """Yield commands whose letters name no axis, such as u_v and u_h."""
     named = find_named_axes(names).values()
     lettered = [
         name for name in names

@@ -77,7 +77,7 @@ def _describe_times(table: Columns) -> str:
             continue
         if cells.dtype.kind in 'fiub':
             return f"Column '{column}' does not rise from row to row, so it is no time."
-        return f"Column '{column}' has cells such as '{cells[0]}', no numbers and no dates."
+        return f"Column '{column}' has cells such as '{cells[0]}', neither numbers nor dates."
     return 'No column is a time.'
 
 

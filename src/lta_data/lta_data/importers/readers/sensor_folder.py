@@ -127,7 +127,7 @@ def _find_files(path: Path, suffixes: tuple[str, ...]) -> list[Path]:
 
 
 def _has_rows(file: Path) -> bool:
-    """Return whether a file is no recording that failed, and no notes of a person."""
+    """Return whether a file holds data: neither a failed recording nor notes."""
     if _suffix(file) not in TEXTS:
         return file.stat().st_size > 0
     try:
