@@ -15,8 +15,9 @@ from lta_discovery.calibration.first_step import (
     build_calibrated_start,
     calibrate_first,
     CalibratedStart,
+    FirstStep,
 )
-from lta_discovery.calibration.verdict import list_differences
+from lta_discovery.calibration.verdict import format_lift_warning, list_differences
 from lta_discovery.conclusion import forget_refit
 from lta_discovery.discrepancies.discrepancy_search import BaselineFlight, find_discrepancies
 from lta_discovery.flights.bags import read_bags, Role
@@ -149,13 +150,17 @@ def _study_usable_flights(
     request: DiscoveryRequest, vehicle: Vehicle, sound: UsableFlights, tell: Tell
 ) -> DiscoveryStudy:
     """Return the study with all that `study_usable_flights` adds."""
-    start, remarks = _calibrate_first(request, vehicle, sound, tell)
+    first = FirstStep()
+    if request.calibrate:
+        first = calibrate_first(vehicle, request.vehicle, sound.flights, tell)
+    start, remarks = _go_on_from(first, request, vehicle)
     study = study_flights(
         start.vehicle if start else vehicle,
         sound.flights,
         request.seed,
         tell,
         start.calibration if start else None,
+        bool(first.lifts),
     )
     study = add_forecast_effects(study, tell)
     only = format_regime_warning(study)
@@ -174,15 +179,13 @@ def _study_usable_flights(
     return add_law(study, base, tell)
 
 
-def _calibrate_first(
-    request: DiscoveryRequest, vehicle: Vehicle, sound: UsableFlights, tell: Tell
+def _go_on_from(
+    first: FirstStep, request: DiscoveryRequest, vehicle: Vehicle
 ) -> tuple[CalibratedStart | None, list[str]]:
     """Return the calibrated vehicle if the flights call for a calibration, and warnings."""
-    if not request.calibrate:
-        return None, []
-    calibration = calibrate_first(vehicle, request.vehicle, sound.flights, tell)
+    calibration = first.calibration
     if calibration is None:
-        return None, []
+        return None, [format_lift_warning(first.lifts)] if first.lifts else []
     text = _read_vehicle_file(request)
     source = format_calibration_source(calibration.bags['train'], read_commit() or 'unknown')
     try:

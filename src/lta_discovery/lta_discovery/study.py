@@ -9,7 +9,7 @@ from lta_discovery.calibration.offsets import (
     format_calibration_warning,
     list_calibration_offsets,
 )
-from lta_discovery.calibration.priors import apply_calibration
+from lta_discovery.calibration.priors import apply_calibration, free_flight_lifts
 from lta_discovery.calibration.result import Calibration
 from lta_discovery.conclusion import FAR, find_added_gain
 from lta_discovery.finding import ChannelErrors, SearchCandidate, StudyResult, Verdict
@@ -106,19 +106,23 @@ def study_flights(
     seed: int = 0,
     progress: Progress | None = None,
     calibration: Calibration | None = None,
+    has_own_lifts: bool = False,
 ) -> DiscoveryStudy:
     """
     Find missing effects, confirm them, and measure how much they improve predictions.
 
     `flights`: role 'train', 'confirm' or 'holdout'. Without a confirming flight the training
     flights are split; a single flight is split into three parts. `calibration`: of the vehicle,
-    which then has the calibrated values. Raise `BadInput` if there is no training flight, or a
-    flight is too short for a prediction.
+    which then has the calibrated values. `has_own_lifts`: whether the net lift of a flight says
+    nothing about the next. Raise `BadInput` if there is no training flight, or a flight is too
+    short for a prediction.
     """
     tell = progress or (lambda what, part: None)
     tell('preparing', 0.0)
     nominal = NominalVehicle.from_vehicle(vehicle)
-    prepared, parameters, warnings = _prepare_flights(vehicle, nominal, flights, calibration)
+    prepared, parameters, warnings = _prepare_flights(
+        vehicle, nominal, flights, calibration, has_own_lifts
+    )
     prepared, dropped = _drop_diverging_pieces(nominal, prepared)
     warnings.extend(dropped)
     prepared, search = _search_effects(
@@ -203,6 +207,7 @@ def _prepare_flights(
     nominal: NominalVehicle,
     flights: Sequence[Role],
     calibration: Calibration | None,
+    has_own_lifts: bool,
 ) -> tuple[list[StudyFlight], list[FreeParameter], list[str]]:
     """Return the linearizers of the flights, the free parameters, and warnings about the data."""
     tidy, remarks = _remove_outliers(flights)
@@ -213,6 +218,8 @@ def _prepare_flights(
     )
     if calibration is not None:
         parameters = apply_calibration(parameters, nominal, calibration.values)
+    elif has_own_lifts:
+        parameters = free_flight_lifts(parameters, nominal)
     prepared = [
         StudyFlight(name, role, prepare_flight(vehicle, each, parameters))
         for name, role, each in assigned

@@ -1,6 +1,7 @@
 """A study says what is missing, by how much, and what it is worth on a flight it has not seen."""
 
 from lta_config.errors import BadInput
+from lta_discovery.calibration.first_step import calibrate_first
 from lta_discovery.flights.measured_flight import resample_flight
 from lta_discovery.forecast.held_out import count_learning_pieces
 from lta_discovery.study import DiscoveryStudy, study_flights
@@ -86,3 +87,24 @@ def test_a_flight_too_short_for_two_pieces_is_refused() -> None:
     short = resample_flight(flown({}, 7, 3.6))  # of which 2 s are warm-up
     with pytest.raises(BadInput, match='Record more or longer flights'):
         study_flights(load_vehicle('gtmab'), [('a', 'train', short), ('b', 'confirm', short)])
+
+
+def test_lifts_that_differ_by_flight_call_for_no_other_file() -> None:
+    """The file is right; each flight carries another ballast, up to 12 mN."""
+    vehicle = load_vehicle('gtmab')
+    flights = []
+    for k, (role, lift) in enumerate((('train', 0.0), ('train', -0.012), ('confirm', 0.0))):
+        ballast = {'vehicle.effects.net_lift.force': {'value': lift, 'unit': 'N'}}
+        flights.append((f'flight {k}', role, resample_flight(flown(ballast, 520 + k, 30.0))))
+    first = calibrate_first(vehicle, 'gtmab', flights, lambda _what, _part: None)
+    assert first.calibration is None
+    low, high = (one.value for one in first.lifts)
+    assert high - low == pytest.approx(0.012, abs=0.001)
+    fixed, free = (
+        study_flights(vehicle, flights, 1, has_own_lifts=own).finding for own in (False, True)
+    )
+    # No calibration can mend what the next flight does not have
+    assert [text.split(':')[0] for text in fixed.offsets] == ['net lift of flight 1']
+    assert free.offsets == ()
+    assert free.verdict == 'none'
+    assert free.unexplained == ()

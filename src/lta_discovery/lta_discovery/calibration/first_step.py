@@ -4,7 +4,8 @@ Calibrate a vehicle as the first step of a discovery, where its flights call for
 A short linear fit of forecasts over a second tells in a second of computing time whether a gain,
 the net lift of the flights or the markers' frame may be far from the vehicle file. Only then is
 the vehicle calibrated, and only a clear difference that discovery has no name for is a reason to
-go on from the calibrated file.
+go on from the calibrated file. Flights of a good file can still differ in their net lift: then
+the file stays, and each flight has a lift of its own.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -47,6 +48,16 @@ BETTER: Final = {'likelihood': 0.8, 'forecasts': 0.3, 'file': 0.0}
 
 @final
 @dataclass(frozen=True, slots=True)
+class FirstStep:
+    """What the check of the calibration found."""
+
+    calibration: Calibration | None = None  # to go on from; None if the file is good enough
+    # The lowest and the highest net lift, if the flights differ in it and the file is kept
+    lifts: tuple[CalibratedValue, ...] = ()
+
+
+@final
+@dataclass(frozen=True, slots=True)
 class CalibratedStart:
     """The vehicle from which a discovery goes on."""
 
@@ -57,9 +68,9 @@ class CalibratedStart:
 
 def calibrate_first(
     vehicle: Vehicle, name: str, flights: Sequence[Role], tell: Progress
-) -> Calibration | None:
+) -> FirstStep:
     """
-    Return the calibration of a vehicle; None if its flights do not call for one.
+    Calibrate a vehicle if its flights call for it.
 
     Raises
     ------
@@ -72,38 +83,38 @@ def calibrate_first(
     tell('checking the calibration', 0.0)
     suspicions = _list_suspicions(vehicle, fit_flights)
     if not suspicions:
-        return None
-    calibration = _find_clear_calibration(vehicle, name, fit_flights, tell, _list_reasons)
-    if calibration is not None or NET_LIFT not in suspicions:
-        return calibration
-    if [role for _, role, _ in fit_flights].count('train') > 1:
-        return None
-    # One training flight cannot show that lifts differ, so the confirming ones teach it, too
-    both = [(title, 'train', flight) for title, _, flight in fit_flights]
-    return _find_clear_calibration(vehicle, name, both, tell, _list_different_lifts)
+        return FirstStep()
+    calibration = calibrate_flights(vehicle, name, fit_flights, tell, with_flows=False)
+    if _is_clearly_better(calibration, reasons := list(_list_reasons(calibration))):
+        return FirstStep(_mark_reasons(calibration, reasons))
+    if NET_LIFT not in suspicions:
+        return FirstStep()
+    lifts = list(_list_different_lifts(calibration))
+    if not lifts:
+        # Training flights of one lift do not show that the confirming ones have another
+        both = [(title, 'train', flight) for title, _, flight in fit_flights]
+        calibration = calibrate_flights(vehicle, name, both, tell, with_flows=False)
+        lifts = list(_list_different_lifts(calibration))
+        alone = [role for _, role, _ in fit_flights].count('train') == 1
+        if alone and _is_clearly_better(calibration, lifts):
+            return FirstStep(_mark_reasons(calibration, lifts))
+    return FirstStep(lifts=tuple(lifts) if calibration.method == 'likelihood' else ())
 
 
-def _find_clear_calibration(
-    vehicle: Vehicle,
-    name: str,
-    flights: Sequence[Role],
-    tell: Progress,
-    list_reasons: Callable[[Calibration], Iterator[CalibratedValue]],
-) -> Calibration | None:
-    """Return the calibration with these flights; None without a reason to go on from it."""
-    calibration = calibrate_flights(vehicle, name, flights, tell, with_flows=False)
+def _is_clearly_better(calibration: Calibration, reasons: Sequence[CalibratedValue]) -> bool:
+    """Return whether a calibration has a reason, and its forecasts are better than the file's."""
     scores = [*calibration.scores.get('train', ()), *calibration.scores.get('confirm', ())]
     error = relative_error(scores)
     if calibration.method == 'likelihood':
         # The lift of a flight shows in its positions alone
         error = min(error, relative_position_error(scores))
-    reasons = list(list_reasons(calibration))
-    # Written so that an error that is not a number is none that is better
-    if not (reasons and error <= BETTER[calibration.method]) or is_contradicted(
-        calibration.scores
-    ):
-        return None
-    # The first line and the table name the reasons, also those within three tolerances
+    # An error that is not a number is not better
+    is_better = error <= BETTER[calibration.method]
+    return bool(reasons) and is_better and not is_contradicted(calibration.scores)
+
+
+def _mark_reasons(calibration: Calibration, reasons: Sequence[CalibratedValue]) -> Calibration:
+    """Let the first line and the table name the reasons, also those within three tolerances."""
     values = [replace(one, is_far=one.is_far or one in reasons) for one in calibration.values]
     return replace(calibration, values=tuple(values))
 

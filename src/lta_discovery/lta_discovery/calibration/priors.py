@@ -60,6 +60,18 @@ def apply_calibration(
     return out
 
 
+def free_flight_lifts(
+    knobs: Sequence[FreeParameter], nominal: NominalVehicle
+) -> list[FreeParameter]:
+    """Return the free parameters with a net lift that each flight may have of its own."""
+    return [
+        replace(knob, tolerance=prior_deviation(knob, nominal), typical=0.0, low=-math.inf)
+        if knob.name == NET_LIFT
+        else knob
+        for knob in knobs
+    ]
+
+
 def _flight_deviation(
     knob: FreeParameter, nominal: NominalVehicle, values: Sequence[CalibratedValue]
 ) -> float:

@@ -1,6 +1,6 @@
 """Say what a calibration found, the largest differences first."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 import math
 from typing import Final
 
@@ -85,6 +85,15 @@ def _lift_clauses(calibration: Calibration) -> Iterator[str]:
         )
         span = f'{low} mN' if low == high else f'{low} to {high} mN, by flight,'
         yield f'net lift: {span} above that of the file'
+
+
+def format_lift_warning(lifts: Sequence[CalibratedValue]) -> str:
+    """Say that flights have different lifts; `lifts`: the lowest and the highest."""
+    low, high = (f'{format_number(1e3 * one.value, 3)} mN in {one.flight}' for one in lifts)
+    return (
+        f'The net lift is another in each flight ({low}, {high}), so it was fitted for each: no '
+        'constant difference in lift is reported. Note ballast and filling before each flight.'
+    )
 
 
 def _marker_clauses(calibration: Calibration) -> Iterator[str]:

@@ -18,14 +18,14 @@ from lta_discovery.calibration.coarse_fit import (
     LONG,
     SHORT,
 )
-from lta_discovery.calibration.first_step import calibrate_first
+from lta_discovery.calibration.first_step import calibrate_first, FirstStep
 from lta_discovery.calibration.forecast_score import score_forecasts
 from lta_discovery.calibration.prepared_flights import prepare_calibration
-from lta_discovery.calibration.priors import apply_calibration
+from lta_discovery.calibration.priors import apply_calibration, free_flight_lifts
 from lta_discovery.calibration.report import build_report
 from lta_discovery.calibration.result import CalibratedValue, Calibration, ForecastScore
 from lta_discovery.calibration.reversed_thrust import split_by_duty, state_by_duty
-from lta_discovery.calibration.verdict import list_differences
+from lta_discovery.calibration.verdict import format_lift_warning, list_differences
 from lta_discovery.finding import StudyResult
 from lta_discovery.flights.bags import read_bags
 from lta_discovery.flights.role_assignment import restrict_to_interval, Role
@@ -100,7 +100,7 @@ def test_a_right_file_is_not_even_calibrated(
 
     monkeypatch.setattr(first_step, 'calibrate_flights', refuse)
     flights = read_flights(vehicle, tmp_path, is_right=True)
-    assert calibrate_first(vehicle, 'gtmab', flights, lambda _what, _part: None) is None
+    assert calibrate_first(vehicle, 'gtmab', flights, lambda _what, _part: None) == FirstStep()
 
 
 @pytest.mark.parametrize(
@@ -134,7 +134,7 @@ def test_what_calls_for_a_calibration(
     found = make_calibration(nominal, *values, after=after)
     monkeypatch.setattr(first_step, '_list_suspicions', lambda *_: ['wrench_gain.surge'])
     monkeypatch.setattr(first_step, 'calibrate_flights', lambda *_, **__: found)
-    result = calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None)
+    result = calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None).calibration
     assert result == (found if called else None)
 
 
@@ -152,7 +152,7 @@ def test_a_rough_calibration_has_to_forecast_much_better(
     found = replace(found, method='forecasts')
     monkeypatch.setattr(first_step, '_list_suspicions', lambda *_: ['wrench_gain.surge'])
     monkeypatch.setattr(first_step, 'calibrate_flights', lambda *_, **__: found)
-    result = calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None)
+    result = calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None).calibration
     assert result == (found if called else None)
 
 
@@ -166,12 +166,12 @@ def test_the_first_line_names_the_reason(
     assert list_differences(found) == []
     monkeypatch.setattr(first_step, '_list_suspicions', lambda *_: ['wrench_gain.surge'])
     monkeypatch.setattr(first_step, 'calibrate_flights', lambda *_, **__: found)
-    result = calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None)
+    result = calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None).calibration
     assert result is not None
     assert list_differences(result) == ['surge: 50 % of the commanded force arrives']
     unknown = make_calibration(found.nominal, half, after=math.nan)
     monkeypatch.setattr(first_step, 'calibrate_flights', lambda *_, **__: unknown)
-    assert calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None) is None
+    assert calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None) == FirstStep()
 
 
 def test_a_discovery_does_not_go_on_from_what_confirming_flights_contradict(
@@ -183,7 +183,7 @@ def test_a_discovery_does_not_go_on_from_what_confirming_flights_contradict(
     for after, called in ((0.52, True), (0.56, False)):  # 1.05 times the file's 0.5 m between
         score = replace(found.scores['train'][0], after=(after, 0.1))
         found = replace(found, scores=found.scores | {'confirm': (score,)})
-        result = calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None)
+        result = calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None).calibration
         assert (result is not None) == called
 
 
@@ -208,9 +208,50 @@ def test_one_training_flight_shows_with_a_confirming_one_that_lifts_differ(
     monkeypatch.setattr(first_step, 'calibrate_flights', calibrate)
     for suspicions, is_called in ((['net_lift.force'], True), (['wrench_gain.surge'], False)):
         monkeypatch.setattr(first_step, '_list_suspicions', lambda *_, found=suspicions: found)
-        result = calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None)
+        result = calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None).calibration
         assert (result is not None) == is_called
     assert taught == [[wrong[0][0]], [name for name, _, _ in wrong], [wrong[0][0]]]
+
+
+@pytest.mark.parametrize(
+    ('method', 'highest', 'differ'),
+    [('likelihood', 0.021, True), ('likelihood', 0.0125, False), ('forecasts', 0.021, False)],
+)
+def test_flights_of_a_good_file_may_have_lifts_of_their_own(
+    vehicle: Vehicle,
+    wrong: list[Role],
+    monkeypatch: pytest.MonkeyPatch,
+    method: str,
+    highest: float,
+    *,
+    differ: bool,
+) -> None:
+    """A calibration that forecasts no better is not used, but its lifts differ by 9 mN."""
+    lifts = tuple(
+        make_value('net_lift.force', 0.0, force, 1e-4, name)
+        for name, force in (('A', 0.012), ('B', highest))
+    )
+    found = make_calibration(NominalVehicle.from_vehicle(vehicle), *lifts, after=0.9)
+    found = replace(found, method=method)
+    monkeypatch.setattr(first_step, '_list_suspicions', lambda *_: ['net_lift.force'])
+    monkeypatch.setattr(first_step, 'calibrate_flights', lambda *_, **__: found)
+    result = calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None)
+    assert result == FirstStep(lifts=lifts if differ else ())
+    if differ:
+        assert '12 mN in A, 21 mN in B' in format_lift_warning(result.lifts)
+
+
+def test_a_free_lift_is_that_of_a_calibration_and_no_candidate(vehicle: Vehicle) -> None:
+    nominal = NominalVehicle.from_vehicle(vehicle)
+    before = list_free_parameters(nominal)
+    after = free_flight_lifts(before, nominal)
+    changed = [(a, b) for a, b in zip(before, after, strict=True) if a != b]
+    assert [b.name for _, b in changed] == ['net_lift.force']
+    old, new = changed[0]
+    assert old.tolerance == 0.0006
+    assert new.tolerance == pytest.approx(0.01 * 9.81 * nominal.mass, rel=1e-3)
+    assert new.typical == 0.0
+    assert new.per_flight
 
 
 def test_flights_of_three_seconds_are_calibrated_by_their_shorter_forecasts(
