@@ -103,7 +103,7 @@ class ClosedLoop:
         Sensor readings, estimate and duties of the newest step.
     ground : GroundMotion
         The motion over ground of the newest step; not with `motion_only`.
-    light, asked : LightObservation, Setpoint
+    light, next_setpoint : LightObservation, Setpoint
         The newest light block, and the navigator's setpoint after it; None before the first one.
     setpoint : Setpoint or None
         The setpoint of the controller.
@@ -152,7 +152,7 @@ class ClosedLoop:
         self.readings = SensorReadings(world.stamp_ns)
         self.duties = self.autopilot.duties
         self.light: LightObservation | None = None
-        self.asked: Setpoint | None = None
+        self.next_setpoint: Setpoint | None = None
         self.setpoint: Setpoint | None = None
         self.energy: EnergyObservation | None = None
         # [0] is the dead-reckoned motion half a block ago, [-1] the newest
@@ -213,13 +213,13 @@ class ClosedLoop:
         readings = self.readings = world.sense_motion() if self._motion_only else world.sense()
         course = self.policy.course
         if course is not None:
-            self.asked = self.setpoint = setpoint = course(world.elapsed)
+            self.next_setpoint = self.setpoint = setpoint = course(world.elapsed)
             if setpoint is not None:
                 self.autopilot.set_setpoint(setpoint)
         # A new setpoint takes effect one step later, as its message would
-        elif self.asked is not self.setpoint and self.asked is not None:
-            self.setpoint = self.asked
-            self.autopilot.set_setpoint(message_rounding.round_heading(self.asked))
+        elif self.next_setpoint is not self.setpoint and self.next_setpoint is not None:
+            self.setpoint = self.next_setpoint
+            self.autopilot.set_setpoint(message_rounding.round_heading(self.next_setpoint))
         self._estimate_and_control(readings)
         if self._motion_only:
             return
@@ -292,7 +292,7 @@ class ClosedLoop:
         if self.energy is not None:
             estimate = self.energy.estimate
             report = ReserveReport(stamp_ns, estimate.reserve, estimate.is_landing_urgent)
-        self.asked = self._guidance.choose_setpoint(
+        self.next_setpoint = self._guidance.choose_setpoint(
             GuidanceInputs(
                 policy.mission, policy.reserve, policy.strategy, stamp_ns, sight,
                 self.measured_state(), report,

@@ -70,8 +70,12 @@ class LoopView:
         if readings.truth is not None:
             self._truth.append((time, *readings.truth))
         self._estimates.append(loop.autopilot.copy_estimate())
-        if readings.block is not None and loop.light is not None and loop.asked is not None:
-            bearing, lamp, setpoint = loop.light.bearing, loop.light.lamp, loop.asked
+        if (
+            readings.block is not None
+            and loop.light is not None
+            and loop.next_setpoint is not None
+        ):
+            bearing, lamp, setpoint = loop.light.bearing, loop.light.lamp, loop.next_setpoint
             block = LoopLightBlock(
                 began=(readings.block[0] - self._start) * 1e-9,
                 bearing=(0.0, 0.0) if bearing is None else (bearing.x, bearing.y),

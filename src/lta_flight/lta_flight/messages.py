@@ -73,8 +73,12 @@ class LoopRecorder:
             self._write_message(
                 'ground_truth/odom', messages.build_odometry(stamp, readings.truth)
             )
-        if readings.block is not None and loop.light is not None and loop.asked is not None:
-            self._write_light(readings.block, loop.light, loop.asked)
+        if (
+            readings.block is not None
+            and loop.light is not None
+            and loop.next_setpoint is not None
+        ):
+            self._write_light(readings.block, loop.light, loop.next_setpoint)
         if loop.energy is not None:
             self._write_energy(readings, loop.energy)
 

@@ -68,8 +68,8 @@ class NodeError:
     The first recurrence is reported at once, so that a brief error does not hide a later fault.
     """
 
-    said: float
-    seen: float
+    message_time: float
+    report_time: float
     text: str
     back: bool = False  # whether the first recurrence has been reported
     again: int = 0  # recurrences since the last message
@@ -143,28 +143,27 @@ class StallMonitor:
                 errors[error] = f'{node}: {fact.message.rstrip(".")}'
         for error, text in errors.items():
             earlier = self._ailing.get(error)
-            away = math.inf if earlier is None else now - earlier.seen
+            away = math.inf if earlier is None else now - earlier.report_time
             if earlier is None or away > REPEATED or (away > AWAY and not earlier.back):
                 self._report_repeats(error)
                 self._say(f'{text}.')
                 self._ailing[error] = NodeError(now, now, text, back=away <= REPEATED)
             else:
                 earlier.again += not earlier.here
-                earlier.seen, earlier.text = now, text
+                earlier.report_time, earlier.text = now, text
         for error, earlier in self._ailing.items():
             earlier.here = error in errors
-            if earlier.again and now - earlier.said > REPEATED:
+            if earlier.again and now - earlier.message_time > REPEATED:
                 self._report_repeats(error)
-                earlier.said, earlier.again = now, 0
+                earlier.message_time, earlier.again = now, 0
 
     def _report_repeats(self, error: str) -> None:
         """Report how often an error has recurred since its last message."""
         earlier = self._ailing.get(error)
         if earlier is not None and earlier.again:
             times = 'once' if earlier.again == 1 else f'{earlier.again} times'
-            self._say(
-                f'{earlier.text} (repeated {times} in {time.monotonic() - earlier.said:.0f} s).'
-            )
+            elapsed = time.monotonic() - earlier.message_time
+            self._say(f'{earlier.text} (repeated {times} in {elapsed:.0f} s).')
 
     def _report_loading(self, loading: list[str]) -> None:
         """Report once which nodes the others wait for, if loading takes long."""

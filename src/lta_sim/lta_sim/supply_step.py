@@ -19,7 +19,7 @@ class SupplyInputs(NamedTuple):
     """Inputs of one control period."""
 
     irradiance: float
-    asked: float
+    demand: float
     dt: float
     shorted: bool
     cut: bool
@@ -55,7 +55,7 @@ def advance_supply(
         now.lost, now.fed and not meantime.cut,
     )  # fmt: skip
     available = 0.0 if meantime.shorted else voltage * current
-    flow = advance_power_path(parts.cell, parts.charger, begin, available, meantime.asked, dt)
+    flow = advance_power_path(parts.cell, parts.charger, begin, available, meantime.demand, dt)
     return SupplyState(
         flow,
         meantime.irradiance,

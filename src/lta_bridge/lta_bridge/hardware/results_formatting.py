@@ -15,7 +15,7 @@ def format_stream_rows(streams: Sequence[StreamStatistics]) -> list[tuple[str, .
     head: tuple[str, ...] = ('block', 'rate [Hz]', 'wanted [Hz]', 'lost [%]', 'jitter [ms]')
     return [head, *(
         (
-            each.name, f'{each.rate:.1f}', f'{each.wanted:.0f}', f'{1e2 * each.loss:.2f}',
+            each.name, f'{each.rate:.1f}', f'{each.requested_rate:.0f}', f'{1e2 * each.loss:.2f}',
             f'{1e3 * each.jitter:.1f}',
         )
         for each in streams

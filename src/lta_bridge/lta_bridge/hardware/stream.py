@@ -15,7 +15,7 @@ class StreamStatistics(NamedTuple):
 
     name: str
     # Requested rate, and mean rate between the first and the last packet [Hz]
-    wanted: float
+    requested_rate: float
     rate: float
     packets: int  # number of received packets
     loss: float  # lost fraction of the packets between the first and the last one

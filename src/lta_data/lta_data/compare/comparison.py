@@ -49,7 +49,7 @@ class ComparisonRequest:
 class ComparisonResult:
     """Result of a comparison."""
 
-    asked: ComparisonRequest
+    request: ComparisonRequest
     a: ComparedFlight
     b: ComparedFlight
     timing: TimeAlignment  # how B's time was mapped to A's
@@ -75,7 +75,7 @@ class ComparisonResult:
         # Flights that come from no bag have no digests; their values must suffice
         bytes_too = not digests or len(self.identical_topics) == len(self.a.topics)
         same = all(each.verdict == 'identical' for each in self.channels)
-        return not lacking and bytes_too and same and not self.asked.pairs
+        return not lacking and bytes_too and same and not self.request.pairs
 
     @property
     def is_within_bands(self) -> bool:
@@ -178,7 +178,7 @@ def compare_sides(
     channels = compare_pairs(pairs, request, when, tick)
     topics = {each.topic_a: each.topic_b for each in topic_pairs}
     return ComparisonResult(
-        asked=request,
+        request=request,
         a=a,
         b=b,
         timing=when,

@@ -117,10 +117,11 @@ def build_alignment_table(comparison: ComparisonResult) -> TextTable:
         terms['offset'] = f"B's time {format_offset(timing)}"
         terms['estimated from'] = ', '.join(timing.used) or 'the given value'
     # An infinite deviation means that the drift was not estimated
-    if timing.found is not None and timing.found.drift_sigma < 1.0:
+    if timing.estimated_offset is not None and timing.estimated_offset.drift_sigma < 1.0:
         low, high = (
             # 1.96 standard deviations: 95 % of a normal distribution
-            BASIS * (timing.found.drift + s * 1.96 * timing.found.drift_sigma)
+            BASIS
+            * (timing.estimated_offset.drift + s * 1.96 * timing.estimated_offset.drift_sigma)
             for s in (-1, 1)
         )
         what = 'applied' if timing.drift else 'not applied'

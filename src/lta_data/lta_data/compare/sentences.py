@@ -42,7 +42,7 @@ def format_verdict(comparison: ComparisonResult) -> str:
         return f'Identical: {describe_equality(comparison)}.'
     if comparison.is_within_bands:
         few = len(comparison.channels)
-        what = 'tolerances' if comparison.asked.tolerances else 'noise'
+        what = 'tolerances' if comparison.request.tolerances else 'noise'
         return f'The flights agree within their {what}: none of {few} channels diverges.'
     parted = [
         each

@@ -37,7 +37,7 @@ class TimeAlignment:
     sigma: float = 0.0
     drift: float = 0.0  # applied rate of growth of the offset [1]
     middle: float = 0.0  # time of `offset` on A's clock [s]
-    found: ClockOffset | None = None  # offset estimated from the data, applied or not
+    estimated_offset: ClockOffset | None = None  # offset estimated from the data, applied or not
     used: tuple[str, ...] = ()  # channels from which the offset was estimated
     remarks: tuple[str, ...] = ()  # further remarks for the user
 
@@ -78,7 +78,7 @@ def align_times(
     if align == 'motion':
         return align_by_start(bare, shared, 'As requested with --align.')
     offset = estimate_clock_offset(shared)
-    bare = replace(bare, found=offset)
+    bare = replace(bare, estimated_offset=offset)
     if align == 'clock':
         if offset is None:
             raise BadInput(
@@ -97,7 +97,7 @@ def choose_alignment(
     shared: Sequence[SharedQuantity],
 ) -> TimeAlignment:
     """Choose the alignment from the data."""
-    offset = bare.found
+    offset = bare.estimated_offset
     if bare.on_stamps and have_same_stamps(a, b, pairs):
         reason = 'Both flights have the same time stamps, so no offset is applied.'
         return replace(bare, reason=reason, remarks=describe_suspected_offset(offset))
@@ -164,8 +164,8 @@ def align_by_clock(bare: TimeAlignment, estimate: ClockOffset, reason: str) -> T
         )
     return replace(
         bare, how='clock', reason=reason, offset=estimate.value, sigma=estimate.sigma,
-        drift=estimate.drift if estimate.drifts else 0.0, middle=estimate.middle, found=estimate,
-        used=estimate.used, remarks=tuple(remarks),
+        drift=estimate.drift if estimate.drifts else 0.0, middle=estimate.middle,
+        estimated_offset=estimate, used=estimate.used, remarks=tuple(remarks),
     )  # fmt: skip
 
 

@@ -225,10 +225,11 @@ def suggest_commands(done: SweepRun) -> dict[str, str]:
 def describe_run(done: SweepRun) -> list[str]:
     """Return what the terminal tells of this run: speed, failures, and the table."""
     lines = []
-    if done.flown:
-        rate = done.flown / done.wall
+    if done.new_flights:
+        rate = done.new_flights / done.wall
         lines.append(
-            f'{format_count(done.flown, "flight")} in {done.wall:.0f} s: {rate:.2f} flights/s.'
+            f'{format_count(done.new_flights, "flight")} in {done.wall:.0f} s: '
+            f'{rate:.2f} flights/s.'
         )
     elif done.failure is None:
         lines.append('All flights were already stored; nothing was flown.')
@@ -256,10 +257,10 @@ def to_json(done: SweepRun) -> dict[str, Any]:
         'reached_share': share.value,
         'reached_low': share.low,
         'reached_high': share.high,
-        'flown': done.flown,
+        'flown': done.new_flights,
         'workers_lost': done.lost,
         # Zero if all flights were already stored
-        'rate': done.flown / done.wall if done.wall else 0.0,
+        'rate': done.new_flights / done.wall if done.wall else 0.0,
         'table': str(done.table),
         'units': {'rate': '1/s', 'reached_share': '1', 'reached_low': '1', 'reached_high': '1'},
     }

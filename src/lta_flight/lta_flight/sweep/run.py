@@ -60,7 +60,7 @@ class SweepRun:
     folder: Path
     table: Path
     # Flights and lost workers of this run
-    flown: int
+    new_flights: int
     lost: int
     wall: float  # duration of this run's flights [s]
     # What stopped this run before its last flight

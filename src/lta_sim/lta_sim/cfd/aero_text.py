@@ -61,7 +61,7 @@ def _format_drag(
 
 
 def _format_wrench(column: AllocationColumn, engine: str) -> dict[str, Any]:
-    source = f'{engine}, {column.found}'
+    source = f'{engine}, {column.source}'
     return {
         'force': format_quantity(column.wrench[:3].tolist(), 'N/N', source),
         'moment': format_quantity(column.wrench[3:].tolist(), 'm', source),

@@ -25,7 +25,7 @@ class AllocationColumn:
     """A wrench per newton about the hull centre [1, m], and its origin."""
 
     wrench: Array
-    found: str
+    source: str
 
 
 @final

@@ -174,7 +174,7 @@ class MissionFlyer:
             phase = Phase.SEEK if mission.phase == Phase.ARRIVED else mission.phase
             mission = mission._replace(phase=phase, memory=STRATEGY.onward(mission.memory))
         flight = memory.flight._replace(mission=mission)
-        begin = memory._replace(flight=flight, outcome=FLYING, begun=flight.step)
+        begin = memory._replace(flight=flight, outcome=FLYING, first_step=flight.step)
         constants = self._pilot.pack_constants(beacon_flight)
         going.memory = self._pilot.fly_leg(constants, leg, begin, going.seed)
         return going.memory.outcome

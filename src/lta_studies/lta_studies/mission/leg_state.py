@@ -53,7 +53,7 @@ class LegState(NamedTuple):
 
     flight: FlightMemory  # state of vehicle and drone; time and energy count from take-off
     charge: float  # charge estimate of the drone [1]
-    begun: int  # control period at which this leg began
+    first_step: int  # control period at which this leg began
     path: float  # horizontal path since take-off [m]
     lowest: float  # lowest voltage since take-off [V]
     outcome: int  # `FLYING` or how the leg ended
@@ -116,10 +116,12 @@ def update_leg(
     return LegState(
         flight,
         charge,
-        before.begun,
+        before.first_step,
         before.path + math.hypot(flight.state[0] - old[0], flight.state[1] - old[1]),
         min(before.lowest, flight.supply.flow.voltage),
-        assess_leg(constants, leg, flight, charge, (flight.step - before.begun) * schedule.period),
+        assess_leg(
+            constants, leg, flight, charge, (flight.step - before.first_step) * schedule.period
+        ),
     )
 
 

@@ -37,12 +37,12 @@ def tuning_to_json(tuned: TuningResult) -> Any:  # noqa: ANN401 - what JSON hold
     gap = compare_costs(tuned.old.flights, tuned.new.flights)
     return replace_nonfinite(
         {
-            'candidates': len(tuned.found.history),
-            'flights': len(tuned.found.history) * len(tuned.losses),
-            'stopped': tuned.found.stopped,
-            'cost': {'old': tuned.found.first, 'new': tuned.found.cost},
+            'candidates': len(tuned.search.history),
+            'flights': len(tuned.search.history) * len(tuned.losses),
+            'stopped': tuned.search.stopped,
+            'cost': {'old': tuned.search.first, 'new': tuned.search.cost},
             'fresh_difference': asdict(gap),
-            'gains': dict(tuned.found.numbers),
+            'gains': dict(tuned.search.numbers),
             'old': gain_set_to_json(tuned.old),
             'new': gain_set_to_json(tuned.new),
             'file': str(tuned.file),
@@ -146,7 +146,7 @@ def describe_tuning(tuned: TuningResult) -> str:
     """Describe the flights of the tuning and the cost."""
     order = tuned.order
     return (
-        f'{len(tuned.found.history)} candidate gain sets flew {len(tuned.losses)} test '
+        f'{len(tuned.search.history)} candidate gain sets flew {len(tuned.losses)} test '
         f'flights each, with {1e3 * order.least:g} to {1e3 * order.most:g} g of lift lost, '
         'unknown to the drone. The comparison below uses new random flights. The cost '
         'combines settling, overshoot, steady error, swing, rotor activity and mission '
@@ -188,7 +188,7 @@ def build_tiles(tuned: TuningResult) -> list[Tile]:
         ),
         Tile(
             'Flights',
-            str(len(tuned.found.history) * len(tuned.losses)),
+            str(len(tuned.search.history) * len(tuned.losses)),
             '',
             # Each draw is flown with both sets of gains.
             f'in the search, and {2 * len(old.flights.reports)} in the comparison',
@@ -206,7 +206,7 @@ def draw_pictures(tuned: TuningResult, old: Traces, new: Traces) -> Iterator[Pic
         'Each random flight is flown with both sets of gains.',
         pictures.plot_costs(tuned.old.flights, tuned.new.flights), height=270,
     )  # fmt: skip
-    history = pictures.plot_search(tuned.found.history, len(tuned.losses))
+    history = pictures.plot_search(tuned.search.history, len(tuned.losses))
     yield Picture('search', 'The search', SEARCH, history, height=270)
 
 

@@ -82,7 +82,7 @@ class TuningResult:
 
     order: TuningRequest
     gains_name: str
-    found: GainSearchResult
+    search: GainSearchResult
     numbers: tuple[TunableParameter, ...]  # tuned parameters with their old values
     # Results with the old and the new gains
     old: GainSetResult

@@ -111,7 +111,7 @@ def test_a_stream_by_hand_over_the_wrap_of_its_clock():
         LogPacket('imu', stamp, {}, 1_000_000 * ((stamp + 1000) % 2**24)) for stamp in stamps
     ]
     figures = compute_stream_statistics(LogBlock('imu', 10, {}), packets)
-    assert (figures.wanted, figures.packets) == (100.0, 9)
+    assert (figures.requested_rate, figures.packets) == (100.0, 9)
     assert figures.rate == pytest.approx(8 / 0.09)
     assert figures.loss == pytest.approx(0.1)
     assert figures.jitter == pytest.approx(0.0, abs=1e-9)

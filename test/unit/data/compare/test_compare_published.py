@@ -71,7 +71,7 @@ def test_repeats_of_one_input_have_one_command_and_part_in_motion():
     assert altitude.parting.at is not None
     # Two runs, however alike, are not one run that was recorded twice.
     assert found.timing.how != 'clock'
-    assert found.timing.found is None or found.timing.found.correlation < 0.9
+    assert found.timing.estimated_offset is None or found.timing.estimated_offset.correlation < 0.9
     assert found.verdict == 'different'
 
 

@@ -196,8 +196,8 @@ def test_with_the_loops_noise_the_step_flies_the_loops_flight(strategy, scene, m
         assert loop.world.charge == pytest.approx(charge, rel=1e-8)
         assert loop.duties == pytest.approx(memory.onboard.duties[:4], abs=1e-6)
         assert loop.mission.phase == memory.mission.phase
-        if loop.asked is not None:
-            assert loop.asked == pytest.approx(memory.setpoint, abs=1e-6)
+        if loop.next_setpoint is not None:
+            assert loop.next_setpoint == pytest.approx(memory.setpoint, abs=1e-6)
         if k == 500:
             break
         state, charge = memory.state, memory.supply.flow.charge

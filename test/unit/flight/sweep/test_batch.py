@@ -54,7 +54,7 @@ def run(file, folder, **options):
 def test_it_is_flown_once_and_has_table_and_report(sweep, tmp_path):
     file, folder = sweep(), tmp_path / 'out'
     done = run(file, folder)
-    assert (done.flown, len(done.rows)) == (18, 18)
+    assert (done.new_flights, len(done.rows)) == (18, 18)
     assert Counter(row.outcome for row in done.rows) == {'timeout': 18}
     table = parquet.read_table(done.table)
     assert table.column('path_length').null_count == 0
@@ -65,7 +65,7 @@ def test_it_is_flown_once_and_has_table_and_report(sweep, tmp_path):
     assert report.facts['flown as'] == '--device cpu-batch'
     assert 'Fly one like the first lost flight' in report.commands
     again = run(file, folder)
-    assert again.flown == 0
+    assert again.new_flights == 0
     assert again.rows == done.rows
 
 

@@ -60,11 +60,11 @@ def run(file, folder, **options):
 def test_a_sweep_is_flown_kept_and_not_flown_again(sweep, tmp_path):
     file, folder = sweep(), tmp_path / 'out'
     done = run(file, folder)
-    assert (done.flown, done.lost) == (8, 0)
+    assert (done.new_flights, done.lost) == (8, 0)
     assert [row.index for row in done.rows] == list(range(8))
     assert Counter(row.outcome for row in done.rows) == {'timeout': 8}
     again = run(file, folder)
-    assert again.flown == 0
+    assert again.new_flights == 0
     assert again.rows == done.rows
 
 
@@ -85,7 +85,7 @@ def test_a_torn_line_is_flown_again(sweep, tmp_path):
     lines = log.read_bytes().splitlines(keepends=True)
     log.write_bytes(b''.join(lines[:5]) + lines[5][:40])
     done = run(file, folder)
-    assert done.flown == 4
+    assert done.new_flights == 4
     assert [row.figures for row in done.rows] == [row.figures for row in whole]
 
 
@@ -113,8 +113,8 @@ def test_a_flight_that_cannot_be_flown_is_kept_with_its_reason(sweep, tmp_path):
     done = run(file, folder)
     assert [row.outcome for row in done.rows] == ['timeout'] * 3 + ['failed']
     assert 'outside the room' in done.rows[3].sentence
-    assert run(file, folder).flown == 0
-    assert run(file, folder, computing=StudyOptions(1, retry_failed=True)).flown == 1
+    assert run(file, folder).new_flights == 0
+    assert run(file, folder, computing=StudyOptions(1, retry_failed=True)).new_flights == 1
     report = build_report(done)
     first, *others = report.blocks[-1].rows
     assert (first[0], first[-2]) == ('3', 'failed')
@@ -216,7 +216,7 @@ def test_a_sweep_that_is_stopped_goes_on_where_it_was(sweep, tmp_path, number):
         assert 5 <= len(parquet.read_table(folder / 'flights.parquet')) < 40
     before = log.read_bytes().count(b'\n') - 1
     done = run(file, folder)
-    assert done.flown in (40 - before, 40 - before + 1)  # a line may have been torn
+    assert done.new_flights in (40 - before, 40 - before + 1)  # a line may have been torn
     assert [row.index for row in done.rows] == list(range(40))
 
 

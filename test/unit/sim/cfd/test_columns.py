@@ -45,7 +45,7 @@ def test_a_column_is_a_wrench_per_newton():
 def test_the_other_side_is_the_mirror_image():
     found = find_rotor_column(gtmab(up_left=UP), 'up_right')
     assert found.wrench == pytest.approx([0, -0.013, 0.961, -0.188, 0, 0])
-    assert found.found == 'as up_left, by symmetry'
+    assert found.source == 'as up_left, by symmetry'
 
 
 def test_a_reversed_column_is_for_negative_thrust():

@@ -113,9 +113,9 @@ def test_net_power_at_18_klux_by_hand():
         # 0.95, 22 mW of the charger, and 0.85.
         assert led.harvest == pytest.approx(rated * 0.06 * factor, rel=0.2)
         for net in (led, sun):
-            assert net.given == pytest.approx((net.harvest * 0.95 - 0.022) * 0.85)
-            assert net.standby == pytest.approx(net.given - 0.097)
-            assert net.transmitting == pytest.approx(net.given - 0.120)
+            assert net.charger == pytest.approx((net.harvest * 0.95 - 0.022) * 0.85)
+            assert net.standby == pytest.approx(net.charger - 0.097)
+            assert net.transmitting == pytest.approx(net.charger - 0.120)
 
 
 def test_only_sunlight_on_the_small_reading_gives_both_signs_of_the_paper():

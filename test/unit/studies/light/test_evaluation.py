@@ -215,7 +215,7 @@ def done(shipped, tmp_path_factory):
 
 
 def test_two_seeds_are_flown_from_end_to_end(done):
-    assert (done.flown, done.total, done.stopped) == (12, 12, False)
+    assert (done.new_flights, done.total, done.stopped) == (12, 12, False)
     cells = {(each.case, each.strategy): each for each in done.cells[sets.INDOORS]}
     assert set(cells) == set(product(('as_flown', 'draught'), ('bag', 'pilot')))
     for each in cells.values():
@@ -243,7 +243,7 @@ def test_batches_fly_all_strategies_and_leave_the_pilot_alone(done, tmp_path, mo
     monkeypatch.setattr('lta_flight.sweep.batch_workers.fly_many', fly_many)
     order = replace(done.order, folder=tmp_path / 'out', device='cpu-batch')
     batched = run_evaluation(order, QUIET)
-    assert (batched.flown, batched.total) == (12, 12)
+    assert (batched.new_flights, batched.total) == (12, 12)
     # Two sets of two cases with two seeds each
     assert batches == [(2, [1, 1, 1, 1, 2, 2, 2, 2], 'cpu-batch', True)]
     for name, own in done.cells.items():
@@ -263,7 +263,7 @@ def test_batches_fly_all_strategies_and_leave_the_pilot_alone(done, tmp_path, mo
 
 def test_what_was_flown_is_not_flown_again_and_more_seeds_only_add(done, monkeypatch):
     again = run_evaluation(done.order, QUIET)
-    assert again.flown == 0
+    assert again.new_flights == 0
     assert again.cells == done.cells
     flown = []
 
@@ -292,7 +292,7 @@ def test_what_was_flown_is_not_flown_again_and_more_seeds_only_add(done, monkeyp
     assert stopped.stopped
     assert {job.seed for job in flown} == {3}
     assert Counter(job.values['strategy'] for job in flown)['pilot'] == 2
-    assert (stopped.flown, stopped.total) == (4, 18)
+    assert (stopped.new_flights, stopped.total) == (4, 18)
     for name, own in done.cells.items():  # the flights of two seeds are as they were
         kept = {(each.case, each.strategy): each for each in stopped.cells[name]}
         for each in own:

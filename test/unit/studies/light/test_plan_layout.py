@@ -110,11 +110,11 @@ def test_the_hull_needs_room():
     assert np.all((np.abs(x - 6) >= 1.0) & (np.abs(y - 6) >= 1.0))
     low = {'bench': rectangle(4, 4, 8, 8) | {'height': '1.5 m'}}
     over = build_floor(hall(obstacles=low), ear().vehicle, 0.25)
-    assert over.wanted[over.locate_cells(np.array([6.0, 6.0]))]
+    assert over.target_cells[over.locate_cells(np.array([6.0, 6.0]))]
     assert len(over.walls) == 8
     part = build_floor(hall(hear={'west': rectangle(0, 0, 3, 12)}), ear().vehicle, 0.25)
     assert part.cell_centers[:, 0].max() < 3.0
-    assert part.free.sum() > part.wanted.sum()
+    assert part.free.sum() > part.target_cells.sum()
 
 
 def test_lamps_hang_on_walls_and_racks_and_face_away_from_them():

@@ -48,7 +48,7 @@ def begun(pilot, scenes, charge=0.8):
 
 
 def go_on(pilot, made, leg, memory):
-    memory = memory._replace(outcome=FLYING, begun=memory.flight.step)
+    memory = memory._replace(outcome=FLYING, first_step=memory.flight.step)
     return pilot.fly_leg(pilot.pack_constants(made), leg, memory, 3)
 
 

@@ -72,13 +72,13 @@ class NetPower:
     """
     The net power of an array in some kind of light. [W]
 
-    `given` is the charger output; `standby` and `transmitting` are that minus the loads.
+    `charger` is the charger output; `standby` and `transmitting` are that minus the loads.
     """
 
     light: str
     irradiance: float
     harvest: float
-    given: float
+    charger: float
     standby: float
     transmitting: float
 

@@ -130,7 +130,7 @@ def build_array_table(table: CellTable, energy: EnergyBlock) -> TextTable:
 
 def format_net_power(net: NetPower) -> list[str]:
     """Format irradiance [W/m2] and powers [mW]."""
-    powers = (net.harvest, net.given, net.standby, net.transmitting)
+    powers = (net.harvest, net.charger, net.standby, net.transmitting)
     return [format_number(net.irradiance, 0), *(format_number(power, 1, 1e3) for power in powers)]
 
 
@@ -213,5 +213,5 @@ def to_json(table: CellTable, energy: EnergyBlock, budget: float) -> dict[str, A
 def _net_power_to_json(net: NetPower) -> dict[str, float | str]:
     return {
         'light': net.light, 'irradiance': net.irradiance, 'harvest': net.harvest,
-        'given': net.given, 'standby': net.standby, 'transmitting': net.transmitting,
+        'given': net.charger, 'standby': net.standby, 'transmitting': net.transmitting,
     }  # fmt: skip

@@ -117,7 +117,7 @@ def draw_straight_flights(study: MountingStudy) -> Figure:
     for row, group in enumerate((study.shared, study.misplaced), start=1):
         ends, labels = [], []
         for colour, (name, each) in zip(COLOURS, group.items(), strict=False):
-            record = each.flights[0].flown.crop(LIFT_OFF - 4.0, END)
+            record = each.flights[0].track.crop(LIFT_OFF - 4.0, END)
             degrees = DEGREES * record.pitch
             figure.add_trace(
                 build_line_trace(name, record.time, degrees, colour, unit='°', width=1.2), row, 1

@@ -36,7 +36,7 @@ class StraightFlightResult:
     rms: float
     power: float  # mean power after departure, including electronics and radio [W]
     hover: float  # mean power in the last 10 s before departure [W]
-    flown: FlightTrack
+    track: FlightTrack
 
 
 def prepare_flight(mounted: MountedVehicle, gains: str, seed: int) -> ClosedLoop:
@@ -82,7 +82,7 @@ def evaluate_flight(mounted: MountedVehicle, track: FlightTrack) -> StraightFlig
         rms=float(way.pitch.std()),
         power=steady + float(way.rotors.mean()),
         hover=steady + float(before.rotors.mean()),
-        flown=track,
+        track=track,
     )
 
 

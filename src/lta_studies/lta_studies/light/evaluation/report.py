@@ -138,13 +138,13 @@ def describe_cautions(status: EvaluationStatus) -> list[str]:
 def describe_run(status: EvaluationStatus) -> list[str]:
     """Return lines on the computing time, and on how to resume."""
     lines = ['All flights were already stored; nothing was flown.']
-    if status.flown:
+    if status.new_flights:
         # Processor time per flight [s]
         each = status.work / max(count_flights(status), 1)
         lines = [
-            f'{format_count(status.flown, "flight")} in {status.wall:.0f} s: '
-            f'{status.flown / status.wall:.1f} flights/s; {each:.2f} s of processor time per '
-            'flight.'
+            f'{format_count(status.new_flights, "flight")} in {status.wall:.0f} s: '
+            f'{status.new_flights / status.wall:.1f} flights/s; '
+            f'{each:.2f} s of processor time per flight.'
         ]
     if status.stopped:
         lines.append(f'Stopped: {describe_flights(status)}; repeat the command to resume.')

@@ -56,7 +56,7 @@ class EvaluationStatus:
     plans: Mapping[str, SweepPlan]  # sweep plans by set
     cells: Mapping[str, list[EvaluationCell]]  # results by set
     # Flights of this run, and all flights requested
-    flown: int
+    new_flights: int
     total: int
     # Wall time of this run, and computing time of all flights [s]
     wall: float

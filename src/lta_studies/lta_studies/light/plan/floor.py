@@ -36,14 +36,14 @@ class FloorGrid:
     cell: float  # side of a cell [m]
     free: Mask  # cells where the hull fits, shape (ny, nx)
     # Free cells that must receive a lamp (inside the areas `hear`, if any), shape (ny, nx)
-    wanted: Mask
+    target_cells: Mask
     walls: Array  # opaque vertical faces on the floor: x0 y0 x1 y1 and height, shape (w, 5) [m]
     area: float  # area of the whole floor [m2]
 
     @property
     def cell_centers(self) -> Array:
         """Centres of the wanted cells, shape (m, 2). [m]"""
-        rows, columns = np.nonzero(self.wanted)
+        rows, columns = np.nonzero(self.target_cells)
         return np.stack([self.x[columns], self.y[rows]], axis=1)
 
     def locate_cells(self, points: Array) -> tuple[Array, Array]:

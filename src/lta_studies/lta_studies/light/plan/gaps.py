@@ -30,10 +30,10 @@ def find_gaps(layout: LampLayout) -> list[CoverageGap]:
     floor, half = layout.floor, 0.5 * layout.floor.cell
     # `overlap` lamps must be received everywhere; more than one allows hand-overs.
     lacking = layout.received_count < layout.overlap
-    grid = np.zeros(floor.wanted.shape, dtype=bool)
-    grid[floor.wanted] = lacking
-    causes = np.full(floor.wanted.shape, '', dtype=object)
-    causes[floor.wanted] = _find_gap_causes(layout)
+    grid = np.zeros(floor.target_cells.shape, dtype=bool)
+    grid[floor.target_cells] = lacking
+    causes = np.full(floor.target_cells.shape, '', dtype=object)
+    causes[floor.target_cells] = _find_gap_causes(layout)
     # Cells that touch at a corner belong together.
     labels, count = ndimage.label(grid, structure=np.ones((3, 3)))
     gaps = []

@@ -18,7 +18,7 @@ def encode_layout(layout: LampLayout, handover: LampHandover) -> dict[str, Any]:
         'overlap': layout.overlap,
         'altitude': layout.plan.altitude.si,
         'floor_area': floor.area,
-        'wanted_area': float(floor.wanted.sum()) * floor.cell**2,
+        'wanted_area': float(floor.target_cells.sum()) * floor.cell**2,
         'coverage': layout.coverage,
         'coverage_by_lamps': {
             # Share of the cells that receive at least k lamps

@@ -35,10 +35,10 @@ def plot_coverage(layout: LampLayout) -> Figure:
     """Plot the SNR of the best received lamp, the lamps, and the gaps hatched."""
     figure = create_floor_figure(layout)
     floor = layout.floor
-    best = np.full(floor.wanted.shape, np.nan)
-    names = np.full(floor.wanted.shape, '', dtype=object)
-    best[floor.wanted] = layout.snr.max(axis=0)
-    names[floor.wanted] = [layout.lamps[k].name for k in layout.snr.argmax(axis=0)]
+    best = np.full(floor.target_cells.shape, np.nan)
+    names = np.full(floor.target_cells.shape, '', dtype=object)
+    best[floor.target_cells] = layout.snr.max(axis=0)
+    names[floor.target_cells] = [layout.lamps[k].name for k in layout.snr.argmax(axis=0)]
     low, high = color_range(layout)
     figure.add_trace(
         Heatmap(
@@ -133,8 +133,8 @@ def choose_ticks(low: float, high: float) -> list[float]:
 def hatch_gaps(figure: Figure, layout: LampLayout) -> None:
     """Hatch the cells that receive too few lamps."""
     floor, half = layout.floor, 0.5 * layout.floor.cell
-    grid = np.zeros(floor.wanted.shape, dtype=bool)
-    grid[floor.wanted] = layout.received_count < layout.overlap
+    grid = np.zeros(floor.target_cells.shape, dtype=bool)
+    grid[floor.target_cells] = layout.received_count < layout.overlap
     x: list[float | None] = []
     y: list[float | None] = []
     for row, line in enumerate(grid):

@@ -99,7 +99,7 @@ def format_percent(share: float) -> str:
 def build_tiles(layout: LampLayout, handover: LampHandover) -> list[Tile]:
     """Return the tiles of the layout."""
     count, floor = len(layout.lamps), layout.floor
-    area = float(floor.wanted.sum()) * floor.cell**2
+    area = float(floor.target_cells.sum()) * floor.cell**2
     # The best lamp in each cell, then the worst cell
     weakest = float(layout.snr.max(axis=0).min())
     two = format_percent(float((layout.received_count >= 2).mean()))
