@@ -53,6 +53,8 @@ RULES = {
     'faults': rule('lta_model/lta_model/scenario_faults.py', 'panel_short brown_out'),
     'anti-windup': rule(f'{CONTROL}/control.py', 'shortfall', 1),
     'overturned drone': rule(f'{CONTROL}/onboard.py', 'uprightness', 1),
+    # What a flight in one process records; the graph's recorder takes the topics of its launch.
+    'recording': rule(f'{FLIGHT}/messages.py', 'recorded repeatable'),
 }  # fmt: skip
 # Who may call a step of the closed loop.
 CALLERS = {
@@ -79,6 +81,11 @@ CALLERS = {
     # `FlightTermination` in the same module is what the world calls.
     'evaluate_outcome': {
         'lta_sim/lta_sim/termination.py', 'lta_sim/lta_sim/world.py', f'{FLIGHT}/batch/flight.py'
+    },
+    # All who write a bag of a flight in one process.
+    'LoopRecorder': {
+        f'{FLIGHT}/simulate.py', f'{STUDIES}/reproduce/recording.py',
+        'lta_discovery/lta_discovery/demo/hidden_effect.py',
     },
     'has_diverged': {
         'lta_sim/lta_sim/world.py', f'{FLIGHT}/batch/flight.py', f'{STUDIES}/mission/leg_state.py'
