@@ -154,13 +154,13 @@ class EffectVerification:
                 break
             then = self.fitter.fit_deviations(last.group, last.prior, last.deviations)
             # Its little evidence is no match for a force outside the library on the same axes
-            if self._acts_beside_rival(step.named, then, teach):
+            if self._acts_with_rival(step.named, then, teach):
                 steps[-1] = replace(step, named='')
                 break
             names, full = (*names, step.named), then
         return tuple(steps), full
 
-    def _acts_beside_rival(self, name: str, full: JointFit, teach: int) -> bool:
+    def _acts_with_rival(self, name: str, full: JointFit, teach: int) -> bool:
         """Return whether a generic rival is evident on an axis on which an effect acts."""
         floor = self.fitter.floor
         acts = find_acting_axes(full.group.linears[0], name, floor)

@@ -280,7 +280,7 @@ def test_fainter_effects_are_added_until_a_round_names_none(
         ),
         mock.patch.object(
             EffectVerification,
-            '_acts_beside_rival',
+            '_acts_with_rival',
             lambda self, name, full, teach: name == beside,
         ),
     ):
