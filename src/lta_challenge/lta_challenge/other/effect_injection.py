@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Final, final
 
+from lta_challenge.other.rotors import approximate_lag
 from lta_challenge.other.truth import VehicleTruth
 import numpy as np
 
@@ -142,13 +143,14 @@ def true_values(
         if hiding.axis is not None:
             number, begun = number[hiding.axis], begun[hiding.axis]
         if knob == 'motor_lag':
-            # The library has one lag: compare with the sum of both stages
-            whole = truth.lag + truth.slow_lag
-            out[effect] = {'up': whole, 'down': whole}
+            lag, _ = approximate_lag(truth)
+            out[effect] = {'up': lag, 'down': lag}
             continue
         if effect == 'quadratic_drag':
             # The parameter of the library is the total quadratic drag
             number += truth.drag[hiding.axis or 0]
+        elif knob == 'command_delay.delay':
+            number += approximate_lag(truth)[1]
         elif effect in ('cg_height', 'cg_offset'):
             number -= begun  # the library defines these relative to the vehicle file
         elif knob in SHARES:

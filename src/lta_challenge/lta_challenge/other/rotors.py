@@ -11,6 +11,26 @@ WIDTH: Final = 0.02  # hysteresis of the deadband, relative: starts above it, st
 SECOND: Final = 0.1  # share of the second stage in a hidden lag
 
 
+def split_lag(truth: VehicleTruth) -> tuple[float, float]:
+    """Return the time constants of both stages of the lag; 0 for none. [s]"""
+    # The mean delay of two stages is the sum of their time constants
+    whole = truth.lag + truth.slow_lag
+    late = SECOND * whole if truth.slow_lag else 0.0
+    return whole - late, late
+
+
+def approximate_lag(truth: VehicleTruth) -> tuple[float, float]:
+    """
+    Return the lag and the additional delay of one stage that act as both stages. [s]
+
+    Their impulse response has the same mean and variance: two stages a and b have a + b and
+    a^2 + b^2, and a stage c after a delay d has c + d and c^2.
+    """
+    stages = split_lag(truth)
+    lag = math.hypot(*stages)
+    return lag, sum(stages) - lag
+
+
 @final
 class RotorSet:
     """
@@ -21,10 +41,7 @@ class RotorSet:
 
     def __init__(self, truth: VehicleTruth, duties: Sequence[float]) -> None:
         self._truth = truth
-        whole = truth.lag + truth.slow_lag
-        # The mean delay of two stages is the sum of their time constants
-        self._late = SECOND * whole if truth.slow_lag else 0.0
-        self._early = whole - self._late
+        self._early, self._late = split_lag(truth)
         self._turning = [False] * len(truth.gains)
         self._aim = [0.0] * len(truth.gains)
         self.set_duties(duties)

@@ -5,7 +5,7 @@ The columns are the initial state of each piece, the knots of a latent wrench, t
 every free parameter. Only the products of whitened columns are stored per piece.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final, final
 
@@ -35,7 +35,6 @@ from lta_discovery.replay.reading_jacobian import reading_jacobians
 from lta_discovery.replay.replay import BodyInputs, FlightReplay, STEPS
 from lta_discovery.replay.sensing import (
     ideal_readings,
-    marker_frame,
     pose_sensitivity,
     predict_readings,
     PredictedReadings,
@@ -48,7 +47,6 @@ from lta_discovery.replay.variational_equation import (
     propagate_changes,
     WIDTH,
 )
-from lta_model.measurement_chain import Chain
 import numpy as np
 from numpy.typing import NDArray
 
@@ -82,8 +80,6 @@ class FlightLinearizer:
         # All unknowns but the pressure, which is the last
         self.motion = self.random - 1
         self._hats = hat_functions(replay.span, cut.knots)
-        # With gyros, the offsets of the initial states absorb a tilt of the tracker frame.
-        self._seen_only = flight.has_only_pose
         # The same weights per grid period, for the sensitivities
         self._sparse = self._hats.reshape(-1, STEPS, self._knots).mean(axis=1)
 
@@ -116,17 +112,11 @@ class FlightLinearizer:
         """Return the states at each step of some pieces."""
         told_at = self.replay.cut.start[which]
         # Poses are in the tracker frame; the model needs the map frame
-        moved = self._moves_start(rows.acting)
-        begun = transform_to_map(told_at, rows.acting) if moved else told_at
+        begun = transform_to_map(told_at, rows.acting)
         start = apply_state_changes(begun, point.random[which, :WIDTH])
         return self.replay.integrate_pieces(
             rows, ready, start, self._interpolate_latent(point, which, self._hats), which
         )
-
-    def _moves_start(self, acting: Mapping[str, Chain]) -> bool:
-        """Return whether the measured initial states are transformed into the map."""
-        # Offsets of the initial states absorb a tilt of the tracker, but not the markers' frame
-        return self._seen_only or marker_frame(acting) is not None
 
     def _interpolate_latent(self, point: LinearizationPoint, which: slice, hats: Array) -> Array:
         """Return the latent force and moment in each step."""
@@ -199,7 +189,6 @@ class FlightLinearizer:
         noise = self.replay.flight.noise
         states = self._simulate_pieces(about.rows, about.ready, point, which)
         grid, time = states[:, ::STEPS], self.time[which]
-        # Computed once, and reused for the differences of all sensor parameters
         exact = ideal_readings(grid[:, :-1], grid[:, 1:], self.places)
         base = predict_readings(grid, time, about.rows.acting, self.places, exact)
         left = self._subtract_predicted(base, point, which) / noise
@@ -209,12 +198,18 @@ class FlightLinearizer:
         change = self.state_sensitivities(point, about, states, which)
         self._write_reading_columns(change, grid, exact, time, about, table[..., :end])
         for k, turn in enumerate(about.turned):
-            read = self._difference_readings(grid, time, turn, base, exact)[..., :channels]
+            grids: tuple[Array, Array] = (grid, grid)
+            same: Array | None = exact
+            # The initial state follows the tracker frame, and so does the whole trajectory. The
+            # sensitivities would leave a turn about the vertical some effect.
+            if turn.after.acting['pose'] != turn.before.acting['pose']:
+                before, after = (
+                    self._simulate_pieces(rows, about.ready, point, which)[:, ::STEPS]
+                    for rows in (turn.before, turn.after)
+                )
+                grids, same = (before, after), None
+            read = self._difference_readings(grids, time, turn, same)[..., :channels]
             table[..., end + 1 + k] = read / (turn.step * noise[:channels])
-            # The initial state follows the tracker frame, and so does the whole trajectory
-            if turn.after.acting['pose'] and self._moves_start(turn.after.acting):
-                begun = start_sensitivity(self.replay.cut.start[which], turn)
-                table[..., end + 1 + k] += np.einsum('sncb,sb->snc', table[..., :WIDTH], begun)
         if channels > POSE:
             own = table.shape[-1] - 1 - len(SENSORS)
             # Offsets of the pressure in the piece and the flight, then force scales.
@@ -306,10 +301,17 @@ class FlightLinearizer:
             out[:, :, POSE:12] += last[:, :, :6] @ end  # range and pressure are of an instant
 
     def _difference_readings(
-        self, grid: Array, time: Array, turn: SensorStep, base: PredictedReadings, exact: Array
+        self, grids: tuple[Array, Array], time: Array, turn: SensorStep, exact: Array | None
     ) -> Array:
-        """Return the difference of readings under two sets of measurement effects."""
-        a, b = (predict_readings(grid, time, rows.acting, self.places, exact) for rows in turn[:2])
+        """
+        Return the difference of readings under two sets of measurement effects.
+
+        `exact`: ideal readings, if they are those of both trajectories.
+        """
+        a, b = (
+            predict_readings(grid, time, rows.acting, self.places, exact)
+            for grid, rows in zip(grids, (turn.before, turn.after), strict=True)
+        )
         turned = quaternion_logarithm(
             quaternion_product(quaternion_conjugate(a.quaternion), b.quaternion)
         )

@@ -56,9 +56,10 @@ def _write_height_slopes(begin: Array, first: Array, places: SensorPlaces) -> No
     first[..., 6, 2] = 1.0 / along
     first[..., 6, TURN] = lever @ leaning / along[..., None]
     first[..., 6, TURN] -= (above / along**2)[..., None] * leaning[..., 2, :]
-    part = LAPSE / SEA_TEMPERATURE
-    thinner = (1.0 - part * (begin[..., 2] + places.imu[2])) ** (EXPONENT - 1.0)
+    part, lever = LAPSE / SEA_TEMPERATURE, np.array(places.imu)
+    thinner = (1.0 - part * (begin[..., 2] + up @ lever)) ** (EXPONENT - 1.0)
     first[..., 7, 2] = -places.floor * EXPONENT * part * thinner
+    first[..., 7, TURN] = first[..., 7, 2, None] * (lever @ leaning)
 
 
 def _apply_sensor_effects(

@@ -214,8 +214,8 @@ def ideal_readings(begin: Array, end: Array, places: SensorPlaces) -> Array:
     vertical = body_vertical(begin)
     # The beam leaves along the body's vertical: height over the cosine of the tilt
     distance = (begin[..., 2] + vertical @ np.array(places.range)) / vertical[..., 2]
-    # At the height of the level IMU, as in the simulated barometer.
-    height = begin[..., 2] + places.imu[2]
+    # The barometer is beside the IMU and moves with it as the vehicle tilts
+    height = begin[..., 2] + vertical @ np.array(places.imu)
     pressure = places.floor * (1.0 - LAPSE * height / SEA_TEMPERATURE) ** EXPONENT
     rates = 0.5 * (begin[..., 10:13] + end[..., 10:13])
     force = _specific_force(begin, end, places.imu)

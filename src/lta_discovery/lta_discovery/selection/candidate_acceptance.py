@@ -40,8 +40,15 @@ class CandidateTrial(NamedTuple):
     @property
     def is_contradictory(self) -> bool:
         """Return whether the two sides contradict each other."""
-        # A clear gain on one side and a clear loss on the other
-        return min(self.gain, self.replicated) < -TORN and max(self.gain, self.replicated) > LARGER
+        # A clear gain on one side and a clear loss on the other, or two values of one constant
+        torn = min(self.gain, self.replicated) < -TORN and max(self.gain, self.replicated) > LARGER
+        return torn or not self.agrees
+
+    @property
+    def agrees(self) -> bool:
+        """Return whether both sides have the same value."""
+        # Very precise values differ by many deviations, yet only by a few per cent
+        return self.apart < APART or self.part < PART
 
     @property
     def wins_on_both(self) -> bool:
@@ -61,6 +68,4 @@ class CandidateTrial(NamedTuple):
         strong = self.gain + witness > GAIN and max(self.gain, witness) > LARGER
         holds = self.held_out > HOLDS and self.replicated > -TORN
         again = self.replicated > AGAIN and self.held_out > -SPOILT
-        # Very precise values differ by many deviations, yet only by a few per cent
-        agree = self.apart < APART or self.part < PART
-        return strong and agree and (holds or again)
+        return strong and self.agrees and (holds or again)

@@ -29,7 +29,12 @@ from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.selection.candidate_acceptance import LARGER, TIE, TRIFLE
 from lta_discovery.selection.candidate_scan import column_cosines
 from lta_discovery.selection.effect_search import EffectSearchResult, MOST, Pair, SelectionRound
+from lta_discovery.selection.residual_guards import find_acting_axes
 from lta_discovery.selection.weak_effects import WeakEffectSearch
+from lta_discovery.unmodeled.fit_baseline import FitBaseline
+from lta_discovery.unmodeled.rivals import RivalSearch
+from lta_discovery.unmodeled.verdict import select_evident_rivals
+from lta_model.effects.protocol import AXES
 import numpy as np
 from numpy.typing import NDArray
 
@@ -147,10 +152,26 @@ class EffectVerification:
             steps.append(step)
             if not step.named:
                 break
-            names = (*names, step.named)
-        if last is not None and any(step.named for step in steps):
-            full = self.fitter.fit_deviations(last.group, last.prior, last.deviations)
+            then = self.fitter.fit_deviations(last.group, last.prior, last.deviations)
+            # Its little evidence is no match for a force outside the library on the same axes
+            if self._acts_with_rival(step.named, then, teach):
+                steps[-1] = replace(step, named='')
+                break
+            names, full = (*names, step.named), then
         return tuple(steps), full
+
+    def _acts_with_rival(self, name: str, full: JointFit, teach: int) -> bool:
+        """Return whether a generic rival is evident on an axis on which an effect acts."""
+        floor = self.fitter.floor
+        acts = find_acting_axes(full.group.linears[0], name, floor)
+        if not acts.any():
+            return False
+        sides = slice(0, teach), slice(teach, None)
+        rivals = RivalSearch([self.fitter.flights[side] for side in sides]).rank_rivals(
+            [FitBaseline.from_part(full, side, floor) for side in sides]
+        )
+        axes = {axis for one in select_evident_rivals(rivals) for axis in one.axes}
+        return any(axis in axes for axis, here in zip(AXES, acts, strict=True) if here)
 
     def _fit_values(self, full: JointFit, names: Sequence[str]) -> JointFit:
         """Fit the effects with flat priors of their sizes."""

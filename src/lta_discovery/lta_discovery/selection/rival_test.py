@@ -171,19 +171,21 @@ class RivalTest:
         acts, k = find_acting_axes(linear, name, self._floor), linear.names.index(name)
         # Remainder before the candidate was added
         floors, differs = self._relative_deviations(before), relative_difference(then, k)
-        weak = scaled_difference(then, k) > AGREED and differs > PART
-        if weak or (sum(gains) < FAINT and not has_no_remainder(acts, final)):
+        unchanged = leaves_remainder_unchanged(floors, self._relative_deviations(then))
+        calm = has_no_remainder(acts, final)
+        # A remainder elsewhere, which the effect leaves as it is, does not distort its values
+        differs_more = scaled_difference(then, k) > AGREED and differs > PART
+        if (differs_more and not (calm and unchanged)) or (sum(gains) < FAINT and not calm):
             return True
         if leaves_larger_remainder(name, acts, floors, final) and sum(gains) < SURE:
             return True
         credible = is_credible(name, gains, differs)
         if acts.any() and final[acts].min() > DROWNED and not credible:
             return True
-        unchanged = leaves_remainder_unchanged(floors, self._relative_deviations(then))
         aside = unchanged and credible
         if aside or not structured or self._is_unrivalled(name, before, gains, differs):
             return False
-        whole = differs < PART and has_no_remainder(acts, final) and min(gains) > LARGER
+        whole = differs < PART and calm and min(gains) > LARGER
         return is_partial_explanation(acts, floors, final) or (
             is_small_motion_effect(name, acts, floors, final) and not whole
         )

@@ -51,11 +51,21 @@ def latent_at_knots(fit: FlightFit) -> Array:
 
 def measure_latent_spread(fit: FlightFit) -> Array:
     """Return the standard deviation of the latent wrench over a flight, shape (6,). [N, N m]"""
-    inverse = fit.pieces.solve_latent(fit.deviations).inverse
-    unsure = np.diagonal(inverse, axis1=1, axis2=2).reshape(-1, AXES, fit.linear.knots)
-    # The most probable force is smoother than the force: add its mean uncertainty. The mean over
-    # time does not count, as lift and trim errors absorb it.
-    spread: Array = np.sqrt(np.var(latent_at_knots(fit), axis=0) + unsure.mean(axis=(0, 2)))
+    count = fit.linear.knots
+    knots = latent_at_knots(fit).reshape(-1, count, AXES)
+    inverse = fit.pieces.solve_latent(fit.deviations).inverse.reshape(-1, AXES, count, AXES, count)
+    # Covariance of the knots of each axis, shape (S, K, K, 6)
+    unsure = np.einsum('saiaj->sija', inverse)
+    k = np.arange(count)
+    own, cross = unsure[:, k, k], unsure[:, k[:-1], k[1:]]
+    a, b = knots[:, :-1], knots[:, 1:]
+    # Between two knots the force goes from a to b on a straight line, with a mean square of
+    # (a^2 + a b + b^2) / 3. A force that changes within a few knots is larger at the knots than
+    # over time. The most probable force is smoother than the force: add its uncertainty.
+    square = (a**2 + a * b + b**2 + own[:, :-1] + cross + own[:, 1:]) / 3.0
+    # The mean over time does not count, as lift and trim errors absorb it
+    mean = (0.5 * (a + b)).mean(axis=(0, 1))
+    spread: Array = np.sqrt(square.mean(axis=(0, 1)) - mean**2)
     return spread
 
 

@@ -131,7 +131,9 @@ def test_what_is_told_is_true_of_the_vehicle_as_built(truth: VehicleTruth) -> No
     given = true_values(inject_effects(as_built, hidden), truth, hidden)
     assert given['quadratic_drag'] == {'surge': pytest.approx(as_built.drag[0] + 0.1)}
     assert given['added_mass'] == {'heave': pytest.approx(as_built.added_mass[2] + 0.05)}
-    assert given['motor_lag'] == dict.fromkeys(('up', 'down'), pytest.approx(as_built.lag + 0.1))
+    # Two stages in series, of 90 % and 10 %: their variances add up
+    lag = (0.9**2 + 0.1**2) ** 0.5 * (as_built.lag + 0.1)
+    assert given['motor_lag'] == dict.fromkeys(('up', 'down'), pytest.approx(lag))
     assert given['thrust_scale'] == {'factor': pytest.approx(0.8 * as_built.thrust)}
     assert given['rotor_fault'] == {'lost_2': pytest.approx(1.0 - 0.7 * as_built.gains[1])}
     assert given['cg_offset'] == {'x': pytest.approx(as_built.cg[0] + 0.01)}

@@ -165,14 +165,16 @@ def test_sensors_at_rest_measure_the_vertical_the_distance_and_the_pressure() ->
     At a pitch of 0.3 rad the vertical is (-sin 0.3, 0, cos 0.3) in the body frame.
 
     The range is measured along the body's vertical axis, from a height of
-    1.5 - 0.05 sin 0.3 - 0.1 cos 0.3 m. The pressure is that at the IMU, 0.2 m below the centre.
+    1.5 - 0.05 sin 0.3 - 0.1 cos 0.3 m. The pressure is that at the IMU, 0.1 m ahead of the centre
+    and 0.2 m below it: at 1.5 - 0.1 sin 0.3 - 0.2 cos 0.3 m.
     """
     rest, sine, cosine = _pitched(0.3), np.sin(0.3), np.cos(0.3)
     said = ideal_readings(rest, rest, PLACES)
     np.testing.assert_allclose(said[:3], 0.0)
     np.testing.assert_allclose(said[3:6], STANDARD_GRAVITY * np.array([-sine, 0.0, cosine]))
     assert said[6] == pytest.approx((1.5 - 0.05 * sine - 0.1 * cosine) / cosine)
-    assert said[7] == pytest.approx(air_pressure(101000.0, 1.3), abs=1e-6)
+    imu = 1.5 - 0.1 * sine - 0.2 * cosine
+    assert said[7] == pytest.approx(air_pressure(101000.0, imu), abs=1e-6)
 
 
 def test_rates_and_force_are_means_of_the_period() -> None:

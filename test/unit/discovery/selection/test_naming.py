@@ -86,8 +86,17 @@ def test_one_flight_alone_names_nothing() -> None:
 def test_a_candidate_that_loses_on_one_flight_what_it_wins_on_the_other_is_torn() -> None:
     assert CandidateTrial('a', 631.0, -6.0, -9.0, 8.0, 0.9).is_contradictory
     assert CandidateTrial('a', -6.0, 631.0, 2.0, 8.0, 0.9).is_contradictory
-    assert not CandidateTrial('a', 631.0, -2.0, -9.0, 8.0, 0.9).is_contradictory  # nothing lost
-    assert not CandidateTrial('a', 2.0, -6.0, -9.0, 8.0, 0.9).is_contradictory  # nothing won
+    assert not CandidateTrial('a', 631.0, -2.0, -9.0, 4.0, 0.9).is_contradictory  # nothing lost
+    assert not CandidateTrial('a', 2.0, -6.0, -9.0, 4.0, 0.9).is_contradictory  # nothing won
+
+
+def test_a_constant_with_two_values_is_torn_whatever_it_wins() -> None:
+    """A damping that won 11 and 101 nats, with values 12 deviations apart, hid ballast."""
+    assert CandidateTrial('a', 10.7, 101.2, 6.1, 12.2, 0.9).is_contradictory
+    assert not CandidateTrial('a', 10.7, 101.2, 6.1, 12.2, 0.09).is_contradictory  # but alike
+
+
+def test_only_a_candidate_that_both_flights_support_wins_on_both() -> None:
     assert CandidateTrial('a', 240.0, 227.0, 200.0, 1.0, 0.1).wins_on_both
     assert not CandidateTrial('a', 240.0, 4.0, 200.0, 1.0, 0.1).wins_on_both
 
@@ -106,7 +115,7 @@ def test_only_what_is_unlike_a_torn_candidate_gets_past_it(gtmab: Known) -> None
         trial, better = CandidateTrial(name, *sound), CandidateTrial(other, *torn)
         assert naming._is_admissible(trial, [better, trial], (), bare, ()) == past
         assert not naming._is_admissible(
-            trial, [better._replace(replicated=9.0), trial], (), bare, ()
+            trial, [better._replace(replicated=9.0, apart=1.0), trial], (), bare, ()
         )
         agreed = better._replace(replicated=9.0, apart=1.0)  # beside what has failed already
         assert naming._is_admissible(trial, [agreed, trial], (), bare, ('cg_offset.x',)) == past

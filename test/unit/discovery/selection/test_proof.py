@@ -5,6 +5,7 @@ from unittest import mock
 
 from lta_discovery.fit.evidence import Prior
 from lta_discovery.fit.flight_group import LinearizedGroup
+from lta_discovery.selection.effect_search import SelectionRound
 from lta_discovery.selection.effect_verification import EffectVerification
 import numpy as np
 import pytest
@@ -250,15 +251,22 @@ def test_without_named_effects_the_bare_fit_is_returned() -> None:
     assert (found.names, found.full, found.measured) == ((), 'bare', 'bare')
 
 
-@pytest.mark.parametrize(('rounds', 'named'), [(['x', 'y', ''], True), ([''], False)])
+@pytest.mark.parametrize(
+    ('rounds', 'beside', 'added'),
+    [(['x', 'y', ''], '', ['x', 'y', '']), ([''], '', ['']), (['x', 'y'], 'y', ['x', ''])],
+)
 def test_fainter_effects_are_added_until_a_round_names_none(
-    rounds: list[str], named: bool
+    rounds: list[str], beside: str, added: list[str]
 ) -> None:
-    """If any was named, the flights are settled once more in the end."""
+    """
+    Flights are settled with each of them.
+
+    None is added beside a force outside the library on its axes.
+    """
     proof = _proof()
     proof.fitter.fit_deviations.return_value = 'settled'
     quiet = SimpleNamespace(group='group', prior='prior', deviations='these')
-    steps = iter(SimpleNamespace(named=name) for name in rounds)
+    steps = iter(SelectionRound((), (), name) for name in rounds)
     asked = []
 
     def following(names, last):
@@ -266,10 +274,17 @@ def test_fainter_effects_are_added_until_a_round_names_none(
         return next(steps), quiet
 
     faint = mock.Mock(fit_lower_floor=lambda full: quiet, run_round=following)
-    with mock.patch(
-        'lta_discovery.selection.effect_verification.WeakEffectSearch', return_value=faint
+    with (
+        mock.patch(
+            'lta_discovery.selection.effect_verification.WeakEffectSearch', return_value=faint
+        ),
+        mock.patch.object(
+            EffectVerification,
+            '_acts_with_rival',
+            lambda self, name, full, teach: name == beside,
+        ),
     ):
         found, full = proof._add_weak_effects(('a',), 'full', 1)
-    assert [step.named for step in found] == rounds
+    assert [step.named for step in found] == added
     assert asked == [('a', *rounds[:k]) for k in range(len(rounds))]
-    assert full == ('settled' if named else 'full')
+    assert full == ('settled' if added[0] else 'full')

@@ -167,6 +167,24 @@ def test_a_name_that_won_little_is_withdrawn_beside_anything(
 
     assert of_a_sensor(12.0, 3.0) == ()  # no force could say the same
 
+    def with_two_values(floors: float) -> tuple[str, ...]:
+        """Return what is withdrawn if the sides differ by 2.8 deviations."""
+        k, sides = [knob.name for knob in knobs].index('range_offset.offset'), []
+        for value in (1.0, 1.4):
+            mean, covariance = joint.fitted.mean.copy(), joint.fitted.covariance.copy()
+            mean[k], covariance[k, k] = value, 0.1**2
+            fitted = joint.fitted._replace(mean=mean, covariance=covariance)
+            sides.append(
+                replace(joint, fitted=fitted, evidence=joint.evidence + 20.0, deviations=3 * FLOOR)
+            )
+        before = replace(joint, deviations=floors * FLOOR)
+        return displacing.list_withdrawn_effects(
+            [('range_offset.offset', (before, before))], (sides[0], sides[1])
+        )
+
+    assert with_two_values(5.0) == ('range_offset.offset',)  # it took a part of the remainder
+    assert with_two_values(3.0) == ()  # it has nothing to do with the remainder
+
 
 @pytest.mark.parametrize(
     ('name', 'gains', 'part', 'rival', 'stays'),

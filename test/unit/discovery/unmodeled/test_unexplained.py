@@ -104,22 +104,28 @@ def test_the_spread_of_a_force_is_that_over_time_and_its_uncertainty(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """
-    The most probable force of an axis k is k, then k + 6: its variance is 9, whatever its mean.
+    The most probable force of an axis k goes from k to k + 6 and back, on straight lines.
 
-    Two pieces of one knot each have variances of 16 and 16, or 0 and 32 on the last axis.
+    Such a triangle has a variance of 6^2 / 12 = 3, whatever its mean. The errors of neighbouring
+    knots, of variance 16, have a covariance of -8: on the line between them, the mean variance is
+    (16 - 8 + 16) / 3 = 8. On the last axis they have none: (16 + 0 + 16) / 3 = 10.7.
     """
-    inverse = np.zeros((2, 6, 6))
-    inverse[:, range(6), range(6)] = 16.0
-    inverse[:, 5, 5] = 0.0, 32.0
+    inverse = np.zeros((2, 6, 3, 6, 3))
+    for axis in range(6):
+        inverse[:, axis, :, axis] = 16.0 * np.eye(3)
+        if axis < 5:
+            inverse[:, axis, [0, 1, 1, 2], axis, [1, 0, 2, 1]] = -8.0
     fitted = SimpleNamespace(
-        pieces=SimpleNamespace(solve_latent=lambda _: SimpleNamespace(inverse=inverse)),
+        pieces=SimpleNamespace(
+            solve_latent=lambda _: SimpleNamespace(inverse=inverse.reshape(2, 18, 18))
+        ),
         deviations=None,
-        linear=SimpleNamespace(knots=1),
+        linear=SimpleNamespace(knots=3),
     )
-    monkeypatch.setattr(
-        unexplained_force, 'latent_at_knots', lambda fit: np.arange(12.0).reshape(2, 6)
-    )
-    np.testing.assert_allclose(measure_latent_spread(fitted), np.full(6, 5.0))
+    knots = np.arange(6.0) + 6.0 * np.array([0.0, 1.0, 0.0] * 2)[:, None]
+    monkeypatch.setattr(unexplained_force, 'latent_at_knots', lambda fit: knots)
+    expected = [11.0**0.5] * 5 + [(3.0 + 32.0 / 3.0) ** 0.5]
+    np.testing.assert_allclose(measure_latent_spread(fitted), expected)
 
 
 def test_states_are_taken_at_nine_evenly_spaced_knots_of_each_piece() -> None:
