@@ -47,7 +47,7 @@ def nearby(effect: Effect) -> dict[str, float]:
 def numbers(every: bool) -> dict[str, dict[str, float]]:
     """Return the parameters of the effects that are on."""
     vehicle = load_vehicle('gtmab')
-    own, on = vehicle.collect_effects(), vehicle.build_model().given
+    own, on = vehicle.collect_effects(), vehicle.build_model().effect_parameters
     others = {name: nearby(effect) for name, effect in EFFECTS.items() if name not in on}
     return own | others if every else own
 

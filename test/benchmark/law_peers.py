@@ -251,7 +251,7 @@ def compare_case(kind: str, seed: int, number: int, folder: Path | None) -> dict
     vehicle, study, answer = study_case(kind, seed, number, folder)
     name, base = answer['outside'], BaseFile(read_vehicle_text(), vehicle)
     fast = record_fast_flight(vehicle, study, answer['strange'], seed, number)
-    flights = {'usual': study.shown, 'fast': [fast]}
+    flights = {'usual': study.comparisons, 'fast': [fast]}
     shown = {key: replace(study, shown=some) for key, some in flights.items()}
     forecasts, out = study.forecasts, dict[str, Any](kind=kind, seed=seed, number=number)
     assert forecasts is not None
@@ -277,7 +277,7 @@ def compare_case(kind: str, seed: int, number: int, folder: Path | None) -> dict
     out['terms'] |= {peer: each[1] for peer, each in learned.items()}
     out['cpu_s'] |= {peer: each[2] for peer, each in learned.items()}
     out['speed'] = {
-        key: float(np.sqrt(np.mean(measure_speed(some[0].flown.flight) ** 2)))
+        key: float(np.sqrt(np.mean(measure_speed(some[0].study_flight.flight) ** 2)))
         for key, some in flights.items()
     }
     return out

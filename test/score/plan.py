@@ -167,7 +167,7 @@ def flown_on(
     )
     if chosen is None:
         return {**row, 'said': 'no flight', 'unique': False, 'cpu': time.process_time() - start}
-    more = [ready(base, chosen.made, truth, 100 * number + k) for k in (3, 4)]
+    more = [ready(base, chosen.flight_spec, truth, 100 * number + k) for k in (3, 4)]
     after = EffectSearch(base.nominal, ([flights[0], more[0]], [flights[1], more[1]])).run()
     return {
         **row, 'against': names, 'planned': chosen.manoeuvre.about, 'nats': chosen.nats,

@@ -241,7 +241,7 @@ def fitted(
     ):
         whole = by.fit(which, spread, range(len(known)), begin, rounds)
         out[name] = Fit(by, which, spread, whole)
-        said(f'{name}: {sum(one.cost for one in whole.said):.0f}')
+        said(f'{name}: {sum(one.cost for one in whole.equations):.0f}')
         begin = begin if name == TUNE else whole.values
     return out
 
@@ -259,7 +259,7 @@ def main() -> None:
     said(f'{len(known)} flights, {sum(len(begun(f)) for f in known)} pieces')
     found, kept = named(taught, regimes(known))
     judged = judged_by_kind(nominal, taught, kept)
-    kept = [group.name for group in judged.kept]
+    kept = [group.name for group in judged.accepted]
     fits = fitted(nominal, known, taught, kept)
     rows = scored(known, sight, fits)
     text = []

@@ -39,7 +39,7 @@ class Row(NamedTuple):
 
 def online(seen: HorizonErrors, time: Array) -> Array:
     """Return errors after a lift that each piece takes from what is over when it begins."""
-    left, column = seen.left, seen.columns[..., 0]
+    left, column = seen.errors, seen.columns[..., 0]
     ends = time[:, None] + np.array(HORIZONS)
     out = left.copy()
     for k, now in enumerate(time):

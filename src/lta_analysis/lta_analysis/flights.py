@@ -96,4 +96,4 @@ def discover(
     }
     request = DiscoveryRequest(vehicle, bags)  # type: ignore[arg-type]
     result = discover_effects(request, Path(out), lambda _words, _share: None)
-    return dict(result.told)
+    return dict(result.data)

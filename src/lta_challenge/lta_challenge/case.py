@@ -267,7 +267,7 @@ def wrench_strength(*flights: Array) -> float:
 def vehicle_to_dict(nominal: NominalVehicle) -> dict[str, Any]:
     """Return a vehicle as JSON data."""
     return {
-        'given': {name: dict(values) for name, values in nominal.given.items()},
+        'given': {name: dict(values) for name, values in nominal.effect_parameters.items()},
         'mass': nominal.mass,
         'displaced': nominal.displaced,
         'inertia': nominal.inertia.tolist(),

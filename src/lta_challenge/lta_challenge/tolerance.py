@@ -36,7 +36,7 @@ DRIFT: Final = 0.002  # Pa/s; drift of the pressure sensor
 
 def _scale_effect(nominal: NominalVehicle, effect: str, part: float, draw: Draw) -> NominalVehicle:
     """Return a vehicle with a relative error in each parameter of an effect."""
-    for name, value in nominal.given.get(effect, {}).items():
+    for name, value in nominal.effect_parameters.get(effect, {}).items():
         factor = 1.0 + part * float(draw.standard_normal())
         # Coefficients such as drag must not change their sign
         nominal = nominal.with_value(effect, name, value * max(factor, 0.0))
@@ -49,7 +49,7 @@ def _perturb_drag(nominal: NominalVehicle, wide: float, draw: Draw) -> NominalVe
         factor = 1.0 + DRAG * wide * float(draw.standard_normal())
         # One factor per axis: effects that share a coefficient must stay consistent
         for effect in ('linear_drag', 'quadratic_drag', 'cross_flow'):
-            if axis in nominal.given.get(effect, {}):
+            if axis in nominal.effect_parameters.get(effect, {}):
                 now = nominal.parameter_value(effect, axis)
                 nominal = nominal.with_value(effect, axis, now * factor)
     return _scale_effect(nominal, 'rotational_drag', DRAG * wide, draw)

@@ -154,9 +154,10 @@ def fit_oracle(study: DiscoveryStudy, answer: Mapping[str, Any]) -> dict[str, An
     hidden = {one['knob']: float(one['value']) for one in answer['hidden']}
     fits = _fit_true_structure(study, hidden)
     models = [
-        build_model_points(each.flown.flight, study.nominal, fits, fits) for each in study.shown
+        build_model_points(each.study_flight.flight, study.nominal, fits, fits)
+        for each in study.comparisons
     ]
-    flights = [each.flown.flight for each in study.shown]
+    flights = [each.study_flight.flight for each in study.comparisons]
     return {
         'sigma': _compute_effect_strengths(study, hidden, fits),
         'gaps': _select_pose_errors(compute_model_errors(flights, models, 0)),

@@ -98,7 +98,7 @@ def _build_rigid_body(nominal: NominalVehicle) -> RigidBody:
     x, y, z = (mass * r).tolist()
     rigid = RigidBody(mass, (x, y, z), six, nominal.displaced)  # type: ignore[arg-type]
     for name, effect in EFFECTS.items():
-        if isinstance(effect, BodyEffect) and name in nominal.given:
+        if isinstance(effect, BodyEffect) and name in nominal.effect_parameters:
             p = tuple(
                 nominal.parameter_value(name, parameter.name) for parameter in effect.parameters
             )
@@ -156,7 +156,7 @@ def _collect_measurement_effects(
     """Return the active measurement effects by channel."""
     out: dict[str, tuple[tuple[MeasurementEffect, Values], ...]] = {}
     for name, effect in EFFECTS.items():
-        if isinstance(effect, MeasurementEffect) and name in nominal.given:
+        if isinstance(effect, MeasurementEffect) and name in nominal.effect_parameters:
             p = tuple(
                 nominal.parameter_value(name, parameter.name) for parameter in effect.parameters
             )

@@ -77,7 +77,7 @@ class DiscoveryResult:
     """Results of a discovery."""
 
     study: DiscoveryStudy
-    told: Mapping[str, object]  # content of discovery.json
+    data: Mapping[str, object]  # content of discovery.json
     page: Path
 
 
@@ -241,7 +241,7 @@ def write_results(
         else:
             finding = forget_refit(finding)
             study = replace(study, finding=finding)
-    write_overlay(study.shown, part, finding.versions)
+    write_overlay(study.comparisons, part, finding.versions)
     content = to_dict(finding, sound.cuts)
     write_json(content, part / NAME)
     bags: dict[str, Sequence[Path | str]] = {

@@ -69,7 +69,7 @@ class StudyFlight:
 class ThreeModelComparison:
     """One flight under three models; a held-out flight took no part in their fit."""
 
-    flown: StudyFlight
+    study_flight: StudyFlight
     # The vehicle file; the file with fitted tolerances and no new effect; with the named effects
     before: LinearizationPoint
     tuned: LinearizationPoint
@@ -87,7 +87,7 @@ class DiscoveryStudy:
     learned: NominalVehicle
     flights: Sequence[StudyFlight]
     # The held-out flights, or the confirming ones where there are none
-    shown: Sequence[ThreeModelComparison]
+    comparisons: Sequence[ThreeModelComparison]
     # Training flights, then confirming ones, with fitted tolerances and no new effect
     bare: Sequence[FlightFit] = ()
     full: Sequence[FlightFit] = ()  # the same with the named effects

@@ -122,7 +122,7 @@ class VehicleModel:
     body: Vector  # mass properties and rotors, in the layout of `lta_model.state`, shape (BODY,)
     inverse: Vector  # inverse of the mass matrix, rigid and added, row by row, shape (36,)
     # The parameters of every effect that is on, in the kernel or outside, by effect and name
-    given: Mapping[str, Mapping[str, float]]
+    effect_parameters: Mapping[str, Mapping[str, float]]
 
     @classmethod
     def build(

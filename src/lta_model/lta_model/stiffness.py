@@ -34,7 +34,7 @@ def find_fastest_damping(model: VehicleModel) -> tuple[str, float]:
 def compute_linear_damping(model: VehicleModel) -> dict[str, Array]:
     """Return the damping of each effect that is linear in the velocity. [N s/m, N m s]"""
     damping_by_effect = {}
-    values = model.given
+    values = model.effect_parameters
     for name, axes in (('linear_drag', slice(0, 3)), ('rotational_drag', slice(3, 6))):
         if name in values:
             damping = np.zeros(6)

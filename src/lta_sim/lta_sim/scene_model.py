@@ -123,7 +123,7 @@ def check_scene(vehicle: Vehicle, scenario: Scenario, hovers: bool = True) -> No
     _ = load_wind_record(scenario), scenario.light_field
     vehicle.check_step(STEP_NS * 1e-9, model)
     file, body = vehicle.file, model.body
-    lift = max(0.0, model.given.get('net_lift', {}).get('force', 0.0))
+    lift = max(0.0, model.effect_parameters.get('net_lift', {}).get('force', 0.0))
     # Net weight that the rotors must carry: mass minus displaced air, less extra lift [N]
     weight = (body[MASS] - body[DISPLACED]) * STANDARD_GRAVITY - lift
     if hovers:

@@ -102,7 +102,9 @@ class World:
         self.state = self._craft.state  # changes in place
         self.state[:] = self._initial_state()
         acting = self._acting = self._build_measurement_chains()
-        self._link = CommandLink(vehicle.reversible, self._model.given, acting['command_time'])
+        self._link = CommandLink(
+            vehicle.reversible, self._model.effect_parameters, acting['command_time']
+        )
         self.command = self._craft.command
         self.command[:] = self._link.idle
         self.supply = Supply(
@@ -113,8 +115,8 @@ class World:
         self.outcome = FlightOutcome.FLYING  # outcome of the flight; final once decided
         self._ranges: list[tuple[int, float]] = []
         self._around = FlightEnvironment(
-            self._model.given, scenario, self._light, self._chance['turbulence'], self._period,
-            vehicle_reach(vehicle)[0],
+            self._model.effect_parameters, scenario, self._light, self._chance['turbulence'],
+            self._period, vehicle_reach(vehicle)[0],
         )  # fmt: skip
         pose = self.start_pose = self._pose()
         self._begin_period(pose)
@@ -148,7 +150,7 @@ class World:
 
     def _build_measurement_chains(self) -> Mapping[str, Chain]:
         """Build and return the measurement chains between true and reported values."""
-        acting = build_chains(self._model.given, EFFECTS)
+        acting = build_chains(self._model.effect_parameters, EFFECTS)
         self._imu = imu.Imu(
             self.imu_errors, self._imu_place, STANDARD_GRAVITY, self._chance['imu'],
             acting['force'], acting['rates'],
@@ -173,7 +175,7 @@ class World:
         spread = start.heading_spread.si
         heading = start.heading.si + float(self._chance['start'].uniform(-spread, spread))
         height = self.vehicle.hull_height_on_floor
-        memory = draw_initial_memory(self._model.given, self._chance['turbulence'])
+        memory = draw_initial_memory(self._model.effect_parameters, self._chance['turbulence'])
         return pack_state((x, y, height), heading, memory=memory)
 
     def begin_at(self, motion: Sequence[float], duties: Sequence[float]) -> None:

@@ -25,7 +25,7 @@ def gtmab(monkeypatch):
 
 def test_the_realistic_one_is_the_vehicle_of_the_file(gtmab):
     model, shipped = gtmab.vehicle(), load_vehicle('gtmab').build_model()
-    assert dict(model.given) == dict(shipped.given)
+    assert dict(model.effect_parameters) == dict(shipped.effect_parameters)
     for field in ('parameters', 'on', 'body', 'inverse'):
         np.testing.assert_array_equal(getattr(model, field), getattr(shipped, field))
 

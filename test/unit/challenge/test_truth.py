@@ -41,8 +41,8 @@ def flown_by_model(
     nominal: NominalVehicle, commands: Array, voltage: Array, height: float
 ) -> Array:
     """Return the states of the project's own model under the same commands."""
-    grounded = {k: v for k, v in nominal.given.items() if k != 'floor_contact'}
-    model = replace(nominal, given=grounded).build_model()
+    grounded = {k: v for k, v in nominal.effect_parameters.items() if k != 'floor_contact'}
+    model = replace(nominal, effect_parameters=grounded).build_model()
     state = pack_state((0.0, 0.0, height), memory=initial_memory())
     around, out = np.zeros(SURROUNDINGS), []
     for command, volts in zip(commands, voltage, strict=True):

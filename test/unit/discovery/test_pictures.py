@@ -13,7 +13,7 @@ def _a_browser(monkeypatch):
 
 def test_the_pictures_of_the_page_are_taken_if_asked_for(tmp_path, monkeypatch, call):
     taken, page = [], tmp_path / 'out' / 'report.html'
-    found = SimpleNamespace(page=page, told={})
+    found = SimpleNamespace(page=page, data={})
     monkeypatch.setattr(verb, 'discover_effects', lambda *_: found)
     monkeypatch.setattr(verb, 'write_pictures', lambda *given: taken.append(given))
     words = ('--vehicle', 'gtmab', '--train', 'a', '--json', '--out', tmp_path / 'out')

@@ -76,8 +76,8 @@ def test_the_gap_of_the_held_out_flight_shrinks_and_coast_is_far_off(
     assert far.after < 0.6 * far.tuned < 0.6 * far.before < 0.1 * far.coast
     assert far.shrink == pytest.approx(1.0 - far.after / far.before)
     assert far.shrink_ci95[0] < far.shrink < far.shrink_ci95[1]
-    (shown,) = studied.shown
-    flight = shown.flown.flight
+    (shown,) = studied.comparisons
+    flight = shown.study_flight.flight
     assert 1 < far.pieces <= len(flight.replay.first) - count_learning_pieces(flight)
     sides = [gaps[axis, 5.0].after for axis in 'xyz']
     assert far.after == pytest.approx(float(np.linalg.norm(sides)))

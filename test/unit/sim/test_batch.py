@@ -106,7 +106,7 @@ def test_only_what_some_vehicle_has_on_is_compiled():
     used = select_used_numbers(
         states[[0, 1, 1]], VehicleBatch.from_models(models), duties[[0, 1, 1]], winds[[0, 1, 1]]
     )
-    on = set().union(*(model.given for model in models))
+    on = set().union(*(model.effect_parameters for model in models))
     assert used.names == tuple(name for name in kernel.LAYOUT.effects if name in on)
     values = used.fixed[0]
     assert used.zeros == {k for k in range(values.shape[1]) if not values[:, k].any()}

@@ -81,7 +81,7 @@ def test_numbers_of_the_kernel():
     assert len(model.parameters) == sum(len(effect.parameters) for effect in kernel)
     on = dict(zip(LAYOUT.effects, model.on.tolist(), strict=True))
     assert {name for name, is_on in on.items() if is_on} == set(balloon.EVERYTHING) & set(on)
-    assert set(model.given) == set(balloon.EVERYTHING)
+    assert set(model.effect_parameters) == set(balloon.EVERYTHING)
 
 
 def vectors(model):

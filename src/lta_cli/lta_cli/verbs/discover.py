@@ -185,7 +185,7 @@ def _check_exclusive_options(vehicle: str | None, bags: bool, demo: bool, betwee
 
 def print_result_json(result: DiscoveryResult, hidden: DemoEffect | None) -> None:
     """Print discovery.json with the path of the page and the hidden effect of a demo."""
-    content = {**result.told, 'page': str(result.page)}
+    content = {**result.data, 'page': str(result.page)}
     if hidden is not None:
         content['hidden'] = {'name': hidden.name, 'value': hidden.value, 'unit': hidden.unit}
     print_json(content)

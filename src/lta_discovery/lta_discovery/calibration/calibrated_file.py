@@ -183,7 +183,7 @@ def _list_part_drags(
     vehicle: Vehicle, change: VehicleUpdate, source: str
 ) -> Iterator[tuple[str, Any]]:
     """Yield the drag coefficients of parts whose rotational damping changed, which scale it."""
-    before, after = (one.given.get(STRIPS, {}) for one in change)
+    before, after = (one.effect_parameters.get(STRIPS, {}) for one in change)
     factor = max(
         (after[name] / value for name, value in before.items() if after[name] != value and value),
         default=1.0,

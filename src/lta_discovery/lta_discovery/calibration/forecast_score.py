@@ -60,14 +60,14 @@ def _file_errors(fitter: ForecastFitter, none: Array, f: int, online: bool) -> A
     if online:
         # As the calibration, so that its gain is not that of a lift learned in flight
         return _correct_lift(fitter, none, f)
-    return fitter.compute_flight_errors(none, f).left
+    return fitter.compute_flight_errors(none, f).errors
 
 
 def _calibrated_errors(fitter: ForecastFitter, values: Array, f: int, lift: float | None) -> Array:
     """Return the errors of a calibration in one flight, infinite where it cannot be flown."""
     try:
         if lift is not None:
-            return fitter.compute_flight_errors(values, f, (), lift).left
+            return fitter.compute_flight_errors(values, f, (), lift).errors
         return _correct_lift(fitter, values, f)
     except BadInput:
         return np.full((len(fitter.flights[f].replay.first), len(fitter.horizons), 6), np.inf)

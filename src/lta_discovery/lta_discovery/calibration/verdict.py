@@ -24,7 +24,7 @@ SIDES: Final = ('yaw', 'pitch', 'roll')
 def pendulum_rates(nominal: NominalVehicle) -> tuple[float, float]:
     """Return the rates of the free roll and pitch oscillations; 0 where there is none. [rad/s]"""
     model = nominal.build_model()
-    parameters = nominal.given.get('cg_height', {})
+    parameters = nominal.effect_parameters.get('cg_height', {})
     low = -(float(nominal.cg[2]) + float(parameters.get('z', 0.0)))
     inverse = np.asarray(model.inverse, dtype=np.float64).reshape(6, 6)
     stiffness = nominal.mass * 9.81 * low

@@ -109,7 +109,7 @@ class FitStep(NamedTuple):
 
     at: Array  # shared parameters, shape (G,)
     points: list[LinearizationPoint]  # of each flight
-    kept: float  # difference between actual and predicted misfit
+    misfit_gap: float  # difference between actual and predicted misfit
     whole: bool  # whether it is the full step
 
 
@@ -179,7 +179,7 @@ class JointFitter:
             if step is None:
                 break
             # Misfit is -2 log density, so 2 units of it are 1 nat
-            if step.kept < 2.0 * rest:
+            if step.misfit_gap < 2.0 * rest:
                 converged = True
                 break
             try:

@@ -62,7 +62,7 @@ class ForecastFit:
     # Of the fitted parameters, about `values`, without the prior, shape (K, K)
     precision: Array
     pull: Array
-    said: tuple[ForecastNormalEquations, ...]  # by flight
+    equations: tuple[ForecastNormalEquations, ...]  # by flight
     lifts: Array  # net lift of each flight of the fitter, besides the shared one, shape (F,) [N]
 
 
@@ -100,7 +100,7 @@ class ForecastFitter:
         first = [
             compute_horizon_errors(
                 one, self.build_linearization_point(zero, 0.0, one), horizons=horizons
-            ).left
+            ).errors
             for one in flights
         ]
         self.weights = _error_weights(np.concatenate(first), place)
@@ -117,7 +117,7 @@ class ForecastFitter:
         `lifts`: net lift of each flight, besides the shared one. [N]
         """
         left = [
-            self.compute_flight_errors(values, f, lift=lift).left for f, lift in enumerate(lifts)
+            self.compute_flight_errors(values, f, lift=lift).errors for f, lift in enumerate(lifts)
         ]
         # A forecast that diverges has no weight
         finite = np.concatenate([np.where(np.isfinite(each), each, np.nan) for each in left])
@@ -204,7 +204,7 @@ class ForecastFitter:
     ) -> Array:
         """Return the values without some flights, by one step from a fit to all."""
         picked, out = np.asarray(which, dtype=np.int64), fit.values.copy()
-        gone = [one for f, one in enumerate(fit.said) if f in set(flights)]
+        gone = [one for f, one in enumerate(fit.equations) if f in set(flights)]
         inner = fit.precision + np.diag(spread**-2.0)
         # Remove the information of the left-out flights
         inner = inner - np.sum([one.products for one in gone], axis=0)
@@ -238,13 +238,13 @@ class ForecastFitter:
         for f in flights:
             with np.errstate(over='ignore', invalid='ignore'):
                 seen = self.compute_flight_errors(values, f)
-            good = np.isfinite(seen.left)
+            good = np.isfinite(seen.errors)
             lost = self._measured[f] & ~good
-            left = (seen.left * self.weights)[good]
+            left = (seen.errors * self.weights)[good]
             column = (seen.columns[..., 0] * self.weights)[good]
             # Ridge estimate of the flight's lift, with its prior deviation
             lift = ALIKE * float(column @ left) / (ALIKE * float(column @ column) + self.lift**-2)
-            rest = np.where(good, (seen.left - lift * seen.columns[..., 0]) * self.weights, 0.0)
+            rest = np.where(good, (seen.errors - lift * seen.columns[..., 0]) * self.weights, 0.0)
             total += float(np.sum(np.minimum(rest[..., columns] ** 2, diverged**2)))
             if lost[..., columns].any():
                 total += diverged**2 * int(lost[..., columns].sum())
@@ -293,7 +293,7 @@ class ForecastFitter:
                 flight,
                 self.build_linearization_point(values, float(lifts[f]), flight),
                 horizons=self.horizons,
-            ).left
+            ).errors
         # Compare costs only over the same readings.
         if np.isfinite(left).sum() < self._known[f]:
             return np.inf  # the prediction diverged
@@ -305,10 +305,10 @@ class ForecastFitter:
     ) -> ForecastNormalEquations:
         """Return the normal equations of a flight about a point."""
         seen = self.compute_flight_errors(values, f, picked.tolist(), float(lifts[f]))
-        good = np.isfinite(seen.left)
-        cost, share = _huber_cost(seen.left * self.weights)
+        good = np.isfinite(seen.errors)
+        cost, share = _huber_cost(seen.errors * self.weights)
         weights = self.weights * np.sqrt(share)[..., None]
-        left = np.where(good, seen.left * weights, 0.0).ravel()
+        left = np.where(good, seen.errors * weights, 0.0).ravel()
         table = seen.columns * weights[..., None] * good[..., None]
         table = table.reshape(len(left), -1)
         a, b = table[:, :-1], table[:, -1]

@@ -37,7 +37,7 @@ class HorizonErrors:
 
     # Measured minus predicted: position, then rotation vector; NaN where unknown, shape (S, H, 6)
     # [m, rad]
-    left: Array
+    errors: Array
     columns: Array  # sensitivity of the prediction to each requested parameter, shape (S, H, 6, K)
 
 

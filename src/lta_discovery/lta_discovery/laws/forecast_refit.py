@@ -53,7 +53,7 @@ class FittedLaw(NamedTuple):
 class ForecastErrors(NamedTuple):
     """Errors of the forecasts of a flight, and their changes."""
 
-    left: Array  # measured minus predicted, 0 where unknown, shape (S, H, 6)
+    errors: Array  # measured minus predicted, 0 where unknown, shape (S, H, 6)
     columns: Array  # change of the prediction, shape (S, H, 6, J + G)
 
 
@@ -128,7 +128,7 @@ class ForecastRefit:
         self, model: LawModel, law: FittedLaw, errors: Sequence[ForecastErrors], part: float
     ) -> FittedLaw:
         """Return the law after part of a step."""
-        left = np.concatenate([each.left for each in errors])
+        left = np.concatenate([each.errors for each in errors])
         columns = np.concatenate([each.columns for each in errors])
         weight = np.ones_like(left)
         for some in POSE:

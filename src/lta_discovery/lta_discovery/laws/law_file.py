@@ -110,7 +110,7 @@ def _is_writable(file: VehicleFile, nominal: NominalVehicle, effect: str) -> boo
         return all(part.drag is None or part.drag.in_aero for part in file.parts.values())
     placed = effect in BLOCKS or effect in FOLLOWS or effect == CURVE
     # Others that the vehicle has, and the file does not set, follow from its blocks
-    return placed or effect in file.effects or effect not in nominal.given
+    return placed or effect in file.effects or effect not in nominal.effect_parameters
 
 
 def add_law_block(text: str, law: Law) -> str:

@@ -91,7 +91,7 @@ def _find_obstacle(study: DiscoveryStudy) -> str:
         return 'the effects were identified by forecasts alone'
     if not finding.held_out:
         return 'a law has to be tested on a held-out flight (--holdout)'
-    if 'law' in study.nominal.given:
+    if 'law' in study.nominal.effect_parameters:
         return 'the vehicle file has a law already; remove it, or replace it with an effect'
     if study.joint is None:
         return 'the flights were not fitted together'
@@ -224,8 +224,8 @@ def compare_forecasts(
     """
     offs: dict[str, list[Array]] = {name: [] for name in ('before', 'tuned', 'after', 'coast')}
     flights = []
-    for each in study.shown:
-        flight = each.flown.flight
+    for each in study.comparisons:
+        flight = each.study_flight.flight
         dense = overlap_windows(flight, study.nominal)
         random = zero_unknowns(dense.replay.cut)
         before, tuned = (replace(point, random=random) for point in (each.before, each.after))

@@ -126,8 +126,8 @@ class Candidate(NamedTuple):
     worth: float  # log evidence less its cost [nats]
     column: Column
     axis: int
-    given: 'GivenTerms'
-    cost: float  # with what the deviations of `given` lose [nats]
+    base_terms: 'GivenTerms'
+    cost: float  # with what the deviations of `base_terms` lose [nats]
     price: float  # the cost of the column alone [nats]
 
 
@@ -269,7 +269,7 @@ def _refine(data: LawData, one: Candidate) -> Candidate:
     best = one
     for step in STEPS:
         for other in vary_numbers(best.column, data.spreads, step):
-            worth = float(one.given.gains(data.basis([other]), one.axis)[0]) - one.cost
+            worth = float(one.base_terms.gains(data.basis([other]), one.axis)[0]) - one.cost
             worth -= NUMBER * (_count_numbers(other) - _count_numbers(one.column))
             if worth > best.worth:
                 best = best._replace(column=other, worth=worth)
@@ -305,7 +305,7 @@ def select_terms(
             break
         chosen.append(Choice(best.column, best.axis, best.price))
         terms = _list_terms(data, chosen)
-        here = GivenTerms.fit(data, best.given.sides[0].deviations, terms)
+        here = GivenTerms.fit(data, best.base_terms.sides[0].deviations, terms)
         current = adapt_deviations(data, here, terms, best.axis)
         before = len(chosen)
         chosen, current = _revise(data, chosen, current)
@@ -339,7 +339,7 @@ def _choose_column(
             column = replace(one.column, hidden=state)
             if not can_follow(column, state):
                 continue
-            worth = float(one.given.gains(data.basis([column]), one.axis)[0]) - one.cost
+            worth = float(one.base_terms.gains(data.basis([column]), one.axis)[0]) - one.cost
             one = one._replace(column=column, worth=worth)
         else:
             one = _refine(data, one)

@@ -88,7 +88,7 @@ def has_map_fixed_air(nominal: NominalVehicle) -> bool:
     """
     return any(
         isinstance(EFFECTS.get(effect), AirEffect) and any(values.values())
-        for effect, values in nominal.given.items()
+        for effect, values in nominal.effect_parameters.items()
     )
 
 

@@ -56,7 +56,7 @@ class ReplayRows:
 class NominalVehicle:
     """Inputs of `VehicleModel.build`."""
 
-    given: Given  # parameters by effect and name
+    effect_parameters: Given  # parameters by effect and name
     # Of the vehicle and of the displaced air [kg]
     mass: float
     displaced: float
@@ -81,12 +81,12 @@ class NominalVehicle:
         null = {
             declaration.name: declaration.null for declaration in MODEL_EFFECTS[effect].parameters
         }[parameter]
-        return float(self.given.get(effect, {}).get(parameter, null))
+        return float(self.effect_parameters.get(effect, {}).get(parameter, null))
 
     def with_value(self, effect: str, parameter: str, value: float) -> 'NominalVehicle':
         """Return the vehicle with one parameter of an effect replaced."""
-        own = {**self.given.get(effect, {}), parameter: value}
-        return replace(self, given={**self.given, effect: own})
+        own = {**self.effect_parameters.get(effect, {}), parameter: value}
+        return replace(self, effect_parameters={**self.effect_parameters, effect: own})
 
     def with_mass_at(self, place: Array) -> 'NominalVehicle':
         """
@@ -95,7 +95,7 @@ class NominalVehicle:
         The effect itself moves only the weight, not the CG. In a slow spiral, the yaw moment of a
         CG 1 cm off is as large as that of the hull.
         """
-        own = self.given.get('moving_mass', {})
+        own = self.effect_parameters.get('moving_mass', {})
         mass = own.get('mass', 0.0)
         # No moving mass, nothing to update
         if mass == 0.0:
@@ -110,12 +110,17 @@ class NominalVehicle:
             - self.mass * _point_inertia(cg)
         )
         there = {**own, **dict(zip('xyz', map(float, place), strict=True))}
-        return replace(self, cg=cg, inertia=inertia, given={**self.given, 'moving_mass': there})
+        return replace(
+            self,
+            cg=cg,
+            inertia=inertia,
+            effect_parameters={**self.effect_parameters, 'moving_mass': there},
+        )
 
     def build_model(self) -> VehicleModel:
         """Return the kernel's model; raise `BadInput` for an impossible vehicle."""
         return VehicleModel.build(
-            self.given,
+            self.effect_parameters,
             mass=self.mass,
             cg=self.cg,
             inertia=self.inertia,
@@ -133,7 +138,7 @@ class NominalVehicle:
             row[where['body']], row[where['inverse']] = model.body, model.inverse
         a_on = _copy_model(model, actuators, ACTUATOR_PLACES, ACTUATOR_LAYOUT)
         b_on = _copy_model(model, body, BODY_PLACES, BODY_LAYOUT)
-        acting = build_chains(model.given, MODEL_EFFECTS)
+        acting = build_chains(model.effect_parameters, MODEL_EFFECTS)
         return ReplayRows(actuators, a_on, body, b_on, acting)
 
     def update_replay_rows(self, other: 'NominalVehicle', rows: ReplayRows) -> ReplayRows:
@@ -143,10 +148,14 @@ class NominalVehicle:
         `other`: the vehicle that this one was derived from. Raise `BadInput` as in `build_model`.
         """
         # Identity suffices: `with_value` builds a new mapping for a changed effect only
-        changed = [name for name in self.given if self.given[name] is not other.given.get(name)]
+        changed = [
+            name
+            for name in self.effect_parameters
+            if self.effect_parameters[name] is not other.effect_parameters.get(name)
+        ]
         # Mass properties and body effects enter the mass matrix, which needs a full rebuild.
         weighed = (
-            not set(other.given) <= set(self.given)
+            not set(other.effect_parameters) <= set(self.effect_parameters)
             or self.mass != other.mass
             or self.displaced != other.displaced
             or any(
@@ -163,7 +172,7 @@ class NominalVehicle:
             return self.build_replay_rows()
         acting = rows.acting
         if any(isinstance(kind, MeasurementEffect) for kind in kinds):
-            acting = build_chains(self.given, MODEL_EFFECTS)
+            acting = build_chains(self.effect_parameters, MODEL_EFFECTS)
         new = ReplayRows(
             rows.actuators.copy(),
             rows.actuators_on.copy(),
@@ -172,7 +181,7 @@ class NominalVehicle:
             acting,
         )
         for kind in kinds:
-            numbers = fill_parameters(kind, self.given[kind.name])
+            numbers = fill_parameters(kind, self.effect_parameters[kind.name])
             _write_effect(
                 new.actuators, new.actuators_on, ACTUATOR_PLACES, ACTUATOR_LAYOUT, kind, numbers
             )

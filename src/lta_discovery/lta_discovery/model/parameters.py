@@ -69,7 +69,7 @@ class FreeParameter:
 
     def enable_effect(self, nominal: NominalVehicle) -> NominalVehicle:
         """Return the vehicle with the effect present, but without influence yet."""
-        absent = {target[0] for target in self.companions} - set(nominal.given)
+        absent = {target[0] for target in self.companions} - set(nominal.effect_parameters)
         for (effect, parameter), companion in self.companions.items():
             # Parameters that the vehicle file sets stay as they are
             if effect in absent:
@@ -238,7 +238,7 @@ TRIMS: Final[dict[str, float]] = {
 def _list_effect_parameters(nominal: NominalVehicle, effect: str) -> Iterator[FreeParameter]:
     parameters = {first.name: first for first in EFFECTS[effect].parameters}
     together = TOGETHER.get(effect)
-    begun = {} if effect in nominal.given else companion_values(effect)
+    begun = {} if effect in nominal.effect_parameters else companion_values(effect)
     for group in [together] if together else [(name,) for name in parameters]:
         first = parameters[group[0]]
         name = effect if together else f'{effect}.{first.name}'
@@ -252,9 +252,9 @@ def _list_effect_parameters(nominal: NominalVehicle, effect: str) -> Iterator[Fr
         low, high = max(lowest, least) - now, min(first.high, most) - now
         moves = {(effect, one): 1.0 for one in group}
         tolerance = PARTS.get(effect, 0.0) * abs(now)
-        if effect in nominal.given:
+        if effect in nominal.effect_parameters:
             tolerance = COMPUTED.get(name, tolerance)
-        if effect == 'quadratic_drag' and 'cross_flow' in nominal.given:
+        if effect == 'quadratic_drag' and 'cross_flow' in nominal.effect_parameters:
             moves['cross_flow', first.name] = 1.0  # one coefficient, which both work with
         yield FreeParameter(
             name,
@@ -286,7 +286,7 @@ def _list_vehicle_tolerances(nominal: NominalVehicle) -> Iterator[FreeParameter]
         }
         yield FreeParameter(f'rotor_{i}.thrust', '1', curve, STEP, STEP, ROTOR, 0.0, *WITHIN)
     for effect, share in WHOLE.items():
-        kind, values = EFFECTS[effect], nominal.given.get(effect, {})
+        kind, values = EFFECTS[effect], nominal.effect_parameters.get(effect, {})
         linear = kind.linear_in if isinstance(kind, WrenchEffect) else ()
         numbers = {(effect, one): values[one] for one in linear if values.get(one)}
         if numbers:
@@ -313,7 +313,7 @@ def list_free_parameters(nominal: NominalVehicle, wrench: bool = False) -> list[
     out = [*_list_vehicle_tolerances(nominal), *(_list_wrench_gains() if wrench else ())]
     rotors = len(nominal.rotors)
     for effect in EFFECTS:
-        fitted = FITTED.get(effect, ()) if effect in nominal.given else ()
+        fitted = FITTED.get(effect, ()) if effect in nominal.effect_parameters else ()
         # Design effects are no candidates, unless some of their values were fitted
         if effect in DESIGN and not fitted:
             continue

@@ -60,7 +60,7 @@ def select_piece(
     """Return the full-length piece with the median error before; None without any."""
     pieces = []
     for view in (each for each in views if each.shown):
-        flight = view.flown.flight
+        flight = view.study_flight.flight
         for k, index in enumerate(flight.index):
             inside = flight.replay.cut.inside[k]
             measured = flight.replay.flight.position[index[inside]]

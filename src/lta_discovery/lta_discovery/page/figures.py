@@ -36,7 +36,7 @@ def plot_error_map(flights: Sequence[StudyFlightView], places: Sequence[Discrepa
     begun = [one.before.time[::every, 0] for one in flights]
     # Plotly merges columns of one name, and flights may share theirs: append invisible ones.
     columns = [
-        f'{one.flown.name}, {time:.1f} s' + k * '\N{ZERO WIDTH SPACE}'
+        f'{one.study_flight.name}, {time:.1f} s' + k * '\N{ZERO WIDTH SPACE}'
         for k, (one, times) in enumerate(zip(flights, begun, strict=True))
         for time in times
     ]
@@ -57,12 +57,12 @@ def plot_error_map(flights: Sequence[StudyFlightView], places: Sequence[Discrepa
             ),
             row=row, col=1,
         )  # fmt: skip
-    _label_flights(figure, [one.flown.name for one in flights], begun)
+    _label_flights(figure, [one.study_flight.name for one in flights], begun)
     for place in places:
         name = NAMES.get(place.channel, '')
         if name in names and place.condition != ALWAYS:
             _frame_discrepancy(
-                figure, place, names.index(name), [one.flown.name for one in flights], begun
+                figure, place, names.index(name), [one.study_flight.name for one in flights], begun
             )
     figure.update_yaxes(autorange='reversed', showgrid=False, tickfont={'size': 10, 'color': SOFT})
     figure.update_yaxes(title_text='before', row=1)

@@ -26,7 +26,7 @@ SAMPLES = 750  # of all overlays together; limits the file size of the page
 class StudyFlightView(NamedTuple):
     """One flight, replayed before and after."""
 
-    flown: StudyFlight
+    study_flight: StudyFlight
     # Predictions of the two models
     before: ModelPrediction
     after: ModelPrediction
@@ -63,8 +63,10 @@ def build_flight_views(study: DiscoveryStudy) -> list[StudyFlightView]:
         )
         for study_flight, fit in list_fit_flights(study)
     }
-    points |= {id(each.flown.flight): (each.before, each.after) for each in study.shown}
-    which = {id(each.flown.flight) for each in study.shown}
+    points |= {
+        id(each.study_flight.flight): (each.before, each.after) for each in study.comparisons
+    }
+    which = {id(each.study_flight.flight) for each in study.comparisons}
     out = []
     for study_flight in study.flights:
         flight = study_flight.flight
@@ -86,7 +88,7 @@ def _build_nominal_point(nominal: NominalVehicle, flight: FlightLinearizer) -> L
 
 def build_overlay(one: StudyFlightView, flights: int = 1) -> FlightOverlay:
     """Return the overlay of one flight, thinned so that all overlays fit into the page."""
-    measured = one.flown.flight.replay.flight
+    measured = one.study_flight.flight.replay.flight
     count = len(measured.time)
     # At least 5 samples apart, whatever the size: a screen shows no more.
     stride = max(5, int(np.ceil(count * flights / SAMPLES)))
@@ -95,7 +97,10 @@ def build_overlay(one: StudyFlightView, flights: int = 1) -> FlightOverlay:
         [measured.position, _unwrap_angle(heading_from_quaternion(measured.quaternion))]
     )
     models = (one.before, one.after)
-    lines = [truth, *(_join_pieces(one.flown.flight, model, truth, stride) for model in models)]
+    lines = [
+        truth,
+        *(_join_pieces(one.study_flight.flight, model, truth, stride) for model in models),
+    ]
     a, b, c = (line[keep] * np.array([1.0, 1.0, 1.0, np.degrees(1.0)]) for line in lines)
     return FlightOverlay(float(measured.time[0]), stride * PERIOD, (a, b, c))
 

@@ -22,7 +22,7 @@ class LatentWrench(NamedTuple):
     time: Array  # of the knots of each piece, shape (S, K) [s]
     wrench: Array  # force [N] and moment [N m], body frame, shape (S, K, 6)
     # Whether the flight has data there: the last piece may end early, shape (S, K)
-    known: NDArray[np.bool_]
+    has_data: NDArray[np.bool_]
     terms: dict[str, Array]  # candidate terms of the state, at the knots, shape (S * K,)
 
 
@@ -53,7 +53,7 @@ def join_pieces(each: LatentWrench, axis: int) -> tuple[Array, Array]:
     """Return force or moment on one axis over time, with a gap between pieces."""
     gap = np.full((len(each.time), 1), np.nan)
     time = np.hstack([each.time, each.time[:, -1:]]).ravel()
-    values = np.where(each.known, each.wrench[..., axis], np.nan)
+    values = np.where(each.has_data, each.wrench[..., axis], np.nan)
     return time, np.hstack([values, gap]).ravel()
 
 
@@ -68,10 +68,10 @@ def fit_terms(flights: Sequence[LatentWrench], axis: int, names: Sequence[str]) 
 
     """
     rows = [
-        np.column_stack([each.terms.get(name, np.zeros(each.known.size)) for name in names])
+        np.column_stack([each.terms.get(name, np.zeros(each.has_data.size)) for name in names])
         for each in flights
     ]
-    valid = np.concatenate([each.known.ravel() for each in flights])
+    valid = np.concatenate([each.has_data.ravel() for each in flights])
     target = np.concatenate([each.wrench[..., axis].ravel() for each in flights])
     weights = np.linalg.lstsq(np.concatenate(rows)[valid], target[valid], rcond=None)[0]
     return [part @ weights for part in rows]

@@ -165,7 +165,7 @@ def _render_figures(study: DiscoveryStudy, outcome: LawFinding) -> str:
                 ('law', figures.BEFORE, *join_pieces(each._replace(wrench=wrench), axis)),
             ]
         )
-        over.append(np.where(each.known, seen[quantity][:, at // STEPS], np.nan).ravel())
+        over.append(np.where(each.has_data, seen[quantity][:, at // STEPS], np.nan).ravel())
         points.append((each.wrench[..., axis].ravel(), wrench[..., axis].ravel()))
     names = [each.name for each in flights]
     titles = [f'{name}, {each} [{unit}]' for each in names]

@@ -119,7 +119,7 @@ def build_report(
     overlays = [
         build_overlay(one, sum(each.shown for each in flights)) for one in flights if one.shown
     ]
-    names = [one.flown.name for one in flights if one.shown]
+    names = [one.study_flight.name for one in flights if one.shown]
     scene, track = render_study_scene(overlays, vehicle)
     whiteness = f'<div class="grid">{render_whiteness(flights)}</div>'
     panels = (
@@ -312,7 +312,10 @@ def _render_latent_wrench(study: DiscoveryStudy) -> str:
             'on the dashed line.',
             figures.plot_parity(
                 fit_terms(flights, axis, following.follows),
-                [np.where(each.known, each.wrench[..., axis], np.nan).ravel() for each in flights],
+                [
+                    np.where(each.has_data, each.wrench[..., axis], np.nan).ravel()
+                    for each in flights
+                ],
                 [each.name for each in flights],
                 (f'{join_words(following.follows)}, fitted [{unit}]', f'{following.axis} '
                 f'[{unit}]'),

@@ -67,7 +67,7 @@ class FlightChoice:
     # Expected log Bayes factor of the true effect over another, for the worst pair and two flights
     nats: float
     space: tuple[float, float, float]  # required length, width and height [m]
-    made: FlightSpec  # specification of the flight, including the scenario
+    flight_spec: FlightSpec  # specification of the flight, including the scenario
 
 
 @final

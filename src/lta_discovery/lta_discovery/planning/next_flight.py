@@ -268,7 +268,7 @@ def _format_flight(name: str, names: tuple[str, ...], chosen: FlightChoice) -> s
 
 def build_scenario(name: str, names: tuple[str, ...], chosen: FlightChoice) -> dict[str, Any]:
     """Return the scenario file of a chosen flight."""
-    scene = dict(chosen.made.contents['scenario'])
+    scene = dict(chosen.flight_spec.contents['scenario'])
     about = f'{chosen.manoeuvre.about}, to separate {name} from {_join_names(names, "or")}.'
     scene |= {'name': 'next_flight', 'about': about[0].upper() + about[1:]}
     return scene

@@ -127,7 +127,7 @@ def list_changed_quantities(
 ) -> Iterator[VehicleFileQuantity]:
     """Yield the changed quantities of a file, with a note for each parameter in `notes`."""
     content = parse_yaml(text, vehicle.file.name)
-    moved = _find_changed_parameters(nominal.given, learned.given)
+    moved = _find_changed_parameters(nominal.effect_parameters, learned.effect_parameters)
     if set(moved) & set(TOGETHER):
         # Both blocks have to be written if one changes
         moved = {**dict.fromkeys(TOGETHER, ()), **moved}

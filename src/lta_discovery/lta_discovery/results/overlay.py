@@ -44,7 +44,7 @@ def write_overlay(
     """Write the overlay bag and return its file."""
     bag = folder / NAME
     qos = [build_offered_qos('reliable', 'volatile', 10)]
-    words = format_topic_names([one.flown.name for one in comparisons])
+    words = format_topic_names([one.study_flight.name for one in comparisons])
     rows = [
         row
         for one, word in zip(comparisons, words, strict=True)
@@ -94,7 +94,7 @@ def predict_tracker_states(flight: FlightLinearizer, point: LinearizationPoint) 
 
 def _list_messages(one: ThreeModelComparison, place: str) -> list[Row]:
     """Return the messages of one flight with their times and topics."""
-    flight = one.flown.flight
+    flight = one.study_flight.flight
     measured = flight.replay.flight
     valid = np.isfinite(measured.position).all(axis=1)
     rows: list[Row] = []

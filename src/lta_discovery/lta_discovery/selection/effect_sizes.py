@@ -98,7 +98,7 @@ def list_assumed_parameters(
     nominal: NominalVehicle, effect: str, learned: Sequence[ParameterEstimate]
 ) -> tuple[AssumedValue, ...]:
     """Return the parameters of an effect that are neither in the vehicle file nor fitted."""
-    if effect in nominal.given:
+    if effect in nominal.effect_parameters:
         return ()
     units = {parameter.name: parameter.unit for parameter in EFFECTS[effect].parameters}
     fitted = {one.name for one in learned}
@@ -124,6 +124,6 @@ def _estimate_parameters(
         # Half width of the 95 % interval, in the unit of the model parameter
         half = NORMAL * abs(rate) * spread
         interval = now - half, now + half
-        there = effect in nominal.given
+        there = effect in nominal.effect_parameters
         out.append(ParameterEstimate(parameter, units[parameter], before, now, interval, there))
     return out

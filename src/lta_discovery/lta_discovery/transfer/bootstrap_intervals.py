@@ -26,11 +26,11 @@ def bootstrap_values(
 
     Each is one step from the fit to all, within the bounds of the parameters.
     """
-    rng, count = np.random.default_rng(seed), len(fit.said)
+    rng, count = np.random.default_rng(seed), len(fit.equations)
     at, wall = fit.values[list(which)], np.diag(spread**-2.0)
     low, high = (np.array([getattr(knobs[k], side) for k in which]) for side in ('low', 'high'))
-    products = np.array([one.products for one in fit.said])
-    pulls = np.array([one.pull for one in fit.said])
+    products = np.array([one.products for one in fit.equations])
+    pulls = np.array([one.pull for one in fit.equations])
     # At the optimum pull and prior balance; subtract what remains from an unconverged fit.
     rest = pulls.sum(axis=0) - wall @ at
     out = np.empty((DRAWS, len(at)))

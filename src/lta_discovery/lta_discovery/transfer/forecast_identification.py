@@ -65,7 +65,7 @@ POSE: Final = 6  # number of pose channels, the first of CHANNELS
 class ForecastFlights(NamedTuple):
     """Flights that are long enough for forecasts, as flown and in overlapping pieces."""
 
-    flown: list[StudyFlight]
+    study_flights: list[StudyFlight]
     sight: ForecastFitter
 
 
@@ -74,7 +74,7 @@ class TransferOutcome(NamedTuple):
     """The last selection, its confirmed effects with values, and the rejected ones."""
 
     chosen: GroupSelection
-    kept: Sequence[CandidateGroup]
+    accepted: Sequence[CandidateGroup]
     best: EffectValues | None
     lost: Sequence[CandidateGroup]
     rejected: Sequence[RejectedEffect] = ()
@@ -103,7 +103,7 @@ def add_forecast_effects(study: DiscoveryStudy, tell: Progress) -> DiscoveryStud
         return _add_refit_with_readings(study, tell)
     tell('evaluating forecasts', 0.0)
     flights = _cut_forecast_flights(study, [one for one in study.flights if one.role != 'holdout'])
-    if flights is None or len(flights.flown) < FEWEST:
+    if flights is None or len(flights.study_flights) < FEWEST:
         return study
     parts = _split_regimes(flights)
     plain, rest = tune_tolerances(flights.sight, parts)
@@ -117,14 +117,14 @@ def add_forecast_effects(study: DiscoveryStudy, tell: Progress) -> DiscoveryStud
         return _add_refit(study, flights, parts, plain, tell)
     models = {'before': np.zeros_like(plain), 'tuned': plain, 'after': names.best.fitted.values}
     numbers = 0
-    if len(flights.flown) >= ENOUGH:
+    if len(flights.study_flights) >= ENOUGH:
         tell('refitting everything', 0.9)
         refit = refit_all_parameters(
             flights.sight, _list_candidates(flights), names.best.fitted.values
         )
         models['refitted'], numbers = refit.values, refit.numbers
     evidence = _collect_transfer_evidence(
-        names.chosen, names.kept, names.best, [one.name for one in names.lost], numbers
+        names.chosen, names.accepted, names.best, [one.name for one in names.lost], numbers
     )
     evidence = replace(
         evidence,
@@ -137,7 +137,7 @@ def add_forecast_effects(study: DiscoveryStudy, tell: Progress) -> DiscoveryStud
     if any(is_worse_than_file(result.finding.training, kind) for kind in MODELS):
         return _add_warning(
             study,
-            f'{", ".join(one.name for one in names.kept)}: not reported, because with it the '
+            f'{", ".join(one.name for one in names.accepted)}: not reported, because with it the '
             'flights of the fit are predicted worse than with the vehicle file.',
         )
     return result
@@ -156,10 +156,10 @@ def _select_groups(
     kinds: Sequence[LeftOutKind] = ()
     splits = split_by_kind(taught.sight.nominal, taught.sight.flights, taught.sight.lift)
     halves = [
-        [f for f, one in enumerate(taught.flown) if one.role == role]
+        [f for f, one in enumerate(taught.study_flights) if one.role == role]
         for role in ('train', 'confirm')
     ]
-    every = range(len(taught.flown))
+    every = range(len(taught.study_flights))
     for attempt in range(ATTEMPTS):
         tell('evaluating forecasts', attempt / ATTEMPTS)
         chosen = select_forward(taught.sight, every, parts, candidates)
@@ -172,7 +172,7 @@ def _select_groups(
             if not judgement.rejected:
                 break
             # Judged again, so that the errors by kind are those of the effects that remain
-            best, confirmed = _validate_groups(taught.sight, judgement.kept, parts, seed, rest)
+            best, confirmed = _validate_groups(taught.sight, judgement.accepted, parts, seed, rest)
         fell = [one for one in chosen.groups if one not in confirmed]
         if both and not confirmed:
             # The others fell in the company of the first, so they have another chance without it
@@ -225,7 +225,7 @@ def _add_refit(
     `plain`: values of the tolerances, fitted to forecasts.
     """
     # The readings may have named effects, whose model is another one
-    if study.finding.effects or len(taught.flown) < ENOUGH:
+    if study.finding.effects or len(taught.study_flights) < ENOUGH:
         return study
     tell('refitting everything', 0.9)
     refit = refit_all_parameters(taught.sight, _list_candidates(taught), plain, parts)
@@ -250,17 +250,17 @@ def _add_refit_with_readings(study: DiscoveryStudy, tell: Progress) -> Discovery
         return study
     based = replace(study, nominal=study.learned)
     flights = _cut_forecast_flights(based, [one for one in study.flights if one.role != 'holdout'])
-    if flights is None or len(flights.flown) < ENOUGH:
+    if flights is None or len(flights.study_flights) < ENOUGH:
         return study
     tell('refitting everything', 0.9)
     begin = np.zeros(len(flights.sight.knobs))
     parts = _split_regimes(flights)
     refit = refit_all_parameters(flights.sight, _list_candidates(flights), begin, parts)
     whole = apply_parameters(study.learned, flights.sight.knobs, refit.values)[0]
-    error_flights = [one.flown.flight for one in study.shown]
+    error_flights = [one.study_flight.flight for one in study.comparisons]
     gaps = compute_model_errors(
         error_flights,
-        [FlightUnderModels(one.before, one.tuned, one.after) for one in study.shown],
+        [FlightUnderModels(one.before, one.tuned, one.after) for one in study.comparisons],
         finding.seed,
         refitted=[build_vehicle_point(each, whole, fit.deviations) for each in error_flights],
     )
@@ -292,7 +292,7 @@ def _split_regimes(taught: ForecastFlights) -> Mapping[str, Sequence[int]]:
     parts = group_by_regime(taught.sight.flights)
     if len(parts) > 1:
         return parts
-    return {f'flight {one.name}': [f] for f, one in enumerate(taught.flown)}
+    return {f'flight {one.name}': [f] for f, one in enumerate(taught.study_flights)}
 
 
 def _validate_groups(
@@ -365,7 +365,7 @@ def _add_named_effects(
     finding = replace(
         study.finding,
         verdict='named+unexplained',
-        effects=build_named_effects(study.nominal, knobs, names.chosen, names.kept, best),
+        effects=build_named_effects(study.nominal, knobs, names.chosen, names.accepted, best),
         warnings=warnings,
         carried=carried,
     )
@@ -387,12 +387,12 @@ def _add_prediction_errors(
         held_out=last is not None,
         training=tuple(one for one in own if one.channel in WHOLE),
     )
-    seen = [_compare_models(study, one, models) for one in error_flights.flown]
+    seen = [_compare_models(study, one, models) for one in error_flights.study_flights]
     every = models.get('refitted')
     whole = (
         None if every is None else apply_parameters(study.nominal, taught.sight.knobs, every)[0]
     )
-    return replace(study, finding=finding, shown=seen, refitted=whole)
+    return replace(study, finding=finding, comparisons=seen, refitted=whole)
 
 
 def _compare_models(

@@ -90,8 +90,8 @@ def select_forward(
     while sides and len(chosen) < MOST:
         # Zero rounds: linearize all candidates about the current model without a step.
         about = sight.fit(every, np.ones(len(every)), flights, values, rounds=0)
-        equations = dict(zip(flights, about.said, strict=True))
-        first = first or sum(one.cost for one in about.said)
+        equations = dict(zip(flights, about.equations, strict=True))
+        first = first or sum(one.cost for one in about.equations)
         tried = _rank_candidates(
             sight, equations, sides, every, values, [g for g, _ in chosen], candidates, first
         )

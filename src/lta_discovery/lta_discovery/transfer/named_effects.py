@@ -79,6 +79,6 @@ def _estimate_parameters(
         start = begun.parameter_value(effect, parameter)
         low, high = sorted(start + rate * end for end in interval)
         before = nominal.parameter_value(effect, parameter)
-        now, there = start + rate * value, effect in nominal.given
+        now, there = start + rate * value, effect in nominal.effect_parameters
         out.append(ParameterEstimate(parameter, units[parameter], before, now, (low, high), there))
     return out

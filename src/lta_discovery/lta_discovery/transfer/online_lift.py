@@ -28,7 +28,7 @@ def subtract_online_lift(
     `ahead`: its last column is the sensitivity to the lift. The result has shape (S, H, 6): NaN
     where unknown [m, rad].
     """
-    left, column = ahead.left, ahead.columns[..., -1]
+    left, column = ahead.errors, ahead.columns[..., -1]
     ends = time[:, None] + np.array(horizons)
     finite = np.isfinite(left).all(axis=-1)
     out = left.copy()

@@ -67,7 +67,7 @@ class RejectedEffect(NamedTuple):
 class KindJudgement(NamedTuple):
     """Effects that are kept and rejected, and the errors of the kept ones by kind of regime."""
 
-    kept: Sequence[CandidateGroup]
+    accepted: Sequence[CandidateGroup]
     rejected: Sequence[RejectedEffect]
     kinds: Sequence[LeftOutKind]
 

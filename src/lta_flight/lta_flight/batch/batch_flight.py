@@ -104,7 +104,7 @@ def build_model(vehicle: Vehicle, scenario: Scenario, policy: FlightStack) -> Ve
             '--device does not support demodulator.learn_gains; leave one of the two out.'
         )
     model = build_scene_model(vehicle, scenario)
-    for name in model.given:
+    for name in model.effect_parameters:
         effect = MODEL_EFFECTS[name]
         # Effects of sensors and commands act outside the model, where a batch has no code for them
         if isinstance(effect, MeasurementEffect) and effect.channel not in UNHEARD:
@@ -132,7 +132,7 @@ def build_flight(
     """
     model = build_model(vehicle, scenario, policy)
     craft = build_constants(vehicle, scenario, policy, table)
-    place = model.given.get('moving_mass', {})
+    place = model.effect_parameters.get('moving_mass', {})
     craft = craft._replace(
         mass_place=(place.get('x', 0.0), place.get('y', 0.0), place.get('z', 0.0)),
         duties=pad_to_slots(duties),

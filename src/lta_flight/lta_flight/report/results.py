@@ -346,7 +346,7 @@ def compute_gas_metrics(view: FlightDataSource, phases: FlightPhases) -> dict[st
         return {}
     vehicle = Vehicle(file, scenario.air.density)
     model = build_scene_model(vehicle, scenario)
-    p = model.given.get('superheat')
+    p = model.effect_parameters.get('superheat')
     if p is None:
         return {}
     light, truth = LightView(scenario.light_field, vehicle), view.truth

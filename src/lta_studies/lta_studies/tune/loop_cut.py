@@ -65,7 +65,9 @@ class LoopCut:
         settings = own.model_copy(update={'rest_time': REST, 'altitude': less})
         self._still = _build_damped_model(true)
         self.drone: DroneConstants = build_drone_constants(nominal, settings, gains, self.period)
-        delay = self._model.given.get('command_delay', {}).get('delay', 0.0) / self.period
+        delay = (
+            self._model.effect_parameters.get('command_delay', {}).get('delay', 0.0) / self.period
+        )
         # Split the delay into whole periods and the rest; 1e-9 absorbs rounding.
         self._whole = int(delay + 1e-9)
         self._part = delay - self._whole if delay - self._whole > 1e-9 else 0.0

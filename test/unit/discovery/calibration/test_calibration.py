@@ -349,7 +349,7 @@ def test_the_calibrated_file_is_the_calibrated_vehicle(
     np.testing.assert_allclose(read.inertia, wanted.inertia, rtol=1e-6)
     np.testing.assert_allclose(read.cg, wanted.cg, rtol=1e-9)
     for effect in ('wrench_gain', 'marker_offset', 'tracker_misalignment', 'command_delay'):
-        for name, value in wanted.given[effect].items():
+        for name, value in wanted.effect_parameters[effect].items():
             assert read.parameter_value(effect, name) == pytest.approx(value), effect
     lifts = [one.value for one in found.list_of_flights('net_lift.force')]
     assert read.parameter_value('net_lift', 'force') == pytest.approx(np.mean(lifts))

@@ -112,7 +112,7 @@ def test_poses_smoother_than_any_tracker_count_for_less() -> None:
 def test_a_vehicle_is_weighed_with_its_moving_mass_where_it_is() -> None:
     """Moved 1 cm ahead, and back again; CG and inertia by hand."""
     nominal = NominalVehicle.from_vehicle(load_vehicle('rgblimp'))
-    own = nominal.given['moving_mass']
+    own = nominal.effect_parameters['moving_mass']
     rest = np.array([own[axis] for axis in 'xyz'])
     ahead = nominal.with_mass_at(rest + np.array([0.01, 0.0, 0.0]))
     assert ahead.cg[0] - nominal.cg[0] == pytest.approx(0.05407 * 0.01 / nominal.mass)
@@ -124,4 +124,6 @@ def test_a_vehicle_is_weighed_with_its_moving_mass_where_it_is() -> None:
     assert hull[1] - hull[0] == pytest.approx(gained)
     back = ahead.with_mass_at(rest)
     assert back.inertia == pytest.approx(nominal.inertia, abs=1e-12)
-    assert replace(back, given=nominal.given).cg == pytest.approx(nominal.cg)
+    assert replace(back, effect_parameters=nominal.effect_parameters).cg == pytest.approx(
+        nominal.cg
+    )

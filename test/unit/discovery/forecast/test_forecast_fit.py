@@ -42,9 +42,9 @@ def test_columns_are_what_small_turns_do(gtmab: Known, clean: FlightLinearizer) 
     for column, k in enumerate(which):
         step = 1e-3 * (known[k].typical or known[k].tolerance)
         there = replace(point, nominal=known[k].apply_to(nominal, step))
-        slope = -(compute_horizon_errors(clean, there).left - found.left) / step
+        slope = -(compute_horizon_errors(clean, there).errors - found.errors) / step
         close = 0.03 * np.nanmax(np.abs(slope))  # attitudes turn with what is left over
-        told = np.isfinite(found.left)
+        told = np.isfinite(found.errors)
         np.testing.assert_allclose(found.columns[told, column], slope[told], atol=close)
 
 
@@ -67,7 +67,7 @@ def test_a_fit_from_far_off_never_gets_worse(lacking: tuple[ForecastFitter, int,
     costs = []
     for rounds in range(4):
         found = sight.fit([k], spread, [0, 1], begin, rounds)
-        costs.append(sum(one.cost for one in found.said) + (found.values[k] / spread[0]) ** 2)
+        costs.append(sum(one.cost for one in found.equations) + (found.values[k] / spread[0]) ** 2)
     assert all(later <= before + 1e-9 for before, later in pairwise(costs))
     assert costs[-1] < 0.3 * costs[0]
 
@@ -80,7 +80,7 @@ def test_large_errors_count_by_their_size(lacking: tuple[ForecastFitter, int, fl
     try:
         for times in (1e-3, 2e-3, 1e4, 2e4):
             sight.weights = times * usual
-            said = sight.fit([k], np.ones(1), [0], rounds=0).said
+            said = sight.fit([k], np.ones(1), [0], rounds=0).equations
             costs.append(said[0].cost)
     finally:
         sight.weights = usual

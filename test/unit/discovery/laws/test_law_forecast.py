@@ -47,8 +47,8 @@ def test_picard_rounds_agree_with_the_kernel(
     law = Law(source='a test', terms=terms, hidden=state, region=region)
     point = unchanged_vehicle_point(gtmab[0], clean.knobs, clean.replay.cut)
     ours = simulate_under_law(clean, point, FlightLaw(law, clean, gtmab[0]))
-    given = {**gtmab[0].given, 'law': list_law_parameters(law)}
-    flown = replace(point, nominal=replace(gtmab[0], given=given))
+    given = {**gtmab[0].effect_parameters, 'law': list_law_parameters(law)}
+    flown = replace(point, nominal=replace(gtmab[0], effect_parameters=given))
     kernel, without = clean.simulate_forecast(flown), clean.simulate_forecast(point)
     # After 3 s; 0.02 s each
     apart = np.linalg.norm((ours - kernel)[:, 150, :3], axis=-1)

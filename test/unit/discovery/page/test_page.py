@@ -147,9 +147,12 @@ def test_names_of_strangers_bags_are_words(
 ) -> None:
     """Names of bags and regimes, and the vehicle as it was named; the rest is the library's."""
     named = [replace(one, name=f'{evil}{k}') for k, one in enumerate(found.flights)]
-    shown = [replace(one, flown=replace(one.flown, name=evil)) for one in found.shown * 2]
+    shown = [
+        replace(one, study_flight=replace(one.study_flight, name=evil))
+        for one in found.comparisons * 2
+    ]
     given = _with(
-        replace(found, flights=named, shown=shown),
+        replace(found, flights=named, comparisons=shown),
         where=tuple(one._replace(flight=evil, condition=evil) for one in found.finding.where),
         remains=REMAINS,
         warnings=(evil,),
@@ -274,7 +277,7 @@ def test_a_draught_is_on_the_page_and_nothing_is_missing_for_it(
 def test_a_study_without_held_out_flights_says_so(found: DiscoveryStudy, tmp_path: Path) -> None:
     text, _ = _read(_with(found, held_out=False), tmp_path)
     assert 'No flight was held out' in text
-    bare = replace(_with(found, gaps=(), ladder=(), warnings=(), versions={}), shown=())
+    bare = replace(_with(found, gaps=(), ladder=(), warnings=(), versions={}), comparisons=())
     text, data = _read(bare, tmp_path)
     assert 'There was no flight to compute prediction errors on.' in text
     assert 'No candidate was promising enough for a full fit.' in text
@@ -290,7 +293,7 @@ def test_several_flights_can_be_chosen(found: DiscoveryStudy, tmp_path: Path) ->
         )
         for one in found.flights
     ]  # fmt: skip
-    _, data = _read(replace(found, shown=shown), tmp_path)
+    _, data = _read(replace(found, comparisons=shown), tmp_path)
     flights = data['flights']
     assert isinstance(flights, dict)
     assert list(flights) == ['1', '2']  # the first one is drawn already
@@ -339,7 +342,7 @@ def test_overlays_begin_where_the_pieces_do(found: DiscoveryStudy) -> None:
     truth, before, after = drawn.lines
     away = [np.linalg.norm(line[:, :3] - truth[:, :3], axis=1) for line in (before, after)]
     assert np.nanmax(away[0]) > 3.0 * np.nanmax(away[1])
-    flight = one.flown.flight
+    flight = one.study_flight.flight
     first = flight.replay.cut.first[1]
     index = round(first / round(drawn.period / 0.04))
     assert away[0][index] < 0.02

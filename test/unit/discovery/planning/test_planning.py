@@ -157,7 +157,7 @@ def test_the_flight_that_tells_two_drags_apart_changes_its_speed(
     assert chosen.nats >= WANTED
     speeds = {row['speed']['value'] for row in chosen.manoeuvre.course['rows']}
     assert len(speeds) > 2
-    scene = Scenario.model_validate(chosen.made.contents['scenario'])
+    scene = Scenario.model_validate(chosen.flight_spec.contents['scenario'])
     assert scene.course is not None
     assert scene.goal.time_limit.si == chosen.manoeuvre.length
 

@@ -138,7 +138,7 @@ def test_all_forces_and_inertias_scaled_together_move_nothing(
     )  # fmt: skip
     scaled['net_lift.force'] = -heaviness
     for effect in ('added_mass', 'added_inertia', 'quadratic_drag', 'rotational_drag'):
-        for parameter, value in nominal.given[effect].items():
+        for parameter, value in nominal.effect_parameters[effect].items():
             scaled[f'{effect}.{parameter}'] = value
     names = [knob.name for knob in knobs]
     total = sum(value * columns[..., RANDOM + names.index(name)] for name, value in scaled.items())

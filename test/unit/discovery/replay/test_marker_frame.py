@@ -56,8 +56,8 @@ def test_columns_are_what_small_turns_do(gtmab: Known, clean: FlightLinearizer, 
     found = compute_horizon_errors(flight, point, [k], NEAR)
     step = 1e-4
     there = replace(point, nominal=flight.knobs[k].apply_to(nominal, step))
-    slope = -(compute_horizon_errors(flight, there, horizons=NEAR).left - found.left) / step
-    told = np.isfinite(found.left)
+    slope = -(compute_horizon_errors(flight, there, horizons=NEAR).errors - found.errors) / step
+    told = np.isfinite(found.errors)
     # Attitude errors turn with what is left over, as in the test of other columns
     np.testing.assert_allclose(
         found.columns[told, 0], slope[told], atol=0.07 * np.nanmax(np.abs(slope))

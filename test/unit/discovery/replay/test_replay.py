@@ -93,7 +93,9 @@ def test_a_law_with_a_hidden_state_is_replayed(
         ),
         region={name: [-9.0, 9.0] for name in ('u', 'r', 'pitch', 'hidden')},
     )
-    vehicle = replace(gtmab[0], given={**gtmab[0].given, 'law': list_law_parameters(law)})
+    vehicle = replace(
+        gtmab[0], effect_parameters={**gtmab[0].effect_parameters, 'law': list_law_parameters(law)}
+    )
     streams = flown({}, 4, 12.0)
     model, orders = vehicle.build_model(), streams.commands.values
     state = np.concatenate([np.zeros(RIGID), initial_memory()])

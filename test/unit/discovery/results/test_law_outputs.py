@@ -93,8 +93,8 @@ def test_a_law_in_the_vehicle_file_stays(
     gtmab: tuple[NominalVehicle, list[FreeParameter]],
 ) -> None:
     """No other is sought, as a file has one law."""
-    given = {**gtmab[0].given, 'law': list_law_parameters(LAW)}
-    nominal = replace(gtmab[0], given=given)
+    given = {**gtmab[0].effect_parameters, 'law': list_law_parameters(LAW)}
+    nominal = replace(gtmab[0], effect_parameters=given)
     study = DiscoveryStudy(replace(UNEXPLAINED, law=None), nominal, nominal, (), ())
     base = BaseFile('', load_vehicle('gtmab'))
     found = add_law(study, base, lambda _what, _part: None).finding.law

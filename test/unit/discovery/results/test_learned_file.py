@@ -54,7 +54,7 @@ def test_every_candidate_has_its_place_in_the_file(vehicle, tmp_path):
     for names in ([n for n in turnable if n not in heavy], *([n] for n in turnable if n in heavy)):
         _, learned, back = _written(vehicle, tmp_path / 'vehicle.yaml', names)
         again = NominalVehicle.from_vehicle(back)
-        for effect, given in learned.given.items():
+        for effect, given in learned.effect_parameters.items():
             for name, value in given.items():
                 assert again.parameter_value(effect, name) == pytest.approx(
                     value, rel=1e-9, abs=1e-12

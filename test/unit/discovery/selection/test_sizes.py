@@ -16,7 +16,7 @@ def learned(name: str) -> ParameterEstimate:
 def test_numbers_of_an_absent_effect_that_were_not_fitted_are_told(gtmab: Known) -> None:
     """A ground effect of another radius has another gain."""
     nominal, _ = gtmab
-    assert not {'ground_effect', 'superheat'} & set(nominal.given)
+    assert not {'ground_effect', 'superheat'} & set(nominal.effect_parameters)
     told = list_assumed_parameters(nominal, 'ground_effect', [learned('gain')])
     assert told == (AssumedValue('radius', 'm', 0.0225),)
     assert list_assumed_parameters(nominal, 'superheat', [learned('rise'), learned('lag')]) == (

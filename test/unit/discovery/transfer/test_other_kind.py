@@ -55,7 +55,7 @@ def test_an_effect_that_trades_attitude_for_position_is_rejected(monkeypatch) ->
             'idle': {'position': 1.01, 'attitude': 0.99},
         }[name],
     )
-    assert [one.name for one in found.kept] == ['good', 'idle']
+    assert [one.name for one in found.accepted] == ['good', 'idle']
     (lost,) = found.rejected
     assert (lost.name, lost.kind, lost.channel) == ('bad', 'slow', 'attitude')
     assert '20 % worse' in lost.sentence
@@ -74,7 +74,7 @@ def test_effects_that_help_each_other_are_kept_together(monkeypatch) -> None:
     monkeypatch.setattr(other_kind, '_fit', lambda *given: given[-1])
     sight = SimpleNamespace(flights=[None])
     found = judge_by_kind(sight, [GOOD, BAD], np.zeros(3), [KindSplit(sight, {'slow': [0]})])
-    assert len(found.kept) == 2
+    assert len(found.accepted) == 2
     assert not found.rejected
 
 

@@ -215,8 +215,8 @@ def test_an_effect_that_fell_in_the_company_of_a_wrong_one_is_chosen_again(monke
         monkeypatch.setattr(forecast_identification, name, stub)
     taught = SimpleNamespace(
         sight=SimpleNamespace(nominal=None, flights=(), lift=0.0),
-        flown=[],
+        study_flights=[],
     )
     found = forecast_identification._select_groups(taught, {}, [], 1, lambda *_: None)
     assert offered == [[wrong, right, weak], [right, weak], [right]]
-    assert (found.kept, found.lost) == ([right], [wrong, weak])
+    assert (found.accepted, found.lost) == ([right], [wrong, weak])

@@ -137,8 +137,8 @@ def test_a_lift_is_learned_from_what_is_over() -> None:
     column[..., 2, 0] = np.square(HORIZONS)
     seen = HorizonErrors(0.01 * column[..., 0], column)
     left = subtract_online_lift(seen, time, lift=1.0)
-    np.testing.assert_allclose(left[0], seen.left[0])
-    assert np.abs(left[1]).max() < 1e-3 * np.abs(seen.left[1]).max()
+    np.testing.assert_allclose(left[0], seen.errors[0])
+    assert np.abs(left[1]).max() < 1e-3 * np.abs(seen.errors[1]).max()
 
 
 CARRIED = TransferEvidence(

@@ -34,7 +34,7 @@ def test_a_file_with_everything_refitted_is_the_vehicle_that_was_learned(tmp_pat
             format_learned_vehicle(text, vehicle, nominal, learned, found), encoding='utf-8'
         )
         again = NominalVehicle.from_vehicle(load_vehicle(str(file)))
-        for effect, given in learned.given.items():
-            held = again.given.get(effect, {})
+        for effect, given in learned.effect_parameters.items():
+            held = again.effect_parameters.get(effect, {})
             for parameter, value in given.items():
                 assert held.get(parameter, 0.0) == pytest.approx(value, rel=1e-9), effect

@@ -110,10 +110,10 @@ def build_kernel(model, noise):
         length = math.hypot(*state[3:7])
         return (*state[:3], *(part / length for part in state[3:7]), *state[7:])
 
-    dark, own = (0.0,) * 8, OnboardMemory()
+    dark, own, on = (0.0,) * 8, OnboardMemory(), model.effect_parameters
     return FlightKernel(
-        dark, own, True, 'turbulence' in model.given, 'superheat' in model.given, rates,
-        thrusts_of, ahead, mean, normalised, lambda *_: begin, noise.read_diodes, lambda _: dark,
+        dark, own, True, 'turbulence' in on, 'superheat' in on, rates, thrusts_of,
+        ahead, mean, normalised, lambda *_: begin, noise.read_diodes, lambda _: dark,
     )  # fmt: skip
 
 

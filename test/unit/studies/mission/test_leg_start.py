@@ -36,7 +36,7 @@ def test_the_gas_of_a_mission_stays_at_the_temperature_of_the_air(name):
     assert load_scenario(name).sun.warms_gas
     assert not scenes.scenario.sun.warms_gas
     assert scenes.scenario.light_field == load_scenario(name).light_field
-    assert 'superheat' not in scenes._model.given
+    assert 'superheat' not in scenes._model.effect_parameters
 
 
 def test_a_leg_has_the_same_control_period_in_longer_steps():
