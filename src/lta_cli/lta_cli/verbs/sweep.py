@@ -49,7 +49,7 @@ def sweep(
     flights are stored with their seed and the reason. flights.parquet has one row per flight, with
     SI units and descriptions in the column metadata.
 
-    --device flies thousands of closed loops at once, after one compilation of up to a minute for
+    --device flies thousands of closed loops at once, after one compilation of a minute or two for
     each strategy. It models the received lamp signal by geometry and noise instead of ADC blocks,
     so flights agree in distribution, not seed by seed. A batch reports no cruise data and no
     estimator errors. It supports every strategy, routes and several lamps, but no courses, only

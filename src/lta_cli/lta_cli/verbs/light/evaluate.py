@@ -55,7 +55,7 @@ def evaluate(
     repeating the command resumes, more seeds are added to the stored ones, and after Ctrl-C the
     page covers the flights so far.
 
-    --device is much faster for many seeds, after a compilation of up to a minute for each
+    --device is much faster for many seeds, after a compilation of a minute or two for each
     strategy. Batches model the received lamp signal by geometry and noise instead of ADC blocks,
     as "lta sweep --device" does; the pilot flies as before.
 
