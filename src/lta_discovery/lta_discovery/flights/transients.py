@@ -29,6 +29,11 @@ IDLE: Final = 0.02  # of the largest command; smaller commands are none
 STANDING: Final = 0.6  # s; shortest time with idle actuators that counts as held
 CARRIED: Final = 0.15  # m/s; a vehicle that is faster flies before its first command
 TURNED: Final = 0.05  # rad/s; the same for its rates: it swings freely
+SWUNG: Final = 0.07  # rad; amplitude of a swing that shows when it began
+FREE: Final = 0.35  # of the largest angular acceleration of a swing; more is no free swing
+HELD: Final = 0.2  # s; shortest time that counts as held
+ODD: Final = 0.1  # share of a free swing that may differ, by gaps and slips of the tracker
+SETTLED: Final = 0.2  # s; margin after the release of a swing
 
 
 @final
@@ -50,6 +55,7 @@ def find_transients(flight: MeasuredFlight, streams: FlightStreams) -> list[Tran
         )
     held = _find_rest_end(flight)
     released, caught = _find_hands(flight)
+    released = max(released, _find_swing_begin(flight))
     # A hand that lifts the vehicle from the floor disturbs it longer than the floor does
     until = transients[0].to_s if transients else begin
     if released > max(until, held):
@@ -105,6 +111,45 @@ def _mark_idle_points(flight: MeasuredFlight) -> Mask:
     newest = np.searchsorted(orders.time, flight.time + 1e-9, side='right') - 1
     idle: Mask = (newest < 0) | (size[np.maximum(newest, 0)] < IDLE * largest)
     return idle
+
+
+def _find_swing_begin(flight: MeasuredFlight) -> float:
+    """
+    Return when a hand lets go a swing without commands; the start of the flight if none does. [s]
+
+    A free swing returns in proportion to its angle, also when it is large. Held at an angle, or
+    moved slowly, the vehicle does not.
+    """
+    begin = float(flight.time[0])
+    orders = flight.wrench if flight.wrench is not None else flight.commands
+    if orders.values.any():
+        return begin
+    tilt = _measure_tilt(flight.quaternion)
+    turning, rate, angle = (_smooth_derivative(tilt, order) for order in (2, 1, 0))
+    known = np.isfinite(turning).all(axis=1)
+    # Its second half is free
+    late = np.flatnonzero(known)[known.sum() // 2 :]
+    if len(late) * PERIOD < 0.5 * REST or np.ptp(tilt[late], axis=0).max() < 2.0 * SWUNG:
+        return begin
+    terms = np.column_stack([angle, rate, np.ones(len(angle))])
+    law = np.linalg.lstsq(terms[late], turning[late], rcond=None)[0]
+    usual = float(np.linalg.norm(turning[known], axis=1).max())
+    unlike = np.linalg.norm(turning - terms @ law, axis=1) > FREE * usual
+    runs = [run for run in find_usable_runs(unlike) if run[1] - run[0] >= HELD / PERIOD]
+    for _, end in runs:
+        if end <= late[0] and unlike[end : late[0]].sum() <= ODD * (late[0] - end):
+            return float(flight.time[end]) + SETTLED
+    return begin
+
+
+def _measure_tilt(quaternion: Array) -> Array:
+    """Return the tilt as a rotation vector about horizontal axes of the body, shape (n, 2)."""
+    x, y, z, w = quaternion.T
+    # The world's up in body axes
+    up = np.column_stack([2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1 - 2.0 * (x * x + y * y)])
+    flat = np.linalg.norm(up[:, :2], axis=1)
+    stretch = np.arctan2(flat, up[:, 2]) / np.maximum(flat, 1e-9)
+    return up[:, :2] * stretch[:, None]
 
 
 def _find_hands(flight: MeasuredFlight) -> tuple[float, float]:

@@ -11,6 +11,7 @@ from lta_data.importers.draft.attitude_readings import (
     CLEAR,
     differentiate,
     fit_scale,
+    LATEST,
     list_readings,
     LONGEST,
     MotionEvidence,
@@ -108,8 +109,9 @@ def _choose_reading(
         if len(rivals) and scored[best][0] > 0.3 and _differ_in_sense(first, rivals):
             options = [(one.label, 'agrees equally well') for one in (first, *rivals[:3])]
             first = labels[choices.decide(key, options, f'Several readings fit: {why}.')]
-    elif _is_unclear_heading(group, numbers):
-        options = [(one.label, '') for one in readings if 'body to world' in one.label]
+    elif _is_unclear_heading(readings, numbers):
+        units = {one.entry['unit']: one.label for one in reversed(readings)}
+        options = [(units[unit], '') for unit in ('rad', 'deg')]
         first = labels[choices.decide(key, options, 'Nothing tells the unit of the heading.')]
         why = choices.explain(key)
     else:
@@ -123,10 +125,11 @@ def _choose_reading(
     return first
 
 
-def _is_unclear_heading(group: ColumnGroup, numbers: Numbers) -> bool:
-    """Return whether a heading alone can be several turns in radians, or a few degrees."""
-    size = float(np.nanpercentile(np.abs(numbers), 99.0))
-    return len(group.columns) == 1 and not group.unit and UNCLEAR[0] < size <= UNCLEAR[1]
+def _is_unclear_heading(readings: Sequence[AttitudeReading], numbers: Numbers) -> bool:
+    """Return whether a heading can be several turns in radians, or a few degrees."""
+    size = float(np.nanpercentile(np.abs(numbers[:, -1]), 99.0))
+    units = {reading.entry.get('unit') for reading in readings if 'euler' in reading.entry}
+    return len(units) > 1 and size > UNCLEAR[0]
 
 
 def _differ_in_sense(first: AttitudeReading, rivals: Sequence[AttitudeReading]) -> bool:
@@ -186,8 +189,8 @@ def _draft_rates(
         derived = body_rates_of(turn, raw.seconds)
         in_world = turn.apply(np.nan_to_num(derived))
         fits = {
-            'body': fit_scale(raw.rates, derived, raw.seconds),
-            'world': fit_scale(raw.rates, in_world, raw.seconds),
+            'body': fit_scale(raw.rates, derived, raw.seconds, LATEST),
+            'world': fit_scale(raw.rates, in_world, raw.seconds, LATEST),
         }
         frame = max(fits, key=lambda one: fits[one].share - 0.02 * (one == 'world'))
         fit = fits[frame]
@@ -234,7 +237,7 @@ def _draft_position(
     if not unit and velocity is not None and raw.velocity is not None:
         measured = raw.velocity
         best = max(
-            (fit_scale(measured, derived, raw.seconds)
+            (fit_scale(measured, derived, raw.seconds, LATEST)
              for derived in (speed, speed if turn is None else
                              turn.inv().apply(np.nan_to_num(speed)))),
             key=lambda fit: fit.share,
@@ -286,10 +289,10 @@ def _draft_velocity(
     frame, why = 'body', 'nothing to compare it with'
     if raw.position is not None:
         speed = differentiate(raw.position * scales['position'], raw.seconds)
-        fits = {'world': fit_scale(raw.velocity, speed, raw.seconds)}
+        fits = {'world': fit_scale(raw.velocity, speed, raw.seconds, LATEST)}
         if turn is not None:
             fits['body'] = fit_scale(raw.velocity, turn.inv().apply(np.nan_to_num(speed)),
-                                     raw.seconds)  # fmt: skip
+                                     raw.seconds, LATEST)  # fmt: skip
         frame = max(fits, key=lambda one: fits[one].share)
         fit = fits[frame]
         why = f'the derivative of the position agrees in {frame} axes ({100 * fit.share:.0f} %'
