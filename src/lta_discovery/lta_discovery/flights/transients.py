@@ -8,16 +8,15 @@ catches, shows as an acceleration that the rest of the flight never reaches.
 
 from typing import Final, final, NamedTuple
 
+from lta_discovery.flights.free_swings import find_swing_law, smooth_derivative, WINDOW
 from lta_discovery.flights.measured_flight import FlightStreams, MeasuredFlight, PERIOD
 from lta_discovery.flights.windows import find_usable_runs
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import savgol_filter
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-WINDOW: Final = 13  # points of the grid, 0.5 s; smoothing of the accelerations
 EDGE: Final = 8.0  # s; length of the ends in which a hand is looked for
 REST: Final = 6.0  # s; least length of the rest of the flight, which shows what is usual
 HARD: Final = 2.5  # times the largest usual acceleration; a hand
@@ -29,11 +28,6 @@ IDLE: Final = 0.02  # of the largest command; smaller commands are none
 STANDING: Final = 0.6  # s; shortest time with idle actuators that counts as held
 CARRIED: Final = 0.15  # m/s; a vehicle that is faster flies before its first command
 TURNED: Final = 0.05  # rad/s; the same for its rates: it swings freely
-SWUNG: Final = 0.07  # rad; amplitude of a swing that shows when it began
-FREE: Final = 0.35  # of the largest angular acceleration of a swing; more is no free swing
-HELD: Final = 0.2  # s; shortest time that counts as held
-ODD: Final = 0.1  # share of a free swing that may differ, by gaps and slips of the tracker
-SETTLED: Final = 0.2  # s; margin after the release of a swing
 
 
 @final
@@ -55,7 +49,8 @@ def find_transients(flight: MeasuredFlight, streams: FlightStreams) -> list[Tran
         )
     held = _find_rest_end(flight)
     released, caught = _find_hands(flight)
-    released = max(released, _find_swing_begin(flight))
+    law = find_swing_law(flight)
+    released = max(released, begin if law is None else law.release)
     # A hand that lifts the vehicle from the floor disturbs it longer than the floor does
     until = transients[0].to_s if transients else begin
     if released > max(until, held):
@@ -87,7 +82,7 @@ def _find_rest_end(flight: MeasuredFlight) -> float:
     """
     idle = _mark_idle_points(flight)
     speed, rate = (
-        np.linalg.norm(_smooth_derivative(part, 1), axis=1)
+        np.linalg.norm(smooth_derivative(part, 1), axis=1)
         for part in (flight.position, 2.0 * flight.quaternion)
     )
     # A gap in the poses continues what was before it
@@ -113,48 +108,9 @@ def _mark_idle_points(flight: MeasuredFlight) -> Mask:
     return idle
 
 
-def _find_swing_begin(flight: MeasuredFlight) -> float:
-    """
-    Return when a hand lets go a swing without commands; the start of the flight if none does. [s]
-
-    A free swing returns in proportion to its angle, also when it is large. Held at an angle, or
-    moved slowly, the vehicle does not.
-    """
-    begin = float(flight.time[0])
-    orders = flight.wrench if flight.wrench is not None else flight.commands
-    if orders.values.any():
-        return begin
-    tilt = _measure_tilt(flight.quaternion)
-    turning, rate, angle = (_smooth_derivative(tilt, order) for order in (2, 1, 0))
-    known = np.isfinite(turning).all(axis=1)
-    # Its second half is free
-    late = np.flatnonzero(known)[known.sum() // 2 :]
-    if len(late) * PERIOD < 0.5 * REST or np.ptp(tilt[late], axis=0).max() < 2.0 * SWUNG:
-        return begin
-    terms = np.column_stack([angle, rate, np.ones(len(angle))])
-    law = np.linalg.lstsq(terms[late], turning[late], rcond=None)[0]
-    usual = float(np.linalg.norm(turning[known], axis=1).max())
-    unlike = np.linalg.norm(turning - terms @ law, axis=1) > FREE * usual
-    runs = [run for run in find_usable_runs(unlike) if run[1] - run[0] >= HELD / PERIOD]
-    for _, end in runs:
-        if end <= late[0] and unlike[end : late[0]].sum() <= ODD * (late[0] - end):
-            return float(flight.time[end]) + SETTLED
-    return begin
-
-
-def _measure_tilt(quaternion: Array) -> Array:
-    """Return the tilt as a rotation vector about horizontal axes of the body, shape (n, 2)."""
-    x, y, z, w = quaternion.T
-    # The world's up in body axes
-    up = np.column_stack([2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1 - 2.0 * (x * x + y * y)])
-    flat = np.linalg.norm(up[:, :2], axis=1)
-    stretch = np.arctan2(flat, up[:, 2]) / np.maximum(flat, 1e-9)
-    return up[:, :2] * stretch[:, None]
-
-
 def _find_hands(flight: MeasuredFlight) -> tuple[float, float]:
     """Return when a hand has released the vehicle, and when one catches it. [s]"""
-    pull = np.linalg.norm(_smooth_derivative(flight.position, 2), axis=1)
+    pull = np.linalg.norm(smooth_derivative(flight.position, 2), axis=1)
     first = _find_release(pull)
     # A catch is a release in reversed time
     last = _find_release(pull[::-1])
@@ -179,15 +135,3 @@ def _find_release(pull: Array) -> int | None:
         if pull[k] > HARD * np.nanmax(later, initial=0.0):
             return int(k)
     return None
-
-
-def _smooth_derivative(values: Array, order: int) -> Array:
-    """Return a smoothed derivative of the positions; NaN near gaps."""
-    out = np.full_like(values, np.nan)
-    valid: Mask = np.asarray(np.isfinite(values).all(axis=1))
-    for begin, end in find_usable_runs(valid):
-        if end - begin >= WINDOW:
-            smooth = savgol_filter(values[begin:end], WINDOW, 3, deriv=order, delta=PERIOD, axis=0)
-            # At its ends the filter extrapolates, which amplifies noise
-            out[begin + WINDOW // 2 : end - WINDOW // 2] = smooth[WINDOW // 2 : -(WINDOW // 2)]
-    return out

@@ -70,26 +70,3 @@ def test_a_free_decay_is_no_hand() -> None:
     time = times(60.0)
     swing = 0.3 * np.exp(-time / 8.0) * np.cos(2.0 * np.pi * time / 2.5)
     assert found(flight(np.full_like(time, 1.5), ahead=swing)) == []
-
-
-@pytest.mark.parametrize('moved', [0.0, 0.1])
-def test_a_swing_begins_when_the_hand_lets_go(moved: float) -> None:
-    """A hand holds it at 0.6 rad, or moves slowly; the pendulum has a period of 1.4 s."""
-    time, released = times(20.0), 2.6
-    free = np.maximum(time - released, 0.0)
-    swing = 0.6 * np.exp(-free / 6.0) * np.cos(2.0 * np.pi * free / 1.4)
-    angle = np.where(time < released, 0.6 + moved * np.sin(3.0 * (time - released)), swing)
-    ((begin, end),) = found(swinging(time, angle))
-    assert (begin, end) == (0.0, pytest.approx(released + 0.2, abs=0.2))
-    # From the release on, it is all free
-    assert found(swinging(time[time < 17.0], angle[time >= released][: (time < 17.0).sum()])) == []
-
-
-def swinging(time: Array, angle: Array) -> FlightStreams:
-    """Return a flight without commands that swings about y."""
-    pose = np.zeros((len(time), 7))
-    pose[:, 2] = 1.5
-    pose[:, 4], pose[:, 6] = np.sin(0.5 * angle), np.cos(0.5 * angle)
-    pose += 1e-3 * np.random.default_rng(1).standard_normal(pose.shape)
-    pose[:, 3:] /= np.linalg.norm(pose[:, 3:], axis=1, keepdims=True)
-    return FlightStreams(Stream(time, pose), Stream(time, np.zeros((len(time), 4))), floor=0.47)
