@@ -90,6 +90,40 @@ def test_the_unit_of_several_turns_of_a_heading_is_asked(tmp_path):
     assert [name.split(', ')[1] for name, _ in question.options] == ['rad', 'deg']
 
 
+@pytest.mark.parametrize(('size', 'scale', 'unit'), [
+    (0.02, 1.0, 'rad'), (1.0, 1.0, 'rad'), (0.1, 57.29578, 'deg'), (1.0, 57.29578, 'deg'),
+])  # fmt: skip
+def test_small_angles_beside_velocities_that_are_late(tmp_path, size, scale, unit):
+    """A lab derives velocity and rates from the poses, and filters them; it flies straight."""
+    t = np.arange(0.0, 30.0, 0.05)
+    angles = size * np.column_stack([
+        0.2 * np.sin(4.0 * t), 0.15 * np.sin(4.3 * t) + 0.05, 0.1 + 0.4 * np.sin(0.5 * t),
+    ])  # fmt: skip
+    turn = Rotation.from_euler('ZYX', angles[:, ::-1])
+    world = np.column_stack([0.1 * np.sin(0.3 * t), 0.05 * np.cos(0.4 * t), 0.02 * np.sin(t)])
+    place = np.cumsum(world, axis=0) * 0.05 + [0.0, 0.0, 1.5]
+    rates = np.gradient(angles, t, axis=0)
+    late = [np.roll(one, 4, axis=0) for one in (turn.inv().apply(world), rates)]
+    table = {
+        't': t + 7.0, **three('v', late[0]), **three('w', scale * late[1]), **three('', place),
+        **dict(zip(('phi', 'theta', 'psi'), scale * angles.T, strict=True)),
+    }  # fmt: skip
+    draft = draft_mapping(write_csv(tmp_path / 'a.csv', table), {})
+    assert draft.choices.questions == []
+    (topic,) = yaml.safe_load(draft.text)['topics']
+    assert topic['orientation']['unit'] == unit
+    assert topic['rates']['unit'] == f'{unit}/s'
+
+
+def test_many_turns_of_a_heading_beside_small_tilts_are_in_radians(tmp_path):
+    f = lab_flight()
+    angles = {'roll': f['rpy'][:, 0], 'pitch': f['rpy'][:, 1], 'yaw': np.unwrap(f['rpy'][:, 2])}
+    table = {'t': f['t'] + 5.0, **three('', f['p']), **angles, **three('v', f['v'])}
+    draft = draft_mapping(write_csv(tmp_path / 'a.csv', table), {})
+    assert draft.choices.questions == []
+    assert yaml.safe_load(draft.text)['topics'][0]['orientation']['unit'] == 'rad'
+
+
 @pytest.mark.parametrize('columns', [2, 3, 4])
 def test_decimal_commas_are_told_from_delimiters(tmp_path, columns):
     rows = [';'.join(f'{k},{k}00' for _ in range(columns)) for k in range(5)]

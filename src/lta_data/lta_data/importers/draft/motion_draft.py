@@ -106,7 +106,8 @@ def _choose_reading(
         why = 'as you decided'
     elif scored[best][1]:
         why = '; '.join(scored[best][1])
-        if len(rivals) and scored[best][0] > 0.3 and _differ_in_sense(first, rivals):
+        rivals = [rival for rival in rivals if _differs_in_sense(first, rival)]
+        if rivals and scored[best][0] > 0.3:
             options = [(one.label, 'agrees equally well') for one in (first, *rivals[:3])]
             first = labels[choices.decide(key, options, f'Several readings fit: {why}.')]
     elif _is_unclear_heading(readings, numbers):
@@ -132,10 +133,9 @@ def _is_unclear_heading(readings: Sequence[AttitudeReading], numbers: Numbers) -
     return len(units) > 1 and size > UNCLEAR[0]
 
 
-def _differ_in_sense(first: AttitudeReading, rivals: Sequence[AttitudeReading]) -> bool:
+def _differs_in_sense(first: AttitudeReading, rival: AttitudeReading) -> bool:
     """Return whether a rival is no mere other sequence of nearly the same small angles."""
-    return any('euler' not in rival.entry or rival.entry['unit'] != first.entry['unit']
-               for rival in rivals)  # fmt: skip
+    return 'euler' not in rival.entry or rival.entry['unit'] != first.entry['unit']
 
 
 def _named_unit(group: ColumnGroup) -> tuple[str, float] | None:
