@@ -50,6 +50,8 @@ from .lab_flights import DOWN, lab_flight, three, write_csv
         ('v_n', ('v',), 'n', ''),
         ('u_n', ('u',), 'n', ''),
         ('t_s', ('t',), '', 's'),
+        ('XToGlobal1', (), 'x', ''),
+        ('QwToGlobal1', ('q',), 'w', ''),
     ],
 )
 def test_names_are_taken_apart(column, stem, axis, unit):
@@ -122,6 +124,33 @@ def test_many_turns_of_a_heading_beside_small_tilts_are_in_radians(tmp_path):
     draft = draft_mapping(write_csv(tmp_path / 'a.csv', table), {})
     assert draft.choices.questions == []
     assert yaml.safe_load(draft.text)['topics'][0]['orientation']['unit'] == 'rad'
+
+
+def test_an_export_with_a_preamble_padded_rows_and_rounded_times(tmp_path):
+    """As a tracker writes it: millimetres, a counter without a name, times of six digits."""
+    f = lab_flight()
+    letters = [*'XYZ', 'Vx', 'Vy', 'Vz', 'Qx', 'Qy', 'Qz', 'Qw']
+    names = ['', 'Timestamp', *(f'{name}ToGlobal1' for name in letters)]
+    world = np.gradient(f['p'], f['t'], axis=0)
+    rows = np.column_stack([1000.0 * f['p'], 1000.0 * world, f['q']])
+    # Where it lost the body, the poses are zero
+    rows[200:280, [0, 1, 2, 6, 7, 8, 9]] = 0.0
+    lines = ['#Translation and Rotation (.csv) file', '[Head]', 'NumFrames,Rate,Units',
+             f'{len(rows)},50,mm', '', '[Data]', ' Frame# ,,Segment1', ','.join(names)]  # fmt: skip
+    for k, row in enumerate(rows):
+        cells = [f'{value:.6f}' for value in row]
+        lines.append(','.join([str(k + 1), '1.76424E+12', *(cells if k > 1 else [' '] * 10)]))
+    width = len(names)
+    padded = [line + ',' * (width - line.count(',')) + ' ' for line in lines]
+    (tmp_path / 'a.csv').write_text('\n'.join(padded) + '\n')
+    draft = draft_mapping(tmp_path / 'a.csv', {})
+    assert draft.choices.questions == []
+    mapping = yaml.safe_load(draft.text)
+    assert mapping['time'] == {'rate': '50 Hz'}
+    (topic,) = mapping['topics']
+    assert topic['position'] == {'columns': [f'{a}ToGlobal1' for a in 'XYZ'], 'unit': 'mm'}
+    assert topic['velocity']['frame'] == 'world'
+    assert topic['orientation']['order'] == 'xyzw'
 
 
 @pytest.mark.parametrize('columns', [2, 3, 4])

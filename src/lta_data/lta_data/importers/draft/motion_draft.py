@@ -56,15 +56,17 @@ def draft_motion(
     `groups` and `numbers` are by kind: position, velocity, rates, attitude, acceleration.
     """
     seconds, rows = seconds[:LONGEST], {k: v[:LONGEST] for k, v in numbers.items()}
-    raw = MotionEvidence(seconds, rows.get('position'), rows.get('velocity'), rows.get('rates'),
-                         rows.get('acceleration'))  # fmt: skip
     parts: dict[str, Any] = {}
+    scales = {'acceleration': _draft_acceleration(topic, groups, rows, parts, choices)}
+    # Without gravity in it, an acceleration says nothing about the attitude
+    felt = rows.get('acceleration') if scales['acceleration'] else None
+    place = _blank_lost_rows(rows)
+    raw = MotionEvidence(seconds, place, rows.get('velocity'), rows.get('rates'), felt)
     reading = None
     if 'attitude' in groups:
         reading = _choose_reading(topic, groups['attitude'], rows['attitude'], raw, choices)
         parts['orientation'] = reading.entry
     turn = None if reading is None else reading.turn
-    scales = {'acceleration': _draft_acceleration(topic, groups, rows, parts, choices)}
     scales['rates'] = _draft_rates(topic, groups, raw, turn, parts, choices)
     scales['position'] = _draft_position(topic, groups, raw, scales, turn, parts, choices)
     scales['velocity'] = _draft_velocity(topic, groups, raw, scales, turn, parts, choices)
@@ -78,6 +80,16 @@ def draft_motion(
     )  # fmt: skip
     order = ('position', 'orientation', 'velocity', 'rates', 'acceleration')
     return MotionDraft({name: parts[name] for name in order if name in parts}, si, turn)
+
+
+def _blank_lost_rows(rows: Mapping[str, Numbers]) -> Numbers | None:
+    """Return the positions, NaN where a tracker that lost the body writes zeros."""
+    if 'position' not in rows:
+        return None
+    lost = ~rows['position'].any(axis=1)
+    if 'attitude' in rows and rows['attitude'].shape[1] == 4:
+        lost |= ~rows['attitude'].any(axis=1)
+    return np.where(lost[:, None] & ~lost.all(), np.nan, rows['position'])
 
 
 def _choose_reading(
@@ -233,6 +245,7 @@ def _draft_position(
     named = _named_unit(group)
     unit, why = (named[0], 'the unit in the names') if named else ('', '')
     speed = differentiate(raw.position, raw.seconds)
+    fast = float(np.nanpercentile(np.linalg.norm(speed, axis=1), 75.0))
     velocity = groups.get('velocity')
     if not unit and velocity is not None and raw.velocity is not None:
         measured = raw.velocity
@@ -248,8 +261,10 @@ def _draft_position(
             near = {one: abs(np.log(factor / scale)) for one, scale in LENGTHS.items()}
             unit = min(near, key=lambda one: near[one])
             why = f'the velocity is {best.factor:.3g} times its derivative'
+            # Both can be in mm: the factor alone does not say it
+            if not named_unit and fast * LENGTHS[unit] > SPEEDS[1]:
+                unit = ''
     if not unit:
-        fast = float(np.nanpercentile(np.linalg.norm(speed, axis=1), 75.0))
         fitting = [u for u, scale in LENGTHS.items() if SPEEDS[0] <= fast * scale <= SPEEDS[1]]
         extent = float(np.max(np.nanpercentile(raw.position, 98, axis=0)
                               - np.nanpercentile(raw.position, 2, axis=0)))  # fmt: skip

@@ -67,6 +67,8 @@ JOINED: Final = re.compile(
 )
 # An angle behind the letter of a command: upsi
 TURNED: Final = re.compile(r'(tau|cmd|[uftm])(roll|pitch|yaw|phi|theta|psi)')
+# The frame of a quantity, which is not what it is: XToGlobal1
+FRAME: Final = re.compile(r'to|wrt|global\d?')
 WORDS: Final = re.compile(r'[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+\d?|[A-Z]+\d?|\d+')
 
 KINDS: Final[dict[str, frozenset[str]]] = {
@@ -191,6 +193,7 @@ def _normalise_unit(text: str) -> str:
 
 def _find_axis(column: str, words: Sequence[str], unit: str) -> ColumnName:
     """Return a name of words in lower case."""
+    words = [word for word in words if not FRAME.fullmatch(word)] or words
     for index in range(len(words) - 1, -1, -1):
         word = words[index]
         if word in ANGLES:
