@@ -9,6 +9,7 @@ from lta_config.schema.import_file import load_mapping
 from lta_data.importers.draft.choices import DraftQuestion
 from lta_data.importers.draft.column_groups import group_columns
 from lta_data.importers.draft.draft_mapping import draft_mapping
+from lta_data.importers.draft.draft_vehicle import DraftVehicle
 from lta_data.importers.draft.name_hints import parse_column_name
 from lta_data.importers.readers.text_dialect import detect_text_format
 import numpy as np
@@ -115,6 +116,19 @@ def test_small_angles_beside_velocities_that_are_late(tmp_path, size, scale, uni
     (topic,) = yaml.safe_load(draft.text)['topics']
     assert topic['orientation']['unit'] == unit
     assert topic['rates']['unit'] == f'{unit}/s'
+
+
+@pytest.mark.parametrize(('vehicle', 'asked'), [('gtmab', []), ('multirotor', ['world.up'])])
+def test_the_tilt_of_a_blimp_does_not_say_where_up_is(tmp_path, vehicle, asked):
+    """Its gondola swings against its accelerations, below a map whose z points down."""
+    t = np.arange(0.0, 40.0, 0.05)
+    pull = 0.3 * np.sin(0.9 * t)
+    place = np.column_stack([-pull / 0.81, 0.0 * t, -1.5 + 0.1 * np.sin(0.4 * t)])
+    turn = Rotation.from_euler('y', 0.2 * pull[:, None])
+    table = {'t': t + 3.0, **three('', place), **three('q', turn.as_quat(), 'xyzw')}
+    path = write_csv(tmp_path / 'a.csv', table)
+    draft = draft_mapping(path, {'ground_truth/odom.position.unit': 'm'}, DraftVehicle.load(vehicle))
+    assert [question.key for question in draft.choices.questions] == asked
 
 
 def test_many_turns_of_a_heading_beside_small_tilts_are_in_radians(tmp_path):

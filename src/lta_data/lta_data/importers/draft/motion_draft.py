@@ -30,6 +30,7 @@ from scipy.spatial.transform import Rotation
 LENGTHS: Final = {'m': 1.0, 'cm': 0.01, 'mm': 0.001}
 DEGREE: Final = np.pi / 180.0
 UNLIKE: Final = 1.3  # times as much unexplained decides between two frames
+ALIKE: Final = 0.02  # scores of readings that agree equally well
 APART: Final = 15.0  # between body and world axes; below it, the better of two is taken [deg]
 SPEEDS: Final = (0.02, 20.0)  # usual speeds of a vehicle in flight [m/s]
 
@@ -106,7 +107,8 @@ def _choose_reading(
     labels = {reading.label: reading for reading in readings}
     scored = [score_reading(reading, evidence) for reading in readings]
     # At a similar score, the conventional reading is the first
-    best = max(range(len(readings)), key=lambda i: scored[i][0] - 0.002 * i)
+    most = max(score for score, _ in scored)
+    best = next(i for i, (score, _) in enumerate(scored) if score > most - ALIKE)
     first = readings[best]
     rivals = [
         reading for i, reading in enumerate(readings)
