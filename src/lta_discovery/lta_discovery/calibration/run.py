@@ -36,8 +36,8 @@ def calibrate_vehicle(
     flights = read_bags(bags, robot, lambda bag: tell(f'reading {bag}', None))
     tell('checking data quality', None)
     usable = select_usable_flights(flights, vehicle, CALIBRATED)
-    flights, remarks = align_swings(usable.flights)
-    calibration = calibrate_flights(vehicle, name, flights, tell)
+    aligned, remarks = align_swings(usable.flights)
+    calibration = calibrate_flights(vehicle, name, aligned, tell)
     warnings = (*usable.warnings, *remarks)
     return report_calibration(vehicle, name, replace(calibration, warnings=warnings))
 

@@ -146,9 +146,7 @@ def format_forecast_sentence(calibration: Calibration) -> str:
         return 'The flights are too short to compare forecasts.'
     last = scores[-1]
     where = 'confirming flights' if role == 'confirm' else 'the training flights themselves'
-    file, now, coast = (
-        format_error(each[0]) for each in (last.before, last.after, last.coast)
-    )
+    file, now, coast = (format_error(each[0]) for each in (last.before, last.after, last.coast))
     text = (
         f'Position error {last.horizon:g} s ahead on {where}: {file} with the vehicle file, '
         f'{now} calibrated, {coast} if the vehicle coasted.'

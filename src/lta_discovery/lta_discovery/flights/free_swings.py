@@ -1,9 +1,9 @@
 """
 Find the law of a swing without commands: when a hand lets it go, and about which tilt it swings.
 
-A free swing returns in proportion to its angle. Held at an angle, or moved slowly, the vehicle does
-not. The tilt at rest follows from the balance and the marker frame, and both may change between
-flights: a battery is moved, or the rigid body of the tracker is defined again.
+A free swing returns in proportion to its angle. Held at an angle, or moved slowly, the vehicle
+does not. The tilt at rest follows from the balance and the marker frame, and both may change
+between flights: a battery is moved, or the rigid body of the tracker is defined again.
 """
 
 from collections.abc import Sequence
@@ -47,15 +47,15 @@ def find_swing_law(flight: MeasuredFlight) -> SwingLaw | None:
     turning, rate, angle = (
         smooth_derivative(measure_tilt(flight.quaternion), order) for order in (2, 1, 0)
     )
-    known = np.isfinite(turning).all(axis=1)
+    finite = np.isfinite(turning).all(axis=1)
     # Its second half is free
-    late = np.flatnonzero(known)[known.sum() // 2 :]
+    late = np.flatnonzero(finite)[finite.sum() // 2 :]
     if len(late) * PERIOD < SHORTEST or np.ptp(angle[late], axis=0).max() < 2.0 * SWUNG:
         return None
     terms = np.column_stack([angle, rate, np.ones(len(angle))])
     law = np.linalg.lstsq(terms[late], turning[late], rcond=None)[0]
     rest = np.linalg.lstsq(law[:2].T, -law[4], rcond=None)[0]
-    usual = float(np.linalg.norm(turning[known], axis=1).max())
+    usual = float(np.linalg.norm(turning[finite], axis=1).max())
     unlike = np.linalg.norm(turning - terms @ law, axis=1) > FREE * usual
     for first, end in find_usable_runs(unlike):
         is_held = end - first >= HELD / PERIOD and end <= late[0]
@@ -85,16 +85,16 @@ def align_swings(flights: Sequence[Role]) -> tuple[list[Role], list[str]]:
         if np.linalg.norm(apart) > APART:
             turn = quaternion_exponential(np.array([-apart[1], apart[0], 0.0]))
             quaternion = quaternion_product(flight.quaternion, turn)
-            flight = replace(flight, quaternion=quaternion)  # noqa: PLW2901
+            flight = replace(flight, quaternion=quaternion)
             turned.append(name)
             most = max(most, float(np.linalg.norm(apart)))
         out.append((name, role, flight))
     if not turned:
         return out, []
     return out, [
-        f'{", ".join(turned)}: swings about a tilt that differs from that of the other flights, by '
-        f'up to {math.degrees(most):.0f}\N{DEGREE SIGN}, as if the balance or the marker frame had '
-        'changed in between. Their marker frames are turned to that of the others.'
+        f'{", ".join(turned)}: swings about a tilt that differs from that of the other flights, '
+        f'by up to {math.degrees(most):.0f}\N{DEGREE SIGN}, as if balance or marker frame had '
+        'changed in between. The marker frames are turned to that of the others.'
     ]
 
 

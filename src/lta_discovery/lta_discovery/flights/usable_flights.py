@@ -94,7 +94,8 @@ def select_usable_flights(
     """
     Return the usable parts of some flights of one vehicle.
 
-    `least`: usable time of all training flights that is needed. [s] Raise `BadInput` if the flights are not usable; the message states why.
+    `least`: usable time of all training flights that is needed. [s] Raise `BadInput` if the
+    flights are not usable; the message states why.
     """
     warnings = check_same_vehicle(flights, vehicle.file)
     require_distinct_runs(flights)

@@ -127,7 +127,8 @@ def test_the_tilt_of_a_blimp_does_not_say_where_up_is(tmp_path, vehicle, asked):
     turn = Rotation.from_euler('y', 0.2 * pull[:, None])
     table = {'t': t + 3.0, **three('', place), **three('q', turn.as_quat(), 'xyzw')}
     path = write_csv(tmp_path / 'a.csv', table)
-    draft = draft_mapping(path, {'ground_truth/odom.position.unit': 'm'}, DraftVehicle.load(vehicle))
+    answers = {'ground_truth/odom.position.unit': 'm'}
+    draft = draft_mapping(path, answers, DraftVehicle.load(vehicle))
     assert [question.key for question in draft.choices.questions] == asked
 
 
@@ -149,8 +150,8 @@ def test_an_export_with_a_preamble_padded_rows_and_rounded_times(tmp_path):
     rows = np.column_stack([1000.0 * f['p'], 1000.0 * world, f['q']])
     # Where it lost the body, the poses are zero
     rows[200:280, [0, 1, 2, 6, 7, 8, 9]] = 0.0
-    lines = ['#Translation and Rotation (.csv) file', '[Head]', 'NumFrames,Rate,Units',
-             f'{len(rows)},50,mm', '', '[Data]', ' Frame# ,,Segment1', ','.join(names)]  # fmt: skip
+    head = f'[Head];NumFrames,Rate,Units;{len(rows)},50,mm;;[Data]; Frame# ,,Segment1'
+    lines = ['#Translation and Rotation (.csv) file', *head.split(';'), ','.join(names)]
     for k, row in enumerate(rows):
         cells = [f'{value:.6f}' for value in row]
         lines.append(','.join([str(k + 1), '1.76424E+12', *(cells if k > 1 else [' '] * 10)]))

@@ -433,7 +433,12 @@ def test_a_rough_calibration_replaces_a_file_that_does_not_beat_coasting(
     gain = CalibratedValue('wrench_gain.heave', '1', '', 1.0, 0.2, (0.1, 0.3), True, True, ())
     nominal = NominalVehicle.from_vehicle(vehicle)
     rough = Calibration(
-        'gtmab', nominal, nominal, (gain,), {'train': (score,), 'confirm': (score,)}, 'forecasts',
+        'gtmab',
+        nominal,
+        nominal,
+        (gain,),
+        {'train': (score,), 'confirm': (score,)},
+        'forecasts',
         {'train': ()},
     )
     monkeypatch.setattr(first_step, 'calibrate_flights', lambda *_, **__: rough)

@@ -52,7 +52,8 @@ def test_swings_about_different_tilts_are_turned_to_the_same() -> None:
     apart = [find_swing_law(flight).rest for _, _, flight in flights]
     np.testing.assert_allclose(apart[1] - apart[0], [0.0, 0.15], atol=0.01)
     turned, (words,) = align_swings(flights)
-    assert words.startswith('b: swings about a tilt') and 'up to 8°' in words
+    assert words.startswith('b: swings about a tilt')
+    assert 'up to 8°' in words
     rests = [np.mean(measure_tilt(flight.quaternion)[-140:], axis=0) for _, _, flight in turned]
     np.testing.assert_allclose(rests[1], rests[2], atol=0.01)
     assert [one is other for (_, _, one), (_, _, other) in zip(flights, turned, strict=True)] == [

@@ -162,15 +162,18 @@ def fit_scale(
     if not step > 0.0 or good.sum() < 20:
         return ScaleFit(float('nan'), 0.0)
     weights = hann_kernel(KERNEL, step)
-    sides = []
-    for side in (measured, derived):
-        smooth = smooth_columns(np.where(good.reshape(-1, 1), side, 0.0), weights)
-        # Glitches of a tracker must not decide
-        end = np.percentile(np.abs(smooth[good]), 99.0, axis=0)
-        sides.append(np.clip(smooth, -end, end))
-    most = min(round(latest / step), len(good) // 2)
-    fits = [_fit_late(*sides, good, late) for late in {*np.linspace(0, most, 7, dtype=int)}]
+    left, right = (_smooth_finite(side, np.asarray(good), weights) for side in (measured, derived))
+    most = min(round(latest / step), int(good.sum()) // 2)
+    lates = {int(late) for late in np.linspace(0, most, 7)}
+    fits = [_fit_late(left, right, np.asarray(good), late) for late in sorted(lates)]
     return max(fits, key=lambda fit: fit.share)
+
+
+def _smooth_finite(side: Numbers, good: NDArray[np.bool_], weights: Numbers) -> Numbers:
+    """Return a vector smoothed, without the glitches of a tracker, which must not decide."""
+    smooth = smooth_columns(np.where(good.reshape(-1, 1), side, 0.0), weights)
+    end = np.percentile(np.abs(smooth[good]), 99.0, axis=0)
+    return np.clip(smooth, -end, end)
 
 
 def _fit_late(measured: Numbers, derived: Numbers, good: NDArray[np.bool_], late: int) -> ScaleFit:

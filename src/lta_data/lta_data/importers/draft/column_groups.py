@@ -181,10 +181,10 @@ def _group_stem(
             angle_kind = kind or ('position' if not stem or role else '')
             if triple[0] in '01' and words <= COMMANDS:
                 return None  # cmd_1, cmd_2, cmd_3
-            if triple[0] in '01' and words <= ACTIONS and not unit:
-                # a1, a2, a3
-                if not _feels_gravity(np.stack([table[axes[one].column] for one in triple], 1)):
-                    return None
+            # a1, a2, a3
+            acting = triple[0] in '01' and words <= ACTIONS and not unit
+            if acting and not _feels_gravity(_stack(axes, triple, table)):
+                return None
             if angle_kind == 'quaternion':
                 angle_kind = 'euler' if triple[0] in '01' else ''
             # Vicon: RX, RY, RZ, TX, TY, TZ
@@ -194,6 +194,10 @@ def _group_stem(
                 why = f'the name {label}' if stem else 'columns x, y, z'
                 return _build(angle_kind, role, axes, triple, unit, why)
     return None
+
+
+def _stack(axes: Mapping[str, ColumnName], order: Sequence[str], table: Columns) -> Numbers:
+    return np.stack([table[axes[axis].column] for axis in order], axis=1)
 
 
 def _feels_gravity(rows: Numbers) -> bool:

@@ -43,7 +43,13 @@ def list_generic_commands(names: Sequence[ColumnName]) -> list[str]:
     names = [name for name in names if name not in lettered]
     generic = {
         name.column
-        for names_of in (_list_numbered, _list_thrusts, _list_surfaces, _list_orders, _list_letters)
+        for names_of in (
+            _list_numbered,
+            _list_thrusts,
+            _list_surfaces,
+            _list_orders,
+            _list_letters,
+        )
         for name in names_of(names)
     }
     return [name.column for name in names if name.column in generic]
@@ -77,7 +83,9 @@ def _list_thrusts(names: Sequence[ColumnName]) -> Iterator[ColumnName]:
 def _list_surfaces(names: Sequence[ColumnName]) -> Iterator[ColumnName]:
     """Yield the one throttle beside a rudder, servo or steering, and these."""
     thrusts = [name for name in names if name.words & THRUSTS and not name.words & PLACES]
-    surfaces = [name for name in names if name.words & SURFACES and name.words <= GENERIC | SURFACES]
+    surfaces = [
+        name for name in names if name.words & SURFACES and name.words <= GENERIC | SURFACES
+    ]
     if len(thrusts) == 1 and surfaces:
         yield from (*thrusts, *surfaces)
 

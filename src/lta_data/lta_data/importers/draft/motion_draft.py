@@ -87,7 +87,7 @@ def _blank_lost_rows(rows: Mapping[str, Numbers]) -> Numbers | None:
     """Return the positions, NaN where a tracker that lost the body writes zeros."""
     if 'position' not in rows:
         return None
-    lost = ~rows['position'].any(axis=1)
+    lost = np.asarray(~rows['position'].any(axis=1))
     if 'attitude' in rows and rows['attitude'].shape[1] == 4:
         lost |= ~rows['attitude'].any(axis=1)
     return np.where(lost[:, None] & ~lost.all(), np.nan, rows['position'])

@@ -34,7 +34,9 @@ SCALARS: Final = (
 )  # fmt: skip
 CORNERS: Final = frozenset(['rl', 'rr', 'bl', 'br'])  # of a quadrotor, beside fl and fr
 FORCES: Final = frozenset(['f', 'force', 'fl', 'fr', 'fu', 'thrust', 'forces']) | CORNERS
-UPSTREAM: Final = frozenset(['pid', 'controller', 'controls', 'cmd', 'setpoint', 'sp', 'ref', 'mixer'])
+UPSTREAM: Final = frozenset(
+    ['pid', 'controller', 'controls', 'cmd', 'setpoint', 'sp', 'ref', 'mixer']
+)
 FULL: Final = {'l': 'left', 'r': 'right'}
 RESTING: Final = 15.0  # a motor stands at a pulse nearer to its rest [us]
 OFTEN: Final = 0.05  # share of the pulses at which motors stand, in a log with pauses
