@@ -126,10 +126,10 @@ def fit_coarse_calibration(
             start = min(starts, key=lambda fit: fitter.rms_error(fit.values, every))
             late = [k for k in shared if knobs[k].name == DELAY]
             best = _improve(fitter, picked, best, start.values, [*first, *late])
-    # In longer forecasts, a fast oscillation is out of phase unless the short ones corrected it
-    for fitter, picked in filter(
-        None, (short, build_forecast_fitter(nominal, flights, LONG, APART[1]))
-    ):
+    # In longer forecasts, a fast oscillation is out of phase unless the short ones corrected it.
+    # The second time, errors are weighed by what a swing of the right period leaves.
+    long = build_forecast_fitter(nominal, flights, LONG, APART[1])
+    for fitter, picked in filter(None, (short, long, long)):
         fitter.weigh_errors(best.values, best.lifts[picked].tolist())
         best = _improve(fitter, picked, best, best.values, shared)
     if short is not None:

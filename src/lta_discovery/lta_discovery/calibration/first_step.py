@@ -41,6 +41,7 @@ CALLS: Final = {
 LIFT: Final = 0.005  # N; difference between the net lifts of two flights
 SURE: Final = 3.0  # standard deviations
 MAYBE: Final = 0.7  # of a difference; a linear fit may underestimate it
+USELESS: Final = 0.9  # of the error of coasting; a file with a larger one predicts nothing
 # Of the file's forecast error; a calibration needs less, by its method. Without a fit to the
 # readings its intervals are rough, and something that the model lacks looks like a turned marker.
 BETTER: Final = {'likelihood': 0.8, 'forecasts': 0.3, 'file': 0.0}
@@ -109,7 +110,7 @@ def _is_clearly_better(calibration: Calibration, reasons: Sequence[CalibratedVal
         # The lift of a flight shows in its positions alone
         error = min(error, relative_position_error(scores))
     # An error that is not a number is not better
-    is_better = error <= BETTER[calibration.method]
+    is_better = error <= _largest_error(calibration)
     return bool(reasons) and is_better and not is_contradicted(calibration.scores)
 
 
@@ -117,6 +118,17 @@ def _mark_reasons(calibration: Calibration, reasons: Sequence[CalibratedValue]) 
     """Let the first line and the table name the reasons, also those within three tolerances."""
     values = [replace(one, is_far=one.is_far or one in reasons) for one in calibration.values]
     return replace(calibration, values=tuple(values))
+
+
+def _largest_error(calibration: Calibration) -> float:
+    """Return the largest forecast error, of the file's, with which a calibration is used."""
+    last = [each[-1] for each in calibration.scores.values() if each]
+    coasts = last and all(
+        one.after[0] < one.coast[0] and one.before[0] > USELESS * one.coast[0] for one in last
+    )
+    # From a file that predicts nothing, no effect can be named
+    method = 'likelihood' if coasts and calibration.method != 'file' else calibration.method
+    return BETTER[method]
 
 
 def _list_suspicions(vehicle: Vehicle, flights: Sequence[Role]) -> list[str]:

@@ -7,6 +7,7 @@ from typing import Any, Final
 from lta_discovery.calibration.calibrated_file import NAME
 from lta_discovery.calibration.result import CalibratedValue, Calibration, ForecastScore
 from lta_discovery.calibration.verdict import (
+    format_error,
     format_forecast_sentence,
     format_headline,
     format_inseparable,
@@ -165,8 +166,8 @@ def _build_score_table(scores: Mapping[str, Sequence[ForecastScore]]) -> TextTab
         for one in each:
             cells = []
             for pair in (one.coast, one.before, one.after):
-                place, turn = format_number(100 * pair[0]), format_number(DEGREES * pair[1])
-                cells.append(f'{place} cm, {turn}\N{DEGREE SIGN}')
+                turn = format_number(DEGREES * pair[1])
+                cells.append(f'{format_error(pair[0], 3)}, {turn}\N{DEGREE SIGN}')
             rows.append([f'{role}, {one.horizon:g} s', *cells, str(one.pieces)])
     heads = ('flights and horizon', 'coasting', 'vehicle file', 'calibrated', 'forecasts')
     note = (

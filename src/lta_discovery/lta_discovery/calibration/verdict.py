@@ -17,6 +17,7 @@ AXIS_WORDS: Final = {
     'surge': 'force', 'sway': 'force', 'heave': 'force',
     'roll': 'moment', 'pitch': 'moment', 'yaw': 'moment',
 }  # fmt: skip
+DIVERGED: Final = 1e3  # m; no forecast over some seconds is off by more
 LATE: Final = 0.03  # s; a shorter delay is not reported
 SIDES: Final = ('yaw', 'pitch', 'roll')
 
@@ -154,16 +155,24 @@ def format_forecast_sentence(calibration: Calibration) -> str:
         return 'The flights are too short to compare forecasts.'
     last = scores[-1]
     where = 'confirming flights' if role == 'confirm' else 'the training flights themselves'
-    file, now, coast = (
-        f'{format_number(100.0 * each[0], 2)} cm' for each in (last.before, last.after, last.coast)
-    )
+    file, now, coast = (format_error(each[0]) for each in (last.before, last.after, last.coast))
     text = (
         f'Position error {last.horizon:g} s ahead on {where}: {file} with the vehicle file, '
         f'{now} calibrated, {coast} if the vehicle coasted.'
     )
-    if last.after[0] >= last.coast[0]:
+    if last.after[0] > DIVERGED:
+        text += (
+            ' Without its controller this vehicle does not stay upright, as a multirotor: its '
+            'recorded commands alone do not predict it.'
+        )
+    elif last.after[0] >= last.coast[0]:
         text += ' The calibrated model does not beat coasting, so do not rely on its forecasts.'
     return text
+
+
+def format_error(metres: float, digits: int = 2) -> str:
+    """Format a position error."""
+    return 'diverged' if metres > DIVERGED else f'{format_number(100.0 * metres, digits)} cm'
 
 
 def format_inseparable(one: CalibratedValue) -> str:

@@ -8,16 +8,15 @@ catches, shows as an acceleration that the rest of the flight never reaches.
 
 from typing import Final, final, NamedTuple
 
+from lta_discovery.flights.free_swings import find_swing_law, smooth_derivative, WINDOW
 from lta_discovery.flights.measured_flight import FlightStreams, MeasuredFlight, PERIOD
 from lta_discovery.flights.windows import find_usable_runs
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import savgol_filter
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-WINDOW: Final = 13  # points of the grid, 0.5 s; smoothing of the accelerations
 EDGE: Final = 8.0  # s; length of the ends in which a hand is looked for
 REST: Final = 6.0  # s; least length of the rest of the flight, which shows what is usual
 HARD: Final = 2.5  # times the largest usual acceleration; a hand
@@ -50,6 +49,8 @@ def find_transients(flight: MeasuredFlight, streams: FlightStreams) -> list[Tran
         )
     held = _find_rest_end(flight)
     released, caught = _find_hands(flight)
+    law = find_swing_law(flight)
+    released = max(released, begin if law is None else law.release)
     # A hand that lifts the vehicle from the floor disturbs it longer than the floor does
     until = transients[0].to_s if transients else begin
     if released > max(until, held):
@@ -81,7 +82,7 @@ def _find_rest_end(flight: MeasuredFlight) -> float:
     """
     idle = _mark_idle_points(flight)
     speed, rate = (
-        np.linalg.norm(_smooth_derivative(part, 1), axis=1)
+        np.linalg.norm(smooth_derivative(part, 1), axis=1)
         for part in (flight.position, 2.0 * flight.quaternion)
     )
     # A gap in the poses continues what was before it
@@ -109,7 +110,7 @@ def _mark_idle_points(flight: MeasuredFlight) -> Mask:
 
 def _find_hands(flight: MeasuredFlight) -> tuple[float, float]:
     """Return when a hand has released the vehicle, and when one catches it. [s]"""
-    pull = np.linalg.norm(_smooth_derivative(flight.position, 2), axis=1)
+    pull = np.linalg.norm(smooth_derivative(flight.position, 2), axis=1)
     first = _find_release(pull)
     # A catch is a release in reversed time
     last = _find_release(pull[::-1])
@@ -134,15 +135,3 @@ def _find_release(pull: Array) -> int | None:
         if pull[k] > HARD * np.nanmax(later, initial=0.0):
             return int(k)
     return None
-
-
-def _smooth_derivative(values: Array, order: int) -> Array:
-    """Return a smoothed derivative of the positions; NaN near gaps."""
-    out = np.full_like(values, np.nan)
-    valid: Mask = np.asarray(np.isfinite(values).all(axis=1))
-    for begin, end in find_usable_runs(valid):
-        if end - begin >= WINDOW:
-            smooth = savgol_filter(values[begin:end], WINDOW, 3, deriv=order, delta=PERIOD, axis=0)
-            # At its ends the filter extrapolates, which amplifies noise
-            out[begin + WINDOW // 2 : end - WINDOW // 2] = smooth[WINDOW // 2 : -(WINDOW // 2)]
-    return out

@@ -56,6 +56,7 @@ CLEAR: Final = 0.5
 LOWEST: Final = 0.01  # quantile; lower poses may be outliers
 SHORTEST: Final = 1.5  # s; of a flight; only the total length decides beyond it
 LEAST: Final = 20.0  # s; of all training flights together
+CALIBRATED: Final = 5.0  # s; for a calibration, to which one step or swing tells something
 STILL: Final = 0.005  # of the largest command: standard deviation over all training flights
 DRIFTING: Final = 0.1  # m; a vehicle that moves less, and turns less, is at rest
 SWINGING: Final = 0.05  # rad
@@ -87,11 +88,14 @@ class UsableFlights:
     light: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
 
 
-def select_usable_flights(flights: Sequence[StudyRecording], vehicle: Vehicle) -> UsableFlights:
+def select_usable_flights(
+    flights: Sequence[StudyRecording], vehicle: Vehicle, least: float = LEAST
+) -> UsableFlights:
     """
     Return the usable parts of some flights of one vehicle.
 
-    Raise `BadInput` if the flights are not usable; the message states why.
+    `least`: usable time of all training flights that is needed. [s] Raise `BadInput` if the
+    flights are not usable; the message states why.
     """
     warnings = check_same_vehicle(flights, vehicle.file)
     require_distinct_runs(flights)
@@ -140,7 +144,7 @@ def select_usable_flights(flights: Sequence[StudyRecording], vehicle: Vehicle) -
             )
         else:
             usable.append((one.name, one.role, flight))
-    _require_usable_time(flights, usable, cuts, faults)
+    _require_usable_time(flights, usable, cuts, faults, least)
     for role in dict.fromkeys(one.role for one in flights):
         if not any(own == role for _, own, _ in usable):
             warnings.append(f'No flight of --{role} is usable; the study goes on without it.')
@@ -397,17 +401,18 @@ def _require_usable_time(
     usable: Sequence[tuple[str, Role, MeasuredFlight]],
     cuts: Sequence[ExcludedInterval],
     faults: Mapping[Role, BadInput],
+    least: float,
 ) -> None:
     """Raise an error if the training flights have too little usable time."""
     seconds = sum(_usable_seconds(flight) for _, role, flight in usable if role == 'train')
     if seconds == 0.0 and 'train' in faults:
         raise faults['train']
-    if seconds < LEAST:
+    if seconds < least:
         names = [one.name for one in flights if one.role == 'train']
         why = dict.fromkeys(
             f'{c.flight}: {c.channel}: {c.reason}' for c in cuts if c.flight in names
         )
         raise BadInput(
             f'Only {seconds:.0f} s of the flights of --train are usable, which is too '
-            f'little; record {LEAST:.0f} s or more. {" ".join(list(why)[:2])}'.rstrip()
+            f'little; record {least:.0f} s or more. {" ".join(list(why)[:2])}'.rstrip()
         )

@@ -53,7 +53,7 @@ EXPONENTS: Final = (0.5, 3.0)  # bounds of the exponent of a commanded force
 REVERSES: Final = (0.05, 5.0)  # bounds of the share of a commanded force that acts in reverse
 SIZES: Final = 0.1  # of the mean size of a command; a larger spread shows its exponent
 GAIN_NAMES: Final = frozenset(f'wrench_gain.{axis}' for axis in AXES)
-SWING: Final = 0.6  # largest logarithm of a factor on mass and inertia
+SWING: Final = 1.2  # largest logarithm of a factor on mass and inertia
 
 
 def prior_deviation(knob: FreeParameter, nominal: NominalVehicle) -> float:

@@ -9,6 +9,7 @@ from lta_config.schema.import_file import load_mapping
 from lta_data.importers.draft.choices import DraftQuestion
 from lta_data.importers.draft.column_groups import group_columns
 from lta_data.importers.draft.draft_mapping import draft_mapping
+from lta_data.importers.draft.draft_vehicle import DraftVehicle
 from lta_data.importers.draft.name_hints import parse_column_name
 from lta_data.importers.readers.text_dialect import detect_text_format
 import numpy as np
@@ -50,6 +51,8 @@ from .lab_flights import DOWN, lab_flight, three, write_csv
         ('v_n', ('v',), 'n', ''),
         ('u_n', ('u',), 'n', ''),
         ('t_s', ('t',), '', 's'),
+        ('XToGlobal1', (), 'x', ''),
+        ('QwToGlobal1', ('q',), 'w', ''),
     ],
 )
 def test_names_are_taken_apart(column, stem, axis, unit):
@@ -88,6 +91,81 @@ def test_the_unit_of_several_turns_of_a_heading_is_asked(tmp_path):
     draft = draft_mapping(write_csv(tmp_path / 'a.csv', table), {})
     (question,) = draft.choices.questions
     assert [name.split(', ')[1] for name, _ in question.options] == ['rad', 'deg']
+
+
+@pytest.mark.parametrize(('size', 'scale', 'unit'), [
+    (0.02, 1.0, 'rad'), (1.0, 1.0, 'rad'), (0.1, 57.29578, 'deg'), (1.0, 57.29578, 'deg'),
+])  # fmt: skip
+def test_small_angles_beside_velocities_that_are_late(tmp_path, size, scale, unit):
+    """A lab derives velocity and rates from the poses, and filters them; it flies straight."""
+    t = np.arange(0.0, 30.0, 0.05)
+    angles = size * np.column_stack([
+        0.2 * np.sin(4.0 * t), 0.15 * np.sin(4.3 * t) + 0.05, 0.1 + 0.4 * np.sin(0.5 * t),
+    ])  # fmt: skip
+    turn = Rotation.from_euler('ZYX', angles[:, ::-1])
+    world = np.column_stack([0.1 * np.sin(0.3 * t), 0.05 * np.cos(0.4 * t), 0.02 * np.sin(t)])
+    place = np.cumsum(world, axis=0) * 0.05 + [0.0, 0.0, 1.5]
+    rates = np.gradient(angles, t, axis=0)
+    late = [np.roll(one, 4, axis=0) for one in (turn.inv().apply(world), rates)]
+    table = {
+        't': t + 7.0, **three('v', late[0]), **three('w', scale * late[1]), **three('', place),
+        **dict(zip(('phi', 'theta', 'psi'), scale * angles.T, strict=True)),
+    }  # fmt: skip
+    draft = draft_mapping(write_csv(tmp_path / 'a.csv', table), {})
+    assert draft.choices.questions == []
+    (topic,) = yaml.safe_load(draft.text)['topics']
+    assert topic['orientation']['unit'] == unit
+    assert topic['rates']['unit'] == f'{unit}/s'
+
+
+@pytest.mark.parametrize(('vehicle', 'asked'), [('gtmab', []), ('multirotor', ['world.up'])])
+def test_the_tilt_of_a_blimp_does_not_say_where_up_is(tmp_path, vehicle, asked):
+    """Its gondola swings against its accelerations, below a map whose z points down."""
+    t = np.arange(0.0, 40.0, 0.05)
+    pull = 0.3 * np.sin(0.9 * t)
+    place = np.column_stack([-pull / 0.81, 0.0 * t, -1.5 + 0.1 * np.sin(0.4 * t)])
+    turn = Rotation.from_euler('y', 0.2 * pull[:, None])
+    table = {'t': t + 3.0, **three('', place), **three('q', turn.as_quat(), 'xyzw')}
+    path = write_csv(tmp_path / 'a.csv', table)
+    answers = {'ground_truth/odom.position.unit': 'm'}
+    draft = draft_mapping(path, answers, DraftVehicle.load(vehicle))
+    assert [question.key for question in draft.choices.questions] == asked
+
+
+def test_many_turns_of_a_heading_beside_small_tilts_are_in_radians(tmp_path):
+    f = lab_flight()
+    angles = {'roll': f['rpy'][:, 0], 'pitch': f['rpy'][:, 1], 'yaw': np.unwrap(f['rpy'][:, 2])}
+    table = {'t': f['t'] + 5.0, **three('', f['p']), **angles, **three('v', f['v'])}
+    draft = draft_mapping(write_csv(tmp_path / 'a.csv', table), {})
+    assert draft.choices.questions == []
+    assert yaml.safe_load(draft.text)['topics'][0]['orientation']['unit'] == 'rad'
+
+
+def test_an_export_with_a_preamble_padded_rows_and_rounded_times(tmp_path):
+    """As a tracker writes it: millimetres, a counter without a name, times of six digits."""
+    f = lab_flight()
+    letters = [*'XYZ', 'Vx', 'Vy', 'Vz', 'Qx', 'Qy', 'Qz', 'Qw']
+    names = ['', 'Timestamp', *(f'{name}ToGlobal1' for name in letters)]
+    world = np.gradient(f['p'], f['t'], axis=0)
+    rows = np.column_stack([1000.0 * f['p'], 1000.0 * world, f['q']])
+    # Where it lost the body, the poses are zero
+    rows[200:280, [0, 1, 2, 6, 7, 8, 9]] = 0.0
+    head = f'[Head];NumFrames,Rate,Units;{len(rows)},50,mm;;[Data]; Frame# ,,Segment1'
+    lines = ['#Translation and Rotation (.csv) file', *head.split(';'), ','.join(names)]
+    for k, row in enumerate(rows):
+        cells = [f'{value:.6f}' for value in row]
+        lines.append(','.join([str(k + 1), '1.76424E+12', *(cells if k > 1 else [' '] * 10)]))
+    width = len(names)
+    padded = [line + ',' * (width - line.count(',')) + ' ' for line in lines]
+    (tmp_path / 'a.csv').write_text('\n'.join(padded) + '\n')
+    draft = draft_mapping(tmp_path / 'a.csv', {})
+    assert draft.choices.questions == []
+    mapping = yaml.safe_load(draft.text)
+    assert mapping['time'] == {'rate': '50 Hz'}
+    (topic,) = mapping['topics']
+    assert topic['position'] == {'columns': [f'{a}ToGlobal1' for a in 'XYZ'], 'unit': 'mm'}
+    assert topic['velocity']['frame'] == 'world'
+    assert topic['orientation']['order'] == 'xyzw'
 
 
 @pytest.mark.parametrize('columns', [2, 3, 4])

@@ -40,7 +40,8 @@ def list_asked(draft):
     'f_fwd f_up t_yaw', 'tau_u tau_w tau_r', 'tau_X tau_Z tau_N', 'X_cmd Z_cmd N_cmd',
     'thrust_cmd lift_cmd yaw_cmd', 'u_thrust u_lift u_turn', 'joy_x joy_z joy_yaw',
     'cmd_thrust cmd_z cmd_yaw', 'u_v u_h u_psi', 'F_surge F_heave M_yaw', 'fx_cmd fz_cmd mz_cmd',
-    'forward_thrust vertical_thrust yaw_torque', 'ch1 ch2 ch3', 'F1 F2 F3',
+    'forward_thrust vertical_thrust yaw_torque', 'ch1 ch2 ch3', 'F1 F2 F3', 'a1 a2 a3',
+    'throttle elevator rudder', 'action_0 action_1 action_2', 'throttle cmd_lift steering',
 ])  # fmt: skip
 def test_forces_ahead_and_up_and_the_moment_about_z(tmp_path, names):
     draft, topics = draft_commands(tmp_path / 'a.csv', names)
@@ -63,11 +64,26 @@ def test_numbers_drive_what_follows_them(tmp_path, order):
 
 
 @pytest.mark.parametrize('names', ['tau1 tau2 tau3', 'u_1 u_2 u_3', 'cmd_1 cmd_2 cmd_3',
-                                   'T1 T2 T3', 'joy_x joy_z joy_yaw'])  # fmt: skip
+                                   'T1 T2 T3', 'joy_x joy_z joy_yaw', 'a1 a2 a3',
+                                   'throttle elevator rudder'])  # fmt: skip
 def test_numbers_that_nothing_follows_are_asked(tmp_path, names):
     draft, topics = draft_commands(tmp_path / 'a.csv', names, responds=False)
     assert list_asked(draft) == [f'{name}.command' for name in names.split()]
     assert {*topics} == {'ground_truth/odom'}
+
+
+def test_a_servo_is_asked_whatever_follows_it(tmp_path):
+    draft, topics = draft_commands(tmp_path / 'a.csv', 'throttle servo rudder')
+    assert list_asked(draft) == ['servo.command']
+    assert topics['wrench_command']['torque']['columns'] == [None, None, 'rudder']
+
+
+def test_three_numbers_of_the_length_of_gravity_are_an_accelerometer(tmp_path):
+    orders, place, turn = fly_commands()
+    felt = turn.inv().apply([0.0, 0.0, 9.81]) + 0.3 * orders / np.abs(orders).max(axis=0)
+    path = write_motion(tmp_path / 'a.csv', place, turn, three('a', felt, '123'))
+    topics = {one['topic']: one for one in yaml.safe_load(draft_mapping(path, {}).text)['topics']}
+    assert topics['imu']['acceleration']['columns'] == ['a1', 'a2', 'a3']
 
 
 def test_a_name_and_a_motion_that_contradict_each_other_are_asked(tmp_path):

@@ -20,8 +20,8 @@ from lta_discovery.calibration.calibration import calibrate_flights
 from lta_discovery.calibration.coarse_fit import find_calibration_start
 from lta_discovery.calibration.prepared_flights import prepare_calibration
 from lta_discovery.calibration.report import build_report
-from lta_discovery.calibration.result import Calibration
-from lta_discovery.calibration.verdict import format_inseparable
+from lta_discovery.calibration.result import Calibration, ForecastScore
+from lta_discovery.calibration.verdict import format_forecast_sentence, format_inseparable
 from lta_discovery.conclusion import draw_conclusion
 from lta_discovery.finding import StudyResult
 from lta_discovery.fit.joint_fit import JointFitter
@@ -183,6 +183,17 @@ def test_the_first_line_says_what_is_wrong(
     assert report.headline.startswith('Surge: ')
     assert ('backwards' in report.headline.partition(';')[0]) == (case.truth.wrench_gains[0] < 0.0)
     assert 'delay of the commands cannot be separated from the clock' in str(report.blocks)
+
+
+def test_forecasts_that_diverge_are_no_numbers(
+    calibrated: tuple[CalibrationCase, Calibration],
+) -> None:
+    """As those of a multirotor, which tips over without its controller."""
+    lost = ForecastScore(3.0, (1.4, 0.5), (math.inf, 2.0), (2e19, 2.0), 9)
+    found = replace(calibrated[1], scores={'confirm': (lost,)})
+    sentence = format_forecast_sentence(found)
+    assert 'diverged with the vehicle file, diverged calibrated, 140 cm if' in sentence
+    assert sentence.endswith('its recorded commands alone do not predict it.')
 
 
 @pytest.mark.long

@@ -463,3 +463,23 @@ def test_a_rotor_the_wrong_way_round_is_stated_by_duty(vehicle: Vehicle) -> None
     assert (thrust.value, reverse.value) == pytest.approx((-1.25, 0.4))
     assert thrust.deviation == pytest.approx(0.025)
     assert reverse.deviation == 0.0
+
+
+@pytest.mark.parametrize(('before', 'is_used'), [(0.20, True), (0.05, False)])
+def test_a_rough_calibration_replaces_a_file_that_does_not_beat_coasting(
+    vehicle: Vehicle, before: float, *, is_used: bool
+) -> None:
+    """Its readings could not be fitted; its forecasts have 0.7 of the error of the file's."""
+    score = ForecastScore(3.0, (0.2, 0.1), (before, 0.1), (0.7 * before, 0.07), 50)
+    gain = CalibratedValue('wrench_gain.heave', '1', '', 1.0, 0.2, (0.1, 0.3), True, True, ())
+    nominal = NominalVehicle.from_vehicle(vehicle)
+    rough = Calibration(
+        'gtmab',
+        nominal,
+        nominal,
+        (gain,),
+        {'train': (score,), 'confirm': (score,)},
+        'forecasts',
+        {'train': ()},
+    )
+    assert first_step._is_clearly_better(rough, (gain,)) is is_used

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 from lta_config.errors import BadInput
 from lta_data.data_quality.finding import QualityFinding, Severity
-from lta_discovery.flights import usable_flights
 from lta_discovery.flights.bags import read_bags
 from lta_discovery.flights.usable_flights import _exclude_interval, select_usable_flights
 from lta_model.vehicle import load_vehicle
@@ -257,12 +256,11 @@ def test_constant_commands_are_fine_where_the_vehicle_moves(flights, gtmab):
     assert [name for name, *_ in _believed(flights, gtmab, one).flights] == ['A', 'B', 'C']
 
 
-def test_an_unusable_flight_is_left_out_and_the_study_goes_on(flights, gtmab, monkeypatch):
-    # The other two are 19.9 s long together
-    monkeypatch.setattr(usable_flights, 'LEAST', 15.0)
+def test_an_unusable_flight_is_left_out_and_the_study_goes_on(flights, gtmab):
     one = _changed(flights[0], lambda _: None, TRUTH)
     two, three = (replace(flight, role='train') for flight in flights[1:])
-    found = select_usable_flights([one, two, three], gtmab)
+    # The other two are 19.9 s long together
+    found = select_usable_flights([one, two, three], gtmab, 15.0)
     assert [name for name, *_ in found.flights] == ['B', 'C']
     assert any(
         word.startswith('A: ') and 'left out' in word and 'no measured pose' in word

@@ -7,11 +7,15 @@ from lta_data.data_quality.smoothing import hann_kernel, smooth_columns
 from lta_data.importers.draft.column_groups import ColumnGroup, UNIT_NORM
 from lta_data.importers.log_table import Numbers
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 KERNEL: Final = 0.25  # that smooths both sides of a comparison [s]
 LONGEST: Final = 20_000  # rows that are looked at
-UNCLEAR: Final = (7.0, 40.0)  # a larger angle is in degrees: of three, and of a heading alone
+UNCLEAR: Final = (7.0, 40.0)  # a larger heading is unlikely in radians, and is in degrees
+UPRIGHT: Final = (3.3, 1.65)  # a larger roll or pitch is in degrees
+STILL: Final = 1.0  # a vehicle in flight turns by more, in degrees
+LATEST: Final = 0.3  # that a derived velocity is late: labs filter it [s]
 CLEAR: Final = 0.05  # advantage of a reading that decides
 COMMON: Final = 0.9  # of the quaternions of a log that have one length
 SAME: Final = 3.0  # readings that differ by less are the same in this flight [deg]
@@ -102,13 +106,7 @@ def _read_angles(group: ColumnGroup, numbers: Numbers) -> Iterator[AttitudeReadi
     alone = len(group.columns) == 1
     orders = (('Z', (0,)),) if alone else (('ZYX', (2, 1, 0)), ('XYZ', (0, 1, 2)))
     angles = _fill_rows(numbers, [0.0] * len(group.columns))
-    size = float(np.percentile(np.abs(angles), 99.0))
-    # A heading alone may turn several times in radians
-    most = UNCLEAR[1] if alone else UNCLEAR[0]
-    units = ('deg',) if size > most or group.unit.startswith(('deg', '°')) else ('rad', 'deg')
-    if group.unit == 'rad':
-        units = ('rad',)
-    for unit in units:
+    for unit in _list_angle_units(group, angles):
         for direction in ('body to world', 'world to body'):
             for sequence, order in orders:
                 for signs in ([1],) if alone else ([1, 1, 1], [1, -1, 1]):
@@ -130,6 +128,18 @@ def _read_angles(group: ColumnGroup, numbers: Numbers) -> Iterator[AttitudeReadi
                     )  # fmt: skip
 
 
+def _list_angle_units(group: ColumnGroup, angles: Numbers) -> tuple[str, ...]:
+    """Return the units that angles can have by their names and sizes."""
+    if group.unit:
+        return ('deg',) if group.unit.startswith(('deg', '°')) else ('rad',)
+    sizes = np.percentile(np.abs(angles), 99.0, axis=0)
+    spread = np.ptp(np.percentile(angles, [1.0, 99.0], axis=0), axis=0)
+    tilted = len(sizes) == 3 and bool((sizes[:2] > UPRIGHT).any())
+    if tilted or sizes[-1] > UNCLEAR[1]:
+        return ('deg',)
+    return ('rad',) if spread.max() < STILL else ('rad', 'deg')
+
+
 def _fill_rows(rows: Numbers, instead: list[float]) -> Numbers:
     """Return rows without NaN and without zero quaternions."""
     good = np.isfinite(rows).all(axis=1)
@@ -139,20 +149,37 @@ def _fill_rows(rows: Numbers, instead: list[float]) -> Numbers:
     return filled
 
 
-def fit_scale(measured: Numbers, derived: Numbers, seconds: Numbers) -> ScaleFit:
-    """Fit a factor of a measured on a derived vector after smoothing both; means are kept."""
+def fit_scale(
+    measured: Numbers, derived: Numbers, seconds: Numbers, latest: float = 0.0
+) -> ScaleFit:
+    """
+    Fit a factor of a measured on a derived vector after smoothing both; means are kept.
+
+    `latest`: the measured vector may be as late as this, by a filter. [s]
+    """
     step = float(np.median(np.diff(seconds))) if len(seconds) > 1 else 0.0
     good = np.isfinite(measured).all(axis=1) & np.isfinite(derived).all(axis=1)
     if not step > 0.0 or good.sum() < 20:
         return ScaleFit(float('nan'), 0.0)
     weights = hann_kernel(KERNEL, step)
-    left, right = (
-        smooth_columns(np.where(good.reshape(-1, 1), side, 0.0), weights)[good]
-        for side in (measured, derived)
-    )
-    # Glitches of a tracker must not decide
-    ends = [np.percentile(np.abs(side), 99.0, axis=0) for side in (left, right)]
-    left, right = (np.clip(side, -end, end) for side, end in zip((left, right), ends, strict=True))
+    left, right = (_smooth_finite(side, np.asarray(good), weights) for side in (measured, derived))
+    most = min(round(latest / step), int(good.sum()) // 2)
+    lates = {int(late) for late in np.linspace(0, most, 7)}
+    fits = [_fit_late(left, right, np.asarray(good), late) for late in sorted(lates)]
+    return max(fits, key=lambda fit: fit.share)
+
+
+def _smooth_finite(side: Numbers, good: NDArray[np.bool_], weights: Numbers) -> Numbers:
+    """Return a vector smoothed, without the glitches of a tracker, which must not decide."""
+    smooth = smooth_columns(np.where(good.reshape(-1, 1), side, 0.0), weights)
+    end = np.percentile(np.abs(smooth[good]), 99.0, axis=0)
+    return np.clip(smooth, -end, end)
+
+
+def _fit_late(measured: Numbers, derived: Numbers, good: NDArray[np.bool_], late: int) -> ScaleFit:
+    """Fit a factor where the measured vector is late by some samples."""
+    both = good[late:] & good[: len(good) - late]
+    left, right = measured[late:][both], derived[: len(good) - late][both]
     power = float((right * right).sum())
     total = float((left * left).sum())
     if power <= 0.0 or total <= 0.0:
@@ -185,7 +212,7 @@ def score_reading(reading: AttitudeReading, evidence: MotionEvidence) -> tuple[f
     scores, reasons = [], []
     seconds, turn = evidence.seconds, reading.turn
     if evidence.rates is not None:
-        fit = fit_scale(evidence.rates, body_rates_of(turn, seconds), seconds)
+        fit = fit_scale(evidence.rates, body_rates_of(turn, seconds), seconds, LATEST)
         # A factor of 57.3 is a unit of the rates, or of the angles
         right = any(abs(np.log(fit.factor / one)) < 0.25 for one in (1.0, 57.3)) if (
             fit.share > 0.0) else False  # fmt: skip
@@ -193,11 +220,13 @@ def score_reading(reading: AttitudeReading, evidence: MotionEvidence) -> tuple[f
         reasons.append(f'the rates follow from it by {100 * max(0.0, fit.share):.0f} %')
     if evidence.velocity is not None and evidence.position is not None:
         speed = differentiate(evidence.position, seconds)
-        body = fit_scale(evidence.velocity, turn.inv().apply(np.nan_to_num(speed)), seconds)
-        world = fit_scale(evidence.velocity, speed, seconds)
-        if world.share < max(AGREE, body.share):
-            scores.append(body.share)
-            reasons.append(f'the body velocity by {100 * max(0.0, body.share):.0f} %')
+        derived = turn.inv().apply(np.nan_to_num(speed))
+        body = fit_scale(evidence.velocity, derived, seconds, LATEST)
+        world = fit_scale(evidence.velocity, speed, seconds, LATEST)
+        # Of a velocity in world axes, the same for all readings
+        scores.append(max(body.share, world.share))
+        if body.share > world.share:
+            reasons.append(f'the body velocity by {100 * body.share:.0f} %')
     if evidence.acceleration is not None:
         pull = turn.apply(np.nan_to_num(evidence.acceleration))
         mean = float(np.linalg.norm(pull.mean(axis=0)))

@@ -5,6 +5,7 @@ from typing import Final, final, NamedTuple
 
 from lta_data.importers.draft.axis_commands import find_named_axes
 from lta_data.importers.draft.name_hints import (
+    ACTIONS,
     ANGLES,
     ColumnName,
     COMMANDS,
@@ -23,6 +24,7 @@ TORQUE_LETTERS: Final = frozenset(['t', 'm'])
 KIND_OF_UNIT: Final = {'N': 'force', 'mN': 'force', 'N m': 'torque', 'mN m': 'torque'}
 ANGLE_AXES: Final = {'roll': 'x', 'pitch': 'y', 'yaw': 'z'}
 FOURS: Final = (('0', '1', '2', '3'), ('1', '2', '3', '4'))
+STEADY: Final = 0.3  # of the length of a specific force; a command varies by more
 UNIT_NORM: Final = 0.02  # largest median deviation of the length of a quaternion
 Columns = Mapping[str, Numbers]
 
@@ -166,7 +168,9 @@ def _group_stem(
             group = _build('quaternion', role, axes, four, unit, f'four columns of {label}')
             if _has_unit_length(group.stack(table)):
                 return group
-    if {'roll', 'pitch', 'yaw'} <= {*axes}:
+    # The derivative of an angle: dphi, dang_phi
+    derived = any(word[:1] == 'd' and match_kind([word[1:]]) == 'euler' for word in stem)
+    if {'roll', 'pitch', 'yaw'} <= {*axes} and not (derived and not kind):
         angles = ('roll', 'pitch', 'yaw')
         rates = kind == 'rates' or UNIT_WORDS.get(unit, ('',))[0] in ('rad/s', 'deg/s')
         angle_kind = 'rates' if rates else 'euler'
@@ -177,6 +181,10 @@ def _group_stem(
             angle_kind = kind or ('position' if not stem or role else '')
             if triple[0] in '01' and words <= COMMANDS:
                 return None  # cmd_1, cmd_2, cmd_3
+            # a1, a2, a3
+            acting = triple[0] in '01' and words <= ACTIONS and not unit
+            if acting and not _feels_gravity(_stack(axes, triple, table)):
+                return None
             if angle_kind == 'quaternion':
                 angle_kind = 'euler' if triple[0] in '01' else ''
             # Vicon: RX, RY, RZ, TX, TY, TZ
@@ -186,6 +194,16 @@ def _group_stem(
                 why = f'the name {label}' if stem else 'columns x, y, z'
                 return _build(angle_kind, role, axes, triple, unit, why)
     return None
+
+
+def _stack(axes: Mapping[str, ColumnName], order: Sequence[str], table: Columns) -> Numbers:
+    return np.stack([table[axes[axis].column] for axis in order], axis=1)
+
+
+def _feels_gravity(rows: Numbers) -> bool:
+    """Return whether rows are those of an accelerometer: nearly of one length."""
+    low, typical, high = np.nanpercentile(np.linalg.norm(rows, axis=1), [10.0, 50.0, 90.0])
+    return bool(high - low < STEADY * typical)
 
 
 def _are_angles(axes: Mapping[str, ColumnName], table: Columns) -> bool:

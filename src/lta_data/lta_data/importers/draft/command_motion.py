@@ -14,7 +14,7 @@ from lta_data.importers.draft.clock_alignment import (
     TimedTable,
 )
 from lta_data.importers.draft.column_groups import Columns
-from lta_data.importers.draft.name_hints import ANGLES, parse_column_name
+from lta_data.importers.draft.name_hints import ANGLES, parse_column_name, SERVOS
 from lta_data.importers.draft.table_draft import list_columns, TableDraft
 from lta_data.importers.log_table import Numbers
 import numpy as np
@@ -98,6 +98,8 @@ def _choose_axes(shares: Numbers, generic: Sequence[str]) -> list[str]:
 
 def _contradicts(column: str, axis: str) -> bool:
     """Return whether a name says another axis than the motion, as cmd_yaw that lifts."""
+    if parse_column_name(column).words & SERVOS:
+        return True  # what it turns pushes
     named = {
         **dict.fromkeys(ANGLES.values(), ''),
         'x': 'surge',

@@ -7,6 +7,7 @@ import numpy as np
 
 # Body axes that a lab commands, in the order of a wrench
 BODY_AXES: Final = ('surge', 'sway', 'heave', 'roll', 'pitch', 'yaw')
+FLOATS: Final = 0.5  # of the mass, displaced
 NOTHING: Final = 1e-4  # N, N m; rotors do not push along an axis with less
 
 
@@ -19,6 +20,7 @@ class DraftVehicle(NamedTuple):
     largest: dict[str, float]  # force or moment by all rotors, by axis [N, N m]
     # Where they push, on average, in body axes from the hull centre, by axis of a force [m]
     centres: dict[str, tuple[float, ...]]
+    floats: bool = False  # whether gas carries most of it, so that its tilt does not accelerate it
 
     @classmethod
     def load(cls, name: str) -> Self:
@@ -35,4 +37,5 @@ class DraftVehicle(NamedTuple):
             if axis in pushed:
                 places = np.array([rotor.place for rotor in vehicle.rotors])
                 centres[axis] = tuple(np.average(places, axis=0, weights=weights).tolist())
-        return cls(vehicle.file.name, tuple(vehicle.rotor_names), pushed, centres)
+        floats = vehicle.displaced_mass > FLOATS * vehicle.mass
+        return cls(vehicle.file.name, tuple(vehicle.rotor_names), pushed, centres, floats)

@@ -12,6 +12,7 @@ from lta_data.importers.draft.axis_commands import find_lettered_axes, find_name
 from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.column_groups import needs_translation
 from lta_data.importers.draft.name_hints import (
+    ACTIONS,
     ANGLES,
     BODY_WORDS,
     ColumnName,
@@ -20,11 +21,14 @@ from lta_data.importers.draft.name_hints import (
     KINDS,
     PARTS,
     PLACES,
+    SERVOS,
 )
 
 VECTORS: Final = KINDS['force'] | KINDS['torque'] | {'t'}
 # Words of a command that name neither its axis nor the actuator
-GENERIC: Final = COMMANDS | JOYSTICKS | VECTORS | {'u', 'ch', 'channel', 'chan'}
+GENERIC: Final = COMMANDS | JOYSTICKS | VECTORS | {'u', 'ch', 'channel', 'chan', *ACTIONS}
+# Of a remote control: what a servo or a rudder turns, only the builder knows
+SURFACES: Final = frozenset(['rudder', 'elevator', 'aileron', 'steer', 'steering', *SERVOS])
 THRUSTS: Final = frozenset(['thrust', 'throttle', 'thr'])
 MEANINGS: Final = {
     'surge': 'the force forward', 'sway': 'the force to the left', 'heave': 'the force up',
@@ -39,7 +43,13 @@ def list_generic_commands(names: Sequence[ColumnName]) -> list[str]:
     names = [name for name in names if name not in lettered]
     generic = {
         name.column
-        for names_of in (_list_numbered, _list_thrusts, _list_orders, _list_letters)
+        for names_of in (
+            _list_numbered,
+            _list_thrusts,
+            _list_surfaces,
+            _list_orders,
+            _list_letters,
+        )
         for name in names_of(names)
     }
     return [name.column for name in names if name.column in generic]
@@ -68,6 +78,16 @@ def _list_thrusts(names: Sequence[ColumnName]) -> Iterator[ColumnName]:
     if len(thrusts) == 1 and axes:
         yield from thrusts
         yield from (name for name in axes.values() if {*name.stem} <= COMMANDS and name.stem)
+
+
+def _list_surfaces(names: Sequence[ColumnName]) -> Iterator[ColumnName]:
+    """Yield the one throttle beside a rudder, servo or steering, and these."""
+    thrusts = [name for name in names if name.words & THRUSTS and not name.words & PLACES]
+    surfaces = [
+        name for name in names if name.words & SURFACES and name.words <= GENERIC | SURFACES
+    ]
+    if len(thrusts) == 1 and surfaces:
+        yield from (*thrusts, *surfaces)
 
 
 def _list_orders(names: Sequence[ColumnName]) -> Iterator[ColumnName]:

@@ -11,6 +11,7 @@ from lta_data.importers.draft.attitude_readings import (
     CLEAR,
     differentiate,
     fit_scale,
+    LATEST,
     list_readings,
     LONGEST,
     MotionEvidence,
@@ -29,6 +30,7 @@ from scipy.spatial.transform import Rotation
 LENGTHS: Final = {'m': 1.0, 'cm': 0.01, 'mm': 0.001}
 DEGREE: Final = np.pi / 180.0
 UNLIKE: Final = 1.3  # times as much unexplained decides between two frames
+ALIKE: Final = 0.02  # scores of readings that agree equally well
 APART: Final = 15.0  # between body and world axes; below it, the better of two is taken [deg]
 SPEEDS: Final = (0.02, 20.0)  # usual speeds of a vehicle in flight [m/s]
 
@@ -55,15 +57,17 @@ def draft_motion(
     `groups` and `numbers` are by kind: position, velocity, rates, attitude, acceleration.
     """
     seconds, rows = seconds[:LONGEST], {k: v[:LONGEST] for k, v in numbers.items()}
-    raw = MotionEvidence(seconds, rows.get('position'), rows.get('velocity'), rows.get('rates'),
-                         rows.get('acceleration'))  # fmt: skip
     parts: dict[str, Any] = {}
+    scales = {'acceleration': _draft_acceleration(topic, groups, rows, parts, choices)}
+    # Without gravity in it, an acceleration says nothing about the attitude
+    felt = rows.get('acceleration') if scales['acceleration'] else None
+    place = _blank_lost_rows(rows)
+    raw = MotionEvidence(seconds, place, rows.get('velocity'), rows.get('rates'), felt)
     reading = None
     if 'attitude' in groups:
         reading = _choose_reading(topic, groups['attitude'], rows['attitude'], raw, choices)
         parts['orientation'] = reading.entry
     turn = None if reading is None else reading.turn
-    scales = {'acceleration': _draft_acceleration(topic, groups, rows, parts, choices)}
     scales['rates'] = _draft_rates(topic, groups, raw, turn, parts, choices)
     scales['position'] = _draft_position(topic, groups, raw, scales, turn, parts, choices)
     scales['velocity'] = _draft_velocity(topic, groups, raw, scales, turn, parts, choices)
@@ -77,6 +81,16 @@ def draft_motion(
     )  # fmt: skip
     order = ('position', 'orientation', 'velocity', 'rates', 'acceleration')
     return MotionDraft({name: parts[name] for name in order if name in parts}, si, turn)
+
+
+def _blank_lost_rows(rows: Mapping[str, Numbers]) -> Numbers | None:
+    """Return the positions, NaN where a tracker that lost the body writes zeros."""
+    if 'position' not in rows:
+        return None
+    lost = np.asarray(~rows['position'].any(axis=1))
+    if 'attitude' in rows and rows['attitude'].shape[1] == 4:
+        lost |= ~rows['attitude'].any(axis=1)
+    return np.where(lost[:, None] & ~lost.all(), np.nan, rows['position'])
 
 
 def _choose_reading(
@@ -93,7 +107,8 @@ def _choose_reading(
     labels = {reading.label: reading for reading in readings}
     scored = [score_reading(reading, evidence) for reading in readings]
     # At a similar score, the conventional reading is the first
-    best = max(range(len(readings)), key=lambda i: scored[i][0] - 0.002 * i)
+    most = max(score for score, _ in scored)
+    best = next(i for i, (score, _) in enumerate(scored) if score > most - ALIKE)
     first = readings[best]
     rivals = [
         reading for i, reading in enumerate(readings)
@@ -105,11 +120,13 @@ def _choose_reading(
         why = 'as you decided'
     elif scored[best][1]:
         why = '; '.join(scored[best][1])
-        if len(rivals) and scored[best][0] > 0.3 and _differ_in_sense(first, rivals):
+        rivals = [rival for rival in rivals if _differs_in_sense(first, rival)]
+        if rivals and scored[best][0] > 0.3:
             options = [(one.label, 'agrees equally well') for one in (first, *rivals[:3])]
             first = labels[choices.decide(key, options, f'Several readings fit: {why}.')]
-    elif _is_unclear_heading(group, numbers):
-        options = [(one.label, '') for one in readings if 'body to world' in one.label]
+    elif _is_unclear_heading(readings, numbers):
+        units = {one.entry['unit']: one.label for one in reversed(readings)}
+        options = [(units[unit], '') for unit in ('rad', 'deg')]
         first = labels[choices.decide(key, options, 'Nothing tells the unit of the heading.')]
         why = choices.explain(key)
     else:
@@ -123,16 +140,16 @@ def _choose_reading(
     return first
 
 
-def _is_unclear_heading(group: ColumnGroup, numbers: Numbers) -> bool:
-    """Return whether a heading alone can be several turns in radians, or a few degrees."""
-    size = float(np.nanpercentile(np.abs(numbers), 99.0))
-    return len(group.columns) == 1 and not group.unit and UNCLEAR[0] < size <= UNCLEAR[1]
+def _is_unclear_heading(readings: Sequence[AttitudeReading], numbers: Numbers) -> bool:
+    """Return whether a heading can be several turns in radians, or a few degrees."""
+    size = float(np.nanpercentile(np.abs(numbers[:, -1]), 99.0))
+    units = {reading.entry.get('unit') for reading in readings if 'euler' in reading.entry}
+    return len(units) > 1 and size > UNCLEAR[0]
 
 
-def _differ_in_sense(first: AttitudeReading, rivals: Sequence[AttitudeReading]) -> bool:
+def _differs_in_sense(first: AttitudeReading, rival: AttitudeReading) -> bool:
     """Return whether a rival is no mere other sequence of nearly the same small angles."""
-    return any('euler' not in rival.entry or rival.entry['unit'] != first.entry['unit']
-               for rival in rivals)  # fmt: skip
+    return 'euler' not in rival.entry or rival.entry['unit'] != first.entry['unit']
 
 
 def _named_unit(group: ColumnGroup) -> tuple[str, float] | None:
@@ -186,8 +203,8 @@ def _draft_rates(
         derived = body_rates_of(turn, raw.seconds)
         in_world = turn.apply(np.nan_to_num(derived))
         fits = {
-            'body': fit_scale(raw.rates, derived, raw.seconds),
-            'world': fit_scale(raw.rates, in_world, raw.seconds),
+            'body': fit_scale(raw.rates, derived, raw.seconds, LATEST),
+            'world': fit_scale(raw.rates, in_world, raw.seconds, LATEST),
         }
         frame = max(fits, key=lambda one: fits[one].share - 0.02 * (one == 'world'))
         fit = fits[frame]
@@ -230,11 +247,12 @@ def _draft_position(
     named = _named_unit(group)
     unit, why = (named[0], 'the unit in the names') if named else ('', '')
     speed = differentiate(raw.position, raw.seconds)
+    fast = float(np.nanpercentile(np.linalg.norm(speed, axis=1), 75.0))
     velocity = groups.get('velocity')
     if not unit and velocity is not None and raw.velocity is not None:
         measured = raw.velocity
         best = max(
-            (fit_scale(measured, derived, raw.seconds)
+            (fit_scale(measured, derived, raw.seconds, LATEST)
              for derived in (speed, speed if turn is None else
                              turn.inv().apply(np.nan_to_num(speed)))),
             key=lambda fit: fit.share,
@@ -245,8 +263,10 @@ def _draft_position(
             near = {one: abs(np.log(factor / scale)) for one, scale in LENGTHS.items()}
             unit = min(near, key=lambda one: near[one])
             why = f'the velocity is {best.factor:.3g} times its derivative'
+            # Both can be in mm: the factor alone does not say it
+            if not named_unit and fast * LENGTHS[unit] > SPEEDS[1]:
+                unit = ''
     if not unit:
-        fast = float(np.nanpercentile(np.linalg.norm(speed, axis=1), 75.0))
         fitting = [u for u, scale in LENGTHS.items() if SPEEDS[0] <= fast * scale <= SPEEDS[1]]
         extent = float(np.max(np.nanpercentile(raw.position, 98, axis=0)
                               - np.nanpercentile(raw.position, 2, axis=0)))  # fmt: skip
@@ -286,10 +306,10 @@ def _draft_velocity(
     frame, why = 'body', 'nothing to compare it with'
     if raw.position is not None:
         speed = differentiate(raw.position * scales['position'], raw.seconds)
-        fits = {'world': fit_scale(raw.velocity, speed, raw.seconds)}
+        fits = {'world': fit_scale(raw.velocity, speed, raw.seconds, LATEST)}
         if turn is not None:
             fits['body'] = fit_scale(raw.velocity, turn.inv().apply(np.nan_to_num(speed)),
-                                     raw.seconds)  # fmt: skip
+                                     raw.seconds, LATEST)  # fmt: skip
         frame = max(fits, key=lambda one: fits[one].share)
         fit = fits[frame]
         why = f'the derivative of the position agrees in {frame} axes ({100 * fit.share:.0f} %'

@@ -56,7 +56,7 @@ ENDINGS: Final = frozenset(
 AXES: Final = frozenset(['x', 'y', 'z', 'w', 'n', 'e', 'd', 'i', 'j', 'k'])
 ANGLES: Final = {
     'roll': 'roll', 'pitch': 'pitch', 'yaw': 'yaw', 'heading': 'yaw',
-    'phi': 'roll', 'theta': 'pitch', 'psi': 'yaw',
+    'phi': 'roll', 'theta': 'pitch', 'psi': 'yaw', 'th': 'pitch',
 }  # fmt: skip
 COMPASS: Final = {'north': 'n', 'east': 'e', 'down': 'd'}
 # An element of an array, whose name says nothing
@@ -67,14 +67,16 @@ JOINED: Final = re.compile(
 )
 # An angle behind the letter of a command: upsi
 TURNED: Final = re.compile(r'(tau|cmd|[uftm])(roll|pitch|yaw|phi|theta|psi)')
+# The frame of a quantity, which is not what it is: XToGlobal1
+FRAME: Final = re.compile(r'to|wrt|global\d?')
 WORDS: Final = re.compile(r'[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+\d?|[A-Z]+\d?|\d+')
 
 KINDS: Final[dict[str, frozenset[str]]] = {
     name: frozenset(words.split())
     for name, words in {
         'quaternion': 'q quat quaternion orientation rotation attitude att',
-        'euler': 'e euler rpy angles angle attitude att orientation',
-        'rates': 'w wb omega gyro gyr gyros gyroscope rates rate angular pqr o turn',
+        'euler': 'e euler rpy angles angle ang attitude att orientation',
+        'rates': 'w wb omega gyro gyr gyros gyroscope rates rate angular avl angvel pqr o turn',
         'acceleration': 'a acc accel acceleration accelerometer accelerations specific',
         'velocity': 'v vel velocity vb speed linear twist',
         'torque': 'tau torque moment moments',
@@ -141,6 +143,9 @@ LOOSE_WORDS: Final = frozenset(['lift', 'turn', 'steer', 'steering'])
 # The letters of marine craft: forces X, Y, Z with moments K, M, N, or along velocities u to r
 AXIS_LETTERS: Final = ('xyzkmn', 'uvwpqr')
 JOYSTICKS: Final = frozenset(['joy', 'joystick', 'gamepad', 'stick', 'sticks'])
+SERVOS: Final = frozenset(['servo', 'servos'])
+# What a learned controller puts out; a1, a2, a3 can be an acceleration, too
+ACTIONS: Final = frozenset(['a', 'act', 'action', 'actions'])
 # A command of a place is that of the actuator there: cmd_left
 COMMANDS: Final = frozenset(['cmd', 'command', 'commanded', 'ctrl', 'control', 'input'])
 PLACES: Final[frozenset[str]] = frozenset([
@@ -188,6 +193,7 @@ def _normalise_unit(text: str) -> str:
 
 def _find_axis(column: str, words: Sequence[str], unit: str) -> ColumnName:
     """Return a name of words in lower case."""
+    words = [word for word in words if not FRAME.fullmatch(word)] or words
     for index in range(len(words) - 1, -1, -1):
         word = words[index]
         if word in ANGLES:

@@ -15,6 +15,7 @@ from lta_data.importers.draft.name_hints import (
     is_placed_command,
     NUMBERED,
     PLACES,
+    SERVOS,
     UNIT_WORDS,
     WORDS,
 )
@@ -33,13 +34,14 @@ SCALARS: Final = (
 )  # fmt: skip
 CORNERS: Final = frozenset(['rl', 'rr', 'bl', 'br'])  # of a quadrotor, beside fl and fr
 FORCES: Final = frozenset(['f', 'force', 'fl', 'fr', 'fu', 'thrust', 'forces']) | CORNERS
-UPSTREAM: Final = frozenset(['pid', 'controller', 'cmd', 'setpoint', 'sp', 'ref', 'mixer'])
+UPSTREAM: Final = frozenset(
+    ['pid', 'controller', 'controls', 'cmd', 'setpoint', 'sp', 'ref', 'mixer']
+)
 FULL: Final = {'l': 'left', 'r': 'right'}
 RESTING: Final = 15.0  # a motor stands at a pulse nearer to its rest [us]
 OFTEN: Final = 0.05  # share of the pulses at which motors stand, in a log with pauses
 BOTH_WAYS: Final = 0.1  # share of the pulses on each side of 1500 us of a motor that may reverse
 NAME: Final = re.compile(r'[a-z][a-z0-9_]*')
-SERVOS: Final = frozenset(['servo', 'servos'])
 SPEEDS: Final = frozenset(['rpm', 'speed', 'rotorspeed', 'omega'])
 
 

@@ -49,6 +49,10 @@ def draft_table(name: str, table: Columns, choices: DraftChoices) -> TableDraft:
     numbers = {column: cells for column, cells in table.items() if cells.dtype.kind in 'fiub'}
     answers = {column: choices.find_answer(f'{column}.command') for column in numbers}
     generic = list_generic_commands([parse_column_name(one) for one in numbers])
+    # Of a1, a2, a3, the numbers tell an acceleration from what a controller puts out
+    sensed = group_columns({column: numbers[column] for column in generic})[0]
+    felt = [column for one in sensed if one.kind == 'acceleration' for column in one.columns]
+    generic = [column for column in generic if column not in felt]
     decided = [column for column in numbers if answers[column] or column in generic]
     groups, singles = group_columns(
         {one: numbers[one] for one in numbers if one not in decided},

@@ -13,7 +13,9 @@ import numpy as np
 
 RATES: Final = (0.5, 3000.0)  # of samples that a flight log has [Hz]
 EPOCHS: Final = {'s': 1e9, 'ms': 1e12, 'us': 1e15, 'ns': 1e18}  # times since 1970, at least
-FRAMES: Final = frozenset(['frame', 'frames', 'index', 'idx', 'row', 'sample', 'samples'])
+FRAMES: Final = frozenset(
+    ['frame', 'frames', 'index', 'idx', 'row', 'sample', 'samples', 'unnamed']
+)
 # Usual rates [Hz]
 NICE: Final = (
     1, 2, 4, 5, 10, 15, 20, 24, 25, 30, 40, 50, 60, 75, 80, 90, 100, 120, 125, 128, 150, 180,

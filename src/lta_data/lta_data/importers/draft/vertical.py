@@ -51,7 +51,8 @@ def find_axes(
                            'world while the vehicle turns')  # fmt: skip
         return VerticalAxes('Y_UP', 'Y_UP', 'y up')
     same = float(np.mean(turn.as_matrix()[:, 2, 2])) > 0.0
-    sign, why = _vote_up(evidence, turn, axis_names, same)
+    floats = choices.vehicle is not None and choices.vehicle.floats
+    sign, why = _vote_up(evidence, turn, axis_names, None if floats else same)
     usual = choices.settled.get(CONFLICT, '')
     if not sign and usual:
         sign, why = (1 if usual == 'up' else -1), f'z {usual}, as messages of ROS have it'
@@ -75,9 +76,13 @@ def _format_axes(axes: Axes) -> str:
 
 
 def _vote_up(
-    evidence: MotionEvidence, turn: Rotation, axis_names: str, same: bool
+    evidence: MotionEvidence, turn: Rotation, axis_names: str, same: bool | None
 ) -> tuple[int, str]:
-    """Return whether z of the world points up (1) or down (-1), and why; 0 if nothing says it."""
+    """
+    Return whether z of the world points up (1) or down (-1), and why; 0 if nothing says it.
+
+    `same`: whether z of the body is along that of the world; None if its tilt says nothing.
+    """
     if evidence.acceleration is not None:
         pull = turn.apply(np.nan_to_num(evidence.acceleration)).mean(axis=0)
         size = float(np.linalg.norm(pull))
@@ -90,7 +95,7 @@ def _vote_up(
     if axis_names == 'ned':
         return -1, 'the names north, east, down'
     by_height, why = _judge_heights(evidence.position)
-    by_tilt, share = _judge_tilt(evidence, turn, same)
+    by_tilt, share = (0, 0.0) if same is None else _judge_tilt(evidence, turn, same)
     if by_tilt and by_height and by_tilt != by_height:
         return 0, f'{why}, but the vehicle accelerates against its tilt; both readings fit.'
     if by_tilt:

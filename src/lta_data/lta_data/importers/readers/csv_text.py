@@ -31,6 +31,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.csv as pacsv
 
+EMPTY = ('', ' ', 'NA', 'null', 'None')  # cells without a number
 PART = 4 << 20  # bytes of text per part
 MOST_SKIPPED = 3 * PART  # bytes of skipped rows without another one; parts are read ahead
 ZONELESS = 'The dates in the log have no time zone; UTC is assumed.'
@@ -187,7 +188,7 @@ class TextRows:
                 convert_options=pacsv.ConvertOptions(
                     include_columns=list(column_types),
                     column_types=dict(column_types),
-                    null_values=[''],
+                    null_values=EMPTY,
                     strings_can_be_null=True,
                 ),
             )

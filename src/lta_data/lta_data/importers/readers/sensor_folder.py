@@ -35,13 +35,16 @@ def read_text_file(path: Path) -> READ:
     with path.open('rb') as stream:
         try:
             rows = TextRows(stream, text, names, dict.fromkeys(names, pa.binary()))
-            table = pa.Table.from_batches(list(rows))
+            batches = list(rows)
         except (pa.ArrowInvalid, OSError, EOFError) as error:
             reason = ' '.join(str(error).split())[:200]
             raise BadInput(
                 f"'{path}' cannot be read as a text table ({reason}); correct the file."
             ) from None
     notes = rows.describe_skipped()
+    if not batches:
+        raise BadInput(f"'{path}' has column names but no rows; give a log with data.")
+    table = pa.Table.from_batches(batches)
     columns = {name: _to_numbers(table.column(name)) for name in names}
     return {'': {name: cells for name, cells in columns.items() if cells is not None}}, notes
 

@@ -45,7 +45,10 @@ def detect_text_format(path: Path) -> TextFormat:
             'tabs or spaces; give a text with columns of numbers.'
         )
     mark = DELIMITERS[delimiter]
-    first = next(i for i, line in enumerate(lines) if _is_row(line, mark, decimal, cells))
+    are_rows = [_is_row(line, mark, decimal, cells) for line in lines]
+    # A single row of numbers before the names is that of a preamble, such as the number of frames
+    pairs = (i for i in range(len(lines) - 1) if are_rows[i] and are_rows[i + 1])
+    first = next(pairs, are_rows.index(True))
     before = [i for i in range(first) if lines[i].strip()]
     marks = [start for i in before if (start := lines[i].lstrip()[0]) in COMMENTS]
     comment = marks[0] if marks else None
@@ -61,8 +64,10 @@ def detect_text_format(path: Path) -> TextFormat:
         # The mapping lists them, too
         names, before = joined, []
     # The line with the names is read by its position, unless it is a comment or not there
-    if names is not None and before and plain and plain[-1] == before[-1] and not marks:
-        return TextFormat(delimiter=delimiter, decimal=decimal, skip=len(plain) - 1)
+    if names is not None and before and plain and plain[-1] == before[-1]:
+        return TextFormat(
+            delimiter=delimiter, decimal=decimal, comment=comment, skip=len(plain) - 1
+        )
     if names is None:
         names = TUM if cells == len(TUM) and mark is None else _number_columns(cells)
     return TextFormat(

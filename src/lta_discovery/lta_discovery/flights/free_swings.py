@@ -1,0 +1,120 @@
+"""
+Find the law of a swing without commands: when a hand lets it go, and about which tilt it swings.
+
+A free swing returns in proportion to its angle. Held at an angle, or moved slowly, the vehicle
+does not. The tilt at rest follows from the balance and the marker frame, and both may change
+between flights: a battery is moved, or the rigid body of the tracker is defined again.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+import math
+from typing import Final, final, NamedTuple
+
+from lta_discovery.flights.measured_flight import MeasuredFlight, PERIOD
+from lta_discovery.flights.role_assignment import Role
+from lta_discovery.flights.windows import find_usable_runs
+from lta_discovery.model.quaternions import quaternion_exponential, quaternion_product
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import savgol_filter
+
+Array = NDArray[np.float64]
+
+WINDOW: Final = 13  # points of the grid, 0.5 s; smoothing of the accelerations
+SHORTEST: Final = 3.0  # s; of the free part of a swing
+SWUNG: Final = 0.07  # rad; amplitude of a swing that shows its law
+FREE: Final = 0.35  # of the largest angular acceleration of a swing; more is no free swing
+HELD: Final = 0.2  # s; shortest time that counts as held
+ODD: Final = 0.1  # share of a free swing that may differ, by gaps and slips of the tracker
+SETTLED: Final = 0.2  # s; margin after the release
+APART: Final = math.radians(2.0)  # rad; tilts at rest that differ by less are the same
+
+
+@final
+class SwingLaw(NamedTuple):
+    """The law of a free swing."""
+
+    release: float  # when it begins [s]
+    rest: Array  # tilt about which it swings, about x and y of the body, shape (2,) [rad]
+
+
+def find_swing_law(flight: MeasuredFlight) -> SwingLaw | None:
+    """Return the law of a flight that swings without commands; None for another flight."""
+    orders = flight.wrench if flight.wrench is not None else flight.commands
+    if orders.values.any():
+        return None
+    turning, rate, angle = (
+        smooth_derivative(measure_tilt(flight.quaternion), order) for order in (2, 1, 0)
+    )
+    finite = np.isfinite(turning).all(axis=1)
+    # Its second half is free
+    late = np.flatnonzero(finite)[finite.sum() // 2 :]
+    if len(late) * PERIOD < SHORTEST or np.ptp(angle[late], axis=0).max() < 2.0 * SWUNG:
+        return None
+    terms = np.column_stack([angle, rate, np.ones(len(angle))])
+    law = np.linalg.lstsq(terms[late], turning[late], rcond=None)[0]
+    rest = np.linalg.lstsq(law[:2].T, -law[4], rcond=None)[0]
+    usual = float(np.linalg.norm(turning[finite], axis=1).max())
+    unlike = np.linalg.norm(turning - terms @ law, axis=1) > FREE * usual
+    for first, end in find_usable_runs(unlike):
+        is_held = end - first >= HELD / PERIOD and end <= late[0]
+        if is_held and unlike[end : late[0]].sum() <= ODD * (late[0] - end):
+            return SwingLaw(float(flight.time[end]) + SETTLED, rest)
+    return SwingLaw(float(flight.time[0]), rest)
+
+
+def align_swings(flights: Sequence[Role]) -> tuple[list[Role], list[str]]:
+    """
+    Return flights in which all swings are about the same tilt, and a sentence if one was turned.
+
+    Otherwise one balance would have to explain all of them.
+    """
+    laws = [find_swing_law(flight) for _, _, flight in flights]
+    rests = [law.rest for law in laws if law is not None]
+    others = [
+        np.nanmedian(measure_tilt(flight.quaternion), axis=0)
+        for (_, _, flight), law in zip(flights, laws, strict=True) if law is None
+    ]  # fmt: skip
+    # A vehicle with commands hovers about its tilt at rest
+    usual = np.median(others or rests, axis=0) if rests else np.zeros(2)
+    turned, most = [], 0.0
+    out: list[Role] = []
+    for (name, role, flight), law in zip(flights, laws, strict=True):
+        apart = np.zeros(2) if law is None else law.rest - usual
+        if np.linalg.norm(apart) > APART:
+            turn = quaternion_exponential(np.array([-apart[1], apart[0], 0.0]))
+            quaternion = quaternion_product(flight.quaternion, turn)
+            flight = replace(flight, quaternion=quaternion)
+            turned.append(name)
+            most = max(most, float(np.linalg.norm(apart)))
+        out.append((name, role, flight))
+    if not turned:
+        return out, []
+    return out, [
+        f'{", ".join(turned)}: swings about a tilt that differs from that of the other flights, '
+        f'by up to {math.degrees(most):.0f}\N{DEGREE SIGN}, as if balance or marker frame had '
+        'changed in between. The marker frames are turned to that of the others.'
+    ]
+
+
+def measure_tilt(quaternion: Array) -> Array:
+    """Return where the world's up is in the body, as angles along x and y, shape (n, 2). [rad]"""
+    x, y, z, w = quaternion.T
+    along = np.column_stack([2.0 * (x * z - w * y), 2.0 * (y * z + w * x)])
+    flat = np.linalg.norm(along, axis=1)
+    angle = np.arctan2(flat, 1.0 - 2.0 * (x * x + y * y))
+    tilt: Array = along * (angle / np.maximum(flat, 1e-9))[:, None]
+    return tilt
+
+
+def smooth_derivative(values: Array, order: int) -> Array:
+    """Return a smoothed derivative on the grid; NaN near gaps."""
+    out = np.full_like(values, np.nan)
+    valid: NDArray[np.bool_] = np.asarray(np.isfinite(values).all(axis=1))
+    for begin, end in find_usable_runs(valid):
+        if end - begin >= WINDOW:
+            smooth = savgol_filter(values[begin:end], WINDOW, 3, deriv=order, delta=PERIOD, axis=0)
+            # At its ends the filter extrapolates, which amplifies noise
+            out[begin + WINDOW // 2 : end - WINDOW // 2] = smooth[WINDOW // 2 : -(WINDOW // 2)]
+    return out
