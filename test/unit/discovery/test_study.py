@@ -90,7 +90,7 @@ def test_a_flight_too_short_for_two_pieces_is_refused() -> None:
 
 
 def test_lifts_that_differ_by_flight_call_for_no_other_file() -> None:
-    """The file is right; each flight carries another ballast, up to 12 mN."""
+    """The file is right; the ballast differs between flights, by up to 12 mN."""
     vehicle = load_vehicle('gtmab')
     flights = []
     for k, (role, lift) in enumerate((('train', 0.0), ('train', -0.012), ('confirm', 0.0))):

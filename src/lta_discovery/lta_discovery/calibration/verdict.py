@@ -92,7 +92,7 @@ def format_lift_warning(lifts: Sequence[CalibratedValue]) -> str:
     """Say that flights have different lifts; `lifts`: the lowest and the highest."""
     low, high = (f'{format_number(1e3 * one.value, 3)} mN in {one.flight}' for one in lifts)
     return (
-        f'The net lift is another in each flight ({low}, {high}), so it was fitted for each: no '
+        f'The net lift differs between flights ({low}, {high}), so it was fitted for each: no '
         'constant difference in lift is reported. Note ballast and filling before each flight.'
     )
 
@@ -162,8 +162,8 @@ def format_forecast_sentence(calibration: Calibration) -> str:
     )
     if last.after[0] > DIVERGED:
         text += (
-            ' Without its controller this vehicle does not stay upright, as a multirotor: its '
-            'recorded commands alone do not predict it.'
+            ' The forecasts diverge: the file is far off, or the vehicle is unstable without its '
+            'controller, as a multirotor is, so that recorded commands do not predict it.'
         )
     elif last.after[0] >= last.coast[0]:
         text += ' The calibrated model does not beat coasting, so do not rely on its forecasts.'

@@ -33,7 +33,7 @@ APART: Final = math.radians(2.0)  # rad; tilts at rest that differ by less are t
 
 @final
 class SwingLaw(NamedTuple):
-    """The law of a free swing."""
+    """When a free swing begins, and about which tilt."""
 
     release: float  # when it begins [s]
     rest: Array  # tilt about which it swings, about x and y of the body, shape (2,) [rad]

@@ -170,7 +170,7 @@ def fit_scale(
 
 
 def _smooth_finite(side: Numbers, good: NDArray[np.bool_], weights: Numbers) -> Numbers:
-    """Return a vector smoothed, without the glitches of a tracker, which must not decide."""
+    """Smooth a vector, and clip the glitches of a tracker, which would decide a fit."""
     smooth = smooth_columns(np.where(good.reshape(-1, 1), side, 0.0), weights)
     end = np.percentile(np.abs(smooth[good]), 99.0, axis=0)
     return np.clip(smooth, -end, end)
