@@ -110,7 +110,7 @@ BARRIERS = {
     ),
     'stuck height by the controller node': Barrier(
         'src/lta_control/lta_control/nodes/controller.py',
-        'if self._armed and self._is_height_unknown(step.stamp_ns, odom):', 'if False:',
+        'if self._armed and (is_lost or is_stuck(self._height)):', 'if False:',
         'test/integration/test_nodes.py',
     ),
     'stuck height by the bridge': Barrier(

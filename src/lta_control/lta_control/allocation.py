@@ -97,7 +97,12 @@ def allocate(
     for _ in range(ROUNDS):
         _write_gradient(count, s)
         _solve_step(count, s)
-        share, stop = _limit_step(rotors, s)
+        # The feasible share of the step, and the rotor that limits it
+        share, stop = 1.0, -1
+        for j in range(count):
+            room = abs((high[j] if s[STEP + j] > 0.0 else low[j]) - s[THRUSTS + j])
+            if share * abs(s[STEP + j]) > room:
+                share, stop = room / abs(s[STEP + j]), j
         for j in range(count):
             moved = s[THRUSTS + j] + share * s[STEP + j]
             s[THRUSTS + j] = min(max(moved, low[j]), high[j])
@@ -171,17 +176,6 @@ def _solve_step(count: int, s: Scratch) -> None:
             for i in range(j + 1, count):
                 rest -= s[ROWS + SLOTS * j + i] * s[STEP + i]
             s[STEP + j] = rest / pivot
-
-
-def _limit_step(rotors: Rotors, s: Scratch) -> tuple[float, int]:
-    """Return the feasible share of a step, and the rotor that limits it (-1: none)."""
-    share, stop = 1.0, -1
-    for j in range(rotors.number):
-        step = s[STEP + j]
-        limit = rotors.high[j] if step > 0.0 else rotors.low[j]
-        if share * abs(step) > abs(limit - s[THRUSTS + j]):
-            share, stop = abs(limit - s[THRUSTS + j]) / abs(step), j
-    return share, stop
 
 
 def _find_rotor_to_free(rotors: Rotors, s: Scratch) -> int:

@@ -22,7 +22,7 @@ from lta_control.control import FOOT, has_landed, LandingWatch, watch_landing
 from lta_control.guidance import GuidanceInputs, refuse_failures
 from lta_control.mission import MissionSettings, remove_light
 from lta_control.phases import Mission, Phase, SWITCHING
-from lta_control.reserve import decide_permission, FlightPermission, is_stale
+from lta_control.reserve import decide_permission, FlightPermission
 from lta_control.reserve_policy import apply_reserve, heading_to_start
 from lta_control.strategies.protocol import NavigationStrategy
 from lta_vlc.settings import NO_WISH
@@ -329,7 +329,7 @@ class CommandedFlight:
         )
         commanded = self._task is not None and self._task.kind is TaskKind.LAND
         if not commanded and self.mission.phase in (Phase.LAND, Phase.HOME):
-            silent = now.report is None or is_stale(now.reserve, now.report, now.stamp_ns)
+            silent = now.report is None or now.report.age(now.stamp_ns) > now.reserve.stale
             outcome = TaskOutcome.FAULT if silent else TaskOutcome.RESERVE
             self._end_task(outcome, now.explain_restriction())
 

@@ -38,8 +38,7 @@ from numpy.typing import NDArray
 from sensor_msgs.msg import FluidPressure, Imu, JointState, PointCloud2, Range
 
 if TYPE_CHECKING:  # not built on every machine; see the type of a topic in the table
-    from diagnostic_msgs.msg import DiagnosticArray
-    from lta_msgs.msg import ActuatorDuty, EnergyStatus, LampPeaks
+    from lta_msgs.msg import ActuatorDuty, LampPeaks
 
 DiodeReadings = tuple[tuple[tuple[float, float], ...], tuple[float, ...]]
 
@@ -222,7 +221,8 @@ def to_cascade_measurement(
     odom: Odometry, airspeed: TwistWithCovarianceStamped | None = None
 ) -> CascadeMeasurement | None:
     """Return the input of the cascade, or None while the estimate or its height is unknown."""
-    if not has_estimate(odom.pose.covariance[0]) or is_height_lost(odom):
+    covariance = odom.pose.covariance
+    if not has_estimate(covariance[0]) or not has_estimate(covariance[14]):
         return None
     p, q, w = odom.pose.pose.position, odom.pose.pose.orientation, odom.twist.twist.angular
     v = (airspeed or odom).twist.twist.linear
@@ -296,26 +296,22 @@ def update_reserve_report(before: ReserveReport | None, step: InboxStep) -> Rese
     They are separate topics, so either may arrive a step after the other, or no longer.
     """
     reserve, status = step.last_message('energy/reserve'), step.last_message('energy/status')
-    latest = None if status is None else read_battery_level(status)
-    if reserve is None and latest is None:
+    level, why = None, ''
+    if status is not None and not hasattr(status, 'status'):
+        level, why = status.level, status.message
+    elif status is not None and status.status:
+        # A DiagnosticArray has the battery as its first status, whose level is a byte
+        level, why = status.status[0].level[0], status.status[0].message
+    if reserve is None and level is None:
         return before
     # Until the first reserve message, assume that the reserve is reached: stay on the ground.
     now_ns = step.stamp_ns
     word = ReserveReport(now_ns, True, False, status_ns=now_ns) if before is None else before
-    if latest is not None:
-        level, why = latest
+    if level is not None:
         word = word._replace(urgent=level >= HealthLevel.ERROR, why=why, status_ns=now_ns)
     if reserve is not None:
         word = word._replace(reserve_ns=now_ns, reserve=reserve.data)
     return word
-
-
-def read_battery_level(status: 'EnergyStatus | DiagnosticArray') -> tuple[int, str] | None:
-    """Return level and text of the battery; None if an array has no status."""
-    # A DiagnosticArray has the battery as its first status, whose level is a byte
-    if not hasattr(status, 'status'):
-        return status.level, status.message
-    return (status.status[0].level[0], status.status[0].message) if status.status else None
 
 
 def to_lamp(message: PoseWithCovarianceStamped | None) -> LampPosition | None:

@@ -94,18 +94,17 @@ class ReserveReport(NamedTuple):
     # Arrival of `energy/status`, from which `urgent` and `why` are; None: with the reserve
     status_ns: int | None = None
 
-    @property
-    def stamp_ns(self) -> int:
-        """Arrival of the older part in graph time. [ns]"""
-        newest = self.reserve_ns
-        return newest if self.status_ns is None else min(newest, self.status_ns)
+    def age(self, now_ns: int) -> float:
+        """Return the time since the arrival of the older part, in graph time. [s]"""
+        status_ns = self.reserve_ns if self.status_ns is None else self.status_ns
+        return (now_ns - min(self.reserve_ns, status_ns)) * 1e-9
 
 
 def decide_permission(
     settings: ReserveResponseSettings, word: ReserveReport | None, now_ns: int
 ) -> FlightPermission:
     """Return what the energy allows; without a fresh report the drone must land. [ns]"""
-    if word is None or is_stale(settings, word, now_ns) or word.urgent:
+    if word is None or word.age(now_ns) > settings.stale or word.urgent:
         return FlightPermission.DOWN
     return permission_at_reserve(word.reserve)
 
@@ -115,18 +114,13 @@ def permission_at_reserve(reserve: bool) -> FlightPermission:
     return FlightPermission.RESERVE if reserve else FlightPermission.FLY
 
 
-def is_stale(settings: ReserveResponseSettings, word: ReserveReport, now_ns: int) -> bool:
-    """Return whether a report is too old. [ns]"""
-    return (now_ns - word.stamp_ns) * 1e-9 > settings.stale
-
-
 def explain_restriction(
     settings: ReserveResponseSettings, word: ReserveReport | None, now_ns: int
 ) -> str:
     """Return why the energy restricts the flight, in words. [ns]"""
     if word is None:
         return 'no report from the energy monitor'
-    age = (now_ns - word.stamp_ns) * 1e-9
-    if is_stale(settings, word, now_ns):
+    age = word.age(now_ns)
+    if age > settings.stale:
         return f'no report from the energy monitor for {age:.1f} s'
     return word.why or 'the energy reserve is reached'

@@ -29,6 +29,8 @@ class InboxStep:
     messages: Mapping[str, list[Any]]
     # The same without those that `lta_graph.ros.message_validation` rejects
     valid: Mapping[str, list[Any]]
+    # The newest message of each topic since the start; None before the first
+    latest: Mapping[str, Any]
 
     def last_message(self, topic: str) -> Any:  # noqa: ANN401 - a message of whatever type the topic has
         """Return the newest new message of a topic, or None."""
@@ -98,6 +100,7 @@ class Inbox:
         # Sequence number of the next message of each topic, from its stamps
         self._turn = dict.fromkeys(topics, 0)
         self._trigger_stamps: deque[int] = deque()
+        self._latest: dict[str, Any] = dict.fromkeys(topics)
 
     def _backlog_limit(self, name: str) -> int:
         """Return the queue length of a topic in real time."""
@@ -156,7 +159,8 @@ class Inbox:
             self._taken[name] += count
         messages = {name: [each for each, _ in queue] for name, queue in taken.items()}
         valid = {name: [each for each, good in queue if good] for name, queue in taken.items()}
-        return InboxStep(stamp, messages, valid)
+        self._latest.update({name: queue[-1] for name, queue in messages.items() if queue})
+        return InboxStep(stamp, messages, valid, dict(self._latest))
 
     def list_missing_topics(self) -> list[str]:
         """Return the topics for which a triggered step is waiting."""

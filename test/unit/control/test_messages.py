@@ -248,7 +248,7 @@ def energy(stamp, reserve=None, level=None, why=''):
         'energy/reserve': [] if reserve is None else [Bool(data=reserve)],
         'energy/status': [] if level is None else [battery_status(level, why)],
     }
-    return InboxStep(stamp, heard, heard)
+    return InboxStep(stamp, heard, heard, {})
 
 
 def test_reserve_and_status_may_come_in_different_steps(message_types):

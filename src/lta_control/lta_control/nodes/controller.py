@@ -47,7 +47,6 @@ from lta_graph.ros.process import run_node
 from lta_graph.ros.stamps import from_stamp
 from lta_model.scenario import load_course
 from lta_model.vehicle import load_vehicle
-from nav_msgs.msg import Odometry
 from std_srvs.srv import SetBool, Trigger
 
 AIRSPEED_AGE_NS = 250_000_000  # ns; an airspeed further from the odometry is not used
@@ -125,10 +124,7 @@ class Controller(GraphNode):
         self._landing, self._height = LandingWatch(), SensorWatch()
         self._turning = False  # whether a motor was commanded to turn
         self._scratch = create_working_array()
-        self._airspeed: TwistWithCovarianceStamped | None = None
         self._airspeed_lost = False
-        self._pose: PoseStamped | None = None
-        self._velocity: TwistStamped | None = None
         self._setpoint: TimedSetpoint | None = None
         self._last_ns: int | None = None
         self._armed = self._settings.value.armed
@@ -183,25 +179,27 @@ class Controller(GraphNode):
 
     def _on_step(self, step: InboxStep) -> None:
         odom = step.messages['odom'][-1]
-        self._pose = step.last_message('setpoint/pose') or self._pose
-        self._velocity = step.last_message('setpoint/velocity') or self._velocity
-        latest = self._airspeed = step.last_message('airspeed') or self._airspeed
+        latest = step.latest['airspeed']
         # Not used if it belongs to another time
         near = latest and abs(from_stamp(latest.header.stamp) - step.stamp_ns) <= AIRSPEED_AGE_NS
         airspeed = latest if near else None
         measured = to_cascade_measurement(odom, airspeed)
+        dt = step_duration(self._last_ns, step.stamp_ns, self.table.control_ns)
         upright = math.cos(self._settings.value.tilt_limit)
         is_controlled = self._armed and measured is not None
         if is_controlled and has_overturned(to_attitude(odom), upright):
             self._stop_motors(
                 'the drone turned over: the motors are off; restart the controller to fly again'
             )
-        if self._armed and self._is_height_unknown(step.stamp_ns, odom):
+        self._height = watch_sensor(self._height, odom.pose.pose.position.z, self._turning, dt)
+        # Before the first estimate no motor turns
+        is_lost = self._turning and measured is None and is_height_lost(odom)
+        if self._armed and (is_lost or is_stuck(self._height)):
             self._stop_motors(
                 'the height is unknown, as its sensors repeat their readings or send none: the '
                 'motors are off; restart the controller to fly again'
             )
-        duties = self._compute_duties(step.stamp_ns, odom, airspeed, measured)
+        duties = self._compute_duties(step, airspeed, measured, dt)
         self._turning = any(duties)
         if self._course is not None:
             self._begun_ns = step.stamp_ns if self._begun_ns is None else self._begun_ns
@@ -211,26 +209,21 @@ class Controller(GraphNode):
         self._last_ns = step.stamp_ns
         self._motors.publish(from_duties(odom.header.stamp, self._names, duties, self._kind))
 
-    def _is_height_unknown(self, now_ns: int, odom: Odometry) -> bool:
-        dt = step_duration(self._last_ns, now_ns, self.table.control_ns)
-        height = odom.pose.pose.position.z
-        self._height = watch_sensor(self._height, height, self._turning, dt)
-        # Before the first estimate no motor turns
-        return is_stuck(self._height) or (self._turning and is_height_lost(odom))
-
     def _compute_duties(
         self,
-        now_ns: int,
-        odom: Odometry,
+        step: InboxStep,
         airspeed: TwistWithCovarianceStamped | None,
         measured: CascadeMeasurement | None,
+        dt: float,
     ) -> tuple[float, ...]:
-        pose, velocity = self._helm.select_setpoint(self._pose, self._velocity)
+        pose, velocity = self._helm.select_setpoint(
+            step.latest['setpoint/pose'], step.latest['setpoint/velocity']
+        )
         if not self._armed or measured is None or pose is None or velocity is None:
             return self._reset_to_zero('' if self._stopped else 'off')
-        setpoint, descends = self._current_setpoint(now_ns, measured, pose, velocity)
+        setpoint, descends = self._current_setpoint(step.stamp_ns, measured, pose, velocity)
         # Recordings of earlier versions have none
-        lost = airspeed is None and self._airspeed is not None
+        lost = airspeed is None and step.latest['airspeed'] is not None
         if lost is not self._airspeed_lost:
             self._airspeed_lost = lost
             level = HealthLevel.ERROR if lost else HealthLevel.OK
@@ -247,7 +240,6 @@ class Controller(GraphNode):
         if self._contested:
             descends = True
             setpoint = Setpoint(measured.altitude - DESCENT, measured.heading, 0.0)
-        dt = step_duration(self._last_ns, now_ns, self.table.control_ns)
         descends = descends or setpoint.altitude <= self._standing
         # Arming must not start the motors in the hands of a person, at rest or without a setpoint
         self._flies = self._flies or not descends
@@ -259,7 +251,8 @@ class Controller(GraphNode):
         if self._landing.still > STANDSTILL:
             return self._reset_to_zero('on the ground, as it no longer sinks')
         if self._law is not None:
-            return self._law.step(to_motion(odom, airspeed), setpoint, dt).duties
+            motion = to_motion(step.messages['odom'][-1], airspeed)
+            return self._law.step(motion, setpoint, dt).duties
         duties, self._memory = control_step(
             self._settings.value.gains,
             self._rotors,

@@ -129,7 +129,7 @@ class Navigator(GraphNode):
         self._word = update_reserve_report(self._word, step)
         if not self._reckoning.history and not self.lockstep:
             return  # light may arrive before an estimate; in lockstep every node answers
-        estimate = step.last_message('light/estimate')
+        estimate = step.messages['light/estimate'][-1]
         setpoint = self._compute_setpoint(step, self._measured)
         pose, velocity = from_setpoint(estimate.header.stamp, setpoint)
         self._pose.publish(pose)

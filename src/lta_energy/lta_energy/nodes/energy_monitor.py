@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from geometry_msgs.msg import TwistWithCovarianceStamped
     from lta_graph.inbox import InboxStep
     from nav_msgs.msg import Odometry
-    from sensor_msgs.msg import BatteryState, Illuminance
 
 
 class EnergyMonitorParameters(MonitorSettings):
@@ -39,8 +38,6 @@ class EnergyMonitor(GraphNode):
             load_vehicle_file(self._settings.value.vehicle).energy
         )
         self._estimate = EnergyEstimate()
-        self._panel: BatteryState | None = None
-        self._light: Illuminance | None = None
         self._odom: Odometry | None = None
         self._airspeed: TwistWithCovarianceStamped | None = None
         inputs = self.table.read_by('energy_monitor')
@@ -48,15 +45,16 @@ class EnergyMonitor(GraphNode):
 
     def _on_step(self, step: 'InboxStep') -> None:
         measured = step.last_message('battery')
-        # Slower inputs: keep the last message of each
-        self._panel = step.last_message('panel') or self._panel
-        self._light = step.last_message('illuminance') or self._light
         if step.messages['odom']:
             self._odom = step.last_valid('odom')  # None: the position is unknown
         self._airspeed = step.last_valid('airspeed') or self._airspeed
         settings, aboard = self._settings.value, self._aboard
         reading = messages.to_reading(
-            measured, self._panel, self._light, self._odom, self._airspeed
+            measured,
+            step.latest['panel'],
+            step.latest['illuminance'],
+            self._odom,
+            self._airspeed,
         )
         self._estimate = estimate = update_estimate(settings, aboard, self._estimate, reading)
         report = report_energy(settings, aboard.cell, estimate)

@@ -162,7 +162,7 @@ class Simulator(GraphNode):
             if self.lockstep and self._peers.is_waiting:
                 self._fly_control_step()
         elif self._peers.has_active_peers:
-            self._publish_clock(self._peers.common_time(self._world.stamp_ns))
+            self._publish_clock(to_stamp(self._peers.common_time(self._world.stamp_ns)))
         else:
             self.running = False
 
@@ -286,14 +286,14 @@ class Simulator(GraphNode):
         self._publish_motion(stamp, readings)
         self._world.sense_rest(readings)
         self._publish_rest(stamp, readings)
-        self._publish_clock(readings.stamp_ns)
+        self._publish_clock(stamp)
 
-    def _publish_clock(self, stamp_ns: int) -> None:
-        """Publish graph time if it is due and this simulator's task. [ns]"""
+    def _publish_clock(self, stamp: Time) -> None:
+        """Publish graph time if it is due and this simulator's task."""
         now = time.monotonic()
         if self._settings.clock and now - self._clocked >= CLOCK_PERIOD:
             self._clocked = now
-            self._outputs['/clock'].publish(ClockMessage(clock=to_stamp(stamp_ns)))
+            self._outputs['/clock'].publish(ClockMessage(clock=stamp))
 
     def _publish_motion(self, stamp: Time, readings: SensorReadings) -> None:
         """Publish range, pressure and IMU, the last of which the estimator answers."""
