@@ -355,12 +355,13 @@ class NodeGroup:
         self._hand_over.rounds += 1
         now = time.monotonic()
         busy = bool(self._hand_over.queue)
-        pauses = [
-            each.phase.duration - (now - each.since)
+        # Until the end of a pause, or the next check of a phase
+        waits = [
+            (each.phase.duration if isinstance(each.phase, Pause) else 1e-9 * each.phase.wait_ns)
+            - (now - each.since)
             for each in self._running.values()
-            if isinstance(each.phase, Pause)
         ]
-        sleep = 0.0 if busy else max(0.0, min([LOOK, *pauses]))
+        sleep = 0.0 if busy else max(0.0, min([LOOK, *waits]))
         inputs = self._inputs
         inputs.clear_entities()
         for _, handle, _ in self._readers.values():
