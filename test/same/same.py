@@ -37,6 +37,9 @@ from studies import forget_cases, make_cases, study
 FROZEN = Path(__file__).with_name('frozen')
 MACHINE = 'machine.txt'
 SHOWN = 20  # differences of a table that are listed
+# Of this environment; the last one chooses the routines of the linear algebra, and with them the
+# last bits
+INHERITED = {'PATH', 'HOME', 'USER', 'OPENBLAS_CORETYPE'}
 
 Table = dict[str, str]
 
@@ -159,7 +162,7 @@ def freeze_commit(commit: str, folder: Path, options: list[str]) -> None:
     git = ['git', '-C', str(ROOT), 'worktree']
     subprocess.run([*git, 'add', '--detach', '--quiet', str(tree), commit], check=True)
     try:
-        bare = {key: value for key, value in os.environ.items() if key in {'PATH', 'HOME', 'USER'}}
+        bare = {key: value for key, value in os.environ.items() if key in INHERITED}
         arguments = ' '.join(['--freeze', '--out', str(folder / 'frozen'), *options])
         make = ['make', '-C', str(tree), 'same', f'ARGS={arguments}']
         subprocess.run(make, env=bare, check=True)
