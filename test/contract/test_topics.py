@@ -4,6 +4,7 @@ import ast
 from importlib import import_module
 from pathlib import Path
 import re
+from xml.etree import ElementTree
 
 from lta_bridge.crazyflie.settings import CrazyflieBridgeSettings
 from lta_bridge.nodes.description import DescriptionSettings
@@ -23,7 +24,7 @@ from lta_energy.nodes.energy_monitor import EnergyMonitorParameters
 from lta_flight.preflight import parse_parameters
 from lta_graph.launch_file import list_arguments, load_plan
 from lta_graph.ros.message_validation import find_message_type
-from lta_graph.ros.node import GraphSettings
+from lta_graph.ros.node import FAREWELL, GraphSettings
 from lta_graph.ros.parameters import build_descriptor, iterate_fields
 from lta_graph.ros.qos import select_profile
 from lta_model.scenario import load_scenario
@@ -36,6 +37,7 @@ import yaml
 
 ROOT = Path(__file__).resolve().parents[2]
 TABLE = load_topic_table()
+FAST_DDS = ROOT / 'config/fastdds'
 LAUNCH = ROOT / 'config/launch/fly.launch.yaml'
 ROLES = {
     'simulator': 'vehicle',
@@ -428,3 +430,12 @@ def test_a_setting_beyond_its_bounds_is_refused(model):
 def test_the_page_of_topics_is_fresh():
     page = import_module('lta_config.topics_page')
     assert (ROOT / 'docs/topics.md').read_text(encoding='utf-8') == page.render_page(TABLE)
+
+
+@pytest.mark.parametrize('name', ['this_machine.xml', 'network.xml'])
+def test_a_node_that_ends_waits_for_a_heartbeat(name):
+    """Acknowledgements come after one: without it, the last report would leave unconfirmed."""
+    form = '{http://www.eprosima.com/XMLSchemas/fastRTPS_Profiles}'
+    (period,) = ElementTree.parse(FAST_DDS / name).iter(f'{form}heartbeatPeriod')
+    parts = [int(period.find(f'{form}{part}').text) for part in ('sec', 'nanosec')]
+    assert 0.0 < parts[0] + 1e-9 * parts[1] < FAREWELL

@@ -3,6 +3,11 @@
 from lta_config.topics import load_topic_table, robot_topic
 from lta_data.bag.reader import read_bag
 from lta_data.bag.recorded_flight import open_flight
+from lta_graph.ros.shared.hand_over import HandOver, place_node, SharingNode
+import rclpy
+from rclpy.duration import Duration
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from std_msgs.msg import String
 from std_srvs.srv import SetBool
 
 from .command import ALL_NODES, processes
@@ -81,3 +86,26 @@ def test_a_node_that_breaks_ends_the_shared_process_and_is_named(lta, tmp_path):
     assert 'enough of it' in done.stdout + done.stderr
     health = open_flight(tmp_path / 'bag').read_series('/diagnostics').texts
     assert any('enough of it' in text for column in health.values() for text in column)
+
+
+def test_readers_of_the_same_process_owe_no_acknowledgement(domain_id):
+    """A node that ends waited seconds for that of the middleware's copy."""
+    rclpy.init(domain_id=domain_id)
+    try:
+        with place_node(HandOver(), []):
+            node = SharingNode('shared')
+        latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        publisher = node.create_publisher(String, 'place', latched)
+        node.create_subscription(String, 'place', lambda _: None, latched)
+        publisher.publish(String(data='here'))
+        assert publisher.wait_for_all_acked(Duration(seconds=0))
+        with Peer(domain_id) as peer:
+            places = []
+            peer.node.create_subscription(String, '/place', places.append, latched)
+            peer.until(lambda: places)
+            publisher.publish(String(data='there'))
+            peer.until(lambda: publisher.wait_for_all_acked(Duration(seconds=0)))
+            peer.until(lambda: len(places) == 2)
+        node.destroy_node()
+    finally:
+        rclpy.shutdown()

@@ -60,7 +60,21 @@ def control_step(
     `surge_drag` is the linear [N s/m] and quadratic [N s2/m2] drag along body x, `dt` the time
     since the last step [s], `scratch` the working array of `allocate`.
     """
-    demand, cascade = cascade_step(
+    demand, cascade = compute_demand(gains, rotors, surge_drag, memory, measured, setpoint, dt)
+    return deliver_demand(rotors, demand, cascade, memory.thrusts, scratch)
+
+
+def compute_demand(
+    gains: CascadeGains,
+    rotors: Rotors,
+    surge_drag: tuple[float, float],
+    memory: ControlMemory,
+    measured: CascadeMeasurement,
+    setpoint: Setpoint,
+    dt: float,
+) -> tuple[WrenchDemand, CascadeMemory]:
+    """Return the demand of the cascade and its memory; arguments as in `control_step`."""
+    return cascade_step(
         gains,
         surge_drag,
         rotors.lowest_heave,
@@ -71,7 +85,6 @@ def control_step(
         memory.shortfall,
         dt,
     )
-    return deliver_demand(rotors, demand, cascade, memory.thrusts, scratch)
 
 
 def deliver_demand(

@@ -14,8 +14,8 @@ from lta_config.constants import STANDARD_GRAVITY
 from lta_config.topics import load_topic_table
 from lta_control.allocation import create_working_array
 from lta_control.autopilot import Autopilot, build_drone_constants
-from lta_control.cascade import cascade_step, CascadeGains, Setpoint, WrenchDemand
-from lta_control.control import deliver_demand
+from lta_control.cascade import CascadeGains, Setpoint, WrenchDemand
+from lta_control.control import compute_demand, deliver_demand
 from lta_control.estimator import EstimatorSettings
 from lta_control.onboard import DroneConstants, estimate_motion, OnboardMemory, SensorInputs
 from lta_control.per_rotor import pad_to_slots, SLOTS
@@ -133,15 +133,13 @@ class LoopCut:
         # The estimator knows the command of the period before
         before = memory._replace(duties=pad_to_slots(past[0].tolist()))
         estimate, measured = estimate_motion(drone, before, self.simulate_sensors(state, past))
-        demand, cascade = cascade_step(
+        demand, cascade = compute_demand(
             drone.gains,
+            drone.rotors,
             drone.surge_drag,
-            drone.rotors.lowest_heave,
-            drone.rotors.sink,
-            memory.control.cascade,
+            memory.control,
             measured,
             memory.setpoint,
-            memory.control.shortfall,
             drone.dt,
         )
         duties, control = deliver_demand(
