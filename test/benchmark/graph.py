@@ -2,7 +2,8 @@
 Measure the graph: a whole flight, and the way of one message.
 
 `graph.realtime` is a whole lockstep flight of seven processes, flight seconds a wall second; the
-peer is the same with Fast DDS's own settings in place of `config/fastdds/`.
+peer is the same with Fast DDS's own settings in place of `config/fastdds/`. `graph.one_process` is
+that flight with all nodes in one process.
 `spin.*` sends a message there and back between two processes, with our spin and with rclpy's own
 executor.
 """
@@ -16,6 +17,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from typing import Any
 
 from bench import Figure
 from lta_flight.flight import FlightRequest, fly_once
@@ -43,17 +45,18 @@ class Silent:
         """Ignore what takes long."""
 
 
-def flight(environment: dict[str, str]) -> float:
+def flight(environment: dict[str, str], processes: str = 'many') -> float:
     """Return the pace of one flight in a process of its own. [s/s]"""
-    command = [sys.executable, __file__, 'flight']
+    command = [sys.executable, __file__, 'flight', processes]
     done = subprocess.run(command, env=environment, stdout=subprocess.PIPE, text=True, check=True)
     return float(done.stdout)
 
 
-def fly() -> float:
+def fly(processes: Any) -> float:
     """Return the pace of one flight. [s/s]"""
     with tempfile.TemporaryDirectory() as folder:
-        order = FlightRequest('gtmab', 'lamp_room', 'bag', 1, 'lockstep', Path(folder) / 'flight')
+        out = Path(folder) / 'flight'
+        order = FlightRequest('gtmab', 'lamp_room', 'bag', 1, 'lockstep', out, None, processes)
         return fly_once(order, Silent()).pace
 
 
@@ -144,6 +147,7 @@ def figures() -> list[Figure]:
             'graph.realtime',
             PLAIN,
         ),
+        Figure('graph.one_process', 's/s', partial(flight, dict(os.environ), 'one'), 5, median),
         Figure('spin.lean', unit, lean, 3, median),
         Figure('spin.rclpy', unit, plain, 3, median, 'spin.lean', f'rclpy {version("rclpy")}'),
     ]
@@ -151,6 +155,6 @@ def figures() -> list[Figure]:
 
 if __name__ == '__main__':
     if sys.argv[1] == 'flight':
-        sys.stdout.write(f'{fly()}\n')
+        sys.stdout.write(f'{fly(sys.argv[2])}\n')
     else:
         echo(sys.argv[1])

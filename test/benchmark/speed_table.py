@@ -32,6 +32,7 @@ ABOUT: Final = {
     'fleet.open': 'the same at constant duties',
     'graph.realtime': 'a whole flight of the graph in lockstep, seven processes; the peer is the '
     "same with Fast DDS's own settings",
+    'graph.one_process': 'the same flight with `processes:=one`',
     'spin.lean': "a message to another process and back; the peer is rclpy's executor",
     'start.matched': 'seven nodes until each has found all others; the peer is the same with '
     "Fast DDS's own settings",
