@@ -15,7 +15,7 @@ from lta_sim.supply import Supply
 import numpy as np
 
 STEPS = 20_000
-THRUSTS = (0.05, 0.05, 0.02, 0.02)
+THRUSTS = (0.05, 0.05, 0.02, 0.02, 0.0, 0.0, 0.0, 0.0)
 
 
 def step(lit: bool) -> float:

@@ -6,19 +6,24 @@ from typing import final
 
 from lta_config.compilation.flat import compile_core, TupleLayout
 from lta_energy.monitoring.energy_balance import EnergyBalance
-from lta_model.electrical import loads
 from lta_model.electrical.charger import PowerFlow, resting_flow, total_stored_energy
 from lta_model.electrical.panel import current_at_voltage
-from lta_model.scenario_faults import FaultTimes, is_cut_off, is_shorted
+from lta_model.scenario_faults import FaultTimes, is_shorted
 from lta_model.vehicle import Vehicle
 from lta_sim.sensors import power
-from lta_sim.supply_step import advance_supply, SupplyComponents, SupplyInputs, SupplyState
+from lta_sim.supply_step import (
+    advance_supply,
+    SupplyComponents,
+    SupplyConstants,
+    SupplyInputs,
+    SupplyState,
+)
 import numpy as np
 from numpy.random import Generator
 
 Electrics = tuple[float, float]  # voltage [V] and current [A]; negative discharges
 NOTHING = np.zeros(1)
-INPUTS = TupleLayout(SupplyInputs(0.0, 0.0, 0.0, False, False))
+INPUTS = TupleLayout(SupplyInputs(0.0, (0.0,) * 8, 0.0, 0.0, 0.0))
 STATE = TupleLayout(SupplyState(resting_flow(1.0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
 FED, VOLTAGE = STATE.part_slice('flow.fed').start, STATE.part_slice('flow.voltage').start
 
@@ -33,11 +38,10 @@ class Supply:
         charge: float,
         chance: Mapping[str, Generator],
         faults: FaultTimes,
-        looking: float = 0.0,
+        navigation: float = 0.0,
     ) -> None:
         self._parts = SupplyComponents(vehicle.battery, vehicle.charger, vehicle.panel)
-        self._loads, self._chance, self._faults = vehicle.loads, chance, faults
-        self._looking = looking
+        self._chance, self._faults = chance, faults
         self._meter = power.PowerMeterSettings()
         self.meters = {
             name: power.draw_errors(self._meter, chance[name]) for name in ('battery', 'panel')
@@ -49,14 +53,15 @@ class Supply:
         self._meantime = np.empty(INPUTS.size)
         # Packing into the buffer is faster than building an array
         self._pack = struct.Struct(f'{INPUTS.size}d').pack_into
-        constants = TupleLayout(self._parts)
-        self._constants = constants.write(self._parts)
-        self._step = compile_core(advance_supply, constants, STATE, INPUTS)
+        constants = SupplyConstants(self._parts, vehicle.loads, navigation, faults)
+        layout = TupleLayout(constants)
+        self._constants = layout.write(constants)
+        self._step = compile_core(advance_supply, layout, STATE, INPUTS)
 
     def prepare(self) -> None:
         """Compile the step or load it from disk, without draining the cell."""
-        # A dark second without load, on a copy of the state
-        second = np.array([0.0, 0.0, 1.0, False, False])
+        # A dark second without rotors, on a copy of the state
+        second = INPUTS.write(SupplyInputs(0.0, (0.0,) * 8, 0.0, 0.0, 1.0))
         self._step(self._constants, self._memory.copy(), second, NOTHING)
 
     @property
@@ -97,15 +102,11 @@ class Supply:
         self._irradiance = irradiance
 
     def feed_loads(self, thrusts: Sequence[float], seconds: float) -> None:
-        """Supply rotors with these thrusts [N] and the other loads for a control period. [s]"""
-        demand = loads.power_demand(self._loads, thrusts, transmitting=True) + self._looking
-        self._periods += 1
-        # A product and no sum, whose rounding would move a fault by a period
-        before, self._elapsed = self._elapsed, self._periods * seconds
-        shorted = is_shorted(self._faults, before)
-        cut = is_cut_off(self._faults, before, self._elapsed)
-        self._pack(self._meantime.data, 0, self._irradiance, demand, seconds, shorted, cut)
+        """Supply the rotors, with the thrusts of all slots [N], for a control period. [s]"""
+        self._pack(self._meantime.data, 0, self._irradiance, *thrusts, 0.0, self._periods, seconds)
         self._step(self._constants, self._memory, self._meantime, NOTHING)
+        self._periods += 1
+        self._elapsed = self._periods * seconds
 
     def read_battery_meter(self) -> Electrics:
         """Return the reading of the cell's meter, which is behind the load cut-off."""

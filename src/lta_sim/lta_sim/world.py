@@ -370,7 +370,7 @@ class World:
             raise stiffness.build_divergence_error(self.vehicle.file.name, self.elapsed)
         self._craft.evaluate_state()
         self._law_region.check_state(self._craft)
-        self.supply.feed_loads(self._craft.thrusts[: self._rotors].tolist(), self._period)
+        self.supply.feed_loads(self._craft.thrusts.tolist(), self._period)
         self._enter_step(self.steps + 1)
         if self.outcome is FlightOutcome.FLYING:
             self.outcome = self._referee.evaluate_outcome(pose[0], pose[1], pose[2], self.elapsed)

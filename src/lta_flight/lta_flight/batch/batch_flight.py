@@ -35,7 +35,7 @@ from lta_sim.compiled_sensors import ImuAxes, SensorDatasheets, Six
 from lta_sim.environment import build_steady_wind
 from lta_sim.light_link import build_light_link
 from lta_sim.scene_model import build_scene_model, vehicle_reach
-from lta_sim.supply_step import SupplyComponents
+from lta_sim.supply_step import SupplyComponents, SupplyConstants
 from lta_sim.termination import build_goal
 from lta_sim.wind_record import WindRecord
 from lta_vlc.diodes import build_diode_array
@@ -270,9 +270,12 @@ def build_power(vehicle: Vehicle, scenario: Scenario, policy: FlightStack) -> Ba
     ambient = field.ambient
     daylight = field.any_daylight
     return BatchPower(
-        SupplyComponents(vehicle.battery, vehicle.charger, vehicle.panel),
-        vehicle.loads,
-        navigation_power(vehicle.file.energy, policy.strategy.name),
+        SupplyConstants(
+            SupplyComponents(vehicle.battery, vehicle.charger, vehicle.panel),
+            vehicle.loads,
+            navigation_power(vehicle.file.energy, policy.strategy.name),
+            scenario.faults.times,
+        ),
         build_panel_plane(
             half_axes(vehicle.file.hull), vehicle.file.panel_place, vehicle.file.panel_normal
         ),
@@ -283,7 +286,6 @@ def build_power(vehicle: Vehicle, scenario: Scenario, policy: FlightStack) -> Ba
         find_spectral_weights(field, vehicle),
         policy.energy.reserve,
         scenario.start.charge.si,
-        scenario.faults.times,
     )
 
 

@@ -6,14 +6,12 @@ from lta_control.mission import MissionSettings
 from lta_control.onboard import DroneConstants
 from lta_control.per_rotor import PerRotor
 from lta_control.reserve import ReserveRule
-from lta_model.electrical.loads import LoadModel
 from lta_model.light.panel_light import PanelPlane
 from lta_model.light.view import LightWeights
-from lta_model.scenario_faults import FaultTimes
 from lta_sim.compiled_sensors import SensorDatasheets
 from lta_sim.environment import SteadyWind
 from lta_sim.light_link import LightLink
-from lta_sim.supply_step import SupplyComponents
+from lta_sim.supply_step import SupplyConstants
 from lta_sim.termination import EndConditions, GoalProgress
 from lta_vlc.reading_model import DiodeFitInputs, DirectionPrior
 
@@ -23,9 +21,7 @@ Vector = tuple[float, float, float]
 class BatchPower(NamedTuple):
     """The electrical system: supply, loads and panel."""
 
-    parts: SupplyComponents
-    loads: LoadModel
-    looking: float  # W, power of light sensing and navigation
+    supply: SupplyConstants
     panel: PanelPlane
     lamp_shares: tuple[float, ...]  # W/m2 per lux of each lamp's on phase
     ambient: float  # W/m2
@@ -33,7 +29,6 @@ class BatchPower(NamedTuple):
     panel_weights: LightWeights  # what the cells make of these lights
     reserve: float
     charge: float
-    faults: FaultTimes
 
 
 class FlightConstants(NamedTuple):

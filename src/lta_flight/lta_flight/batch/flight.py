@@ -21,11 +21,9 @@ from lta_flight.batch.constants_and_tally import (
     Vector,
 )
 from lta_model.electrical.charger import PowerFlow
-from lta_model.electrical.loads import power_demand
 from lta_model.light.lambertian import direct_light
 from lta_model.light.panel_light import daylight_on_panel, lamp_light_on_panel
 from lta_model.light.scene_geometry import daylight_illuminance, is_in_room
-from lta_model.scenario_faults import is_cut_off, is_shorted
 from lta_model.sensors.imu import specific_force_at
 from lta_model.state import RIGID
 from lta_model.stiffness import has_diverged
@@ -36,7 +34,7 @@ from lta_sim.compiled_sensors import (
     START,
 )
 from lta_sim.counter_rng import draw_uniforms
-from lta_sim.supply_step import advance_supply, SupplyInputs, SupplyState
+from lta_sim.supply_step import SupplyState
 from lta_sim.termination import (
     distance_to_goal,
     evaluate_outcome,
@@ -170,23 +168,6 @@ def panel_irradiance(constants: FlightConstants, state: State) -> float:
     day = power.day_share * daylight_on_panel(power.panel, around, position, q)
     ambient = power.panel.share * ambient_irradiance(constants, position)
     return bright + power.panel_weights.day * day + power.panel_weights.ambient * ambient
-
-
-def step_supply(
-    constants: FlightConstants,
-    supply: SupplyState,
-    irradiance: float,
-    thrusts: PerRotor,
-    payload: float,
-    step: int,
-    dt: float,
-) -> SupplyState:
-    """Advance the supply by control period `step`: light in W/m2, thrusts in N, payload in W."""
-    power, now = constants.power, step * dt
-    demand = power_demand(power.loads, thrusts, True) + power.looking + payload
-    cut = is_cut_off(power.faults, now, (step + 1) * dt)
-    meantime = SupplyInputs(irradiance, demand, dt, is_shorted(power.faults, now), cut)
-    return advance_supply(power.parts, supply, meantime, 0.0)
 
 
 def hull_irradiance(constants: FlightConstants, state: State) -> float:

@@ -33,7 +33,6 @@ from lta_flight.batch.flight import (
     sensor_specific_force,
     sight_from_fit,
     State,
-    step_supply,
     unreachable_pose,
     with_setpoint,
 )
@@ -43,7 +42,7 @@ from lta_model.state import RIGID
 from lta_sim.compiled_sensors import draw_white_noise, SensorErrors, simulate_range_reading
 from lta_sim.environment import steady_wind_at
 from lta_sim.light_link import add_direct_light, write_reflections
-from lta_sim.supply_step import SupplyState
+from lta_sim.supply_step import advance_supply, SupplyInputs, SupplyState
 from lta_vlc.direction_fit import fit_direction
 import numpy as np
 from numpy.typing import NDArray
@@ -334,15 +333,8 @@ def advance_vehicle(
     if memory.step % schedule.light == 0:
         irradiance = panel_irradiance(constants, state)
     thrusts = kernel.thrusts_of(state, inputs.numbers, command, surroundings)
-    supply = step_supply(
-        constants,
-        memory.supply,
-        irradiance,
-        thrusts,
-        inputs.payload,
-        memory.step,
-        schedule.period,
-    )
+    meantime = SupplyInputs(irradiance, thrusts, inputs.payload, memory.step, schedule.period)
+    supply = advance_supply(constants.power.supply, memory.supply, meantime, 0.0)
     return memory._replace(
         state=state,
         command=command,

@@ -130,7 +130,7 @@ def meter_charge(
 ) -> float:
     """Advance the drone's charge estimate with the errors of its current meter."""
     return integrate_charge(
-        charge, leg.gain * current + leg.offset, constants.power.parts.cell.capacity, dt
+        charge, leg.gain * current + leg.offset, constants.power.supply.parts.cell.capacity, dt
     )
 
 
