@@ -28,6 +28,7 @@ from lta_discovery.flights.bags import (
     StudyRecording,
 )
 from lta_discovery.flights.command_spikes import clip_command_spikes
+from lta_discovery.flights.free_swings import align_swings
 from lta_discovery.flights.measured_flight import (
     FlightStreams,
     GAP,
@@ -145,6 +146,8 @@ def select_usable_flights(
         else:
             usable.append((one.name, one.role, flight))
     _require_usable_time(flights, usable, cuts, faults, least)
+    aligned, remarks = align_swings(usable, vehicle)
+    warnings += remarks
     for role in dict.fromkeys(one.role for one in flights):
         if not any(own == role for _, own, _ in usable):
             warnings.append(f'No flight of --{role} is usable; the study goes on without it.')
@@ -157,7 +160,7 @@ def select_usable_flights(
         and len(channel.time) > 1
     }
     return UsableFlights(
-        tuple(usable), tuple(cuts), tuple(merge_sentences(warnings, len(flights))), light
+        tuple(aligned), tuple(cuts), tuple(merge_sentences(warnings, len(flights))), light
     )
 
 
