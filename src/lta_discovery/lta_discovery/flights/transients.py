@@ -178,6 +178,9 @@ def _find_disturbances(flight: MeasuredFlight, inside: Mask) -> list[Transient]:
             out.append((begin, end))
     if sum(end - begin for begin, end in out) > MOST * inside.sum():
         return []
+    # A decay is strongest from the first moment on; a hand comes to a vehicle that flies
+    begun = int(np.flatnonzero(known)[0])
+    out = [(begin, end) for begin, end in out if begin > begun + near]
     last = len(flight.time) - 1
     margin = round(AFTER / PERIOD)
     return [
