@@ -28,7 +28,7 @@ from lta_discovery.flights.bags import (
     StudyRecording,
 )
 from lta_discovery.flights.command_spikes import clip_command_spikes
-from lta_discovery.flights.free_swings import align_swings
+from lta_discovery.flights.free_swings import align_swings, find_swing_law
 from lta_discovery.flights.measured_flight import (
     FlightStreams,
     GAP,
@@ -38,7 +38,7 @@ from lta_discovery.flights.measured_flight import (
 )
 from lta_discovery.flights.noisy_intervals import ExcludedInterval, remove_noisy_intervals
 from lta_discovery.flights.sentence_merger import merge_sentences
-from lta_discovery.flights.streams import build_streams, convert_to_duties
+from lta_discovery.flights.streams import build_streams, convert_to_duties, has_commands
 from lta_discovery.flights.timestamp_repair import add_stamp_noise, repair_timestamps
 from lta_discovery.flights.transients import find_transients
 from lta_discovery.flights.windows import cut_into_pieces
@@ -61,6 +61,7 @@ CALIBRATED: Final = 5.0  # s; for a calibration, to which one step or swing tell
 STILL: Final = 0.005  # of the largest command: standard deviation over all training flights
 DRIFTING: Final = 0.1  # m; a vehicle that moves less, and turns less, is at rest
 SWINGING: Final = 0.05  # rad
+LEAVES: Final = 0.15  # m/s; a vehicle that is faster on average is pushed by its rotors
 FULL: Final = 0.98  # duty
 LOST: Final = 0.02  # of the poses; more lost poses are reported
 DUTY: Final = 'motors/effort.'
@@ -277,6 +278,10 @@ def _clean_flight(
             continue
         if finding.kind == impossible_values.KIND and finding.channel.startswith(DUTY) and sound:
             continue  # clipped
+        if finding.kind == impossible_values.KIND and impossible_values.LOST in finding.values:
+            # A single lost reading leaves a gap of its own, and the readings around it are good
+            if finding.channel.startswith((pose, *SENSORS)):
+                continue
         if finding.kind == noise_floor.KIND:
             smooth.append(finding.channel.rpartition('/')[0])
         elif finding.is_grave and finding.kind == clocks.KIND and set(LATE) & set(finding.values):
@@ -302,6 +307,11 @@ def _clean_flight(
     flight, more = add_stamp_noise(one.name, resample_flight(streams), rounding)
     warnings += [*whole, *remarks, *more]
     flight = _mask_intervals(flight, cuts, pose)
+    if not has_commands(recording.channels) and not _swings_on_the_spot(flight):
+        raise BadInput(
+            f"{one.name}: The recording has no commands ('motors' or 'wrench_command'), and the "
+            'vehicle does not swing freely. Record the commands, too.'
+        )
     for part in find_transients(flight, streams):
         inside = (flight.time >= part.from_s) & (flight.time <= part.to_s)
         cuts.append(
@@ -315,6 +325,16 @@ def _clean_flight(
     flight, loud = remove_noisy_intervals(one.name, flight)
     cuts += loud
     return flight, cuts, [*warnings, *_list_data_warnings(one.name, flight, streams)]
+
+
+def _swings_on_the_spot(flight: MeasuredFlight) -> bool:
+    """Return whether a vehicle swings, and does not fly away."""
+    known = np.flatnonzero(np.isfinite(flight.position).all(axis=1))
+    if find_swing_law(flight) is None or len(known) < 2:
+        return False
+    first, last = known[0], known[-1]
+    way = float(np.linalg.norm(flight.position[last] - flight.position[first]))
+    return way < LEAVES * float(flight.time[last] - flight.time[first])
 
 
 def _exclude_interval(name: str, finding: QualityFinding, end: float) -> ExcludedInterval:
