@@ -163,7 +163,8 @@ def study_flights(
     warnings.extend(format_calibration_warning(offsets))
     # Whatever the named effects leave is described, not named.
     rest = assess_unmodeled_forces(pair, proven.full, wrench_floor(nominal))
-    if should_keep_file(differences) or find_useless_forecast(differences) is not None:
+    is_worse = compared.share < 1.0 or should_keep_file(differences)
+    if is_worse or find_useless_forecast(differences) is not None:
         rest = rest.without_causes()
     kind = classify_data_kind([f.flight.replay.flight for f in prepared])
     finding = StudyResult(

@@ -9,7 +9,7 @@ go on from the calibrated file. Flights of a good file can still differ in their
 the file stays, and each flight has a lift of its own.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, final
 
@@ -46,6 +46,7 @@ CALLS: Final = {
 LIFT: Final = 0.005  # N; difference between the net lifts of two flights
 SURE: Final = 3.0  # standard deviations
 MAYBE: Final = 0.7  # of a difference; a linear fit may underestimate it
+USELESS: Final = 0.9  # of the error of coasting; a file with a larger one predicts nothing
 POOR: Final = 0.5  # of the error of coasting; a file with a larger one predicts poorly
 MUCH: Final = 0.7  # of the position error of such a file; a calibration needs less
 # Of the file's forecast error; a calibration needs less, by its method. Without a fit to the
@@ -115,8 +116,11 @@ def _is_clearly_better(calibration: Calibration, reasons: Sequence[CalibratedVal
     scores = [*calibration.scores.get('train', ()), *calibration.scores.get('confirm', ())]
     error, place = relative_error(scores), relative_position_error(scores)
     # From a file that predicts poorly, no effect can be named
-    if _predicts_poorly(scores) and _beats_coasting(calibration) and place <= MUCH:
-        return True
+    if _beats_coasting(calibration):
+        if _predicts_poorly(calibration.scores, USELESS) and error <= BETTER['likelihood']:
+            return True
+        if _predicts_poorly(calibration.scores, POOR) and place <= MUCH:
+            return True
     if calibration.method == 'likelihood':
         # The lift of a flight shows in its positions alone
         error = min(error, place)
@@ -124,9 +128,10 @@ def _is_clearly_better(calibration: Calibration, reasons: Sequence[CalibratedVal
     return error <= BETTER[calibration.method]
 
 
-def _predicts_poorly(scores: Sequence[ForecastScore]) -> bool:
-    """Return whether the vehicle file hardly predicts positions better than coasting."""
-    return bool(scores) and all(one.before[0] > POOR * one.coast[0] for one in scores)
+def _predicts_poorly(scores: Mapping[str, Sequence[ForecastScore]], share: float) -> bool:
+    """Return whether the file's errors exceed a share of those of coasting, in all roles."""
+    last = [each[-1] for each in scores.values() if each]
+    return bool(last) and all(one.before[0] > share * one.coast[0] for one in last)
 
 
 def _beats_coasting(calibration: Calibration) -> bool:
@@ -158,7 +163,7 @@ def _list_suspicions(vehicle: Vehicle, flights: Sequence[Role]) -> list[str]:
         return [NET_LIFT, *off] if apart else off
     # A pendulum of another period does not show in a second
     scores = score_forecasts(prepared.nominal, linear, np.zeros(len(prepared.knobs)), None)
-    return [''] if _predicts_poorly(scores) else []
+    return [''] if _predicts_poorly({'all': scores}, POOR) else []
 
 
 def _is_off(knob: FreeParameter, start: QuickFit, k: int) -> bool:

@@ -278,10 +278,9 @@ def _clean_flight(
             continue
         if finding.kind == impossible_values.KIND and finding.channel.startswith(DUTY) and sound:
             continue  # clipped
-        if finding.kind == impossible_values.KIND and impossible_values.LOST in finding.values:
-            # A single lost reading leaves a gap of its own, and the readings around it are good
-            if finding.channel.startswith((pose, *SENSORS)):
-                continue
+        lost = finding.kind == impossible_values.KIND and impossible_values.LOST in finding.values
+        if lost and finding.channel.startswith((pose, *SENSORS)):
+            continue  # each leaves a gap of its own, and the readings between them are good
         if finding.kind == noise_floor.KIND:
             smooth.append(finding.channel.rpartition('/')[0])
         elif finding.is_grave and finding.kind == clocks.KIND and set(LATE) & set(finding.values):

@@ -53,7 +53,7 @@ def detect_text_format(path: Path) -> TextFormat:
     marks = [start for i in before if (start := lines[i].lstrip()[0]) in COMMENTS]
     comment = marks[0] if marks else None
     names = _find_names([lines[i] for i in before], delimiter, cells)
-    if names is None and all(lines[i].strip().endswith(delimiter) for i in range(first, first + 2)):
+    if names is None and lines[first].strip().endswith(delimiter):
         # Not a delimiter at the end of the rows, but a last column without values
         names = _find_names([lines[i] for i in before], delimiter, cells + 1)
         cells += names is not None
