@@ -127,8 +127,8 @@ def _find_hands(flight: MeasuredFlight) -> tuple[float, float]:
     """Return when a hand has released the vehicle, and when one catches it. [s]"""
     pull = np.linalg.norm(smooth_derivative(flight.position, 2), axis=1)
     # A tracker that holds its last pose after the vehicle has left shows no end of the flight
-    known = np.flatnonzero(flight.usable)
-    begin, end = (known[0], known[-1]) if len(known) else (0, len(pull) - 1)
+    points = np.flatnonzero(flight.usable)
+    begin, end = (points[0], points[-1]) if len(points) else (0, len(pull) - 1)
     pull = pull[begin : end + 1]
     first = _find_release(pull)
     # A catch is a release in reversed time
@@ -161,14 +161,14 @@ def _find_release(pull: Array) -> int | None:
 def _find_disturbances(flight: MeasuredFlight, inside: Mask) -> list[Transient]:
     """Return where accelerations occur that neither commands nor motion explain."""
     unexplained = _measure_unexplained_acceleration(flight, inside)
-    known = np.isfinite(unexplained)
-    if known.sum() * PERIOD < REST:
+    finite = np.isfinite(unexplained)
+    if finite.sum() * PERIOD < REST:
         return []
-    limit = max(PUSH, UNUSUAL * float(np.median(unexplained[known])))
-    pushed = known & (unexplained > limit)
+    limit = max(PUSH, UNUSUAL * float(np.median(unexplained[finite])))
+    strong = finite & (unexplained > limit)
     idle = _mark_idle_points(flight)
     near, out = round(TOGETHER / PERIOD), list[tuple[int, int]]()
-    for begin, end in find_usable_runs(pushed):
+    for begin, end in find_usable_runs(strong):
         if (end - begin) * PERIOD < LONE:
             continue
         # Carried from one place to the next, the vehicle gets no command
@@ -179,7 +179,7 @@ def _find_disturbances(flight: MeasuredFlight, inside: Mask) -> list[Transient]:
     if sum(end - begin for begin, end in out) > MOST * inside.sum():
         return []
     # A decay is strongest from the first moment on; a hand comes to a vehicle that flies
-    begun = int(np.flatnonzero(known)[0])
+    begun = int(np.flatnonzero(finite)[0])
     out = [(begin, end) for begin, end in out if begin > begun + near]
     last = len(flight.time) - 1
     margin = round(AFTER / PERIOD)
@@ -225,16 +225,16 @@ def _measure_unexplained_acceleration(flight: MeasuredFlight, inside: Mask) -> A
 
 def _fit_rest(terms: Array, values: Array, inside: Mask) -> Array:
     """Return what a linear law leaves of values, by least absolute errors; NaN where unknown."""
-    known = inside & np.isfinite(terms).all(axis=1) & np.isfinite(values)
+    finite = inside & np.isfinite(terms).all(axis=1) & np.isfinite(values)
     out = np.full(len(values), np.nan)
-    if known.sum() <= 2 * terms.shape[1]:
+    if finite.sum() <= 2 * terms.shape[1]:
         return out
-    table, right = terms[known], values[known]
+    table, right = terms[finite], values[finite]
     weights = np.ones(len(right))
     for _ in range(ROUNDS):
         law = np.linalg.lstsq(table * weights[:, None], right * weights, rcond=None)[0]
         left = right - table @ law
         # Iteratively reweighted least squares
         weights = 1.0 / np.sqrt(np.maximum(np.abs(left), 1e-3))
-    out[known] = left
+    out[finite] = left
     return out

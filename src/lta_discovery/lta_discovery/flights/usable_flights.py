@@ -149,6 +149,10 @@ def select_usable_flights(
     _require_usable_time(flights, usable, cuts, faults, least)
     aligned, remarks = align_swings(usable, vehicle)
     warnings += remarks
+    usable = [
+        (name, role, flight)
+        for (name, role, _), (_, _, flight) in zip(usable, aligned, strict=True)
+    ]
     for role in dict.fromkeys(one.role for one in flights):
         if not any(own == role for _, own, _ in usable):
             warnings.append(f'No flight of --{role} is usable; the study goes on without it.')
@@ -161,7 +165,7 @@ def select_usable_flights(
         and len(channel.time) > 1
     }
     return UsableFlights(
-        tuple(aligned), tuple(cuts), tuple(merge_sentences(warnings, len(flights))), light
+        tuple(usable), tuple(cuts), tuple(merge_sentences(warnings, len(flights))), light
     )
 
 
@@ -328,10 +332,10 @@ def _clean_flight(
 
 def _swings_on_the_spot(flight: MeasuredFlight) -> bool:
     """Return whether a vehicle swings, and does not fly away."""
-    known = np.flatnonzero(np.isfinite(flight.position).all(axis=1))
-    if find_swing_law(flight) is None or len(known) < 2:
+    points = np.flatnonzero(np.isfinite(flight.position).all(axis=1))
+    if find_swing_law(flight) is None or len(points) < 2:
         return False
-    first, last = known[0], known[-1]
+    first, last = points[0], points[-1]
     way = float(np.linalg.norm(flight.position[last] - flight.position[first]))
     return way < LEAVES * float(flight.time[last] - flight.time[first])
 
