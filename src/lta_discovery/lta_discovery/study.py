@@ -11,7 +11,7 @@ from lta_discovery.calibration.offsets import (
 )
 from lta_discovery.calibration.priors import apply_calibration, free_flight_lifts
 from lta_discovery.calibration.result import Calibration
-from lta_discovery.conclusion import FAR, find_added_gain
+from lta_discovery.conclusion import FAR, find_added_gain, find_useless_forecast
 from lta_discovery.finding import ChannelErrors, SearchCandidate, StudyResult, Verdict
 from lta_discovery.fit.bounds import find_exceeded_tolerances, format_bounds_warning
 from lta_discovery.fit.evidence import per_flight_variance, wrench_floor
@@ -27,6 +27,7 @@ from lta_discovery.forecast.file_comparison import (
     format_withdrawal,
     limit_to_file,
 )
+from lta_discovery.forecast.forecast_warnings import should_keep_file
 from lta_discovery.forecast.held_out import build_model_points, compute_model_errors
 from lta_discovery.forecast.tolerance_shrinkage import shrink_tolerances
 from lta_discovery.model.candidates import expand_vectors
@@ -162,6 +163,9 @@ def study_flights(
     warnings.extend(format_calibration_warning(offsets))
     # Whatever the named effects leave is described, not named.
     rest = assess_unmodeled_forces(pair, proven.full, wrench_floor(nominal))
+    is_worse = compared.share < 1.0 or should_keep_file(differences)
+    if is_worse or find_useless_forecast(differences) is not None:
+        rest = rest.without_causes()
     kind = classify_data_kind([f.flight.replay.flight for f in prepared])
     finding = StudyResult(
         verdict=decide_study_verdict(proven, rest, differences, kind),

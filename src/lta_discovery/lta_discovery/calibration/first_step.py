@@ -2,13 +2,14 @@
 Calibrate a vehicle as the first step of a discovery, where its flights call for it.
 
 A short linear fit of forecasts over a second tells in a second of computing time whether a gain,
-the net lift of the flights or the markers' frame may be far from the vehicle file. Only then is
-the vehicle calibrated, and only a clear difference that discovery has no name for is a reason to
+the net lift of the flights or the markers' frame may be far from the vehicle file, and forecasts
+over three seconds whether the file predicts hardly better than coasting. Only then is the vehicle
+calibrated, and only a clear difference that discovery has no name for is a reason to
 go on from the calibrated file. Flights of a good file can still differ in their net lift: then
 the file stays, and each flight has a lift of its own.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, final
 
@@ -19,12 +20,14 @@ from lta_discovery.calibration.forecast_score import (
     is_contradicted,
     relative_error,
     relative_position_error,
+    score_forecasts,
 )
 from lta_discovery.calibration.prepared_flights import prepare_calibration
-from lta_discovery.calibration.result import CalibratedValue, Calibration
+from lta_discovery.calibration.result import CalibratedValue, Calibration, ForecastScore
 from lta_discovery.flights.role_assignment import assign_roles, Role
 from lta_discovery.model.parameters import FreeParameter, NET_LIFT
 from lta_model.vehicle import parse_vehicle, Vehicle
+import numpy as np
 
 Progress = Callable[[str, float | None], None]
 
@@ -37,11 +40,15 @@ CALLS: Final = {
     'marker_offset.z': 0.025,
     'marker_offset': 0.035,  # rad
     'command_delay': 0.2,  # s; less may be an effect that discovery names
+    # Relative; the mass is not fitted well enough
+    **{f'vehicle.{axis}': 0.25 for axis in ('roll', 'pitch', 'yaw')},
 }
 LIFT: Final = 0.005  # N; difference between the net lifts of two flights
 SURE: Final = 3.0  # standard deviations
 MAYBE: Final = 0.7  # of a difference; a linear fit may underestimate it
 USELESS: Final = 0.9  # of the error of coasting; a file with a larger one predicts nothing
+POOR: Final = 0.5  # of the error of coasting; a file with a larger one predicts poorly
+MUCH: Final = 0.7  # of the position error of such a file; a calibration needs less
 # Of the file's forecast error; a calibration needs less, by its method. Without a fit to the
 # readings its intervals are rough, and something that the model lacks looks like a turned marker.
 BETTER: Final = {'likelihood': 0.8, 'forecasts': 0.3, 'file': 0.0}
@@ -104,14 +111,33 @@ def calibrate_first(
 
 def _is_clearly_better(calibration: Calibration, reasons: Sequence[CalibratedValue]) -> bool:
     """Return whether a calibration has a reason, and its forecasts are better than the file's."""
+    if not reasons or is_contradicted(calibration.scores):
+        return False
     scores = [*calibration.scores.get('train', ()), *calibration.scores.get('confirm', ())]
-    error = relative_error(scores)
+    error, place = relative_error(scores), relative_position_error(scores)
+    # From a file that predicts poorly, no effect can be named
+    if _beats_coasting(calibration):
+        if _predicts_poorly(calibration.scores, USELESS) and error <= BETTER['likelihood']:
+            return True
+        if _predicts_poorly(calibration.scores, POOR) and place <= MUCH:
+            return True
     if calibration.method == 'likelihood':
         # The lift of a flight shows in its positions alone
-        error = min(error, relative_position_error(scores))
+        error = min(error, place)
     # An error that is not a number is not better
-    is_better = error <= _largest_error(calibration)
-    return bool(reasons) and is_better and not is_contradicted(calibration.scores)
+    return error <= BETTER[calibration.method]
+
+
+def _predicts_poorly(scores: Mapping[str, Sequence[ForecastScore]], share: float) -> bool:
+    """Return whether the file's errors exceed a share of those of coasting, in all roles."""
+    last = [each[-1] for each in scores.values() if each]
+    return bool(last) and all(one.before[0] > share * one.coast[0] for one in last)
+
+
+def _beats_coasting(calibration: Calibration) -> bool:
+    """Return whether a calibration predicts the positions of all roles better than coasting."""
+    last = [each[-1] for each in calibration.scores.values() if each]
+    return calibration.method != 'file' and all(one.after[0] < one.coast[0] for one in last)
 
 
 def _mark_reasons(calibration: Calibration, reasons: Sequence[CalibratedValue]) -> Calibration:
@@ -120,19 +146,12 @@ def _mark_reasons(calibration: Calibration, reasons: Sequence[CalibratedValue]) 
     return replace(calibration, values=tuple(values))
 
 
-def _largest_error(calibration: Calibration) -> float:
-    """Return the largest forecast error, of the file's, with which a calibration is used."""
-    last = [each[-1] for each in calibration.scores.values() if each]
-    coasts = last and all(
-        one.after[0] < one.coast[0] and one.before[0] > USELESS * one.coast[0] for one in last
-    )
-    # From a file that predicts nothing, no effect can be named
-    method = 'likelihood' if coasts and calibration.method != 'file' else calibration.method
-    return BETTER[method]
-
-
 def _list_suspicions(vehicle: Vehicle, flights: Sequence[Role]) -> list[str]:
-    """Return the parameters that a short fit finds far from the file, or between flights."""
+    """
+    Return the parameters that a short fit finds far from the file, or between flights.
+
+    An empty name stands for a file that predicts the flights poorly.
+    """
     prepared = prepare_calibration(vehicle, flights)
     linear = [*prepared.flights['train'], *prepared.flights['confirm']]
     start = find_calibration_start(prepared.nominal, linear)
@@ -140,7 +159,11 @@ def _list_suspicions(vehicle: Vehicle, flights: Sequence[Role]) -> list[str]:
         return []
     apart = max(start.lifts) - min(start.lifts) > MAYBE * LIFT
     off = [knob.name for k, knob in enumerate(prepared.knobs) if _is_off(knob, start, k)]
-    return [NET_LIFT, *off] if apart else off
+    if apart or off:
+        return [NET_LIFT, *off] if apart else off
+    # A pendulum of another period does not show in a second
+    scores = score_forecasts(prepared.nominal, linear, np.zeros(len(prepared.knobs)), None)
+    return [''] if _predicts_poorly({'all': scores}, POOR) else []
 
 
 def _is_off(knob: FreeParameter, start: QuickFit, k: int) -> bool:

@@ -15,7 +15,6 @@ from lta_discovery.calibration.calibration import calibrate_flights
 from lta_discovery.calibration.report import build_report
 from lta_discovery.calibration.result import Calibration
 from lta_discovery.flights.bags import read_bags, Role
-from lta_discovery.flights.free_swings import align_swings
 from lta_discovery.flights.usable_flights import CALIBRATED, select_usable_flights
 from lta_model.vehicle import load_vehicle, Vehicle
 from lta_report.report import Report
@@ -36,10 +35,8 @@ def calibrate_vehicle(
     flights = read_bags(bags, robot, lambda bag: tell(f'reading {bag}', None))
     tell('checking data quality', None)
     usable = select_usable_flights(flights, vehicle, CALIBRATED)
-    aligned, remarks = align_swings(usable.flights)
-    calibration = calibrate_flights(vehicle, name, aligned, tell)
-    warnings = (*usable.warnings, *remarks)
-    return report_calibration(vehicle, name, replace(calibration, warnings=warnings))
+    calibration = calibrate_flights(vehicle, name, usable.flights, tell)
+    return report_calibration(vehicle, name, replace(calibration, warnings=usable.warnings))
 
 
 def report_calibration(vehicle: Vehicle, name: str, calibration: Calibration) -> Report:

@@ -4,6 +4,9 @@ Find the law of a swing without commands: when a hand lets it go, and about whic
 A free swing returns in proportion to its angle. Held at an angle, or moved slowly, the vehicle
 does not. The tilt at rest follows from the balance and the marker frame, and both may change
 between flights: a battery is moved, or the rigid body of the tracker is defined again.
+
+Only drag acts along the floor on a free swing. So a point keeps its place that follows from the
+masses of the vehicle, and the markers swing about it with the lever arm of their frame.
 """
 
 from collections.abc import Sequence
@@ -14,7 +17,14 @@ from typing import Final, final, NamedTuple
 from lta_discovery.flights.measured_flight import MeasuredFlight, PERIOD
 from lta_discovery.flights.role_assignment import Role
 from lta_discovery.flights.windows import find_usable_runs
-from lta_discovery.model.quaternions import quaternion_exponential, quaternion_product
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.quaternions import (
+    quaternion_exponential,
+    quaternion_product,
+    rotate_vectors,
+    rotation_matrix,
+)
+from lta_model.vehicle import Vehicle
 import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import savgol_filter
@@ -29,6 +39,8 @@ HELD: Final = 0.2  # s; shortest time that counts as held
 ODD: Final = 0.1  # share of a free swing that may differ, by gaps and slips of the tracker
 SETTLED: Final = 0.2  # s; margin after the release
 APART: Final = math.radians(2.0)  # rad; tilts at rest that differ by less are the same
+MOVED: Final = 0.05  # m; lever arms of the markers that differ by less are the same
+SURE: Final = 4.0  # standard deviations of such a difference
 
 
 @final
@@ -37,6 +49,14 @@ class SwingLaw(NamedTuple):
 
     release: float  # when it begins [s]
     rest: Array  # tilt about which it swings, about x and y of the body, shape (2,) [rad]
+
+
+@final
+class MarkerArm(NamedTuple):
+    """Where the markers are on a vehicle that swings freely."""
+
+    place: Array  # from the hull centre, in the marker axes, shape (3,) [m]
+    deviation: Array  # standard deviation, shape (3,) [m]
 
 
 def find_swing_law(flight: MeasuredFlight) -> SwingLaw | None:
@@ -64,12 +84,19 @@ def find_swing_law(flight: MeasuredFlight) -> SwingLaw | None:
     return SwingLaw(float(flight.time[0]), rest)
 
 
-def align_swings(flights: Sequence[Role]) -> tuple[list[Role], list[str]]:
+def align_swings(flights: Sequence[Role], vehicle: Vehicle) -> tuple[list[Role], list[str]]:
     """
-    Return flights in which all swings are about the same tilt, and a sentence if one was turned.
+    Return flights whose swings have the same tilt and lever arm, and a sentence on each change.
 
-    Otherwise one balance would have to explain all of them.
+    Otherwise one balance and one marker frame would have to explain all of them.
     """
+    turned, remarks = _align_tilts(flights)
+    moved, more = _align_markers(turned, NominalVehicle.from_vehicle(vehicle))
+    return moved, [*remarks, *more]
+
+
+def _align_tilts(flights: Sequence[Role]) -> tuple[list[Role], list[str]]:
+    """Return flights whose swings are about the same tilt, and a sentence if one was turned."""
     laws = [find_swing_law(flight) for _, _, flight in flights]
     rests = [law.rest for law in laws if law is not None]
     others = [
@@ -96,6 +123,87 @@ def align_swings(flights: Sequence[Role]) -> tuple[list[Role], list[str]]:
         f'by up to {math.degrees(most):.0f}\N{DEGREE SIGN}, as if balance or marker frame had '
         'changed in between. The marker frames are turned to that of the others.'
     ]
+
+
+def _align_markers(
+    flights: Sequence[Role], nominal: NominalVehicle
+) -> tuple[list[Role], list[str]]:
+    """Return flights whose swings have the same lever arm, and a sentence if one was moved."""
+    arms = [measure_marker_arm(flight, nominal) for _, _, flight in flights]
+    usual = _find_usual_arm([arm for arm in arms if arm is not None])
+    moved, most = [], 0.0
+    out: list[Role] = []
+    for (name, role, flight), arm in zip(flights, arms, strict=True):
+        shift = np.zeros(3)
+        if arm is not None:
+            apart = arm.place - usual
+            # A swing about one axis hardly shows the arm along it
+            shift = np.where(np.abs(apart) > SURE * arm.deviation, apart, 0.0)
+        if np.linalg.norm(shift) > MOVED:
+            away = np.broadcast_to(shift, flight.position.shape)
+            position = flight.position - rotate_vectors(flight.quaternion, away)
+            flight = replace(flight, position=position)
+            moved.append(name)
+            most = max(most, float(np.linalg.norm(shift)))
+        out.append((name, role, flight))
+    if not moved:
+        return out, []
+    return out, [
+        f'{", ".join(moved)}: the origin of the marker frame is elsewhere on the vehicle than in '
+        f'the other swings, by up to {100.0 * most:.0f} cm, as if the rigid body of the tracker '
+        'had been defined again. The positions are moved to the origin of the others.'
+    ]
+
+
+def _find_usual_arm(arms: Sequence[MarkerArm]) -> Array:
+    """Return the median lever arm; of each component, over the half that knows it better."""
+    if not arms:
+        return np.zeros(3)
+    places, deviations = (np.array([one[k] for one in arms]) for k in (0, 1))
+    good = deviations <= np.median(deviations, axis=0)
+    usual: Array = np.nanmedian(np.where(good, places, np.nan), axis=0)
+    return usual
+
+
+def measure_marker_arm(flight: MeasuredFlight, nominal: NominalVehicle) -> MarkerArm | None:
+    """Return where the markers of a free swing are on the vehicle; None for another flight."""
+    law = find_swing_law(flight)
+    if law is None:
+        return None
+    count = len(flight.time)
+    turning = smooth_derivative(rotation_matrix(flight.quaternion).reshape(count, 9), 2)
+    pull = smooth_derivative(flight.position, 2)
+    good = flight.usable & (flight.time > law.release)
+    good &= np.isfinite(turning).all(axis=1) & np.isfinite(pull).all(axis=1)
+    if good.sum() * PERIOD < SHORTEST:
+        return None
+    # Along each axis of the world: the arm, a constant and a changing force
+    free = flight.time[good] - flight.time[good].mean()
+    drift = np.kron(np.eye(3), np.column_stack([np.ones_like(free), free]))
+    terms = np.hstack([turning[good].reshape(-1, 3, 3).transpose(1, 0, 2).reshape(-1, 3), drift])
+    right = pull[good].T.ravel()
+    arm = np.linalg.lstsq(terms, right, rcond=None)[0]
+    # Neighbours share the points of the filter
+    noise = WINDOW * float(np.mean((right - terms @ arm) ** 2))
+    deviation = np.sqrt(noise * np.diag(np.linalg.inv(terms.T @ terms))[:3])
+    rate = smooth_derivative(measure_tilt(flight.quaternion), 1)[good]
+    # In pitch the tilt changes along x, in roll along y
+    in_pitch = float(np.nansum(rate[:, 0] ** 2) / np.nansum(rate**2))
+    depth = np.array([0.0, 0.0, find_neutral_height(nominal, in_pitch)])
+    return MarkerArm(arm[:3] + depth, deviation)
+
+
+def find_neutral_height(nominal: NominalVehicle, in_pitch: float) -> float:
+    """
+    Return the height, above the hull centre, of the point that a free swing does not move. [m]
+
+    `in_pitch`: share of the swing that is in pitch; the rest is in roll.
+    """
+    inverse = np.asarray(nominal.build_model().inverse, dtype=np.float64).reshape(6, 6)
+    mass = np.linalg.inv(inverse)
+    # Where the momentum along the floor is zero
+    pitch, roll = mass[0, 4] / mass[0, 0], -mass[1, 3] / mass[1, 1]
+    return float(in_pitch * pitch + (1.0 - in_pitch) * roll)
 
 
 def measure_tilt(quaternion: Array) -> Array:

@@ -95,6 +95,11 @@ def convert_to_duties(
     return replace(streams, commands=Stream(streams.commands.time, duty))
 
 
+def has_commands(channels: Mapping[str, SignalChannel]) -> bool:
+    """Return whether a recording has commands of any rotor, or a commanded wrench."""
+    return any(name in WRENCH or name.startswith(COMMAND) for name in channels)
+
+
 def build_streams(
     channels: Mapping[str, SignalChannel], rotors: Sequence[str], floor: float = -np.inf
 ) -> FlightStreams:
@@ -102,8 +107,8 @@ def build_streams(
     Build the streams of a flight from the channels of its recording.
 
     `rotors`: names of the actuators in the order of the vehicle file. `floor`: height of the hull
-    centre below which the vehicle may touch the floor [m]. Raise `BadInput` if there is no tracked
-    pose, or neither a command of each rotor nor a commanded wrench.
+    centre below which the vehicle may touch the floor [m]. Without any command, all duties are 0.
+    Raise `BadInput` if there is no tracked pose, or the commands are of other rotors.
     """
     start = find_tracker_prefix(channels)
     parts = [f'{start}position.{axis}' for axis in 'xyz']
@@ -115,7 +120,7 @@ def build_streams(
     quaternion[valid] = Rotation.from_euler('ZYX', joined.values[valid, 3:]).as_quat()
     missing = [name for name in rotors if f'{COMMAND}{name}' not in channels]
     wrench = _read_wrench(channels) if missing else None
-    if missing and wrench is None:
+    if missing and wrench is None and has_commands(channels):
         there = [name.removeprefix(COMMAND) for name in channels if name.startswith(COMMAND)]
         raise BadInput(
             f"The recording has no commands for {', '.join(missing)} in 'motors', and no "

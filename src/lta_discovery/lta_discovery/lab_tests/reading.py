@@ -9,7 +9,6 @@ from typing import Final, final
 from lta_discovery.calibration.calibration import calibrate_flights
 from lta_discovery.calibration.result import Calibration
 from lta_discovery.flights.bags import read_bags
-from lta_discovery.flights.free_swings import align_swings
 from lta_discovery.flights.measured_flight import PERIOD
 from lta_discovery.flights.usable_flights import (
     CALIBRATED,
@@ -72,9 +71,8 @@ def read_lab_tests(
     tell('checking data quality', None)
     usable = select_usable_flights(recordings, vehicle, CALIBRATED)
     tests = {title: recognise_tests(flight, vehicle) for title, _, flight in usable.flights}
-    flights, remarks = align_swings(_hold_back_flight(usable, tests).flights)
-    calibration = calibrate_flights(vehicle, name, flights, tell)
-    calibration = replace(calibration, warnings=(*logs.notes, *usable.warnings, *remarks))
+    calibration = calibrate_flights(vehicle, name, _hold_back_flight(usable, tests).flights, tell)
+    calibration = replace(calibration, warnings=(*logs.notes, *usable.warnings))
     wrench = any(flight.wrench is not None for _, _, flight in usable.flights)
     plan = plan_lab_tests(vehicle, name, 'wrench' if wrench else 'rotors')
     seconds = {title: PERIOD * float(flight.usable.sum()) for title, _, flight in usable.flights}

@@ -136,6 +136,8 @@ def format_assumed(one: NamedEffect) -> str:
 def format_remainder(one: Remainder) -> str:
     """Describe a remaining force: 'a force along surge that varies with heading (sine)'."""
     kind = f'force along {one.axis}' if one.axis in FORCES else f'{one.axis} moment'
+    if not one.is_traced:
+        return f'a {kind} of unknown cause'
     if not one.follows:
         return f'a {kind} that is unrelated to all measured quantities'
     return f'a {kind} that varies with {join_words(one.follows)}'

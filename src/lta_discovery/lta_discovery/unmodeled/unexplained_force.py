@@ -40,6 +40,8 @@ class Remainder(NamedTuple):
     # Generic terms of the measured state, the strongest first; empty if none transfers
     follows: tuple[str, ...]
     carried: float  # share of the other side's variance that they explain
+    # Whether what it follows is known: it is not where the fit predicts worse than its start
+    is_traced: bool = True
 
 
 def latent_at_knots(fit: FlightFit) -> Array:

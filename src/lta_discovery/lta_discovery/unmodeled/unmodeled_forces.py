@@ -6,7 +6,7 @@ wrench, and spectral lines of the residuals. A draught is separated from these.
 """
 
 from collections.abc import Sequence
-from typing import Final, final, NamedTuple
+from typing import Final, final, NamedTuple, Self
 
 from lta_discovery.finding import Verdict
 from lta_discovery.fit.joint_fit import JointFit
@@ -68,6 +68,19 @@ class UnmodeledForces(NamedTuple):
     def is_trackable(self) -> bool:
         """Whether there are any, in flights that the model can follow."""
         return self.has_unmodeled_forces and all(one.floors < FOLLOWED for one in self.remains)
+
+    def without_causes(self) -> Self:
+        """
+        Return the forces without what they vary with.
+
+        Where a fit predicts worse than what it began from, its latent wrench makes up for its
+        wrong values, and varies with whatever these get wrong.
+        """
+        return self._replace(
+            remains=tuple(
+                one._replace(follows=(), carried=0.0, is_traced=False) for one in self.remains
+            )
+        )
 
     def decide_verdict(self, named: Sequence[str]) -> Verdict:
         """Return the verdict; see `decide_verdict`."""

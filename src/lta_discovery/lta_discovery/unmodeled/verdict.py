@@ -137,6 +137,8 @@ def _format_size(axis: str, size: float) -> tuple[str, str]:
 def format_remainder(one: Remainder) -> str:
     """Describe the remainder of an axis in words."""
     what, size = _format_size(one.axis, one.size)
+    if not one.is_traced:
+        return f'a {what} of {size}, of unknown cause'
     terms = [term for term in one.follows if term != CONSTANT]
     if terms:
         listed = ' and '.join(filter(None, [', '.join(terms[:-1]), terms[-1]]))

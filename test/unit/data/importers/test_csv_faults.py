@@ -6,6 +6,7 @@ from pathlib import Path
 
 from lta_config.errors import BadInput
 from lta_data.importers.readers import csv_text
+from lta_data.importers.readers.text_dialect import detect_text_format
 import pyarrow as pa
 import pytest
 
@@ -169,3 +170,11 @@ def test_a_last_line_without_an_end_is_torn_only_if_it_lacks_something(
     got = bring(source, POSE)
     assert len(got.messages[ODOM]) == rows
     assert ('cut off' in got.notes) == (rows == 1)
+
+
+def test_a_last_column_without_values_is_no_delimiter_at_the_end_of_rows(tmp_path):
+    empty = text(tmp_path / 'a.csv', 't,x,y,u', '5,1,2,', '6,1,3,', '7,1,4,')
+    assert detect_text_format(empty).header is None
+    assert detect_text_format(empty).skip == 0
+    ended = text(tmp_path / 'b.csv', 't,x,y', '5,1,2,', '6,1,3,', '7,1,4,')
+    assert detect_text_format(ended).header is None

@@ -112,6 +112,8 @@ def test_a_right_file_is_not_even_calibrated(
         ((make_value('wrench_gain.surge', 1.0, 0.3, 0.3),), 0.02, False),  # not sure
         ((make_value('marker_offset.pitch', 0.0, 0.09, 0.002),), 0.02, True),
         ((make_value('marker_offset.x', 0.0, 0.015, 0.001),), 0.02, False),
+        ((make_value('vehicle.pitch', 1.0, 0.6, 0.03),), 0.02, True),  # no effect is an inertia
+        ((make_value('vehicle.mass', 1.0, 0.6, 0.03),), 0.02, False),
         ((make_value('cg_offset.x', 0.0, 0.02, 1e-4),), 0.02, False),  # discovery names it
         ((make_value('rotor_1.thrust', 1.0, 0.7, 0.01),), 0.02, False),  # a fault has a name
         ((make_value('rotor_1.thrust', 1.0, -0.7, 0.01),), 0.02, True),
@@ -150,6 +152,34 @@ def test_a_rough_calibration_has_to_forecast_much_better(
     """A drag that is skewed looks like markers turned by 6 degrees, and halves the errors."""
     found = make_calibration(NominalVehicle.from_vehicle(vehicle), GAIN, after=after)
     found = replace(found, method='forecasts')
+    monkeypatch.setattr(first_step, '_list_suspicions', lambda *_: ['wrench_gain.surge'])
+    monkeypatch.setattr(first_step, 'calibrate_flights', lambda *_, **__: found)
+    result = calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None).calibration
+    assert result == (found if called else None)
+
+
+@pytest.mark.parametrize(
+    ('before', 'after', 'called'),
+    [
+        ((0.12, 0.2), 0.07, True),  # 0.6 of the error of coasting, and much of it removed
+        ((0.12, 0.2), 0.10, False),
+        ((0.08, 0.2), 0.04, False),  # a file that predicts well
+        ((0.19, 0.2), 0.15, True),  # one that predicts nothing
+    ],
+)
+def test_a_rough_calibration_replaces_a_file_that_predicts_poorly(
+    vehicle: Vehicle,
+    wrong: list[Role],
+    monkeypatch: pytest.MonkeyPatch,
+    before: tuple[float, float],
+    after: float,
+    *,
+    called: bool,
+) -> None:
+    """Coasting has an error of 20 cm; the attitudes are predicted as well as before."""
+    found = make_calibration(NominalVehicle.from_vehicle(vehicle), GAIN)
+    score = ForecastScore(3.0, (0.2, 0.3), before, (after, 0.15), 20)
+    found = replace(found, method='forecasts', scores={'train': (score,)})
     monkeypatch.setattr(first_step, '_list_suspicions', lambda *_: ['wrench_gain.surge'])
     monkeypatch.setattr(first_step, 'calibrate_flights', lambda *_, **__: found)
     result = calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None).calibration

@@ -1,5 +1,7 @@
 """Take-off, hand releases and catches are cut, and nothing of a free flight."""
 
+from dataclasses import replace
+
 from lta_discovery.flights.measured_flight import FlightStreams, resample_flight, Stream
 from lta_discovery.flights.transients import find_transients
 import numpy as np
@@ -70,3 +72,33 @@ def test_a_free_decay_is_no_hand() -> None:
     time = times(60.0)
     swing = 0.3 * np.exp(-time / 8.0) * np.cos(2.0 * np.pi * time / 2.5)
     assert found(flight(np.full_like(time, 1.5), ahead=swing)) == []
+
+
+def carried_flight(carried: bool) -> FlightStreams:
+    """Return two flights in one log; in between a hand carries the vehicle by 2 m and back."""
+    time = times(60.0)
+    free = 1.5 + 0.2 * np.sin(0.5 * time)
+    away = np.zeros_like(time)
+    for middle, way in ((28.0, 2.0), (32.0, -2.0)):
+        away += way / (1.0 + np.exp(-(time - middle) / 0.15))
+    return flight(free, ahead=away if carried else None)
+
+
+def test_a_carry_inside_a_flight_is_cut() -> None:
+    ((begin, end),) = found(carried_flight(True))
+    assert begin == pytest.approx(27.0, abs=0.6)
+    assert end == pytest.approx(33.0, abs=0.6)
+    assert found(carried_flight(False)) == []
+
+
+def test_a_catch_at_the_end_of_a_short_flight_is_cut() -> None:
+    """It flies for 9 s, is caught, and the tracker repeats its last pose for 5 s."""
+    time = times(14.0)
+    ahead = 0.05 * np.minimum(time, 9.0) ** 2 - 1.2 * np.clip(time - 8.8, 0.0, 0.5)
+    streams = flight(np.full_like(time, 1.5), ahead=ahead)
+    streams.pose.values[time > 9.3] = streams.pose.values[time <= 9.3][-1]
+    grid = resample_flight(streams)
+    grid = replace(grid, usable=grid.usable & (grid.time < 9.3))
+    (caught,) = find_transients(grid, streams)
+    assert caught.from_s == pytest.approx(8.4, abs=0.4)
+    assert caught.to_s == pytest.approx(14.0, abs=0.1)

@@ -141,9 +141,7 @@ def test_a_pose_at_five_hertz_is_refused(flights, gtmab):
         _believed(flights, gtmab, one)
 
 
-@pytest.mark.parametrize(
-    ('gone', 'lacks'), [('motors/', 'commands for up_left'), (TRUTH, 'measured pose')]
-)
+@pytest.mark.parametrize(('gone', 'lacks'), [('motors/', 'commands'), (TRUTH, 'measured pose')])
 def test_flights_without_commands_or_pose_are_refused(flights, gtmab, gone, lacks):
     one = _changed(flights[0], lambda _: None, gone)
     with pytest.raises(BadInput, match=f'A: The recording has no {lacks}'):
@@ -374,3 +372,49 @@ def test_a_hand_costs_the_flight_whatever_the_words(flights, gtmab):
     assert cut.disturbs_all
     other = QualityFinding('frozen', place, 3.0, 4.0, 'As if by hand.', Severity.SUSPICIOUS)
     assert not _exclude_interval('A', other, 20.0).disturbs_all
+
+
+def test_single_lost_poses_cost_themselves(flights, gtmab):
+    """Every seventh pitch is not a number, as a tracker writes for a lost marker."""
+
+    def lose(channel):
+        values = channel.values.copy()
+        if channel.field.endswith('orientation.pitch'):
+            values[3:-3:7] = np.nan
+        return replace(channel, values=values)
+
+    one = _changed(flights[0], lose, 'ground_truth/odom')
+    before = select_usable_flights(flights, gtmab).flights[0][2]
+    after = _believed(flights, gtmab, one).flights[0][2]
+    assert after.usable.sum() > 0.95 * before.usable.sum()
+
+
+def test_a_swing_needs_no_commands(flights, gtmab):
+    """A tracker alone records it; the same without a swing lacks its commands."""
+    channels = flights[0].recording.channels
+    start = 'ground_truth/odom/pose.pose.'
+    time = np.arange(0.0, 15.0, 0.02)
+    draw = np.random.default_rng(3)
+
+    def recorded(amplitude, speed):
+        pitch = amplitude * np.exp(-time / 6.0) * np.cos(2.0 * np.pi * time / 1.4)
+        still = dict.fromkeys(('position.y', 'orientation.yaw', 'orientation.roll'), 0.0 * time)
+        motion = {'position.x': speed * time, 'position.z': 1.5 + 0.0 * time,
+                  'orientation.pitch': pitch}  # fmt: skip
+        own = {
+            f'{start}{name}': replace(
+                channels[f'{start}{name}'],
+                time=time,
+                values=values + 1e-3 * draw.standard_normal(len(time)),
+            )
+            for name, values in (still | motion).items()
+        }
+        recording = replace(flights[0].recording, channels=own, arrivals={})
+        return replace(flights[0], recording=recording)
+
+    found = select_usable_flights([recorded(0.5, 0.02)], gtmab, 5.0)
+    assert [name for name, _, _ in found.flights] == ['A']
+    assert not found.flights[0][2].commands.values.any()
+    for amplitude, speed in ((0.01, 0.02), (0.5, 0.5)):
+        with pytest.raises(BadInput, match='has no commands'):
+            select_usable_flights([recorded(amplitude, speed)], gtmab, 5.0)

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 KIND = 'impossible'
+LOST = 'lost'  # key of a finding about values that are not there, rather than wrong
 APART = 20  # samples between bad values that still form one stretch
 UNIT_LENGTH = 0.01  # tolerance of a quaternion: single precision, three-digit rounding
 QUIET = 25  # samples per block in the search for rest
@@ -42,15 +43,19 @@ def find_impossible_values(evidence: CheckContext) -> CheckVerdict:
 
 
 def build_stretch_findings(
-    channel: str, time: NDArray[np.float64], bad: NDArray[np.bool_], sentence: str
+    channel: str,
+    time: NDArray[np.float64],
+    bad: NDArray[np.bool_],
+    sentence: str,
+    key: str = 'values',
 ) -> Iterator[QualityFinding]:
-    """Yield a finding for each stretch of bad values."""
+    """Yield a finding for each stretch of bad values, whose number is stored by a key."""
     for begin, end in merge_runs(find_runs(bad), APART):
         count = int(bad[begin:end].sum())
         yield QualityFinding(
             KIND, channel, float(time[begin]), float(time[end - 1]),
             f'{count} impossible {"value" if count == 1 else "values"}: {sentence}.',
-            Severity.ERROR, {'values': float(count)},
+            Severity.ERROR, {key: float(count)},
         )  # fmt: skip
 
 
@@ -79,7 +84,7 @@ def find_non_numbers(channel: SignalChannel) -> Iterator[QualityFinding]:
     first, last = np.flatnonzero(~missing)[[0, -1]]
     # NaN before the first and after the last value means not yet or no longer measured.
     missing[:first] = missing[last:] = False
-    yield from build_stretch_findings(channel.name, channel.time, missing, 'not a number')
+    yield from build_stretch_findings(channel.name, channel.time, missing, 'not a number', LOST)
 
 
 def find_impossible_voltages(channel: SignalChannel) -> Iterator[QualityFinding]:

@@ -53,6 +53,10 @@ def detect_text_format(path: Path) -> TextFormat:
     marks = [start for i in before if (start := lines[i].lstrip()[0]) in COMMENTS]
     comment = marks[0] if marks else None
     names = _find_names([lines[i] for i in before], delimiter, cells)
+    if names is None and lines[first].strip().endswith(delimiter):
+        # Not a delimiter at the end of the rows, but a last column without values
+        names = _find_names([lines[i] for i in before], delimiter, cells + 1)
+        cells += names is not None
     plain = [i for i in before if lines[i].lstrip()[:1] not in COMMENTS]
     if names is not None and _are_units(names):
         above = _find_names([lines[i] for i in before[:-1]], delimiter, cells)
