@@ -64,6 +64,6 @@ class LawRegion:
         low, high = law.region[name]
         limits = format_with_unit(f'{low:.3g} to {high:.3g}', unit)
         return (
-            f'The law of vehicle {self._name} was found with {name} {limits}, and fades to zero '
+            f'The law of vehicle {self._name} is valid for {name} {limits}, and fades to zero '
             f'outside: here, {name} reached {format_with_unit(f"{value:.3g}", unit)}.'
         )

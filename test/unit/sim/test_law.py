@@ -365,7 +365,7 @@ def test_a_flight_says_once_what_left_the_region():
         lamp_room.fly(world, 3, lamp_room.HOVER)
         assert world.law_warning == sentences[-1]
     assert sentences[0] == (
-        f'The law of vehicle gtmab was found with height 0 to {floor - 0.1:.3g} m, and fades to '
+        f'The law of vehicle gtmab is valid for height 0 to {floor - 0.1:.3g} m, and fades to '
         f'zero outside: here, height reached {floor:.3g} m.'
     )
     assert sentences[1] == ''

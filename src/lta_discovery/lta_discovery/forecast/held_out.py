@@ -81,7 +81,7 @@ def build_model_points(
         point = LinearizationPoint(vehicle, values, zero_unknowns(flight.replay.cut))
         if count:
             if columns is None:
-                columns = flight.compute_whitened_columns(point, slice(0, count))[0]
+                columns = compute_own_columns(flight, point, count)
             own = estimate_own_errors(flight, point, columns, deviations, count)
             vehicle, values = apply_parameters(nominal, knobs, values + own)
             point = LinearizationPoint(vehicle, values, point.random)
@@ -98,9 +98,20 @@ def build_vehicle_point(
     point, count = LinearizationPoint(vehicle, zero, none), count_learning_pieces(flight)
     if not count:
         return point
-    columns = flight.compute_whitened_columns(point, slice(0, count))[0]
+    columns = compute_own_columns(flight, point, count)
     own = estimate_own_errors(flight, point, columns, deviations, count)
     return LinearizationPoint(*apply_parameters(vehicle, flight.knobs, own), none)
+
+
+def compute_own_columns(flight: FlightLinearizer, point: LinearizationPoint, count: int) -> Array:
+    """
+    Return the columns of the first pieces for `estimate_own_errors`, shape (count, n, 14, N).
+
+    Those of shared parameters are 0: they are not needed, and a vehicle at a limit of one, such as
+    a file with fitted values, allows no step beyond it.
+    """
+    own = per_flight_variance(flight.knobs)[: len(flight.knobs)] > 0.0
+    return flight.compute_whitened_columns(point, slice(0, count), own)[0]
 
 
 def estimate_own_errors(

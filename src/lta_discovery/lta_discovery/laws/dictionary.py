@@ -129,6 +129,15 @@ def _list_hidden_columns() -> Iterator[Column]:
 
 def _list_field_columns(spreads: Mapping[str, Spread]) -> Iterator[Column]:
     """Yield harmonics over the area of the flights: fields over position."""
+    # A spring to a place, a pull beyond a place, a wall of another air
+    for name in ('x', 'y'):
+        yield Column((LawFactor(quantity=name),), 3)
+        for factor in _list_steps(name, spreads[name]):
+            if factor.form == 'above':
+                yield Column((factor,), 3)
+                for form in ('positive', 'negative'):
+                    side = LawFactor(quantity=name, form=form, threshold=factor.threshold)
+                    yield Column((side,), 3)
     waves: list[list[tuple[LawFactor, ...]]] = []
     for name in ('x', 'y'):
         length = 2.0 * max(3.5 * spreads[name].size, 0.5)

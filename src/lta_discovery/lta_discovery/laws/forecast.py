@@ -16,6 +16,7 @@ from lta_discovery.flights.measured_flight import PERIOD
 from lta_discovery.flights.windows import cut_into_pieces
 from lta_discovery.forecast.held_out import (
     compute_forecast_residuals,
+    compute_own_columns,
     count_learning_pieces,
     estimate_own_errors,
     Simulate,
@@ -188,9 +189,13 @@ class LawForecaster:
         """Return the residuals of the pose, NaN only where it was not measured, (S, H, 6)."""
         return self._complete_pose(self.compute_residuals(prepare, at))
 
-    def linearize_pose(self, prepare: Prepare, at: Array) -> tuple[Array, Array, Array]:
+    def linearize_pose(
+        self, prepare: Prepare, at: Array, free: NDArray[np.bool_]
+    ) -> tuple[Array, Array, Array]:
         """
         Return the residuals of the pose, and how its prediction changes.
+
+        `free`, shape (G,): shared parameters of which the change is needed; that by others is 0.
 
         Returns
         -------
@@ -210,7 +215,8 @@ class LawForecaster:
         latent = slice(WIDTH, WIDTH + AXES * knots)
         random[:, latent] = np.einsum('kt,sta->sak', hats, wrench).reshape(len(random), -1)
         about = replace(point, random=random)
-        columns = flight.compute_whitened_columns(about, slice(self._count, None))[0]
+        after, some = slice(self._count, None), free[: len(flight.knobs)]
+        columns = flight.compute_whitened_columns(about, after, some)[0]
         at_horizons = [min(round(t / PERIOD), columns.shape[1] - 1) for t in HORIZONS]
         columns = columns[:, at_horizons, :POSE] * flight.replay.flight.noise[:POSE, None]
         return (
@@ -237,7 +243,7 @@ class LawForecaster:
         if self._count:
             # The columns serve all laws and parameters: they differ little
             if self._columns is None:
-                self._columns = flight.compute_whitened_columns(point, slice(0, self._count))[0]
+                self._columns = compute_own_columns(flight, point, self._count)
             own = estimate_own_errors(
                 flight, point, self._columns, self._deviations, self._count, simulate
             )

@@ -3,11 +3,13 @@ Refit a law and the tolerances by replay: by the forecasts of the flights that i
 
 The regression sees the force in each moment; a forecast sums it up over seconds, as whoever flies
 the model does. Weights, numbers and tolerances are moved by Gauss-Newton steps on the errors of
-these forecasts. A step counts only if what training flights teach makes the forecasts of the
-confirming ones better, and vice versa.
+these forecasts. The flights are few and the numbers many, so each step is drawn to 0 (ridge
+regression), as strongly as is best when training flights teach and confirming ones are forecast,
+and vice versa. A step counts only if it is better there than none.
 """
 
 from collections.abc import Callable, Sequence
+from copy import copy
 from dataclasses import dataclass
 import math
 from typing import Final, final, NamedTuple
@@ -16,7 +18,7 @@ from lta_discovery.conclusion import FAR
 from lta_discovery.fit.bounds import parameter_bounds
 from lta_discovery.fit.evidence import Prior
 from lta_discovery.forecast.prediction_errors import HORIZONS
-from lta_discovery.laws.forecast import LawForecaster, Prepare
+from lta_discovery.laws.forecast import DIVERGED, LawForecaster, Prepare
 from lta_discovery.parallel import map_parallel
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +27,7 @@ Array = NDArray[np.float64]
 
 ROUNDS: Final = 3  # most Gauss-Newton steps
 BETTER: Final = 0.995  # of the score; a step has to be better than this
-PARTS: Final = (1.0, 0.5)  # of a step, tried in turn
+RIDGES: Final = (1.0, 6.0, 36.0, 216.0)  # trial factors on the precision of a step's prior
 POSE: Final = (slice(0, 3), slice(3, 6))  # position and attitude among the residuals
 
 
@@ -53,7 +55,7 @@ class FittedLaw(NamedTuple):
 class ForecastErrors(NamedTuple):
     """Errors of the forecasts of a flight, and their changes."""
 
-    errors: Array  # measured minus predicted, 0 where unknown, shape (S, H, 6)
+    errors: Array  # measured minus predicted, shape (S, H, 6); 0 where unknown or diverging
     columns: Array  # change of the prediction, shape (S, H, 6, J + G)
 
 
@@ -90,25 +92,62 @@ class ForecastRefit:
         best = self.score(model.prepare(law.weights), law.shared)
         for _ in range(ROUNDS):
             errors = self._linearize(model, law)
-            teach, test = slice(0, self._count), slice(self._count, None)
-            for part in PARTS:
-                crossed = score_forecasts(
-                    [
-                        left
-                        for learn, check in ((test, teach), (teach, test))
-                        for left in self._try_step(model, law, errors[learn], part, check)
-                    ]
-                )
-                if crossed < BETTER * best:
-                    break
-            else:
+            crossed, ridge = min((self._cross(model, law, errors, each), each) for each in RIDGES)
+            if crossed >= BETTER * best:
                 break
-            moved = self._step(model, law, errors, part)
+            moved = self._step(model, law, errors, ridge)
             now = self.score(model.prepare(moved.weights), moved.shared)
             if now >= best:
                 break
             law, best = moved, now
         return law
+
+    def hold_shared(self) -> 'ForecastRefit':
+        """Return the same for a law alone: no shared parameter is fitted."""
+        out = copy(self)
+        out._spread = np.zeros_like(self._spread)
+        return out
+
+    def rank_terms(self, model: LawModel, at: Array, count: int) -> list[tuple[float, list[int]]]:
+        """
+        Return sets of the `count` terms of a law with their scores, from all to one.
+
+        Each lacks the term of the last whose absence the forecasts mind least, after a step of
+        the rest about the whole law. Scores are crossed: each side of the flights teaches the
+        other's, so that a useless term makes them worse.
+        """
+        law, every = FittedLaw(model.start, at), list(range(count))
+        errors = self._linearize(model, law)
+        sets = [(self._cross_linear(model, errors, every), every)]
+        while len(every) > 1:
+            fewer = [[j for j in every if j != k] for k in every]
+            sets.append(min((self._cross_linear(model, errors, some), some) for some in fewer))
+            every = sets[-1][1]
+        return sets
+
+    def _cross_linear(
+        self, model: LawModel, errors: Sequence[ForecastErrors], some: Sequence[int]
+    ) -> float:
+        """Return the best score after linear steps of some terms, crossed as in `_cross`."""
+        weights = len(model.start)
+        absent = [j for j in range(weights) if j not in some]
+        # Without the others, and with the numbers as they are
+        spread = np.concatenate([model.spread, self._spread])
+        spread[absent] = 0.0
+        rest = [
+            ForecastErrors(each.errors + each.columns[..., absent] @ model.start[absent],
+                           each.columns)
+            for each in errors
+        ]  # fmt: skip
+        sides = rest[: self._count], rest[self._count :]
+        scores = []
+        for ridge in RIDGES:
+            left = []
+            for learn, check in (sides, sides[::-1]):
+                change = _solve_step(learn, spread, np.zeros(len(spread)), ridge)
+                left += [each.errors - each.columns @ change for each in check]
+            scores.append(score_forecasts(left))
+        return min(scores)
 
     def _forecast(
         self, prepare: Prepare | None, at: Array, makers: Sequence[LawForecaster]
@@ -116,34 +155,24 @@ class ForecastRefit:
         """Return the residuals of the pose, NaN where unknown, of each flight, (S, H, 6)."""
         return map_parallel(lambda each: each.compute_pose_residuals(prepare, at), makers)
 
-    def _try_step(
-        self, model: LawModel, law: FittedLaw, errors: Sequence[ForecastErrors], part: float,
-        check: slice,
-    ) -> list[Array]:  # fmt: skip
-        """Return the residuals of some flights after a step that other flights teach."""
-        moved = self._step(model, law, errors, part)
-        return self._forecast(model.prepare(moved.weights), moved.shared, self._makers[check])
+    def _cross(
+        self, model: LawModel, law: FittedLaw, errors: Sequence[ForecastErrors], ridge: float
+    ) -> float:
+        """Return the score after steps of which each side of the flights teaches the other's."""
+        sides, left = (slice(0, self._count), slice(self._count, None)), []
+        for learn, check in (sides, sides[::-1]):
+            moved = self._step(model, law, errors[learn], ridge)
+            prepare = model.prepare(moved.weights)
+            left += self._forecast(prepare, moved.shared, self._makers[check])
+        return score_forecasts(left)
 
     def _step(
-        self, model: LawModel, law: FittedLaw, errors: Sequence[ForecastErrors], part: float
+        self, model: LawModel, law: FittedLaw, errors: Sequence[ForecastErrors], ridge: float
     ) -> FittedLaw:
-        """Return the law after part of a step."""
-        left = np.concatenate([each.errors for each in errors])
-        columns = np.concatenate([each.columns for each in errors])
-        weight = np.ones_like(left)
-        for some in POSE:
-            # An error of usual size counts as one deviation, the horizons of a piece as one
-            usual = np.mean(left[..., some] ** 2, axis=(0, 2), keepdims=True)
-            weight[..., some] = 1.0 / np.maximum(usual * left.shape[1], 1e-12)
+        """Return the law after a step, drawn to 0 by a multiple of the prior's precision."""
         spread = np.concatenate([model.spread, self._spread])
-        free = spread > 0.0
-        # In units of the prior
-        scaled = columns[..., free].reshape(-1, int(free.sum())) * spread[free]
         off = np.concatenate([law.weights - model.start, np.zeros(len(law.shared))])
-        inner = scaled.T @ (weight.reshape(-1, 1) * scaled) + np.eye(scaled.shape[1])
-        pull = scaled.T @ (weight * left).ravel() - (off[free] / spread[free])
-        change = np.zeros(len(spread))
-        change[free] = part * spread[free] * np.linalg.solve(inner, pull)
+        change = _solve_step(errors, spread, off, ridge)
         count = len(model.start)
         shared = law.shared + change[count:]
         knobs = len(self._bounds[0])
@@ -156,13 +185,41 @@ class ForecastRefit:
 
         def linearize_flight(one: tuple[LawForecaster, Array]) -> ForecastErrors:
             maker, basis = one
-            left, columns, pushed = maker.linearize_pose(prepare, law.shared)
-            finite = np.isfinite(left)
+            left, columns, pushed = maker.linearize_pose(prepare, law.shared, self._spread > 0.0)
             with_law = np.einsum('shck,skj->shcj', pushed, basis[-len(left) :])
             every = np.concatenate([with_law, columns], axis=-1)
-            return ForecastErrors(np.where(finite, left, 0.0), every * finite[..., None])
+            # A forecast that diverges says nothing about the direction of a step
+            usable = (np.abs(left) < DIVERGED) & np.isfinite(every).all(axis=-1)
+            return ForecastErrors(
+                np.where(usable, left, 0.0), np.where(usable[..., None], every, 0.0)
+            )
 
         return map_parallel(linearize_flight, list(zip(self._makers, bases, strict=True)))
+
+
+def _solve_step(
+    errors: Sequence[ForecastErrors], spread: Array, off: Array, ridge: float
+) -> Array:
+    """
+    Return the change of weights, numbers and shared parameters that forecasts best, (J + G,).
+
+    `spread`, shape (J + G,): of the prior; 0 for what does not change. `off`: from its mean.
+    """
+    left = np.concatenate([each.errors for each in errors])
+    columns = np.concatenate([each.columns for each in errors])
+    weight = np.ones_like(left)
+    for some in POSE:
+        # An error of usual size counts as one deviation, the horizons of a piece as one
+        usual = np.mean(left[..., some] ** 2, axis=(0, 2), keepdims=True)
+        weight[..., some] = 1.0 / np.maximum(usual * left.shape[1], 1e-12)
+    free = spread > 0.0
+    # In units of the prior
+    scaled = columns[..., free].reshape(-1, int(free.sum())) * spread[free]
+    inner = scaled.T @ (weight.reshape(-1, 1) * scaled) + ridge * np.eye(scaled.shape[1])
+    pull = scaled.T @ (weight * left).ravel() - off[free] / spread[free]
+    change = np.zeros(len(spread))
+    change[free] = spread[free] * np.linalg.solve(inner, pull)
+    return change
 
 
 def score_forecasts(parts: Sequence[Array]) -> float:

@@ -29,6 +29,8 @@ Chosen = Sequence[tuple[Column, int]]  # columns with their axes
 WEIGHTS: Final = 3.0  # deviations of the regression; prior deviation of a weight in a refit
 RELATIVE: Final = 0.3  # of the weight; the least prior deviation
 NUMBERS: Final = 0.2  # prior deviation of the logarithm of a scale, or of a phase
+# Of the range of a quantity in the flights; other flights of the kind go as far beyond its ends
+MARGIN: Final = 0.5
 SMALL: Final = 0.03  # step of the derivative by a number
 
 
@@ -84,7 +86,12 @@ def build_law(
 def find_region(
     data: LawData, terms: Sequence[LawTerm], hidden: HiddenState | None
 ) -> dict[str, list[float]]:
-    """Return the range of each quantity of a law in the flights that it was fitted to."""
+    """
+    Return the range of each quantity of a law in its flights, and MARGIN beyond each end.
+
+    Without it for heights and places of which a term is a wave: its length is that of the fit, and
+    says nothing about where no flight was.
+    """
     used = {factor.quantity for term in terms for factor in term.factors}
     state = data.quantities(hidden)
     if hidden is not None:
@@ -92,7 +99,17 @@ def find_region(
     ends = {name: (float(np.min(state[name])), float(np.max(state[name]))) for name in used}
     # A hidden state begins at 0
     ends |= {name: (min(ends[name][0], 0.0), max(ends[name][1], 0.0)) for name in used & {*OWN}}
-    return {name: [low, max(high, low + 1e-9)] for name, (low, high) in sorted(ends.items())}
+    waves = {
+        factor.quantity
+        for term in terms
+        for factor in term.factors
+        if factor.form == 'sin' and factor.quantity != 'yaw'
+    }
+    region = {}
+    for name, (low, high) in sorted(ends.items()):
+        beyond = max(0.0 if name in waves else MARGIN * (high - low), 1e-9)
+        region[name] = [round_number(low - beyond), round_number(high + beyond)]
+    return region
 
 
 @final

@@ -5,7 +5,7 @@ The terms are selected on training and confirming flights. The law is proposed o
 forecasts of held-out flights better; nothing that was named or fitted before changes.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Final
@@ -27,7 +27,7 @@ from lta_discovery.laws.forecast import (
     overlap_windows,
     Prepare,
 )
-from lta_discovery.laws.forecast_refit import ForecastRefit
+from lta_discovery.laws.forecast_refit import ForecastRefit, LawModel
 from lta_discovery.laws.law_data import FlightQuantities, LawData
 from lta_discovery.laws.law_file import (
     add_law_block,
@@ -43,7 +43,6 @@ from lta_discovery.laws.law_model import (
     build_law,
     build_law_model,
     Chosen,
-    draft_law,
     list_own_numbers,
     list_terms,
     Numbers,
@@ -61,7 +60,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 SHARES: Final = (1.0, 0.5, 0.0)  # of the tolerances fitted with the law
-DROPPED: Final = 1.005  # of the score; a term without which it is not worse than this is dropped
+DROPPED: Final = 1.005  # of the least score; fewer terms that are not worse than this suffice
 KEPT: Final = 0.98  # of the score; other tolerances have to be better than this
 # Of the error without the law: position or attitude has to fall below it
 BETTER: Final = 0.95
@@ -125,49 +124,63 @@ def _search_law(
                           near=near)  # fmt: skip
     fixed = find_unwritable_parameters(base, study)
     refit = build_refit(study, flights, joint, forecasts, fixed)
-    terms, fit = prune_terms(refit, data, chosen, fitted_terms.sides[0].deviations)
-    model = build_law_model(data, terms, fit)
-    start = model.prepare(model.start)
-    begun = choose_parameters(study, refit, forecasts, fit.shared, start, fixed)
-    fitted = refit.fit(model, begun)
-    weights, steps = np.split(fitted.weights, [len(terms)])
-    terms, at = Numbers(terms, list_own_numbers(terms)).move(data, steps), fitted.shared
-    fit = LawFit(data, 'all', fit.deviations, list_terms(data, terms))
-    law = build_law(data, terms, fit, _format_source(study.finding), weights)
-    prepare = partial(FlightLaw, law)
-    try:
-        file = write_tolerance_file(base, study, at)
-    except BadInput as fault:
-        return LawFinding(None, f'the vehicle file cannot hold it: {fault}', (), near, law)
-    errors = compare_forecasts(study, forecasts, prepare, file.nominal, np.zeros_like(at))
-    reason = judge_forecasts(errors)
-    if reason:
-        return LawFinding(None, reason, errors, near, law)
-    return LawFinding(
-        law, '', errors, near, law,
-        add_law_block(file.text, law), list_tolerance_changes(study, at),
-    )  # fmt: skip
+    deviations = fitted_terms.sides[0].deviations
+    source, failed = _format_source(study.finding), LawFinding(None, '')
+    held = np.where(fixed, 0.0, forecasts.fitted.mean)
+
+    def begin(terms: Chosen) -> tuple[LawModel, Array]:
+        """Return the law of some terms, and the shared parameters that it begins with."""
+        fit = LawFit(data, 'all', deviations, list_terms(data, terms))
+        model = build_law_model(data, terms, fit)
+        start = model.prepare(model.start)
+        return model, choose_parameters(study, refit, forecasts, fit.shared, start, fixed)
+
+    def list_trials() -> Iterator[tuple[ForecastRefit, Chosen, LawModel, Array]]:
+        """Yield what refits a law, its terms, itself and what it begins with; the best first."""
+        best, *fewer = rank_laws(refit, chosen, *begin(chosen))
+        model, shared = begin(best)
+        yield refit, best, model, shared
+        # The tolerances as they were without a law, or fewer terms, may predict others better
+        yield refit.hold_shared(), best, model, held
+        for terms in fewer:
+            yield refit, terms, *begin(terms)
+
+    tested: list[Array] = []
+    for tool, terms, model, shared in list_trials():
+        weights, at = tool.fit(model, shared)
+        if any(np.array_equal([*weights, *at], one) for one in tested):
+            continue
+        tested.append(np.array([*weights, *at]))
+        weights, steps = np.split(weights, [len(terms)])
+        moved = Numbers(terms, list_own_numbers(terms)).move(data, steps)
+        fit = LawFit(data, 'all', deviations, list_terms(data, moved))
+        law = build_law(data, moved, fit, source, weights)
+        try:
+            file = write_tolerance_file(base, study, at)
+        except BadInput as fault:
+            return LawFinding(None, f'the vehicle file cannot hold it: {fault}', (), near, law)
+        prepare = partial(FlightLaw, law)
+        errors = compare_forecasts(study, forecasts, prepare, file.nominal, np.zeros_like(at))
+        reason = judge_forecasts(errors)
+        if not reason:
+            return LawFinding(
+                law, '', errors, near, law,
+                add_law_block(file.text, law), list_tolerance_changes(study, at),
+            )  # fmt: skip
+        failed = failed if failed.reason else LawFinding(None, reason, errors, near, law)
+    return failed
 
 
-def prune_terms(
-    refit: ForecastRefit, data: LawData, chosen: Chosen, deviations: Array
-) -> tuple[Chosen, LawFit]:
-    """Return the terms without those that do not help to forecast the flights, and their fit."""
+def rank_laws(refit: ForecastRefit, chosen: Chosen, model: LawModel, at: Array) -> list[Chosen]:
+    """
+    Return the fewest terms that forecast the flights as well as any, then one less, if any.
 
-    def try_terms(some: Chosen) -> tuple[float, Chosen, LawFit]:
-        fit = LawFit(data, 'all', deviations, list_terms(data, some))
-        law = draft_law(data, some, fit.weights, 'a trial')
-        return refit.score(partial(FlightLaw, law), fit.shared), some, fit
-
-    best = try_terms(chosen)
-    while len(best[1]) > 1:
-        some = best[1]
-        fewer = [try_terms([*some[:k], *some[k + 1 :]]) for k in range(len(some))]
-        least = min(fewer, key=lambda one: one[0])
-        if least[0] > DROPPED * best[0]:
-            break
-        best = least
-    return best[1], best[2]
+    `model` is the law of all chosen terms, `at` the shared parameters that it begins with.
+    """
+    sets = refit.rank_terms(model, at, len(chosen))
+    least = min(score for score, _ in sets)
+    last = max(k for k, (score, _) in enumerate(sets) if score <= DROPPED * least)
+    return [[chosen[k] for k in some] for _, some in sets[last : last + 2]]
 
 
 def build_refit(

@@ -108,8 +108,10 @@ class LawFit:
         )
         pull = right - cross.T @ self._weights
         inner = diagonal - np.einsum('kj,kl,lj->j', cross, self._covariance, cross)
-        # A repetition of what is there already
-        inner[inner < REPEATED * diagonal] = 0.0
+        # A repetition of what is there already, which would only widen the prior of its weight
+        own = np.diag(self.products.inner)[:, None]
+        alike = (cross**2 > (1.0 - REPEATED) * own * diagonal).any(axis=0)
+        inner[alike | (inner < REPEATED * diagonal)] = 0.0
         return pull, inner
 
 
@@ -303,16 +305,24 @@ def select_terms(
         best = _choose_column(data, current, chosen, columns, basis, costs)
         if best is None:
             break
-        chosen.append(Choice(best.column, best.axis, best.price))
-        terms = _list_terms(data, chosen)
+        more = [*chosen, Choice(best.column, best.axis, best.price)]
+        terms = _list_terms(data, more)
         here = GivenTerms.fit(data, best.base_terms.sides[0].deviations, terms)
-        current = adapt_deviations(data, here, terms, best.axis)
-        before = len(chosen)
-        chosen, current = _revise(data, chosen, current)
+        there = adapt_deviations(data, here, terms, best.axis)
+        left, revised = _revise(data, more, there)
+        if _count_worth(left, revised) < _count_worth(chosen, current):
+            # Terms that stood without the new one fell beside it
+            break
+        chosen, current = left, revised
         # What is dropped again would be chosen again
-        if len(chosen) < before:
+        if len(chosen) < len(more):
             break
     return [(one.column, one.axis) for one in chosen], current
+
+
+def _count_worth(chosen: Sequence[Choice], current: GivenTerms) -> float:
+    """Return the log evidence of terms less their costs. [nats]"""
+    return current.evidence - sum(one.cost for one in chosen)
 
 
 def _list_terms(data: LawData, chosen: Sequence[Choice]) -> list[Term]:

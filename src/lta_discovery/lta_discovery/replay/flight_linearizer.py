@@ -124,14 +124,18 @@ class FlightLinearizer:
         return np.ascontiguousarray(np.einsum('saj,kj->ska', knots, hats))
 
     def compute_whitened_columns(
-        self, point: LinearizationPoint, which: slice = slice(None)
+        self,
+        point: LinearizationPoint,
+        which: slice = slice(None),
+        columns: Flags | None = None,
     ) -> tuple[Array, Array]:
         """
         Return columns, shape (S, n, 14, N), and residuals about a point, by the noise.
 
-        Columns are the unknowns of the piece, then parameters, then SENSORS.
+        Columns are the unknowns of the piece, then parameters, then SENSORS. `columns`, shape
+        (G,): parameters whose columns are computed; the others are 0. All by default.
         """
-        about = prepare_linearization(self.replay, self.knobs, point)
+        about = prepare_linearization(self.replay, self.knobs, point, columns)
         table, left = self._compute_whitened_table(point, about, which)
         out = np.zeros((*left.shape, self.random + len(self.knobs) + len(SENSORS)))
         out[:, :, : table.shape[2], self._column_order(about)[:-1]] = table[..., :-1]

@@ -7,7 +7,7 @@ from lta_config.schema.vehicle_law import HiddenState, LawFactor
 from lta_discovery.fit.evidence import Prior
 from lta_discovery.forecast.prediction_errors import HORIZONS
 from lta_discovery.laws.dictionary import Column, move_number
-from lta_discovery.laws.forecast import LawForecaster
+from lta_discovery.laws.forecast import DIVERGED, LawForecaster
 from lta_discovery.laws.forecast_refit import ForecastRefit, LawModel, score_forecasts
 from lta_discovery.laws.law_model import (
     build_law,
@@ -15,6 +15,7 @@ from lta_discovery.laws.law_model import (
     list_own_numbers,
     Numbers,
 )
+from lta_discovery.laws.proposal import rank_laws
 from lta_discovery.laws.selection import LawFit
 from lta_model.law_arrays import evaluate_factor
 import numpy as np
@@ -43,10 +44,12 @@ class LinearForecaster:
         out: Array = self.pose - self.columns @ np.array([prepare, at[0]])
         return out
 
-    def linearize_pose(self, prepare: Any, at: Array) -> tuple[Array, Array, Array]:
+    def linearize_pose(
+        self, prepare: Any, at: Array, free: NDArray[np.bool_]
+    ) -> tuple[Array, Array, Array]:
         """Return the residuals, and their changes by the tolerance and by the wrench."""
         left = self.compute_pose_residuals(prepare, at)
-        return left, self.columns[..., 1:], self.columns[..., :1]
+        return left, self.columns[..., 1:] * free, self.columns[..., :1]
 
 
 def refit(truths: list[tuple[float, float]], tolerance: float = 1.0) -> tuple[Array, Array]:
@@ -82,6 +85,95 @@ def test_a_held_parameter_stays() -> None:
     weights, shared = refit([(1.4, -0.2), (1.4, -0.2)], tolerance=0.0)
     assert weights == pytest.approx([1.4], abs=0.1)
     assert shared.tolist() == [0.0]
+
+
+def test_a_law_is_refitted_alone() -> None:
+    """With the shared parameters held, the weight takes what it can."""
+    makers = [LinearForecaster((1.4, -0.2), seed) for seed in range(2)]
+    one = np.ones((PIECES, 1, 1))
+    model = LawModel(
+        np.array([1.0]), np.array([1.0]), lambda weights: cast('Any', weights[0]),
+        lambda _weights: [one for _ in makers],
+    )  # fmt: skip
+    prior = Prior(np.zeros(1), np.eye(1))
+    tool = ForecastRefit(cast('list[LawForecaster]', makers), 1, prior, np.zeros(1, dtype=bool))
+    alone = tool.hold_shared().fit(model, np.array([-0.15]))
+    assert alone.weights == pytest.approx([1.4], abs=0.05)
+    assert alone.shared.tolist() == [-0.15]
+    # The first tool still fits both
+    assert tool.fit(model, np.zeros(1)).shared == pytest.approx([-0.2], abs=0.02)
+
+
+class TermForecaster:
+    """Forecasts of one flight: pose = columns @ (weights, tolerances) + noise."""
+
+    def __init__(self, truth: list[float], tolerances: int, seed: int, noise: float) -> None:
+        rng = np.random.default_rng(seed)
+        self.count = len(truth)
+        shape = (PIECES, len(HORIZONS), 6)
+        self.columns = rng.normal(size=(*shape, self.count + tolerances))
+        self.pose = self.columns[..., : self.count] @ np.array(truth)
+        self.pose += noise * rng.normal(size=shape)
+        self.flight = SimpleNamespace(knobs=[])
+
+    def compute_pose_residuals(self, prepare: Any, at: Array) -> Array:
+        """Return what is left with weights, which stand for the law, and tolerances."""
+        left = self.pose - self.columns @ np.concatenate([prepare, at])
+        return np.where(np.isfinite(left), left, DIVERGED)
+
+    def linearize_pose(
+        self, prepare: Any, at: Array, free: NDArray[np.bool_]
+    ) -> tuple[Array, Array, Array]:
+        """Return the residuals, and their changes by the tolerances and by the wrench."""
+        left = self.compute_pose_residuals(prepare, at)
+        return left, self.columns[..., self.count :] * free, self.columns[..., : self.count]
+
+
+def build_terms(
+    truth: list[float], start: list[float], tolerances: int, noise: float
+) -> tuple[ForecastRefit, LawModel]:
+    """Return the refit of terms on two flights, and their law; each knot has one term."""
+    makers = [TermForecaster(truth, tolerances, seed, noise) for seed in range(2)]
+    own = np.broadcast_to(np.eye(len(truth)), (PIECES, len(truth), len(truth)))
+    model = LawModel(
+        np.array(start), np.ones(len(start)), lambda weights: cast('Any', weights),
+        lambda _weights: [own for _ in makers],
+    )  # fmt: skip
+    prior = Prior(np.zeros(tolerances), np.eye(tolerances))
+    held = np.zeros(tolerances, dtype=bool)
+    return ForecastRefit(cast('list[LawForecaster]', makers), 1, prior, held), model
+
+
+def test_terms_that_forecast_nothing_are_left_out_first() -> None:
+    """One of three terms moves nothing, and one little; each set lacks one term of the last."""
+    tool, model = build_terms([0.0, 2.0, 0.3], [0.2, 1.5, 0.5], 1, 0.05)
+    sets = tool.rank_terms(model, np.zeros(1), 3)
+    assert [some for _, some in sets] == [[0, 1, 2], [1, 2], [1]]
+    scores = [score for score, _ in sets]
+    assert scores[1] < 1.01 * scores[0]
+    # Without the third: 0.3 instead of 0.05 is left
+    assert scores[2] > 3.0 * scores[1]
+    chosen = cast('Any', ['useless', 'large', 'small'])
+    assert rank_laws(tool, chosen, model, np.zeros(1)) == [['large', 'small'], ['large']]
+
+
+def test_many_tolerances_do_not_keep_a_weight_from_its_value() -> None:
+    """With 150 tolerances and 180 readings a side, only a step drawn to 0 helps to forecast."""
+    tool, model = build_terms([1.5], [1.0], 150, 1.0)
+    before = tool.score(model.prepare(model.start), np.zeros(150))
+    fitted = tool.fit(model, np.zeros(150))
+    assert abs(fitted.weights[0] - 1.5) < 0.3
+    assert tool.score(model.prepare(fitted.weights), fitted.shared) < before
+    # A whole step fits the noise of one flight, and makes the other's forecasts worse
+    assert np.abs(fitted.shared).max() < 0.2
+
+
+def test_a_forecast_that_diverges_stops_no_step() -> None:
+    """Its changes are not numbers; the other forecasts show the weight."""
+    tool, model = build_terms([1.4], [1.0], 1, 0.01)
+    for maker in cast('list[TermForecaster]', tool._makers):
+        maker.columns[0, -1] = np.nan
+    assert tool.fit(model, np.zeros(1)).weights == pytest.approx([1.4], abs=0.02)
 
 
 def test_the_score_is_a_geometric_mean() -> None:

@@ -2,12 +2,14 @@
 
 from dataclasses import replace
 
+from lta_config.errors import BadInput
 from lta_config.schema.vehicle_law import coefficient_unit, HiddenState, Law, LawFactor, LawTerm
-from lta_discovery.laws.forecast import FlightLaw, simulate_under_law
+from lta_discovery.fit.evidence import FLOOR
+from lta_discovery.laws.forecast import FlightLaw, LawForecaster, simulate_under_law
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
-from lta_discovery.replay.linearized_flight import unchanged_vehicle_point
+from lta_discovery.replay.linearized_flight import SENSORS, unchanged_vehicle_point
 from lta_model.effects.law import list_law_parameters
 import numpy as np
 import pytest
@@ -56,3 +58,19 @@ def test_picard_rounds_agree_with_the_kernel(
     assert moved.max() > 0.01
     # The hidden state starts each piece from measured motion, smoothed in two ways
     assert apart.max() < share * moved.max()
+
+
+def test_a_file_at_a_limit_is_forecast(
+    gtmab: tuple[NominalVehicle, list[FreeParameter]], clean: FlightLinearizer
+) -> None:
+    """A fit may move a value to its limit; the parameters still count from the file before."""
+    knob = next(one for one in clean.knobs if one.name == 'munk_moment.lost')
+    file = knob.apply_to(gtmab[0], knob.high)
+    assert file.parameter_value('munk_moment', 'lost') == pytest.approx(1.0)
+    maker = LawForecaster(clean, file, FLOOR)
+    left = maker.compute_residuals(None, np.zeros(len(clean.knobs) + len(SENSORS)))
+    assert np.isfinite(left[..., :3]).any()
+    # All columns would need a step beyond the limit
+    point = unchanged_vehicle_point(file, clean.knobs, clean.replay.cut)
+    with pytest.raises(BadInput, match=r'munk_moment\.lost'):
+        clean.compute_whitened_columns(point)

@@ -7,9 +7,10 @@ from typing import cast
 from lta_config.schema.vehicle_law import HiddenState, LawFactor
 from lta_discovery.finding import ChannelErrors
 from lta_discovery.fit.evidence import FLOOR
+from lta_discovery.laws import selection
 from lta_discovery.laws.dictionary import build_dictionary, Column, Spread, vary_numbers
 from lta_discovery.laws.law_data import LawData
-from lta_discovery.laws.law_model import build_law
+from lta_discovery.laws.law_model import build_law, list_terms, MARGIN
 from lta_discovery.laws.proposal import judge_forecasts
 from lta_discovery.laws.quantities import filter_hidden, Quantities
 from lta_discovery.laws.selection import (
@@ -59,7 +60,10 @@ def test_product_of_speed_and_rate() -> None:
     assert term.interval is not None
     assert term.interval[0] < -0.01 < term.interval[1]
     assert (term.evidence or 0.0) > 100.0
-    assert law.region['u'] == [np.min(data.values['u']), np.max(data.values['u'])]
+    # Half of the flown range beyond each of its ends
+    low, high = np.min(data.values['u']), np.max(data.values['u'])
+    beyond = 0.5 * (high - low)
+    assert law.region['u'] == pytest.approx([low - beyond, high + beyond], rel=1e-3)
 
 
 def test_phase_and_one_side_are_fitted() -> None:
@@ -98,16 +102,71 @@ def test_hidden_state_with_a_lag() -> None:
     assert fit.weights[0] == pytest.approx(0.02, rel=0.15)
 
 
+def test_a_spring_to_a_place() -> None:
+    """A yaw moment that grows with the position along y is one term of it, or of its sides."""
+    chosen, _ = search(make_law_data(lambda seen: {YAW: 0.0006 * seen['y']}, 4))
+    assert [axis for _, axis in chosen] == [YAW]
+    assert [(one.quantity, one.form) for one in chosen[0][0].factors] == [('y', 'linear')]
+
+
+def test_a_chosen_term_is_not_chosen_again() -> None:
+    """Also where the flights say so little that the prior of its weight holds it back."""
+    data = make_law_data(lambda seen: {PITCH: -0.01 * seen['u'] * seen['r']})
+    column = Column((LawFactor(quantity='u'), LawFactor(quantity='r')), 1)
+    other = Column((LawFactor(quantity='w'),), 0)
+    basis = data.basis([column, other])
+    fit = LawFit(data, 'train', 1e3 * data.joint.deviations, [(basis[..., 0], PITCH)])
+    inner = fit.residual_products(basis, PITCH)[1]
+    assert inner[0] == 0.0
+    assert inner[1] > 0.0
+
+
+def test_terms_that_fall_with_a_new_one_stay_without_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A further term that leaves none beside it is not added; those before it remain."""
+
+    def wrench(seen: Quantities) -> dict[int, Array]:
+        return {PITCH: -0.01 * seen['u'] * seen['r'], YAW: 0.0008 * np.sin(seen['yaw'])}
+
+    data = make_law_data(wrench)
+    dictionary, deviations = build_dictionary(data.spreads), data.joint.deviations
+    first = select_terms(data, dictionary, deviations, 1)[0]
+
+    def drop_all(
+        data: LawData, chosen: list[selection.Choice], current: GivenTerms
+    ) -> tuple[list[selection.Choice], GivenTerms]:
+        both = (chosen, current) if len(chosen) < 2 else ([], GivenTerms.fit(data, deviations, []))
+        return both
+
+    monkeypatch.setattr(selection, '_revise', drop_all)
+    assert select_terms(data, dictionary, deviations)[0] == first
+
+
+def test_a_wave_over_height_does_not_reach_beyond_the_flights() -> None:
+    """What multiplies it does; a wave over the heading repeats itself."""
+    data = make_law_data(lambda seen: {})
+    wave = LawFactor(quantity='height', form='sin', scale=2.0)
+    turn = LawFactor(quantity='yaw', form='sin')
+    columns = [Column((wave, LawFactor(quantity='u')), 1), Column((turn,), 0)]
+    chosen = [(column, 0) for column in columns]
+    fit = LawFit(data, 'all', data.joint.deviations, list_terms(data, chosen))
+    region = build_law(data, chosen, fit, 'a test').region
+    for name, beyond in (('height', 0.0), ('u', MARGIN), ('yaw', MARGIN)):
+        low, high = np.min(data.values[name]), np.max(data.values[name])
+        reach = beyond * (high - low)
+        assert region[name] == pytest.approx([low - reach, high + reach], rel=1e-3)
+
+
 def test_a_hidden_state_begins_within_the_region() -> None:
-    """It begins at 0, also where the flights have it above 0 only."""
+    """It begins at 0, also where the flights have it far above 0 only."""
     data = make_law_data(lambda seen: {})
     state = HiddenState(
-        drive=[LawFactor(quantity='height', form='decay', scale=1.0)], time_constant=0.4
+        drive=[LawFactor(quantity='height', form='decay', scale=30.0)], time_constant=0.02
     )
     column = Column((LawFactor(quantity='hidden'),), 2, state)
     fit = LawFit(data, 'all', data.joint.deviations, [(data.knots(column), 0)])
-    assert data.follow(state)['hidden'].min() > 0.0
-    assert build_law(data, [(column, 0)], fit, 'a test').region['hidden'][0] == 0.0
+    seen = data.follow(state)['hidden']
+    assert seen.min() > MARGIN * np.ptp(seen)
+    assert build_law(data, [(column, 0)], fit, 'a test').region['hidden'][0] <= 0.0
 
 
 @pytest.mark.parametrize('seed', range(4))
