@@ -318,7 +318,9 @@ class Recorder(GraphNode):
 
     def _take_late_messages(self) -> Spin:
         """Return the phase that takes what the other nodes still send, until none arrives."""
-        # Its own reports would count as messages
+        # The last report of its own that the bag holds; a later one would break the silence
+        self._report_recording()
+        self.publish_health()
         for timer in self.timers:
             timer.cancel()
         deadline = time.monotonic() + LINGER
