@@ -6,6 +6,7 @@ otherwise. Hashes and figures of two machines can be compared only where this te
 """
 
 from importlib.metadata import version
+import os
 from pathlib import Path
 import platform
 
@@ -34,6 +35,8 @@ def describe_machine() -> str:
         'vector units': vectors,
         'python': platform.python_version(),
         'libc': ' '.join(platform.libc_ver()),
+        # Chooses the routines of the linear algebra by another processor than this one
+        'OPENBLAS_CORETYPE': os.environ.get('OPENBLAS_CORETYPE', ''),
         **{one: version(one) for one in LIBRARIES},
     }
     return ''.join(f'{key}: {value}\n' for key, value in facts.items())
