@@ -23,7 +23,8 @@ from numpy.random import Generator
 
 Electrics = tuple[float, float]  # voltage [V] and current [A]; negative discharges
 NOTHING = np.zeros(1)
-INPUTS = TupleLayout(SupplyInputs(0.0, (0.0,) * 8, 0.0, 0.0, 0.0))
+DARK_SECOND = SupplyInputs(0.0, (0.0,) * 8, 0.0, 0.0, 1.0)  # without rotors
+INPUTS = TupleLayout(DARK_SECOND)
 STATE = TupleLayout(SupplyState(resting_flow(1.0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
 FED, VOLTAGE = STATE.part_slice('flow.fed').start, STATE.part_slice('flow.voltage').start
 
@@ -60,9 +61,8 @@ class Supply:
 
     def prepare(self) -> None:
         """Compile the step or load it from disk, without draining the cell."""
-        # A dark second without rotors, on a copy of the state
-        second = INPUTS.write(SupplyInputs(0.0, (0.0,) * 8, 0.0, 0.0, 1.0))
-        self._step(self._constants, self._memory.copy(), second, NOTHING)
+        # On a copy of the state
+        self._step(self._constants, self._memory.copy(), INPUTS.write(DARK_SECOND), NOTHING)
 
     @property
     def _account(self) -> SupplyState:

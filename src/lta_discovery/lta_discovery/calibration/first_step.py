@@ -150,7 +150,7 @@ def _list_suspicions(vehicle: Vehicle, flights: Sequence[Role]) -> list[str]:
     """
     Return the parameters that a short fit finds far from the file, or between flights.
 
-    An empty name stands for a file that predicts the flights poorly.
+    'forecasts' stands for a file that predicts the flights poorly.
     """
     prepared = prepare_calibration(vehicle, flights)
     linear = [*prepared.flights['train'], *prepared.flights['confirm']]
@@ -163,7 +163,7 @@ def _list_suspicions(vehicle: Vehicle, flights: Sequence[Role]) -> list[str]:
         return [NET_LIFT, *off] if apart else off
     # A pendulum of another period does not show in a second
     scores = score_forecasts(prepared.nominal, linear, np.zeros(len(prepared.knobs)), None)
-    return [''] if _predicts_poorly({'all': scores}, POOR) else []
+    return ['forecasts'] if _predicts_poorly({'all': scores}, POOR) else []
 
 
 def _is_off(knob: FreeParameter, start: QuickFit, k: int) -> bool:
