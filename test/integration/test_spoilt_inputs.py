@@ -27,6 +27,7 @@ from lta_energy.nodes.energy_monitor import EnergyMonitor
 from lta_graph.health import HealthFact, HealthLevel
 from lta_graph.ros.message_validation import find_fault
 from lta_graph.ros.node import GraphNode
+from lta_graph.ros.shared.hand_over import CdrPublisher
 from lta_model.messages import read_duties
 from lta_sim.nodes.simulator import Simulator
 from lta_vlc.nodes.demodulator import Demodulator
@@ -105,8 +106,12 @@ class Trial:
 
     def hear(self, name: str, message: Any) -> None:
         """Let the node hear a message."""
-        ear = self.ears[name]
-        ear.callback(serialize_message(message) if ear.raw else message)
+        self.ears[name].callback(serialize_message(message))
+
+    def hear_cut(self, name: str) -> None:
+        """Let the node hear data that end within a message."""
+        data = serialize_message(good(name, self.now))
+        self.ears[name].callback(data[:-8])
 
     def live(self, periods: int) -> None:
         """Go on for some control periods, in which all that is due comes, and comes well."""
@@ -156,7 +161,9 @@ def trial(role: str, domain_id: int, monkeypatch) -> Iterator[Trial]:
         after.callback(rclpy.try_shutdown)
         rclpy.init(args=['node', *words], domain_id=domain_id)
         monkeypatch.setattr(
-            Publisher, 'publish', lambda own, message: made[0].says(own, message) if made else None
+            CdrPublisher,
+            'publish',
+            lambda own, message: made[0].says(own, message) if made else None,
         )
         node = NODES[role]()
         after.callback(node.destroy_node)
@@ -216,6 +223,9 @@ def test_a_node_hears_all_that_cannot_be_meant_and_goes_on(role, names, trial):
             if role != 'live' and is_told(name, kind, good(name, trial.now)):
                 assert trial.faults != before, f'{kind} of {name} is not told'
             trial.live(CURED)
+        before = trial.faults
+        trial.hear_cut(name)
+        assert trial.faults != before or role == 'live', f'cut data of {name} are not told'
     assert all(-1.0 <= duty <= 1.0 for duty in trial.duties)
     for topic, messages in trial.said.items():  # nothing of it stays
         assert find_fault(messages[-1]) == '', topic

@@ -1,19 +1,21 @@
-"""CDR as the middleware reads it: aligned as the standard says, zeros in the gaps."""
+"""CDR as the middleware reads and writes it: aligned as the standard says, zeros in the gaps."""
 
 import math
+from struct import pack
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from lta_bridge.cdr import reencode_cdr
 from lta_config.topics import load_topic_table
 from lta_graph.cdr_encoder import encode_cdr
+from lta_graph.ros.cdr_decoder import decode_cdr
 from lta_graph.ros.raw_subscriptions import load_message_class
 from nav_msgs.msg import Odometry
 import numpy as np
 import pytest
-from rclpy.serialization import deserialize_message
+from rclpy.serialization import deserialize_message, serialize_message
 from rosbags.serde import SerdeError
 from sensor_msgs.msg import BatteryState, Image, Imu, JointState, PointCloud2, PointField, Range
-from std_msgs.msg import Bool, ByteMultiArray, Header, Int16MultiArray
+from std_msgs.msg import Bool, ByteMultiArray, Float64, Header, Int16MultiArray, String
 
 
 def header(frame='base_link'):
@@ -80,6 +82,60 @@ def test_a_range_by_hand():
     assert encode_cdr(message).hex() == ''.join(words) + '00000000' * 3 + '00000040' + '00000000'
 
 
+def list_types(value):
+    """Return a message as nested lists of classes and values."""
+    if hasattr(value, 'get_fields_and_field_types'):
+        value = [getattr(value, name) for name in value.__slots__]
+    nested = isinstance(value, list)
+    return type(value), [list_types(part) for part in value] if nested else str(value)
+
+
+@each_message
+def test_decoded_it_is_what_ros_decodes(message):
+    data = encode_cdr(message)
+    expected = deserialize_message(data, type(message))
+    assert list_types(decode_cdr(data, type(message))) == list_types(expected)
+
+
+@each_message
+def test_a_decoded_message_can_be_changed_and_sent(message):
+    decoded = decode_cdr(encode_cdr(message), type(message))
+    for name in decoded.get_fields_and_field_types():
+        setattr(decoded, name, getattr(message, name))
+    assert encode_cdr(decoded) == encode_cdr(message)
+    assert serialize_message(decoded)
+
+
+@each_message
+def test_what_is_no_message_is_refused(message):
+    data = encode_cdr(message)
+    for size in range(len(data) - 4):
+        with pytest.raises(ValueError, match=type(message).__name__):
+            decode_cdr(data[:size], type(message))
+
+
+def test_big_endian_data_are_decoded():
+    assert decode_cdr(bytes.fromhex('00000000') + pack('>d', 0.25), Float64).data == 0.25
+
+
+@pytest.mark.parametrize(
+    ('text', 'decoded'), [(b'ab\0', 'ab'), (b'a\0b\0', 'a'), (b'a\xff\0', 'a\ufffd'), (b'', '')]
+)
+def test_texts_are_those_of_ros(text, decoded):
+    data = bytes.fromhex('00010000') + pack('<I', len(text)) + text
+    padded = data + bytes(-len(data) % 4)
+    assert decode_cdr(padded, String).data == decoded
+    if text:
+        assert deserialize_message(padded, String).data == decoded
+
+
+def test_a_sequence_beyond_the_data_is_refused():
+    data = bytearray(encode_cdr(JointState(effort=[0.5])))
+    data[-12] = 200  # its length
+    with pytest.raises(ValueError, match='JointState'):
+        decode_cdr(bytes(data), JointState)
+
+
 @each_message
 def test_reencoded_it_is_the_same(message):
     data = encode_cdr(message)
@@ -90,10 +146,12 @@ def test_reencoded_it_is_the_same(message):
 @pytest.mark.parametrize(
     'name', sorted({each.type for each in load_topic_table().topics.values()})
 )
-def test_every_type_of_the_topics_can_be_written(name):
+def test_every_type_of_the_topics_can_be_written_and_read(name):
     message = load_message_class(name)()
     data = encode_cdr(message)
-    assert str(deserialize_message(data, type(message))) == str(message)
+    expected = deserialize_message(data, type(message))
+    assert str(expected) == str(message)
+    assert list_types(decode_cdr(data, type(message))) == list_types(expected)
     assert reencode_cdr(data, name) == data
 
 

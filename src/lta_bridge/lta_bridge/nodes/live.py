@@ -24,6 +24,7 @@ from lta_bridge.log_time_assigner import read_stamp
 from lta_config.settings import setting, Settings
 from lta_config.topics import robot_topic
 from lta_graph.health import HealthLevel
+from lta_graph.ros.cdr_decoder import decode_cdr
 from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
@@ -34,7 +35,6 @@ from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
 from nav_msgs.msg import Odometry
 from rclpy.qos import QoSProfile, ReliabilityPolicy
-from rclpy.serialization import deserialize_message
 
 import foxglove
 
@@ -130,8 +130,8 @@ class LiveViewNode(GraphNode):
         """Return the newest message of a topic; None if there is none or it is invalid."""
         data = self._raw.get(name)
         try:
-            return data and deserialize_message(data, find_message_type(self.table[name]))
-        except RuntimeError:  # raised by rclpy for a truncated message
+            return data and decode_cdr(data, find_message_type(self.table[name]))
+        except ValueError:  # a truncated message
             self._torn += 1
             del self._raw[name]
             return None

@@ -41,6 +41,7 @@ from lta_config.topic_selection import EVERYTHING, select_topics
 from lta_config.topics import is_name
 from lta_graph.health import HealthLevel
 from lta_graph.interrupts import hold_interrupts
+from lta_graph.ros.cdr_decoder import decode_cdr
 from lta_graph.ros.node import GraphNode, REPORT_PERIOD
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
@@ -51,7 +52,6 @@ from lta_graph.ros.spin import Pause, Spin
 from pydantic import create_model
 from rclpy.clock import Clock, ClockType
 from rclpy.qos import QoSProfile
-from rclpy.serialization import deserialize_message
 from rosbags.serde import SerdeError
 from std_srvs.srv import Trigger
 
@@ -231,8 +231,8 @@ class Recorder(GraphNode):
         """Look for faults in a diagnostics message."""
         if self._snapshots is None:
             return
-        with suppress(RuntimeError):  # ignore invalid messages
-            message = deserialize_message(data, DiagnosticArray)
+        with suppress(ValueError):  # ignore invalid messages
+            message = decode_cdr(data, DiagnosticArray)
             self._snapshots.add_statuses(parse_statuses(message), time.monotonic())
 
     def _report_recording(self) -> None:

@@ -99,7 +99,8 @@ class Teleop(GraphNode):
             return keyboard
         if settings.device == JOY:
             joy = JoyDevice(settings.layout)
-            self.soundness.unsound = joy.unsound  # one count of all that this node hears
+            # One count of all that this node hears
+            self.soundness.unsound = self.undecodable = joy.unsound
             self.create_subscription(
                 Joy, 'joy', lambda message: joy.receive(message, time.monotonic()), TAPS
             )

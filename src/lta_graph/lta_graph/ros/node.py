@@ -77,6 +77,7 @@ class GraphNode(SharingNode):
         self.health.report('state', HealthLevel.OK, 'starting')
         # In lockstep the inbox checks the stamps
         self.soundness = MessageValidator(stamps=not self.lockstep)
+        self.undecodable = self.soundness.unsound
         self._inbox: Inbox | None = None
         self._inputs: dict[str, Subscription] = {}
         self._writers: dict[str, Publisher] = {}
