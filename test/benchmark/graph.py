@@ -5,9 +5,10 @@ Measure the graph: a whole flight, and the way of one message.
 peer is the same with Fast DDS's own settings in place of `config/fastdds/`. `graph.one_process` is
 that flight with all nodes in one process.
 `spin.*` sends a message there and back between two processes, with our spin and with rclpy's own
-executor.
+executor. `message.*` encodes and decodes an Odometry, the peer by rclpy.
 """
 
+from collections.abc import Callable
 from functools import partial
 from importlib.metadata import version
 import os
@@ -21,10 +22,14 @@ from typing import Any
 
 from bench import Figure
 from lta_flight.flight import FlightRequest, fly_once
+from lta_graph.cdr_encoder import encode_cdr
+from lta_graph.ros.cdr_decoder import decode_cdr
 from lta_graph.ros.spin import spin_node
+from nav_msgs.msg import Odometry
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
+from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import Imu
 from start import as_it_comes, PLAIN
 
@@ -132,6 +137,35 @@ def round_trip(kind: str) -> float:
         rclpy.shutdown()
 
 
+def call(function: Callable[..., Any], *arguments: Any) -> float:
+    """Return the mean time of a call. [us]"""
+    begin = time.process_time()
+    for _ in range(ROUNDS):
+        function(*arguments)
+    return (time.process_time() - begin) / ROUNDS * 1e6
+
+
+def list_message_figures() -> list[Figure]:
+    """Return how long a message takes to be encoded and decoded."""
+    message = Odometry(child_frame_id='base_link')
+    message.header.frame_id = 'odom'
+    data, peer = encode_cdr(message), f'rclpy {version("rclpy")}'
+    rows = (
+        ('message.encoded', '', partial(call, encode_cdr, message)),
+        ('message.encoded_rclpy', 'message.encoded', partial(call, serialize_message, message)),
+        ('message.decoded', '', partial(call, decode_cdr, data, Odometry)),
+        (
+            'message.decoded_rclpy',
+            'message.decoded',
+            partial(call, deserialize_message, data, Odometry),
+        ),
+    )
+    return [
+        Figure(name, 'us', measure, choose=min, of=of, peer=peer if of else '')
+        for name, of, measure in rows
+    ]
+
+
 def figures() -> list[Figure]:
     """Return what is measured here."""
     median, unit = statistics.median, 'us'
@@ -150,6 +184,7 @@ def figures() -> list[Figure]:
         Figure('graph.one_process', 's/s', partial(flight, dict(os.environ), 'one'), 5, median),
         Figure('spin.lean', unit, lean, 3, median),
         Figure('spin.rclpy', unit, plain, 3, median, 'spin.lean', f'rclpy {version("rclpy")}'),
+        *list_message_figures(),
     ]
 
 

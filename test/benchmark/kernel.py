@@ -53,6 +53,17 @@ def single(every: bool, steps: int = 300_000) -> float:
     return steps / call(every, steps)
 
 
+def composed(steps: int = 300_000) -> float:
+    """Return the pace of one vehicle by a kernel of its effects only. [1/s]"""
+    states, fleet, duties, surroundings = scattered(1)
+    begin = time.process_time()
+    last = advance_many(states, fleet, duties, surroundings, STEP, steps)
+    reached = steps / (time.process_time() - begin)
+    if not np.isfinite(last).all():
+        raise FloatingPointError('the vehicle left the numbers: what is measured is no flight')
+    return reached
+
+
 def control_step() -> float:
     """Return the time of a call of 5 steps, 10 ms of flight. [us]"""
     return 1e6 * call(False, 5, 10_000)
@@ -95,6 +106,7 @@ def figures() -> list[Figure]:
     one, many = 'steps/s', 'vehicle-steps/s'
     return [
         Figure('kernel.single', one, partial(single, False)),
+        Figure('kernel.single_composed', one, composed),
         Figure('kernel.single_all', one, partial(single, True)),
         Figure('kernel.batched', many, partial(batched, False)),
         Figure('kernel.batched_all', many, partial(batched, True)),

@@ -13,7 +13,8 @@ END: Final = '<!-- end -->'
 # What a figure is, in the order of the page; figures that are not listed are left out
 ABOUT: Final = {
     'kernel.single': "one vehicle on one core, RK4 in double precision, with GT-MAB's effects on",
-    'kernel.single_all': 'the same with every effect on',
+    'kernel.single_composed': 'the same by a kernel of these effects only, as in a batch',
+    'kernel.single_all': 'one vehicle with every effect on',
     'kernel.batched': 'many vehicles on all cores, RK4 in double precision; each equals a single '
     'run to the last bit',
     'kernel.batched_all': 'the same with every effect on',
@@ -33,6 +34,8 @@ ABOUT: Final = {
     'graph.realtime': 'a whole flight of the graph in lockstep, seven processes; the peer is the '
     "same with Fast DDS's own settings",
     'graph.one_process': 'the same flight with `processes:=one`',
+    'message.encoded': 'an Odometry from the object of rclpy to its bytes',
+    'message.decoded': 'the same from its bytes to the object of rclpy',
     'spin.lean': "a message to another process and back; the peer is rclpy's executor",
     'start.matched': 'seven nodes until each has found all others; the peer is the same with '
     "Fast DDS's own settings",

@@ -23,8 +23,8 @@ def steps(request, monkeypatch):
 
 
 @cache
-def load_plain_kernel(names, zeros, rotors):
+def load_plain_kernel(names, zeros, rotors, width):
     """Return the kernel of a batch as Python."""
     with pytest.MonkeyPatch.context() as while_loading:
         while_loading.setattr(config, 'DISABLE_JIT', 1)
-        return LOAD(names, zeros, rotors)
+        return LOAD(names, zeros, rotors, width)
