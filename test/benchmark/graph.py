@@ -3,14 +3,17 @@ Measure the graph: a whole flight, and the way of one message.
 
 `graph.realtime` is a whole lockstep flight of seven processes, flight seconds a wall second; the
 peer is the same with Fast DDS's own settings in place of `config/fastdds/`. `graph.one_process` is
-that flight with all nodes in one process.
+that flight with all nodes in one process, and `graph.share` the processor time that this process
+takes in real time, simulator and recorder included.
 `spin.*` sends a message there and back between two processes, with our spin and with rclpy's own
 executor. `message.*` encodes and decodes an Odometry, the peer by rclpy.
 """
 
 from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
 from importlib.metadata import version
+from operator import itemgetter
 import os
 from pathlib import Path
 import statistics
@@ -37,10 +40,20 @@ ROUNDS = 3000
 
 
 class Silent:
-    """Nobody watches."""
+    """
+    Nobody watches.
 
-    def show_position(self, time: float, distance: float, pace: float) -> None:
-        """Ignore where the drone is."""
+    Attribute `spent`: wall time and processor time of the nodes while the drone flies. [s]
+    """
+
+    def __init__(self) -> None:
+        self.spent: list[tuple[float, float]] = []
+
+    def show_position(self, time_s: float, distance: float, pace: float) -> None:
+        """Keep how much processor time the nodes have had, once a second."""
+        now = time.monotonic()
+        if not self.spent or now - self.spent[-1][0] > 1.0:
+            self.spent.append((now, children_time()))
 
     def show_message(self, sentence: str) -> None:
         """Pass on what happened."""
@@ -50,9 +63,20 @@ class Silent:
         """Ignore what takes long."""
 
 
-def flight(environment: dict[str, str], processes: str = 'many') -> float:
-    """Return the pace of one flight in a process of its own. [s/s]"""
-    command = [sys.executable, __file__, 'flight', processes]
+def children_time() -> float:
+    """Return the processor time of the running children of this process. [s]"""
+    ticks = 0
+    for file in Path('/proc').glob('[0-9]*/stat'):
+        with suppress(OSError):  # it has ended
+            fields = file.read_text().rpartition(') ')[2].split()
+            if int(fields[1]) == os.getpid():
+                ticks += int(fields[11]) + int(fields[12])
+    return ticks / os.sysconf('SC_CLK_TCK')
+
+
+def flight(environment: dict[str, str], processes: str = 'many', what: str = 'flight') -> float:
+    """Return the pace of one flight in a process of its own, or its `share`. [s/s]"""
+    command = [sys.executable, __file__, what, processes]
     done = subprocess.run(command, env=environment, stdout=subprocess.PIPE, text=True, check=True)
     return float(done.stdout)
 
@@ -63,6 +87,18 @@ def fly(processes: Any) -> float:
         out = Path(folder) / 'flight'
         order = FlightRequest('gtmab', 'lamp_room', 'bag', 1, 'lockstep', out, None, processes)
         return fly_once(order, Silent()).pace
+
+
+def share(processes: Any) -> float:
+    """Return the processor time of the nodes in a flight in real time, a wall second. [s/s]"""
+    watcher = Silent()
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / 'flight'
+        order = FlightRequest('gtmab', 'lamp_room', 'bag', 1, 'realtime', out, None, processes)
+        fly_once(order, watcher)
+    # Nodes load before they fly, and those that have ended are no children any more
+    (begun, before), (ended, after) = watcher.spent[0], max(watcher.spent, key=itemgetter(1))
+    return (after - before) / (ended - begun)
 
 
 def turn(kind: str, node: Node, done: list[float]) -> None:
@@ -182,6 +218,13 @@ def figures() -> list[Figure]:
             PLAIN,
         ),
         Figure('graph.one_process', 's/s', partial(flight, dict(os.environ), 'one'), 5, median),
+        Figure(
+            'graph.share',
+            's/s',
+            partial(flight, dict(os.environ), 'one', 'share'),
+            2,
+            min,
+        ),
         Figure('spin.lean', unit, lean, 3, median),
         Figure('spin.rclpy', unit, plain, 3, median, 'spin.lean', f'rclpy {version("rclpy")}'),
         *list_message_figures(),
@@ -189,7 +232,8 @@ def figures() -> list[Figure]:
 
 
 if __name__ == '__main__':
-    if sys.argv[1] == 'flight':
-        sys.stdout.write(f'{fly(sys.argv[2])}\n')
+    if sys.argv[1] in ('flight', 'share'):
+        measure = fly if sys.argv[1] == 'flight' else share
+        sys.stdout.write(f'{measure(sys.argv[2])}\n')
     else:
         echo(sys.argv[1])

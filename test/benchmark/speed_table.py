@@ -34,6 +34,8 @@ ABOUT: Final = {
     'graph.realtime': 'a whole flight of the graph in lockstep, seven processes; the peer is the '
     "same with Fast DDS's own settings",
     'graph.one_process': 'the same flight with `processes:=one`',
+    'graph.share': 'processor time of this process in real time: all nodes, simulator and '
+    'recorder',
     'message.encoded': 'an Odometry from the object of rclpy to its bytes',
     'message.decoded': 'the same from its bytes to the object of rclpy',
     'spin.lean': "a message to another process and back; the peer is rclpy's executor",
