@@ -162,7 +162,7 @@ def _search_law(
         for terms in fewer:
             yield Trial(terms, refit.fit(*begin(terms)))
 
-    def test_law(trial: Trial) -> LawFinding:
+    def test_law(trial: Trial, again: bool) -> LawFinding:
         """Return a law if held-out flights support it, or the reason why they do not."""
         terms, (weights, at) = trial
         weights, steps = np.split(weights, [len(terms)])
@@ -175,7 +175,7 @@ def _search_law(
             return LawFinding(None, f'the vehicle file cannot hold it: {fault}', (), near, law)
         prepare = partial(FlightLaw, law)
         errors = compare_forecasts(study, forecasts, prepare, file.nominal, np.zeros_like(at))
-        reason = judge_forecasts(errors)
+        reason = judge_forecasts(errors, again)
         if reason:
             return LawFinding(None, reason, errors, near, law)
         return LawFinding(
@@ -187,12 +187,12 @@ def _search_law(
 
 
 def take_first_supported(
-    trials: Iterable[Trial], test: Callable[[Trial], LawFinding]
+    trials: Iterable[Trial], test: Callable[[Trial, bool], LawFinding]
 ) -> LawFinding:
     """
     Return the first law that its test supports, or the finding on the first one if none is.
 
-    At most `TESTS` are tested, and none twice.
+    At most `TESTS` are tested, and none twice. A test is told whether there was one before it.
     """
     tested: list[Array] = []
     failed: LawFinding | None = None
@@ -200,8 +200,8 @@ def take_first_supported(
         numbers = np.concatenate(trial.fitted)
         if any(np.array_equal(numbers, one) for one in tested):
             continue
+        found = test(trial, bool(tested))
         tested.append(numbers)
-        found = test(trial)
         if found.law is not None:
             return found
         failed = failed or found
@@ -300,11 +300,12 @@ def compare_forecasts(
     )  # fmt: skip
 
 
-def judge_forecasts(errors: Sequence[ChannelErrors]) -> str:
+def judge_forecasts(errors: Sequence[ChannelErrors], again: bool = False) -> str:
     """
     Return why a law is not proposed: it does not improve forecasts; '' if it does.
 
-    What is better or worse has to be so beyond the interval of the difference.
+    What is worse has to be so beyond the interval of the difference. What is better, too, if other
+    laws failed on the same flights before (`again`): each test is another chance to pass.
     """
     far = [one for one in errors if one.horizon_s == FAR]
     better, worse = [], []
@@ -314,7 +315,7 @@ def judge_forecasts(errors: Sequence[ChannelErrors]) -> str:
         low, high = one.shrink_ci95 if one.before < one.tuned else one.added_ci95
         if not ratio <= 1.0 and not (ratio <= WORSE and high >= 0.0):
             worse.append(one.channel)
-        if ratio <= BETTER and (low > 0.0 or math.isinf(without)):
+        if ratio <= BETTER and (low > 0.0 or math.isinf(without) or not again):
             better.append(one.channel)
     if worse:
         return (
