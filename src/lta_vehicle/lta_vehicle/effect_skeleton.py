@@ -295,7 +295,7 @@ class _SkeletonWriter:
 
     def _list_quantities(self) -> Iterator[str]:
         """Yield the lines that compute all quantities, and the fade by them."""
-        yield from self._list_given_quantities()
+        yield from self._list_outer_quantities()
         own = [name for name in (HIDDEN, HIDDEN_RATE) if name in self._law.quantities]
         for name in own:
             source = EXPRESSIONS[name]
@@ -306,13 +306,13 @@ class _SkeletonWriter:
         if own and self._fades:
             yield f'    within = {" * ".join(["within", *self._list_fades(own)])}'
 
-    def _list_given_quantities(self) -> Iterator[str]:
+    def _list_outer_quantities(self) -> Iterator[str]:
         """Yield the lines that compute what does not depend on the hidden state, and its fade."""
-        given = [name for name in self._law.quantities if name not in (HIDDEN, HIDDEN_RATE)]
-        for name in given:
+        outer = [name for name in self._law.quantities if name not in (HIDDEN, HIDDEN_RATE)]
+        for name in outer:
             yield f'    {_local_name(name)} = {EXPRESSIONS[name]}'
         if self._fades:
-            yield f'    within = {" * ".join(self._list_fades(given)) or "1.0"}'
+            yield f'    within = {" * ".join(self._list_fades(outer)) or "1.0"}'
 
     def _list_fades(self, names: Sequence[str]) -> list[str]:
         """Return the source of the fade by each of some quantities."""
@@ -360,7 +360,7 @@ class _SkeletonWriter:
             unpack=self._unpack,
             absent=off,
             # The drive fades without the hidden state, as in the law
-            quantities='\n'.join(self._list_given_quantities()) if hidden else '',
+            quantities='\n'.join(self._list_outer_quantities()) if hidden else '',
             drive=f'    drive = {drive}\n    return {rates}',
         )
 

@@ -200,11 +200,11 @@ def take_first_supported(
         numbers = np.concatenate(trial.fitted)
         if any(np.array_equal(numbers, one) for one in tested):
             continue
-        found = test(trial, bool(tested))
+        finding = test(trial, bool(tested))
         tested.append(numbers)
-        if found.law is not None:
-            return found
-        failed = failed or found
+        if finding.law is not None:
+            return finding
+        failed = failed or finding
         if len(tested) == TESTS:
             break
     assert failed is not None
@@ -265,16 +265,16 @@ def choose_parameters(
 def compare_forecasts(
     study: DiscoveryStudy,
     forecasts: JointFit,
-    prepare: Prepare,
+    prepare: Prepare | None,
     nominal: NominalVehicle,
     at: Array,
 ) -> tuple[ChannelErrors, ...]:
     """
     Return the errors on held-out flights: `after` with the law, `tuned` without it.
 
-    `before` are those of the vehicle file. The law acts on `nominal` with the changes `at`. The
-    windows of the forecasts overlap; their intervals are by bootstrap over pieces, with
-    `CONFIDENCE`.
+    `before` are those of the vehicle file. The law acts on `nominal` with the changes `at`, or
+    is that of `nominal` (None). The windows of the forecasts overlap; their intervals are by
+    bootstrap over pieces, with `CONFIDENCE`.
     """
     offs: dict[str, list[Array]] = {name: [] for name in ('before', 'tuned', 'after', 'coast')}
     flights, blocks, count = [], [], 0
