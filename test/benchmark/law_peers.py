@@ -53,7 +53,7 @@ from lta_discovery.study import (
     StudyFlight,
     ThreeModelComparison,
 )
-from lta_model.vehicle import Vehicle
+from lta_model.vehicle import parse_vehicle, Vehicle
 import numpy as np
 from numpy.typing import NDArray
 import pysindy
@@ -252,19 +252,22 @@ def compare_case(kind: str, seed: int, number: int, folder: Path | None) -> dict
     name, base = answer['outside'], BaseFile(read_vehicle_text(), vehicle)
     fast = record_fast_flight(vehicle, study, answer['strange'], seed, number)
     flights = {'usual': study.comparisons, 'fast': [fast]}
-    shown = {key: replace(study, shown=some) for key, some in flights.items()}
+    shown = {key: replace(study, comparisons=some) for key, some in flights.items()}
     forecasts, out = study.forecasts, dict[str, Any](kind=kind, seed=seed, number=number)
     assert forecasts is not None
     learned = learn_forces(study)
+    begun = time.process_time()
+    law = add_law(study, base, lambda _what, _part: None).finding.law
+    spent = time.process_time() - begun
+    assert law is not None
     for key, one in shown.items():
-        begun = time.process_time()
-        law = add_law(one, base, lambda _what, _part: None).finding.law
-        spent = time.process_time() - begun
-        assert law is not None
         oracle = fit_law_oracle(one, name, answer['strange'][name])
         errors_of = {'without': take_errors(oracle, 'tuned'), 'oracle': take_errors(oracle)}
-        if law.errors:
-            errors_of['law'] = take_errors(law.errors)
+        if law.law is not None:
+            file = parse_vehicle(law.file, kind, vehicle.air_density)
+            nominal, none = NominalVehicle.from_vehicle(file), np.zeros_like(forecasts.fitted.mean)
+            errors = compare_forecasts(one, forecasts, None, nominal, none)
+            errors_of['law'] = take_errors(errors)
         for peer, (prepare, _, _) in learned.items():
             at = forecasts.fitted.mean
             errors = compare_forecasts(one, forecasts, prepare, study.nominal, at)

@@ -7,7 +7,8 @@ effect `law` of `lta_model` flies it. A law is
     sum of coefficient * factor * factor ...
 
 on each axis, where a factor is a form of one quantity, such as max(u - threshold, 0). All numbers
-are in SI. At most one hidden state h follows a product of factors with a lag, from 0 at the start:
+are in SI. At most one hidden state h follows a product of factors with a lag, from `start` and at
+rest when a flight begins:
 
     order 1:  time_constant dh/dt = drive - h
     order 2:  d2h/dt2 = frequency^2 (drive - h) - 2 damping frequency dh/dt
@@ -36,7 +37,7 @@ AXES: Final[Mapping[str, str]] = {
     **dict.fromkeys(('roll', 'pitch', 'yaw'), 'N m'),
     **dict.fromkeys(('map_x', 'map_y', 'map_z'), 'N'),
 }
-# The hidden state and, of one of second order, its rate; their units are those of the drive
+# The hidden state and its rate; their units are those of the drive
 HIDDEN: Final = 'hidden'
 HIDDEN_RATE: Final = 'hidden_rate'
 # Quantities, with their units. The order is that of the codes in the compiled effect.
@@ -187,6 +188,8 @@ class HiddenState(StrictModel):
     frequency: Annotated[float, Field(gt=0.0, le=50.0)] | None = None
     # Damping ratio of a lag of second order
     damping: Annotated[float, Field(ge=0.0, le=5.0)] | None = None
+    # Where it begins, in the unit of the drive; 0 if not given
+    start: Finite | None = None
 
     @model_validator(mode='after')
     def _check_order(self) -> Self:
@@ -231,11 +234,6 @@ class Law(StrictModel):
         used = [name for name in (HIDDEN, HIDDEN_RATE) if name in self.quantities]
         if used and not self.hidden:
             raise ValueError(f'uses the quantity {used[0]}, but has no block "hidden"; add one')
-        if HIDDEN_RATE in used and self.hidden and self.hidden.time_constant is not None:
-            raise ValueError(
-                'uses hidden_rate, but its hidden state is of first order; give it frequency and '
-                'damping, or use hidden'
-            )
         if self.hidden and not used:
             raise ValueError('has a block "hidden" that no term uses; remove it')
         return self

@@ -97,11 +97,12 @@ def format_hidden(law: Law) -> str:
     if (hidden := law.hidden) is None:
         return ''
     drive = format_product(law, hidden.drive)
+    start = f', from {_at(hidden.start, quantity_unit(HIDDEN, hidden))}' if hidden.start else ''
     if hidden.time_constant is not None:
-        return f'{hidden.time_constant:.4g} s d/dt hidden = {drive} - hidden'
+        return f'{hidden.time_constant:.4g} s d/dt hidden = {drive} - hidden{start}'
     return (
         f'd2/dt2 hidden = ({hidden.frequency:.4g} rad/s)^2 ({drive} - hidden) - '
-        f'2 {hidden.damping:.4g} ({hidden.frequency:.4g} rad/s) d/dt hidden'
+        f'2 {hidden.damping:.4g} ({hidden.frequency:.4g} rad/s) d/dt hidden{start}'
     )
 
 

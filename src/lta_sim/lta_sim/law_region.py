@@ -4,7 +4,7 @@ from typing import Final, final
 
 from lta_config.quantity import format_with_unit
 from lta_config.schema.vehicle_law import Law, QUANTITIES, quantity_unit
-from lta_model.effects.law import list_quantities
+from lta_model.effects.law import list_law_parameters, list_law_quantities
 from lta_model.law_arrays import evaluate_distance
 from lta_model.rigid_body import airspeed, build_motion, rotation_matrix
 from lta_model.state import RIGID
@@ -27,6 +27,7 @@ class LawRegion:
     def __init__(self, name: str, law: Law | None) -> None:
         self.warning = ''
         self._name, self._law = name, law
+        self._parameters = tuple(list_law_parameters(law).values()) if law else ()
         first = LAYOUT.remembers['law']
         self._memory = slice(first, first + LAYOUT.memory_size('law'))
 
@@ -48,8 +49,11 @@ class LawRegion:
             tuple(vehicle.command.tolist()),
             tuple(vehicle.surroundings.tolist()),
         )
-        values = list_quantities(
-            tuple(vehicle.state[self._memory].tolist()), motion, tuple(vehicle.thrusts.tolist())
+        values = list_law_quantities(
+            self._parameters,
+            tuple(vehicle.state[self._memory].tolist()),
+            motion,
+            tuple(vehicle.thrusts.tolist()),
         )
         seen = dict(zip(QUANTITIES, values, strict=True))
         distances = evaluate_distance(law, {name: np.array([seen[name]]) for name in law.region})

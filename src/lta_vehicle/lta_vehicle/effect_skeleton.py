@@ -33,6 +33,7 @@ from lta_model.effects.law import LARGEST
 from lta_model.law_text import describe_law
 
 SPREAD: Final = 0.2  # relative, of a coefficient without an interval
+LEAST_LAG: Final = 0.02  # s; the least time constant of a law
 REACH: Final = 100.0  # bounds of a coefficient, in its own size
 # Quantities of a law in the functions of an effect; `turn` is motion.rotation
 EXPRESSIONS: Final = {
@@ -237,6 +238,7 @@ class _SkeletonWriter:
         hidden = law.hidden
         self._lags = {} if hidden is None else hidden.model_dump(exclude_none=True)
         self._lags.pop('drive', None)
+        self._start = self._lags.pop('start', 0.0)
         self._remembers = bool(hidden) or 'time' in law.quantities
         if hidden and (pushed := [one for one in law.quantities if one.startswith('thrust')]):
             raise BadInput(
@@ -249,7 +251,7 @@ class _SkeletonWriter:
         law = self._law
         placed = any(one in PLACED for one in (*law.quantities, *(t.axis for t in law.terms)))
         memory = (
-            "\n    memory=(('hidden', 0.0), ('hidden_rate', 0.0), ('time', 0.0)),"
+            f"\n    memory=(('hidden', {self._start!r}), ('hidden_rate', 0.0), ('time', 0.0)),"
             '\n    rate=compute_memory_rate,'
         )
         return {
@@ -291,19 +293,41 @@ class _SkeletonWriter:
                 f"'{value:.6g} in a law; give the source of bounds and spread', beside={value!r}),"
             )
 
-    def _list_quantities(self, without: Sequence[str] = ()) -> Iterator[str]:
-        """Yield the lines that compute all quantities but some, and the fade by them."""
-        for name in self._law.quantities:
-            if name in without:
-                continue
+    def _list_quantities(self) -> Iterator[str]:
+        """Yield the lines that compute all quantities, and the fade by them."""
+        yield from self._list_outer_quantities()
+        own = [name for name in (HIDDEN, HIDDEN_RATE) if name in self._law.quantities]
+        for name in own:
+            source = EXPRESSIONS[name]
+            if name == HIDDEN_RATE and 'time_constant' in self._lags:
+                # The null value of the lag is 0
+                source = f'({self._drive} - memory[0]) / max(time_constant, {LEAST_LAG})'
+            yield f'    {name} = {source}'
+        if own and self._fades:
+            yield f'    within = {" * ".join(["within", *self._list_fades(own)])}'
+
+    def _list_outer_quantities(self) -> Iterator[str]:
+        """Yield the lines that compute what does not depend on the hidden state, and its fade."""
+        outer = [name for name in self._law.quantities if name not in (HIDDEN, HIDDEN_RATE)]
+        for name in outer:
             yield f'    {_local_name(name)} = {EXPRESSIONS[name]}'
         if self._fades:
-            shares = [
-                f'fade({_unwrap(name, low, high)}, {low!r}, {high!r})'
-                for name, (low, high) in self._law.region.items()
-                if name not in without
-            ]
-            yield f'    within = {" * ".join(shares) or "1.0"}'
+            yield f'    within = {" * ".join(self._list_fades(outer)) or "1.0"}'
+
+    def _list_fades(self, names: Sequence[str]) -> list[str]:
+        """Return the source of the fade by each of some quantities."""
+        return [
+            f'fade({_unwrap(name, low, high)}, {low!r}, {high!r})'
+            for name, (low, high) in self._law.region.items()
+            if name in names
+        ]
+
+    @property
+    def _drive(self) -> str:
+        """The drive of the hidden state as source."""
+        factors = self._law.hidden.drive if self._law.hidden else []
+        product = ' * '.join(map(format_factor_source, factors))
+        return f'within * {product}' if self._fades else product
 
     def _list_sums(self) -> Iterator[str]:
         """Yield the lines that compute the wrench."""
@@ -324,8 +348,7 @@ class _SkeletonWriter:
         if hidden is None:
             drive, rates = '0.0', '(0.0, 0.0, 1.0)'
         else:
-            product = ' * '.join(map(format_factor_source, hidden.drive))
-            drive = f'within * {product}' if self._fades else product
+            drive = self._drive
             off = f'{next(iter(self._lags))} == 0.0'
             rates = (
                 '((drive - memory[0]) / time_constant, 0.0, 1.0)'
@@ -337,7 +360,7 @@ class _SkeletonWriter:
             unpack=self._unpack,
             absent=off,
             # The drive fades without the hidden state, as in the law
-            quantities='\n'.join(self._list_quantities((HIDDEN, HIDDEN_RATE))) if hidden else '',
+            quantities='\n'.join(self._list_outer_quantities()) if hidden else '',
             drive=f'    drive = {drive}\n    return {rates}',
         )
 

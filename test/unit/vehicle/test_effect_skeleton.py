@@ -64,6 +64,14 @@ LAWS = {
         {'q': NARROW, 'rate': [0.0, 1.0], 'hidden': NARROW, 'p': NARROW},
         {'drive': [factor('q'), factor('p', 'cos', scale=1.0)], 'time_constant': 3.0},
     ),
+    'rate': build(
+        [
+            ('surge', 0.2, 'N s/m', [factor('hidden')]),
+            ('surge', 0.1, 'N s2/m', [factor('hidden_rate')]),
+        ],
+        {'u': NARROW, 'hidden': NARROW, 'hidden_rate': NARROW},
+        {'drive': [factor('u')], 'time_constant': 0.7},
+    ),
     'second': build(
         [
             ('surge', 0.2, 'N s/m', [factor('hidden')]),

@@ -63,8 +63,8 @@ Numbers are in SI. Within the region the law applies in full. Outside of a range
 to zero over half of the width of the range, on each side; a flight says once which quantity was
 out of its range, by more than a tenth of half of the width (not in a batch). Forces along `map_x`,
 `map_y`, `map_z` have the directions of the map. A hidden state follows a product of factors, its
-drive, from 0 at the start of the flight, with a lag of first order (`time_constant`) or second
-order (`frequency` in rad/s, `damping`):
+drive, from `start` (0 by default) when a flight begins, with a lag of first order
+(`time_constant`) or second order (`frequency` in rad/s, `damping`):
 
 ```yaml
   hidden:
@@ -78,7 +78,7 @@ rotors in the order of the file, `thrust_surge..` their sum along the axes of th
 moment. Duties are not available, since a replay knows only thrusts.
 """
 # Of quantities whose unit depends on the law
-LAG_UNITS = {HIDDEN: 'of its drive', HIDDEN_RATE: 'of its drive, per s; second order only'}
+LAG_UNITS = {HIDDEN: 'of its drive', HIDDEN_RATE: 'of its drive, per s'}
 
 # Title and description of each kind, in the order in which a command passes through the model.
 KINDS: dict[type, tuple[str, str]] = {

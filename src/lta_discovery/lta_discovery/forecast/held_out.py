@@ -189,15 +189,16 @@ def compute_forecast_residuals(
 
 
 def bootstrap_shrinkage(
-    before: Array, after: Array, rng: np.random.Generator
+    before: Array, after: Array, rng: np.random.Generator, confidence: float = 0.95
 ) -> tuple[float, float]:
-    """Return the 95 % interval of the shrinkage, by bootstrap over pieces."""
+    """Return the interval of the shrinkage, by bootstrap over pieces; 95 % by default."""
     # Resample whole pieces: errors within a piece are correlated
     picked = rng.integers(0, len(before), (DRAWS, len(before)))
     if not (np.isfinite(before).all() and np.isfinite(after).all()):
         return math.nan, math.nan
     ratio = np.sqrt(after[picked].sum(axis=1) / np.maximum(before[picked].sum(axis=1), 1e-300))
-    low, high = np.percentile(1.0 - ratio, (2.5, 97.5))
+    tail = 50.0 * (1.0 - confidence)
+    low, high = np.percentile(1.0 - ratio, (tail, 100.0 - tail))
     return float(low), float(high)
 
 
@@ -246,11 +247,21 @@ def summarize_residuals(
     offs: Mapping[str, Array],
     seed: int,
     channels: Sequence[str] = (*WHOLE, *CHANNELS),
+    blocks: NDArray[np.int64] | None = None,
+    confidence: float = 0.95,
 ) -> list[ChannelErrors]:
     """
     Return the errors of `before`, `tuned`, `after`, `coast` and the like from their residuals.
 
-    `offs`, shape (S, H, C): of all flights, at `HORIZONS`, with the first C of `CHANNELS`.
+    Parameters
+    ----------
+    offs : mapping of str to ndarray, shape (S, H, C)
+        Of all flights, at `HORIZONS`, with the first C of `CHANNELS`.
+    blocks : ndarray of int, shape (S,), optional
+        Numbers of the blocks that the bootstrap resamples, from 0; the pieces by default.
+    confidence : float
+        Of the intervals.
+
     """
     noise = np.sqrt(np.mean([each.replay.flight.reading_deviation**2 for each in flights], axis=0))
     rng, added_rng, out = np.random.default_rng(seed), np.random.default_rng([seed, 1]), []
@@ -273,16 +284,22 @@ def summarize_residuals(
             mean = {kind: float(np.sqrt(np.mean(each[finite]))) for kind, each in square.items()}
             # A pose error is a distance: the noises of its axes add in quadrature.
             floor = float(np.sqrt(np.sum(noise[columns] ** 2)))
+            index = np.arange(len(finite)) if blocks is None else blocks
+            rows = index[finite]
+            sums = {
+                kind: np.asarray(np.bincount(rows, each[finite])[np.unique(rows)], np.float64)
+                for kind, each in square.items()
+            }
             out.append(
                 ChannelErrors(
                     name, unit, horizon, **mean, noise_floor=floor,
                     shrink=_shrinkage(mean['before'], mean['after']),
                     shrink_ci95=bootstrap_shrinkage(
-                        square['before'][finite], square['after'][finite], rng,
+                        sums['before'], sums['after'], rng, confidence,
                     ),
                     pieces=int(finite.sum()),
                     added_ci95=bootstrap_shrinkage(
-                        square['tuned'][finite], square['after'][finite], added_rng,
+                        sums['tuned'], sums['after'], added_rng, confidence,
                     ),
                 )
             )  # fmt: skip

@@ -23,10 +23,14 @@ DECAYS: Final = (0.15, 0.4, 1.0)  # m of height
 FADES: Final = (10.0, 30.0, 90.0)  # s since the start
 WAVES: Final = (0.7, 1.2, 2.0, 3.2)  # m of height
 PHASES: Final = (0.0, 0.25 * math.pi, 0.5 * math.pi, 0.75 * math.pi)
-LAGS: Final = (0.4, 1.2, 4.0, 12.0)  # s; first order
+LAGS: Final = (0.4, 1.2, 4.0, 12.0, 36.0)  # s; first order
 SWINGS: Final = (0.25, 0.4, 0.6, 0.9, 1.3)  # Hz; second order
 DAMPED: Final = 0.1  # damping ratio
-HARMONICS: Final = 3  # of a field over position, in each direction
+SHORTEST: Final = 1.5  # m; wave of a field over position
+HARMONICS: Final = 16  # most of a field over position, in each direction
+# Phases of a product of two waves, of which one holds half of the power of any other
+QUARTERS: Final = (0.0, 0.5 * math.pi)
+EIGHTHS: Final = (0.25 * math.pi, 0.75 * math.pi)
 # Smallest and largest of a number by its name, where refinement may lead
 LIMITS: Final = {
     'exponent': (0.5, 3.0),
@@ -48,6 +52,11 @@ class Column:
     factors: tuple[LawFactor, ...]
     tier: int  # 0: one factor, 1: a product, 2: a hidden state, 3: a field over position
     hidden: HiddenState | None = None
+
+    @property
+    def along_map(self) -> bool:
+        """Whether it is tried along the axes of the map only: a field over both directions."""
+        return {'x', 'y'} <= {factor.quantity for factor in self.factors}
 
 
 @final
@@ -111,20 +120,28 @@ def _is_product(one: LawFactor, other: LawFactor) -> bool:
     return bool(kinds & {*MOTIONS, 'speed', *THRUSTS})
 
 
-def _list_hidden_columns() -> Iterator[Column]:
+def _list_hidden_columns(spreads: Mapping[str, Spread]) -> Iterator[Column]:
     """Yield the columns with a hidden state."""
-    for name in (*MOTIONS, *THRUSTS, 'roll', 'pitch', 'speed'):
-        for form in ('linear',) if name == 'speed' else ('linear', 'modulus'):
+    for name in (*MOTIONS, *THRUSTS, 'roll', 'pitch', 'speed', 'height'):
+        for form in ('linear',) if name in ('speed', 'height') else ('linear', 'modulus'):
             drive = [LawFactor(quantity=name, form=form)]
-            states = [HiddenState(drive=drive, time_constant=lag) for lag in LAGS]
-            if form == 'linear':
+            # A height is never at 0
+            start = round_number(spreads[name].mean) if name == 'height' else None
+            states = [HiddenState(drive=drive, time_constant=lag, start=start) for lag in LAGS]
+            if form == 'linear' and start is None:
                 states += [
                     HiddenState(drive=drive, frequency=2.0 * math.pi * hertz, damping=DAMPED)
                     for hertz in SWINGS
                 ]
             for state in states:
-                for output in OWN if state.frequency else OWN[:1]:
+                for output in OWN:
                     yield Column((LawFactor(quantity=output),), 2, state)
+    # What switches with a delay, alone or as a share of the thrust
+    for name in (*MOTIONS, 'roll', 'pitch', 'height'):
+        for factor, lag in product(_list_steps(name, spreads[name]), LAGS):
+            state = HiddenState(drive=[factor], time_constant=lag)
+            for pushed in ((), *((LawFactor(quantity=one),) for one in THRUSTS[:2])):
+                yield Column((LawFactor(quantity=OWN[0]), *pushed), 2, state)
 
 
 def _list_field_columns(spreads: Mapping[str, Spread]) -> Iterator[Column]:
@@ -138,21 +155,23 @@ def _list_field_columns(spreads: Mapping[str, Spread]) -> Iterator[Column]:
                 for form in ('positive', 'negative'):
                     side = LawFactor(quantity=name, form=form, threshold=factor.threshold)
                     yield Column((side,), 3)
-    waves: list[list[tuple[LawFactor, ...]]] = []
+    scales: list[list[float]] = []
     for name in ('x', 'y'):
+        # Half a wave over the area, and so on: a length between two fits at one of them
         length = 2.0 * max(3.5 * spreads[name].size, 0.5)
-        waves.append([()])
-        for k in range(1, HARMONICS + 1):
-            for phase in (0.0, 0.5 * math.pi):
-                wave = LawFactor(
-                    quantity=name, form='sin', scale=round_number(length / k), phase=phase
-                )
-                waves[-1].append((wave,))
+        most = min(HARMONICS, math.ceil(length / SHORTEST))
+        scales.append([round_number(length / k) for k in range(1, most + 1)])
     fading = LawFactor(quantity='height', form='decay', scale=0.7)
-    for a, b in product(*waves):
-        if a or b:
-            yield Column((*a, *b), 3)
-            yield Column((*a, *b, fading), 3)
+    for name, own in zip(('x', 'y'), scales, strict=True):
+        for scale, phase in product(own, PHASES):
+            wave = LawFactor(quantity=name, form='sin', scale=scale, phase=phase)
+            yield Column((wave,), 3)
+            yield Column((wave, fading), 3)
+    for (a, b), phases in product(product(*scales), (QUARTERS, EIGHTHS)):
+        for phase, other in product(phases, phases):
+            first = LawFactor(quantity='x', form='sin', scale=a, phase=phase)
+            second = LawFactor(quantity='y', form='sin', scale=b, phase=other)
+            yield Column((first, second), 3)
 
 
 def build_dictionary(spreads: Mapping[str, Spread]) -> list[Column]:
@@ -166,7 +185,7 @@ def build_dictionary(spreads: Mapping[str, Spread]) -> list[Column]:
     return [
         *(Column((one,), 0) for one in single),
         *(Column(pair, 1) for pair in pairs),
-        *_list_hidden_columns(),
+        *_list_hidden_columns(spreads),
         *_list_field_columns(spreads),
     ]
 
@@ -184,20 +203,27 @@ def list_numbers(column: Column) -> list[Place]:
             names = [name for name in names if name != 'scale']
         out += [(k, name) for name in names]
     if column.hidden is not None:
-        names = ['time_constant', 'frequency', 'damping']
+        names = ['time_constant', 'frequency', 'damping', 'start']
         out += [(HIDDEN, name) for name in names if getattr(column.hidden, name) is not None]
+        if column.hidden.drive[0].threshold is not None:
+            out.append((HIDDEN, 'threshold'))
     return out
 
 
 def move_number(
     column: Column, place: Place, step: float, spreads: Mapping[str, Spread]
 ) -> Column:
-    """Return a column with a number moved: thresholds and phases add, others multiply."""
+    """Return a column with a number moved: thresholds, starts and phases add, others multiply."""
     k, name = place
     if k == HIDDEN:
         assert column.hidden is not None
-        value = _move_value(name, getattr(column.hidden, name), step, 1.0)
-        return replace(column, hidden=column.hidden.model_copy(update={name: value}))
+        state, drive = column.hidden, column.hidden.drive[0]
+        holder = drive if name == 'threshold' else state
+        value = _move_value(name, getattr(holder, name), step, spreads[drive.quantity].size)
+        moved: dict[str, object] = {name: value}
+        if holder is drive:
+            moved = {'drive': [drive.model_copy(update=moved), *state.drive[1:]]}
+        return replace(column, hidden=state.model_copy(update=moved))
     factor = column.factors[k]
     now = getattr(factor, name)
     before = (1.0 if name == 'exponent' else 0.0) if now is None else now
@@ -225,7 +251,7 @@ def vary_numbers(column: Column, spreads: Mapping[str, Spread], step: float) -> 
 def _move_value(name: str, value: float, step: float, size: float) -> float:
     """Return a moved number; `size` is the usual size of its quantity."""
     low, high = LIMITS.get(name, (-1e4, 1e4))
-    if name == 'threshold':
+    if name in ('threshold', 'start'):
         moved = value + step * size
     else:
         moved = value + step if name == 'phase' else value * math.exp(step)

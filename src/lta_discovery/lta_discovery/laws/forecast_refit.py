@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 
 ROUNDS: Final = 3  # most Gauss-Newton steps
 BETTER: Final = 0.995  # of the score; a step has to be better than this
-RIDGES: Final = (1.0, 6.0, 36.0, 216.0)  # trial factors on the precision of a step's prior
+RIDGES: Final = (0.1, 1.0, 6.0, 36.0, 216.0)  # trial factors on the precision of a step's prior
 POSE: Final = (slice(0, 3), slice(3, 6))  # position and attitude among the residuals
 
 

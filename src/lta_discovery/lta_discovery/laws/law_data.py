@@ -1,6 +1,6 @@
 """Collect what a law may depend on in jointly fitted flights, and their unexplained wrench."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Final, final, Literal, NamedTuple
 
 from lta_config.schema.vehicle_law import HiddenState
@@ -64,12 +64,20 @@ class LawData:
         In the order of the fit: `count` training flights first, then the confirming ones.
     floor : ndarray, shape (6,)
         Noise floor of the wrench. [N, N m]
+    reach : mapping of str to tuple of float, optional
+        Lowest and highest value that quantities can have, of those with limits. [SI]
 
     """
 
     def __init__(
-        self, joint: JointFit, flights: Sequence[FlightQuantities], floor: Array, count: int
+        self,
+        joint: JointFit,
+        flights: Sequence[FlightQuantities],
+        floor: Array,
+        count: int,
+        reach: Mapping[str, tuple[float, float]] | None = None,
     ) -> None:
+        self.reach = reach or {}
         self.joint, self.floor, self._measured = joint, floor, flights
         pieces = [each.pieces for each in flights]
         self.values = {name: np.concatenate([each[name] for each in pieces]) for name in pieces[0]}

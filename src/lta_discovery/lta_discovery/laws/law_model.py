@@ -19,7 +19,7 @@ from lta_discovery.laws.law_data import LawData
 from lta_discovery.laws.regression import LAW_AXES
 from lta_discovery.laws.selection import LawFit
 from lta_discovery.selection.interval import NORMAL
-from lta_model.law_arrays import OWN
+from lta_model.law_arrays import evaluate_product, OWN
 import numpy as np
 from numpy.typing import NDArray
 
@@ -89,27 +89,48 @@ def find_region(
     """
     Return the range of each quantity of a law in its flights, and MARGIN beyond each end.
 
-    Without it for heights and places of which a term is a wave: its length is that of the fit, and
-    says nothing about where no flight was.
+    Without it for heights and places of which a term is a wave that the flights do not contain in
+    full: its length is that of the fit, and says nothing about where no flight was. Thrusts reach
+    as far as the rotors do, since the force of a jet grows with its thrust; and a lag of first
+    order as far as its drive.
     """
-    used = {factor.quantity for term in terms for factor in term.factors}
+    factors = [factor for term in terms for factor in term.factors]
+    drive = hidden.drive if hidden is not None else []
+    used = {factor.quantity for factor in (*factors, *drive)}
     state = data.quantities(hidden)
-    if hidden is not None:
-        used |= {factor.quantity for factor in hidden.drive}
-    ends = {name: (float(np.min(state[name])), float(np.max(state[name]))) for name in used}
-    # A hidden state begins at 0
-    ends |= {name: (min(ends[name][0], 0.0), max(ends[name][1], 0.0)) for name in used & {*OWN}}
-    waves = {
-        factor.quantity
-        for term in terms
-        for factor in term.factors
-        if factor.form == 'sin' and factor.quantity != 'yaw'
-    }
     region = {}
-    for name, (low, high) in sorted(ends.items()):
-        beyond = max(0.0 if name in waves else MARGIN * (high - low), 1e-9)
-        region[name] = [round_number(low - beyond), round_number(high + beyond)]
+    for name in sorted(used):
+        low, high = float(np.min(state[name])), float(np.max(state[name]))
+        beyond = MARGIN * (high - low)
+        waves = [one for one in factors if one.quantity == name and one.form == 'sin']
+        longest = max((one.scale or 0.0 for one in waves), default=0.0)
+        if name != 'yaw' and longest > high - low:
+            beyond = 0.0
+        if name in OWN and hidden is not None:
+            low, high = _hidden_range(name, hidden, evaluate_product(drive, state), (low, high))
+        low, high = low - max(beyond, 1e-9), high + max(beyond, 1e-9)
+        least, most = data.reach.get(name, (low, high))
+        region[name] = [round_number(min(low, least)), round_number(max(high, most))]
     return region
+
+
+def _hidden_range(
+    name: str, hidden: HiddenState, drive: Array, ends: tuple[float, float]
+) -> tuple[float, float]:
+    """Return the range of a hidden state or its rate, with where it begins."""
+    start = hidden.start or 0.0
+    begun = start if name == OWN[0] else 0.0
+    low, high = min(ends[0], begun), max(ends[1], begun)
+    if hidden.time_constant is None:
+        return low, high
+    # It stays between its start and the extremes of the drive, also those beyond the flights
+    beyond = MARGIN * float(np.ptp(drive))
+    least, most = float(np.min(drive)) - beyond, float(np.max(drive)) + beyond
+    least, most = min(start, least), max(start, most)
+    if name == OWN[0]:
+        return min(low, least), max(high, most)
+    fastest = (most - least) / hidden.time_constant
+    return min(low, -fastest), max(high, fastest)
 
 
 @final

@@ -5,10 +5,11 @@ The terms are selected on training and confirming flights. The law is proposed o
 forecasts of held-out flights better; nothing that was named or fitted before changes.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Final
+import math
+from typing import Final, final, NamedTuple
 
 from lta_config.errors import BadInput
 from lta_discovery.conclusion import FAR, find_law_obstacle
@@ -27,7 +28,7 @@ from lta_discovery.laws.forecast import (
     overlap_windows,
     Prepare,
 )
-from lta_discovery.laws.forecast_refit import ForecastRefit, LawModel
+from lta_discovery.laws.forecast_refit import FittedLaw, ForecastRefit, LawModel
 from lta_discovery.laws.law_data import FlightQuantities, LawData
 from lta_discovery.laws.law_file import (
     add_law_block,
@@ -47,6 +48,7 @@ from lta_discovery.laws.law_model import (
     list_terms,
     Numbers,
 )
+from lta_discovery.laws.quantities import thrust_ranges
 from lta_discovery.laws.selection import LawFit, select_terms
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.page.formatting import explain_decision, format_parameter
@@ -54,6 +56,7 @@ from lta_discovery.parallel import map_parallel
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.replay.linearized_flight import zero_unknowns
 from lta_discovery.study import DiscoveryStudy
+from lta_model.vehicle import Vehicle
 import numpy as np
 from numpy.typing import NDArray
 
@@ -64,7 +67,10 @@ DROPPED: Final = 1.005  # of the least score; fewer terms that are not worse tha
 KEPT: Final = 0.98  # of the score; other tolerances have to be better than this
 # Of the error without the law: position or attitude has to fall below it
 BETTER: Final = 0.95
-WORSE: Final = 1.0  # of the error without the law; neither position nor attitude may exceed it
+WORSE: Final = 1.05  # of the error without the law; neither may exceed it, be it by chance
+TESTS: Final = 3  # most tests on the same held-out flights
+# Of an interval, so that its one end holds with 95 % in all tests together (Bonferroni)
+CONFIDENCE: Final = 1.0 - 2.0 * 0.05 / TESTS
 NEAR: Final = 3  # library effects that are listed as the nearest
 
 
@@ -104,19 +110,30 @@ def list_taught_flights(study: DiscoveryStudy) -> list[FlightLinearizer]:
     ]
 
 
-def collect_law_data(study: DiscoveryStudy, joint: JointFit) -> LawData:
-    """Return the jointly fitted flights of a study as data for laws."""
+def collect_law_data(
+    study: DiscoveryStudy, joint: JointFit, vehicle: Vehicle | None = None
+) -> LawData:
+    """Return the jointly fitted flights of a study, of a vehicle, as data for laws."""
     both = zip(list_taught_flights(study), joint.group.linears, strict=True)
     flights = map_parallel(lambda each: FlightQuantities.from_fit(*each), list(both))
     count = sum(one.role == 'train' for one in study.flights)
-    return LawData(joint, flights, wrench_floor(study.nominal), count)
+    reach = thrust_ranges(vehicle) if vehicle else None
+    return LawData(joint, flights, wrench_floor(study.nominal), count, reach)
+
+
+@final
+class Trial(NamedTuple):
+    """The terms of a law that is tested, and their refit."""
+
+    terms: Chosen
+    fitted: FittedLaw
 
 
 def _search_law(
     study: DiscoveryStudy, base: BaseFile, joint: JointFit, forecasts: JointFit
 ) -> LawFinding:
     """Search, refit and test a law."""
-    flights, data = list_taught_flights(study), collect_law_data(study, joint)
+    flights, data = list_taught_flights(study), collect_law_data(study, joint, base.vehicle)
     chosen, fitted_terms = select_terms(data, build_dictionary(data.spreads), joint.deviations)
     near = _list_near_effects(study.finding)
     if not chosen:
@@ -125,7 +142,7 @@ def _search_law(
     fixed = find_unwritable_parameters(base, study)
     refit = build_refit(study, flights, joint, forecasts, fixed)
     deviations = fitted_terms.sides[0].deviations
-    source, failed = _format_source(study.finding), LawFinding(None, '')
+    source = _format_source(study.finding)
     held = np.where(fixed, 0.0, forecasts.fitted.mean)
 
     def begin(terms: Chosen) -> tuple[LawModel, Array]:
@@ -135,22 +152,19 @@ def _search_law(
         start = model.prepare(model.start)
         return model, choose_parameters(study, refit, forecasts, fit.shared, start, fixed)
 
-    def list_trials() -> Iterator[tuple[ForecastRefit, Chosen, LawModel, Array]]:
-        """Yield what refits a law, its terms, itself and what it begins with; the best first."""
+    def list_trials() -> Iterator[Trial]:
+        """Yield laws, the best first."""
         best, *fewer = rank_laws(refit, chosen, *begin(chosen))
         model, shared = begin(best)
-        yield refit, best, model, shared
+        yield Trial(best, refit.fit(model, shared))
         # The tolerances as they were without a law, or fewer terms, may predict others better
-        yield refit.hold_shared(), best, model, held
+        yield Trial(best, refit.hold_shared().fit(model, held))
         for terms in fewer:
-            yield refit, terms, *begin(terms)
+            yield Trial(terms, refit.fit(*begin(terms)))
 
-    tested: list[Array] = []
-    for tool, terms, model, shared in list_trials():
-        weights, at = tool.fit(model, shared)
-        if any(np.array_equal([*weights, *at], one) for one in tested):
-            continue
-        tested.append(np.array([*weights, *at]))
+    def test_law(trial: Trial, again: bool) -> LawFinding:
+        """Return a law if held-out flights support it, or the reason why they do not."""
+        terms, (weights, at) = trial
         weights, steps = np.split(weights, [len(terms)])
         moved = Numbers(terms, list_own_numbers(terms)).move(data, steps)
         fit = LawFit(data, 'all', deviations, list_terms(data, moved))
@@ -161,13 +175,39 @@ def _search_law(
             return LawFinding(None, f'the vehicle file cannot hold it: {fault}', (), near, law)
         prepare = partial(FlightLaw, law)
         errors = compare_forecasts(study, forecasts, prepare, file.nominal, np.zeros_like(at))
-        reason = judge_forecasts(errors)
-        if not reason:
-            return LawFinding(
-                law, '', errors, near, law,
-                add_law_block(file.text, law), list_tolerance_changes(study, at),
-            )  # fmt: skip
-        failed = failed if failed.reason else LawFinding(None, reason, errors, near, law)
+        reason = judge_forecasts(errors, again)
+        if reason:
+            return LawFinding(None, reason, errors, near, law)
+        return LawFinding(
+            law, '', errors, near, law,
+            add_law_block(file.text, law), list_tolerance_changes(study, at),
+        )  # fmt: skip
+
+    return take_first_supported(list_trials(), test_law)
+
+
+def take_first_supported(
+    trials: Iterable[Trial], test: Callable[[Trial, bool], LawFinding]
+) -> LawFinding:
+    """
+    Return the first law that its test supports, or the finding on the first one if none is.
+
+    At most `TESTS` are tested, and none twice. A test is told whether there was one before it.
+    """
+    tested: list[Array] = []
+    failed: LawFinding | None = None
+    for trial in trials:
+        numbers = np.concatenate(trial.fitted)
+        if any(np.array_equal(numbers, one) for one in tested):
+            continue
+        finding = test(trial, bool(tested))
+        tested.append(numbers)
+        if finding.law is not None:
+            return finding
+        failed = failed or finding
+        if len(tested) == TESTS:
+            break
+    assert failed is not None
     return failed
 
 
@@ -225,18 +265,19 @@ def choose_parameters(
 def compare_forecasts(
     study: DiscoveryStudy,
     forecasts: JointFit,
-    prepare: Prepare,
+    prepare: Prepare | None,
     nominal: NominalVehicle,
     at: Array,
 ) -> tuple[ChannelErrors, ...]:
     """
     Return the errors on held-out flights: `after` with the law, `tuned` without it.
 
-    `before` are those of the vehicle file. The law acts on `nominal` with the changes `at`. The
-    windows of the forecasts overlap.
+    `before` are those of the vehicle file. The law acts on `nominal` with the changes `at`, or
+    is that of `nominal` (None). The windows of the forecasts overlap; their intervals are by
+    bootstrap over pieces, with `CONFIDENCE`.
     """
     offs: dict[str, list[Array]] = {name: [] for name in ('before', 'tuned', 'after', 'coast')}
-    flights = []
+    flights, blocks, count = [], [], 0
     for each in study.comparisons:
         flight = each.study_flight.flight
         dense = overlap_windows(flight, study.nominal)
@@ -248,15 +289,34 @@ def compare_forecasts(
         offs['after'].append(maker.compute_dense_residuals(dense, prepare, at))
         offs['coast'].append(compute_forecast_residuals(dense, before, True, learned=0))
         flights.append(dense)
+        blocks.append(count + dense.replay.cut.first // dense.replay.cut.length)
+        count = int(blocks[-1].max(initial=count)) + 1
     together = {kind: np.concatenate(parts) for kind, parts in offs.items()}
-    return tuple(summarize_residuals(flights, together, study.finding.seed, tuple(WHOLE)))
+    return tuple(
+        summarize_residuals(
+            flights, together, study.finding.seed, tuple(WHOLE),
+            np.concatenate(blocks), CONFIDENCE,
+        )
+    )  # fmt: skip
 
 
-def judge_forecasts(errors: Sequence[ChannelErrors]) -> str:
-    """Return why a law is not proposed: it does not improve forecasts; '' if it does."""
+def judge_forecasts(errors: Sequence[ChannelErrors], again: bool = False) -> str:
+    """
+    Return why a law is not proposed: it does not improve forecasts; '' if it does.
+
+    What is worse has to be so beyond the interval of the difference. What is better, too, if other
+    laws failed on the same flights before (`again`): each test is another chance to pass.
+    """
     far = [one for one in errors if one.horizon_s == FAR]
-    ratios = {one.channel: one.after / min(one.before, one.tuned) for one in far}
-    worse = [channel for channel, ratio in ratios.items() if not ratio <= WORSE]
+    better, worse = [], []
+    for one in far:
+        without = min(one.before, one.tuned)
+        ratio = one.after / without
+        low, high = one.shrink_ci95 if one.before < one.tuned else one.added_ci95
+        if not ratio <= 1.0 and not (ratio <= WORSE and high >= 0.0):
+            worse.append(one.channel)
+        if ratio <= BETTER and (low > 0.0 or math.isinf(without) or not again):
+            better.append(one.channel)
     if worse:
         return (
             f'with the law found, the {" and ".join(worse)} of held-out flights is predicted worse'
@@ -264,7 +324,7 @@ def judge_forecasts(errors: Sequence[ChannelErrors]) -> str:
     place = next((one for one in far if one.channel == 'position'), None)
     if place is not None and not place.after < place.coast:
         return 'with the law found, coasting still predicts held-out flights as well or better'
-    if not ratios or min(ratios.values()) > BETTER:
+    if not better:
         return 'the law found does not predict held-out flights better'
     return ''
 

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 import math
 from typing import Final
 
+from lta_config.schema.vehicle_law import AXES as LAW_AXES
 from lta_config.schema.vehicle_law import HiddenState
 from lta_discovery.flights.measured_flight import PERIOD
 from lta_discovery.model.nominal import NominalVehicle
@@ -19,6 +20,7 @@ from lta_discovery.replay.linearized_flight import AXES
 from lta_discovery.replay.replay import STEPS
 from lta_model.law_arrays import evaluate_product
 from lta_model.state import ROTOR, ROTOR_AXIS, ROTOR_PLACE
+from lta_model.vehicle import Vehicle
 import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter, savgol_filter
@@ -73,6 +75,19 @@ def input_quantities(flight: FlightLinearizer, nominal: NominalVehicle) -> Quant
     }
 
 
+def thrust_ranges(vehicle: Vehicle) -> dict[str, tuple[float, float]]:
+    """Return the least and the largest wrench of the rotors along each axis, by quantity."""
+    ends = []
+    for rotor in vehicle.rotors:
+        full = rotor.full_thrust * np.array([*rotor.axis, *np.cross(rotor.place, rotor.axis)])
+        ends.append(np.sort([-full * rotor.reversible, full], axis=0))
+    low, high = np.sum(ends, axis=0) if ends else np.zeros((2, AXES))
+    return {
+        f'thrust_{axis}': (float(low[k]), float(high[k]))
+        for k, axis in enumerate(list(LAW_AXES)[:AXES])
+    }
+
+
 def measured_states(flight: FlightLinearizer, count: int) -> Array:
     """Return the measured motion on the grid, smoothed; gaps are bridged linearly, (n, 13)."""
     measured = flight.replay.flight
@@ -105,10 +120,10 @@ def filter_hidden(
     Parameters
     ----------
     start : ndarray, shape (S, 2), optional
-        State and rate at the beginning; 0 by default.
+        State and rate at the beginning; those of the start of a flight by default.
 
     """
-    begin = np.zeros((len(drive), 2)) if start is None else start
+    begin = np.tile([state.start or 0.0, 0.0], (len(drive), 1)) if start is None else start
     if state.time_constant is not None:
         time = state.time_constant
         decay = math.exp(-dt / time)

@@ -9,9 +9,10 @@ wrench are fitted again, as a missing term inflates them.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+import math
 from typing import Final, final, NamedTuple
 
-from lta_config.schema.vehicle_law import HIDDEN_RATE, HiddenState, REGION
+from lta_config.schema.vehicle_law import REGION
 from lta_discovery.laws.dictionary import Column, MOTIONS, THRUSTS, vary_numbers
 from lta_discovery.laws.law_data import LawData, Side
 from lta_discovery.laws.regression import LAW_AXES, TermProducts
@@ -38,6 +39,7 @@ OTHER: Final = 3.0  # nats; the same of any other form
 NUMBER: Final = 3.0  # nats; cost of a number that is fitted in addition
 REPEATED: Final = 0.02  # of its information; a column with less beside the others repeats them
 STEPS: Final = (0.35, 0.15, 0.06, 0.02)  # of numbers, in the logarithm
+CLIMBS: Final = 8  # most steps of a size
 # Quantities of one kind, by name
 KINDS: Final = {
     **dict.fromkeys(MOTIONS, 'motion'),
@@ -246,6 +248,8 @@ def _scan(
 ) -> list[Candidate]:  # fmt: skip
     """Return the best further columns, also for smaller deviations of each axis."""
     out, deviations = [], current.sides[0].deviations
+    body = np.flatnonzero([not column.along_map for column in columns])
+    both = (basis[..., body], body), (basis, np.arange(len(columns)))
     for own, axes in GROUPS:
         loud = float(np.max(deviations[list(own)] / data.floor[list(own)])) > LOUD
         for share in (1.0, *(SHRUNK if loud else ())):
@@ -255,26 +259,32 @@ def _scan(
             # What smaller deviations win alone is no merit of a column
             dear = costs + max(current.evidence - there.evidence, 0.0)
             for axis in axes:
-                worth = there.gains(basis, axis) - dear
+                tried, index = both[axis >= AXES]
+                worth = there.gains(tried, axis) - dear[index]
+                best = np.argsort(-worth)[:TRIED]
                 out += [
-                    Candidate(
-                        float(worth[j]), columns[j], axis, there, float(dear[j]), float(costs[j])
-                    )
-                    for j in np.argsort(-worth)[:TRIED]
-                    if np.isfinite(worth[j])
+                    Candidate(value, columns[j], axis, there, float(dear[j]), float(costs[j]))
+                    for value, j in zip(worth[best].tolist(), index[best].tolist(), strict=True)
+                    if math.isfinite(value)
                 ]
     return sorted(out, key=lambda one: -one.worth)
 
 
 def _refine(data: LawData, one: Candidate) -> Candidate:
-    """Return a candidate with better numbers."""
+    """Return a candidate with better numbers, by steps of the one that wins most."""
     best = one
     for step in STEPS:
-        for other in vary_numbers(best.column, data.spreads, step):
-            worth = float(one.base_terms.gains(data.basis([other]), one.axis)[0]) - one.cost
-            worth -= NUMBER * (_count_numbers(other) - _count_numbers(one.column))
-            if worth > best.worth:
-                best = best._replace(column=other, worth=worth)
+        for _ in range(CLIMBS):
+            others = vary_numbers(best.column, data.spreads, step)
+            if not others:
+                return best
+            more = np.array([_count_numbers(other) for other in others])
+            worth = one.base_terms.gains(data.basis(others), one.axis) - one.cost
+            worth -= NUMBER * (more - _count_numbers(one.column))
+            k = int(np.argmax(worth))
+            if not worth[k] > best.worth:
+                break
+            best = best._replace(column=others[k], worth=float(worth[k]))
     return best
 
 
@@ -347,8 +357,6 @@ def _choose_column(
         if one.column.hidden is not None and state is not None:
             # One hidden state: a second output must be of the same
             column = replace(one.column, hidden=state)
-            if not can_follow(column, state):
-                continue
             worth = float(one.base_terms.gains(data.basis([column]), one.axis)[0]) - one.cost
             one = one._replace(column=column, worth=worth)
         else:
@@ -358,12 +366,6 @@ def _choose_column(
         if one.worth > WORTH and (best is None or one.worth > best.worth):
             best = one
     return best
-
-
-def can_follow(column: Column, state: HiddenState) -> bool:
-    """Return whether the outputs in a column are those of a state: one with a lag has no rate."""
-    names = {factor.quantity for factor in column.factors}
-    return HIDDEN_RATE not in names or state.frequency is not None
 
 
 def count_quantities(columns: Sequence[Column]) -> int:

@@ -45,6 +45,7 @@ _NAMES = (
     'order',
     'lag',
     'damping',
+    'start',
     *(f'drive_{part}_{factor}' for factor in range(1, FACTORS + 1) for part in _FACTOR),
     *(f'{end}_{k}' for k in range(1, REGION + 1) for end in ('limited', 'low', 'high')),
 )
@@ -54,7 +55,8 @@ PARAMETERS = tuple(EffectParameter(name, '1', 0.0, -1e9, 1e9, 1.0, _SOURCE) for 
 FACTOR = len(_FACTOR)
 TERM = 2 + FACTOR * FACTORS
 ORDER = TERM * TERMS
-DRIVE = ORDER + 3
+START = ORDER + 3
+DRIVE = ORDER + 4
 RANGES = DRIVE + FACTOR * FACTORS
 # Codes of forms and of the heading, which alone is periodic
 LINEAR, MODULUS, POWER, POSITIVE, NEGATIVE, ABOVE, SIGN, DECAY, SINE, COSINE = range(len(FORMS))
@@ -143,9 +145,22 @@ def compute_fade(p: Values, values: Values, of_drive: bool) -> float:
     return fade
 
 
+def list_law_quantities(
+    p: Values, memory: Values, motion: VehicleMotion, thrust: Values
+) -> Values:
+    """Return all quantities, with the hidden state of a law of these parameters. [SI]"""
+    # The memory counts from the start
+    hidden = memory[0] + p[START]
+    values = list_quantities((hidden, memory[1], memory[2]), motion, thrust)
+    if p[ORDER] != 1.0:
+        return values
+    drive = compute_fade(p, values, True) * multiply_factors(p, DRIVE, values)
+    return list_quantities((hidden, (drive - hidden) / p[ORDER + 1], memory[2]), motion, thrust)
+
+
 def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
     """Return the sum of the terms, in the body frame. [N, N m]"""
-    values = list_quantities(memory, motion, thrust)
+    values = list_law_quantities(p, memory, motion, thrust)
     fade = compute_fade(p, values, False)
     # Six body axes, then three of the map
     a, b, c, d, e, f, x, y, z = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -186,10 +201,11 @@ def compute_memory_rate(
         return (0.0, 0.0, clock)
     values = list_quantities(memory, motion, thrust)
     drive = compute_fade(p, values, True) * multiply_factors(p, DRIVE, values)
+    off = drive - (memory[0] + p[START])
     if order == 1.0:
-        return ((drive - memory[0]) / lag, 0.0, clock)
+        return (off / lag, 0.0, clock)
     # `lag` is the natural frequency
-    return (memory[1], lag * lag * (drive - memory[0]) - 2.0 * damping * lag * memory[1], clock)
+    return (memory[1], lag * lag * off - 2.0 * damping * lag * memory[1], clock)
 
 
 EFFECT = WrenchEffect(
@@ -227,7 +243,7 @@ def list_law_parameters(law: Law) -> dict[str, float]:
     if hidden := law.hidden:
         first = hidden.time_constant is not None
         lag = hidden.time_constant if first else hidden.frequency
-        numbers += [1.0 if first else 2.0, lag or 0.0, hidden.damping or 0.0]
+        numbers += [1.0 if first else 2.0, lag or 0.0, hidden.damping or 0.0, hidden.start or 0.0]
         numbers += _pack_factors(hidden.drive)
     numbers += [0.0] * (RANGES - len(numbers))
     for name, (low, high) in law.region.items():
