@@ -7,18 +7,21 @@ intervals contain what the model does not explain.
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Final
 
 from lta_config.errors import BadInput
 from lta_discovery.calibration.coarse_fit import CoarseCalibration
 from lta_discovery.fit.bounds import apply_parameters
 from lta_discovery.fit.evidence import build_shared_prior, per_flight_variance, wrench_floor
-from lta_discovery.fit.joint_fit import JointFit, JointFitter
+from lta_discovery.fit.joint_fit import JointFit, JointFitter, REST
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import NET_LIFT
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.replay.knot_count import count_needed_knots
 from lta_discovery.replay.linearized_flight import LinearizationPoint, SENSORS, zero_unknowns
 import numpy as np
+
+LOOSE: Final = 3.0  # nats; convergence criterion of a fit with more noise than the tracker's
 
 
 def refine_calibration(
@@ -30,7 +33,8 @@ def refine_calibration(
     """
     Return the joint fit of all flights from a coarse calibration; None if it does not converge.
 
-    `noise`: factor on the noise of the readings.
+    `noise`: factor on the noise of the readings. With a larger one, it is enough that the evidence
+    settles to some nats: values and deviations of the latent wrench may alternate around the best.
 
     Values and intervals of a fit that stopped on the way are those of a linearization elsewhere.
     """
@@ -52,7 +56,7 @@ def refine_calibration(
     at = np.append(coarse.values, np.zeros(len(SENSORS)))
     try:
         begin = fitter.linearize_flights(at, points, prior)
-        fit = fitter.fit(prior, begin, floor, narrow=True)
+        fit = fitter.fit(prior, begin, floor, rest=REST if noise == 1.0 else LOOSE, narrow=True)
     except (BadInput, np.linalg.LinAlgError):
         return None
     if not fit.is_converged:

@@ -36,6 +36,7 @@ ROUNDS: Final = 12  # most linearisations
 # Prior deviations in which a step is damped, as a weight on the distance from the present point;
 # tried in turn until one lowers the misfit.
 HOLDS: Final = (0.0, 1.0, 10.0, 100.0, 1e3, 1e4)
+NEARLY: Final = 1.0  # of these; up to it, what the flights determine moves by nearly a full step
 GAIN: Final = 0.1  # of the predicted gain in misfit; a step with less is damped more
 BROKEN: Final = 2.0  # of the predicted misfit; above it unknowns of pieces are solved for again
 SETTLED: Final = 4  # most times that these are solved for
@@ -109,7 +110,7 @@ class FitStep(NamedTuple):
     at: Array  # shared parameters, shape (G,)
     points: list[LinearizationPoint]  # of each flight
     misfit_gap: float  # difference between actual and predicted misfit
-    whole: bool  # whether it is the full step
+    whole: bool  # whether it is the full step, or nearly
 
 
 @final
@@ -220,6 +221,7 @@ class JointFitter:
         here = self._gather_points(group, last.deviations)
         # Baseline: the simulated misfit at the present point
         bound, error = self._point_misfit(last, group.at, here), forecast_error(self.flights, here)
+        best, least = None, bound + WORSE
         for hold in HOLDS:
             try:
                 at, points = self._propose_held_step(last, hold)
@@ -230,12 +232,16 @@ class JointFitter:
             if forecast_error(self.flights, points) > ASTRAY * error:
                 continue
             misfit = self._point_misfit(last, at, points)
-            if not (misfit < bound + WORSE and misfit < BROKEN * linear):
+            if not (misfit < least and misfit < BROKEN * linear):
                 misfit, points = self._settle_points(last, at, points, min(bound, linear) + WORSE)
-            gap = abs(misfit - linear)
-            enough = bound - GAIN * max(bound - linear, 0.0) + WORSE
-            if misfit < enough:
-                return FitStep(at, points, np.inf if hold else gap, not hold)
+            if misfit < least:
+                gap = np.inf if hold else abs(misfit - linear)
+                best, least = FitStep(at, points, gap, hold <= NEARLY), misfit
+            # It predicts well here, and gains: stop before smaller steps
+            if misfit < min(bound + WORSE - GAIN * max(bound - linear, 0.0), BROKEN * linear):
+                break
+        if best is not None:
+            return best
         # Aligning the flights is worth a linearization even without a better point
         return None if group.is_aligned else FitStep(group.at, here, np.inf, False)
 
