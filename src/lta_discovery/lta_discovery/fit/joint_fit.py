@@ -33,10 +33,10 @@ Array = NDArray[np.float64]
 
 REST: Final = 0.7  # nats; convergence criterion of the evidence
 ROUNDS: Final = 12  # most linearisations
-# Prior deviations in which a step is damped, as a weight on the distance from the present point;
-# tried in turn until one lowers the misfit.
+# Weights on the distance of parameters from the present point, by their prior precision, which
+# damp a step; tried in turn until one lowers the misfit
 HOLDS: Final = (0.0, 1.0, 10.0, 100.0, 1e3, 1e4)
-NEARLY: Final = 1.0  # of these; up to it, what the flights determine moves by nearly a full step
+NEARLY: Final = 1.0  # largest of these weights with which a step counts as full
 GAIN: Final = 0.1  # of the predicted gain in misfit; a step with less is damped more
 BROKEN: Final = 2.0  # of the predicted misfit; above it unknowns of pieces are solved for again
 SETTLED: Final = 4  # most times that these are solved for

@@ -148,7 +148,8 @@ class FlightLinearizer:
         """Return the latent force and moment on the vehicle in each step."""
         knots: Array = point.random[which, WIDTH : self.motion].reshape(-1, AXES, self._knots)
         if self._reference is not None:
-            knots = np.linalg.solve(_inverse_mass(rows), self._reference @ knots)
+            factor = np.linalg.solve(_inverse_mass(rows), self._reference)
+            knots = np.asarray(factor @ knots, dtype=np.float64)
         return np.ascontiguousarray(np.einsum('saj,kj->ska', knots, hats))
 
     def compute_whitened_columns(
