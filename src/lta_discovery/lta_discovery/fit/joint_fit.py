@@ -39,7 +39,7 @@ HOLDS: Final = (0.0, 1.0, 10.0, 100.0, 1e3, 1e4)
 NEARLY: Final = 1.0  # largest of these weights with which a step counts as full
 GAIN: Final = 0.1  # of the predicted gain in misfit; a step with less is damped more
 BROKEN: Final = 2.0  # of the predicted misfit; above it unknowns of pieces are solved for again
-SETTLED: Final = 4  # most times that these are solved for
+SETTLED: Final = 3  # most times that these are solved for
 LEAP: Final = 1e3  # nats; a step with a larger gain does not count as a round
 RAN_AWAY: Final = (
     'The simulation of the recorded flights with this vehicle file diverges; correct the vehicle '
@@ -279,9 +279,12 @@ class JointFitter:
             except (BadInput, np.linalg.LinAlgError):
                 break
             now = self._point_misfit(last, at, moved)
-            if not now < misfit - WORSE:
+            if not now < misfit:
                 break
+            is_slow = now > 0.5 * misfit  # it has settled, or will not get there
             misfit, points = now, moved
+            if is_slow:
+                break
         return misfit, points
 
     def _propose_held_step(
