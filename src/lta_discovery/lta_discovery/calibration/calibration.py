@@ -32,7 +32,7 @@ ALIKE: Final = 0.85  # correlation; values above it cannot be separated
 FAR: Final = 3.0  # tolerances; a value further from the file is reported first
 # Of the refined fit's forecast error; the coarse fit needs less. It is fitted to these forecasts,
 # and follows the noise in their initial states, too.
-BETTER: Final = 0.7
+BETTER: Final = 0.85
 # Noise of the readings in a fit whose forecasts are poor, by that of the tracker: of real flights,
 # whose forces no model has, such a fit forecasts nearly as well as one to the forecasts
 NOISIER: Final = 20.0
