@@ -22,7 +22,7 @@ from lta_data.importers.readers import (
     rosbags_bag,
     sensor_folder,
 )
-from lta_data.importers.readers.line_stream import GZIP
+from lta_data.importers.readers.line_stream import GZIP, UTF16
 
 HEAD = 4096  # bytes read to detect the format
 ULOG = b'ULog\x01\x12\x35'
@@ -176,7 +176,9 @@ def _read_head(path: Path) -> bytes:
 
 
 def _is_text(head: bytes) -> bool:
-    """Return whether bytes are UTF-8 text; the last character may be cut off."""
+    """Return whether bytes are UTF-8 or UTF-16 text; the last character may be cut off."""
+    if head.startswith(UTF16):
+        return '\0' not in head.decode('utf-16', errors='replace')
     if b'\0' in head:
         return False
     try:

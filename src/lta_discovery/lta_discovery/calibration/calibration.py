@@ -6,7 +6,7 @@ import math
 from typing import Final, final
 
 from lta_discovery.calibration.coarse_fit import CoarseCalibration
-from lta_discovery.calibration.forecast_score import relative_error, score_forecasts
+from lta_discovery.calibration.forecast_score import relative_error, score_axes, score_forecasts
 from lta_discovery.calibration.prepared_flights import find_index, fit_coarsely
 from lta_discovery.calibration.refined_fit import refine_calibration
 from lta_discovery.calibration.result import CalibratedValue, Calibration, ForecastScore, WIDE
@@ -32,7 +32,10 @@ ALIKE: Final = 0.85  # correlation; values above it cannot be separated
 FAR: Final = 3.0  # tolerances; a value further from the file is reported first
 # Of the refined fit's forecast error; the coarse fit needs less. It is fitted to these forecasts,
 # and follows the noise in their initial states, too.
-BETTER: Final = 0.7
+BETTER: Final = 0.85
+# Noise of the readings in a fit whose forecasts are poor, by that of the tracker: of real flights,
+# whose forces no model has, such a fit forecasts nearly as well as one to the forecasts
+NOISIER: Final = 20.0
 MAP: Final = 'the direction of the axes of the map'
 
 
@@ -66,12 +69,18 @@ def calibrate_flights(
     estimates = _list_estimates(nominal, roles['train'], coarse, knobs)
     tell('forecasting', 0.8)
     best, scores = _choose_estimate(nominal, roles['train'], estimates, knobs)
+    lifts = [float(values[find_index(knobs, NET_LIFT)]) for values, _ in best.flights]
     told_scores = {'train': scores}
+    axes = {'train': score_axes(nominal, roles['train'], _without_lift(best.shared, knobs), lifts)}
     if roles['confirm']:
         shared = _without_lift(best.shared, knobs)
         # As in the calibrated file; what a flight differs by, its own earlier forecasts tell
         shared[find_index(knobs, NET_LIFT)] = _mean_lift(best, knobs)
         told_scores['confirm'] = score_forecasts(nominal, roles['confirm'], shared, None)
+        axes['confirm'] = score_axes(nominal, roles['confirm'], shared, None)
+    if best.method == 'forecasts':
+        tell('fitting intervals', 0.9)
+        best = _widen_intervals(nominal, roles['train'], coarse, best)
     tell('done', 1.0)
     return Calibration(
         name,
@@ -84,6 +93,7 @@ def calibrate_flights(
         told_scores,
         best.method,
         {role: tuple(each) for role, each in prepared.names.items()},
+        axis_scores=axes,
     )
 
 
@@ -164,6 +174,36 @@ def _choose_estimate(
         elif one.method == 'file' and math.isinf(error):
             best, best_scores = one, scores
     return best, best_scores
+
+
+def _widen_intervals(
+    nominal: NominalVehicle,
+    flights: Sequence[FlightLinearizer],
+    coarse: CoarseCalibration,
+    best: _Estimate,
+) -> _Estimate:
+    """
+    Return the estimate from forecasts with the intervals of a fit to all readings.
+
+    Errors of a model make the two differ by more than either interval says, so that the square of
+    the difference is added to the variance.
+    """
+    fit = refine_calibration(nominal, flights, coarse, NOISIER)
+    if fit is None or not np.isfinite(fit.fitted.covariance).all():
+        return best
+    both = [(best.shared, fit.fitted)]
+    both += [(own, one.fitted) for (own, _), one in zip(best.flights, fit.members, strict=True)]
+    (shared, covariance), *members = (
+        (values, _add_difference(values, other.mean, other.covariance)) for values, other in both
+    )
+    return _Estimate('both', shared, covariance, members)
+
+
+def _add_difference(values: Array, mean: Array, covariance: Array) -> Array:
+    """Return the covariance of a mean with the squared differences from some values."""
+    count = len(values)
+    wide: Array = covariance[:count, :count] + np.diag((values - mean[:count]) ** 2)
+    return wide
 
 
 def _list_values(

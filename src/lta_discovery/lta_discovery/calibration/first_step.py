@@ -49,9 +49,9 @@ MAYBE: Final = 0.7  # of a difference; a linear fit may underestimate it
 USELESS: Final = 0.9  # of the error of coasting; a file with a larger one predicts nothing
 POOR: Final = 0.5  # of the error of coasting; a file with a larger one predicts poorly
 MUCH: Final = 0.7  # of the position error of such a file; a calibration needs less
-# Of the file's forecast error; a calibration needs less, by its method. Without a fit to the
-# readings its intervals are rough, and something that the model lacks looks like a turned marker.
-BETTER: Final = {'likelihood': 0.8, 'forecasts': 0.3, 'file': 0.0}
+# Of the file's forecast error; a calibration needs less, by its method. Where a fit to all
+# readings forecasts poorly, something that the model lacks looks like a turned marker.
+BETTER: Final = {'likelihood': 0.8, 'both': 0.3, 'forecasts': 0.3, 'file': 0.0}
 
 
 @final

@@ -4,17 +4,24 @@ from collections.abc import Mapping, Sequence
 from typing import Final
 
 from lta_config.errors import BadInput
-from lta_discovery.calibration.coarse_fit import build_longest_fitter
-from lta_discovery.calibration.result import ForecastScore
+from lta_discovery.calibration.coarse_fit import (
+    APART,
+    build_forecast_fitter,
+    build_longest_fitter,
+)
+from lta_discovery.calibration.result import AxisScore, ForecastScore
 from lta_discovery.forecast.forecast_fit import ForecastFitter
 from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.quaternions import rotation_matrix
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
+from lta_discovery.replay.sensing import transform_to_map
 from lta_discovery.transfer.forecast_errors import coast_errors
 from lta_discovery.transfer.online_lift import piece_start_times, subtract_online_lift
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+FAR: Final = 8.0  # s; horizon of a step
 WORSE: Final = 1.05  # relative error on confirming flights that contradicts a calibration
 
 
@@ -37,22 +44,87 @@ def score_forecasts(
     if built is None:
         return ()
     fitter, picked = built
-    ahead = fitter.horizons
-    none, online = np.zeros(len(values)), lifts is None
-    parts = {'coast': [coast_errors(one, ahead) for one in fitter.flights]}
-    parts['before'] = [_file_errors(fitter, none, f, online) for f in range(len(picked))]
-    parts['after'] = [
-        _calibrated_errors(fitter, values, f, None if lifts is None else lifts[picked[f]])
-        for f in range(len(picked))
-    ]
+    parts = _compute_errors(fitter, picked, values, lifts)
     errors = {kind: np.concatenate(each) for kind, each in parts.items()}
     out = []
-    for h, horizon in enumerate(ahead):
+    for h, horizon in enumerate(fitter.horizons):
         measured = np.isfinite(errors['coast'][:, h]).all(axis=-1)
         if measured.any():
             coast, before, after = (_rms_pair(errors[kind][measured, h]) for kind in errors)
             out.append(ForecastScore(horizon, coast, before, after, int(measured.sum())))
     return tuple(out)
+
+
+def score_axes(
+    nominal: NominalVehicle,
+    flights: Sequence[FlightLinearizer],
+    values: Array,
+    lifts: Sequence[float] | None,
+) -> tuple[AxisScore, ...]:
+    """
+    Score the forecasts by direction, at the last horizon and `FAR` ahead.
+
+    Arguments as for `score_forecasts`.
+    """
+    out = []
+    for built in (
+        build_longest_fitter(nominal, flights),
+        build_forecast_fitter(nominal, flights, (FAR,), APART[1]),
+    ):
+        if built is None:
+            continue
+        fitter, picked = built
+        parts = _compute_errors(fitter, picked, values, lifts)
+        ways: dict[str, list[Array]] = {kind: [] for kind in parts}
+        for f, flight in enumerate(fitter.flights):
+            vehicle = fitter.build_linearization_point(values, 0.0, flight).nominal
+            for kind, each in parts.items():
+                ways[kind].append(split_by_direction(flight, vehicle, each[f][:, -1, :3]))
+        errors = {kind: np.concatenate(each) for kind, each in ways.items()}
+        measured = np.isfinite(errors['coast']).all(axis=-1)
+        if measured.any():
+            sizes = (
+                np.where(np.isfinite(one[measured]), one[measured], np.inf)
+                for one in errors.values()
+            )
+            with np.errstate(over='ignore'):
+                coast, before, after = (
+                    tuple(np.sqrt(np.mean(one**2, axis=0)).tolist()) for one in sizes
+                )
+            horizon = fitter.horizons[-1]
+            out.append(AxisScore(horizon, coast, before, after, int(measured.sum())))
+    return tuple(out)
+
+
+def split_by_direction(flight: FlightLinearizer, vehicle: NominalVehicle, error: Array) -> Array:
+    """Return position errors, shape (S, 3), by the directions of `AxisScore`, shape (S, 4)."""
+    begun = flight.replay.cut.start
+    # The nose of the vehicle, not that of its markers
+    acting = flight.replay.build_replay_rows(vehicle).acting
+    nose = rotation_matrix(transform_to_map(begun, acting)[:, 3:7])[:, :2, 0]
+    nose /= np.linalg.norm(nose, axis=1, keepdims=True)
+    side = np.stack([-nose[:, 1], nose[:, 0]], axis=1)
+    last = flight.index[:, flight.replay.cut.length - 1]
+    moved = (flight.replay.flight.position[last] - begun[:, :3])[:, :2]
+    with np.errstate(over='ignore', invalid='ignore'):
+        length = np.linalg.norm(moved, axis=1) - np.linalg.norm(moved - error[:, :2], axis=1)
+        along, across = (np.sum(error[:, :2] * axis, axis=1) for axis in (nose, side))
+        return np.stack([along, across, error[:, 2], length], axis=1)
+
+
+def _compute_errors(
+    fitter: ForecastFitter, picked: Sequence[int], values: Array, lifts: Sequence[float] | None
+) -> dict[str, list[Array]]:
+    """Return the errors of each flight by coasting, by the file, and by the calibration."""
+    none, online, every = np.zeros(len(values)), lifts is None, range(len(picked))
+    return {
+        'coast': [coast_errors(one, fitter.horizons) for one in fitter.flights],
+        'before': [_file_errors(fitter, none, f, online) for f in every],
+        'after': [
+            _calibrated_errors(fitter, values, f, None if lifts is None else lifts[picked[f]])
+            for f in every
+        ],
+    }
 
 
 def _file_errors(fitter: ForecastFitter, none: Array, f: int, online: bool) -> Array:

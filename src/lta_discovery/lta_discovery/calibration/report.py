@@ -5,7 +5,12 @@ from dataclasses import asdict
 from typing import Any, Final
 
 from lta_discovery.calibration.calibrated_file import NAME
-from lta_discovery.calibration.result import CalibratedValue, Calibration, ForecastScore
+from lta_discovery.calibration.result import (
+    AxisScore,
+    CalibratedValue,
+    Calibration,
+    ForecastScore,
+)
 from lta_discovery.calibration.verdict import (
     format_error,
     format_forecast_sentence,
@@ -28,10 +33,12 @@ import plotly.graph_objects as go
 FIRST_STEP: Final = 'Calibration: numbers any vehicle file must have'
 METHODS: Final = {
     'likelihood': 'all readings, with an unexplained force',
+    'both': 'forecasts; the intervals contain a fit to all readings, too',
     'forecasts': 'forecasts; the intervals are rough',
     'file': 'nothing forecasts the flights better than the file',
 }
 HEADS: Final = ('value', 'vehicle file', 'calibrated', '95 % interval', 'remark')
+DIRECTIONS: Final = ('nose', 'side', 'up', 'length')  # as in `AxisScore`
 ALWAYS: Final = (
     'The heading of the tracker defines where the map points. Only a wind in the vehicle file, '
     'which is fixed to the room, shows it. The heading of the markers on the vehicle is fitted.',
@@ -66,6 +73,7 @@ def build_report(calibration: Calibration, calibrated_file: str | None) -> Repor
             _build_value_table('Vehicle', [one for one in calibration.values if not one.flight]),
             *_build_flight_tables(calibration),
             _build_score_table(calibration.scores),
+            *_build_axis_tables(calibration.axis_scores),
             *_build_pictures(calibration),
             TextSection('What no flight separates', limits, bullets=True, printed=True),
             *(
@@ -177,6 +185,24 @@ def _build_score_table(scores: Mapping[str, Sequence[ForecastScore]]) -> TextTab
     return TextTable('Forecasts', heads, rows, note)
 
 
+def _build_axis_tables(scores: Mapping[str, Sequence[AxisScore]]) -> list[TextTable]:
+    """Return the table of position errors by direction; none if the flights are too short."""
+    rows = []
+    for role, each in scores.items():
+        for one in each:
+            sides = zip(DIRECTIONS, one.coast, one.before, one.after, strict=True)
+            for name, *errors in sides:
+                cells = [format_error(error, 3) for error in errors]
+                rows.append([f'{role}, {one.horizon:g} s', name, *cells, str(one.pieces)])
+    heads = ('flights and horizon', 'direction', 'coasting', 'vehicle file', 'calibrated')
+    note = (
+        'RMS position errors by the heading in which each forecast begins. A turn that no model '
+        'knows of moves an error from the nose to the side, but hardly changes the length of the '
+        'way along the floor.'
+    )
+    return [TextTable('Forecasts by direction', (*heads, 'forecasts'), rows, note)] if rows else []
+
+
 def _build_pictures(calibration: Calibration) -> list[Picture]:
     """Return the figure of the forecast errors, if there are any."""
     role = 'confirm' if calibration.scores.get('confirm') else 'train'
@@ -211,6 +237,10 @@ def encode_calibration(calibration: Calibration) -> dict[str, Any]:
         'values': [asdict(one) for one in calibration.values],
         'forecasts': {
             role: [asdict(one) for one in scores] for role, scores in calibration.scores.items()
+        },
+        'directions': {
+            role: [asdict(one) for one in scores]
+            for role, scores in calibration.axis_scores.items()
         },
         'bags': {role: list(names) for role, names in calibration.bags.items()},
         'warnings': list(calibration.warnings),

@@ -1,7 +1,7 @@
 """Define the result of a calibration as plain data."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final, final
 
 from lta_discovery.model.nominal import NominalVehicle
@@ -20,6 +20,23 @@ class ForecastScore:
     coast: tuple[float, float]
     before: tuple[float, float]
     after: tuple[float, float]
+    pieces: int  # number of forecasts
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class AxisScore:
+    """
+    RMS position errors of forecasts at one horizon, by direction.
+
+    Along the nose and sideways, by the heading in which a forecast begins, upwards, and of the
+    length of the way along the floor, which a turn of the vehicle hardly changes. [m]
+    """
+
+    horizon: float  # [s]
+    coast: tuple[float, ...]
+    before: tuple[float, ...]
+    after: tuple[float, ...]
     pieces: int  # number of forecasts
 
 
@@ -61,9 +78,12 @@ class Calibration:
     values: tuple[CalibratedValue, ...]  # of the vehicle, then by flight
     # Of forecasts of the training and of the confirming flights
     scores: Mapping[str, tuple[ForecastScore, ...]]
-    method: str  # 'likelihood', 'forecasts', or 'file' if nothing forecasts the flights better
+    # What the values were estimated from (`report.METHODS`)
+    method: str
     bags: Mapping[str, tuple[str, ...]]
     warnings: tuple[str, ...] = ()
+    # By role, as `scores`; at the last horizon, and further ahead if flights are long enough
+    axis_scores: Mapping[str, tuple[AxisScore, ...]] = field(default_factory=dict)
 
     def find(self, name: str) -> CalibratedValue | None:
         """Return a value of the vehicle by name; None if it was not calibrated."""

@@ -47,6 +47,21 @@ def parameter_bounds(knobs: Sequence[FreeParameter], prior: Prior) -> tuple[Arra
     return np.maximum(low, prior.mean - far), np.minimum(high, prior.mean + far)
 
 
+def bound_mean(mean: Array, covariance: Array, low: Array, high: Array) -> Array:
+    """
+    Return the most probable values within bounds, of a Gaussian.
+
+    Values beyond a bound are set to it, and the others to their mean given these.
+    """
+    out, held = mean, np.zeros(len(mean), dtype=np.bool_)
+    while (beyond := ~held & ((out < low) | (out > high))).any():
+        held |= beyond
+        at = np.flatnonzero(held)
+        off = (mean - np.clip(out, low, high))[at]
+        out = mean - covariance[:, at] @ np.linalg.solve(covariance[np.ix_(at, at)], off)
+    return np.clip(out, low, high)
+
+
 def find_exceeded_tolerances(
     knobs: Sequence[FreeParameter], prior: Prior, mean: Array
 ) -> list[str]:

@@ -6,12 +6,11 @@ moves parameters, states and knots to their most probable values, until the evid
 """
 
 from collections.abc import Sequence
-import contextlib
 from dataclasses import dataclass, replace
 from typing import Final, final, NamedTuple
 
 from lta_config.errors import BadInput
-from lta_discovery.fit.bounds import apply_parameters, parameter_bounds
+from lta_discovery.fit.bounds import apply_parameters, bound_mean, parameter_bounds
 from lta_discovery.fit.deviations import fit_deviations
 from lta_discovery.fit.evidence import (
     compute_posterior,
@@ -34,12 +33,13 @@ Array = NDArray[np.float64]
 
 REST: Final = 0.7  # nats; convergence criterion of the evidence
 ROUNDS: Final = 12  # most linearisations
-# Factors on the noise variance for damped steps, if the full Gauss-Newton step fails.
-DOUBTS: Final = (4.0, 30.0, 300.0, 3e3, 3e4, 3e5, 3e6)
-# Parts of the full step, which are tried as well. Damped steps lead towards the prior, which
-# does not help at a point where a large latent wrench dominates.
-PARTS: Final = (0.5, 0.2, 0.08, 0.03)
-BROKEN: Final = 2.0  # of the predicted misfit; above it shorter steps are tried too
+# Weights on the distance of parameters from the present point, by their prior precision, which
+# damp a step; tried in turn until one lowers the misfit
+HOLDS: Final = (0.0, 1.0, 10.0, 100.0, 1e3, 1e4)
+NEARLY: Final = 1.0  # largest of these weights with which a step counts as full
+GAIN: Final = 0.1  # of the predicted gain in misfit; a step with less is damped more
+BROKEN: Final = 2.0  # of the predicted misfit; above it unknowns of pieces are solved for again
+SETTLED: Final = 3  # most times that these are solved for
 LEAP: Final = 1e3  # nats; a step with a larger gain does not count as a round
 RAN_AWAY: Final = (
     'The simulation of the recorded flights with this vehicle file diverges; correct the vehicle '
@@ -110,7 +110,7 @@ class FitStep(NamedTuple):
     at: Array  # shared parameters, shape (G,)
     points: list[LinearizationPoint]  # of each flight
     misfit_gap: float  # difference between actual and predicted misfit
-    whole: bool  # whether it is the full step
+    whole: bool  # whether it is the full step, or nearly
 
 
 @final
@@ -197,7 +197,7 @@ class JointFitter:
 
     def propose_step(self, last: JointFit) -> tuple[Array, list[LinearizationPoint]]:
         """Return the most probable shared parameters and points after a fit."""
-        return self._move_to_mean(last, last.group, last.fitted.mean)
+        return self._propose_held_step(last, 0.0)
 
     def fit_deviations(
         self, group: LinearizedGroup, prior: Prior, start: Array, count: int = 1
@@ -213,7 +213,7 @@ class JointFitter:
 
     def _choose_step(self, last: JointFit) -> FitStep | None:
         """
-        Return the next point: the full step, a shorter one that is better, or None.
+        Return the next point: the full step, a damped one that is better, or None.
 
         Flights with different shared parameters are brought to common ones if nothing is better.
         """
@@ -221,31 +221,27 @@ class JointFitter:
         here = self._gather_points(group, last.deviations)
         # Baseline: the simulated misfit at the present point
         bound, error = self._point_misfit(last, group.at, here), forecast_error(self.flights, here)
-        try:
-            at, points = self.propose_step(last)
-        except np.linalg.LinAlgError:
-            return None  # the flights determine no step
-        misfit = self._screen_misfit(last, at, points, error)
-        candidates = []
-        if misfit < bound + WORSE:
+        best, least = None, bound + WORSE
+        for hold in HOLDS:
+            try:
+                at, points = self._propose_held_step(last, hold)
+            except np.linalg.LinAlgError:
+                continue  # the flights determine no such step
             linear = predict_linear_misfit(group, last.deviations, last.prior, at, points)
-            # The linearization predicts well here: accept without trying shorter steps
-            if misfit < BROKEN * linear:
-                return FitStep(at, points, abs(misfit - linear), True)
-            candidates.append((misfit, at, points))
-        # The full step failed or is nonlinear: try shorter ones, and take the best
-        for part in PARTS:
-            between = self._interpolate_points(part, group.at, here, at, points)
-            candidates.append((self._screen_misfit(last, *between, error), *between))
-        for doubt in DOUBTS:
-            with contextlib.suppress(BadInput, np.linalg.LinAlgError):
-                doubted = self._propose_damped_step(last, doubt)
-                candidates.append((self._screen_misfit(last, *doubted, error), *doubted))
-        misfit, at, points = min(
-            candidates, key=lambda one: one[0], default=(np.inf, group.at, [])
-        )
-        if misfit < bound + WORSE:
-            return FitStep(at, points, np.inf, False)
+            # A latent wrench can hide a wrong vehicle; unaided forecasts cannot
+            if forecast_error(self.flights, points) > ASTRAY * error:
+                continue
+            misfit = self._point_misfit(last, at, points)
+            if not (misfit < least and misfit < BROKEN * linear):
+                misfit, points = self._settle_points(last, at, points, min(bound, linear) + WORSE)
+            if misfit < least:
+                gap = np.inf if hold else abs(misfit - linear)
+                best, least = FitStep(at, points, gap, hold <= NEARLY), misfit
+            # It predicts well here, and gains: stop before smaller steps
+            if misfit < min(bound + WORSE - GAIN * max(bound - linear, 0.0), BROKEN * linear):
+                break
+        if best is not None:
+            return best
         # Aligning the flights is worth a linearization even without a better point
         return None if group.is_aligned else FitStep(group.at, here, np.inf, False)
 
@@ -262,51 +258,58 @@ class JointFitter:
             return [each.point for each in group.linears]
         return self._solve_points(group, deviations, group.at)
 
-    def _interpolate_points(
-        self,
-        part: float,
-        at: Array,
-        here: Sequence[LinearizationPoint],
-        to: Array,
-        there: Sequence[LinearizationPoint],
-    ) -> tuple[Array, list[LinearizationPoint]]:
-        """Return shared parameters and points on the line from here to there."""
-        points = []
-        for one, other in zip(here, there, strict=True):
-            values = one.values + part * (other.values - one.values)
-            vehicle, values = apply_parameters(self.nominal, self.flights[0].knobs, values)
-            random = one.random + part * (other.random - one.random)
-            points.append(LinearizationPoint(vehicle, values, random))
-        return at + part * (to - at), points
+    def _settle_points(
+        self, last: JointFit, at: Array, points: list[LinearizationPoint], goal: float
+    ) -> tuple[float, list[LinearizationPoint]]:
+        """
+        Solve again for what each flight and piece has of its own, with the shared parameters held.
 
-    def _screen_misfit(
-        self, last: JointFit, at: Array, points: Sequence[LinearizationPoint], error: float
-    ) -> float:
-        """Return the misfit at a point, infinite if its forecasts get much worse."""
+        A trajectory is far more nonlinear in parameters than in its own unknowns: where the linear
+        prediction of these is off by much, the parameters may still be better. Return the misfit
+        and the points; the search ends below `goal`.
+        """
         misfit = self._point_misfit(last, at, points)
-        # A latent wrench can hide a wrong vehicle; unaided forecasts cannot
-        if np.isfinite(misfit) and forecast_error(self.flights, points) > ASTRAY * error:
-            return np.inf
-        return misfit
+        held = Prior(last.prior.mean, np.zeros_like(last.prior.covariance))
+        for _ in range(SETTLED):
+            if misfit < goal:
+                break
+            try:
+                group = self.linearize_flights(at, points, held)
+                moved = self._solve_points(group, last.deviations, at)
+            except (BadInput, np.linalg.LinAlgError):
+                break
+            now = self._point_misfit(last, at, moved)
+            if not now < misfit:
+                break
+            is_slow = now > 0.5 * misfit  # it has settled, or will not get there
+            misfit, points = now, moved
+            if is_slow:
+                break
+        return misfit, points
 
-    def _propose_damped_step(
-        self, last: JointFit, doubt: float
+    def _propose_held_step(
+        self, last: JointFit, hold: float
     ) -> tuple[Array, list[LinearizationPoint]]:
-        """Return the step for a larger noise variance, closer to the prior."""
-        # Dividing the products by a factor multiplies the noise variance by it
-        pieces = [
-            PieceReducer(replace(each, grams=each.grams / doubt)) for each in last.group.linears
-        ]
-        group = replace(last.group, pieces=tuple(pieces))
-        posterior = compute_posterior(group.reduce_flights(last.deviations), group.at, last.prior)
-        return self._move_to_mean(last, group, posterior.mean)
+        """
+        Return the step whose parameters are held at the present point, and the points of flights.
 
-    def _move_to_mean(
-        self, last: JointFit, group: LinearizedGroup, mean: Array
-    ) -> tuple[Array, list[LinearizationPoint]]:
-        """Return clipped shared parameters for a posterior mean, and the points of the flights."""
-        at = np.clip(mean, *parameter_bounds(self.flights[0].knobs, last.prior))
-        return at, self._solve_points(group, last.deviations, at)
+        `hold`: by this many times the precision of the prior of each; 0 for the full step.
+        """
+        mean, covariance = last.fitted.mean, last.fitted.covariance
+        if hold:
+            prior, free = last.prior, last.prior.free
+            inner = np.ix_(free, free)
+            before = np.linalg.inv(prior.covariance[inner])
+            weight = np.diag(hold / np.diag(prior.covariance)[free])
+            middle, spread = last.group.at.copy(), np.zeros_like(prior.covariance)
+            spread[inner] = np.linalg.inv(before + weight)
+            pull = before @ prior.mean[free] + weight @ last.group.at[free]
+            middle[free] = spread[inner] @ pull
+            near = Prior(middle, spread)
+            _, mean, covariance = compute_posterior(last.reduced, last.group.at, near)
+        low, high = parameter_bounds(self.flights[0].knobs, last.prior)
+        at = bound_mean(mean, covariance, low, high)
+        return at, self._solve_points(last.group, last.deviations, at)
 
     def _solve_points(
         self, group: LinearizedGroup, deviations: Array, at: Array

@@ -77,6 +77,22 @@ def test_an_identity_quaternion_is_an_attitude_that_is_set():
     assert note.evidence.startswith('The attitude is the identity in all')
 
 
+def test_an_angle_that_the_log_lacks_is_said_to_be_missing():
+    """An import takes it as zero: no sensor is stuck. One that is stuck elsewhere is told so."""
+    data = resting()
+    time = data[f'{GYRO}.x'][0]
+    rng = np.random.default_rng(4)
+    for angle in ('yaw', 'roll'):
+        data[f'imu/orientation.{angle}'] = (time, rng.normal(0.1, 1e-3, len(time)))
+    data['imu/orientation.pitch'] = (time, np.zeros(len(time)))
+    (found,) = run_checks(recording(**data)).findings
+    assert found.channel == 'imu/orientation.pitch'
+    assert 'the angle was not recorded' in found.evidence
+    data['imu/orientation.pitch'] = (time, np.full(len(time), 0.2))
+    (found,) = run_checks(recording(**data)).findings
+    assert 'the noise of a real sensor' in found.evidence
+
+
 def test_a_stop_is_found_where_it_is():
     data = resting()
     time, values = data[f'{GYRO}.x']

@@ -10,7 +10,9 @@ import struct
 from hypothesis import given, HealthCheck, settings
 from hypothesis import strategies as st
 from lta_config.errors import BadInput
-from lta_data.importers.readers.csv_text import is_number
+from lta_data.importers.formats import detect_format
+from lta_data.importers.readers.csv_text import is_number, read_header
+from lta_data.importers.readers.text_dialect import detect_text_format
 import numpy as np
 import pytest
 
@@ -173,6 +175,21 @@ def test_compressed_text_comments_blanks_and_names_with_spaces(bring, tmp_path):
     positions = [message.pose.pose.position for message in found.messages[ODOM]]
     assert [(p.x, p.y, p.z) for p in positions] == [(1, 2, 3), (4, 5, 6)]
     assert found.stamps(ODOM) == [5_500_000_000, 6_000_000_000]
+
+
+@pytest.mark.parametrize('encoding', ['utf-16-le', 'utf-16-be'])
+@pytest.mark.parametrize('torn', [False, True])
+def test_a_spreadsheet_in_utf16_is_read_by_its_byte_order_mark(bring, tmp_path, encoding, torn):
+    """Also where the last line ends within a character."""
+    source = tmp_path / 'a.csv'
+    lines = '\ufefft,x,y,z,tilt [\N{DEGREE SIGN}]\r\n5.5,1,2,3,8\r\n6,4,5,6,9\r\n'
+    source.write_bytes((lines + '7,1' * torn).encode(encoding)[: -1 if torn else None])
+    assert detect_format(source) == 'csv'
+    assert detect_text_format(source).delimiter == ','
+    assert read_header(source)[-1] == 'tilt [\N{DEGREE SIGN}]'
+    found = bring(source, POSE)
+    positions = [message.pose.pose.position for message in found.messages[ODOM]]
+    assert [(p.x, p.y, p.z) for p in positions] == [(1, 2, 3), (4, 5, 6)]
 
 
 def test_other_delimiters_padded_names_and_lines_before_them(bring, tmp_path):

@@ -30,8 +30,10 @@ def fly_commands(responds=True):
     return orders, table[:, :3], Rotation.from_euler('ZY', np.column_stack([table[:, 3], lean]))
 
 
-def write_flight(path, *, pose_down, force_down, responds=True):
-    """Write a flight with z of the poses and of the forces up or down."""
+def write_flight(
+    path, *, pose_down, force_down, responds=True, scale=1.0, names=('fx_N', 'fz_N', 'tz_Nm')
+):
+    """Write a flight with z of the poses and of the forces up or down, and scaled forces."""
     orders, place, turn = fly_commands(responds)
     place = place * DOWN if pose_down else place
     quaternion = turn.as_quat() * (np.append(DOWN, 1.0) if pose_down else 1.0)
@@ -39,8 +41,8 @@ def write_flight(path, *, pose_down, force_down, responds=True):
     noise = np.random.default_rng(2).normal(0.0, 3e-4, place.shape)
     return write_csv(path, {
         't': 9.0 + STEP * np.arange(len(place)), **three('p', place + noise),
-        **three('q', quaternion, 'xyzw'), 'fx_N': orders[:, 0], 'fz_N': sign * orders[:, 1],
-        'tz_Nm': sign * orders[:, 2],
+        **three('q', quaternion, 'xyzw'),
+        **dict(zip(names, (scale * orders * [1.0, sign, sign]).T, strict=True)),
     })  # fmt: skip
 
 
@@ -68,3 +70,37 @@ def test_a_vehicle_that_does_not_follow_decides_nothing(tmp_path):
     source = write_flight(tmp_path / 'a.csv', pose_down=True, force_down=False, responds=False)
     topics = yaml.safe_load(draft_mapping(source, {'world.up': 'down'}).text)['topics']
     assert ['body' in one for one in topics] == [False, False]
+
+
+@pytest.mark.parametrize(
+    ('names', 'scale', 'unit'),
+    [
+        (('force_x', 'force_z', 'torque_z'), 1000.0, 'mN'),
+        (('fx_N', 'fz_N', 'tz_Nm'), 1000.0, 'mN'),
+        (('fx_mN', 'fz_mN', 'tz_mNm'), 1.0, 'N'),
+        (('force_x', 'force_z', 'torque_z'), 1.0, ''),
+        (('fx_mN', 'fz_mN', 'tz_mNm'), 1000.0, ''),
+    ],
+)
+def test_the_mass_that_a_force_accelerates_tells_newtons_from_millinewtons(
+    tmp_path, bring, names, scale, unit
+):
+    """The vehicle has 0.35 kg. Names without a unit are overruled, others lead to a question."""
+    source = write_flight(
+        tmp_path / 'a.csv', pose_down=False, force_down=False, scale=scale, names=names
+    )
+    draft = draft_mapping(source, {})
+    asked = [one.key for one in draft.choices.questions]
+    assert asked == (['wrench_command.unit'] if unit and 'force_x' not in names else [])
+    got = bring(source, draft.text).messages['/lta1/wrench_command']
+    orders = fly_commands()[0]
+    for k in (100, 700, 1500):
+        wrench = got[k].wrench
+        assert (wrench.force.x, wrench.force.z, wrench.torque.z) == pytest.approx(
+            tuple(orders[k]), abs=1e-9
+        )
+    said = [one for one in draft.choices.reasons if one.part == 'wrench_command: unit']
+    assert [one.reading for one in said] == ([unit] if unit else [])
+    if unit:
+        mass = float(said[0].reason.partition('a mass of ')[2].partition(' kg')[0])
+        assert mass == pytest.approx(0.35, rel=0.2)

@@ -15,10 +15,12 @@ from lta_challenge.other.wrench_flight import Course, WrenchActuators, WrenchPil
 from lta_challenge.recording import write_bag
 from lta_config.files import find_file
 from lta_config.vehicle_edit import set_yaml_value
+from lta_discovery.calibration import calibration as calibration_module
 from lta_discovery.calibration.calibrated_file import format_calibrated_vehicle
 from lta_discovery.calibration.calibration import calibrate_flights
 from lta_discovery.calibration.coarse_fit import find_calibration_start
 from lta_discovery.calibration.prepared_flights import prepare_calibration
+from lta_discovery.calibration.refined_fit import refine_calibration
 from lta_discovery.calibration.report import build_report
 from lta_discovery.calibration.result import Calibration, ForecastScore
 from lta_discovery.calibration.verdict import format_forecast_sentence, format_inseparable
@@ -170,6 +172,37 @@ def test_a_fit_that_did_not_converge_has_no_intervals(
     monkeypatch.setattr(JointFitter, '_choose_step', lambda *_: None)
     _, found = calibrate_case(6, tmp_path)
     assert found.method == 'forecasts'
+
+
+def test_intervals_of_a_fit_to_forecasts_hold_that_to_all_readings(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where readings as accurate as the tracker mislead, they are taken as less accurate."""
+    fits = []
+
+    def refine(nominal, flights, coarse, noise=1.0):
+        if noise == 1.0:
+            return None
+        fits.append((coarse, refine_calibration(nominal, flights, coarse, noise)))
+        return fits[-1][1]
+
+    monkeypatch.setattr(calibration_module, 'refine_calibration', refine)
+    case, found = calibrate_case(6, tmp_path)
+    assert found.method == 'both'
+    ((coarse, fit),) = fits
+    assert fit is not None
+    assert fit.is_converged
+    truths = case.list_true_values(load_vehicle('gtmab'))
+    shared = [one for one in found.values if not one.flight and one.name in truths]
+    inside = [one.ci95[0] < truths[one.name] < one.ci95[1] for one in shared]
+    assert len(shared) > 20
+    assert sum(inside) >= len(inside) - 2
+    surge = found.find('wrench_gain.surge')
+    assert surge is not None
+    assert surge.is_known
+    k = list(fit.group.linears[0].names).index('wrench_gain.surge')
+    apart = coarse.values[k] - fit.fitted.mean[k]
+    assert surge.deviation == pytest.approx(math.hypot(apart, fit.fitted.covariance[k, k] ** 0.5))
 
 
 def test_the_first_line_says_what_is_wrong(

@@ -77,9 +77,14 @@ def build_unfilled_finding(name: str, channel: SignalChannel) -> QualityFinding:
 def build_constant_finding(channel: SignalChannel) -> QualityFinding:
     """Return the finding of a constant channel."""
     held = first_finite_value(channel)
+    why = 'the noise of a real sensor would change them.'
+    if held == 0.0 and roles.ANGLE.match(channel.field):
+        why = (
+            'the angle was not recorded, and the import of a log without its column takes it as '
+            'zero. Export it, too: models are fitted to the tilt.'
+        )
     return QualityFinding(
         KIND, channel.name, float(channel.time[0]), float(channel.time[-1]),
-        f'All {len(channel.time)} values are {held:.6g} {channel.unit}; the noise of a real '
-        'sensor would change them.',
+        f'All {len(channel.time)} values are {held:.6g} {channel.unit}; {why}',
         Severity.SUSPICIOUS, {'value': held},
     )  # fmt: skip

@@ -15,7 +15,7 @@ from lta_data.importers.draft.command_motion import find_driven_axes, list_answe
 from lta_data.importers.draft.draft_vehicle import DraftVehicle
 from lta_data.importers.draft.source_tables import read_source, SourceTables
 from lta_data.importers.draft.table_draft import draft_table, TableDraft
-from lta_data.importers.draft.wrench_axes import turn_wrench_axes
+from lta_data.importers.draft.wrench_axes import check_wrenches
 from lta_data.importers.formats import FORMATS
 from lta_data.importers.readers.column_log import Column
 import numpy as np
@@ -61,7 +61,7 @@ def draft_mapping(
         drafts, clocks = _draft_tables(source, choices)
     for name, clock in clocks.items():
         drafts[name].time.entry.update(clock.list_keys())
-    turn_wrench_axes(source.tables, drafts, clocks, choices)
+    check_wrenches(source.tables, drafts, clocks, choices)
     content = _build_content(source, drafts, path)
     choices.refuse_unused()
     left_out = {

@@ -1,5 +1,6 @@
 """Stream the lines of a text: decompressed, without comments, with one delimiter."""
 
+import codecs
 from collections.abc import Iterator
 import gzip
 import io
@@ -13,13 +14,17 @@ if TYPE_CHECKING:
     from _typeshed import WriteableBuffer
 
 GZIP = b'\x1f\x8b'
+UTF16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 NAMED = {'tab': '\t', 'whitespace': ' '}
 
 
 def decompress_stream(stream: BinaryIO) -> BinaryIO | gzip.GzipFile:
-    """Return a stream of a file's content, decompressed if it is gzip."""
+    """Return a stream of a file's content, decompressed if it is gzip; UTF-16 becomes UTF-8."""
     head = stream.read(2)
     stream.seek(0)
+    if head in UTF16:
+        # As spreadsheets write it; the byte order mark says which of the two it is
+        return codecs.EncodedFile(stream, 'utf-8', 'utf-16', 'replace')
     return BoundedGzipFile(stream) if head == GZIP else stream
 
 
