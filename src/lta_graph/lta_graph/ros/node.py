@@ -289,6 +289,11 @@ class GraphNode(SharingNode):
         ]
         self._diagnostics.publish(array)
 
+    def publish_due_health(self) -> None:
+        """Publish all facts if none were published for `REPORT_PERIOD`."""
+        if time.monotonic() - self._reported >= REPORT_PERIOD:
+            self.publish_health()
+
     def keep_for_late_readers(self, roles: Collection[str]) -> None:
         """
         Let the middleware keep only what readers in other processes may come late for.

@@ -52,6 +52,8 @@ def wait_until_settled(
     # The node does not spin yet, so the temporary subscription is safe
     with ReaderLinks(node, node.table) as links:
         while node.running and time.monotonic() - since < SETTLED:
+            # In a pause no timer reports, and the launcher would call the node silent
+            node.publish_due_health()
             yield Pause(LOOK)
             loose = links.find_unready_topics(node.count_readers(), awaited)
             now = count_endpoints(node)
