@@ -53,7 +53,7 @@ class Silent:
         """Keep how much processor time the nodes have had, once a second."""
         now = time.monotonic()
         if not self.spent or now - self.spent[-1][0] > 1.0:
-            self.spent.append((now, children_time()))
+            self.spent.append((now, measure_running_children()))
 
     def show_message(self, sentence: str) -> None:
         """Pass on what happened."""
@@ -63,7 +63,7 @@ class Silent:
         """Ignore what takes long."""
 
 
-def children_time() -> float:
+def measure_running_children() -> float:
     """Return the processor time of the running children of this process. [s]"""
     ticks = 0
     for file in Path('/proc').glob('[0-9]*/stat'):

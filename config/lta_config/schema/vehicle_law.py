@@ -37,6 +37,7 @@ AXES: Final[Mapping[str, str]] = {
     **dict.fromkeys(('roll', 'pitch', 'yaw'), 'N m'),
     **dict.fromkeys(('map_x', 'map_y', 'map_z'), 'N'),
 }
+LEAST_LAG: Final = 0.02  # s; least time constant of a hidden state
 # The hidden state and its rate; their units are those of the drive
 HIDDEN: Final = 'hidden'
 HIDDEN_RATE: Final = 'hidden_rate'
@@ -183,7 +184,7 @@ class HiddenState(StrictModel):
 
     drive: Annotated[list[LawFactor], Field(min_length=1, max_length=FACTORS)]
     # Of a lag of first order [s]; the bounds allow for the steps of simulation and replay
-    time_constant: Annotated[float, Field(ge=0.02, le=1e6)] | None = None
+    time_constant: Annotated[float, Field(ge=LEAST_LAG, le=1e6)] | None = None
     # Natural frequency of a lag of second order [rad/s]
     frequency: Annotated[float, Field(gt=0.0, le=50.0)] | None = None
     # Damping ratio of a lag of second order

@@ -23,6 +23,7 @@ from lta_config.schema.vehicle_law import (
     Law,
     LawFactor,
     LawTerm,
+    LEAST_LAG,
     PERIOD,
 )
 from lta_data.bag.bag_folder import find_bag
@@ -33,7 +34,6 @@ from lta_model.effects.law import LARGEST
 from lta_model.law_text import describe_law
 
 SPREAD: Final = 0.2  # relative, of a coefficient without an interval
-LEAST_LAG: Final = 0.02  # s; the least time constant of a law
 REACH: Final = 100.0  # bounds of a coefficient, in its own size
 # Quantities of a law in the functions of an effect; `turn` is motion.rotation
 EXPRESSIONS: Final = {
@@ -315,7 +315,7 @@ class _SkeletonWriter:
             yield f'    within = {" * ".join(self._list_fades(outer)) or "1.0"}'
 
     def _list_fades(self, names: Sequence[str]) -> list[str]:
-        """Return the source of the fade by each of some quantities."""
+        """Return the source of the fading factor of each quantity."""
         return [
             f'fade({_unwrap(name, low, high)}, {low!r}, {high!r})'
             for name, (low, high) in self._law.region.items()

@@ -11,7 +11,7 @@ from itertools import combinations_with_replacement, product
 import math
 from typing import Final, final
 
-from lta_config.schema.vehicle_law import HiddenState, LawFactor
+from lta_config.schema.vehicle_law import HiddenState, LawFactor, LEAST_LAG
 from lta_model.law_arrays import OWN
 
 MOTIONS: Final = ('u', 'v', 'w', 'p', 'q', 'r')
@@ -35,7 +35,7 @@ EIGHTHS: Final = (0.25 * math.pi, 0.75 * math.pi)
 LIMITS: Final = {
     'exponent': (0.5, 3.0),
     'damping': (0.02, 0.99),  # `filter_hidden` is for oscillators
-    'time_constant': (0.02, 1e4),  # s
+    'time_constant': (LEAST_LAG, 1e4),  # s
     'frequency': (0.01, 50.0),  # rad/s
 }
 

@@ -117,7 +117,7 @@ def find_region(
 def _hidden_range(
     name: str, hidden: HiddenState, drive: Array, ends: tuple[float, float]
 ) -> tuple[float, float]:
-    """Return the range of a hidden state or its rate, with where it begins."""
+    """Return the range of a hidden state or of its rate, which includes its start."""
     start = hidden.start or 0.0
     begun = start if name == OWN[0] else 0.0
     low, high = min(ends[0], begun), max(ends[1], begun)

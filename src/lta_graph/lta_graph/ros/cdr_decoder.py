@@ -13,12 +13,10 @@ from itertools import count
 from struct import error, Struct
 from typing import Any, final
 
-from lta_graph.cdr_encoder import ALIGNMENT, import_item_class, NUMBERS, parse_field
+from lta_graph.cdr_encoder import ALIGNMENT, HEADER, import_item_class, NUMBERS, parse_field
 import numpy as np
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.serialization import deserialize_message
-
-HEADER = b'\0\1'  # of CDR, little-endian; two bytes of options follow
 
 # Returns the message at an offset, and the offset of its end
 Read = Callable[[memoryview, int], tuple[Any, int]]
@@ -32,9 +30,10 @@ def decode_cdr(data: bytes, kind: Any) -> Any:  # noqa: ANN401 - a generated cla
     rclpy returns empty.
     """
     read = _build_reader(kind)
-    if read is None or data[:2] != HEADER:
+    # Two bytes of options follow the encoding
+    if read is None or data[:2] != HEADER[:2]:
         return _deserialize(data, kind)
-    body = memoryview(data)[4:]
+    body = memoryview(data)[len(HEADER) :]
     try:
         message, end = read(body, 0)
     except (error, ValueError) as fault:
@@ -90,7 +89,7 @@ class MessageReader:
         return self._space['read']  # type: ignore[no-any-return]
 
     def _name(self, value: Any = None) -> str:  # noqa: ANN401 - whatever the function needs
-        """Return a new name, of a value that the function needs."""
+        """Return a new variable name; the function reads `value` by it, if given."""
         name = f'v{next(self._numbers)}'
         if value is not None:
             self._space[name] = value

@@ -46,19 +46,23 @@ def write_flight(
     })  # fmt: skip
 
 
+def assert_commands_are_those_flown(recording):
+    """Compare some imported commands with those of the flight."""
+    got, orders = recording.messages['/lta1/wrench_command'], fly_commands()[0]
+    for k in (100, 700, 1500):
+        wrench = got[k].wrench
+        assert (wrench.force.x, wrench.force.z, wrench.torque.z) == pytest.approx(
+            tuple(orders[k]), abs=1e-9
+        )
+
+
 @pytest.mark.parametrize('force_down', [False, True])
 @pytest.mark.parametrize('pose_down', [False, True])
 def test_forces_have_the_axes_in_which_the_vehicle_follows(tmp_path, bring, pose_down, force_down):
     source = write_flight(tmp_path / 'a.csv', pose_down=pose_down, force_down=force_down)
     draft = draft_mapping(source, {})
     assert draft.choices.questions == []
-    got = bring(source, draft.text).messages['/lta1/wrench_command']
-    orders = fly_commands()[0]
-    for k in (100, 700, 1500):
-        wrench = got[k].wrench
-        assert (wrench.force.x, wrench.force.z, wrench.torque.z) == pytest.approx(
-            tuple(orders[k]), abs=1e-9
-        )
+    assert_commands_are_those_flown(bring(source, draft.text))
     said = [one.reason for one in draft.choices.reasons if one.part == 'wrench_command: axes']
     way = 'down or to the right' if force_down else 'up or to the left'
     assert said == (
@@ -92,13 +96,7 @@ def test_the_mass_that_a_force_accelerates_tells_newtons_from_millinewtons(
     draft = draft_mapping(source, {})
     asked = [one.key for one in draft.choices.questions]
     assert asked == (['wrench_command.unit'] if unit and 'force_x' not in names else [])
-    got = bring(source, draft.text).messages['/lta1/wrench_command']
-    orders = fly_commands()[0]
-    for k in (100, 700, 1500):
-        wrench = got[k].wrench
-        assert (wrench.force.x, wrench.force.z, wrench.torque.z) == pytest.approx(
-            tuple(orders[k]), abs=1e-9
-        )
+    assert_commands_are_those_flown(bring(source, draft.text))
     said = [one for one in draft.choices.reasons if one.part == 'wrench_command: unit']
     assert [one.reading for one in said] == ([unit] if unit else [])
     if unit:
