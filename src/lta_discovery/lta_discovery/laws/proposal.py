@@ -67,9 +67,7 @@ DROPPED: Final = 1.005  # of the least score; fewer terms that are not worse tha
 KEPT: Final = 0.98  # of the score; other tolerances have to be better than this
 # Of the error without the law: position or attitude has to fall below it
 BETTER: Final = 0.95
-WORSE: Final = (
-    1.05  # of the error without the law; neither may exceed it, even within its interval
-)
+WORSE: Final = 1.05  # of the error without the law; neither may exceed it, be it by chance
 TESTS: Final = 3  # most tests on the same held-out flights
 # Of an interval, so that its one end holds with 95 % in all tests together (Bonferroni)
 CONFIDENCE: Final = 1.0 - 2.0 * 0.05 / TESTS
@@ -115,7 +113,7 @@ def list_taught_flights(study: DiscoveryStudy) -> list[FlightLinearizer]:
 def collect_law_data(
     study: DiscoveryStudy, joint: JointFit, vehicle: Vehicle | None = None
 ) -> LawData:
-    """Return jointly fitted flights as data for laws; with a vehicle, the reach of its thrusts."""
+    """Return jointly fitted flights as data for laws; a vehicle limits its thrusts."""
     both = zip(list_taught_flights(study), joint.group.linears, strict=True)
     flights = map_parallel(lambda each: FlightQuantities.from_fit(*each), list(both))
     count = sum(one.role == 'train' for one in study.flights)
