@@ -69,9 +69,9 @@ def calibrate_flights(
     estimates = _list_estimates(nominal, roles['train'], coarse, knobs)
     tell('forecasting', 0.8)
     best, scores = _choose_estimate(nominal, roles['train'], estimates, knobs)
-    lifts = [float(values[find_index(knobs, NET_LIFT)]) for values, _ in best.flights]
     told_scores = {'train': scores}
-    axes = {'train': score_axes(nominal, roles['train'], _without_lift(best.shared, knobs), lifts)}
+    own = _list_flight_values(best, knobs)
+    axes = {'train': score_axes(nominal, roles['train'], best.shared, own)}
     if roles['confirm']:
         shared = _without_lift(best.shared, knobs)
         # As in the calibrated file; what a flight differs by, its own earlier forecasts tell
@@ -123,6 +123,12 @@ def _without_lift(values: Array, knobs: Sequence[FreeParameter]) -> Array:
     return np.where(own, 0.0, values[: len(knobs)])
 
 
+def _list_flight_values(one: _Estimate, knobs: Sequence[FreeParameter]) -> list[Array]:
+    """Return the shared values with what each flight has of its own: its lift and its trend."""
+    is_own = np.array([knob.per_flight for knob in knobs])
+    return [np.where(is_own, values, one.shared) for values, _ in one.flights]
+
+
 def _list_estimates(
     nominal: NominalVehicle,
     flights: Sequence[FlightLinearizer],
@@ -162,12 +168,11 @@ def _choose_estimate(
 
     None is returned that forecasts them worse than the vehicle file.
     """
-    lift = find_index(knobs, NET_LIFT)
     best, error = estimates[-1], math.inf
     best_scores: tuple[ForecastScore, ...] = ()
     for one in estimates:
-        lifts = [float(values[lift]) for values, _ in one.flights]
-        scores = score_forecasts(nominal, flights, _without_lift(one.shared, knobs), lifts)
+        own = _list_flight_values(one, knobs)
+        scores = score_forecasts(nominal, flights, one.shared, own)
         now = relative_error(scores)
         if now < (error if math.isinf(error) else BETTER * error) and now < 1.0:
             best, best_scores, error = one, scores, now

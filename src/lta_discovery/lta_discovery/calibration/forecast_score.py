@@ -29,22 +29,22 @@ def score_forecasts(
     nominal: NominalVehicle,
     flights: Sequence[FlightLinearizer],
     values: Array,
-    lifts: Sequence[float] | None,
+    own: Sequence[Array] | None,
 ) -> tuple[ForecastScore, ...]:
     """
     Score the forecasts of the flights that are long enough; nothing if none is.
 
     They look 3 s ahead, or 1.2 s if all flights are shorter.
 
-    `values`, shape (K,): the calibration, relative to the vehicle file. `lifts`: net lift of each
-    flight [N]; by default that of `values`. Without it, both the file's lift and the calibration's
-    are corrected by the earlier pieces of the flight.
+    `values`, shape (K,): the calibration, relative to the vehicle file. `own`: the same of each
+    flight, with its own net lift and trend; by default `values`. Without it, both the file's lift
+    and the calibration's are corrected by the earlier pieces of the flight.
     """
     built = build_longest_fitter(nominal, flights)
     if built is None:
         return ()
     fitter, picked = built
-    parts = _compute_errors(fitter, picked, values, lifts)
+    parts = _compute_errors(fitter, picked, values, own)
     errors = {kind: np.concatenate(each) for kind, each in parts.items()}
     out = []
     for h, horizon in enumerate(fitter.horizons):
@@ -59,7 +59,7 @@ def score_axes(
     nominal: NominalVehicle,
     flights: Sequence[FlightLinearizer],
     values: Array,
-    lifts: Sequence[float] | None,
+    own: Sequence[Array] | None,
 ) -> tuple[AxisScore, ...]:
     """
     Score the forecasts by direction, at the last horizon and `FAR` ahead.
@@ -74,7 +74,7 @@ def score_axes(
         if built is None:
             continue
         fitter, picked = built
-        parts = _compute_errors(fitter, picked, values, lifts)
+        parts = _compute_errors(fitter, picked, values, own)
         ways: dict[str, list[Array]] = {kind: [] for kind in parts}
         for f, flight in enumerate(fitter.flights):
             vehicle = fitter.build_linearization_point(values, 0.0, flight).nominal
@@ -113,15 +113,15 @@ def split_by_direction(flight: FlightLinearizer, vehicle: NominalVehicle, error:
 
 
 def _compute_errors(
-    fitter: ForecastFitter, picked: Sequence[int], values: Array, lifts: Sequence[float] | None
+    fitter: ForecastFitter, picked: Sequence[int], values: Array, own: Sequence[Array] | None
 ) -> dict[str, list[Array]]:
     """Return the errors of each flight by coasting, by the file, and by the calibration."""
-    none, online, every = np.zeros(len(values)), lifts is None, range(len(picked))
+    none, online, every = np.zeros(len(values)), own is None, range(len(picked))
     return {
         'coast': [coast_errors(one, fitter.horizons) for one in fitter.flights],
         'before': [_file_errors(fitter, none, f, online) for f in every],
         'after': [
-            _calibrated_errors(fitter, values, f, None if lifts is None else lifts[picked[f]])
+            _calibrated_errors(fitter, values if own is None else own[picked[f]], f, online)
             for f in every
         ],
     }
@@ -135,12 +135,12 @@ def _file_errors(fitter: ForecastFitter, none: Array, f: int, online: bool) -> A
     return fitter.compute_flight_errors(none, f).errors
 
 
-def _calibrated_errors(fitter: ForecastFitter, values: Array, f: int, lift: float | None) -> Array:
+def _calibrated_errors(fitter: ForecastFitter, values: Array, f: int, online: bool) -> Array:
     """Return the errors of a calibration in one flight, infinite where it cannot be flown."""
     try:
-        if lift is not None:
-            return fitter.compute_flight_errors(values, f, (), lift).errors
-        return _correct_lift(fitter, values, f)
+        if online:
+            return _correct_lift(fitter, values, f)
+        return fitter.compute_flight_errors(values, f).errors
     except BadInput:
         return np.full((len(fitter.flights[f].replay.first), len(fitter.horizons), 6), np.inf)
 

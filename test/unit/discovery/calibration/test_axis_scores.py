@@ -3,7 +3,12 @@
 import math
 
 from lta_discovery.calibration.coarse_fit import LONG
-from lta_discovery.calibration.forecast_score import FAR, score_axes, split_by_direction
+from lta_discovery.calibration.forecast_score import (
+    FAR,
+    score_axes,
+    score_forecasts,
+    split_by_direction,
+)
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
@@ -63,8 +68,20 @@ def test_the_directions_add_up_to_the_error_of_the_position(
 ) -> None:
     """A file with 20 mN too little lift sinks; at 8 s by more than at 3 s."""
     heavy = gtmab[0].with_value('net_lift', 'force', -0.02)
-    near, far = score_axes(heavy, [clean], np.zeros(len(gtmab[1])), [0.0])
+    near, far = score_axes(heavy, [clean], np.zeros(len(gtmab[1])), [np.zeros(len(gtmab[1]))])
     assert (near.horizon, far.horizon) == (LONG[-1], FAR)
     assert 0.02 < near.before[2] < far.before[2]
     assert near.before[2] > 5.0 * max(near.before[0], near.before[1])
     assert near.before == near.after
+
+
+def test_a_flight_has_its_own_trend_of_the_lift(gtmab: Known, clean: FlightLinearizer) -> None:
+    """A file whose lift grows by 1 mN/s, and a flight whose own trend makes up for it."""
+    knob = next(k for k, one in enumerate(gtmab[1]) if one.name == 'helium_leak.rate')
+    rising = gtmab[0].with_value('helium_leak', 'rate', -1e-3)
+    none, own = np.zeros(len(gtmab[1])), np.zeros(len(gtmab[1]))
+    own[knob] = 1e-3
+    (kept,) = score_forecasts(gtmab[0], [clean], none, [none])[-1:]
+    (mended,) = score_forecasts(rising, [clean], none, [own])[-1:]
+    assert mended.before[0] > 3.0 * kept.before[0]
+    assert mended.after == pytest.approx(kept.after, rel=1e-6)

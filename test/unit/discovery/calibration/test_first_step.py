@@ -300,7 +300,7 @@ def test_flights_of_three_seconds_are_calibrated_by_their_shorter_forecasts(
     coarse = fit_coarse_calibration(prepared.nominal, linear)
     assert not (coarse.values == 0.0).all()
     before, after = (
-        score_forecasts(prepared.nominal, linear, values, [0.0] * len(linear))[-1].after[0]
+        score_forecasts(prepared.nominal, linear, values, [values] * len(linear))[-1].after[0]
         for values in (np.zeros_like(coarse.values), coarse.values)
     )
     assert after < 0.5 * before
