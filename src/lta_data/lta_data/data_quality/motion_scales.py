@@ -6,10 +6,16 @@ are wrong by a factor of 1000 has neither. These figures have no scale: windows 
 samples, and a comparison yields a factor and a cosine.
 """
 
+from dataclasses import replace
 from typing import Final, final, NamedTuple
 
 from lta_data.data_quality.motion import compute_body_rates, PoseSeries, VectorSeries
-from lta_data.data_quality.smoothing import interpolate_on_grid, smooth_columns
+from lta_data.data_quality.smoothing import (
+    hann_kernel,
+    interpolate_on_grid,
+    median_period,
+    smooth_columns,
+)
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
@@ -18,6 +24,7 @@ Array = NDArray[np.float64]
 WINDOW: Final = 15  # samples that are smoothed
 DEGREES: Final = 180.0 / np.pi
 TURN: Final = 2.0 * np.pi
+LAGS: Final = (0.0, 0.05, 0.1, 0.15, 0.2, 0.25)  # delays of a filter that a fit ignores [s]
 OFFSETS: Final = 58  # whole turns of degrees in a turn of radians
 
 
@@ -30,6 +37,12 @@ class VectorFit(NamedTuple):
 
 
 UNKNOWN_FIT: Final = VectorFit(float('nan'), 0.0)
+
+
+def compare_late_vectors(time: Array, derived: Array, measured: VectorSeries) -> VectorFit:
+    """Compare a vector that a filter may delay with one from a pose, at the best delay."""
+    moved = (replace(measured, time=measured.time - lag) for lag in LAGS)
+    return max((compare_vectors(time, derived, one) for one in moved), key=lambda fit: fit.cosine)
 
 
 def compare_vectors(time: Array, derived: Array, measured: VectorSeries) -> VectorFit:
@@ -63,7 +76,7 @@ def fit_rates(pose: PoseSeries, rates: VectorSeries, turn: Array | None = None) 
         return UNKNOWN_FIT
     attitude = VectorSeries('', pose.attitude.time, pose.attitude.values if turn is None else turn)
     time, derived = compute_body_rates(attitude)
-    return compare_vectors(time, derived, rates)
+    return compare_late_vectors(time, derived, rates)
 
 
 def fit_velocity(pose: PoseSeries, turn: Array | None = None) -> VectorFit:
@@ -74,7 +87,7 @@ def fit_velocity(pose: PoseSeries, turn: Array | None = None) -> VectorFit:
     values = pose.attitude.values if turn is None else turn
     table, _ = interpolate_on_grid(pose.attitude.time, values, time)
     rotation = Rotation.from_quat(table)
-    return compare_vectors(time, rotation.inv().apply(speed), pose.velocity)
+    return compare_late_vectors(time, rotation.inv().apply(speed), pose.velocity)
 
 
 def fit_speed(pose: PoseSeries) -> VectorFit:
@@ -84,7 +97,7 @@ def fit_speed(pose: PoseSeries) -> VectorFit:
     time, speed = pose.position.differentiate()
     lengths = np.linalg.norm(speed, axis=1, keepdims=True)
     speeds = np.linalg.norm(pose.velocity.values, axis=1, keepdims=True)
-    return compare_vectors(time, lengths, VectorSeries('', pose.velocity.time, speeds))
+    return compare_late_vectors(time, lengths, VectorSeries('', pose.velocity.time, speeds))
 
 
 def fit_tilt(pose: PoseSeries, turn: Array | None = None) -> VectorFit:
@@ -130,7 +143,17 @@ def fit_lever(pose: PoseSeries) -> VectorFit:
 
 def upright_share(turn: Array) -> float:
     """Return the share of the time with the body's z axis within 60 degrees of the map's."""
-    return float(np.mean(1.0 - 2.0 * (turn[:, 0] ** 2 + turn[:, 1] ** 2) > 0.5))
+    return float(np.mean(_height_of_up(turn) > 0.5))
+
+
+def is_inverted(turn: Array) -> bool:
+    """Return whether the body's z axis points down nearly all the time."""
+    return float(np.percentile(_height_of_up(turn), 90.0)) < -0.5
+
+
+def _height_of_up(turn: Array) -> Array:
+    """Return the vertical part of the body's z axis, from quaternions of shape (n, 4)."""
+    return np.asarray(1.0 - 2.0 * (turn[:, 0] ** 2 + turn[:, 1] ** 2))
 
 
 def tumbling_pace(attitude: VectorSeries) -> float:
@@ -146,6 +169,13 @@ def tumbling_pace(attitude: VectorSeries) -> float:
 def largest_angle(turn: Array) -> float:
     """Return the largest Euler angle. [rad]"""
     return float(np.max(np.abs(Rotation.from_quat(turn).as_euler('ZYX'))))
+
+
+def measure_turn(attitude: VectorSeries) -> float:
+    """Return the largest range of yaw, pitch or roll, smoothed over half a second. [rad]"""
+    angles = np.unwrap(Rotation.from_quat(attitude.values).as_euler('ZYX'), axis=0)
+    calm = smooth_columns(angles, hann_kernel(0.5, median_period(attitude.time)))
+    return float(np.max(np.ptp(calm, axis=0)))
 
 
 def magnify_angles(turn: Array) -> Array:

@@ -12,13 +12,25 @@ from scipy.spatial.transform import Rotation
 TOPIC = 'ground_truth/odom'
 
 
-def record(time=1.0, length=1.0, speed=1.0, angle=1.0, rate=1.0, flip=False):
-    """Return a flight of 30 s, with factors on its numbers."""
+def record(
+    time=1.0, length=1.0, speed=1.0, angle=1.0, rate=1.0, flip=False, straight=False, late=0
+):
+    """
+    Return a flight of 30 s, with factors on its numbers.
+
+    `straight`: it keeps its heading. `late`: samples by which a filter delays velocity and rates
+    of a quick swing.
+    """
     rng = np.random.default_rng(3)
     t = np.arange(0.0, 30.0, 0.02)
     angles = np.stack([0.35 * t, 0.12 * np.sin(0.9 * t), 0.1 * np.sin(1.3 * t)], axis=1)
+    if straight:
+        angles = np.stack([np.cos(0.4 * t), np.sin(0.9 * t), np.sin(1.3 * t)], axis=1) * 0.03
+    if late:
+        angles[:, 1:] = 0.12 * np.stack([np.sin(4.5 * t), np.cos(4.1 * t)], axis=1)
     turn = Rotation.from_euler('ZYX', angles)
     body = np.stack([0.4 + 0.1 * np.sin(t), 0.03 * np.sin(t), 0.1 * np.cos(0.6 * t)], axis=1)
+    body *= 0.5 if straight else 1.0
     place = np.cumsum(turn.apply(body), axis=0) * 0.02 + [0.0, 0.0, 1.5]
     rates = (turn[:-1].inv() * turn[1:]).as_rotvec() / 0.02
     rates = np.concatenate([rates, rates[-1:]])
@@ -31,6 +43,7 @@ def record(time=1.0, length=1.0, speed=1.0, angle=1.0, rate=1.0, flip=False):
         down = np.diag([1.0, -1.0, -1.0])
         read = Rotation.from_matrix(down @ read.as_matrix() @ down)
         place, body, rates = (v * [1.0, -1.0, -1.0] for v in (place, body, rates))
+    body, rates = (np.roll(one, late, axis=0) for one in (body, rates))
     parts = {
         'pose.pose.position': (place * length, 'm'),
         'pose.pose.orientation': (read.as_quat(), '1'),
@@ -74,6 +87,32 @@ def test_the_cause_is_found_and_nothing_else(factors, channel, sentence):
     (finding,) = grave(record(**factors))
     assert finding.channel.endswith(channel)
     assert sentence in finding.evidence
+
+
+@pytest.mark.parametrize(
+    'kind', ['lengths small', 'angles small', 'angles and rates small', 'lengths large']
+)
+def test_the_unit_of_a_straight_flight_is_found(kind):
+    """Yaw, pitch and roll stay within 2 degrees, while it flies 6 m."""
+    factors, channel, sentence = CASES[kind]
+    (finding,) = grave(record(**factors, straight=True))
+    assert finding.channel.endswith(channel)
+    assert sentence in finding.evidence
+
+
+def test_a_straight_flight_has_no_finding():
+    assert grave(record(straight=True)) == []
+
+
+@pytest.mark.parametrize(
+    'kind', ['angles small', 'angles and rates small', 'angles in deg', 'angles and rates in deg']
+)
+def test_the_unit_of_angles_is_found_beside_late_rates(kind):
+    """A filter delays velocity and rates of a swing by 0.2 s: the clock is another finding."""
+    factors, channel, sentence = CASES[kind]
+    units = [one for one in grave(record(**factors, straight=True, late=10)) if one.kind in ('unit', 'axes')]
+    assert [one.channel.endswith(channel) for one in units] == [True]
+    assert sentence in units[0].evidence
 
 
 @pytest.mark.parametrize('above', [0.4, 0.3, -0.3])

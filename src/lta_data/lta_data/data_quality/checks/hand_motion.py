@@ -228,6 +228,8 @@ def find_idle_motion(
 
 def is_decaying_swing(place: Array) -> bool:
     """Return whether a vehicle swings freely: with a steady period, and ever less."""
+    if len(place) < SWINGS + 2:
+        return False
     time = np.linspace(-1.0, 1.0, len(place))
     # A free vehicle may drift while it swings
     apart = place - np.column_stack([np.polyval(np.polyfit(time, c, 1), time) for c in place.T])

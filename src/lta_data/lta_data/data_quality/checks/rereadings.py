@@ -19,8 +19,10 @@ from lta_data.data_quality.motion_scales import (
     fit_speed,
     fit_tilt,
     fit_velocity,
+    is_inverted,
     largest_angle,
     magnify_angles,
+    measure_turn,
     OFFSETS,
     quaternions_of,
     shrink_angles,
@@ -41,11 +43,19 @@ ALIKE: Final = 0.85  # cosine of two vectors of one motion
 NEAR: Final = 0.3  # tolerance of a factor, as a logarithm
 QUICK: Final = 40.0  # usual acceleration that no vehicle has [m/s2]
 FAST: Final = 30.0  # usual speed that no indoor vehicle has [m/s]
-STILL: Final = (0.003, 0.03)  # speed and extent that no flight stays below [m/s], [m]
-TURNED: Final = 0.15  # least change of the attitude of a flight [rad]
+SLOW: Final = 0.003  # usual speed that no flight stays below [m/s]
+TURNED: Final = 0.03  # least range of the angles of a flight [rad]
+REACH: Final = 0.2  # extent of a flight by the range of its angles, at least [m/rad]
+RIGID: Final = 0.01  # range of angles that is too small for any flight [rad]
+STIFF: Final = 0.03  # the same, of a vehicle that accelerates too much for its lean [rad]
+LEANLESS: Final = 5.0  # acceleration by lean that is too much, by gravity
+TRAVEL: Final = 0.5  # extent of a flight whose angles cannot stay that small [m]
 TUMBLING: Final = 5.0  # usual rates of a vehicle that is not upright [rad/s]
 TURNING: Final = 2.0  # least usual rates at which angles can be 57.3 times too large [rad/s]
 TINY: Final = 0.06  # half a turn, 57.3 times too small [rad]
+FOLLOWED: Final = 0.7  # cosine of a velocity that agrees with larger angles, if late
+MORE: Final = 0.02  # change of a cosine that tells one reading from another
+UNEXPLAINED: Final = 0.6  # of what a velocity disagrees by, left with larger angles
 CONTRADICTION: Final = 0.4  # cosine below which two vectors are not of one motion
 BELOW: Final = -0.25  # median height at which all of a flight is below the floor [m]
 LEVER: Final = 0.6  # largest distance of markers from the axis of a swing [m]
@@ -119,8 +129,9 @@ def _find_wrong_length(pose: PoseSeries) -> Iterator[QualityFinding]:
     best = max(fits, key=lambda fit: fit.cosine)
     place, speed, pull = pose.position, *_measure_motion(pose.position)
     if best.cosine > ALIKE and pose.tracked:
-        yield from _judge_against_velocity(pose, place, best, speed)
-        if not _is_near(best.factor, 1.0):
+        wrong = [*_judge_against_velocity(pose, place, best, speed)]
+        yield from wrong
+        if wrong:
             return
     if (speed > FAST or pull > QUICK) and pose.tracked:
         yield _build_finding(
@@ -134,15 +145,14 @@ def _find_wrong_length(pose: PoseSeries) -> Iterator[QualityFinding]:
     # A position that does not change at all is another finding
     if not float(np.min(np.ptp(place.values, axis=0))) > 0.0:
         return
-    if pose.attitude is not None and speed < STILL[0] and extent < STILL[1]:
-        spread = float(np.max(np.ptp(pose.attitude.values, axis=0)))
-        # Half of a small angle in the quaternion
-        if 2.0 * spread > TURNED:
+    if pose.attitude is not None and speed < SLOW:
+        turn = measure_turn(pose.attitude)
+        if turn > TURNED and extent < REACH * min(turn, 1.0):
             yield _build_finding(
                 place, 'unit',
                 f'The position stays within {1e3 * extent:.3g} mm and moves at {1e3 * speed:.3g} '
-                f'mm/s, while the vehicle turns by {2.0 * spread:.2g} rad: the values are 1000 '
-                'times too small (metres read as millimetres).',
+                f'mm/s, while the vehicle turns by {turn:.2g} rad: the values are 1000 times too '
+                'small (metres read as millimetres).',
                 extent,
             )  # fmt: skip
 
@@ -194,6 +204,13 @@ def _find_wrong_angles(pose: PoseSeries, evidence: CheckContext) -> Iterator[Qua
         return
     rates = [pose.turning] if pose.turning is not None else []
     rates += [sensor.rates for sensor in evidence.inertials if sensor.rates is not None]
+    small = magnify_angles(attitude.values)
+    if reason := _explain_small_angles(pose, small):
+        yield _build_finding(
+            attitude, 'unit',
+            f'The angles are 57.3 times too small (radians read as degrees): {reason}.', DEGREES,
+        )  # fmt: skip
+        return
     if _agrees_as_recorded(pose, rates):
         return
     pace = tumbling_pace(attitude)
@@ -205,7 +222,6 @@ def _find_wrong_angles(pose: PoseSeries, evidence: CheckContext) -> Iterator[Qua
             1.0 / DEGREES,
         )  # fmt: skip
         return
-    small = magnify_angles(attitude.values)
     if largest_angle(attitude.values) < TINY and _explains(pose, rates, small, 1.0 / DEGREES):
         yield _build_finding(
             attitude, 'unit',
@@ -213,7 +229,8 @@ def _find_wrong_angles(pose: PoseSeries, evidence: CheckContext) -> Iterator[Qua
             f'{_name_agreement(pose, rates)} agrees.', DEGREES,
         )  # fmt: skip
         return
-    if pace < TURNING:
+    calm = upright_share(attitude.values) > 0.5 or is_inverted(attitude.values)
+    if pace < TURNING and calm:
         return
     angles = shrink_angles(attitude.values)
     for yaw in np.arange(OFFSETS) * (TURN / DEGREES) if pose.velocity is not None else (0.0,):
@@ -226,6 +243,34 @@ def _find_wrong_angles(pose: PoseSeries, evidence: CheckContext) -> Iterator[Qua
                 1.0 / DEGREES,
             )  # fmt: skip
             return
+
+
+def _explain_small_angles(pose: PoseSeries, small: Array) -> str:
+    """
+    Return why the angles are too small, whatever the rates say; empty if they need not be.
+
+    `small`: the attitude with angles 57.3 times as large. Rates in the wrong unit agree with it.
+    """
+    assert pose.attitude is not None
+    before, after = fit_velocity(pose).cosine, fit_velocity(pose, small).cosine
+    if after > FOLLOWED and 1.0 - after < UNEXPLAINED * (1.0 - before) and after > before + MORE:
+        assert pose.velocity is not None
+        return f"with larger ones '{pose.velocity.name}' agrees"
+    turn = measure_turn(pose.attitude)
+    if pose.position is None or not (pose.tracked and _covers_place(pose) and turn < STIFF):
+        return ''
+    lean = fit_tilt(pose)
+    leans = abs(lean.cosine) > TILT and lean.factor > LEANLESS * STANDARD_GRAVITY
+    extent = float(np.max(np.ptp(pose.position.values, axis=0)))
+    # An attitude that does not change at all is another finding
+    if extent < TRAVEL or not RIGID / DEGREES < turn < (STIFF if leans else RIGID):
+        return ''
+    if after < before - MORE:
+        return ''
+    return (
+        f'yaw, pitch and roll stay within {DEGREES * turn:.2g} degrees, while the vehicle covers '
+        f'{extent:.2g} m'
+    )
 
 
 def _agrees_as_recorded(pose: PoseSeries, rates: list[VectorSeries]) -> bool:
@@ -258,7 +303,7 @@ def _explains(pose: PoseSeries, rates: list[VectorSeries], turn: Array, excess: 
         return False
     votes = []
     before, after = fit_velocity(pose), fit_velocity(pose, turn)
-    if max(before.cosine, after.cosine) > ALIKE and abs(after.cosine - before.cosine) > 0.02:
+    if max(before.cosine, after.cosine) > ALIKE and abs(after.cosine - before.cosine) > MORE:
         votes.append(after.cosine > before.cosine)
     lean = fit_tilt(pose), fit_tilt(pose, turn)
     if max(lean[0].cosine, lean[1].cosine) > TILT:
@@ -269,7 +314,7 @@ def _explains(pose: PoseSeries, rates: list[VectorSeries], turn: Array, excess: 
     reread = [fit_rates(pose, one, turn) for one in rates]
     matched = [fit for fit in reread if fit.cosine > ALIKE]
     if upright_share(pose.attitude.values) < 0.5 and excess > 1.0:
-        return bool(matched) or not rates
+        return bool(matched) or not rates or after.cosine > ALIKE
     # Rates that agree with the recorded angles are wrong too, or right
     for old, new in zip(recorded, reread, strict=True):
         if old.cosine > ALIKE and _is_near(old.factor, 1.0) and not votes:
@@ -285,16 +330,15 @@ def _explains(pose: PoseSeries, rates: list[VectorSeries], turn: Array, excess: 
 def _find_wrong_vertical(pose: PoseSeries, evidence: CheckContext) -> Iterator[QualityFinding]:
     """Yield a pose whose z axes point down."""
     place, attitude = pose.position, pose.attitude
-    if attitude is not None and len(attitude.time) >= evidence.limits.least_samples:
-        up = 1.0 - 2.0 * (attitude.values[:, 0] ** 2 + attitude.values[:, 1] ** 2)
-        if float(np.percentile(up, 90.0)) < -0.5:
-            yield _build_finding(
-                attitude, 'axes',
-                'The vehicle is upside down throughout: z of the map or of the body points down '
-                '(NED or FRD read as ENU or FLU).', float(np.median(up)),
-            )  # fmt: skip
-            return
-    if place is None or not pose.tracked or len(place.time) < evidence.limits.least_samples:
+    enough = evidence.limits.least_samples
+    if attitude is not None and len(attitude.time) >= enough and is_inverted(attitude.values):
+        yield _build_finding(
+            attitude, 'axes',
+            'The vehicle is upside down throughout: z of the map or of the body points down '
+            '(NED or FRD read as ENU or FLU).', -1.0,
+        )  # fmt: skip
+        return
+    if place is None or not pose.tracked or len(place.time) < enough:
         return
     # A whole pose with z down agrees with itself; one wrong vector does not
     turns = [fit_rates(pose, pose.turning)] if pose.turning is not None else []
