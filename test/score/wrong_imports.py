@@ -223,13 +223,19 @@ def simulated(seed: int) -> LabFlight | None:
                 columns[f'{part}_imu_{axis}'] = np.interp(time, channel.time, channel.values)
             entry[part] = {'columns': [f'{part}_imu_{axis}' for axis in 'xyz'], 'unit': unit}
         topics.append(entry)
-    duties = [name for name in channels if name.startswith('motors/effort.')]
+    # Motors that stand still have no unit
+    duties = [
+        name
+        for name, channel in channels.items()
+        if name.startswith('motors/effort.') and np.abs(channel.values).max() > 0.05
+    ]
     if duties:
         actuators = {}
         for name in duties:
             channel, short = channels[name], name.removeprefix('motors/effort.')
-            columns[short] = np.interp(time, channel.time, channel.values)
-            actuators[short] = {'effort': {'column': short}}
+            # A rotor can be called yaw
+            columns[f'duty_{short}'] = np.interp(time, channel.time, channel.values)
+            actuators[short] = {'effort': {'column': f'duty_{short}'}}
         topics.append({'topic': 'motors', 'actuators': actuators})
     mapping = {'schema': 1, 'name': 'simulated', 'about': 'x', 'format': 'numpy',
                'time': {'column': 't', 'unit': 's'}, 'topics': topics}  # fmt: skip

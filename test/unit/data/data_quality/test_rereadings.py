@@ -110,7 +110,11 @@ def test_a_straight_flight_has_no_finding():
 def test_the_unit_of_angles_is_found_beside_late_rates(kind):
     """A filter delays velocity and rates of a swing by 0.2 s: the clock is another finding."""
     factors, channel, sentence = CASES[kind]
-    units = [one for one in grave(record(**factors, straight=True, late=10)) if one.kind in ('unit', 'axes')]
+    units = [
+        one
+        for one in grave(record(**factors, straight=True, late=10))
+        if one.kind in ('unit', 'axes')
+    ]
     assert [one.channel.endswith(channel) for one in units] == [True]
     assert sentence in units[0].evidence
 
@@ -162,3 +166,14 @@ def test_corrupt_commands_are_no_other_unit_and_per_cent_is_one():
     findings = grave(recording)
     assert {one.kind for one in findings} == {'impossible'}
     assert 'a duty is between -1 and 1' in findings[0].evidence
+
+
+def test_corrupt_commands_of_idle_motors_are_no_other_unit():
+    rng = np.random.default_rng(0)
+    idle = np.zeros(2000)
+    idle[rng.choice(2000, 60, replace=False)] = rng.uniform(2.0, 60.0, 60)
+    assert list(find_unit_by_size(commands(idle))) == []
+    busy = np.zeros(2000)
+    busy[400:600] = 40.0
+    (finding,) = find_unit_by_size(commands(busy))
+    assert 'looks like %' in finding.evidence

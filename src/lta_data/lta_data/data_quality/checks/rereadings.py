@@ -55,6 +55,7 @@ TURNING: Final = 2.0  # least usual rates at which angles can be 57.3 times too 
 TINY: Final = 0.06  # half a turn, 57.3 times too small [rad]
 FOLLOWED: Final = 0.7  # cosine of a velocity that agrees with larger angles, if late
 MORE: Final = 0.02  # change of a cosine that tells one reading from another
+NUMERIC: Final = 1e-5  # what a velocity without noise disagrees by, as it is interpolated
 UNEXPLAINED: Final = 0.6  # of what a velocity disagrees by, left with larger angles
 CONTRADICTION: Final = 0.4  # cosine below which two vectors are not of one motion
 BELOW: Final = -0.25  # median height at which all of a flight is below the floor [m]
@@ -253,7 +254,8 @@ def _explain_small_angles(pose: PoseSeries, small: Array) -> str:
     """
     assert pose.attitude is not None
     before, after = fit_velocity(pose).cosine, fit_velocity(pose, small).cosine
-    if after > FOLLOWED and 1.0 - after < UNEXPLAINED * (1.0 - before) and after > before + MORE:
+    left = 1.0 - before
+    if after > FOLLOWED and left > NUMERIC and 1.0 - after < UNEXPLAINED * left:
         assert pose.velocity is not None
         return f"with larger ones '{pose.velocity.name}' agrees"
     turn = measure_turn(pose.attitude)

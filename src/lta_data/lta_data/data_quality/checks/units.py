@@ -159,6 +159,8 @@ def find_unit_by_size(channel: SignalChannel) -> Iterator[QualityFinding]:
         busy = np.abs(values[values != 0.0])
         if size.most and len(busy) and float(np.median(busy)) <= size.units[0][0]:
             continue
+        if size.most and _stand_alone(np.abs(values) > size.units[0][0]):
+            continue
         for low, high, unit in size.units:
             if low <= typical <= high:
                 yield QualityFinding(
@@ -168,6 +170,11 @@ def find_unit_by_size(channel: SignalChannel) -> Iterator[QualityFinding]:
                     Severity.SUSPICIOUS, {'size': typical},
                 )  # fmt: skip
                 break
+
+
+def _stand_alone(large: NDArray[np.bool_]) -> bool:
+    """Return whether most large values stand between small ones, as corrupt ones do."""
+    return float(np.sum(large[1:] & large[:-1])) < 0.5 * float(np.sum(large))
 
 
 def find_unit_by_gravity(
