@@ -59,11 +59,8 @@ def supervise_graph(plan: LaunchPlan, on_line: OnLine, say: Callable[[str], None
             facts = listener.poll(LOOK)
             # Other packages' nodes do not report on /diagnostics, which is not a fault
             running = [name for name in launcher.running_nodes if name not in spare]
-            unheard = listener.find_pending_nodes(running)
-            reporting = [name for name in running if name not in unheard]
-            # While nodes load, a busy machine may delay the reports of others
-            silent = listener.find_silent_nodes(reporting) if listener.is_settled(running) else []
-            lookout.report_stalled_nodes(facts, silent, unheard)
+            silent = listener.find_silent_nodes(running, required=False)
+            lookout.report_stalled_nodes(facts, silent, listener.find_pending_nodes(running))
             for end in launcher.poll():
                 going_on = '; the run continues' if launcher.outcome is None else ''
                 # The caller shows the sentence of a node that rejects its input

@@ -94,22 +94,32 @@ class DiagnosticsListener:
         """
         self._publisher.wait_for_all_acked(RECEIPT)
 
-    def find_silent_nodes(self, nodes: Iterable[str]) -> list[str]:
-        """Return the nodes that no longer report or never did, in alphabetical order."""
+    def find_silent_nodes(self, nodes: Iterable[str], required: bool = True) -> list[str]:
+        """
+        Return the nodes that no longer report, in alphabetical order.
+
+        While nodes load, nobody is silent: a busy machine may delay the reports of the others.
+        `required`: whether a node that never reports is silent in the end.
+        """
+        nodes = list(nodes)
+        if not self._is_settled(nodes):
+            return []
         now = time.monotonic()
         begun = self._begun or now
+        pending = [] if required else self.find_pending_nodes(nodes)
         return sorted(
             name
             for name in nodes
             # A node that never reported counts as silent only once LOADING is over
             if now - self._received_at.get(name, begun + LOADING - SILENCE) > SILENCE
+            and name not in pending
         )
 
     def find_pending_nodes(self, nodes: Iterable[str]) -> list[str]:
         """Return the nodes that have not reported yet: still loading, or not discovered."""
         return sorted(set(nodes) - self._received_at.keys())
 
-    def is_settled(self, nodes: Iterable[str]) -> bool:
+    def _is_settled(self, nodes: Iterable[str]) -> bool:
         """
         Return whether silence of a node indicates a fault.
 
