@@ -97,6 +97,21 @@ def test_a_hidden_calibration_is_found(calibrated: tuple[CalibrationCase, Calibr
     assert found.method == 'likelihood'
 
 
+class SteppingPilot:
+    """A pilot who commands one step after a second."""
+
+    def __init__(self, axis: int, size: float) -> None:
+        self._axis, self._size = axis, size
+
+    def initial_duties(self) -> list[float]:
+        """Return no command."""
+        return [0.0] * 6
+
+    def compute_duties(self, time: float, state: list[float]) -> list[float]:
+        """Return the command at a time."""
+        return [self._size * (k == self._axis and time >= 1.0) for k in range(6)]
+
+
 class PushingPilot:
     """A pilot who commands a weak yaw moment after a second, as a flight needs a command."""
 
@@ -183,13 +198,13 @@ def test_intervals_of_a_fit_to_forecasts_hold_that_to_all_readings(
     def refine(nominal, flights, coarse, noise=1.0):
         if noise == 1.0:
             return None
-        fits.append((coarse, refine_calibration(nominal, flights, coarse, noise)))
-        return fits[-1][1]
+        fits.append(refine_calibration(nominal, flights, coarse, noise))
+        return fits[-1]
 
     monkeypatch.setattr(calibration_module, 'refine_calibration', refine)
     case, found = calibrate_case(6, tmp_path)
     assert found.method == 'both'
-    ((coarse, fit),) = fits
+    (fit,) = fits
     assert fit is not None
     assert fit.is_converged
     truths = case.list_true_values(load_vehicle('gtmab'))
@@ -201,8 +216,58 @@ def test_intervals_of_a_fit_to_forecasts_hold_that_to_all_readings(
     assert surge is not None
     assert surge.is_known
     k = list(fit.group.linears[0].names).index('wrench_gain.surge')
-    apart = coarse.values[k] - fit.fitted.mean[k]
+    apart = surge.value - surge.before - fit.fitted.mean[k]
     assert surge.deviation == pytest.approx(math.hypot(apart, fit.fitted.covariance[k, k] ** 0.5))
+
+
+@pytest.mark.parametrize('share', [1.0, 1.7])
+def test_a_drag_is_fitted_to_one_step_only_if_other_flights_need_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, share: float
+) -> None:
+    """
+    Left out, it keeps the interval assumed before, and misleads in no other step.
+
+    As with real flights, the fit to all readings does not converge.
+    """
+
+    def refine(nominal, flights, coarse, noise=1.0):
+        return None if noise == 1.0 else refine_calibration(nominal, flights, coarse, noise)
+
+    monkeypatch.setattr(calibration_module, 'refine_calibration', refine)
+    vehicle = load_vehicle('gtmab')
+    file = build_vehicle_truth(vehicle)
+    blimp = replace(
+        file,
+        drag=to_triple([share * each for each in file.drag]),
+        lift=9.80665 * (file.mass - file.displaced),
+        wrench_gains=(2.4, 1.0, 1.0, 1.0, 1.0, 1.0),
+    )
+    bags: dict[Role, list[Path]] = {'train': [], 'confirm': []}
+    for role, flight in (
+        ('train', record_poses('ahead', blimp, SteppingPilot(0, 0.05), 0.0, 9.0)),
+        ('train', record_poses('upward', blimp, SteppingPilot(2, 0.03), 0.0, 9.0)),
+        ('train', record_poses('swinging', blimp, PushingPilot(), 0.35, 14.0)),
+        ('confirm', record_poses('ahead, half', blimp, SteppingPilot(0, 0.025), 0.0, 11.0)),
+    ):
+        write_bag(tmp_path / flight.name, flight.streams, vehicle.rotor_names, {})
+        bags[role].append(tmp_path / flight.name)
+    flights = select_usable_flights(read_bags(bags), vehicle).flights
+    found = calibrate_flights(vehicle, 'gtmab', flights, lambda _what, _part: None)
+    assert found.method == 'both'
+    drag, gain = found.find('quadratic_drag.surge'), found.find('wrench_gain.surge')
+    assert drag is not None
+    assert gain is not None
+    assert gain.ci95[0] < 2.4 < gain.ci95[1]
+    assert drag.is_known == (share > 1.0)
+    if drag.is_known:
+        assert drag.ci95[0] < share * file.drag[0] < drag.ci95[1]
+    else:
+        assert drag.value == drag.before
+        assert drag.deviation == pytest.approx(0.3 * drag.before)
+    far = found.axis_scores['confirm'][-1]
+    assert far.horizon == 8.0
+    # Along the nose, where half of the force makes 2 m
+    assert far.after[0] < 0.1 * far.before[0]
 
 
 def test_the_first_line_says_what_is_wrong(
