@@ -37,6 +37,8 @@ QUICK: Final = (0.0, 0.2)  # s; tried by a short fit
 FIRST: Final = ('wrench_gain', 'marker_offset', 'rotor_')  # fitted at each delay
 DELAY: Final = 'command_delay.delay'
 ROUNDS: Final = 6  # most linearisations of a fit
+REPEATS: Final = 6  # most fits to long forecasts, each with new weights
+STILL: Final = 0.1  # tolerances; they end when no value moves further
 # What shapes the forces, by the beginnings of the names, in the order in which it is left out:
 # drag and added mass, then exponents and reverses of the commands
 SHAPES: Final = (tuple(FLOWS), ('wrench_gain.exponent', 'wrench_gain.reverse'))
@@ -140,11 +142,16 @@ def fit_coarse_calibration(
             late = [k for k in shared if knobs[k].name == DELAY]
             best = _improve(fitter, picked, best, start.values, [*first, *late])
     # In longer forecasts, a fast oscillation is out of phase unless the short ones corrected it.
-    # The second time, errors are weighed by what a swing of the right period leaves.
+    # Each time, errors are weighed by what the fit before left: those of a swing whose period is
+    # nearly right are small, and tell the rest of it.
     long = build_forecast_fitter(nominal, flights, LONG, APART[1])
-    for fitter, picked in filter(None, (short, long, long)):
-        fitter.weigh_errors(best.values, best.lifts[picked].tolist())
-        best = _improve(fitter, picked, best, best.values, shared)
+    tolerances = np.array([knob.tolerance for knob in knobs])
+    for fitter, picked in filter(None, (short, *[long] * REPEATS)):
+        before = best.values
+        fitter.weigh_errors(before, best.lifts[picked].tolist())
+        best = _improve(fitter, picked, best, before, shared)
+        if fitter.horizons == LONG and np.all(np.abs(best.values - before) < STILL * tolerances):
+            break
     if short is not None:
         # A flight that is too short for forecasts has the mean lift of the others
         rest = [f for f in range(len(flights)) if f not in short[1]]
