@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 import math
 from typing import Final, final
 
-from lta_discovery.calibration.coarse_fit import CoarseCalibration, leave_out_shapes
+from lta_discovery.calibration.coarse_fit import CoarseCalibration
 from lta_discovery.calibration.forecast_score import relative_error, score_axes, score_forecasts
-from lta_discovery.calibration.prepared_flights import find_index, fit_coarsely
+from lta_discovery.calibration.prepared_flights import find_index, fit_coarsely, fit_further
 from lta_discovery.calibration.refined_fit import refine_calibration
 from lta_discovery.calibration.result import CalibratedValue, Calibration, ForecastScore, WIDE
 from lta_discovery.calibration.reversed_thrust import state_by_duty
@@ -69,12 +69,12 @@ def calibrate_flights(
     estimates = _list_estimates(nominal, roles['train'], coarse, knobs)
     tell('forecasting', 0.8)
     best, scores = _choose_estimate(nominal, roles['train'], estimates, knobs)
-    simple = coarse
     if best.method == 'forecasts':
-        # Something of the flights is in no model, and a shape of the forces may stand for it
-        simple = leave_out_shapes(nominal, roles['train'], coarse)
-        estimates[-2] = _build_estimate('forecasts', simple, knobs)
-        best, scores = _choose_estimate(nominal, roles['train'], estimates[-2:], knobs)
+        # Something of the flights is in no model
+        prepared, coarse = fit_further(vehicle, flights, prepared, coarse)
+        knobs, roles = prepared.knobs, prepared.flights
+        estimates = [_build_estimate('forecasts', coarse, knobs), estimates[-1]]
+        best, scores = _choose_estimate(nominal, roles['train'], estimates, knobs)
     lifts = [float(values[find_index(knobs, NET_LIFT)]) for values, _ in best.flights]
     told_scores = {'train': scores}
     axes = {'train': score_axes(nominal, roles['train'], _without_lift(best.shared, knobs), lifts)}
@@ -86,7 +86,7 @@ def calibrate_flights(
         axes['confirm'] = score_axes(nominal, roles['confirm'], shared, None)
     if best.method == 'forecasts':
         tell('fitting intervals', 0.9)
-        best = _widen_intervals(nominal, roles['train'], coarse, best, simple.held)
+        best = _widen_intervals(nominal, roles['train'], coarse, best)
     tell('done', 1.0)
     return Calibration(
         name,
@@ -192,14 +192,13 @@ def _widen_intervals(
     flights: Sequence[FlightLinearizer],
     coarse: CoarseCalibration,
     best: _Estimate,
-    held: Sequence[int],
 ) -> _Estimate:
     """
     Return the estimate from forecasts with the intervals of a fit to all readings.
 
     Errors of a model make the two differ by more than either interval says, so that the square of
-    the difference is added to the variance. Parameters that were left out (`held`) are free in
-    that fit, so that the others are not too certain, but keep the intervals assumed before.
+    the difference is added to the variance. Parameters that were left out are free in that
+    fit, so that the others are not too certain, but keep the intervals assumed before.
     """
     fit = refine_calibration(nominal, flights, coarse, NOISIER)
     if fit is None or not np.isfinite(fit.fitted.covariance).all():
@@ -210,7 +209,9 @@ def _widen_intervals(
         (
             values,
             _keep_assumed(
-                _add_difference(values, other.mean, other.covariance), flights[0].knobs, held
+                _add_difference(values, other.mean, other.covariance),
+                flights[0].knobs,
+                coarse.held,
             ),
         )
         for values, other in both
@@ -225,9 +226,7 @@ def _add_difference(values: Array, mean: Array, covariance: Array) -> Array:
     return wide
 
 
-def _keep_assumed(
-    covariance: Array, knobs: Sequence[FreeParameter], held: Sequence[int]
-) -> Array:
+def _keep_assumed(covariance: Array, knobs: Sequence[FreeParameter], held: Sequence[int]) -> Array:
     """Return a covariance in which some parameters have the deviations assumed before."""
     out, picked = covariance.copy(), list(held)
     out[picked] = 0.0

@@ -12,6 +12,7 @@ outside of the fit keep the values of the file.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Final, final
 
 from lta_config.errors import BadInput
@@ -37,7 +38,7 @@ QUICK: Final = (0.0, 0.2)  # s; tried by a short fit
 FIRST: Final = ('wrench_gain', 'marker_offset', 'rotor_')  # fitted at each delay
 DELAY: Final = 'command_delay.delay'
 ROUNDS: Final = 6  # most linearisations of a fit
-REPEATS: Final = 6  # most fits to long forecasts, each with new weights
+REPEATS: Final = 6  # most fits to the longest forecasts, each with new weights
 STILL: Final = 0.1  # tolerances; they end when no value moves further
 # What shapes the forces, by the beginnings of the names, in the order in which it is left out:
 # drag and added mass, then exponents and reverses of the commands
@@ -142,21 +143,41 @@ def fit_coarse_calibration(
             late = [k for k in shared if knobs[k].name == DELAY]
             best = _improve(fitter, picked, best, start.values, [*first, *late])
     # In longer forecasts, a fast oscillation is out of phase unless the short ones corrected it.
-    # Each time, errors are weighed by what the fit before left: those of a swing whose period is
-    # nearly right are small, and tell the rest of it.
+    # The second time, errors are weighed by what a swing of the right period leaves.
     long = build_forecast_fitter(nominal, flights, LONG, APART[1])
-    tolerances = np.array([knob.tolerance for knob in knobs])
-    for fitter, picked in filter(None, (short, *[long] * REPEATS)):
-        before = best.values
-        fitter.weigh_errors(before, best.lifts[picked].tolist())
-        best = _improve(fitter, picked, best, before, shared)
-        if fitter.horizons == LONG and np.all(np.abs(best.values - before) < STILL * tolerances):
-            break
+    for fitter, picked in filter(None, (short, long, long)):
+        fitter.weigh_errors(best.values, best.lifts[picked].tolist())
+        best = _improve(fitter, picked, best, best.values, shared)
     if short is not None:
         # A flight that is too short for forecasts has the mean lift of the others
         rest = [f for f in range(len(flights)) if f not in short[1]]
         best.lifts[rest] = best.lifts[short[1]].mean()
     return best
+
+
+def settle_calibration(
+    nominal: NominalVehicle, flights: Sequence[FlightLinearizer], coarse: CoarseCalibration
+) -> CoarseCalibration:
+    """
+    Return the calibration to which repeated fits to the longest forecasts settle.
+
+    Each time, errors are weighed by what the fit before left: those of a swing whose period is
+    nearly right are small, and tell the rest of it. Of flights that the model explains, it would
+    follow the noise.
+    """
+    built = build_longest_fitter(nominal, flights)
+    if built is None:
+        return coarse
+    fitter, picked = built
+    shared = [k for k, knob in enumerate(fitter.knobs) if not knob.per_flight]
+    limits = STILL * np.array([knob.tolerance for knob in fitter.knobs])
+    for _ in range(REPEATS):
+        before = coarse.values
+        fitter.weigh_errors(before, coarse.lifts[picked].tolist())
+        coarse = _improve(fitter, picked, coarse, before, shared)
+        if np.all(np.abs(coarse.values - before) < limits):
+            break
+    return coarse
 
 
 def leave_out_shapes(
@@ -209,14 +230,16 @@ def _divide_flight(flight: FlightLinearizer, count: int) -> list[FlightLinearize
     begins, ends = cut.first, cut.first + cut.length
     edges = np.linspace(begins[0], ends[-1], count + 1)
     out = []
-    for low, high in zip(edges[:-1], edges[1:], strict=True):
+    for low, high in pairwise(edges):
         inside = (begins >= low) & (ends <= high)
         if inside.sum() < 2:
             return _divide_flight(flight, count - 1)
         pieces = Windows(
             cut.first[inside], cut.length, cut.start[inside], cut.inside[inside], cut.knots
         )
-        out.append(FlightLinearizer(flight.replay.with_pieces(pieces), flight.knobs, flight.places))
+        out.append(
+            FlightLinearizer(flight.replay.with_pieces(pieces), flight.knobs, flight.places)
+        )
     return out
 
 
