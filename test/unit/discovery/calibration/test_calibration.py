@@ -19,7 +19,11 @@ from lta_discovery.calibration import calibration as calibration_module
 from lta_discovery.calibration.calibrated_file import format_calibrated_vehicle
 from lta_discovery.calibration.calibration import calibrate_flights
 from lta_discovery.calibration.coarse_fit import find_calibration_start
-from lta_discovery.calibration.prepared_flights import prepare_calibration
+from lta_discovery.calibration.prepared_flights import (
+    fit_coarsely,
+    fit_further,
+    prepare_calibration,
+)
 from lta_discovery.calibration.refined_fit import refine_calibration
 from lta_discovery.calibration.report import build_report
 from lta_discovery.calibration.result import Calibration, ForecastScore
@@ -268,6 +272,33 @@ def test_a_drag_is_fitted_to_one_step_only_if_other_flights_need_it(
     assert far.horizon == 8.0
     # Along the nose, where half of the force makes 2 m
     assert far.after[0] < 0.1 * far.before[0]
+
+
+def test_the_file_does_not_hold_back_another_pendulum(tmp_path: Path) -> None:
+    """Its centre of gravity is 6 cm lower, where 2 cm are assumed, and its inertia 0.4 of it."""
+    vehicle = load_vehicle('gtmab')
+    file = build_vehicle_truth(vehicle)
+    blimp = replace(
+        file,
+        cg=(0.0, 0.0, file.cg[2] - 0.06),
+        inertia=to_triple([0.4 * each for each in file.inertia]),
+        lift=9.80665 * (file.mass - file.displaced),
+    )
+    for name, tilt in (('wide', 0.4), ('narrow', 0.2)):
+        swing = record_poses(name, blimp, PushingPilot(), tilt, 14.0)
+        write_bag(tmp_path / name, swing.streams, vehicle.rotor_names, {})
+    bags: dict[Role, list[Path]] = {'train': sorted(tmp_path.iterdir())}
+    flights = select_usable_flights(read_bags(bags), vehicle).flights
+    prepared, coarse = fit_coarsely(vehicle, flights, lambda _what, _part: None)
+    free, further = fit_further(vehicle, flights, prepared, coarse)
+    names = [knob.name for knob in free.knobs]
+    assert names == [knob.name for knob in prepared.knobs]
+    for name, truth in (('vehicle.pitch', math.log(0.4)), ('cg_height.z', -0.06)):
+        k = names.index(name)
+        assert free.knobs[k].tolerance == 2.0 * prepared.knobs[k].tolerance
+        assert abs(further.values[k] - truth) < 0.7 * abs(coarse.values[k] - truth), name
+    gain = names.index('wrench_gain.yaw')
+    assert free.knobs[gain].tolerance == prepared.knobs[gain].tolerance
 
 
 def test_the_first_line_says_what_is_wrong(
