@@ -1,13 +1,13 @@
 """Calibrate a vehicle file from flights: values with intervals, and what cannot be separated."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import math
 from typing import Final, final
 
 from lta_discovery.calibration.coarse_fit import CoarseCalibration
 from lta_discovery.calibration.forecast_score import relative_error, score_axes, score_forecasts
-from lta_discovery.calibration.prepared_flights import find_index, fit_coarsely
+from lta_discovery.calibration.prepared_flights import find_index, fit_coarsely, fit_further
 from lta_discovery.calibration.refined_fit import refine_calibration
 from lta_discovery.calibration.result import CalibratedValue, Calibration, ForecastScore, WIDE
 from lta_discovery.calibration.reversed_thrust import state_by_duty
@@ -69,6 +69,12 @@ def calibrate_flights(
     estimates = _list_estimates(nominal, roles['train'], coarse, knobs)
     tell('forecasting', 0.8)
     best, scores = _choose_estimate(nominal, roles['train'], estimates, knobs)
+    if best.method == 'forecasts':
+        # Something of the flights is in no model
+        prepared, coarse = fit_further(vehicle, flights, prepared, coarse)
+        knobs, roles = prepared.knobs, prepared.flights
+        estimates = [_build_estimate('forecasts', coarse, knobs), estimates[-1]]
+        best, scores = _choose_estimate(nominal, roles['train'], estimates, knobs)
     told_scores = {'train': scores}
     own = _list_flight_values(best, knobs)
     axes = {'train': score_axes(nominal, roles['train'], best.shared, own)}
@@ -136,7 +142,7 @@ def _list_estimates(
     knobs: Sequence[FreeParameter],
 ) -> list[_Estimate]:
     """Return the estimates in the order of preference; that of the file is the last."""
-    out, lift, count = [], find_index(knobs, NET_LIFT), len(knobs)
+    out, count = [], len(knobs)
     fit = refine_calibration(nominal, flights, coarse)
     if fit is not None and np.isfinite(fit.fitted.covariance).all():
         members = [
@@ -144,17 +150,22 @@ def _list_estimates(
         ]
         shared, covariance = fit.fitted.mean[:count], fit.fitted.covariance[:count, :count]
         out.append(_Estimate('likelihood', shared, covariance, members))
-    for method, values, lifts in (
-        ('forecasts', coarse.values, coarse.lifts),
-        ('file', np.zeros(count), np.zeros(len(flights))),
-    ):
-        members = []
-        for force in lifts:
-            own = values.copy()
-            own[lift] += force
-            members.append((own, coarse.covariance))
-        out.append(_Estimate(method, values, coarse.covariance, members))
+    file = replace(coarse, values=np.zeros(count), lifts=np.zeros(len(flights)))
+    out.append(_build_estimate('forecasts', coarse, knobs))
+    out.append(_build_estimate('file', file, knobs))
     return out
+
+
+def _build_estimate(
+    method: str, coarse: CoarseCalibration, knobs: Sequence[FreeParameter]
+) -> _Estimate:
+    """Return the estimate of a coarse calibration."""
+    members, lift = [], find_index(knobs, NET_LIFT)
+    for force in coarse.lifts:
+        own = coarse.values.copy()
+        own[lift] += force
+        members.append((own, coarse.covariance))
+    return _Estimate(method, coarse.values, coarse.covariance, members)
 
 
 def _choose_estimate(
@@ -191,7 +202,8 @@ def _widen_intervals(
     Return the estimate from forecasts with the intervals of a fit to all readings.
 
     Errors of a model make the two differ by more than either interval says, so that the square of
-    the difference is added to the variance.
+    the difference is added to the variance. Parameters that were left out are free in that
+    fit, so that the others are not too certain, but keep the intervals assumed before.
     """
     fit = refine_calibration(nominal, flights, coarse, NOISIER)
     if fit is None or not np.isfinite(fit.fitted.covariance).all():
@@ -199,7 +211,15 @@ def _widen_intervals(
     both = [(best.shared, fit.fitted)]
     both += [(own, one.fitted) for (own, _), one in zip(best.flights, fit.members, strict=True)]
     (shared, covariance), *members = (
-        (values, _add_difference(values, other.mean, other.covariance)) for values, other in both
+        (
+            values,
+            _keep_assumed(
+                _add_difference(values, other.mean, other.covariance),
+                flights[0].knobs,
+                coarse.held,
+            ),
+        )
+        for values, other in both
     )
     return _Estimate('both', shared, covariance, members)
 
@@ -209,6 +229,15 @@ def _add_difference(values: Array, mean: Array, covariance: Array) -> Array:
     count = len(values)
     wide: Array = covariance[:count, :count] + np.diag((values - mean[:count]) ** 2)
     return wide
+
+
+def _keep_assumed(covariance: Array, knobs: Sequence[FreeParameter], held: Sequence[int]) -> Array:
+    """Return a covariance in which some parameters have the deviations assumed before."""
+    out, picked = covariance.copy(), list(held)
+    out[picked] = 0.0
+    out[:, picked] = 0.0
+    out[picked, picked] = [knobs[k].tolerance ** 2 for k in picked]
+    return out
 
 
 def _list_values(

@@ -4,7 +4,12 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, final
 
-from lta_discovery.calibration.coarse_fit import CoarseCalibration, fit_coarse_calibration
+from lta_discovery.calibration.coarse_fit import (
+    CoarseCalibration,
+    fit_coarse_calibration,
+    leave_out_shapes,
+    settle_calibration,
+)
 from lta_discovery.flights.role_assignment import Role
 from lta_discovery.model.calibration_parameters import (
     commanded_axes,
@@ -24,8 +29,11 @@ import numpy as np
 Progress = Callable[[str, float | None], None]
 
 MARKER_HEADING: Final = 'marker_offset.yaw'
-TURNED: Final = 2.0  # tolerances; a marker frame further off may have any heading
-ANY_HEADING: Final = 1.6  # standard deviation of such a heading [rad]
+FAR: Final = 2.0  # tolerances; the assumption must not hold back what is further off
+ANY_HEADING: Final = 1.6  # standard deviation of the heading of such a marker frame [rad]
+# Of the period of a pendulum, by the beginnings of the names
+PENDULUM: Final = ('vehicle.roll', 'vehicle.pitch', 'vehicle.yaw', 'cg_height', 'cg_offset')
+WIDER: Final = 2.0  # times the tolerance of all of these, if one is further off
 
 
 @final
@@ -41,12 +49,12 @@ class PreparedCalibration:
 
 
 def prepare_calibration(
-    vehicle: Vehicle, flights: Sequence[Role], any_heading: bool = False
+    vehicle: Vehicle, flights: Sequence[Role], tolerances: Mapping[str, float] | None = None
 ) -> PreparedCalibration:
     """
     Return the flights of a calibration with what can be calibrated with them.
 
-    `any_heading`: whether the marker frame may have any heading on the vehicle.
+    `tolerances`: of parameters, by name, in place of the usual ones.
     """
     measured_flights = [flight for _, _, flight in flights]
     wrenches = [one.wrench.values for one in measured_flights if one.wrench is not None]
@@ -63,9 +71,9 @@ def prepare_calibration(
         ),
         list_wrench_laws(orders),
     )
-    if any_heading:
-        heading = find_index(knobs, MARKER_HEADING)
-        knobs[heading] = replace(knobs[heading], tolerance=ANY_HEADING)
+    for name, tolerance in (tolerances or {}).items():
+        k = find_index(knobs, name)
+        knobs[k] = replace(knobs[k], tolerance=tolerance)
     roles: dict[str, list[FlightLinearizer]] = {'train': [], 'confirm': []}
     names: dict[str, list[str]] = {'train': [], 'confirm': []}
     for title, role, flight in flights:
@@ -84,11 +92,36 @@ def fit_coarsely(
     tell('fitting forecasts', 0.1)
     coarse = fit_coarse_calibration(prepared.nominal, prepared.flights['train'])
     heading = find_index(prepared.knobs, MARKER_HEADING)
-    if abs(coarse.values[heading]) <= TURNED * prepared.knobs[heading].tolerance:
+    if abs(coarse.values[heading]) <= FAR * prepared.knobs[heading].tolerance:
         return prepared, coarse
-    # The frame was defined without regard to the nose: the assumption must not hold it back
-    prepared = prepare_calibration(vehicle, flights, any_heading=True)
+    # The frame was defined without regard to the nose
+    prepared = prepare_calibration(vehicle, flights, {MARKER_HEADING: ANY_HEADING})
     return prepared, fit_coarse_calibration(prepared.nominal, prepared.flights['train'])
+
+
+def fit_further(
+    vehicle: Vehicle,
+    flights: Sequence[Role],
+    prepared: PreparedCalibration,
+    coarse: CoarseCalibration,
+) -> tuple[PreparedCalibration, CoarseCalibration]:
+    """
+    Return a better fit to the forecasts of flights that no model explains to their noise.
+
+    It settles, is free to find another pendulum, and has no shapes of forces that one short test
+    alone asks for.
+    """
+    usual = {knob.name: knob.tolerance for knob in prepared.knobs}
+    pendulum = [name for name in usual if name.startswith(PENDULUM)]
+    off = dict(zip(usual, np.abs(coarse.values), strict=True))
+    if any(off[name] > FAR * usual[name] for name in pendulum):
+        # The file is an estimate, or that of another vehicle
+        wider = usual | {name: WIDER * usual[name] for name in pendulum}
+        prepared = prepare_calibration(vehicle, flights, wider)
+    nominal, training = prepared.nominal, prepared.flights['train']
+    return prepared, leave_out_shapes(
+        nominal, training, settle_calibration(nominal, training, coarse)
+    )
 
 
 def find_index(knobs: Sequence[FreeParameter], name: str) -> int:

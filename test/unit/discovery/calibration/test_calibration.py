@@ -19,7 +19,11 @@ from lta_discovery.calibration import calibration as calibration_module
 from lta_discovery.calibration.calibrated_file import format_calibrated_vehicle
 from lta_discovery.calibration.calibration import calibrate_flights
 from lta_discovery.calibration.coarse_fit import find_calibration_start
-from lta_discovery.calibration.prepared_flights import prepare_calibration
+from lta_discovery.calibration.prepared_flights import (
+    fit_coarsely,
+    fit_further,
+    prepare_calibration,
+)
 from lta_discovery.calibration.refined_fit import refine_calibration
 from lta_discovery.calibration.report import build_report
 from lta_discovery.calibration.result import Calibration, ForecastScore
@@ -95,6 +99,21 @@ def test_a_hidden_calibration_is_found(calibrated: tuple[CalibrationCase, Calibr
     assert_truth_is_found(*calibrated)
     _, found = calibrated
     assert found.method == 'likelihood'
+
+
+class SteppingPilot:
+    """A pilot who commands one step after a second."""
+
+    def __init__(self, axis: int, size: float) -> None:
+        self._axis, self._size = axis, size
+
+    def initial_duties(self) -> list[float]:
+        """Return no command."""
+        return [0.0] * 6
+
+    def compute_duties(self, time: float, state: list[float]) -> list[float]:
+        """Return the command at a time."""
+        return [self._size * (k == self._axis and time >= 1.0) for k in range(6)]
 
 
 class PushingPilot:
@@ -183,13 +202,13 @@ def test_intervals_of_a_fit_to_forecasts_hold_that_to_all_readings(
     def refine(nominal, flights, coarse, noise=1.0):
         if noise == 1.0:
             return None
-        fits.append((coarse, refine_calibration(nominal, flights, coarse, noise)))
-        return fits[-1][1]
+        fits.append(refine_calibration(nominal, flights, coarse, noise))
+        return fits[-1]
 
     monkeypatch.setattr(calibration_module, 'refine_calibration', refine)
     case, found = calibrate_case(6, tmp_path)
     assert found.method == 'both'
-    ((coarse, fit),) = fits
+    (fit,) = fits
     assert fit is not None
     assert fit.is_converged
     truths = case.list_true_values(load_vehicle('gtmab'))
@@ -201,8 +220,85 @@ def test_intervals_of_a_fit_to_forecasts_hold_that_to_all_readings(
     assert surge is not None
     assert surge.is_known
     k = list(fit.group.linears[0].names).index('wrench_gain.surge')
-    apart = coarse.values[k] - fit.fitted.mean[k]
+    apart = surge.value - surge.before - fit.fitted.mean[k]
     assert surge.deviation == pytest.approx(math.hypot(apart, fit.fitted.covariance[k, k] ** 0.5))
+
+
+@pytest.mark.parametrize('share', [1.0, 1.7])
+def test_a_drag_is_fitted_to_one_step_only_if_other_flights_need_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, share: float
+) -> None:
+    """
+    Left out, it keeps the interval assumed before, and misleads in no other step.
+
+    As with real flights, the fit to all readings does not converge.
+    """
+
+    def refine(nominal, flights, coarse, noise=1.0):
+        return None if noise == 1.0 else refine_calibration(nominal, flights, coarse, noise)
+
+    monkeypatch.setattr(calibration_module, 'refine_calibration', refine)
+    vehicle = load_vehicle('gtmab')
+    file = build_vehicle_truth(vehicle)
+    blimp = replace(
+        file,
+        drag=to_triple([share * each for each in file.drag]),
+        lift=9.80665 * (file.mass - file.displaced),
+        wrench_gains=(2.4, 1.0, 1.0, 1.0, 1.0, 1.0),
+    )
+    bags: dict[Role, list[Path]] = {'train': [], 'confirm': []}
+    for role, flight in (
+        ('train', record_poses('ahead', blimp, SteppingPilot(0, 0.05), 0.0, 9.0)),
+        ('train', record_poses('upward', blimp, SteppingPilot(2, 0.03), 0.0, 9.0)),
+        ('train', record_poses('swinging', blimp, PushingPilot(), 0.35, 14.0)),
+        ('confirm', record_poses('ahead, half', blimp, SteppingPilot(0, 0.025), 0.0, 11.0)),
+    ):
+        write_bag(tmp_path / flight.name, flight.streams, vehicle.rotor_names, {})
+        bags[role].append(tmp_path / flight.name)
+    flights = select_usable_flights(read_bags(bags), vehicle).flights
+    found = calibrate_flights(vehicle, 'gtmab', flights, lambda _what, _part: None)
+    assert found.method == 'both'
+    drag, gain = found.find('quadratic_drag.surge'), found.find('wrench_gain.surge')
+    assert drag is not None
+    assert gain is not None
+    assert gain.ci95[0] < 2.4 < gain.ci95[1]
+    assert drag.is_known == (share > 1.0)
+    if drag.is_known:
+        assert drag.ci95[0] < share * file.drag[0] < drag.ci95[1]
+    else:
+        assert drag.value == drag.before
+        assert drag.deviation == pytest.approx(0.3 * drag.before)
+    far = found.axis_scores['confirm'][-1]
+    assert far.horizon == 8.0
+    # Along the nose, where half of the force makes 2 m
+    assert far.after[0] < 0.1 * far.before[0]
+
+
+def test_the_file_does_not_hold_back_another_pendulum(tmp_path: Path) -> None:
+    """Its centre of gravity is 6 cm lower, where 2 cm are assumed, and its inertia 0.4 of it."""
+    vehicle = load_vehicle('gtmab')
+    file = build_vehicle_truth(vehicle)
+    blimp = replace(
+        file,
+        cg=(0.0, 0.0, file.cg[2] - 0.06),
+        inertia=to_triple([0.4 * each for each in file.inertia]),
+        lift=9.80665 * (file.mass - file.displaced),
+    )
+    for name, tilt in (('wide', 0.4), ('narrow', 0.2)):
+        swing = record_poses(name, blimp, PushingPilot(), tilt, 14.0)
+        write_bag(tmp_path / name, swing.streams, vehicle.rotor_names, {})
+    bags: dict[Role, list[Path]] = {'train': sorted(tmp_path.iterdir())}
+    flights = select_usable_flights(read_bags(bags), vehicle).flights
+    prepared, coarse = fit_coarsely(vehicle, flights, lambda _what, _part: None)
+    free, further = fit_further(vehicle, flights, prepared, coarse)
+    names = [knob.name for knob in free.knobs]
+    assert names == [knob.name for knob in prepared.knobs]
+    for name, truth in (('vehicle.pitch', math.log(0.4)), ('cg_height.z', -0.06)):
+        k = names.index(name)
+        assert free.knobs[k].tolerance == 2.0 * prepared.knobs[k].tolerance
+        assert abs(further.values[k] - truth) < 0.7 * abs(coarse.values[k] - truth), name
+    gain = names.index('wrench_gain.yaw')
+    assert free.knobs[gain].tolerance == prepared.knobs[gain].tolerance
 
 
 def test_the_first_line_says_what_is_wrong(
