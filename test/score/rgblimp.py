@@ -24,12 +24,20 @@ from lta_discovery.transfer.cross_validation import (
     RegimeForecastErrors,
 )
 from lta_discovery.transfer.forward_selection import GroupSelection, select_forward
-from lta_discovery.transfer.other_kind import judge_by_kind, KindJudgement, split_by_kind
+from lta_discovery.transfer.other_kind import (
+    CHANNELS,
+    judge_by_kind,
+    KindJudgement,
+    OUTER,
+    select_pieces,
+    split_by_kind,
+    TURN,
+)
 from lta_model.vehicle import load_vehicle
 import numpy as np
 from numpy.typing import NDArray
 from rgblimp_flights import begun, DATA, Flight, flights, regimes, REPEATS
-from rgblimp_forecast import by_coasting, by_model, by_repeats, LIFT, Row, row
+from rgblimp_forecast import by_coasting, by_model, by_repeats, LIFT, Row, row, SHOWN
 from rgblimp_naming import every, LOOSELY, places, within
 
 Array = NDArray[np.float64]
@@ -43,7 +51,8 @@ TUNE, NAMED, ALL = (
 EVEN: Final = 1.7  # how much more a place counts than an attitude, where all is fitted
 ROUNDS: Final = 20  # of the fit of everything
 NAMING: Final = 6  # of the fit of named effects
-AGAIN: Final = 4  # of each fold's, from a step that takes out what its inputs said
+AGAIN: Final = 2  # of each fold's, beside those that leave out its inputs
+INERTIA: Final = ('added inertia', 'tracker misalignment')  # few parameters, to compare with
 BEGIN, END = '<!-- rgblimp: begin -->', '<!-- rgblimp: end -->'
 TUNED: Final = (
     'vehicle.mass', 'vehicle.roll', 'vehicle.pitch', 'vehicle.yaw', 'rotor_1.thrust',
@@ -223,6 +232,57 @@ def _sentence(names: Sequence[str], found: Sequence[RegimeForecastErrors], what:
     return format_interpolation_warning(names, found) or fine
 
 
+def extrapolated(
+    nominal: NominalVehicle,
+    known: list[Flight],
+    sight: ForecastFitter,
+    models: Sequence[Sequence[str]],
+) -> list[str]:
+    """
+    Return errors near straight flight after a fit to tight turns alone, as Markdown.
+
+    The fit uses the pieces that turn faster than their median, without the first of each flight.
+    """
+    turns = [np.abs(flight.taught.replay.cut.start[:, TURN]) for flight in known]
+    middle = np.median(np.concatenate(turns))
+    tight = [(turn > middle) & (np.arange(len(turn)) > 0) for turn in turns]
+    pairs = zip(known, tight, strict=True)
+    some = [select_pieces(flight.taught, which) for flight, which in pairs if which.any()]
+    taught = ForecastFitter(nominal, some, LIFT)
+    slowly = [np.abs(flight.scored.replay.cut.start[:, TURN]) for flight in known]
+    least = np.quantile(np.concatenate(slowly), OUTER)
+    chosen = {
+        f'turns below {least:.2g} rad/s': [turn < least for turn in slowly],
+        'first of each flight': [np.arange(len(turn)) < 1 for turn in slowly],
+    }
+    zero = np.zeros(len(sight.knobs))
+    before = by_model(sight, zero, range(len(known)), known)
+    out = [
+        f'| fit to turns above {middle:.2g} rad/s | pieces | position 3 / 5 s: error ratio |'
+        ' attitude 3 / 5 s: error ratio |',
+        '|---|---|---|---|',
+    ]
+    for names in models:
+        groups = [one for one in list_candidate_groups(sight.knobs) if one.name in names]
+        which = list_knobs(groups)
+        spread = prior_deviations(sight.knobs, which)
+        fit = taught.fit(which, spread, range(len(some)), rounds=NAMING, relinearize=False)
+        after = by_model(sight, fit.values, range(len(known)), known)
+        for pieces, masks in chosen.items():
+            ratio = _channel_errors(after, masks) / _channel_errors(before, masks)
+            cells = ' | '.join(f'{near:.2f} / {far:.2f}' for near, far in ratio)
+            out.append(f'| {", ".join(names)} | {pieces} | {cells} |')
+    return out
+
+
+def _channel_errors(errors: dict[int, Array], masks: Sequence[NDArray[np.bool_]]) -> Array:
+    """Return the RMS of position and attitude of some pieces at 3 and 5 s, shape (2, 2)."""
+    left = np.concatenate([errors[f][mask] for f, mask in enumerate(masks)])[:, list(SHOWN)]
+    squared = [np.sum(left[..., part] ** 2, axis=-1) for part in CHANNELS.values()]
+    rms: Array = np.sqrt(np.nanmean(squared, axis=1))
+    return rms
+
+
 def fitted(
     nominal: NominalVehicle, known: list[Flight], taught: ForecastFitter, kept: list[str]
 ) -> dict[str, Fit]:
@@ -272,6 +332,7 @@ def main() -> None:
     sys.stdout.write('\n'.join(text) + '\n')
     sys.stdout.flush()
     text += [*carried(found, kept, known, fits), '', *kinds(judged)]
+    text += ['', *extrapolated(nominal, known, sight, (kept, INERTIA))]
     text += ['', f'CPU: {time.process_time():.0f} s.']
     sys.stdout.write('\n'.join(text) + '\n')
     write(text)

@@ -13,6 +13,7 @@ from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.page.formatting import format_with_interval
 from lta_discovery.results.learned_file import list_changed_quantities, VehicleFileQuantity
 from lta_model.effects.protocol import AXES
+from lta_model.mass_properties import MassElement, MassProperties
 from lta_model.propulsion import geometric_column, RotorModel
 from lta_model.vehicle import Vehicle
 import numpy as np
@@ -243,17 +244,22 @@ def _scale_misalignments(vehicle: Vehicle, change: VehicleUpdate) -> NominalVehi
 
 
 def _set_mass_properties(text: str, vehicle: Vehicle, now: NominalVehicle, source: str) -> str:
-    """Return the text with the mass properties of the whole vehicle."""
-    inertia = now.inertia
+    """Return the text with the mass properties of the whole vehicle, less its moving mass."""
+    weighed = MassProperties(now.mass, now.cg, now.inertia)
     if vehicle.file.moving_mass is not None:
+        # The reader adds it to what was weighed
+        mass, *place = (now.parameter_value('moving_mass', name) for name in ('mass', *'xyz'))
+        weighed = weighed.with_element(MassElement(-mass, np.array(place), np.zeros(3)))
+    inertia = weighed.inertia
+    if weighed.mass <= 0.0 or np.linalg.eigvalsh(inertia)[0] <= 0.0:
         raise BadInput(
-            f'{vehicle.file.name} has a moving mass, so its calibrated mass cannot be written; '
-            'the other values are those of the report.'
+            f'The calibrated inertia of {vehicle.file.name} is less than that of its moving mass '
+            'alone, so it cannot be written; the other values are those of the report.'
         )
     products = [float(inertia[0, 1]), float(inertia[0, 2]), float(inertia[1, 2])]
     quantities = [
-        VehicleFileQuantity('measured.mass', float(now.mass), 'kg', source),
-        VehicleFileQuantity('measured.position', now.cg.tolist(), 'm', 'unchanged by the fit'),
+        VehicleFileQuantity('measured.mass', float(weighed.mass), 'kg', source),
+        VehicleFileQuantity('measured.position', weighed.cg.tolist(), 'm', 'unchanged by the fit'),
         VehicleFileQuantity('measured.inertia', np.diag(inertia).tolist(), 'kg m2', source),
         VehicleFileQuantity('measured.products', products, 'kg m2', source),
     ]

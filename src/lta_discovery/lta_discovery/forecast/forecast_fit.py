@@ -37,6 +37,7 @@ PLACE: Final = 2.0  # weight of position errors relative to attitude errors
 ALIKE: Final = 0.1  # share of independent readings: the horizons of a piece are correlated
 ROUNDS: Final = 4  # most linearisations
 ROBUST: Final = 4.5  # usual sizes; larger errors have a linear cost instead of a quadratic one
+LEFT_OUT: Final = 2  # most steps without some flights, from the fit to all
 SETTLED: Final = 1e-3  # of the cost; the fit ends with a step that gains less
 DIVERGED: Final = 10.0  # usual sizes; error of a forecast that diverges
 
@@ -202,18 +203,14 @@ class ForecastFitter:
     def leave_out_flights(
         self, fit: ForecastFit, which: Sequence[int], spread: Array, flights: Sequence[int]
     ) -> Array:
-        """Return the values without some flights, by one step from a fit to all."""
-        picked, out = np.asarray(which, dtype=np.int64), fit.values.copy()
-        gone = [one for f, one in enumerate(fit.equations) if f in set(flights)]
-        inner = fit.precision + np.diag(spread**-2.0)
-        # Remove the information of the left-out flights
-        inner = inner - np.sum([one.products for one in gone], axis=0)
-        # The total pull is zero at the optimum, so the others pull opposite to the removed ones.
-        right = -np.sum([one.pull for one in gone], axis=0)
-        out[picked] = solve_bounded_step(
-            inner, right, out[picked], *self._parameter_bounds(picked)
-        )
-        return out
+        """
+        Return the values without some flights, by damped steps from a fit to all.
+
+        One undamped step is too long where the flights left out hold parameters that the others
+        hardly identify: forecasts with its values can be many times worse than those of a fit.
+        """
+        others = [f for f in range(len(self.flights)) if f not in set(flights)]
+        return self.fit(which, spread, others, fit.values, LEFT_OUT, relinearize=False).values
 
     def _parameter_bounds(self, picked: NDArray[np.int64]) -> tuple[Array, Array]:
         """Return the lower and upper bounds of some parameters."""

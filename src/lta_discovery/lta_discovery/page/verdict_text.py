@@ -258,8 +258,8 @@ def _format_refit(gap: ChannelErrors | None) -> str:
     if gap is None:
         return ''
     return (
-        f' To predict flights of the same kinds, use refitted.yaml: its position error after '
-        f'{gap.horizon_s:g} s is {format_quantity(gap.refitted, gap.unit)}. {COMPENSATE}'
+        ' To predict flights in its region of validity, use refitted.yaml: its position error '
+        f'after {gap.horizon_s:g} s is {format_quantity(gap.refitted, gap.unit)}. {COMPENSATE}'
     )
 
 

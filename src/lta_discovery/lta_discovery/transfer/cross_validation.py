@@ -56,8 +56,8 @@ def cross_validate(
     """
     Return the forecast error of each regime with the values of the others, the worst first.
 
-    `fit`: to all flights; each fit without a regime is one Gauss-Newton step from it. `regimes`:
-    flights by regime; each has flights outside of it.
+    `fit`: to all flights; the fits without a regime begin at its values. `regimes`: flights by
+    regime; each has flights outside of it.
     """
     out = []
     zero = np.zeros(len(foresight.knobs))

@@ -97,7 +97,7 @@ def split_by_kind(
         sides = [np.digitize(each, ends) for each in values]
         # Each flight in up to three parts: low, between, high
         parts = [
-            (which, _select_pieces(flight, side == which))
+            (which, select_pieces(flight, side == which))
             for flight, side in zip(some, sides, strict=True)
             for which in range(3)
             if (side == which).any()
@@ -126,10 +126,11 @@ def _thin_pieces(flights: Sequence[FlightLinearizer]) -> list[FlightLinearizer]:
     every = np.arange(sum(counts)) % -(-sum(counts) // MOST) == 0
     masks = np.split(every, np.cumsum(counts)[:-1])
     pairs = zip(flights, masks, strict=True)
-    return [_select_pieces(flight, mask) for flight, mask in pairs if mask.any()]
+    return [select_pieces(flight, mask) for flight, mask in pairs if mask.any()]
 
 
-def _select_pieces(flight: FlightLinearizer, which: NDArray[np.bool_]) -> FlightLinearizer:
+def select_pieces(flight: FlightLinearizer, which: NDArray[np.bool_]) -> FlightLinearizer:
+    """Return a flight with some of its pieces; `which` has shape (S,)."""
     cut = flight.replay.cut
     some = replace(cut, first=cut.first[which], start=cut.start[which], inside=cut.inside[which])
     return FlightLinearizer(flight.replay.with_pieces(some), flight.knobs, flight.places)

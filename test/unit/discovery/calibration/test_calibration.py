@@ -13,10 +13,15 @@ from lta_challenge.other.sensors import SensorSet
 from lta_challenge.other.truth import build_vehicle_truth, to_triple, VehicleTruth
 from lta_challenge.other.wrench_flight import Course, WrenchActuators, WrenchPilot
 from lta_challenge.recording import write_bag
+from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_config.vehicle_edit import set_yaml_value
 from lta_discovery.calibration import calibration as calibration_module
-from lta_discovery.calibration.calibrated_file import format_calibrated_vehicle
+from lta_discovery.calibration.calibrated_file import (
+    format_calibrated_vehicle,
+    format_changed_vehicle,
+    VehicleUpdate,
+)
 from lta_discovery.calibration.calibration import calibrate_flights
 from lta_discovery.calibration.coarse_fit import find_calibration_start
 from lta_discovery.calibration.prepared_flights import (
@@ -35,6 +40,7 @@ from lta_discovery.flights.bags import read_bags, Role
 from lta_discovery.flights.usable_flights import select_usable_flights
 from lta_discovery.model.calibration_parameters import list_calibration_parameters
 from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import list_free_parameters
 from lta_discovery.run import DiscoveryRequest, study_usable_flights
 from lta_model.effects.rotors import wrench_gain
 from lta_model.vehicle import load_vehicle
@@ -472,6 +478,27 @@ def test_a_wind_in_the_vehicle_file_shows_the_heading_of_the_tracker(tmp_path: P
     assert one.is_known
     assert one.ci95[0] < heading < one.ci95[1]
     assert one.deviation < 0.04
+
+
+def test_the_mass_of_a_vehicle_with_a_moving_mass_is_written(tmp_path: Path) -> None:
+    """The file states it without the moving mass, which the reader adds."""
+    vehicle = load_vehicle('rgblimp')
+    before = after = NominalVehicle.from_vehicle(vehicle)
+    known = {one.name: one for one in list_free_parameters(before)}
+    for name, change in (('mass', 0.05), ('roll', -0.4), ('pitch', 0.9), ('yaw', 0.5)):
+        after = known[f'vehicle.{name}'].apply_to(after, change)
+    text = find_file('vehicle', 'rgblimp').read_text(encoding='utf-8')
+    path = tmp_path / 'calibrated.yaml'
+    change = VehicleUpdate(before, after)
+    path.write_text(format_changed_vehicle(text, vehicle, change, {}, 'a test'))
+    read = NominalVehicle.from_vehicle(load_vehicle(str(path)))
+    assert read.mass == pytest.approx(1.05127 * before.mass, rel=1e-5)
+    assert read.displaced == pytest.approx(after.displaced, rel=1e-6)
+    np.testing.assert_allclose(read.inertia, after.inertia, rtol=1e-6)
+    np.testing.assert_allclose(read.cg, after.cg, rtol=1e-9)
+    light = known['vehicle.roll'].apply_to(before, -4.0)
+    with pytest.raises(BadInput, match='less than that of its moving mass'):
+        format_changed_vehicle(text, vehicle, VehicleUpdate(before, light), {}, 'a test')
 
 
 def test_the_calibrated_file_is_the_calibrated_vehicle(

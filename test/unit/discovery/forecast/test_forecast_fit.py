@@ -98,6 +98,18 @@ def test_a_true_effect_carries_over(lacking: tuple[ForecastFitter, int, float]) 
     assert format_interpolation_warning([DRAG], regimes) == ''
 
 
+def test_flights_are_left_out_of_a_fit_that_has_not_converged(
+    lacking: tuple[ForecastFitter, int, float],
+) -> None:
+    """One step opposite to what the flights left out say leads away from the value."""
+    sight, k, off = lacking
+    spread = np.array([3.0 * off])
+    begun = sight.fit([k], spread, [0, 1], rounds=0)
+    values = sight.leave_out_flights(begun, [k], spread, [1])
+    assert values[k] == pytest.approx(off, rel=0.1)
+    assert sight.rms_error(values, [1]) < 0.9 * sight.rms_error(begun.values, [1])
+
+
 def test_what_only_interpolates_is_said_so() -> None:
     """Worse than the vehicle file in a regime left out."""
     regimes = [

@@ -120,7 +120,7 @@ def test_pieces_are_split_where_they_differ(monkeypatch) -> None:
         start = one.replay.cut.start[which]
         return flight(start[:, 7], start[:, 12])
 
-    monkeypatch.setattr(other_kind, '_select_pieces', some)
+    monkeypatch.setattr(other_kind, 'select_pieces', some)
     monkeypatch.setattr(
         other_kind, 'ForecastFitter', lambda _n, flights, _l: SimpleNamespace(flights=flights)
     )
