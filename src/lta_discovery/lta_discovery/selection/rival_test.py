@@ -45,6 +45,7 @@ QUARTER: Final = 0.25  # ... or this part, if it is independent of the remainder
 SMALL: Final = 1.0  # noise floors; smaller forces need no rival
 FOLLOWS: Final = 0.5  # of the variance of the remainder; gusts have reached 0.4
 FAINT: Final = 24.0  # nats; a name with less evidence is withdrawn if anything remains
+TWICE: Final = 1.5  # nats; least evidence of each side of such a name beside a remainder elsewhere
 # Nats; with more, a motion effect may leave more than it explains; another effect may, with more
 # than this on each side, stand beside any remainder.
 SURE: Final = 80.0
@@ -175,7 +176,10 @@ class RivalTest:
         calm = has_no_remainder(acts, final)
         # A remainder elsewhere, which the effect leaves as it is, does not distort its values
         differs_more = scaled_difference(then, k) > AGREED and differs > PART
-        if (differs_more and not (calm and unchanged)) or (sum(gains) < FAINT and not calm):
+        if differs_more and not (calm and unchanged):
+            return True
+        # Air that moves acts on all axes, on some of them below what is noticed
+        if sum(gains) < FAINT and not (calm and min(gains) > TWICE):
             return True
         if leaves_larger_remainder(name, acts, floors, final) and sum(gains) < SURE:
             return True

@@ -167,6 +167,18 @@ def test_a_name_that_won_little_is_withdrawn_beside_anything(
 
     assert of_a_sensor(12.0, 3.0) == ()  # no force could say the same
 
+    def shown_once(floors: float) -> tuple[str, ...]:
+        sides = [
+            replace(joint, evidence=joint.evidence + won, deviations=floors * FLOOR)
+            for won in (11.0, -0.1)
+        ]
+        return displacing.list_withdrawn_effects(
+            [('range_offset.offset', (joint, joint))], (sides[0], sides[1])
+        )
+
+    assert shown_once(3.0) == ('range_offset.offset',)
+    assert shown_once(2.0) == ()  # nothing remains
+
     def with_two_values(floors: float) -> tuple[str, ...]:
         """Return what is withdrawn if the sides differ by 2.8 deviations."""
         k, sides = [knob.name for knob in knobs].index('range_offset.offset'), []
