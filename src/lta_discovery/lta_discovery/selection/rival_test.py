@@ -21,6 +21,7 @@ from lta_discovery.selection.residual_guards import (
     has_no_remainder,
     is_credible,
     is_generic_effect,
+    is_motion_coefficient,
     is_partial_explanation,
     is_small_motion_effect,
     leaves_larger_remainder,
@@ -45,7 +46,6 @@ QUARTER: Final = 0.25  # ... or this part, if it is independent of the remainder
 SMALL: Final = 1.0  # noise floors; smaller forces need no rival
 FOLLOWS: Final = 0.5  # of the variance of the remainder; gusts have reached 0.4
 FAINT: Final = 24.0  # nats; a name with less evidence is withdrawn if anything remains
-TWICE: Final = 1.5  # nats; least evidence of each side of such a name beside a remainder elsewhere
 # Nats; with more, a motion effect may leave more than it explains; another effect may, with more
 # than this on each side, stand beside any remainder.
 SURE: Final = 80.0
@@ -178,8 +178,9 @@ class RivalTest:
         differs_more = scaled_difference(then, k) > AGREED and differs > PART
         if differs_more and not (calm and unchanged):
             return True
-        # Air that moves acts on all axes, on some of them below what is noticed
-        if sum(gains) < FAINT and not (calm and min(gains) > TWICE):
+        # Moving air shows in surge and sway first; a drag on another axis may stand for the rest
+        in_moving_air = is_motion_coefficient(name) and final[:2].min() > CLEAR
+        if sum(gains) < FAINT and (not calm or in_moving_air):
             return True
         if leaves_larger_remainder(name, acts, floors, final) and sum(gains) < SURE:
             return True

@@ -1,5 +1,6 @@
 """What is outside the library gets no name of the library, and is described."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from unittest import mock
 
@@ -167,17 +168,18 @@ def test_a_name_that_won_little_is_withdrawn_beside_anything(
 
     assert of_a_sensor(12.0, 3.0) == ()  # no force could say the same
 
-    def shown_once(floors: float) -> tuple[str, ...]:
-        sides = [
-            replace(joint, evidence=joint.evidence + won, deviations=floors * FLOOR)
-            for won in (11.0, -0.1)
-        ]
+    def of_a_drag(won: float, remaining: Sequence[float]) -> tuple[str, ...]:
+        then = replace(
+            joint, evidence=joint.evidence + 0.5 * won, deviations=FLOOR * np.array(remaining)
+        )
         return displacing.list_withdrawn_effects(
-            [('range_offset.offset', (joint, joint))], (sides[0], sides[1])
+            [('linear_drag.heave', (joint, joint))], (then, then)
         )
 
-    assert shown_once(3.0) == ('range_offset.offset',)
-    assert shown_once(2.0) == ()  # nothing remains
+    gusts, surge = (5.0, 5.0, 1.0, 1.0, 1.0, 1.0), (5.0, 1.0, 1.0, 1.0, 1.0, 1.0)
+    assert of_a_drag(18.0, gusts) == ('linear_drag.heave',)  # air that moves up and down, too
+    assert of_a_drag(28.0, gusts) == ()
+    assert of_a_drag(18.0, surge) == ()  # another force, on one axis
 
     def with_two_values(floors: float) -> tuple[str, ...]:
         """Return what is withdrawn if the sides differ by 2.8 deviations."""
