@@ -21,6 +21,9 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 Array = NDArray[np.float64]
+ALIKE: Final = 0.85  # cosine of two vectors of one motion
+NEAR: Final = 0.3  # tolerance of a factor, as a logarithm
+TILT: Final = 0.5  # cosine of lean and acceleration that tells up from down
 WINDOW: Final = 15  # samples that are smoothed
 DEGREES: Final = 180.0 / np.pi
 TURN: Final = 2.0 * np.pi
@@ -139,6 +142,16 @@ def fit_lever(pose: PoseSeries) -> VectorFit:
     series = VectorSeries('', pose.attitude.time, smooth_columns(rate, window))
     fit = compare_vectors(time, smooth_columns(speed - speed.mean(axis=0), window), series)
     return VectorFit(1.0 / fit.factor if fit.factor else float('nan'), fit.cosine)
+
+
+def is_near(factor: float, other: float) -> bool:
+    """Return whether two factors are alike: positive, and within 35 % of each other."""
+    return factor > 0.0 and abs(np.log(factor / other)) < NEAR
+
+
+def covers_place(pose: PoseSeries) -> bool:
+    """Return whether a pose has a whole position."""
+    return pose.position is not None and bool(np.isfinite(pose.position.values).all())
 
 
 def upright_share(turn: Array) -> float:

@@ -45,7 +45,10 @@ STILL: Final = 0.1  # tolerances; they end when no value moves further
 SHAPES: Final = (tuple(FLOWS), ('wrench_gain.exponent', 'wrench_gain.reverse'))
 LEFT_OUT_ROUNDS: Final = 3  # most linearisations of a fit from which flights are left out
 PARTS: Final = 4  # left out in turn of one or two flights
-NEEDED: Final = 1.05  # of the error outside of a fit; what raises it by less is left out
+NEEDED: Final = 1.05  # of the error outside of a fit; what raises it by less is left out ...
+# ... but not what raises that of any flight in the fit by more: where one flight alone has a
+# command, a fit to the others tells nothing of its axis
+MISSED: Final = 1.5
 
 
 @final
@@ -187,7 +190,8 @@ def leave_out_shapes(
     Return the calibration without drags and exponents that no flight outside of the fit needs.
 
     Each flight, or part of one or two flights, is forecast by a fit to the others, with and
-    without the parameters. Flights too short to be divided change nothing.
+    without the parameters. Without them, a fit to all has to explain each flight nearly as well,
+    too. Flights too short to be divided change nothing.
     """
     built = build_longest_fitter(nominal, flights)
     if built is None:
@@ -203,7 +207,7 @@ def leave_out_shapes(
     divided.weights = fitter.weights
     which = [k for k, knob in enumerate(knobs) if not knob.per_flight]
     try:
-        _, errors = _forecast_left_out(divided, which, coarse.values)
+        _, inside, errors = _forecast_left_out(divided, which, coarse.values)
         for names in SHAPES:
             held = [k for k in which if knobs[k].name.startswith(names)]
             if not held:
@@ -211,8 +215,10 @@ def leave_out_shapes(
             fewer = [k for k in which if k not in held]
             begin = best.values.copy()
             begin[held] = 0.0
-            values, now = _forecast_left_out(divided, fewer, begin)
+            values, within, now = _forecast_left_out(divided, fewer, begin)
             if not np.sqrt(np.mean((now / errors) ** 2)) < NEEDED:
+                continue
+            if not np.all(within < MISSED * inside):
                 continue
             unknown = np.diag([knob.tolerance**2 for knob in knobs])
             start = CoarseCalibration(values, best.lifts, unknown, (*best.held, *held))
@@ -245,15 +251,16 @@ def _divide_flight(flight: FlightLinearizer, count: int) -> list[FlightLinearize
 
 def _forecast_left_out(
     fitter: ForecastFitter, which: Sequence[int], begin: Array
-) -> tuple[Array, Array]:
-    """Return a fit of some parameters to all flights, and errors of each by a fit to the rest."""
+) -> tuple[Array, Array, Array]:
+    """Return a fit of some parameters, and each flight's errors by it and by a fit to the rest."""
     spread = np.array([fitter.knobs[k].tolerance for k in which])
     every = range(len(fitter.flights))
     fit = fitter.fit(which, spread, every, begin, LEFT_OUT_ROUNDS)
-    errors = [
+    inside = [fitter.rms_error(fit.values, [f]) for f in every]
+    outside = [
         fitter.rms_error(fitter.leave_out_flights(fit, which, spread, [f]), [f]) for f in every
     ]
-    return fit.values, np.array(errors)
+    return fit.values, np.array(inside), np.array(outside)
 
 
 def _fit_at_delays(

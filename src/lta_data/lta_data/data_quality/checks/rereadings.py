@@ -10,25 +10,21 @@ from typing import Final
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_data.data_quality.check_context import CheckContext
+from lta_data.data_quality.checks.angle_units import find_wrong_angle_unit
 from lta_data.data_quality.finding import QualityFinding, Severity
 from lta_data.data_quality.motion import PoseSeries, VectorSeries
 from lta_data.data_quality.motion_scales import (
-    DEGREES,
+    ALIKE,
+    covers_place,
     fit_lever,
     fit_rates,
     fit_speed,
     fit_tilt,
     fit_velocity,
     is_inverted,
-    largest_angle,
-    magnify_angles,
+    is_near,
     measure_turn,
-    OFFSETS,
-    quaternions_of,
-    shrink_angles,
-    tumbling_pace,
-    TURN,
-    upright_share,
+    TILT,
     VectorFit,
 )
 from lta_data.data_quality.smoothing import hann_kernel, median_period, smooth_columns
@@ -39,28 +35,14 @@ Array = NDArray[np.float64]
 REREAD: Final = 'reread'  # figure of a finding that explains the others of its topic
 FASTEST: Final = 5000.0  # messages of a tracker or an IMU per second [Hz]
 SLOWEST: Final = 0.5  # [Hz]
-ALIKE: Final = 0.85  # cosine of two vectors of one motion
-NEAR: Final = 0.3  # tolerance of a factor, as a logarithm
 QUICK: Final = 40.0  # usual acceleration that no vehicle has [m/s2]
 FAST: Final = 30.0  # usual speed that no indoor vehicle has [m/s]
 SLOW: Final = 0.003  # usual speed that no flight stays below [m/s]
 TURNED: Final = 0.03  # least range of the angles of a flight [rad]
 REACH: Final = 0.2  # extent of a flight by the range of its angles, at least [m/rad]
-RIGID: Final = 0.01  # range of angles that is too small for any flight [rad]
-STIFF: Final = 0.03  # the same, of a vehicle that accelerates too much for its lean [rad]
-LEANLESS: Final = 5.0  # acceleration by lean that is too much, by gravity
-TRAVEL: Final = 0.5  # extent of a flight whose angles cannot stay that small [m]
-TUMBLING: Final = 5.0  # usual rates of a vehicle that is not upright [rad/s]
-TURNING: Final = 2.0  # least usual rates at which angles can be 57.3 times too large [rad/s]
-TINY: Final = 0.06  # half a turn, 57.3 times too small [rad]
-FOLLOWED: Final = 0.7  # cosine of a velocity that agrees with larger angles, if late
-MORE: Final = 0.02  # change of a cosine that tells one reading from another
-NUMERIC: Final = 1e-5  # what a velocity without noise disagrees by, as it is interpolated
-UNEXPLAINED: Final = 0.6  # of what a velocity disagrees by, left with larger angles
 CONTRADICTION: Final = 0.4  # cosine below which two vectors are not of one motion
 BELOW: Final = -0.25  # median height at which all of a flight is below the floor [m]
 LEVER: Final = 0.6  # largest distance of markers from the axis of a swing [m]
-TILT: Final = 0.5  # cosine of lean and acceleration that tells up from down
 
 
 def find_rereadings(evidence: CheckContext) -> list[QualityFinding]:
@@ -84,10 +66,6 @@ def _build_finding(
         kind, vector.name, float(vector.time[0]), float(vector.time[-1]), sentence,
         Severity.SUSPICIOUS, {REREAD: figure},
     )  # fmt: skip
-
-
-def _is_near(factor: float, other: float) -> bool:
-    return factor > 0.0 and abs(np.log(factor / other)) < NEAR
 
 
 # Time
@@ -124,7 +102,7 @@ def _find_wrong_times(evidence: CheckContext) -> Iterator[QualityFinding]:
 
 def _find_wrong_length(pose: PoseSeries) -> Iterator[QualityFinding]:
     """Yield a position 1000 times too large or too small."""
-    if pose.position is None or len(pose.position.time) < 100 or not _covers_place(pose):
+    if pose.position is None or len(pose.position.time) < 100 or not covers_place(pose):
         return
     fits = [fit_velocity(pose), fit_speed(pose)]
     best = max(fits, key=lambda fit: fit.cosine)
@@ -158,10 +136,6 @@ def _find_wrong_length(pose: PoseSeries) -> Iterator[QualityFinding]:
             )  # fmt: skip
 
 
-def _covers_place(pose: PoseSeries) -> bool:
-    return pose.position is not None and bool(np.isfinite(pose.position.values).all())
-
-
 def _measure_motion(place: VectorSeries) -> tuple[float, float]:
     """Return the usual speed and acceleration. [m/s], [m/s2]"""
     step = median_period(place.time)
@@ -179,14 +153,14 @@ def _judge_against_velocity(
 ) -> Iterator[QualityFinding]:
     """Yield the position that is off by 1000 against the velocity in the same topic."""
     assert pose.velocity is not None
-    if _is_near(fit.factor, 1e-3):
+    if is_near(fit.factor, 1e-3):
         yield _build_finding(
             place, 'unit',
             f"The unit looks like mm: '{pose.velocity.name}' is {fit.factor:.4g} times its "
             'derivative; the values are 1000 times too large.',
             fit.factor,
         )  # fmt: skip
-    elif _is_near(fit.factor, 1e3) and fit.factor * speed < FAST:
+    elif is_near(fit.factor, 1e3) and fit.factor * speed < FAST:
         yield _build_finding(
             place, 'unit',
             f"'{pose.velocity.name}' is {fit.factor:.4g} times its derivative: the values of the "
@@ -200,130 +174,12 @@ def _judge_against_velocity(
 
 def _find_wrong_angles(pose: PoseSeries, evidence: CheckContext) -> Iterator[QualityFinding]:
     """Yield an attitude in the wrong unit, if another reading agrees with all the rest."""
-    attitude = pose.attitude
-    if attitude is None or len(attitude.time) < 100:
-        return
     rates = [pose.turning] if pose.turning is not None else []
     rates += [sensor.rates for sensor in evidence.inertials if sensor.rates is not None]
-    small = magnify_angles(attitude.values)
-    if reason := _explain_small_angles(pose, small):
-        yield _build_finding(
-            attitude, 'unit',
-            f'The angles are 57.3 times too small (radians read as degrees): {reason}.', DEGREES,
-        )  # fmt: skip
-        return
-    if _agrees_as_recorded(pose, rates):
-        return
-    pace = tumbling_pace(attitude)
-    if pace > TUMBLING and upright_share(attitude.values) < 0.9:
-        yield _build_finding(
-            attitude, 'unit',
-            f'The unit looks like deg: read as radians, the vehicle would tumble at {pace:.3g} '
-            'rad/s; the angles are 57.3 times too large (degrees read as radians).',
-            1.0 / DEGREES,
-        )  # fmt: skip
-        return
-    if largest_angle(attitude.values) < TINY and _explains(pose, rates, small, 1.0 / DEGREES):
-        yield _build_finding(
-            attitude, 'unit',
-            'The angles are 57.3 times too small (radians read as degrees): with larger ones '
-            f'{_name_agreement(pose, rates)} agrees.', DEGREES,
-        )  # fmt: skip
-        return
-    calm = upright_share(attitude.values) > 0.5 or is_inverted(attitude.values)
-    if pace < TURNING and calm:
-        return
-    angles = shrink_angles(attitude.values)
-    for yaw in np.arange(OFFSETS) * (TURN / DEGREES) if pose.velocity is not None else (0.0,):
-        turn = quaternions_of(angles, float(yaw))
-        if _explains(pose, rates, turn, DEGREES):
-            yield _build_finding(
-                attitude, 'unit',
-                'The unit looks like deg: the angles are 57.3 times too large (degrees read as '
-                f'radians); with smaller ones {_name_agreement(pose, rates)} agrees.',
-                1.0 / DEGREES,
-            )  # fmt: skip
-            return
-
-
-def _explain_small_angles(pose: PoseSeries, small: Array) -> str:
-    """
-    Return why the angles are too small, whatever the rates say; empty if they need not be.
-
-    `small`: the attitude with angles 57.3 times as large. Rates in the wrong unit agree with it.
-    """
-    assert pose.attitude is not None
-    before, after = fit_velocity(pose).cosine, fit_velocity(pose, small).cosine
-    left = 1.0 - before
-    if after > FOLLOWED and left > NUMERIC and 1.0 - after < UNEXPLAINED * left:
-        assert pose.velocity is not None
-        return f"with larger ones '{pose.velocity.name}' agrees"
-    turn = measure_turn(pose.attitude)
-    if pose.position is None or not (pose.tracked and _covers_place(pose) and turn < STIFF):
-        return ''
-    lean = fit_tilt(pose)
-    leans = abs(lean.cosine) > TILT and lean.factor > LEANLESS * STANDARD_GRAVITY
-    extent = float(np.max(np.ptp(pose.position.values, axis=0)))
-    # An attitude that does not change at all is another finding
-    if extent < TRAVEL or not RIGID / DEGREES < turn < (STIFF if leans else RIGID):
-        return ''
-    if after < before - MORE:
-        return ''
-    return (
-        f'yaw, pitch and roll stay within {DEGREES * turn:.2g} degrees, while the vehicle covers '
-        f'{extent:.2g} m'
-    )
-
-
-def _agrees_as_recorded(pose: PoseSeries, rates: list[VectorSeries]) -> bool:
-    """Return whether all that can be compared agrees, so that no other reading is needed."""
-    assert pose.attitude is not None
-    speed, lean = fit_velocity(pose), fit_tilt(pose)
-    turns = [fit_rates(pose, one) for one in rates]
-    return (
-        upright_share(pose.attitude.values) > 0.9
-        and (pose.velocity is None or speed.cosine > ALIKE)
-        and all(fit.cosine > ALIKE and _is_near(fit.factor, 1.0) for fit in turns)
-        and (lean.cosine < TILT or abs(np.log(lean.factor / STANDARD_GRAVITY)) < 1.0)
-    )
-
-
-def _name_agreement(pose: PoseSeries, rates: list[VectorSeries]) -> str:
-    names = [vector.name for vector in rates[:1]]
-    names += [pose.velocity.name] if pose.velocity is not None else []
-    return f"'{names[0]}'" if names else 'an upright vehicle'
-
-
-def _explains(pose: PoseSeries, rates: list[VectorSeries], turn: Array, excess: float) -> bool:
-    """
-    Return whether another reading of the attitude is right and the recorded one is not.
-
-    `excess` is by how much the recorded angles are too large.
-    """
-    assert pose.attitude is not None
-    if upright_share(turn) < 0.9:
-        return False
-    votes = []
-    before, after = fit_velocity(pose), fit_velocity(pose, turn)
-    if max(before.cosine, after.cosine) > ALIKE and abs(after.cosine - before.cosine) > MORE:
-        votes.append(after.cosine > before.cosine)
-    lean = fit_tilt(pose), fit_tilt(pose, turn)
-    if max(lean[0].cosine, lean[1].cosine) > TILT:
-        sizes = [abs(np.log(one.factor / STANDARD_GRAVITY)) if one.cosine > TILT else 9.0
-                 for one in lean]  # fmt: skip
-        votes.append(sizes[1] < 1.0 < sizes[0])
-    recorded = [fit_rates(pose, one) for one in rates]
-    reread = [fit_rates(pose, one, turn) for one in rates]
-    matched = [fit for fit in reread if fit.cosine > ALIKE]
-    if upright_share(pose.attitude.values) < 0.5 and excess > 1.0:
-        return bool(matched) or not rates or after.cosine > ALIKE
-    # Rates that agree with the recorded angles are wrong too, or right
-    for old, new in zip(recorded, reread, strict=True):
-        if old.cosine > ALIKE and _is_near(old.factor, 1.0) and not votes:
-            return False
-        if new.cosine > ALIKE and _is_near(new.factor, 1.0) and not _is_near(old.factor, 1.0):
-            votes.append(True) if len(rates) > 1 or not votes else None
-    return bool(votes) and all(votes)
+    wrong = find_wrong_angle_unit(pose, rates)
+    if wrong is not None:
+        assert pose.attitude is not None
+        yield _build_finding(pose.attitude, 'unit', *wrong)
 
 
 # Vertical
@@ -354,7 +210,7 @@ def _find_wrong_vertical(pose: PoseSeries, evidence: CheckContext) -> Iterator[Q
     against = (
         lean.cosine < -TILT
         and least < 0.0
-        and _is_near(lean.factor / STANDARD_GRAVITY, 1.0)
+        and is_near(lean.factor / STANDARD_GRAVITY, 1.0)
         and not _swings_with_body(pose)
     )
     if below or against:
