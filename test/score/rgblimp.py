@@ -194,7 +194,7 @@ def carried(
     taught, which, _, whole = fits[NAMED]
     out += ['', *_values(taught, which, whole.values, np.linalg.inv(whole.precision))]
     told = {
-        name: cross_validate(fit.taught, fit.whole, fit.which, fit.spread, parts)
+        name: cross_validate(fit.taught, fit.whole, fit.which, fit.spread, parts, is_quick=False)
         for name, fit in fits.items()
         if name in (NAMED, ALL)
     }

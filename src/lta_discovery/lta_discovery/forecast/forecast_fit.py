@@ -156,22 +156,29 @@ class ForecastFitter:
         begin: Array | None = None,
         rounds: int = ROUNDS,
         relinearize: bool = True,
+        start: ForecastFit | None = None,
     ) -> ForecastFit:
         """
         Fit some parameters to some flights.
 
         `spread`, shape (K,): prior standard deviations, about the vehicle file. `relinearize`:
         whether to linearize at the result; otherwise the information is that of one step before.
+        `start`: a fit to all flights to begin at, with its lifts and equations.
         """
         picked = np.asarray(which, dtype=np.int64)
         values = np.zeros(len(self.knobs)) if begin is None else begin.copy()
         lifts = np.zeros(len(self.flights))
+        equations: dict[int, ForecastNormalEquations] = {}
+        if start is not None:
+            values, lifts = start.values.copy(), start.lifts.copy()
+            equations = {f: start.equations[f] for f in flights}
         # Inverse prior covariance; the vehicle file is at 0
         wall, damping = np.diag(spread**-2.0), START
-        for _ in range(rounds):
-            equations = {
-                f: self._build_normal_equations(values, lifts, f, picked) for f in flights
-            }
+        for number in range(rounds):
+            if number or not equations:
+                equations = {
+                    f: self._build_normal_equations(values, lifts, f, picked) for f in flights
+                }
             inner = wall + np.sum([one.products for one in equations.values()], axis=0)
             right = (
                 np.sum([one.pull for one in equations.values()], axis=0) - wall @ values[picked]
@@ -188,7 +195,7 @@ class ForecastFitter:
             # Converged.
             if before - after < SETTLED * before:
                 break
-        if relinearize or not rounds:
+        if relinearize or not equations:
             equations = {
                 f: self._build_normal_equations(values, lifts, f, picked) for f in flights
             }
@@ -201,16 +208,25 @@ class ForecastFitter:
         )
 
     def leave_out_flights(
-        self, fit: ForecastFit, which: Sequence[int], spread: Array, flights: Sequence[int]
+        self,
+        fit: ForecastFit,
+        which: Sequence[int],
+        spread: Array,
+        flights: Sequence[int],
+        is_quick: bool = False,
     ) -> Array:
         """
         Return the values without some flights, by damped steps from a fit to all.
 
         One undamped step is too long where the flights left out hold parameters that the others
         hardly identify: forecasts with its values can be many times worse than those of a fit.
+
+        `is_quick`: whether to take one step, with the equations of the fit to all.
         """
         others = [f for f in range(len(self.flights)) if f not in set(flights)]
-        return self.fit(which, spread, others, fit.values, LEFT_OUT, relinearize=False).values
+        if is_quick:
+            return self.fit(which, spread, others, None, 1, False, fit).values
+        return self.fit(which, spread, others, fit.values, LEFT_OUT, False).values
 
     def _parameter_bounds(self, picked: NDArray[np.int64]) -> tuple[Array, Array]:
         """Return the lower and upper bounds of some parameters."""

@@ -52,17 +52,18 @@ def cross_validate(
     which: Sequence[int],
     spread: Array,
     regimes: Mapping[str, Sequence[int]],
+    is_quick: bool = True,
 ) -> list[RegimeForecastErrors]:
     """
     Return the forecast error of each regime with the values of the others, the worst first.
 
     `fit`: to all flights; the fits without a regime begin at its values. `regimes`: flights by
-    regime; each has flights outside of it.
+    regime; each has flights outside of it. `is_quick`: whether these take one step.
     """
     out = []
     zero = np.zeros(len(foresight.knobs))
     for name, inside in regimes.items():
-        fitted_without = foresight.leave_out_flights(fit, which, spread, inside)
+        fitted_without = foresight.leave_out_flights(fit, which, spread, inside, is_quick)
         sizes = [foresight.rms_error(values, inside) for values in (zero, fitted_without)]
         out.append(RegimeForecastErrors(name, len(inside), *sizes))
     return sorted(out, key=lambda regime: -regime.ratio)

@@ -108,6 +108,11 @@ def test_flights_are_left_out_of_a_fit_that_has_not_converged(
     values = sight.leave_out_flights(begun, [k], spread, [1])
     assert values[k] == pytest.approx(off, rel=0.1)
     assert sight.rms_error(values, [1]) < 0.9 * sight.rms_error(begun.values, [1])
+    # One step with the equations of the fit is the first step of a fit to the others
+    quick = sight.leave_out_flights(begun, [k], spread, [1], is_quick=True)
+    first = sight.fit([k], spread, [0], begun.values, rounds=1, relinearize=False)
+    np.testing.assert_allclose(quick, first.values, rtol=1e-9)
+    assert sight.rms_error(quick, [1]) < 0.95 * sight.rms_error(begun.values, [1])
 
 
 def test_what_only_interpolates_is_said_so() -> None:
