@@ -62,7 +62,7 @@ def compared(folder: Path) -> dict[str, float]:
     fitter = JointFitter(nominal, flown, per_flight_variance(known), wrench_floor(nominal))
     prior = build_shared_prior(known)
     points = [unchanged_vehicle_point(nominal, known, one.replay.cut) for one in flown]
-    at, points, deviations = guess_start(fitter, prior, points)
+    at, points, deviations = guess_start(fitter, prior, points[0].values, points)
     fit = fitter.fit(prior, fitter.linearize_flights(at, points, prior), deviations, narrow=True)
     tuned = shrink_tolerances(fitter, fit)
     limited = limit_to_file(nominal, flown, tuned, tuned)
