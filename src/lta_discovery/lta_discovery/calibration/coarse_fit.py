@@ -17,12 +17,12 @@ from typing import Final, final
 
 from lta_config.errors import BadInput
 from lta_discovery.flights.measured_flight import PERIOD
-from lta_discovery.flights.windows import Windows
 from lta_discovery.forecast.forecast_fit import ForecastFit, ForecastFitter
 from lta_discovery.model.calibration_parameters import FLOWS
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter, NET_LIFT
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
+from lta_discovery.transfer.other_kind import select_pieces
 from lta_discovery.transfer.overlapping_pieces import cut_overlapping_pieces
 import numpy as np
 from numpy.typing import NDArray
@@ -240,12 +240,7 @@ def _divide_flight(flight: FlightLinearizer, count: int) -> list[FlightLinearize
         inside = (begins >= low) & (ends <= high)
         if inside.sum() < 2:
             return _divide_flight(flight, count - 1)
-        pieces = Windows(
-            cut.first[inside], cut.length, cut.start[inside], cut.inside[inside], cut.knots
-        )
-        out.append(
-            FlightLinearizer(flight.replay.with_pieces(pieces), flight.knobs, flight.places)
-        )
+        out.append(select_pieces(flight, inside))
     return out
 
 
