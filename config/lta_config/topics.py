@@ -36,10 +36,13 @@ def uses_typed_messages() -> bool:
 
 
 def is_lta_msgs_built() -> bool:
-    """Return whether lta_msgs can be imported and has its compiled type support."""
+    """Return whether lta_msgs can be imported and, where nodes can run, sent."""
     # Found, not imported: this module is also used without ROS, and by every command
     spec = find_spec('lta_msgs')
     folders = spec.submodule_search_locations if spec else None
+    if folders and find_spec('rclpy') is None:
+        return True  # the wheel has their classes, which is all that a bag needs
+    # Only the type support sends them
     return any(
         any(Path(folder).glob('lta_msgs_s__rosidl_typesupport_c*')) for folder in folders or ()
     )

@@ -1,4 +1,4 @@
-"""The wheel of all that needs no ROS, tried in an environment that has nothing else."""
+"""The wheel of all that needs no ROS graph, tried in an environment that has nothing else."""
 
 from contextlib import ExitStack
 import json
@@ -53,7 +53,9 @@ def test_the_wheel_in_an_empty_environment(tmp_path):
         return done
 
     assert lta('--version').stdout == f'lta {VERSION}\n'
-    assert json.loads(lta('simulate', '--no-bag', '--json').stdout)['outcome'] == 'reached'
+    assert 'launch ' not in lta('--help').stdout.partition('Results go to')[0]
+    assert lta('doctor', '--json').stdout
+    study_flights(lta, venv, tmp_path)
     (tmp_path / 'two.yaml').write_text(SWEEP)
     swept = json.loads(lta('sweep', 'two.yaml', '--no-page', '--json').stdout)
     assert Path(tmp_path, swept['table']).is_file()
@@ -62,10 +64,26 @@ def test_the_wheel_in_an_empty_environment(tmp_path):
     log.write_text('# timestamp tx ty tz qx qy qz qw\n1.0 0 0 1 0 0 0 1\n2.0 1 0 1 0 0 0 1\n')
     lta('import', log.name, '--mapping', 'tum', '--out', 'imported')
     assert '2 messages' in lta('bag', 'info', 'imported').stdout
-    for words in (('fly',), ('call', 'recorder/snapshot'), ('simulate', '--out', 'flown')):
+    for words in (('fly',), ('replay', 'imported'), ('launch', 'fly'), ('call', 'sim/reset')):
         refused = lta(*words, status=2).stderr
         assert 'needs ROS 2' in refused
         assert len(refused.splitlines()) == 1
+
+
+def study_flights(lta, venv, folder):
+    """Simulate with a bag, and use it as a user would."""
+    flown = json.loads(lta('simulate', '--out', 'flown', '--json').stdout)
+    assert flown['outcome'] == 'reached'
+    assert (folder / 'flown/report.html').is_file()
+    assert 'clean' in lta('bag', 'check', 'flown').stdout
+    script = (
+        "import lta_analysis as lta; print(lta.simulate(seed=2, out='again')['odom'].data.shape)"
+    )
+    subprocess.run([venv / 'bin/python', '-P', '-c', script], cwd=folder, check=True)
+    lta('compare', 'flown', 'again', '--out', 'compared')
+    words = ('--vehicle', 'gtmab', '--train', 'flown', 'again', '--out')
+    lta('calibrate', *words, 'calibrated')
+    lta('discover', *words, 'discovered')
 
 
 def fly_on_cluster(venv, lta, folder):

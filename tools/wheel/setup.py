@@ -1,5 +1,5 @@
 """
-All of LTA that needs no ROS as one wheel: the cores, the `lta` command, the shipped files.
+All of LTA that needs no ROS graph as one wheel: the cores, the `lta` command, the shipped files.
 
 Called by tools/wheel.sh. The workspace's own packages stay as colcon wants them; this puts their
 Python side by side, and the facts of config/ where `lta_config.files.share_folder` looks for them.
@@ -8,22 +8,36 @@ Python side by side, and the facts of config/ where `lta_config.files.share_fold
 import os
 from pathlib import Path
 import runpy
+import sysconfig
 
 from setuptools import find_packages, setup
 
 ROOT = Path(os.environ['LTA_ROOT'])
-OF_ROS = ('ros-', 'colcon-', 'setuptools')  # what a workspace needs, and no wheel
+OF_WORKSPACE = ('ros-', 'colcon-', 'setuptools')  # what a workspace needs, and no wheel
+# The message classes, for bags; there are wheels for this platform only
+MESSAGES = "ros-jazzy-common-interfaces; sys_platform == 'linux' and platform_machine == 'x86_64'"
 NOT_INSTALLED = ('package.xml', 'resource')
 
 
 def read_requirements(name: str) -> list[str]:
     """Return the lines of a requirements file that a wheel needs."""
     lines = (ROOT / name).read_text(encoding='utf-8').splitlines()
-    return [line for line in lines if line and not line.startswith(('#', *OF_ROS))]
+    return [line for line in lines if line and not line.startswith(('#', *OF_WORKSPACE))]
 
 
 sources = {'lta_config': ROOT / 'config'}
 sources |= {path.parent.name: path.parent for path in sorted(ROOT.glob('src/*/setup.py'))}
+packages = [
+    package
+    for name, folder in sources.items()
+    for package in find_packages(str(folder))
+    if package.split('.')[0] == name
+]
+# The classes of our messages, which "make build" generates where there is a compiler
+generated = Path(sysconfig.get_path('purelib')) / 'lta_msgs'
+if generated.is_dir():
+    packages += ['lta_msgs', 'lta_msgs.msg', 'lta_msgs.action']
+    sources['lta_msgs'] = generated.parent
 facts = [
     path.relative_to(ROOT / 'config')
     for path in sorted((ROOT / 'config').rglob('*'))
@@ -34,16 +48,11 @@ folders = sorted({path.parent for path in facts})
 setup(
     name='lta-cores',
     version=runpy.run_path(str(ROOT / 'config/lta_config/version.py'))['VERSION'],
-    description='Simulate, record and understand lighter-than-air micro-drones, without ROS.',
+    description='Simulate, record and understand lighter-than-air micro-drones.',
     license='Apache-2.0',
     license_files=['LICENSE'],
     python_requires='>=3.11,<3.15',
-    packages=[
-        package
-        for name, folder in sources.items()
-        for package in find_packages(str(folder))
-        if package.split('.')[0] == name
-    ],
+    packages=packages,
     package_dir={name: os.path.relpath(folder / name) for name, folder in sources.items()},
     package_data={name: ['py.typed', 'assets/*', 'selection/*.yaml'] for name in sources},
     data_files=[
@@ -61,7 +70,7 @@ setup(
             [os.path.relpath(path) for path in sorted(ROOT.glob('src/lta_msgs/msg/*.msg'))],
         )
     ],
-    install_requires=read_requirements('requirements.txt'),
+    install_requires=[*read_requirements('requirements.txt'), MESSAGES],
     # As lta_cores-...whl[cluster]
     extras_require={'cluster': read_requirements('requirements-dask.txt')},
     entry_points={'console_scripts': ['lta = lta_cli.command:main']},

@@ -15,7 +15,14 @@ from pathlib import Path
 import sys
 from typing import Annotated, Any, Final, final
 
-from lta_cli.without_ros import ANYTHING, is_ros_module, missing_ros_error, refuse_without_ros
+from lta_cli.without_ros import (
+    ANYTHING,
+    is_graph_installed,
+    is_ros_module,
+    missing_ros_error,
+    refuse_without_ros,
+    WITHOUT_GRAPH,
+)
 from lta_config.errors import BadInput
 from lta_config.version import VERSION
 import typer
@@ -45,6 +52,7 @@ class Verb:
     name: str
     settings: Mapping[str, Any] = field(default_factory=dict)
     several: tuple[str, ...] = ()  # options that take several values: --train A B
+    needs_graph: bool = False  # it runs nodes, so it needs rclpy
 
     def load(self) -> Callable[..., None]:
         """Import the verb and return its function."""
@@ -152,11 +160,11 @@ HARDWARE: Final = VerbGroup(
     },
 )
 VERBS: Final[dict[str, Verb | VerbGroup]] = {
-    'fly': Verb('fly', 'fly'),
+    'fly': Verb('fly', 'fly', needs_graph=True),
     'simulate': Verb('simulate', 'simulate'),
-    'replay': Verb('replay', 'replay'),
-    'launch': Verb('launch', 'launch', {'allow_interspersed_args': True}),
-    'call': Verb('call', 'call'),
+    'replay': Verb('replay', 'replay', needs_graph=True),
+    'launch': Verb('launch', 'launch', {'allow_interspersed_args': True}, needs_graph=True),
+    'call': Verb('call', 'call', needs_graph=True),
     'run': Verb('run', 'run', {'ignore_unknown_options': True, 'allow_interspersed_args': False}),
     'mission': Verb('mission', 'mission'),
     'sweep': Verb('sweep', 'sweep'),
@@ -211,7 +219,7 @@ def build_app(words: Sequence[str] | None = None) -> typer.Typer:
     app = typer.Typer(
         name='lta',
         cls=OrderedGroup,
-        epilog=EPILOG,
+        epilog=EPILOG if is_graph_installed() else f'{EPILOG}\n\n{WITHOUT_GRAPH}',
         no_args_is_help=True,
         rich_markup_mode='rich',
         # Plain tracebacks can be copied into a report
@@ -235,6 +243,8 @@ def add_verbs(
         add_verb(app, words[0], verbs[words[0]], words[1:])
     else:
         for name, verb in verbs.items():
+            if isinstance(verb, Verb) and verb.needs_graph and not is_graph_installed():
+                continue
             text = (
                 verb.about
                 if isinstance(verb, VerbGroup)
@@ -254,16 +264,12 @@ def add_verb(
         add_verbs(group, verb.verbs, words)
         app.add_typer(group, name=name)
         return
-    try:
-        function = verb.load()
-    except ModuleNotFoundError as missing:
-        # A missing module of ours is a defect and must stay visible
-        if not is_ros_module(missing.name):
-            raise
-        app.command(name, context_settings=ANYTHING, help=format_help(refuse_without_ros))(
-            refuse_without_ros
-        )
+    if verb.needs_graph and not is_graph_installed():
+        # Hidden: a list of commands shows those that work here
+        refuse = app.command(name, context_settings=ANYTHING, hidden=True, add_help_option=False)
+        refuse(refuse_without_ros)
         return
+    function = verb.load()
     app.command(name, context_settings=dict(verb.settings), help=format_help(function))(function)
 
 

@@ -1,5 +1,7 @@
 """Report a missing ROS 2 installation; most verbs do not need ROS 2."""
 
+from importlib import metadata
+from importlib.util import find_spec
 from typing import Final
 
 from lta_config.errors import BadInput
@@ -7,8 +9,24 @@ import typer
 
 ROS: Final = ('rclpy', 'rcl_interfaces', 'builtin_interfaces', 'std_srvs')
 REMEDY: Final = 'get the LTA sources, run "make build" there, and use ./lta'
-# A verb that cannot be imported accepts all arguments, so that its own message is shown.
+# The last lines of `lta --help` where only the wheel is installed
+WITHOUT_GRAPH: Final = f'fly, replay, launch and call need ROS 2: {REMEDY}.'
+# A verb that cannot run accepts all arguments, so that its own message is shown.
 ANYTHING: Final = {'allow_extra_args': True, 'ignore_unknown_options': True}
+
+
+def is_graph_installed() -> bool:
+    """Return whether nodes can run here."""
+    return find_spec('rclpy') is not None
+
+
+def is_wheel_without_graph() -> bool:
+    """Return whether LTA was installed by pip, beside no ROS 2."""
+    try:
+        metadata.distribution('lta-cores')
+    except metadata.PackageNotFoundError:
+        return False
+    return not is_graph_installed()
 
 
 def is_ros_module(module: str | None) -> bool:

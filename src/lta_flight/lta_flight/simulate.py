@@ -76,6 +76,7 @@ def simulate_once(
 
     Raise `BadInput` if the request is invalid, or the bag cannot be written.
     """
+    recorder_class = import_recorder() if order.record else None
     spec = load_spec(order.vehicle, order.scenario, order.strategy, order.gains)
     spec = spec.with_values(dict(map(parse_assignment, order.changes)))
     if order.commands is None:
@@ -87,14 +88,11 @@ def simulate_once(
     try:
         with ExitStack() as closing:
             recorder = None
-            if order.record:
-                # Imported late: without a bag, ROS is not needed
-                from lta_flight.messages import LoopRecorder
-
+            if recorder_class is not None:
                 prepare_empty_folder(folder)
                 origin = build_provenance(order, spec, folder, loop.policy.commands)
                 writer = closing.enter_context(BagWriter(folder / 'bag', origin))
-                recorder = LoopRecorder(writer, loop, loop.table, ROBOT)
+                recorder = recorder_class(writer, loop, loop.table, ROBOT)
             view, pace = simulate_closed_loop(loop, recorder, watcher)
     # For example a full disk
     except StorageFault as fault:
@@ -102,6 +100,23 @@ def simulate_once(
     outcome, sentence = describe_end(loop, view)
     flight = FlightRun(folder, folder / 'bag', outcome, sentence, pace, view.warning)
     return flight, compute_results(view)
+
+
+def import_recorder() -> 'type[LoopRecorder]':
+    """
+    Return the recorder, which is imported late: without a bag, no messages are needed.
+
+    Raise `BadInput` if the message classes of ROS 2 are not installed.
+    """
+    try:
+        from lta_flight.messages import LoopRecorder
+    except ModuleNotFoundError as missing:
+        package = (missing.name or '').partition('.')[0]
+        raise BadInput(
+            f"A bag needs the messages of ROS 2, and '{package}' is not installed; install "
+            'ros-jazzy-common-interfaces with pip (Linux on x86-64), or simulate with --no-bag.'
+        ) from None
+    return LoopRecorder
 
 
 def announce_compilation(

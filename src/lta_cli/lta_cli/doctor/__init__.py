@@ -24,6 +24,7 @@ from lta_cli.doctor.software import (
     check_messages,
     check_workspace_packages,
 )
+from lta_cli.without_ros import is_wheel_without_graph, WITHOUT_GRAPH
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
@@ -44,6 +45,7 @@ CHECKS: dict[str, Callable[[], HardwareCheck]] = {
     'memory': check_available_memory,
     'browser': check_browser,
 }
+OF_GRAPH = ('packages', 'messages', 'dds', 'ports')
 COLOURS: dict[State, str] = {'ok': 'green', 'warn': 'yellow', 'fail': 'bold red'}
 
 __all__ = [
@@ -58,8 +60,13 @@ __all__ = [
 
 
 def iterate_check_results() -> Iterator[HardwareCheck]:
-    """Run the checks and yield each result as soon as it is available."""
+    """Run the checks that apply here and yield each result as soon as it is available."""
+    without_graph = is_wheel_without_graph()
+    if without_graph:
+        yield HardwareCheck('graph', 'ok', f'not part of this installation: {WITHOUT_GRAPH}')
     for name, check in CHECKS.items():
+        if without_graph and name in OF_GRAPH:
+            continue
         try:
             yield check()
         except Exception as error:  # a defect in one check must not hide the others
