@@ -64,7 +64,7 @@ NODES = {
 BRIDGES = {'teensy_bridge': TeensyBridgeSettings, 'tracker': TrackerSettings}
 # Stand beside the graph: they serve people, and no row of the table waits for them.
 BESIDE = {'description': DescriptionSettings, 'teleop': TeleopSettings}
-LISTENERS = {'recorder', 'live'}  # subscribe for themselves: raw, to all that the table lists
+LISTENERS = {'live'}  # subscribes for itself: raw, to all that the table lists
 PARTIAL = {'crazyflie_bridge'}  # a real drone says less than the simulator
 # map -> odom, by who knows the place in the map; the row names who publishes the other frames
 ADDED = {'simulator': {'/tf_static'}, 'tracker': {'/tf'}}
@@ -149,7 +149,7 @@ def test_a_node_reads_what_the_table_sends_it(name):
 
 @each_node
 def test_no_node_goes_around_the_table(name):
-    """Only who records or shows everything, or looks on, subscribes for itself."""
+    """Only who shows everything subscribes for itself."""
     text = FILES[name].read_text(encoding='utf-8')
     assert 'create_publisher' not in text
     assert text.count('create_subscription') == (1 if name in LISTENERS else 0)
@@ -249,8 +249,8 @@ BEGUN_WITH = {
     'demodulator': {'learn_gains'},
     'navigator': {'commanded'},
     'recorder': {
-        'commanded', 'seed', 'offset_x', 'offset_y', 'split_size', 'split_duration', 'snapshot',
-        'snapshot_size', 'queue_size',
+        'commanded', 'seed', 'offset_x', 'offset_y', 'split_size', 'split_duration',
+        'queue_size',
     },
     'live': {'port'},
     'teensy_bridge': {'peaks', 'patience', 'autostart'},

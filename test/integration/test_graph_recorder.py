@@ -1,11 +1,10 @@
-"""The recorder in a graph of strangers: nonsense, other qualities of service, faults, wishes."""
+"""The recorder in a graph of strangers: nonsense, other qualities of service, wishes."""
 
 from collections.abc import Iterator
 from pathlib import Path
 import signal
 import subprocess
 
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from lta_data.bag.reader import read_bag
 from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.stamps import to_stamp
@@ -13,7 +12,7 @@ import pytest
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import serialize_message
 from std_msgs.msg import Bool, String
-from std_srvs.srv import SetBool, Trigger
+from std_srvs.srv import SetBool
 from waiting import PATIENCE
 import yaml
 
@@ -38,10 +37,6 @@ class Recording(Peer):
         given = {'bag': self.bag, **parameters}
         words = [word for name, value in given.items() for word in ('-p', f'{name}:={value}')]
         self._process = start('lta_bridge.nodes.recorder', *words, before=NO_VERSIONS)
-
-    def snapshot(self):
-        """Ask for a snapshot."""
-        return self.ask(Trigger, 'recorder/snapshot')
 
     def end(self):
         """Press Ctrl-C; return the exit status and what was said."""
@@ -207,23 +202,12 @@ def test_everything_is_found_as_its_publishers_offer_it(recording):
 
 
 @pytest.mark.long
-def test_some_topics_in_files_of_half_a_second(recording, lta):
+def test_some_topics_in_files_of_half_a_second(recording):
     recording.start(topics='"odom /clock"', split_duration=0.5)
     publisher = recording.publisher('odom')
     for step in range(10):
         publisher.publish(odom(START + step * 200_000_000))
     recording.until(lambda: arrived(recording.bag, '/lta1/odom', 10))
-    refused = lta.run('call', 'recorder/snapshot')
-    assert (refused.returncode, refused.stderr) == (1, '')
-    assert 'snapshot:=SECONDS' in refused.stdout
-    for words, sentence in (
-        (('recorder/snapshot', 'true'), "'/lta1/recorder/snapshot' takes no value after its name"),
-        (('nobody/there',), 'available: /lta1/recorder/snapshot'),
-    ):
-        wrong = lta.run('call', *words)
-        assert wrong.returncode == 2
-        assert sentence in wrong.stderr
-        assert wrong.stderr.count('\n') == 1
     assert recording.end() == (0, '')
     assert set(described(recording.bag)) == {'/lta1/odom', '/clock'}
     files = sorted(path.name for path in recording.bag.glob('*.mcap'))
@@ -241,45 +225,3 @@ def test_an_unknown_topic_is_refused_in_a_sentence(recording):
     assert errors.startswith("Unknown topic 'odm'; known: /clock, ")
     assert len(errors.splitlines()) == 1
     assert not recording.bag.exists()
-
-
-@pytest.mark.parametrize('chosen', [{}, {'topics': 'odom'}], ids=['table', 'odom'])
-def test_snapshots_are_written_when_asked_for_and_at_a_fault(recording, chosen):
-    """Diagnostics are heard whether or not they are recorded."""
-    recording.start(snapshot=1.0, **chosen)
-    publisher = recording.offering('odom', find_message_type(ROW), QoSProfile(depth=1000))
-    diagnostics = recording.offering('/diagnostics', DiagnosticArray, 10)
-    for step in range(100):
-        publisher.publish(odom(START + step * 100_000_000))
-
-    def asked():
-        answer = recording.snapshot()
-        assert answer.success
-        return answer if arrived(folder_in(answer), '/lta1/odom', 1) else None
-
-    answer = recording.until(asked)
-    folder = folder_in(answer)
-    bag = read_bag(folder)
-    total = sum(topic.count for topic in bag.topics.values())
-    assert answer.message == f"The snapshot '{folder}' has {total} messages."
-    times = heard(folder, '/lta1/odom')
-    newest = times[-1]
-    assert times == list(range(times[0], newest + 1, 100_000_000))
-    assert newest - 2_500_000_000 < times[0] <= max(newest - 1_000_000_000, START)
-    assert (recording.bag / 'snapshot_0').is_dir()
-
-    status = DiagnosticStatus(name='motors: state', hardware_id='lta1', level=b'\2')
-    diagnostics.publish(serialize_message(DiagnosticArray(status=[status]))[:20])
-    diagnostics.publish(DiagnosticArray(status=[status]))
-    number = int(folder.name.rpartition('_')[2]) + 1
-    fault = recording.bag / f'snapshot_{number}'
-    recording.until(lambda: (fault / 'metadata.yaml').exists() and arrived(fault, '/lta1/odom', 1))
-    recording.until(lambda: read_bag(fault).is_complete)
-    assert read_bag(fault).provenance['snapshot'] == 'lta1/motors: state'
-    assert recording.end() == (0, '')
-    assert list(recording.bag.glob('*.mcap')) == []
-
-
-def folder_in(answer):
-    """Return the bag that an answer names."""
-    return Path(answer.message.split("'")[1])

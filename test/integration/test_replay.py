@@ -219,6 +219,15 @@ def test_a_player_is_paused_stepped_looped_and_goes_on(meters, peer, player, lta
     asked = lta.run('call', 'player/pause', 'true')
     assert (asked.returncode, asked.stderr) == (0, '')
     assert asked.stdout.startswith('paused at ')
+    for words, sentence in (
+        (('player/step', 'true'), "'/lta1/player/step' takes no value after its name"),
+        (('player/pause',), "'/lta1/player/pause' needs a value after its name: true or false"),
+        (('nobody/there',), 'available: /lta1/player/pause, /lta1/player/step'),
+    ):
+        wrong = lta.run('call', *words)
+        assert wrong.returncode == 2
+        assert sentence in wrong.stderr
+        assert wrong.stderr.count('\n') == 1
     process.send_signal(signal.SIGINT)
     out, errors = process.communicate(timeout=PATIENCE)
     assert process.returncode == 0, errors

@@ -198,11 +198,11 @@ def test_param(ros, flight):
 
 def test_service(ros, flight, bag):
     listed = dict(re.findall(r'^(\S+) \[(\S+)\]$', ros.run('service', 'list', '-t'), re.MULTILINE))
-    assert listed['/lta1/recorder/snapshot'] == 'std_srvs/srv/Trigger'
+    assert listed['/lta1/emergency_stop'] == 'std_srvs/srv/Trigger'
     assert ros.run('service', 'type', '/lta1/arm').strip() == 'std_srvs/srv/SetBool'
-    said = ros.run('service', 'call', '/lta1/recorder/snapshot', 'std_srvs/srv/Trigger')
-    assert 'success=False' in said
-    assert 'snapshot' in said
+    said = ros.run('service', 'call', '/lta1/arm', 'std_srvs/srv/SetBool', '{data: true}')
+    assert 'success=True' in said
+    assert 'armed' in said
 
 
 def test_interface(ros):

@@ -1,20 +1,10 @@
-"""Convert ROS diagnostics and QoS profiles for recordings."""
+"""Convert ROS QoS profiles for recordings."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from lta_bridge.bag.qos import OfferedQos, QosDuration
-from lta_bridge.fault_watch import DiagnosticsEntry
-from lta_graph.ros.peer_listener import reports_end
 from rclpy.duration import Duration
 from rclpy.qos import HistoryPolicy, LivelinessPolicy, QoSProfile
-
-
-def parse_statuses(message: DiagnosticArray) -> Iterator[DiagnosticsEntry]:
-    """Yield the statuses of a diagnostics message, with faults and ends of flights."""
-    for status in message.status:
-        failing = status.level == DiagnosticStatus.ERROR
-        yield DiagnosticsEntry(status.hardware_id, status.name, failing, reports_end(status))
 
 
 def to_offered_qos(

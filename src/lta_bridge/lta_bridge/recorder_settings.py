@@ -79,24 +79,6 @@ class RecorderSettings(RobotOrigin):
         0.0, 'Duration after which the recorder starts a new file; 0 for a single file.', unit='s',
         low=0.0, high=1e6, fixed=True,
     )  # fmt: skip
-    snapshot: float = setting(
-        0.0,
-        'Duration of a snapshot: the recorder keeps the last messages in memory, and writes them '
-        'to the disk only on a call of recorder/snapshot or at a fault; 0 writes all messages to '
-        'the disk.',
-        unit='s',
-        low=0.0,
-        high=1e5,
-        fixed=True,
-    )
-    snapshot_size: float = setting(
-        200.0,
-        'Memory limit for the compressed messages of a snapshot; the oldest are dropped.',
-        unit='MB',
-        low=1.0,
-        high=1e5,
-        fixed=True,
-    )
     queue_size: float = setting(
         64.0, 'Memory limit for messages that wait to be written to the disk.', unit='MB',
         low=1.0, high=1e5, fixed=True,

@@ -56,7 +56,6 @@ def check_plan(plan: LaunchPlan) -> None:
     check_names(plan)
     check_launched_demodulators(plan)
     check_landing_time(plan)
-    check_snapshots(plan)
 
 
 def check_names(plan: LaunchPlan) -> None:
@@ -107,17 +106,6 @@ def check_controllers(plan: LaunchPlan) -> None:
                     f'follows, but {controllers[process.namespace]} is to start too; add '
                     'command:=setpoint or controller:=false.'
                 )
-
-
-def check_snapshots(plan: LaunchPlan) -> None:
-    """Reject snapshots in a shared process, where writing one would stop all nodes meanwhile."""
-    for process in plan.processes:
-        values = parse_parameters(process.arguments)
-        if process.shared and process.executable == RECORDER and values.get('snapshot'):
-            raise BadInput(
-                'Writing a snapshot would stop the nodes that share a process; remove snapshot or '
-                'processes:=one.'
-            )
 
 
 def check_parameters(values: Mapping[str, object], controls: bool) -> None:

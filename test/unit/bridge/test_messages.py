@@ -1,8 +1,7 @@
 """What discovery tells of publishers, as a bag tells it."""
 
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from lta_bridge.bag import build_offered_qos
-from lta_bridge.messages import parse_statuses, to_offered_qos
+from lta_bridge.messages import to_offered_qos
 from rclpy.duration import Duration, Infinite
 from rclpy.qos import (
     DurabilityPolicy,
@@ -59,48 +58,3 @@ def test_where_nobody_is_there_the_table_speaks():
     expected = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     assert to_offered_qos([], expected) == [build_offered_qos('reliable', 'transient_local', 1)]
     assert to_offered_qos([]) == []
-
-
-def test_faults_are_statuses_that_are_errors():
-    levels = [DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR]
-    array = DiagnosticArray(
-        status=[
-            DiagnosticStatus(name=f'node: {n}', hardware_id=('lta1', '')[n % 2], level=level)
-            for n, level in enumerate([*levels, DiagnosticStatus.STALE])
-        ]
-    )
-    assert list(parse_statuses(array)) == [
-        ('lta1', 'node: 0', False, False),
-        ('', 'node: 1', False, False),
-        ('lta1', 'node: 2', True, False),
-        ('', 'node: 3', False, False),
-    ]
-
-
-def test_an_end_is_told_from_a_fault():
-    def status(name, level, **values):
-        return DiagnosticStatus(
-            name=name,
-            hardware_id='lta1',
-            level=level,
-            values=[KeyValue(key=key, value=value) for key, value in values.items()],
-        )
-
-    message = DiagnosticArray(
-        status=[
-            status('simulator: flight', b'\0', over='True'),
-            status('simulator: flight', b'\0', over='False'),
-            status('player: playback', b'\0', over='True'),
-            status('anything', b'\0', over='True'),
-            status('controller: inputs', b'\2'),
-            status('recorder: latched', b'\1'),
-        ]
-    )
-    assert [(each.failing, each.over) for each in parse_statuses(message)] == [
-        (False, True),
-        (False, False),
-        (False, True),
-        (False, False),
-        (True, False),
-        (False, False),
-    ]

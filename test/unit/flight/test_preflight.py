@@ -97,11 +97,6 @@ REAL = {'source': 'crazyflie', 'robot': 'lta1'}
             'There is no gamepad at {}/js0; plug one in, or use device:=keyboard.',
         ),
         (
-            {'processes': 'one', 'snapshot': '5.0'},
-            'Writing a snapshot would stop the nodes that share a process; remove snapshot or '
-            'processes:=one.',
-        ),
-        (
             {'teleop': 'true', 'time': 'lockstep'},
             'Teleoperation works only in real time; remove time:=lockstep.',
         ),

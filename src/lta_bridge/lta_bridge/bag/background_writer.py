@@ -11,10 +11,11 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 import threading
 import time
-from typing import final, Protocol
+from typing import final
 
 from lta_bridge.bag.mcap_file import CHUNK_SIZE
 from lta_bridge.bag.qos import OfferedQos
+from lta_bridge.bag.writer import BagWriter
 
 FLUSH_PERIOD = 0.4  # wall seconds; SIGKILL loses at most FLUSH_PERIOD + NAP of messages
 NAP = 0.1  # wall seconds between two polls of the queue: batches are cheaper than single messages
@@ -24,36 +25,6 @@ MOST = 500_000  # queue limit in messages: many small ones cost more memory than
 Item = tuple[str, bytes, int] | Callable[[], None]
 
 
-class BagSink(Protocol):
-    """Interface of a bag writer; see `BagWriter`."""
-
-    def add_topic(self, name: str, type_name: str, qos: Sequence[OfferedQos]) -> None:
-        """Add a topic."""
-
-    def update_qos(self, name: str, qos: Sequence[OfferedQos]) -> None:
-        """Update the QoS profiles that a topic's publishers offer."""
-
-    def write(self, topic: str, data: bytes, log_time_ns: int) -> None:
-        """Record one message."""
-
-    def flush(self) -> None:
-        """Hand everything to the operating system."""
-
-    def update_metadata(self) -> None:
-        """Update metadata.yaml."""
-
-    def check_room(self) -> None:
-        """Raise a `StorageFault` if the disk has barely enough room to close the bag."""
-
-    def close(self) -> None:
-        """Finish the bag."""
-
-    @property
-    def lost_count(self) -> int:
-        """Number of accepted messages that are not in the bag."""
-        ...
-
-
 @final
 class BackgroundWriter:
     """
@@ -61,7 +32,7 @@ class BackgroundWriter:
 
     Parameters
     ----------
-    sink : BagSink
+    sink : BagWriter
         The caller must not use it afterwards: it belongs to the thread.
     room : int
         Memory limit of the queued messages. [bytes]
@@ -75,7 +46,7 @@ class BackgroundWriter:
 
     """
 
-    def __init__(self, sink: BagSink, room: int) -> None:
+    def __init__(self, sink: BagWriter, room: int) -> None:
         self._sink = sink
         self._room = room
         self._queue: deque[Item] = deque()

@@ -48,11 +48,6 @@ class CompressedChunk:
         """Number of messages by channel."""
         return {id: len(index) // INDEX_ENTRY.size for id, index in self.entries.items()}
 
-    @property
-    def memory_size(self) -> int:
-        """Memory use. [bytes]"""
-        return len(self.record) + sum(map(len, self.entries.values()))
-
     def place_at(self, offset: int) -> FinishedChunk:
         """Return the chunk and its message indexes for a byte offset in a file."""
         places, indexes = {}, b''
@@ -124,11 +119,6 @@ class ChunkBuilder:
         )
         self._records += data
         self._entries[channel] += INDEX_ENTRY.pack(log_time, offset)
-
-    @property
-    def span(self) -> int:
-        """Log time from the first to the last message. [ns]"""
-        return self._end - self._start if self._records else 0
 
     def build_chunk(self) -> CompressedChunk:
         """Return the collected messages as a chunk, and start a new one."""

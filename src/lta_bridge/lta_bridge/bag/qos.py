@@ -51,11 +51,6 @@ def build_offered_qos(
     }
 
 
-def is_latched(profiles: Sequence[OfferedQos]) -> bool:
-    """Return whether all publishers of a topic are transient local."""
-    return bool(profiles) and all(each['durability'] == 'transient_local' for each in profiles)
-
-
 def has_mixed_durability(profiles: Sequence[OfferedQos]) -> bool:
     """Return whether only some publishers of a topic are transient local."""
     return len({each['durability'] for each in profiles}) > 1

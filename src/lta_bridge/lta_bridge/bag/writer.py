@@ -11,7 +11,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import final, Self
 
-from lta_bridge.bag.chunk import CompressedChunk
 from lta_bridge.bag.mcap_file import McapFile
 from lta_bridge.bag.metadata import (
     BagFileEntry,
@@ -170,21 +169,6 @@ class BagWriter:
             self._mcap.add_message(
                 record.channel, record.written, log_time_ns, data, publish_time_ns
             )
-        except StorageFault as fault:
-            self._fault = fault
-            raise
-
-    def add_chunk(self, compressed: CompressedChunk) -> None:
-        """
-        Record a compressed chunk; raises as `write` does.
-
-        Its channel numbers must be those of this bag's topics.
-        """
-        self.flush()  # keeps the messages in order
-        for record in self._topics.values():
-            record.written += compressed.message_counts.get(record.channel, 0)
-        try:
-            self._mcap.add_chunk(compressed)
         except StorageFault as fault:
             self._fault = fault
             raise

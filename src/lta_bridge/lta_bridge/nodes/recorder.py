@@ -11,29 +11,25 @@ while its index still fits, and the process ends with an error message and statu
 """
 
 from collections.abc import Callable, Generator
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
-import sys
 import time
 from typing import Any
 
-from diagnostic_msgs.msg import DiagnosticArray
 from lta_bridge.bag.background_writer import BackgroundWriter
 from lta_bridge.bag.qos import has_mixed_durability, OfferedQos
 from lta_bridge.bag.schemas import is_jazzy_type
-from lta_bridge.bag.snapshot_buffer import SnapshotBuffer
 from lta_bridge.bag.storage import SplitLimits, StorageFault
 from lta_bridge.bag.writer import BagWriter
 from lta_bridge.cdr import reencode_cdr
 from lta_bridge.crazyflie.safety import LEAVE
 from lta_bridge.intake import MessageIntake
-from lta_bridge.messages import parse_statuses, to_offered_qos
+from lta_bridge.messages import to_offered_qos
 from lta_bridge.playback.origin import build_replay_origin
 from lta_bridge.playback.recording import open_recording
 from lta_bridge.provenance import merge_provenance
 from lta_bridge.recorder_settings import RecorderSettings, RobotOrigin
-from lta_bridge.snapshots import SnapshotScheduler
 from lta_config.bounded_memory import limit_memory
 from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
@@ -41,8 +37,7 @@ from lta_config.topic_selection import EVERYTHING, select_topics
 from lta_config.topics import is_name
 from lta_graph.health import HealthLevel
 from lta_graph.interrupts import hold_interrupts
-from lta_graph.ros.cdr_decoder import decode_cdr
-from lta_graph.ros.node import GraphNode, REPORT_PERIOD
+from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
 from lta_graph.ros.qos import select_profile
@@ -53,9 +48,7 @@ from pydantic import create_model
 from rclpy.clock import Clock, ClockType
 from rclpy.qos import QoSProfile
 from rosbags.serde import SerdeError
-from std_srvs.srv import Trigger
 
-DIAGNOSTICS = '/diagnostics'
 LOOK_PERIOD = 0.4  # wall seconds between two checks of the graph and of losses
 DISK_PERIOD = 0.1  # wall seconds between two checks of the disk
 QUIET = 15  # polls in a row without a message after which the graph counts as silent: 0.3 s
@@ -109,7 +102,6 @@ class Recorder(GraphNode):
         robots = self._robots = settings.robots.split() or [self.get_namespace().strip('/')]
         topics = select_topics(settings.topics, robots, self.table)
         self._fault = ''
-        self._snapshots: SnapshotScheduler | None = None
         self._types: dict[str, str] = {}
         self._announced: set[str] = set()
         self._offers: dict[str, list[OfferedQos]] = {}
@@ -134,16 +126,10 @@ class Recorder(GraphNode):
                     self._left_out[name] = type_name
                 else:
                     self._taps.subscribe(name, type_name, self._expected_profile(name))
-            # Snapshots are triggered by faults in the diagnostics, even if these are not recorded
-            if self._snapshots and DIAGNOSTICS not in self._taps:
-                self.create_subscription(
-                    DiagnosticArray, DIAGNOSTICS, self._on_diagnostics, GENEROUS.depth, raw=True
-                )
             if self.replayed:  # created last, so that it is served first
                 subscribe_due_times(
                     self, self.table, partial(self._intake.set_due_times, robots[0])
                 )
-            self.create_service(Trigger, 'recorder/snapshot', self._on_snapshot)
             # Graph time may stop or run faster, but disk and graph follow the wall clock
             steady = Clock(clock_type=ClockType.STEADY_TIME)
             self.create_timer(LOOK_PERIOD, self._report_recording, clock=steady)
@@ -169,16 +155,10 @@ class Recorder(GraphNode):
         return origin
 
     def _open_writer(self, path: Path, origin: dict[str, str]) -> BackgroundWriter:
-        """Create the bag, or the buffer for snapshots."""
-        settings, room = self._settings, int(self._settings.queue_size * MB)
-        if not settings.snapshot:
-            split = SplitLimits(int(settings.split_size * MB), int(settings.split_duration * 1e9))
-            return BackgroundWriter(BagWriter(path, origin, split), room)
-        span, size = int(settings.snapshot * 1e9), int(settings.snapshot_size * MB)
-        memory = SnapshotBuffer(path, origin, span, size)
-        writer = BackgroundWriter(memory, room)
-        self._snapshots = SnapshotScheduler(memory, writer)
-        return writer
+        """Create the bag."""
+        settings = self._settings
+        split = SplitLimits(int(settings.split_size * MB), int(settings.split_duration * 1e9))
+        return BackgroundWriter(BagWriter(path, origin, split), int(settings.queue_size * MB))
 
     def _expected_profile(self, name: str) -> QoSProfile:
         """Return the expected QoS profile of a topic."""
@@ -201,14 +181,11 @@ class Recorder(GraphNode):
             self._announced,
             self._intake.create_topic_callback(name, type_name, build_reencoder(type_name)),
         )
-        watched = self._snapshots is not None and name == DIAGNOSTICS
 
         def receive_message(data: bytes) -> None:
             if name not in announced:
                 self._update_topic_qos(name)
             take(data)
-            if watched:
-                self._on_diagnostics(data)
 
         return receive_message
 
@@ -227,23 +204,11 @@ class Recorder(GraphNode):
         elif fresh:
             self._writer.update_qos(name, list(earlier))
 
-    def _on_diagnostics(self, data: bytes) -> None:
-        """Look for faults in a diagnostics message."""
-        if self._snapshots is None:
-            return
-        with suppress(ValueError):  # ignore invalid messages
-            message = decode_cdr(data, DiagnosticArray)
-            self._snapshots.add_statuses(parse_statuses(message), time.monotonic())
-
     def _report_recording(self) -> None:
         """Check the graph and the writer, and report the state of the recording."""
         for name in self._taps.poll_changes():
             if self._taps[name].publishers:
                 self._update_topic_qos(name)
-        if self._snapshots is not None:
-            self._snapshots.save_if_due(time.monotonic())
-            level, words, figures = self._snapshots.summarize()
-            self.health.report('snapshots', level, words, **figures)
         if mixed := [
             name for name, profiles in self._offers.items() if has_mixed_durability(profiles)
         ]:
@@ -280,28 +245,6 @@ class Recorder(GraphNode):
             self._fault = str(self._writer.fault)
             self.health.report('recording', HealthLevel.ERROR, self._fault)
             self.running = False
-
-    def _on_snapshot(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        """Write a snapshot, and keep receiving messages until it is on the disk."""
-        if self._snapshots is None:
-            response.message = (
-                'The recorder writes all messages to its bag, so there are no snapshots; start it '
-                'with snapshot:=SECONDS to keep only the last seconds in memory.'
-            )
-            return response
-        saving = self._snapshots.request_snapshot()
-        last_report = time.monotonic()
-        while self.running and not saving.done.wait(NAP_NS * 1e-9):
-            # This callback blocks the executor, so take the messages by hand meanwhile
-            for item in self.subscriptions:
-                while (message := item.handle.take_message(item.msg_type, item.raw)) is not None:
-                    item.callback(message[0])
-            if time.monotonic() - last_report > REPORT_PERIOD:
-                last_report = time.monotonic()
-                self.publish_health()
-        response.success = saving.made is not None
-        response.message = saving.status_text
-        return response
 
     def run(self) -> Generator[Spin | Pause]:
         """Record until stopped, then until no more messages arrive."""
@@ -342,9 +285,8 @@ class Recorder(GraphNode):
         return self._real and not self.hurried and any(map(self.count_publishers, own))
 
     def close(self) -> None:
-        """Finish the bag, or save a last snapshot; raise if the recording ended early."""
+        """Finish the bag; raise if the recording ended early."""
         self._intake.write_early_messages()
-        last = None if self._snapshots is None else self._snapshots.save_remaining(self._robots)
         for name in self._taps:
             # List topics without messages in the bag too
             if name not in self._announced:
@@ -353,9 +295,6 @@ class Recorder(GraphNode):
             self._writer.close()
         except StorageFault as fault:
             self._fault = str(fault)
-        if last is not None:
-            self._fault = self._fault or last.fault
-            sys.stdout.write(f'{last.status_text}\n' if last.made else '')
         if self._fault:
             self.health.report(
                 'recording', HealthLevel.ERROR, self._fault, unwritten=self._writer.lost_count

@@ -20,13 +20,12 @@ def call(
     """
     Call a service of a running graph and print its response.
 
-    recorder/snapshot writes the recorder's memory buffer to disk. player/pause true|false and
-    player/step pause, resume and single-step a replay. Works like "ros2 service call" in the
-    domain ROS_DOMAIN_ID.
+    emergency_stop stops the motors. player/pause true|false and player/step pause, resume and
+    single-step a replay. Works like "ros2 service call" in the domain ROS_DOMAIN_ID.
 
     Exit status 0: success. 1: the service reports a failure. 2: no such service, or no response.
 
-    Example: lta call recorder/snapshot
+    Example: lta call emergency_stop
 
     Example: lta call player/pause true
     """

@@ -10,7 +10,7 @@ from std_srvs.srv import SetBool, Trigger
 
 KINDS: Final = {'std_srvs/srv/SetBool': SetBool, 'std_srvs/srv/Trigger': Trigger}
 PATIENCE: Final = 5.0  # wall seconds in which DDS finds a service on a busy machine
-ANSWER: Final = 30.0  # wall seconds for the answer: a snapshot is written first
+ANSWER: Final = 30.0  # wall seconds for the answer, on a busy machine
 LOOK: Final = 0.05  # wall seconds between polls of the discovered services
 
 
@@ -25,7 +25,7 @@ def call_service(name: str, data: bool | None) -> ServiceResponse:
     """
     Call a service of std_srvs, and return its response.
 
-    `name`: absolute name, '/lta1/recorder/snapshot'. `data`: for a SetBool; None for a Trigger.
+    `name`: absolute name, '/lta1/emergency_stop'. `data`: for a SetBool; None for a Trigger.
     Raise `BadInput` if the service does not exist, has another type, or does not respond.
     """
     with join_graph('lta_call') as (node, executor):
