@@ -76,9 +76,11 @@ def study_flights(lta, venv, folder):
     assert flown['outcome'] == 'reached'
     assert (folder / 'flown/report.html').is_file()
     assert 'clean' in lta('bag', 'check', 'flown').stdout
-    script = (
-        "import lta_analysis as lta; print(lta.simulate(seed=2, out='again')['odom'].between(5.0, 9.0)['pose.pose.position.z'].mean())"
-    )
+    script = """
+import lta_analysis
+odom = lta_analysis.simulate(seed=2, out='again')['odom']
+assert odom.between(5.0, 9.0)['pose.pose.position.z'].mean() > 0.5
+"""
     subprocess.run([venv / 'bin/python', '-P', '-c', script], cwd=folder, check=True)
     lta('compare', 'flown', 'again', '--out', 'compared')
     words = ('--vehicle', 'gtmab', '--train', 'flown', 'again', '--out')
