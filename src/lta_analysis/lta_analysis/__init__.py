@@ -1,8 +1,8 @@
 """
 Open recordings, simulate, sweep and discover in notebooks.
 
-Use `flight = lta_analysis.open('runs/.../bag')`, then `flight['odom']`; see
-`lta_data.bag.recording`. `simulate`, `sweep` and `discover` are in `lta_analysis.flights`.
+Use `flight = lta_analysis.open()`, then `flight['odom']`; see `lta_data.bag.recording`.
+`simulate`, `sweep` and `discover` are in `lta_analysis.flights`.
 """
 
 from importlib import import_module

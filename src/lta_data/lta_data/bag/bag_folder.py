@@ -61,6 +61,28 @@ def find_bag(folder: Path) -> Path:
     return inside if inside.is_dir() and not (folder / 'metadata.yaml').exists() else folder
 
 
+def find_newest_bag(runs: Path = Path('runs')) -> Path:
+    """
+    Return the bag of `runs` that was completed last, by the time of its metadata.yaml.
+
+    `runs`: a folder of results folders and bags, as commands of LTA make in the current folder.
+
+    Raise `BadInput` if it has none.
+    """
+    recorded = [
+        (file.stat().st_mtime_ns, file.parent)
+        for folder in runs.glob('*/')
+        # An .mcap file alone may be drawn, as the animation of `lta discover` is
+        if (file := find_bag(folder) / 'metadata.yaml').exists()
+    ]
+    if not recorded:
+        raise BadInput(
+            f"There is no recording in '{runs.absolute()}'; fly first, as with 'lta simulate', or "
+            'give the folder of a bag.'
+        )
+    return max(recorded)[1]
+
+
 def natural_sort_key(path: Path) -> tuple[int, str]:
     """Return a key that sorts flight_2 before flight_10."""
     return len(path.name), path.name

@@ -2,7 +2,7 @@
 Open a recording in a notebook.
 
     import lta_analysis
-    flight = lta_analysis.open('runs/20261120-lamp_room-1/bag')
+    flight = lta_analysis.open()                # the newest in runs/, or a bag by its path
     odom = flight['odom']                       # read on first access, then cached
     odom.time, odom['pose.pose.position.z'], odom.units
     both = flight.align_topics('odom', 'ground_truth/odom', rate=50.0, method='linear')
@@ -19,7 +19,7 @@ from typing import Any, Final, final
 
 from lta_config.errors import BadInput
 from lta_data.bag.align import align_tables, build_even_clock, sort_rows
-from lta_data.bag.bag_folder import find_bag
+from lta_data.bag.bag_folder import find_bag, find_newest_bag
 from lta_data.bag.packed_samples import BLOCKS, POINTS
 from lta_data.bag.recorded_flight import open_flight, RecordedFlight
 from lta_data.bag.series import TopicSeries
@@ -32,16 +32,18 @@ from numpy.typing import NDArray
 ELEMENT: Final = re.compile(r'(\w+)\[(\d+)\]')
 
 
-def open_recording(bag: Path | str, robot: str | None = None) -> 'RobotRecording':
+def open_recording(bag: Path | str | None = None, robot: str | None = None) -> 'RobotRecording':
     """
     Open a recording; `lta_analysis.open` is this function.
 
-    `bag` is a rosbag2 folder, an .mcap file, or a flight's results folder. `robot` is the
-    namespace of the robot, required only if the bag has several.
+    `bag` is a rosbag2 folder, an .mcap file, or a flight's results folder; without it, the newest
+    recording in runs/ of the current folder. `robot` is the namespace of the robot, required only
+    if the bag has several.
 
     Raise `BadInput` if there is no recording, or the robot is unknown or ambiguous.
     """
-    return RobotRecording(open_flight(find_bag(Path(bag)), robot))
+    found = find_newest_bag() if bag is None else find_bag(Path(bag))
+    return RobotRecording(open_flight(found, robot))
 
 
 @final

@@ -19,6 +19,7 @@ TIME: Final = 'time'
 STAMP: Final = 'stamp_ns'
 PARTS: Final = ('yaw', 'pitch', 'roll')
 AXES: Final = ('x', 'y', 'z', 'w')
+POLARS: Final = 'polars'  # whoever wants it installs it
 
 Samples = Callable[[NDArray[np.intp]], NDArray[Any]]
 
@@ -221,9 +222,10 @@ class RecordingTable:
         about = {'topic': self.name, 'type': self.kind}
         return arrow.table(arrays, schema=arrow.schema(fields, metadata=about))
 
-    def to_pandas(self) -> Any:  # noqa: ANN401 - optional
+    def to_pandas(self) -> Any:  # noqa: ANN401 - pandas has no types
         """Return a `pandas.DataFrame` over time [s]; `df.attrs['units']` has the units."""
-        pandas = import_optional('pandas')
+        import pandas  # half a second, which most commands do not need
+
         index = pandas.Index(self.time, name=TIME)
         frame = pandas.DataFrame({column: self[column] for column in self}, index=index)
         frame.attrs = {'topic': self.name, 'units': {TIME: 's'} | self.units}
@@ -231,7 +233,13 @@ class RecordingTable:
 
     def to_polars(self) -> Any:  # noqa: ANN401 - optional
         """Return a `polars.DataFrame` with the time [s] first; polars has no units."""
-        polars = import_optional('polars')
+        try:
+            polars = import_module(POLARS)
+        except ImportError:
+            raise BadInput(
+                'A polars table needs polars, which is not installed; install it with '
+                '".venv/bin/pip install polars".'
+            ) from None
         return polars.DataFrame({TIME: self.time} | {column: self[column] for column in self})
 
     def _with_columns(self, data: Columns, rows: slice | NDArray[np.intp]) -> 'RecordingTable':
@@ -261,17 +269,6 @@ def resolve_rows(chosen: slice | NDArray[Any], count: int) -> NDArray[np.intp]:
         raise BadInput(
             f"'{chosen}' does not select rows of this table, which has {count}; give a column "
             'name, a slice, a mask, or row numbers.'
-        ) from None
-
-
-def import_optional(name: str) -> Any:  # noqa: ANN401 - a module
-    """Import an optional library; raise `BadInput` with the remedy if it is missing."""
-    try:
-        return import_module(name)
-    except ImportError:
-        raise BadInput(
-            f'A {name} table needs {name}, which is not installed; install it with '
-            f'".venv/bin/pip install {name}".'
         ) from None
 
 

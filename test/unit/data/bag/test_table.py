@@ -1,11 +1,13 @@
 """Tables of a recording: columns, units, rows, and the frames of other libraries."""
 
+import os
+from pathlib import Path
+import shutil
 import subprocess
 import sys
 
 import lta_analysis
 from lta_config.errors import BadInput
-from lta_data.bag import table as table_module
 import numpy as np
 import polars
 import pytest
@@ -132,17 +134,26 @@ def test_frames_of_other_libraries_have_the_values_and_the_units(flight_bag):
     assert isinstance(lazy, polars.DataFrame)
 
 
-@pytest.mark.parametrize('library', ['pandas', 'polars'])
-def test_a_library_that_is_missing_is_told_with_the_remedy(flight_bag, monkeypatch, library):
-    def missing(name):
-        raise ModuleNotFoundError(name)
-
-    monkeypatch.setattr(table_module, 'import_module', missing)
+def test_polars_that_is_missing_is_told_with_the_remedy(flight_bag, monkeypatch):
+    monkeypatch.setitem(sys.modules, 'polars', None)
     odom = lta_analysis.open(flight_bag)['odom']
-    with pytest.raises(
-        BadInput, match=f'needs {library}, which is not installed; .*pip install {library}'
-    ):
-        getattr(odom, f'to_{library}')()
+    with pytest.raises(BadInput, match=r'needs polars, which is not installed; .*install polars'):
+        odom.to_polars()
+
+
+def test_the_newest_recording_is_opened_if_none_is_named(flight_bag, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(BadInput, match=r"no recording in '.*/runs'; fly first"):
+        lta_analysis.open()
+    # A results folder, an imported bag, and folders without a recording, which are the newest
+    for folder, seconds in (('runs/b/bag', 3), ('runs/a', 2), ('runs/c/bag', 1)):
+        shutil.copytree(flight_bag, folder)
+        os.utime(f'{folder}/metadata.yaml', (seconds, seconds))
+    Path('runs/d').mkdir()
+    Path('runs/d/animation.mcap').touch()
+    assert lta_analysis.open().flight.bag.path == Path('runs/b/bag')
+    shutil.rmtree('runs/b')
+    assert lta_analysis.open(robot='lta1').flight.bag.path == Path('runs/a')
 
 
 def test_joints_are_called_by_their_names(record, types):
