@@ -62,9 +62,9 @@ CASES: Final = (
         wind=(0.28, 0.28),
     ),
     Case('gusty_hall, homing, its own wind', scenario='gusty_hall', strategy='homing', wind=None),
-    Case('windy_field, 1.2 m/s', scenario='windy_field', wind=None),
+    Case('windy_field, 1.08 m/s', scenario='windy_field', wind=None),
     Case(
-        'windy_field, 1.2 m/s, expected wind 1 m/s',
+        'windy_field, 1.08 m/s, expected wind 1 m/s',
         scenario='windy_field',
         wind=None,
         changes={'estimator.ground.wind': 1.0},
