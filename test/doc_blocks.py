@@ -1,8 +1,9 @@
 """
 The commands and Python blocks of the pages for people, and how each is tested.
 
-Every line of a ```sh block and every ```python block is run, in `make test-long`. A comment above
-the block, seen in the source alone, says otherwise:
+Every line of a ```sh block and every ```python block is run, in `make test-long`: README and the
+tutorials from their top to their end (`followed_pages.py`), of other pages each for itself. A
+comment above the block, seen in the source alone, says otherwise:
 
     <!-- quick -->                    it takes a second or two: `make test` runs it
     <!-- quick, TEXT -->              lines that hold TEXT do
@@ -21,6 +22,8 @@ import sys
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [ROOT / 'README.md', ROOT / 'CONTRIBUTING.md', *sorted(ROOT.glob('docs/**/*.md'))]
+FOLLOWED = [str(path.relative_to(ROOT)) for path in PAGES
+            if path.name == 'README.md' or path.parent.name == 'tutorials']  # fmt: skip
 BLOCK = re.compile(
     r'((?:^<!-- (?:quick|not run)[^\n]*-->\n)*)^```(sh|python)\n(.*?)^```', re.M | re.S
 )
@@ -84,22 +87,17 @@ def pieces(quick):
     """
     Return what is run in a folder of its own, by its name: (language, text) one after the other.
 
-    A tutorial is followed from its top to its end; elsewhere each command stands for itself. With
-    `quick` only what is, else all pieces that are not wholly so.
+    With `quick` only what is so, of followed pages one after the other; else what is not and does
+    not stand on a followed page.
     """
     found = {}
     for block in blocks():
-        for k, ran in enumerate(block.runs):
-            tutorial = block.page.startswith('docs/tutorials/')
-            found.setdefault(block.page if tutorial else f'{block}.{k}', []).append(ran)
-    if quick:
-        found = {name: [ran for ran in all_ if ran[2]] for name, all_ in found.items()}
-        return {name: [ran[:2] for ran in all_] for name, all_ in found.items() if all_}
-    return {
-        name: [ran[:2] for ran in all_]
-        for name, all_ in found.items()
-        if not all(ran[2] for ran in all_)
-    }
+        follows = block.page in FOLLOWED
+        for k, (language, text, is_quick) in enumerate(block.runs):
+            if is_quick == quick and (quick or not follows):
+                name = block.page if follows else f'{block}.{k}'
+                found.setdefault(name, []).append((language, text))
+    return found
 
 
 def spoken():

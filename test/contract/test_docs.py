@@ -4,7 +4,10 @@ from pathlib import Path
 from pkgutil import resolve_name
 import re
 
+import lta_analysis
 from lta_cli.reference.effects_page import render_page
+from lta_data.bag.recording import RobotRecording
+from lta_data.bag.table import RecordingTable
 from lta_graph.ros.node import PATIENCE, REPORT_PERIOD
 import pytest
 
@@ -15,6 +18,8 @@ MODULE = re.compile(r'`(lta_[a-z]+(?:\.\w+)+)(?:\(\))?`')
 SCRIPT = re.compile(r'`((?:\w+/)*\w+\.py)`')
 PYTHON = [path for folder in ('config', 'examples', 'src', 'test', 'tools')
           for path in ROOT.glob(f'{folder}/**/*.py')]  # fmt: skip
+NAMED = {'flight': RobotRecording, 'odom': RecordingTable, 'lta_analysis': lta_analysis}
+ATTRIBUTE = re.compile(rf'`[^`\n]*?\b({"|".join(NAMED)})\.(\w+)\(')
 HEADING = re.compile(r'^#+\s+(.*)$', re.MULTILINE)
 
 
@@ -48,6 +53,12 @@ def test_every_module_and_file_of_python_that_a_page_names_is_there(page):
     files = [path.as_posix() for path in PYTHON]
     for name in SCRIPT.findall(text):
         assert any(file.endswith(f'/{name}') for file in files) or 'NAME' in name, name
+
+
+@pytest.mark.parametrize('page', PAGES, ids=lambda page: page.name)
+def test_every_attribute_of_a_recording_that_a_page_names_is_there(page):
+    for name, attribute in ATTRIBUTE.findall(page.read_text(encoding='utf-8')):
+        assert hasattr(NAMED[name], attribute), f'{name}.{attribute}'
 
 
 def test_a_page_has_links_to_look_at():

@@ -1,16 +1,15 @@
 """Adding one of a kind is one file and one line: done in a copy, from what the tutorial shows."""
 
 import os
-import re
 import shutil
 import subprocess
 import sys
 
 from doc_blocks import ROOT
+from followed_pages import steps, Written
 import pytest
 from waiting import PATIENCE
 
-TITLED = re.compile(r'^```python title="([^"]+)"\n(.*?)^```', re.MULTILINE | re.DOTALL)
 STRATEGY = """
 from lta_control.strategies.protocol import NavigationStrategy, SteeringCommand
 
@@ -127,9 +126,9 @@ def python(tmp_path, *arguments, **more):
 
 @pytest.fixture
 def titled():
-    """The files that the tutorial of an effect writes, by their names."""
-    page = (ROOT / 'docs/tutorials/your_effect.md').read_text(encoding='utf-8')
-    return dict(TITLED.findall(page))
+    """What the tutorial of an effect writes, by the file and whether above or below a line."""
+    todo = steps('docs/tutorials/your_effect.md')
+    return {(step.path, step.where): step.text for step in todo if isinstance(step, Written)}
 
 
 @pytest.mark.parametrize('plain', ['1', pytest.param('0', marks=pytest.mark.long)])
@@ -137,11 +136,12 @@ def test_an_effect_with_the_test_of_its_tutorial(tmp_path, titled, plain):
     """As Python, and compiled, which takes the time of all effects together."""
     more = {'NUMBA_DISABLE_JIT': plain}
     folder = with_copy(tmp_path, 'lta_model') / 'effects'
-    source = 'src/lta_model/lta_model/effects/contact/guide_rope.py'
-    (folder / 'contact/guide_rope.py').write_text(titled[source])
-    with_line(folder / '__init__.py', "    'contact.floor_contact',", titled['FILES'])
+    source = 'src/lta_model/lta_model/effects'
+    (folder / 'contact/guide_rope.py').write_text(titled[f'{source}/contact/guide_rope.py', ''])
+    line = titled[f'{source}/__init__.py', 'below']
+    with_line(folder / '__init__.py', "    'contact.floor_contact',", line)
     its_test = tmp_path / 'test_guide_rope.py'
-    its_test.write_text(titled['test/unit/sim/test_guide_rope.py'])
+    its_test.write_text(titled['test/unit/sim/test_guide_rope.py', ''])
     once = ('-m', 'pytest', '-q', '-p', 'no:cacheprovider')
     assert '3 passed' in python(tmp_path, *once, its_test, **more)
     shutil.copytree(ROOT / 'test/property', tmp_path / 'property')
@@ -150,7 +150,7 @@ def test_an_effect_with_the_test_of_its_tutorial(tmp_path, titled, plain):
     assert ' passed' in laws
     shutil.copytree(ROOT / 'test/unit/sim/oracle', tmp_path / 'oracle')
     given = 'from oracle.parameters import at_centre, NONE\n\n\n'
-    (tmp_path / 'second.py').write_text(given + titled['test/unit/sim/oracle/lift.py'])
+    (tmp_path / 'second.py').write_text(given + titled['test/unit/sim/oracle/lift.py', 'above'])
     said = python(tmp_path, '-c', SECOND + PAGE)
     assert '| `guide_rope` | A rope that hangs to the floor' in said
 

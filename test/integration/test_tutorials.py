@@ -1,0 +1,47 @@
+"""README and the tutorials work word for word, in a copy of the working tree."""
+
+import shutil
+
+from doc_blocks import FOLLOWED
+from followed_pages import copy_tree, is_said, Quoted, steps, Written
+import pytest
+
+FLIGHTS = 'ABCD'  # the flights of one's own that README names
+
+
+@pytest.fixture(scope='module')
+def tree(tmp_path_factory):
+    return copy_tree(tmp_path_factory.mktemp('clone'))
+
+
+@pytest.mark.long
+@pytest.mark.parametrize('page', FOLLOWED)
+def test_a_page_is_followed(page, tree):
+    tree.reset()
+    if page == 'README.md':
+        for seed, name in enumerate(FLIGHTS, 1):
+            tree.run(f'./lta simulate --seed {seed} --out {name}')
+    todo = steps(page)
+    for step in todo:
+        step.do(tree)
+    for name in FLIGHTS:
+        shutil.rmtree(tree.folder / name, ignore_errors=True)
+    assert set(tree.untracked()) <= {step.path for step in todo if isinstance(step, Written)}
+
+
+def test_pages_have_steps():
+    assert len(FOLLOWED) == 11
+    assert sum(isinstance(step, Quoted) for page in FOLLOWED for step in steps(page)) > 3
+
+
+@pytest.mark.parametrize(
+    ('shown', 'said', 'expected'),
+    [
+        ('It is 3.3 cm off.', 'so\nIt is 3.4\n cm off. so', True),
+        ('It is 3.3 cm off.', 'It is 3.5 cm off.', False),
+        ('It is 12 cm off.', 'It is 11 cm off.', True),
+        ('It is 12 cm off.', 'It is 12 cm.', False),
+    ],
+)
+def test_numbers_may_differ_in_their_last_digit(shown, said, expected):
+    assert is_said(shown, said) is expected
