@@ -6,6 +6,7 @@ from typing import Any, cast, TypeVar
 
 from lta_config.files import StrictModel
 from pydantic import BaseModel, Field
+from pydantic.fields import FieldInfo
 
 Model = TypeVar('Model', bound=BaseModel)
 
@@ -56,3 +57,18 @@ def to_named_tuple(settings: Model) -> Model:
         to_named_tuple(value) if isinstance(value, BaseModel) else value for value in values
     )
     return cast('Model', _named_tuple_type(type(settings))(*numbers))
+
+
+def format_bounds(info: FieldInfo) -> str:
+    """Format the closed bounds of a parameter as text."""
+    # Pydantic stores bounds as Ge and Le objects of annotated_types
+    constraints = {type(item).__name__: item for item in info.metadata}
+    low, high = (
+        getattr(constraints.get('Ge'), 'ge', None),
+        getattr(constraints.get('Le'), 'le', None),
+    )
+    if low is not None and high is not None:
+        return f'{low:g} to {high:g}'
+    if low is not None:
+        return f'from {low:g}'
+    return f'to {high:g}' if high is not None else ''

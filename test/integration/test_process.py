@@ -1,5 +1,6 @@
 """How a node leaves: by its status and its words."""
 
+import signal
 import subprocess
 import sys
 
@@ -71,6 +72,17 @@ def test_ctrl_c_while_a_node_is_made_is_not_lost(domain_id):
         preexec_fn=heed_signals,
     )  # fmt: skip
     assert (left.returncode, left.stdout, left.stderr) == (130, '', '')
+
+
+@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_while_a_node_is_made_is_answered_once_it_can_close(domain_id, number):
+    made = f'import os; os.kill(os.getpid(), {number})'
+    left = subprocess.run(
+        [sys.executable, '-c', CODE.format(made=made, act='pass')],
+        capture_output=True, text=True, timeout=PATIENCE, check=False,
+        preexec_fn=heed_signals,
+    )  # fmt: skip
+    assert (left.returncode, left.stdout, left.stderr) == (128 + number, '', '')
 
 
 HANGING = """

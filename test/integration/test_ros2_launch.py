@@ -64,12 +64,33 @@ def test_a_killed_node_is_named_and_ends_the_run(
 
 
 @pytest.mark.parametrize('name', ['fly', 'pair'])
-def test_a_flight_to_its_end_is_status_0(ros2_launch, scenario, tmp_path, name):
+@pytest.mark.parametrize(('number', 'status'), [(signal.SIGINT, 0), (signal.SIGTERM, 1)])
+@pytest.mark.parametrize('started', ['simulator', 'recorder'])
+def test_an_early_stop_leaves_no_traceback_no_node_and_no_file(
+    ros2_launch, lta, tmp_path, monkeypatch, name, number, status, started
+):
+    monkeypatch.setenv('TMPDIR', str(tmp_path))
+    run = ros2_launch(ROOT / f'config/launch/{name}.launch.yaml', f'bag:={tmp_path / "bag"}')
+    run.said(f'[{started}-')
+    if number == signal.SIGINT:
+        run.interrupt()
+    else:  # the nodes do not get it
+        os.kill(run.popen.pid, number)
+    assert run.end() == status
+    assert 'Traceback' not in run.text
+    assert lta.left() == []
+    assert list(tmp_path.glob('launch_params_*')) == []
+
+
+@pytest.mark.parametrize('name', ['fly', 'pair'])
+def test_a_flight_to_its_end_is_status_0(ros2_launch, scenario, tmp_path, monkeypatch, name):
+    monkeypatch.setenv('TMPDIR', str(tmp_path))
     room = scenario(time_limit='2 s')
     words = ('time:=lockstep', f'scenario:={room}', f'bag:={tmp_path / "bag"}')
     run = ros2_launch(ROOT / f'config/launch/{name}.launch.yaml', *words)
     assert run.end() == 0, run.text
     assert (tmp_path / 'bag/metadata.yaml').exists()
+    assert list(tmp_path.glob('launch_params_*')) == []
 
 
 @pytest.mark.parametrize(

@@ -148,6 +148,9 @@ def _print_line(sentence: str) -> None:
 
 def main(words: list[str] | None = None) -> None:
     """Serve until interrupted."""
+    # Until there is something to close
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('--port', type=int, default=PORT)
     parser.add_argument('--light-port', type=Path, default=LIGHT_PORT)
@@ -176,7 +179,6 @@ def main(words: list[str] | None = None) -> None:
                 f'{hardware.board.port}; press Ctrl-C to stop both.'
             )
             signal.signal(signal.SIGUSR1, lambda *_: hardware.board.toggle_cable())
-            # The launcher and `lta run` block SIGINT while Python starts.
             signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
             report_flight(hardware.body, _print_line, over.wait)
     except BadInput as error:

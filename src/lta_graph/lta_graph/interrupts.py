@@ -7,7 +7,10 @@ lost. Code that spends a long time in an extension defers signals until afterwar
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+import os
+from pathlib import Path
 import signal
+import sys
 import threading
 from types import FrameType
 
@@ -19,6 +22,21 @@ def catch_stops(stop: Callable[[int, FrameType | None], object]) -> None:
     for number in STOPS:
         if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:
             signal.signal(number, stop)
+
+
+def exit_at_once_on_interrupt(package: str) -> None:
+    """
+    Make Ctrl-C exit an executable of a package with status 130, until `main` takes over.
+
+    Python would answer Ctrl-C during the imports, which take a second, with a traceback. So the
+    package that holds the module of an executable calls this with its own name, and is imported
+    before the module. The launchers block SIGINT while Python itself starts; it is unblocked here.
+    Nothing changes in other executables, which may rely on Python's own handler.
+    """
+    name = package.partition('.')[0]
+    if Path(sys.argv[0]).parts[-3:-1] == ('lib', name):  # where `ros2 run` finds executables
+        signal.signal(signal.SIGINT, lambda number, _: os._exit(128 + number))
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
 
 
 @contextmanager

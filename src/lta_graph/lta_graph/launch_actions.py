@@ -135,7 +135,8 @@ class NodeAction(ConditionalAction):
     name: Text
     param: Annotated[list[Param], Field(min_length=1)] | None = None
     args: Text = ''
-    # For `ros2 launch`; our launcher always prints the output of all nodes
+    # For `ros2 launch`; our launcher prints the output of all nodes, after their names
+    exec_name: Text = ''
     output: Literal['screen'] = 'screen'
     on_exit: Literal['shutdown'] | None = None
     sigterm_timeout: Annotated[float, Field(ge=0.0)] | None = None

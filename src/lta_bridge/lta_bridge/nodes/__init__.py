@@ -1,1 +1,5 @@
 """ROS nodes of lta_bridge."""
+
+from lta_graph.interrupts import exit_at_once_on_interrupt
+
+exit_at_once_on_interrupt(__name__)

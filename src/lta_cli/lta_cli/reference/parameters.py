@@ -1,14 +1,16 @@
 """Generate the page of all node parameters from the models that declare them."""
 
-import ast
 from collections.abc import Iterator
 from importlib import import_module, resources
 import pkgutil
 from typing import Any
 
-from lta_config.settings import Settings
+from lta_config.settings import format_bounds
+from lta_graph.ros.help.declarations import find_settings_models, parse_module
+from lta_graph.ros.help.node_help import format_default
 from lta_graph.ros.node import GraphSettings
 from lta_graph.ros.parameters import iterate_fields
+from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 PACKAGES = ('lta_sim', 'lta_vlc', 'lta_control', 'lta_energy', 'lta_bridge')
@@ -42,29 +44,18 @@ def render_page() -> str:
     return HEAD + ''.join(tables)
 
 
-def iterate_settings_models() -> Iterator[tuple[str, str, type[Settings]]]:
+def iterate_settings_models() -> Iterator[tuple[str, str, type[BaseModel]]]:
     """Yield package, node name and settings model of each node."""
     for package in PACKAGES:
         # Every module in `nodes` is one node
         folder = resources.files(f'{package}.nodes')
         for item in pkgutil.iter_modules([str(folder)]):
-            tree = ast.parse((folder / f'{item.name}.py').read_text(encoding='utf-8'))
             module = import_module(f'{package}.nodes.{item.name}')
-            for name in find_model_names(tree):
-                yield package, item.name, getattr(module, name)
+            for model in find_settings_models(module, parse_module(module)):
+                yield package, item.name, model
 
 
-def find_model_names(tree: ast.AST) -> Iterator[str]:
-    """Yield the names of the models in calls of `NodeParameters(node, MODEL, ...)`."""
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Call) and getattr(node.func, 'id', '') == 'NodeParameters':
-            # The second argument is the settings model
-            model = node.args[1]
-            if isinstance(model, ast.Name):
-                yield model.id
-
-
-def format_model_section(title: str, model: type[Settings], about: str = '') -> str:
+def format_model_section(title: str, model: type[BaseModel], about: str = '') -> str:
     """Return a heading and the table of a model's parameters."""
     rows = ''.join(format_parameter_row(*leaf) for leaf in iterate_fields(model()))
     text = f'\n## {title}\n' + (f'{about}\n\n' if about else '\n')
@@ -81,33 +72,9 @@ def format_parameter_row(name: str, info: FieldInfo, value: Any) -> str:  # noqa
     about = (info.description or '').replace('|', '\\|')
     cells = (
         f'`{name}`',
-        format_default(value),
+        f'`{default}`' if (default := format_default(value)) else '',
         str(extra.get('unit') or ''),
         format_bounds(info),
         about + fixed,
     )
     return '| ' + ' | '.join(cells) + ' |\n'
-
-
-def format_default(value: object) -> str:
-    """Format a default as on the command line; empty if there is none."""
-    if value in ('', None, ()):
-        return ''
-    if isinstance(value, tuple):
-        return f'`[{", ".join(str(item) for item in value)}]`'
-    return f'`{str(value).lower() if isinstance(value, bool) else value}`'
-
-
-def format_bounds(info: FieldInfo) -> str:
-    """Format the closed bounds of a parameter as text."""
-    # Pydantic stores bounds as Ge and Le objects of annotated_types
-    constraints = {type(item).__name__: item for item in info.metadata}
-    low, high = (
-        getattr(constraints.get('Ge'), 'ge', None),
-        getattr(constraints.get('Le'), 'le', None),
-    )
-    if low is not None and high is not None:
-        return f'{low:g} to {high:g}'
-    if low is not None:
-        return f'from {low:g}'
-    return f'to {high:g}' if high is not None else ''

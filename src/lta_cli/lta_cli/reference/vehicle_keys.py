@@ -5,10 +5,10 @@ import inspect
 import re
 from typing import Any, Final, get_args, get_origin, Literal, Union
 
-from lta_cli.reference.parameters import format_bounds
 from lta_config.quantity import format_bounds as format_quantity_bounds
 from lta_config.quantity import Quantity, UNITS
 from lta_config.schema.vehicle_file import VehicleFile
+from lta_config.settings import format_bounds
 from lta_model.effects import EFFECTS
 from pydantic import BaseModel, WrapValidator
 

@@ -15,6 +15,7 @@ from lta_graph.health import HealthLevel
 from lta_graph.interrupts import catch_stops
 from lta_graph.process_exit import exit_process
 from lta_graph.ros.command_line import initialize_ros, reject_unknown_parameters
+from lta_graph.ros.help.node_help import asks_for_help, describe_node
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.spin import spin_phases
 import rclpy
@@ -23,8 +24,11 @@ TEARDOWN: Final = 5.0  # s for DDS to shut down; less than the launcher's grace
 
 
 def run_node(node_class: type[GraphNode], args: list[str] | None = None) -> NoReturn:
-    """Run one node and exit the process as `run_process` does."""
+    """Run one node, or print its help, and exit the process as `run_process` does."""
     words = sys.argv if args is None else args
+    if asks_for_help(words):
+        sys.stdout.write(describe_node(node_class, words[0]))
+        exit_process(0)
     run_process(lambda teardown: run_until_stopped(node_class, words, teardown))
 
 
@@ -38,8 +42,9 @@ def run_process(run: Callable[[ExitStack], int]) -> NoReturn:
         Runs until a stop signal and returns the exit status; what it adds to the stack is undone
         after its result has been reported.
 
-    The exit status is 0 after a shutdown, 2 with one sentence after bad input, 130 after Ctrl-C
-    before the node exists, and 1 with a traceback after a crash.
+    The exit status is 0 after a shutdown, 2 with one sentence after bad input, 128 + its number
+    after a stop signal before the node exists (130 after Ctrl-C), and 1 with a traceback after a
+    crash.
 
     """
     teardown = ExitStack()
@@ -68,12 +73,13 @@ def run_until_stopped(node_class: type[GraphNode], words: list[str], teardown: E
     """
     Initialise ROS, create a node, run it until a stop signal, and close it in any case.
 
-    `teardown` destroys the node after the caller has reported the result. The status is 0.
+    `teardown` destroys the node after the caller has reported the result. The status is 0, or
+    128 + the number of a stop signal that came before the node existed.
     """
     held: list[int] = []
-    # A C extension may swallow a KeyboardInterrupt, and the node would run on. So Ctrl-C is only
-    # recorded here, and takes effect once the node can close
-    signal.signal(signal.SIGINT, lambda number, _: held.append(number))
+    # A C extension may swallow an exception, and the node would run on. So stop signals are only
+    # recorded here, and take effect once the node can close
+    catch_stops(lambda number, _: held.append(number))
     initialize_ros(words)
     node = node_class()  # type: ignore[call-arg]
 
@@ -85,9 +91,8 @@ def run_until_stopped(node_class: type[GraphNode], words: list[str], teardown: E
     try:
         reject_unknown_parameters(node, words)
         catch_stops(stop)
-        # Ctrl-C arrived while the node was created
-        if held:
-            raise KeyboardInterrupt
+        if held:  # while the node was created
+            return 128 + held[0]
         spin_phases(node, node.run())
     # Reported by the caller in one sentence; it is not a crash
     except BadInput:

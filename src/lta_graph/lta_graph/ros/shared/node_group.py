@@ -17,7 +17,6 @@ from functools import partial
 import gc
 from importlib import import_module
 from importlib.metadata import distribution, PackageNotFoundError
-import signal
 import sys
 import time
 import traceback
@@ -30,6 +29,7 @@ from lta_graph.interrupts import catch_stops
 from lta_graph.launch_file import load_plan, ONE, parse_arguments
 from lta_graph.launch_node import LaunchProcess
 from lta_graph.ros.command_line import initialize_ros, reject_unknown_parameters
+from lta_graph.ros.help.node_help import asks_for_help
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.process import describe_crash, run_process
 from lta_graph.ros.shared.hand_over import HandOver, place_node, ServiceFault
@@ -68,8 +68,18 @@ class RunningNode:
         return self.phase.running()
 
 
+USAGE = """Usage: ros2 run lta_graph one_process FILE [NAME:=VALUE] ...
+
+Run the nodes of a launch file that share a process, such as one_process fly seed:=2. The arguments
+are those of the launch file: ros2 launch lta_config fly.launch.yaml --show-args.
+"""
+
+
 def main() -> None:
-    """Run the nodes of a launch file that share a process: `one_process FILE NAME:=VALUE ...`."""
+    """Run the nodes of a launch file that share a process, or say how to."""
+    if asks_for_help(sys.argv):
+        sys.stdout.write(USAGE)
+        sys.exit(0)
     run_process(partial(run_launch_file, sys.argv))
 
 
@@ -136,28 +146,27 @@ def run_nodes(
     Returns
     -------
     int
-        The exit status: 0, or 1 if a node has failed.
+        The exit status: 0, 1 if a node has failed, or 128 + the number of a stop signal that came
+        before all nodes existed.
 
     Raises
     ------
     BadInput
         If a node rejects its input.
-    KeyboardInterrupt
-        After Ctrl-C before all nodes exist.
 
     """
     held: list[int] = []
-    signal.signal(signal.SIGINT, lambda number, _: held.append(number))
+    catch_stops(lambda number, _: held.append(number))
     initialize_ros([program])
     group = NodeGroup(HandOver(), get_default_context())
     try:
         for process in processes:
             group.create_node(process, teardown)
             if held:
-                raise KeyboardInterrupt
+                return 128 + held[0]
         catch_stops(lambda *_: group.stop())
         if held:
-            raise KeyboardInterrupt
+            return 128 + held[0]
         group.run()
     finally:
         group.close_all()
