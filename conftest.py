@@ -16,10 +16,9 @@ from package_tests import list_tests
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Replace the folder of a package by its tests, without those that `make test` leaves out."""
+    """Replace the folder of a package by its tests."""
     folder = config.invocation_params.dir.resolve()
     manifest = folder / 'package.xml'
     if config.args == [str(folder)] and manifest.is_file():
         package = ElementTree.parse(manifest).findtext('name', '')
         config.args = [str(path) for path in list_tests(package)]
-        config.option.markexpr = config.option.markexpr or 'not long and not benchmark'

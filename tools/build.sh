@@ -31,7 +31,7 @@ fi
 
 wanted=$(
     {
-        cat .venv/.lta tools/build.sh
+        cat .venv/.lta tools/build.sh colcon.meta
         cat config/setup.* config/package.xml src/*/setup.* src/*/package.xml
         find config -name __pycache__ -prune -o -name '*.egg-info' -prune -o -type f -print | sort
     } | sed 's/^test /run /' | sha256sum | cut -d ' ' -f 1

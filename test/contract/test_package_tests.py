@@ -1,5 +1,6 @@
 """`colcon test` runs the unit tests of each package, and each unit test belongs to one."""
 
+import os
 from pathlib import Path
 import re
 import shutil
@@ -9,6 +10,7 @@ import sys
 import package_tests
 from package_tests import list_tests, PACKAGE_TESTS, UNIT
 import pytest
+import yaml
 
 ROOT = Path(__file__).resolve().parents[2]
 # Besides what `make test` runs of lta_graph: one test that fails, and one that is too long
@@ -41,10 +43,46 @@ def test_a_test_without_a_place_is_reported():
         package_tests.find_package(UNIT / 'nowhere/test_one.py')
 
 
+def test_each_package_has_the_test_arguments_of_colcon_meta():
+    names = yaml.safe_load((ROOT / 'colcon.meta').read_text('utf-8'))['names']
+    python = {'pytest-args': ['-m', 'not long and not benchmark']}
+    tested = {name: python for name in PACKAGE_TESTS if name}
+    assert names == tested | {'lta_msgs': {'cmake-args': ['-DBUILD_TESTING=OFF']}}
+
+
+PLUGIN = """
+import pytest
+
+
+@pytest.hookspec(firstresult=True)
+def pytest_launch_collect_makemodule(path, module): pass
+
+
+def pytest_pycollect_makemodule(path, parent): pass
+"""
+
+
+def test_the_tests_run_beside_the_plugins_of_jazzy(tmp_path):
+    """Their hooks have arguments that pytest 9 has no more."""
+    for name in ('launch_testing', 'launch_testing_ros'):
+        (tmp_path / f'{name}.py').write_text(PLUGIN, encoding='utf-8')
+        info = tmp_path / f'{name}-3.4.3.dist-info'
+        info.mkdir()
+        (info / 'METADATA').write_text(f'Name: {name}\nVersion: 3.4.3\n', 'utf-8')
+        (info / 'entry_points.txt').write_text(f'[pytest11]\n{name} = {name}\n', 'utf-8')
+    words = [sys.executable, '-m', 'pytest', '--collect-only', '-q', 'test/unit/graph/test_age.py']
+    path = f'{tmp_path}:{os.environ.get("PYTHONPATH", "")}'
+    done = subprocess.run(
+        words, cwd=ROOT, env={**os.environ, 'PYTHONPATH': path}, capture_output=True, text=True,
+        timeout=120, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
 def test_a_failing_test_fails_colcon_test_and_a_long_one_is_not_run(tmp_path):
     unit = tmp_path / 'test/unit'
     (unit / 'graph').mkdir(parents=True)
-    names = ['conftest.py', 'pyproject.toml', 'test/unit/conftest.py']
+    names = ['colcon.meta', 'conftest.py', 'pyproject.toml', 'test/unit/conftest.py']
     names += [f'test/unit/{place}' for place in ('report_flight.py', 'graph/test_inbox.py')]
     names += [f'test/{path.name}' for path in (ROOT / 'test').glob('*.py')]
     for name in names:

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 import json
 import os
 from pathlib import Path
+import re
 import shutil
 import signal
 import subprocess
@@ -26,6 +27,7 @@ import rclpy
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
+from signals import heed_signals
 
 ROOT = Path(__file__).resolve().parents[2]
 START = 120.0  # s; a cold start on a busy machine, with the kernel to compile
@@ -33,6 +35,7 @@ REPORTS = 2  # by a timer, after which all that a node has before any message co
 WAITING = ('player', 'simulator')  # for others first, without a timer: to be there is all they do
 STOP = 120.0  # s from SIGINT to the end, on a machine that others use as well
 NAMESPACE = '/probe'
+PACKAGES = {'lta_config', *(path.parent.name for path in ROOT.glob('src/*/setup.py'))}
 CARRIED = {  # what a drone's own computer needs
     'lta_bridge',
     'lta_config',
@@ -62,18 +65,33 @@ print(json.dumps([[end.name, end.status, *end.lines] for end in launcher.ended])
 """
 
 
+def ignore_what_git_ignores(folder: str, names: list[str]) -> set[str]:
+    """Return the names that a clone of the repository would not have."""
+    made = {'build', 'dist', 'install', 'log', 'runs', 'site'} if Path(folder) == ROOT else set()
+    return {name for name in names if name in made or name.startswith('.') or is_made(name)}
+
+
+def is_made(name: str) -> bool:
+    """Return whether a run leaves files of this name everywhere."""
+    return name == '__pycache__' or name.endswith('.egg-info')
+
+
 @pytest.fixture(scope='module')
 def installed(tmp_path_factory) -> Path:
-    """Return an install folder built from a copy of the sources, far from the tree."""
+    """
+    Return an install folder that `colcon build` makes of a workspace with the repository in src/.
+
+    The environment of make is the underlay: it has lta_msgs, which colcon builds with ament_cmake.
+    """
     folder = tmp_path_factory.mktemp('workspace')
-    ignore = shutil.ignore_patterns('__pycache__', '*.egg-info')
-    for name in ('config', 'src'):
-        shutil.copytree(ROOT / name, folder / name, ignore=ignore)
+    repository = folder / 'src/lta'
+    shutil.copytree(ROOT, repository, ignore=ignore_what_git_ignores)
+    (repository / 'src/lta_msgs/COLCON_IGNORE').touch()
+    (folder / 'colcon.meta').symlink_to('src/lta/colcon.meta')
     environment = {key: value for key, value in os.environ.items() if key != 'PYTHONPATH'}
     environment |= {'AMENT_PREFIX_PATH': sys.prefix, 'VIRTUAL_ENV': sys.prefix}
-    packages = [path.parent for path in folder.glob('src/*/setup.py')]  # lta_msgs is in .venv
     result = subprocess.run(
-        [Path(sys.prefix) / 'bin' / 'colcon', 'build', '--base-paths', 'config', *packages],
+        [Path(sys.prefix) / 'bin' / 'colcon', 'build'],
         cwd=folder,
         env=environment,
         stdout=subprocess.PIPE,
@@ -83,9 +101,10 @@ def installed(tmp_path_factory) -> Path:
     )
     assert result.returncode == 0, result.stdout
     assert 'WARNING' not in result.stdout
+    built = re.findall(r'Finished <<< (\w+)', result.stdout)
+    assert sorted(built) == sorted(PACKAGES)
     # Links into the sources would hide what setup.py forgets to install.
-    shutil.rmtree(folder / 'config')
-    shutil.rmtree(folder / 'src')
+    shutil.rmtree(repository)
     return folder / 'install'
 
 
@@ -170,8 +189,7 @@ NODES = [
 
 
 def test_every_package_is_in_the_ament_index(installed):
-    sources = {path.parent.name for path in ROOT.glob('src/*/setup.py')} | {'lta_config'}
-    for name in sources:
+    for name in PACKAGES:
         marker = installed / name / 'share/ament_index/resource_index/packages' / name
         assert marker.is_file(), name
         assert (installed / name / 'share' / name / 'package.xml').is_file(), name
@@ -227,6 +245,48 @@ def test_node_starts_and_stops(package, executable, installed, environment, watc
         process.kill()
         process.wait()
     assert 'Traceback' not in log.read_text()
+
+
+INTERRUPTED = """
+import os, signal
+os.kill(os.getpid(), signal.SIGINT)
+raise ImportError('the import went on')
+"""
+EXECUTABLES = [
+    pytest.param(*pair, marks=() if pair[1] in QUICK else pytest.mark.long)
+    for pair in declared()
+    if pair[1] != 'lta'  # test_command.py
+]
+
+
+@pytest.mark.parametrize(('package', 'executable'), EXECUTABLES)
+def test_ctrl_c_during_the_imports_is_answered_without_a_traceback(
+    package, executable, installed, environment, tmp_path
+):
+    (tmp_path / 'lta_config.py').write_text(INTERRUPTED, encoding='utf-8')  # which all import
+    path = f'{tmp_path}:{environment["PYTHONPATH"]}'
+    command = [installed / package / 'lib' / package / executable]
+    done = subprocess.run(
+        command, cwd=tmp_path, env=environment | {'PYTHONPATH': path}, capture_output=True,
+        text=True, timeout=START, check=False, preexec_fn=heed_signals,
+    )  # fmt: skip
+    assert (done.returncode, done.stdout, done.stderr) == (128 + signal.SIGINT, '', '')
+
+
+@pytest.mark.parametrize('words', [('--help',), ('-h',), ('--ros-args', '--help')])
+@pytest.mark.parametrize(('package', 'executable'), EXECUTABLES)
+def test_an_executable_explains_itself(
+    package, executable, words, installed, environment, tmp_path
+):
+    command = [installed / package / 'lib' / package / executable, *words]
+    done = subprocess.run(
+        command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=START,
+        check=False,
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (0, '')
+    assert 'usage: ' in done.stdout.lower()
+    assert executable in done.stdout
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_the_ros2_command_says_how_to_install_it(tmp_path):

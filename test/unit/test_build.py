@@ -36,7 +36,7 @@ def messages():
 def workspace(tmp_path):
     """Return a folder with all that tools/build.sh reads."""
     for name in (
-        'config/setup.py', 'config/package.xml', 'src/one/setup.py',
+        'colcon.meta', 'config/setup.py', 'config/package.xml', 'src/one/setup.py',
         'src/one/package.xml', 'tools/messages.py', 'tools/messages/one/package.xml',
         'tools/messages/one/msg/One.msg', 'src/lta_msgs/package.xml',
         'src/lta_msgs/msg/One.msg', 'src/lta_msgs/action/One.action', '.venv/.lta',
