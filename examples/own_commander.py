@@ -6,6 +6,9 @@ Fly by commands in plain rclpy: take off, go to the lamp, land.
 
 Each action ends with an outcome and the reason in words. Ctrl-C here cancels nothing: the drone
 finishes its task, then holds until the next command or until the energy reserve lands it.
+
+Exit status 0: it stayed at the lamp and landed. 1: it did not, or its navigator is gone, for
+example because the drone left the room. 3: a time limit passed.
 """
 
 import sys
@@ -16,6 +19,8 @@ import rclpy
 from rclpy.action import ActionClient
 from rclpy.node import Node
 from rclpy.task import Future
+
+STATUSES = {GoToLamp.Result.SUCCEEDED: 0, GoToLamp.Result.TIMEOUT: 3}  # alike in all three
 
 
 class Commander(Node):
@@ -30,14 +35,17 @@ class Commander(Node):
         """Send a goal, wait for its end, and return the result."""
         action = self.actions[name]
         action.wait_for_server()
-        handle = self.wait(action.send_goal_async(goal, feedback_callback=self.show_feedback))
-        result = self.wait(handle.get_result_async()).result
+        sent = action.send_goal_async(goal, feedback_callback=self.show_feedback)
+        result = self.wait(action, self.wait(action, sent).get_result_async()).result
         self.get_logger().info(f'{name}: outcome {result.outcome}, {result.message}')
         return result
 
-    def wait(self, future: Future) -> Any:
-        """Serve this node until a future is done."""
-        rclpy.spin_until_future_complete(self, future)
+    def wait(self, action: ActionClient, future: Future) -> Any:
+        """Serve this node until a future is done; end it if the server of the action is gone."""
+        while not future.done():
+            if not action.server_is_ready():
+                sys.exit('The navigator is gone: the flight has ended.')
+            rclpy.spin_until_future_complete(self, future, timeout_sec=1.0)
         return future.result()
 
     def show_feedback(self, message: Any) -> None:
@@ -53,11 +61,13 @@ def main() -> None:
     refused = TakeOff.Result.REFUSED
     while (result := commander.fly('take_off', TakeOff.Goal(height=0.6))).outcome == refused:
         rclpy.spin_once(commander, timeout_sec=1.0)
+    outcomes = [result.outcome]
     if result.outcome == TakeOff.Result.SUCCEEDED:
-        commander.fly('go_to_lamp', GoToLamp.Goal())  # where it fails, the drone holds
-        result = commander.fly('land', Land.Goal())
+        # Where it fails, the drone holds
+        outcomes.append(commander.fly('go_to_lamp', GoToLamp.Goal()).outcome)
+        outcomes.append(commander.fly('land', Land.Goal()).outcome)
     rclpy.shutdown()
-    sys.exit(result.outcome)
+    sys.exit(max(STATUSES.get(outcome, 1) for outcome in outcomes))
 
 
 if __name__ == '__main__':

@@ -38,10 +38,10 @@ def test_a_flight_in_one_process_is_that_of_the_loop(lta, call, scenario, tmp_pa
     room = scenario(time_limit='3 s')
     words = ('--seed', '7', '--scenario', room, '--out')
     done = lta.run('fly', '--no-page', '--processes', 'one', *words, tmp_path / 'fly')
-    assert done.returncode == 1, done.stderr  # out of time
+    assert done.returncode == 3, done.stderr  # out of time
     assert 'Traceback' not in done.stderr
     status, said = call('simulate', *words, tmp_path / 'simulate')
-    assert status == 1, said.err
+    assert status == 3, said.err
     graph, loop = (contents(tmp_path / name / 'bag') for name in ('fly', 'simulate'))
     for each in (graph, loop):  # by the description and by the simulator, in either order
         each['/tf_static'].sort()

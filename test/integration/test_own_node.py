@@ -5,6 +5,7 @@ from pathlib import Path
 
 from lta_config.topics import is_lta_msgs_built
 from lta_control.messages import from_duties
+from lta_flight.flight_run import EXIT_STATUSES
 from lta_graph.ros.listener import DiagnosticsListener
 from lta_graph.ros.message_validation import find_message_type
 import pytest
@@ -55,9 +56,11 @@ def fly(lta, out: Path, *words: str) -> tuple[set[str], str]:
 
         wait_until(has_begun, 'flight', lambda: launch.text, step=lambda: listener.poll(0.02))
         facts = set(listener.facts)
-    assert launch.end() == 0, launch.text
+    status = launch.end()
     (line,) = [line for _, line in launch.lines if '"outcome"' in line]
-    return facts, json.loads(line.partition(' ')[2])['outcome']
+    outcome = json.loads(line.partition(' ')[2])['outcome']
+    assert status == EXIT_STATUSES[outcome], launch.text
+    return facts, outcome
 
 
 def own(lta, name: str, *words: str):

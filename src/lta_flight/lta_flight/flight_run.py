@@ -2,9 +2,15 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import final, Protocol
+from types import MappingProxyType
+from typing import Final, final, Protocol
 
 ROBOT = 'lta1'
+# Exit status of a command by the outcome of its flight; 2 is bad input. A flight is still `flying`
+# where another node ends its run as planned, and `flown` where recorded commands are at their end.
+EXIT_STATUSES: Final = MappingProxyType(
+    {'reached': 0, 'flown': 0, 'flying': 0, 'failed': 1, 'timeout': 3, 'escaped': 4}
+)
 
 
 class FlightObserver(Protocol):
@@ -45,7 +51,7 @@ class FlightRun:
     # Results folder and recording
     folder: Path
     bag: Path
-    outcome: str  # 'reached', 'timeout', 'escaped', or 'failed' if the graph broke
+    outcome: str  # one of `EXIT_STATUSES`; 'failed' if the graph broke
     sentence: str  # the outcome in words, to be put after 'The drone'
     pace: float  # flight seconds per wall second
     # Whether the flight left the region of validity or of the law of the vehicle file; '' if not

@@ -1,11 +1,16 @@
 """What `lta fly` prints."""
 
+from contextlib import nullcontext
 import json
+import re
 
 from lta_cli.verbs import fly as verb
+from lta_cli.verbs.launch import launch
+from lta_cli.verbs.simulate import simulate
 from lta_config.errors import BadInput
-from lta_flight.flight_run import FlightRun
+from lta_flight.flight_run import EXIT_STATUSES, FlightRun
 from lta_flight.report.results import FlightResults
+from lta_sim.readings import FlightOutcome
 import pytest
 
 RESULTS = FlightResults(success=True, path_length=6.0, search_time=12.0, closest=0.9)
@@ -61,3 +66,24 @@ def test_a_broken_flight_without_a_recording_is_no_bad_input(flown, monkeypatch,
         capsys.readouterr().out
         == 'The drone did not finish, because a node of the ROS graph failed or stalled.\n'
     )
+
+
+@pytest.mark.parametrize(
+    ('outcome', 'status'), [('reached', 0), ('failed', 1), ('timeout', 3), ('escaped', 4)]
+)
+def test_the_exit_status_tells_how_the_flight_ended(flown, outcome, status):
+    flown(outcome, 'ended')
+    with pytest.raises(verb.typer.Exit) if status else nullcontext() as left:
+        verb.fly(page=False)
+    assert status == (left.value.exit_code if left else 0)
+
+
+@pytest.mark.parametrize('flight_verb', [verb.fly, launch, simulate])
+def test_help_tells_every_exit_status(flight_verb):
+    assert set(EXIT_STATUSES) == {
+        *(each.name.lower() for each in FlightOutcome), 'flown', 'failed'
+    }  # fmt: skip
+    _, told = flight_verb.__doc__.split('Exit status ')
+    # Nodes die in a graph only
+    known = {*EXIT_STATUSES.values(), 2} - ({1} if flight_verb is simulate else set())
+    assert known <= {int(number) for number in re.findall(r'(\d+):', told)}

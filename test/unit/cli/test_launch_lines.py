@@ -1,8 +1,10 @@
-"""What `lta launch` prints of the lines of its nodes."""
+"""What `lta launch` prints of the lines of its nodes, and its exit status."""
 
 import sys
 
+from lta_cli.verbs import launch as verb
 from lta_cli.verbs.launch import print_node_line
+from lta_graph.child_process import ProcessExit
 import pytest
 
 LINE = '{"outcome": "reached", "sentence": "reached its goal", "time_s": "1", "distance_m": "2"}'
@@ -15,3 +17,24 @@ def test_a_person_gets_words_and_a_program_the_line(monkeypatch, capsys, termina
     monkeypatch.setattr(sys.stdout, 'isatty', lambda: terminal)
     print_node_line('lta1/simulator', LINE)
     assert capsys.readouterr().out == f'[lta1/simulator] {text}\n'
+
+
+@pytest.mark.parametrize(
+    ('outcomes', 'status'),
+    [
+        ((), 0),
+        (('reached', 'reached'), 0),
+        (('reached', 'timeout'), 3),
+        (('escaped', 'timeout'), 4),
+        (('flying',), 0),
+        (('played',), 0),  # of a recording
+    ],
+)
+def test_the_exit_status_is_that_of_the_worst_flight(call, monkeypatch, outcomes, status):
+    def run_graph(_plan, on_line, _say):
+        for k, outcome in enumerate(outcomes):
+            on_line(f'lta{k}/simulator', f'{{"outcome": "{outcome}"}}')
+        return ProcessExit('simulator', 0, (), (), ends_run=True, success=True, stopped=False)
+
+    monkeypatch.setattr(verb, 'run_graph', run_graph)
+    assert call('launch', 'fly', 'record:=false')[0] == status

@@ -11,7 +11,8 @@ HEAD = """# Verbs
 Generated from the command line by `python -m lta_cli.reference verbs > docs/verbs.md`.
 
 `lta VERB --help` shows the same in the terminal. Results go to `runs/<time>-<name>/`. Exit status
-0: done. 1: the run failed. 2: bad input, one sentence on stderr.
+0: done. 1: the run failed. 2: bad input, one sentence on stderr. Flights
+also end with 3: out of time, or 4: the drone left the room.
 """
 
 

@@ -12,7 +12,7 @@ from lta_control.strategies import STRATEGIES
 from lta_data.bag.recorded_flight import open_flight
 from lta_data.validity import describe_exceeded_region_of_bag
 from lta_flight.flight import FlightRequest, fly_once
-from lta_flight.flight_run import FlightRun
+from lta_flight.flight_run import EXIT_STATUSES, FlightRun
 from lta_flight.progress import FlightProgress
 from lta_flight.report.page import write_page
 from lta_flight.report.results import compute_results, FlightResults
@@ -61,8 +61,8 @@ def fly(
 
     With --live, Foxglove can watch without ROS; a slow viewer never blocks the flight.
 
-    Exit status 0: the drone reached its goal. 1: it did not, or a node died. 2: bad input,
-    nothing was started. 130: Ctrl-C (143: SIGTERM, 129: SIGHUP).
+    Exit status 0: the drone reached its goal. 1: a node died or stalled. 2: bad input, nothing was
+    started. 3: out of time. 4: the drone left the room. 130: Ctrl-C (143: SIGTERM, 129: SIGHUP).
 
     Example: lta fly --seed 3 --time realtime
     """
@@ -85,8 +85,8 @@ def fly(
     if figures is not None:
         print_files(flight.bag, target, console)
     # The report is written first, whatever the outcome
-    if flight.outcome != 'reached':
-        raise typer.Exit(1)
+    if status := EXIT_STATUSES[flight.outcome]:
+        raise typer.Exit(status)
 
 
 def write_report(flight: FlightRun, page: Path | None) -> FlightResults | None:

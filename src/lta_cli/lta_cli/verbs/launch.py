@@ -12,7 +12,8 @@ from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_data.bag.reader import read_bag
 from lta_data.bag.recorded_flight import list_robots
-from lta_flight.flight import describe_line, is_refusal
+from lta_flight.flight import describe_line, is_refusal, parse_status
+from lta_flight.flight_run import EXIT_STATUSES
 from lta_flight.graph import list_bags, run_graph
 from lta_flight.preflight import check_plan
 from lta_flight.report.page import write_page
@@ -44,9 +45,13 @@ def launch(
     Start a graph from a ROS 2 YAML launch file and monitor it.
 
     Reports nodes that exit or hang. If an essential node (on_exit: shutdown) exits unexpectedly,
-    all others are stopped and the exit status is 1, or 2 if the node rejected its input. Only the
-    part of ROS 2's launch format that the files of LTA use is supported. With an installed ROS 2
-    (ros2 run lta_cli lta launch ...) this runs the real "ros2 launch"; ./lta never does.
+    all others are stopped. Only the part of ROS 2's launch format that the files of LTA use is
+    supported. With an installed ROS 2 (ros2 run lta_cli lta launch ...) this runs the real
+    "ros2 launch", which has its own exit status; ./lta never does.
+
+    Exit status 0: every simulated drone reached its goal, or nothing was simulated. 1: an
+    essential node died. 2: bad input. 3: a drone ran out of time. 4: a drone left the room.
+    130: Ctrl-C.
 
     Example: lta launch fly seed:=2 time:=lockstep bag:=/tmp/flight
     """
@@ -64,13 +69,23 @@ def launch(
     if alone and os.environ.get('LTA_UNDERLAY') != WHEELS and shutil.which('ros2'):
         # Replaces this process, so signals and the exit status are those of ros2 launch
         os.execvp('ros2', ['ros2', 'launch', str(path), *(arguments or [])])
-    outcome = run_graph(plan, print_node_line, print_event)
+    outcomes: list[str] = []  # of the simulated flights
+
+    def on_line(node: str, line: str) -> None:
+        print_node_line(node, line)
+        if (status := parse_status(line)) is not None:
+            outcomes.append(status['outcome'])
+
+    outcome = run_graph(plan, on_line, print_event)
     # The last line of the node states what was wrong with its input
     if is_refusal(outcome):
         raise BadInput(outcome.lines[-1])
     print_recordings(plan)
     if not outcome.success:
         raise typer.Exit(1)
+    # Players report an outcome of their own, which is no flight's
+    if status := max((EXIT_STATUSES.get(each, 0) for each in outcomes), default=0):
+        raise typer.Exit(status)
 
 
 def print_recordings(plan: LaunchPlan) -> None:

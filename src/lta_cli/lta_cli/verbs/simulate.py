@@ -12,7 +12,7 @@ from lta_config.files import find_file
 from lta_control.strategies import STRATEGIES
 from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.recorded_flight import open_flight
-from lta_flight.flight_run import ROBOT
+from lta_flight.flight_run import EXIT_STATUSES, ROBOT
 from lta_flight.progress import FlightProgress
 from lta_flight.report.page import write_page
 from lta_flight.simulate import CommandRequest, simulate_once, SimulationRequest
@@ -82,8 +82,8 @@ def simulate(
     --begin and --end choose a part. The bag has the clock of the recording, for
     "lta compare --align none".
 
-    Exit status 0: the drone reached its goal, or flew all --commands. 1: it did not. 2: bad input,
-    nothing was flown.
+    Exit status 0: the drone reached its goal, or flew all --commands. 2: bad input, nothing was
+    flown. 3: out of time. 4: the drone left the room.
 
     Example: lta simulate --seed 3 --set 'vehicle.trim.heaviness=4 g'
 
@@ -122,8 +122,8 @@ def simulate(
                 *(() if robot is None else ('--robot', f'{robot}:{ROBOT}')),
             )  # fmt: skip
             console.print(f'Compare them: {line}', highlight=False, soft_wrap=True)
-    if flight.outcome not in {'reached', 'flown'}:
-        raise typer.Exit(1)
+    if status := EXIT_STATUSES[flight.outcome]:
+        raise typer.Exit(status)
 
 
 def _find_recorded(kind: str, provenance: Mapping[str, str], default: str) -> str:
