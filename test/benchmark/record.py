@@ -23,9 +23,10 @@ import time
 
 from bench import Figure
 from graph import Silent
-from lta_config.topics import load_topic_table
+from lta_config.topics import load_topic_table, robot_topic
 from lta_data.bag.reader import read_bag
 from lta_flight.flight import FlightRequest, fly_once
+from lta_flight.flight_run import ROBOT
 from lta_flight.simulate import simulate_once, SimulationRequest
 from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.qos import select_profile
@@ -107,10 +108,8 @@ def wired(node: Node, make: Callable[..., object]) -> dict[str, object]:
     """Return what a function makes of each topic of a flight in one process."""
     rows = {name: row for name, row in TABLE.topics.items() if row.repeatable}
     return {
-        f'/lta1/{name}': make(
-            find_message_type(row), f'/lta1/{name}', select_profile(row, lockstep=True)
-        )
-        for name, row in rows.items()
+        topic: make(find_message_type(row), topic, select_profile(row, lockstep=True))
+        for topic, row in ((robot_topic(ROBOT, name), row) for name, row in rows.items())
     }
 
 
@@ -178,7 +177,8 @@ def played() -> dict[str, float]:
             'gtmab', 'lamp_room', 'bag', 'gtmab', 1, out=Path(folder) / 'flight'
         )
         flown, _ = simulate_once(order, Silent())
-        sent = sum(1 for _ in read_bag(flown.bag).iterate_messages())
+        sent_topics = read_bag(flown.bag).topics
+        sent = sum(topic.count for topic in sent_topics.values())
         to = Path(folder) / 'recorded'
         options = ('--ros-args', '-r', '__ns:=/lta1', '-p', f'bag:={to}', '-p', 'time:=lockstep')
         with (
@@ -198,7 +198,8 @@ def played() -> dict[str, float]:
             recorder.send_signal(signal.SIGINT)
             recorder.wait(PATIENCE)
         kept = read_bag(to)
-        got = sum(topic.count for name, topic in kept.topics.items() if name.startswith('/lta1'))
+        # The recorder adds diagnostics of its own
+        got = sum(topic.count for name, topic in kept.topics.items() if name in sent_topics)
         if (got, came) != (sent, sent):
             raise RuntimeError(f'of {sent} messages {got} were recorded and {came} received')
     ours, bare = after[0] - before[0], after[1] - before[1]
