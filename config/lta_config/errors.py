@@ -1,6 +1,11 @@
 """Errors that the user can correct: one sentence with the fact, the value and the remedy."""
 
 from difflib import get_close_matches
+from typing import Final
+from unicodedata import category
+
+# Categories of Unicode: control characters, surrogates, separators of lines and paragraphs
+UNWRITABLE: Final = ('Cc', 'Cs', 'Zl', 'Zp')
 
 
 class BadInput(ValueError):
@@ -17,10 +22,8 @@ class BadInput(ValueError):
 
 
 def to_one_line(text: str) -> str:
-    """Return a text with a space for each line break or other unprintable character."""
-    if text.isprintable():
-        return text
-    return ''.join(part if part.isprintable() else ' ' for part in text)
+    """Return a text without line breaks and other control characters."""
+    return text if text.isprintable() else ''.join(map(_make_printable, text))
 
 
 def strip_control_codes(text: str) -> str:
@@ -28,11 +31,32 @@ def strip_control_codes(text: str) -> str:
     Return a text without control characters; line breaks and tabs remain.
 
     Names and notes from other people's files are printed. An escape sequence in them could set the
-    window's title or overwrite earlier output.
+    window's title or overwrite earlier output; characters without width or with a direction could
+    make a name look like another.
     """
-    if text.isprintable():
+    if text.replace('\n', '').isprintable():
         return text
-    return ''.join(part if part.isprintable() or part in '\t\n\r' else ' ' for part in text)
+    return ''.join(part if part in '\t\n' else _make_printable(part) for part in text)
+
+
+def _make_printable(character: str) -> str:
+    """Return a space for white space, and U+FFFD for what else is not printable."""
+    if character.isprintable():
+        return character
+    return ' ' if character.isspace() else '\ufffd'
+
+
+def check_printable(text: str) -> None:
+    """
+    Raise BadInput for a name or argument with control characters or bytes that are not UTF-8.
+
+    Python shows such bytes of a path as surrogates. Neither fits into YAML, JSON, pages or bags.
+    """
+    if any(category(character) in UNWRITABLE for character in text):
+        raise BadInput(
+            f"'{text}' contains a control character, or bytes that are not UTF-8; rename the file "
+            'or correct the argument.'
+        )
 
 
 def unknown_name_error(kind: str, name: str, names: list[str]) -> BadInput:

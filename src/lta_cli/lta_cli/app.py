@@ -23,13 +23,14 @@ from lta_cli.without_ros import (
     refuse_without_ros,
     WITHOUT_GRAPH,
 )
-from lta_config.errors import BadInput
+from lta_config.errors import BadInput, check_printable, to_one_line
 from lta_config.version import VERSION
 import typer
 from typer.core import TyperGroup
 
 FOLDER: Final = Path(__file__).parent / 'verbs'
 WORDS: Final = 'lta.words'  # where the context of a command has the words of the command line
+NEAR: Final = 40  # characters around bytes that are not UTF-8, to find them
 STOPPED = 130  # exit status after Ctrl-C, as in shells and Typer: 128 + SIGINT
 # Errors of a path or disk that the user can fix; they are reported in one sentence, not as a
 # traceback, where the verb has no better message.
@@ -338,6 +339,8 @@ def run_command_line(loaded: Callable[[], None] = lambda: None) -> int:
     the imports, before the verb runs.
     """
     try:
+        for word in sys.argv[1:]:
+            check_printable(word)
         words = join_verb(repeat_options(sys.argv[1:]))
         app = build_app(words)
         loaded()
@@ -355,6 +358,13 @@ def run_command_line(loaded: Callable[[], None] = lambda: None) -> int:
         if not is_ros_module(missing.name):
             raise
         sys.stderr.write(f'{missing_ros_error(missing)}\n')
+        return 2
+    except UnicodeEncodeError as error:
+        # A folder above the given path, or a file in it
+        near = error.object[max(0, error.start - NEAR) : error.end + NEAR]
+        sys.stderr.write(
+            f"The name of a file or folder is not UTF-8 ('{to_one_line(near)}'); rename it.\n"
+        )
         return 2
     except OSError as error:
         # Other errors are defects and keep their traceback

@@ -13,9 +13,9 @@ import sys
 import threading
 from typing import Final, NoReturn
 
-from lta_cli.streams import ignore_broken_pipes
 from lta_graph.ament import list_middlewares
 from lta_graph.process_exit import exit_process
+from lta_graph.terminal_streams import guard_streams
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 COMPLETION = '_LTA_COMPLETE'  # a shell asks how the line may go on
@@ -31,7 +31,7 @@ def main() -> NoReturn:
         signal.signal(number, _exit_at_once)
     # The lta script blocks SIGINT while Python starts; a pending one is delivered here.
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
-    ignore_broken_pipes()
+    guard_streams()
     if COMPLETION in os.environ:  # the shell waits for an answer: import no command
         from lta_cli.completion import complete
 

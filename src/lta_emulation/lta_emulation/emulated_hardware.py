@@ -12,7 +12,6 @@ from contextlib import contextmanager
 from pathlib import Path
 import signal
 import sys
-import tempfile
 import threading
 from typing import Any, Final, NamedTuple
 
@@ -26,12 +25,14 @@ from lta_emulation.crazyflie.server import CrazyflieServer
 from lta_emulation.crazyflie.simulated_body import SimulatedBody
 from lta_emulation.teensy.board_server import BoardServer
 from lta_emulation.teensy.emulated_board import EmulatedBoard
+from lta_graph.terminal_streams import guard_streams
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
 from lta_sim.world import World
 
 PORT: Final = 19850  # first port that cflib scans
-LIGHT_PORT: Final = Path(tempfile.gettempdir()) / 'lta_light_board'
+# In the working folder: in that of temporary files, any account could be there first
+LIGHT_PORT: Final = Path('lta_light_board')
 LOOK: Final = 0.1  # s between two checks of the drone's position
 UP: Final = 0.04  # m above the start, from which on it has taken off
 
@@ -151,6 +152,7 @@ def main(words: list[str] | None = None) -> None:
     # Until there is something to close
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     signal.signal(signal.SIGINT, signal.default_int_handler)
+    guard_streams()
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('--port', type=int, default=PORT)
     parser.add_argument('--light-port', type=Path, default=LIGHT_PORT)

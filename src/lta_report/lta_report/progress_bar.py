@@ -60,6 +60,9 @@ class ProgressBar:
             *columns,
             console=console,
             transient=True,  # removed at the end
+            # Otherwise rich would interpret escape sequences in what others write meanwhile
+            redirect_stdout=False,
+            redirect_stderr=False,
             disable=not console.is_terminal,
             speed_estimate_period=period,
         )

@@ -15,6 +15,9 @@ import signal
 import subprocess
 import sys
 import traceback
+import unicodedata
+
+from lta_graph.terminal_streams import guard_streams
 
 MEMORY = 1_000_000  # kB that any verb may take for any hostile file, beyond what it takes to load
 DISK = 1 << 28  # bytes of a file that it may write
@@ -34,6 +37,12 @@ class Outcome:
     out: str
     err: str
     grown: int
+
+
+def find_control(text):
+    """Return the characters of a text that act on a terminal, but for line breaks and tabs."""
+    found = {c for c in text if unicodedata.category(c) in ('Cc', 'Cf', 'Cs', 'Zl', 'Zp')}
+    return found - {'\n', '\t'}
 
 
 class Sandbox:
@@ -100,6 +109,7 @@ def command(words, folder):
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
     resource.setrlimit(resource.RLIMIT_FSIZE, (DISK, DISK))
     sys.argv = ['lta', *words]
+    guard_streams()  # as `lta` does first
     try:
         from lta_cli.app import run_command_line
 

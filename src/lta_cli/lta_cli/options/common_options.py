@@ -1,15 +1,17 @@
 """Define the options that commands share: the vehicle, where results go, and who computes them."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 import json
 import os
 from pathlib import Path
 import sys
-from typing import Annotated, Any
+from typing import Annotated, Any, final
 
+from lta_config.errors import strip_control_codes
 from lta_report.browser import find_chromium
 from lta_report.results_folder import check_creatable
-from rich.console import Console
+from rich.console import Console, ConsoleOptions, RenderableType
+from rich.segment import Segment
 import typer
 
 VehicleName = Annotated[
@@ -83,6 +85,18 @@ def check_picture_output(folder: Path | None) -> None:
         check_creatable(folder.absolute())
 
 
+@final
+class PlainConsole(Console):
+    """A console whose texts have no control characters; those of its styles remain."""
+
+    def render(
+        self, renderable: RenderableType, options: ConsoleOptions | None = None
+    ) -> Iterator[Segment]:
+        """Yield the segments of a renderable."""
+        for text, style, control in super().render(renderable, options):
+            yield Segment(text if control else strip_control_codes(text), style, control)
+
+
 def plain_console(stderr: bool = False) -> Console:
     """
     Return a console that does not interpret markup.
@@ -90,7 +104,7 @@ def plain_console(stderr: bool = False) -> Console:
     Names in recordings and files may contain text that rich takes for a style, and an unknown
     style raises an error. Into a file or a pipe, a table takes the width that it needs.
     """
-    console = Console(stderr=stderr, markup=False, emoji=False)
+    console = PlainConsole(stderr=stderr, markup=False, emoji=False)
     if not console.is_terminal and 'COLUMNS' not in os.environ:
         console.width = UNLIMITED
     return console

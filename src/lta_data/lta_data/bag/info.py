@@ -105,7 +105,7 @@ class BagInfo:
 
     def to_json(self) -> str:
         """Return the summary as a JSON object."""
-        return json.dumps(asdict(self), indent=2, ensure_ascii=False)
+        return json.dumps(asdict(self), indent=2)
 
 
 def summarize_bag(path: Path | str) -> BagInfo:

@@ -58,7 +58,7 @@ class Recovery:
 
     def to_json(self) -> str:
         """Return the result as a JSON object."""
-        return json.dumps(asdict(self), indent=2, ensure_ascii=False)
+        return json.dumps(asdict(self), indent=2)
 
     def describe_losses(self) -> list[str]:
         """Return what was saved and what was lost, in sentences."""

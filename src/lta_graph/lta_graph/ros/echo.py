@@ -13,6 +13,7 @@ import time
 
 from lta_config.errors import BadInput
 from lta_graph.ros.command_line import initialize_ros
+from lta_graph.terminal_streams import guard_streams
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
@@ -73,6 +74,7 @@ def measure_round_trip(
 
 def main() -> None:
     """Run one of the two roles; exit with status 1 if no echo arrived in time."""
+    guard_streams()
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('role', choices=('ask', 'answer'))
     parser.add_argument('--seconds', type=float, default=8.0, help='give up after [s]')

@@ -18,6 +18,7 @@ from lta_graph.ros.command_line import initialize_ros, reject_unknown_parameters
 from lta_graph.ros.help.node_help import asks_for_help, describe_node
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.spin import spin_phases
+from lta_graph.terminal_streams import guard_streams
 import rclpy
 
 TEARDOWN: Final = 5.0  # s for DDS to shut down; less than the launcher's grace
@@ -47,6 +48,7 @@ def run_process(run: Callable[[ExitStack], int]) -> NoReturn:
     crash.
 
     """
+    guard_streams()
     teardown = ExitStack()
     teardown.callback(rclpy.try_shutdown)
     try:

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from lta_config.errors import BadInput
+from lta_config.errors import BadInput, check_printable
 from lta_config.limits import check_log_size
 from lta_data.importers.readers.array_files import (
     READ,
@@ -125,8 +125,11 @@ def _list_files(path: Path, suffixes: tuple[str, ...]) -> list[Path]:
 
 
 def _find_files(path: Path, suffixes: tuple[str, ...]) -> list[Path]:
-    files = (file for file in path.rglob('*') if file.is_file() and file.name[0] != '.')
-    return sorted(file for file in files if _suffix(file) in suffixes)
+    inside = (file for file in path.rglob('*') if file.is_file() and file.name[0] != '.')
+    files = sorted(file for file in inside if _suffix(file) in suffixes)
+    for file in files:
+        check_printable(str(file.relative_to(path)))
+    return files
 
 
 def _has_rows(file: Path) -> bool:
