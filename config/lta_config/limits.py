@@ -27,6 +27,7 @@ ARRAY_PARTS: Final = 4096  # elements of its fixed arrays, which the reader unro
 # Logs of others
 LOG_BYTES: Final = 1 << 29  # of a log that is read whole: ULog, Crazyflie's card
 LINE_BYTES: Final = 1 << 20  # of a line of text with columns
+COLUMNS: Final = 5000  # of a log; an autopilot's export has hundreds
 INFLATION: Final = 200  # bytes out of one byte of gzip or zstd; text with columns has up to 20
 INFLATED_FREELY: Final = 1 << 26  # bytes after which the ratio is checked
 READER_MEMORY: Final = 1 << 31  # bytes that a third-party reader may allocate
@@ -34,6 +35,15 @@ READER_MEMORY: Final = 1 << 31  # bytes that a third-party reader may allocate
 # Shapes
 STL_BYTES: Final = 150_000_000  # text; a binary file of as many triangles has a fifth
 STL_TRIANGLES: Final = 500_000
+
+
+def check_column_count(path: Path, count: int) -> None:
+    """Raise BadInput for a log with more columns than the limit."""
+    if count > COLUMNS:
+        raise BadInput(
+            f"'{path}' has {count} columns, and LTA reads up to {COLUMNS}; save only those that "
+            'you need.'
+        )
 
 
 def check_log_size(path: Path) -> None:

@@ -5,17 +5,19 @@ It describes the log's numbers: unit, axes, attitude convention and time. It nev
 nothing is smoothed, resampled or invented.
 """
 
+import math
 from typing import Annotated, Literal, Self
 
 from lta_config.files import find_file, load_file, StrictModel
 from lta_config.quantity import Quantity, UNITS
-from pydantic import AliasChoices, Field, field_validator, model_validator
+from pydantic import AliasChoices, ConfigDict, Field, field_validator, model_validator
 
 Name = Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
 Column = Annotated[str, Field(min_length=1)]
 Format = Literal['csv', 'usd', 'ulog', 'bag', 'mat', 'numpy', 'parquet', 'dataflash', 'folder']
 # Formats whose tables have no time of their own
 TIMED_BY_MAPPING: tuple[Format, ...] = ('csv', 'mat', 'numpy', 'parquet', 'folder')
+Bound = Annotated[float, Field(ge=-math.inf, allow_inf_nan=True)]  # any number but NaN
 Three = Annotated[list[Column], Field(min_length=3, max_length=3)]
 
 # Our x, y, z in terms of the log's. We use ENU for the world and FLU for the body
@@ -28,6 +30,8 @@ AXES: dict[str, tuple[str, str, str]] = {
     'Y_UP': ('x', '-z', 'y'),  # OptiTrack, right-handed
     'OPTICAL': ('z', '-x', '-y'),  # a camera: x right, y down, z forward; to FLU
 }
+LATEST = 2.0**31  # s; the first time after those that a ROS time stamp can hold
+NANOSECOND = 1e-9  # s; the resolution of a ROS time stamp
 SIGNED = ('x', 'y', 'z', '-x', '-y', '-z')
 
 
@@ -66,11 +70,14 @@ class _WithAxes(StrictModel):
 class _InUnit(StrictModel):
     """A number as logged: SI = (number + offset) * scale / over, in `unit`."""
 
+    model_config = ConfigDict(allow_inf_nan=False)
+
     unit: str = '1'
     over: Annotated[float, Field(gt=0.0)] = 1.0
     offset: float = 0.0
-    missing: float | None = None  # the number that means "no value"
-    within: tuple[float, float] | None = None  # bounds of the logged numbers
+    # The number that means "no value"
+    missing: Annotated[float, Field(allow_inf_nan=True)] | None = None
+    within: tuple[Bound, Bound] | None = None  # bounds of the logged numbers
 
     @field_validator('unit')
     @classmethod
@@ -82,7 +89,7 @@ class _InUnit(StrictModel):
     @field_validator('within', mode='before')
     @classmethod
     def _parse_bounds(cls, value: object) -> object:
-        return tuple(map(float, value)) if isinstance(value, list) else value
+        return tuple(value) if isinstance(value, list) else value
 
 
 class ScalarField(_InUnit):
@@ -115,7 +122,7 @@ class VectorField(_InUnit):
     @field_validator('scale', mode='before')
     @classmethod
     def _parse_scale(cls, value: object) -> object:
-        return tuple(map(float, value)) if isinstance(value, list) else value
+        return tuple(value) if isinstance(value, list) else value
 
     @property
     def scales(self) -> tuple[float, float, float]:
@@ -200,6 +207,8 @@ class ActuatorFields(StrictModel):
     c0 + c1 w + c2 w |w|.
     """
 
+    model_config = ConfigDict(allow_inf_nan=False)
+
     effort: ScalarField | None = None
     position: ScalarField | None = None
     velocity: ScalarField | None = None
@@ -208,7 +217,7 @@ class ActuatorFields(StrictModel):
     @field_validator('thrust', mode='before')
     @classmethod
     def _parse_law(cls, value: object) -> object:
-        return tuple(map(float, value)) if isinstance(value, list) else value
+        return tuple(value) if isinstance(value, list) else value
 
     @model_validator(mode='after')
     def _check_law(self) -> Self:
@@ -257,9 +266,20 @@ class TimeColumn(StrictModel):
         for name, quantity, unit in (('rate', self.rate, 'Hz'), ('step', self.step, 's')):
             if quantity is not None and (quantity.dimension != unit or quantity.si <= 0.0):
                 raise ValueError(f'has an invalid {name}; give a positive number in {unit}')
+            # Of a rate, the time between two rows
+            period = None if quantity is None else quantity.si if unit == 's' else 1 / quantity.si
+            if period is not None and not NANOSECOND <= period < LATEST:
+                raise ValueError(
+                    f'has rows that are {period:g} s apart; give a {name} with {NANOSECOND:g} s '
+                    f'to {LATEST:g} s between two rows'
+                )
         if self.start is not None and self.start.dimension != 's':
             raise ValueError(
                 f'has a start in {self.start.unit}, but it must be a time, as in "1 s"'
+            )
+        if self.start is not None and abs(self.start.si) >= LATEST:
+            raise ValueError(
+                f'has a start at {self.start.si:g} s; a ROS time stamp is below {LATEST:g} s'
             )
         return self
 

@@ -5,6 +5,7 @@ import gzip
 import os
 import sqlite3
 import struct
+import zlib
 
 import zstandard
 
@@ -220,6 +221,63 @@ def bytes_of_nothing(folder):
     return written(folder, bytes(range(256)) * 40)
 
 
+def columns_by_thousands(folder):
+    names = b','.join(b'c%d' % k for k in range(100_000))
+    rows = 3 * (100_000 * b'1,' + b'\n')
+    return written(folder, b't,' + names + b'\n' + rows)
+
+
+def mat_element(kind, data):
+    return struct.pack('<II', kind, len(data)) + data + bytes(-len(data) % 8)
+
+
+def mat_head(kind, size=True):
+    flags = mat_element(6, struct.pack('<II', kind, 0))
+    return flags + size * mat_element(5, struct.pack('<2i', 1, 1)) + mat_element(1, b'a')
+
+
+def mat_of(folder, outer, packed=False, levels=30_000):
+    """Write a MATLAB file of a number within as many variables of a kind."""
+    data = mat_head(6) + mat_element(9, struct.pack('<d', 1.0))
+    parts = [data]
+    size = len(data)
+    for _ in range(levels):
+        parts.append(outer + struct.pack('<II', 14, size))
+        size += len(parts[-1])
+    data = struct.pack('<II', 14, size) + b''.join(reversed(parts))
+    if packed:
+        data = zlib.compress(data)
+        data = struct.pack('<II', 15, len(data)) + data
+    head = b'MATLAB 5.0 MAT-file'.ljust(124) + struct.pack('<H', 0x0100) + b'IM'
+    return written(folder, head + data, 'hostile.mat')
+
+
+def mat_of_cells(folder):
+    return mat_of(folder, mat_head(1))
+
+
+def mat_of_cells_compressed(folder):
+    return mat_of(folder, mat_head(1), packed=True)
+
+
+def mat_of_structs(folder):
+    return mat_of(
+        folder, mat_head(2) + struct.pack('<HHi', 5, 4, 8) + mat_element(1, b'a' * 7 + b'\0')
+    )
+
+
+def mat_of_functions(folder):
+    return mat_of(folder, mat_head(16))
+
+
+def mat_of_opaque_objects(folder):
+    return mat_of(folder, mat_head(17, size=False) + 2 * mat_element(1, b'b'))
+
+
+def mat_of_cells_within_reach(folder):
+    return mat_of(folder, mat_head(1), levels=900)
+
+
 TEXTS = (
     gzip_bomb, gzip_cut, line_without_an_end, columns_without_an_end, quote_without_an_end,
     rows_of_any_length, formulas, numbers_that_are_none, text_with_nul,
@@ -230,4 +288,9 @@ LOGS = (
     ros1_bomb, sqlite_view_without_an_end, sqlite_computed_column, sqlite_message_bomb,
     sqlite_file_bomb, sqlite_qos_is_deep, sqlite_metadata_is_deep, sqlite_that_climbs,
     sqlite_that_is_none, pipe, device, bytes_of_nothing,
+)  # fmt: skip
+# What a draft reads and refuses
+DRAFTED = (
+    columns_by_thousands, mat_of_cells, mat_of_cells_compressed, mat_of_structs, mat_of_functions,
+    mat_of_opaque_objects, mat_of_cells_within_reach,
 )  # fmt: skip

@@ -7,22 +7,24 @@ take more memory than `sandbox` states, hang, run what it holds, or write outsid
 
 import pytest
 
-from .logs import LOGS
+from .logs import DRAFTED, LOGS
 from .logs import TEXTS as CSV_TEXTS
 from .recordings import READ, REFUSED
-from .sandbox import MEMORY, Sandbox
+from .sandbox import find_control, MEMORY, Sandbox
 from .shapes import SHAPES
 from .texts import TEXTS
 
 VEHICLE = ('vehicle', 'show')
 CSV = ('import', '--mapping', 'tum', '--out', 'done')
 IMPORT = ('import', '--out', 'done')
+DRAFT = ('import', '--draft', '--out', 'done')
 TUNNEL = ('cfd', 'run', '--fidelity', 'analytic', '--out', 'done')
 KINDS = [
     *((VEHICLE, build) for build in TEXTS),
     *((('bag', 'info'), build) for build in REFUSED),
     *((CSV, build) for build in CSV_TEXTS),
     *((IMPORT, build) for build in LOGS),
+    *((DRAFT, build) for build in DRAFTED),
     *((TUNNEL, build) for build in SHAPES),
 ]
 
@@ -50,7 +52,7 @@ def attempt(sandbox, tmp_path):
         assert 'Traceback' not in told.err, told.err[-2000:]
         assert told.status in (0, 2), (told.status, told.err[-500:])
         assert told.grown < MEMORY
-        assert '\x1b' not in told.out + told.err
+        assert find_control(told.out + told.err) == set()
         left = set(tmp_path.rglob('*')) - before
         allowed = () if told.status else (folder / 'done',)
         assert all(any(place.is_relative_to(one) for one in allowed) for place in left), left

@@ -270,6 +270,8 @@ def scale_column(
     ------
     ValueOutOfBounds
         If a value is outside the bounds that the mapping gives.
+    BadInput
+        If a value in SI is too large for a float.
 
     """
     values = raw if source.missing is None else np.where(raw == source.missing, np.nan, raw)
@@ -283,13 +285,26 @@ def scale_column(
                 f'"within" in the mapping allows {low:g} to {high:g}; choose the right column in '
                 'the mapping, or correct "within".'
             )
-    if source.offset:
-        values = values + source.offset
+    numbers = _apply_factors(source, scale, values)
+    wrong = np.flatnonzero(np.isinf(numbers) & np.isfinite(values))
+    if len(wrong):
+        raise BadInput(
+            f"Column '{column}' has {values[wrong[0]]:.6g} in row {first + wrong[0] + 1}, which "
+            'is too large with "scale", "over" and "offset" of the mapping; correct these.'
+        )
+    return numbers
+
+
+def _apply_factors(source: ScalarField | VectorField, scale: float, values: Numbers) -> Numbers:
+    """Return numbers in SI; infinite where a float is too small for them."""
     factor = scale * UNITS[source.unit][1]
-    # Skipping a factor of one keeps every bit and saves a copy.
-    if factor != 1.0:
-        values = values * factor
-    return values if source.over == 1.0 else values / source.over
+    with np.errstate(over='ignore'):
+        if source.offset:
+            values = values + source.offset
+        # Skipping a factor of one keeps every bit and saves a copy.
+        if factor != 1.0:
+            values = values * factor
+        return values if source.over == 1.0 else values / source.over
 
 
 def _check_stamps(table: LogTable, topic: str) -> None:

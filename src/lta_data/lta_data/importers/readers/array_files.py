@@ -7,8 +7,14 @@ import zipfile
 
 from lta_config.bounded_memory import limit_memory
 from lta_config.errors import BadInput
-from lta_config.limits import check_log_size, INFLATED_FREELY, INFLATION
+from lta_config.limits import (
+    check_column_count,
+    check_log_size,
+    INFLATED_FREELY,
+    INFLATION,
+)
 from lta_data.importers.readers.column_log import Column
+from lta_data.importers.readers.mat_process import read_mat_arrays
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -59,7 +65,12 @@ def _iterate_even_tables(
 def _split_columns(name: str, array: Column) -> dict[str, Column]:
     """Return the columns of an array; none if it is a scalar, a text or of more dimensions."""
     if array.dtype.names:
-        return {f'{name}.{part}': array[part] for part in array.dtype.names}
+        parts: dict[str, Column] = {}
+        for part in array.dtype.names:
+            cells, label = array[part], f'{name}.{part}'
+            # Texts of one dimension may be dates
+            parts |= {label: cells} if _are_texts(cells) else _split_columns(label, cells)
+        return parts
     if array.dtype.kind not in 'fiub' or array.size < 2:
         return {}
     if array.ndim == 2 and 1 in array.shape:
@@ -73,6 +84,10 @@ def _split_columns(name: str, array: Column) -> dict[str, Column]:
     return {f'{name}[{index}]': rows[:, index] for index in range(rows.shape[1])}
 
 
+def _are_texts(cells: Column) -> bool:
+    return cells.ndim == 1 and cells.dtype.kind in 'USM'
+
+
 HDF5 = b'\x89HDF\r\n\x1a\n'
 READ = tuple[dict[str, dict[str, Column]], list[str]]  # tables, remarks
 
@@ -83,9 +98,6 @@ def read_mat_file(path: Path) -> READ:
 
     Raise `BadInput` if it is damaged, or has version 7.3.
     """
-    # Import here: loading scipy.io takes a tenth of a second, and few imports need it.
-    from scipy.io import loadmat
-
     check_log_size(path)
     with path.open('rb') as stream:
         head = stream.read(1024)
@@ -94,15 +106,7 @@ def read_mat_file(path: Path) -> READ:
             f"'{path}' is a MATLAB file of version 7.3 (HDF5), which LTA does not read; save it "
             "with save(FILE, '-v7') in MATLAB."
         )
-    try:
-        with limit_memory():
-            content = loadmat(path, simplify_cells=True)
-    # scipy raises many types for damaged files
-    except Exception as error:
-        raise _damaged(path, 'MATLAB', error) from None
-    return _require_tables(
-        path, {name: value for name, value in content.items() if not name.startswith('__')}
-    )
+    return _require_tables(path, read_mat_arrays(path))
 
 
 def read_numpy_file(path: Path) -> READ:
@@ -117,11 +121,11 @@ def read_numpy_file(path: Path) -> READ:
             _refuse_bomb(path)
         with limit_memory(), path.open('rb') as stream:
             content = np.load(stream, allow_pickle=False)
-            leaves = (
-                {name: content[name] for name in content.files}
-                if isinstance(content, np.lib.npyio.NpzFile)
-                else _name_array(content)
-            )
+            if isinstance(content, np.lib.npyio.NpzFile):
+                check_column_count(path, len(content.files))
+                leaves = {name: content[name] for name in content.files}
+            else:
+                leaves = _name_array(content)
     except BadInput:
         raise
     # numpy raises many types for damaged files
@@ -140,7 +144,10 @@ def read_parquet_file(path: Path) -> READ:
     check_log_size(path)
     try:
         with limit_memory():
+            check_column_count(path, pq.read_metadata(path).num_columns)
             table = pq.read_table(path)
+    except BadInput:
+        raise
     except (pa.ArrowException, OSError, ValueError, MemoryError) as error:
         raise _damaged(path, 'Parquet', error) from None
     columns = {}
@@ -170,20 +177,12 @@ def _name_array(array: Column) -> dict[str, Column]:
 
 
 def _require_tables(path: Path, content: dict[str, Any]) -> READ:
-    """Return the tables of nested arrays; raise `BadInput` if there are none."""
-    tables, notes = arrange_tables(dict(_flatten(content)))
+    """Return the tables of arrays; raise `BadInput` if there are none, or too many arrays."""
+    check_column_count(path, len(content))
+    tables, notes = arrange_tables(content)
     if not tables:
         raise _empty(path)
     return tables, notes
-
-
-def _flatten(content: dict[str, Any], prefix: str = '') -> Iterator[tuple[str, Any]]:
-    """Yield the arrays of nested structs by dotted name."""
-    for name, value in content.items():
-        if isinstance(value, dict):
-            yield from _flatten(value, f'{prefix}{name}.')
-        else:
-            yield prefix + name, value
 
 
 def _refuse_bomb(path: Path) -> None:

@@ -21,6 +21,8 @@ from lta_data.importers.readers.row_times import (
     choose_time_offset,
     compute_even_times,
     parse_exact_times,
+    READABLE,
+    round_to_nanoseconds,
     SECOND,
 )
 import numpy as np
@@ -113,16 +115,13 @@ def _to_nanoseconds(cells: Column, time: TimeColumn) -> Times:
     if cells.dtype.kind not in 'fiub':
         return parse_exact_times([str(cell) for cell in cells], time.unit, str(time.column), 0)[0]
     factor = UNITS[time.unit][1] * SECOND
-    if cells.dtype.kind in 'iub':
-        return np.round(cells.astype(np.int64) * round(factor)).astype(np.int64)
+    largest = np.abs(cells.astype(np.float64)).max(initial=0.0)
+    if cells.dtype.kind in 'iub' and largest < READABLE / factor:
+        return cells.astype(np.int64) * round(factor)
     if not np.isfinite(cells).all():
         row = int(np.flatnonzero(~np.isfinite(cells))[0]) + 1
         raise BadInput(
             f"Column '{time.column}' has no time in row {row}; remove the row, or choose another "
             'column in the mapping.'
         )
-    # Whole and fractional seconds apart: their product with 1e9 would lose digits
-    scaled = cells.astype(np.float64) * UNITS[time.unit][1]
-    whole = np.floor(scaled)
-    seconds_part: Times = whole.astype(np.int64) * SECOND
-    return seconds_part + np.round((scaled - whole) * SECOND).astype(np.int64)
+    return round_to_nanoseconds(cells.astype(np.float64) * UNITS[time.unit][1])

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, BinaryIO, final
 
 from lta_config.errors import BadInput
-from lta_config.limits import LINE_BYTES
+from lta_config.limits import check_column_count, LINE_BYTES
 from lta_config.schema.import_file import ImportMapping as MappingFile
 from lta_config.schema.import_file import TextFormat
 from lta_data.importers.log_provenance import CLOCK
@@ -265,6 +265,7 @@ def read_column_names(path: Path, text: TextFormat) -> list[str]:
     except (OSError, EOFError, pa.ArrowInvalid) as error:
         raise BadInput(f"'{path}' cannot be read ({error}); give an intact text file.") from None
     cells = next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])
+    check_column_count(path, len(cells))
     names: list[str] = []
     for index, cell in enumerate(cells):
         name = cell.strip() or f'unnamed {index + 1}'

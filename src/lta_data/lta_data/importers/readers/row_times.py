@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from datetime import datetime, UTC
-from decimal import Decimal, InvalidOperation
+from decimal import Decimal
 import re
 from typing import Any, Final, NamedTuple
 
@@ -12,8 +12,10 @@ from lta_config.topics import load_topic_table
 from lta_data.importers.log_provenance import CLOCK
 from lta_data.importers.log_table import Times
 import numpy as np
+from numpy.typing import NDArray
 
 SECOND: Final = 1_000_000_000
+READABLE: Final = 2**62  # ns; the sum of two such times fits an int64
 EPOCH: Final = datetime(1970, 1, 1, tzinfo=UTC)
 # ISO 8601 or RFC 3339 date-time, to the second at least; the fraction is a separate group.
 DATE: Final = re.compile(
@@ -30,12 +32,30 @@ class ParsedTimes(NamedTuple):
 
 def compute_even_times(time: Any, rows: Times) -> Times:  # noqa: ANN401 - lta_config.schema.import_file.TimeColumn
     """Return the times of evenly spaced rows, without accumulated error. [ns]"""
-    if time.step is None:
-        # From the row number, so that rounding does not add up.
-        times: Times = np.round(rows * (SECOND / time.rate.si)).astype(np.int64)
-    else:
-        times = rows * round(time.step.si * SECOND)
+    period = SECOND / time.rate.si if time.step is None else round(time.step.si * SECOND)
+    _check_readable(rows * (period / SECOND), rows)
+    # From the row number, so that rounding does not add up.
+    times: Times = np.round(rows * period).astype(np.int64)
     return times
+
+
+def round_to_nanoseconds(seconds: NDArray[np.float64]) -> Times:
+    """Return times with the digits of a float in whole nanoseconds; raise `BadInput` if huge."""
+    _check_readable(seconds, np.arange(len(seconds)))
+    # Whole and fractional seconds apart: their product with 1e9 would lose digits
+    whole = np.floor(seconds)
+    times: Times = whole.astype(np.int64) * SECOND
+    return times + np.round((seconds - whole) * SECOND).astype(np.int64)
+
+
+def _check_readable(seconds: NDArray[np.float64], rows: Times) -> None:
+    """Raise `BadInput` for times [s] that would overflow, in sums with a start, too."""
+    wrong = np.flatnonzero(~(np.abs(seconds) < READABLE / SECOND))
+    if len(wrong):
+        raise BadInput(
+            f'Row {rows[wrong[0]] + 1} is at {seconds[wrong[0]]:g} s, outside the range of '
+            'ROS time stamps; in the mapping, correct "time".'
+        )
 
 
 def parse_exact_times(texts: list[str], unit: str, column: str, first: int) -> ParsedTimes:
@@ -54,7 +74,12 @@ def parse_exact_times(texts: list[str], unit: str, column: str, first: int) -> P
     for index, text in enumerate(texts):
         try:
             times[index] = reading(text)
-        except (InvalidOperation, OverflowError, ValueError):
+        except OverflowError:
+            raise BadInput(
+                f"Column '{column}' has '{shorten_cell(text)}' in row {first + index + 1}, "
+                'outside the range of ROS time stamps; in the mapping, correct the unit of "time".'
+            ) from None
+        except (ArithmeticError, ValueError):
             content = f"'{shorten_cell(text)}'" if text else 'nothing'
             raise BadInput(
                 f"Column '{column}' has {content} in row {first + index + 1}, which is not a "
@@ -74,7 +99,15 @@ def build_decimal_parser(unit: str) -> Callable[[str], int]:
     """Return a function that parses decimals in a unit of time. [ns]"""
     # Decimal: float64 has too few digits for nanoseconds since 1970
     factor = Decimal(str(UNITS[unit][1])) * SECOND
-    return lambda text: int((Decimal(text) * factor).to_integral_value())
+
+    def parse(text: str) -> int:
+        time = Decimal(text) * factor
+        # An int of 1e999999 would take long
+        if abs(time) >= READABLE:
+            raise OverflowError(text)
+        return int(time.to_integral_value())
+
+    return parse
 
 
 def parse_date(text: str) -> int:

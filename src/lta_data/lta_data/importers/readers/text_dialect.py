@@ -8,7 +8,7 @@ import re
 from typing import Final, Literal
 
 from lta_config.errors import BadInput
-from lta_config.limits import LINE_BYTES
+from lta_config.limits import check_column_count, LINE_BYTES
 from lta_config.schema.import_file import TextFormat
 from lta_data.importers.draft.name_hints import UNIT_WORDS
 from lta_data.importers.readers.line_stream import decompress_stream
@@ -44,6 +44,7 @@ def detect_text_format(path: Path) -> TextFormat:
             f"'{path}' has no two lines with equally many numbers between commas, semicolons, "
             'tabs or spaces; give a text with columns of numbers.'
         )
+    check_column_count(path, cells)
     mark = DELIMITERS[delimiter]
     are_rows = [_is_row(line, mark, decimal, cells) for line in lines]
     # A single row of numbers before the names is that of a preamble, such as the number of frames
