@@ -29,6 +29,25 @@ def cable(tmp_path):
     made.pull()
 
 
+@pytest.mark.parametrize('kind', ['folder', 'file', 'no folder above'])
+def test_a_cable_that_cannot_have_its_name_is_one_sentence(tmp_path, kind):
+    name = tmp_path / 'lta_light_board'
+    if kind == 'folder':
+        name.mkdir()
+    elif kind == 'file':
+        name.write_text('mine')
+    else:
+        name = name / 'port'
+    with pytest.raises(BadInput, match=rf"^The light board's port '{name}' cannot be created"):
+        Cable(name)
+    assert kind != 'file' or name.read_text() == 'mine'
+
+
+def test_a_cable_left_behind_is_replaced(cable, tmp_path):
+    Cable(tmp_path / 'ttyACM0').pull()
+    assert not (tmp_path / 'ttyACM0').is_symlink()
+
+
 def test_bytes_go_both_ways_unaltered(cable, tmp_path):
     """Every value of a byte: a terminal that is not raw would eat some."""
     port = open_port(str(tmp_path / 'ttyACM0'))

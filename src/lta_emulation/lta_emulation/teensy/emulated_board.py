@@ -23,6 +23,7 @@ from lta_bridge.teensy.dialect import (
 from lta_bridge.teensy.frame_parser import FrameParser
 from lta_bridge.teensy.light_board import ACTIVE, CONTROLLER, DIALECT, NO_AUTOPILOT, PROTOCOL
 from lta_bridge.teensy.message import MavlinkMessage
+from lta_config.errors import BadInput
 import numpy as np
 from numpy.typing import NDArray
 
@@ -247,7 +248,8 @@ class Cable:
     """
     A pseudo terminal whose name stays the same when it is unplugged and plugged in again.
 
-    `name`: path that the other side opens.
+    `name`: path that the other side opens. Raise `BadInput` if it cannot be created, or is there
+    and no link, as a port that was left behind would be.
     """
 
     def __init__(self, name: Path) -> None:
@@ -262,14 +264,23 @@ class Cable:
         tty.setraw(theirs, termios.TCSANOW)
         # A full buffer must not block the emulation when nobody reads
         os.set_blocking(self._ours, False)
-        self._name.unlink(missing_ok=True)
-        # The name of a pseudo terminal changes at each opening; the link does not
-        self._name.symlink_to(os.ttyname(theirs))
-        os.close(theirs)
+        try:
+            if self._name.is_symlink():
+                self._name.unlink()
+            # The name of a pseudo terminal changes at each opening; the link does not
+            self._name.symlink_to(os.ttyname(theirs))
+        except OSError as error:
+            raise BadInput(
+                f"The light board's port '{self._name}' cannot be created ({error.strerror}); "
+                'remove what is there, or give another path as light port.'
+            ) from None
+        finally:
+            os.close(theirs)
 
     def pull(self) -> None:
         """Unplug the cable; the other side's port vanishes."""
-        self._name.unlink(missing_ok=True)
+        if self._name.is_symlink():
+            self._name.unlink(missing_ok=True)
         if self._ours is not None:
             os.close(self._ours)
             self._ours = None
