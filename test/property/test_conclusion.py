@@ -146,6 +146,11 @@ def give_advice(told: dict[str, Any], advice: str) -> dict[str, Any]:
     return {**told, 'conclusion': {**told['conclusion'], 'advice': advice}}
 
 
+def retract(told: dict[str, Any]) -> dict[str, Any]:
+    """Return the JSON of a study that does not say any more that its effects are missing."""
+    return {**told, 'conclusion': {**told['conclusion'], 'asserted': False}}
+
+
 def test_the_laws_find_a_page_that_retracts(
     named: StudyResult, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -172,6 +177,12 @@ def test_the_laws_find_a_page_that_retracts(
         'but the JSON asserts them': said._replace(headline=f'It is so, but {IDLE} it'),
         'but their file is advised': said._replace(headline=f'It is so, but {IDLE} it'),
         'headline and tiles disagree': said._replace(tiles='1 possible effect'),
+        'the JSON verdict names': said._replace(json=retract(said.json)),
+        'a tile names': said._replace(json=retract(said.json)),
+        'the terminal names': said._replace(json=retract(said.json)),
+        'a search round names': said._replace(json=retract(said.json)),
+        'but nothing is named': said._replace(json=retract(said.json)),
+        'verdict or tile do not name it': said._replace(tiles='1 effect'),
         'a gain by effects that are not': said._replace(json=give_advice(said.json, 'again')),
     }
     other = replace(

@@ -38,7 +38,7 @@ AGAIN: Final = 'Record another flight before'
 IDLE: Final = 'no forecast shows'
 DOUBT: Final = (
     'inconclusive', 'cannot distinguish', AGAIN, 'do not trust', 'predicts worse',
-    'named effects are worse', 'do not show which', IDLE,
+    'effects found are worse', 'do not show which', IDLE,
 )  # fmt: skip
 FITS: Final = 'explains these flights to within'
 REMEASURE: Final = 'Calibrate first'
@@ -97,6 +97,7 @@ def find_contradictions(finding: StudyResult) -> list[str]:
     """Return a sentence for each contradiction; empty if there are none."""
     rendered = render_study(finding)
     laws = (_check_gains(rendered), _check_names(finding, rendered),
+            _check_status(finding, rendered),
             _check_nothing(finding, rendered), _check_values(finding, rendered),
             _check_json(finding, rendered), _check_law(rendered),
             _check_refit(rendered), _check_added(finding, rendered))  # fmt: skip
@@ -142,11 +143,37 @@ def _check_names(finding: StudyResult, rendered: RenderedStudy) -> Iterator[str]
         yield 'the headline names a missing effect, but the result contains none'
     named = {name.partition('.')[0] for one in finding.effects for name in one.knobs}
     for knob in (rung.knob for step in finding.ladder for rung in step):
-        heading = f'{format_parameter(knob)} is named'
         # A parameter may be named in one round and dropped in a later one
-        stays = rendered.ladder.count(heading) > rendered.ladder.count(f'{heading}, but dropped')
-        if stays and knob.partition('.')[0] not in named:
+        if _stays(rendered.ladder, knob, 'named') and knob.partition('.')[0] not in named:
             yield f'parameter {knob} is named in a search round, but not in the result'
+
+
+def _stays(ladder: str, knob: str, status: str) -> bool:
+    """Return whether a search round gives a parameter a status that it keeps."""
+    heading = f'{format_parameter(knob)} is {status}'
+    return ladder.count(heading) > ladder.count(f'{heading}, but dropped')
+
+
+def _check_status(finding: StudyResult, rendered: RenderedStudy) -> Iterator[str]:
+    """Check that each output calls the effects named if they are said to be missing, or none."""
+    conclusion = rendered.json['conclusion']
+    asserted = conclusion['asserted']
+    calls = {
+        'the JSON verdict': rendered.json['verdict'].startswith('named'),
+        'a tile': ' named ' in rendered.tiles,
+        'the terminal': 'with the named effects' in rendered.terminal,
+        'a search round': any(
+            _stays(rendered.ladder, rung.knob, 'named') for step in finding.ladder for rung in step
+        ),
+    }
+    for place, is_named in calls.items():
+        if is_named and not asserted:
+            yield f'{place} names an effect that is not said to be missing'
+    if asserted and not (calls['the JSON verdict'] and calls['a tile']):
+        yield 'an effect is said to be missing, but verdict or tile do not name it'
+    law = rendered.json['law']
+    if 'vehicle.yaml' in rendered.commands and not (asserted or (law and law['proposed'])):
+        yield 'a command uses a learned file, but nothing is named'
 
 
 def _check_nothing(finding: StudyResult, rendered: RenderedStudy) -> Iterator[str]:

@@ -1,5 +1,5 @@
 """
-Derive the conclusion of a study, the single source of its headline, tiles, warnings and advice.
+Derive the conclusion of a study: the single source of its headline, tiles, advice and files.
 
 A finding holds the measured results. This module alone decides whether they support a name, a gain
 or the use of the learned vehicle file, so that no two outputs contradict each other.
@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import math
 from typing import Final, final, Literal
 
-from lta_discovery.finding import ChannelErrors, StudyResult
+from lta_discovery.finding import ChannelErrors, StudyResult, Verdict
 from lta_discovery.forecast.forecast_warnings import (
     find_worse_forecasts,
     find_worse_than_tolerances,
@@ -22,6 +22,11 @@ from lta_discovery.selection.candidate_acceptance import GAIN
 from lta_model.effects import EFFECTS
 
 Advice = Literal['keep', 'measure', 'again', 'use', 'law', 'refitted']
+# A possible effect is one that the readings favour and no forecast needs
+Concluded = Literal[
+    'none', 'named', 'possible', 'unexplained', 'named+unexplained', 'possible+unexplained',
+    'not_identifiable',
+]  # fmt: skip
 
 FAR: Final = 3.0  # s; the horizon at which a model has to be better than coasting
 LOOSE: Final = 0.7  # of the error before; below it, tuning the tolerances alone is worth reporting
@@ -56,18 +61,18 @@ LAWLESS: Final[Mapping[Advice, str]] = {
 class Conclusion:
     """What a study supports, and the advice that follows."""
 
-    # True: the effects are missing. False: they may be missing.
-    asserted: bool
+    verdict: Concluded
+    # Of the effects that were found. Possible: not said to be missing, and in no file except
+    # beside a law, which was fitted with them
+    effect_status: Literal['named', 'possible']
     # Parameters that explain the data as well as an effect; the headline names them with "or"
     rivals: tuple[str, ...]
     # Whether a model that ignores the commands predicts the position best, at the longest horizon
     coasting: bool
     advice: Advice  # what to do with the vehicle file, a key of `ADVICE`
     # The improvement to report: the position at the longest horizon, or another error that only
-    # the named effects reduce. None unless the advice is to act on it.
+    # the effects reduce. None unless the advice is to act on it.
     gain: ChannelErrors | None
-    # Whether the named effects improve no forecast beyond what fitting the tolerances does
-    idle: bool
     # Whether the vehicle file explains the flights to within its tolerances and the noise
     fits: bool
     # The position error over some seconds, if the final model does not beat coasting there: then
@@ -76,6 +81,18 @@ class Conclusion:
     # The position error at the longest horizon, if the file with all numbers refitted forecasts
     # the held-out flights clearly better than any other, position and attitude
     refitted: ChannelErrors | None = None
+    # Whether there is a vehicle file with what was learned: the named effects, or a law
+    has_learned_file: bool = False
+
+    @property
+    def asserted(self) -> bool:
+        """Whether the effects are missing: they are named, not only possible."""
+        return self.verdict in ('named', 'named+unexplained')
+
+    @property
+    def idle(self) -> bool:
+        """Whether no forecast needs the effects more than fitted tolerances."""
+        return self.verdict in ('possible', 'possible+unexplained')
 
     @property
     def is_doubtful(self) -> bool:
@@ -105,20 +122,33 @@ def draw_conclusion(finding: StudyResult) -> Conclusion:
     useless = None if beaten else find_useless_forecast(finding.gaps)
     # A gain is only reported together with the advice to use it
     gain = added if advice == 'use' else gap if loose and advice == 'measure' else None
+    verdict = _conclude_verdict(finding.verdict, idle)
     return Conclusion(
-        asserted=bool(finding.effects) and finding.verdict != 'not_identifiable' and not idle,
+        verdict=verdict,
+        effect_status=(
+            'possible' if finding.effects and not verdict.startswith('named') else 'named'
+        ),
         rivals=tuple(rivals),
         coasting=gap is not None and gap.coast < min(gap.tuned, gap.after),
         advice=advice,
         gain=gain if useless is None else None,
-        idle=idle,
         fits=finding.verdict == 'none'
         and advice == 'keep'
         and useless is None
         and not (finding.strained or find_worse_forecasts(finding.gaps)),
         useless=useless,
         refitted=refitted,
+        has_learned_file=verdict.startswith('named') or has_law(finding),
     )
+
+
+def _conclude_verdict(verdict: Verdict, idle: bool) -> Concluded:
+    """Return the verdict of a search, less the names that no forecast needs."""
+    if idle and verdict == 'named':
+        return 'possible'
+    if idle and verdict == 'named+unexplained':
+        return 'possible+unexplained'
+    return verdict
 
 
 def find_added_gain(gaps: Sequence[ChannelErrors], effects: Sequence[str]) -> ChannelErrors | None:

@@ -208,7 +208,7 @@ class LawFinding:
 class StudyResult:
     """The result of a study."""
 
-    verdict: Verdict  # 'none', 'named', 'unexplained', 'named+unexplained' or 'not_identifiable'
+    verdict: Verdict  # of the search; what is said of it, `conclusion.py` decides
     effects: tuple[NamedEffect, ...]  # the strongest first
     # Rounds of the search, the best candidate first
     ladder: tuple[tuple[SearchCandidate, ...], ...]

@@ -18,7 +18,7 @@ from lta_discovery.calibration.first_step import (
     FirstStep,
 )
 from lta_discovery.calibration.verdict import format_lift_warning, list_differences
-from lta_discovery.conclusion import forget_refit
+from lta_discovery.conclusion import draw_conclusion, forget_refit
 from lta_discovery.discrepancies.discrepancy_search import BaselineFlight, find_discrepancies
 from lta_discovery.flights.bags import read_bags, Role
 from lta_discovery.flights.usable_flights import select_usable_flights, UsableFlights
@@ -230,7 +230,7 @@ def write_results(
     else:
         text = _read_vehicle_file(request)
     learned = finding.law.file if finding.law else ''
-    if finding.effects and not learned:
+    if draw_conclusion(finding).has_learned_file and not learned:
         learned = format_learned_vehicle(text, vehicle, study.nominal, study.learned, finding)
     if learned:
         (part / VEHICLE).write_text(learned, encoding='utf-8')

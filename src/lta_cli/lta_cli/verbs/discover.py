@@ -13,7 +13,7 @@ from lta_cli.options.common_options import (
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
 from lta_discovery.demo.demo import run_discovery_demo
-from lta_discovery.demo.hidden_effect import DemoEffect, draw_demo_effect
+from lta_discovery.demo.hidden_effect import DemoEffect
 from lta_discovery.flights.bags import Role
 from lta_discovery.page.verdict_text import list_learned_file_commands
 from lta_discovery.planning.next_flight import FILE, NextFlightPlan, plan_separating_flight, SCENE
@@ -139,8 +139,7 @@ def discover(
     hidden = None
     with DiscoverProgress(console) as progress:
         if vehicle is None:
-            hidden = draw_demo_effect(seed)
-            result = run_discovery_demo(hidden, seed, folder, progress.show_stage)
+            hidden, result = run_discovery_demo(seed, folder, progress.show_stage)
         else:
             request = DiscoveryRequest(vehicle, bags, seed, robot, plan, calibration)
             result = discover_effects(request, folder, progress.show_stage)

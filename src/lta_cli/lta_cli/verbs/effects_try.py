@@ -5,7 +5,7 @@ from typing import Annotated
 from lta_challenge.effect_trial import choose_trial_effect
 from lta_cli.options.common_options import check_picture_output, Json, Out, Pictures, plain_console
 from lta_cli.verbs.discover import show_result
-from lta_discovery.demo.demo import run_discovery_demo
+from lta_discovery.demo.demo import discover_hidden_effect
 from lta_discovery.progress import DiscoverProgress
 from lta_report.results_folder import check_creatable, resolve_folder
 import typer
@@ -35,5 +35,5 @@ def try_(
     folder = resolve_folder(out, f'effects-{name}')
     check_creatable(folder)
     with DiscoverProgress(console) as progress:
-        result = run_discovery_demo(hidden, seed, folder, progress.show_stage)
+        result = discover_hidden_effect(hidden, seed, folder, progress.show_stage)
     show_result(result, hidden, folder, console, pictures, json=json)

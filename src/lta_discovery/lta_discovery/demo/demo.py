@@ -1,10 +1,19 @@
 """Run the demonstration: hide an effect, fly with it, and find it."""
 
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 import shutil
 from typing import Final
 
-from lta_discovery.demo.hidden_effect import DemoEffect, fly_hidden, VEHICLE
+from lta_config.errors import BadInput
+from lta_discovery.demo.forecast_gain import measure_forecast_gain
+from lta_discovery.demo.hidden_effect import (
+    DemoEffect,
+    draw_demo_effects,
+    fly_hidden,
+    VEHICLE,
+)
 from lta_discovery.flights.bags import Role
 from lta_discovery.run import discover_effects, DiscoveryRequest, DiscoveryResult, Tell
 
@@ -13,22 +22,67 @@ FLIGHTS: Final[tuple[tuple[str, Role], ...]] = (
     ('A', 'train'), ('B', 'confirm'), ('C', 'holdout'),
 )  # fmt: skip
 APART: Final = 1000  # between the seeds of two demonstrations, so that their flights differ
+DRAWS: Final = 12  # most effects that are drawn; each takes a quarter of the time of a study
 
 
-def run_discovery_demo(hidden: DemoEffect, seed: int, folder: Path, tell: Tell) -> DiscoveryResult:
+def run_discovery_demo(seed: int, folder: Path, tell: Tell) -> tuple[DemoEffect, DiscoveryResult]:
     """
-    Hide an effect, fly three flights with it, and search for it.
+    Hide an effect that forecasts need, fly three flights with it, and search for it.
 
-    `seed`: of the flights. `folder`: empty; the flights go into `flights`.
+    `seed`: of the effect and the flights. `folder`: empty; the flights go into `flights`. Raise
+    `BadInput` if forecasts need none of the effects that the seed draws.
     """
-    bags = {}
-    try:
-        for k, (name, role) in enumerate(FLIGHTS):
-            tell(f'simulating flight {name} with the hidden effect', None)
-            place = folder / 'flights' / name
-            # Each flight has its own seed
-            bags[role] = [fly_hidden(hidden, APART * seed + k, SECONDS, place)]
+    with _remove_if_aborted(folder):
+        hidden, bags = draw_clear_effect(seed, folder, tell)
+        return hidden, discover_effects(DiscoveryRequest(VEHICLE, bags, seed), folder, tell)
+
+
+def discover_hidden_effect(
+    hidden: DemoEffect, seed: int, folder: Path, tell: Tell
+) -> DiscoveryResult:
+    """Fly three flights with an effect, and search for it; arguments as for the demonstration."""
+    with _remove_if_aborted(folder):
+        bags = fly_all(hidden, seed, folder, tell)
         return discover_effects(DiscoveryRequest(VEHICLE, bags, seed), folder, tell)
+
+
+def draw_clear_effect(
+    seed: int, folder: Path, tell: Tell
+) -> tuple[DemoEffect, Mapping[Role, Sequence[Path]]]:
+    """Return the first effect that forecasts of its held-out flight need, and its flights."""
+    effects = draw_demo_effects(seed)
+    for count in range(1, DRAWS + 1):
+        hidden = next(effects)
+        bags = fly_all(hidden, seed, folder, tell)
+        tell('checking that forecasts need the hidden effect', None)
+        if measure_forecast_gain(hidden, bags, seed).is_clear:
+            return hidden, bags
+        tell(f'forecasts do not need effect {count}: drawing another', None)
+        shutil.rmtree(folder / 'flights')
+    raise BadInput(
+        f'Forecasts need none of the {DRAWS} effects that seed {seed} draws; choose another '
+        '--seed.'
+    )
+
+
+def fly_all(
+    hidden: DemoEffect, seed: int, folder: Path, tell: Tell
+) -> Mapping[Role, Sequence[Path]]:
+    """Simulate the flights of a demonstration; return the bags by role."""
+    bags: dict[Role, Sequence[Path]] = {}
+    for k, (name, role) in enumerate(FLIGHTS):
+        tell(f'simulating flight {name} with the hidden effect', None)
+        # Each flight has its own seed
+        place = folder / 'flights' / name
+        bags[role] = [fly_hidden(hidden, APART * seed + k, SECONDS, place)]
+    return bags
+
+
+@contextmanager
+def _remove_if_aborted(folder: Path) -> Iterator[None]:
+    """Remove the flights of an aborted demonstration."""
+    try:
+        yield
     except BaseException:
-        shutil.rmtree(folder)  # remove the flights of an aborted demonstration
+        shutil.rmtree(folder, ignore_errors=True)
         raise

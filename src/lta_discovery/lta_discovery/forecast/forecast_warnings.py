@@ -57,7 +57,7 @@ def list_forecast_warnings(gaps: Sequence[ChannelErrors]) -> list[str]:
         )
     if vain and not should_keep_file(gaps):
         out.append(
-            f'Forecasts with the named effects are worse than without them, if only the values of '
+            f'Forecasts with the effects found are worse than without them, if only the values of '
             'the vehicle file are fitted within their tolerances '
             f'({_format_channel_horizons(vain)}): these may be the right effects, but do not '
             'trust their values; record another flight.'

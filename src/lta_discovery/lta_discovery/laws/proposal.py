@@ -337,7 +337,7 @@ def _list_near_effects(finding: StudyResult) -> tuple[str, ...]:
     ranked = sorted(best.values(), key=lambda rung: -rung.total)[:NEAR]
     return tuple(
         f'{format_parameter(rung.knob)} ({rung.total:.0f} nats: '
-        f'{explain_decision(rung, beaten=False, stands=False)})'
+        f'{explain_decision(rung, beaten=False)})'
         for rung in ranked
     )
 

@@ -5,6 +5,7 @@ from html import escape
 import math
 from typing import Final
 
+from lta_discovery.conclusion import draw_conclusion
 from lta_discovery.finding import ChannelErrors, StudyResult
 from lta_discovery.forecast.flight_prediction import NAMES
 from lta_discovery.page import strips
@@ -98,11 +99,12 @@ def _format_scope(finding: StudyResult) -> str:
         if finding.held_out
         else 'on flights that the search has used as well'
     )
-    refitted = 'refitted' in _list_models(finding.gaps)
+    refitted = REFITTED if 'refitted' in _list_models(finding.gaps) else ''
+    status = draw_conclusion(finding).effect_status
     return (
         f'Root mean square errors {whose}. Before: with the vehicle file. Tuned: with its '
-        'parameters fitted within their tolerances, without a new effect. After: with the named '
-        f'effects. {REFITTED if refitted else ""}Coast: with constant velocity and turn rates, '
+        'parameters fitted within their tolerances, without a new effect. After: with the '
+        f'{status} effects. {refitted}Coast: with constant velocity and turn rates, '
         'without the commands. Shaded: the measurement noise, the smallest error that can be '
         'seen. The reduction is from before to after; its interval is a bootstrap over the '
         'pieces of flight.'

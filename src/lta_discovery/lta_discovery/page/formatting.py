@@ -156,20 +156,16 @@ def format_odds(nats: float) -> str:
     return f'odds of 10{f"{power:.0f}".translate(RAISED)} to 1'
 
 
-def explain_decision(rung: SearchCandidate, beaten: bool, stands: bool) -> str:
+def explain_decision(rung: SearchCandidate, beaten: bool, status: str = '') -> str:
     """
     Explain why a candidate was named or rejected.
 
-    `beaten`: whether its round named another. `stands`: whether it is in the final result, if it
-    was named.
+    `beaten`: whether its round named another. `status`: 'named' or 'possible' if it is in the
+    final result.
     """
     witness = max(rung.confirm, rung.carried)
     if rung.accepted:
-        return (
-            'named'
-            if stands
-            else 'first named, then dropped: all flights together do not support it'
-        )
+        return status or 'first named, then dropped: all flights together do not support it'
     if rung.total <= GAIN or max(rung.train, witness) <= LARGER:
         return 'too little evidence'
     if rung.apart >= APART:

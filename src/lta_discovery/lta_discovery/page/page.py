@@ -9,6 +9,7 @@ from typing import Any, Final
 from lta_config.command_line import format_lta_command
 from lta_discovery.calibration.report import build_first_step_table, FIRST_STEP
 from lta_discovery.calibration.verdict import format_forecast_sentence
+from lta_discovery.conclusion import draw_conclusion
 from lta_discovery.finding import StudyResult
 from lta_discovery.page import error_tables, figures, tables
 from lta_discovery.page.flight_views import (
@@ -158,13 +159,19 @@ def build_report(
 def render_story(finding: StudyResult, drawing: str) -> str:
     """Return what was found, what to do next, and the warnings, in columns."""
     parts = {
-        'Missing effects': tables.render_effects(finding),
+        _format_effects_heading(finding): tables.render_effects(finding),
         'What to do next': tables.render_next_steps(finding),
         'Warnings': tables.render_warnings(finding),
         'At a glance': render_glance(drawing),
     }
     panels = (render_panel(heading, body) for heading, body in parts.items() if body)
     return f'{render_colors(COLOURS)}<div class="column">{"".join(panels)}</div>'
+
+
+def _format_effects_heading(finding: StudyResult) -> str:
+    """Return the heading of the effects."""
+    possible = draw_conclusion(finding).effect_status == 'possible'
+    return 'Possible effects' if possible else 'Missing effects'
 
 
 def render_calibration(finding: StudyResult) -> str:

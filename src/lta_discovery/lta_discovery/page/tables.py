@@ -74,7 +74,7 @@ def _format_nothing_named(finding: StudyResult) -> str:
         if best is None
         else f'The best candidate was {format_parameter(best.knob)}, with evidence of '
         f'{format_number(best.total)} nats ({GAIN:g} are required). It was rejected for this '
-        f'reason: {explain_decision(best, beaten=False, stands=False)}.'
+        f'reason: {explain_decision(best, beaten=False)}.'
     )
     text = {
         'none': 'The vehicle file explains these flights to within its own tolerances and the '
@@ -178,6 +178,7 @@ def render_search_rounds(finding: StudyResult) -> str:
         return '<p class="absent">No candidate was promising enough for a full fit.</p>'
     # Leave room to the right of the threshold line, even if no candidate reaches it.
     most = max(GAIN * 1.6, *(rung.total for rung in rungs))
+    status = draw_conclusion(finding).effect_status
     out = []
     for k, step in enumerate(finding.ladder, 1):
         named = next((rung for rung in step if rung.accepted), None)
@@ -185,7 +186,7 @@ def render_search_rounds(finding: StudyResult) -> str:
         if named is not None:
             is_named = is_still_named(finding, named.knob)
             words = (
-                f'{format_parameter(named.knob)} is named'
+                f'{format_parameter(named.knob)} is {status}'
                 f'{"" if is_named else ", but dropped at the end"}'
             )
         out.append(f'<h3>Round {k}: {escape(words)}</h3>')
@@ -197,7 +198,7 @@ def render_search_rounds(finding: StudyResult) -> str:
             continue
         rows = [
             _format_candidate_cells(
-                rung, most, named is not None, is_still_named(finding, rung.knob)
+                rung, most, named is not None, status if is_still_named(finding, rung.knob) else ''
             )
             for rung in step
         ]
@@ -205,14 +206,14 @@ def render_search_rounds(finding: StudyResult) -> str:
     return ''.join(out)
 
 
-def _format_candidate_cells(rung: SearchCandidate, most: float, beaten: bool, stands: bool) -> Row:
+def _format_candidate_cells(rung: SearchCandidate, most: float, beaten: bool, status: str) -> Row:
     name = escape(format_parameter(rung.knob))
     return (
-        f'<b>{name}</b>' if rung.accepted and stands else name,
+        f'<b>{name}</b>' if rung.accepted and status else name,
         strips.render_stacked_bar(rung.train, max(rung.confirm, rung.carried), GAIN, most),
         *(format_number(part) for part in (rung.train, rung.confirm, rung.carried)),
         format_number(rung.apart, 2),
-        explain_decision(rung, beaten, stands),
+        explain_decision(rung, beaten, status),
     )
 
 

@@ -10,7 +10,6 @@ from lta_discovery.conclusion import (
     Conclusion,
     draw_conclusion,
     FAR,
-    has_law,
     select_main_error,
 )
 from lta_discovery.finding import ChannelErrors, NamedEffect, StudyResult
@@ -279,7 +278,7 @@ def list_learned_file_commands(finding: StudyResult, folder: Path) -> dict[str, 
         name, flies = 'vehicle.yaml', True
     elif finding.calibration is not None:
         name, flies = 'calibrated.yaml', True
-    elif finding.effects or has_law(finding):
+    elif conclusion.has_learned_file:
         name, flies = 'vehicle.yaml', False
     else:
         return {}
@@ -367,9 +366,9 @@ def _build_verdict_tile(finding: StudyResult) -> Tile:
         'not_identifiable': 'another flight is needed',
     }.get(finding.verdict, '; '.join(values[:3]))
     value = {'none': 'none', 'unexplained': 'unknown', 'not_identifiable': 'inconclusive'}
-    named = 'possible' if draw_conclusion(finding).idle else 'named'
+    status = draw_conclusion(finding).effect_status
     return Tile('Missing effects', value.get(finding.verdict, str(count)),
-                '' if finding.verdict in value else named, note)  # fmt: skip
+                '' if finding.verdict in value else status, note)  # fmt: skip
 
 
 def _build_evidence_tile(finding: StudyResult) -> Tile:
@@ -386,5 +385,5 @@ def _build_evidence_tile(finding: StudyResult) -> Tile:
     best = max(tried, key=lambda rung: rung.total)
     return Tile(
         'Best candidate', format_number(best.total), 'nats',
-        f'{format_parameter(best.knob)}: {explain_decision(best, beaten=False, stands=False)}',
+        f'{format_parameter(best.knob)}: {explain_decision(best, beaten=False)}',
     )  # fmt: skip

@@ -39,7 +39,7 @@ FILE: Final = 'next_flight.yaml'
 SCENE: Final = 'hall'
 STRATEGY: Final = 'bag'
 MOST: Final = 4  # most rivals of one flight
-CERTAIN: Final = 'No named effect can be confused with another, so no further flight is needed.'
+CERTAIN: Final = 'No effect found can be confused with another: there is no flight to plan.'
 BIG: Final = 2.0  # typical sizes; hypothetical size of an effect without earlier flights
 SEEN_BY: Final[dict[Kind, Sensors]] = {
     'all': 'all',

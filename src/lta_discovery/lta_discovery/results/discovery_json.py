@@ -23,7 +23,7 @@ def to_dict(finding: StudyResult, cuts: Sequence[ExcludedInterval] = ()) -> dict
     """Return a finding as JSON: SI units, None for numbers that are not finite."""
     content: dict[str, Any] = {
         'schema': SCHEMA,
-        'verdict': finding.verdict,
+        'verdict': draw_conclusion(finding).verdict,
         'conclusion': _encode_conclusion(finding),
         'vehicle': finding.vehicle,
         'effects': [_encode_effect(effect) for effect in finding.effects],

@@ -17,6 +17,7 @@ from lta_config.files import parse_yaml
 from lta_config.parameter_override import get_parameter
 from lta_config.vehicle_edit import set_yaml_value
 from lta_data.validity import list_motion
+from lta_discovery.conclusion import draw_conclusion
 from lta_discovery.finding import NamedEffect, ParameterEstimate, StudyResult
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.page.formatting import format_assumed, join_words
@@ -81,8 +82,11 @@ def format_learned_vehicle(
 
     Raise `BadInput` if the format has no place for a number.
     """
+    # A law is fitted beside effects that are only possible
+    status = draw_conclusion(finding).effect_status
+    start = '' if status == 'named' else 'possible, not named: '
     notes_by_parameter = {
-        (effect.name, one.name): format_interval(one) + _format_assumptions(effect)
+        (effect.name, one.name): f'{start}{format_interval(one)}{_format_assumptions(effect)}'
         for effect in finding.effects
         for one in effect.parameters
     }

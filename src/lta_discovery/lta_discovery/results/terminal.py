@@ -6,6 +6,7 @@ from typing import Final
 
 from lta_discovery.calibration.report import build_first_step_table
 from lta_discovery.calibration.verdict import format_forecast_sentence
+from lta_discovery.conclusion import draw_conclusion
 from lta_discovery.finding import ChannelErrors, StudyResult, TransferEvidence
 from lta_discovery.forecast.flight_prediction import NAMES
 from lta_discovery.page.formatting import (
@@ -32,7 +33,7 @@ BARS: Final = (
     ('coast', 'ignoring the commands', 'dim'),
     ('before', 'the vehicle file', 'red'),
     ('tuned', 'its tolerances fitted', 'yellow'),
-    ('after', 'with the named effects', 'green'),
+    ('after', 'with the {} effects', 'green'),
     ('refitted', 'all numbers refitted', 'cyan'),
     ('noise_floor', 'measurement noise', 'dim'),
 )
@@ -70,8 +71,8 @@ def print_finding(finding: StudyResult, console: Console) -> None:
 
 
 def format_named_parameters(finding: StudyResult) -> str:
-    """Return the named parameters in one line, as the demonstration words its hidden effect."""
-    return join_words(
+    """Return the parameters in one line, as the demonstration words its hidden effect."""
+    names = join_words(
         [
             f'{effect.name}.{one.name} = {append_unit(format_number(one.value), one.unit)}'
             for effect in finding.effects
@@ -79,6 +80,8 @@ def format_named_parameters(finding: StudyResult) -> str:
         ]
         or ['nothing']
     )
+    status = draw_conclusion(finding).effect_status
+    return names if status == 'named' else f'{names} (possible, not named)'
 
 
 def format_forecast_evidence(carried: TransferEvidence, named: bool = False) -> str:
@@ -130,19 +133,20 @@ def format_prediction_errors(finding: StudyResult) -> Iterator[Text]:
                 f'{format_percent(sign * one.shrink)} % '
                 f'{word} than with {file} (95 % interval {low} to {high} %)'
             )
-            yield from _format_bars(one, bool(finding.effects), file)
+            yield from _format_bars(one, finding, file)
 
 
-def _format_bars(one: ChannelErrors, named: bool, file: str) -> Iterator[Text]:
+def _format_bars(one: ChannelErrors, finding: StudyResult, file: str) -> Iterator[Text]:
     """Yield a bar for each model."""
     # The model that ignores the commands may be far off; its bar is cut at the others' scale.
     most = max(one.before, one.tuned, one.after, 1e-12)
+    status = draw_conclusion(finding).effect_status
     for key, label, style in BARS:
         size = getattr(one, key)
-        absent = key == 'after' and not named
+        absent = key == 'after' and not finding.effects
         if absent or (key == 'refitted' and not math.isfinite(size)):
             continue
-        label = file if key == 'before' else label
+        label = file if key == 'before' else label.format(status)
         share = min(size / most, 1.0) if math.isfinite(size) else 0.0
         bar = '█' * round(BAR * share) + ('>' if size > most else '')
         yield Text(f'  {label:22}{format_quantity(size, one.unit):>9}  ').append(bar, style)

@@ -1,12 +1,14 @@
 """What the demonstration hides is drawn by the seed, flown, and stands in no bag."""
 
+from itertools import islice
+
 from lta_data.bag.recorded_flight import open_flight
 from lta_discovery.demo.demo import APART
 from lta_discovery.demo.hidden_effect import (
     add_tracker_noise,
     build_demo_course,
     DemoEffect,
-    draw_demo_effect,
+    draw_demo_effects,
     HIDEABLE,
     POSE,
     TURN,
@@ -17,9 +19,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 
-def test_a_seed_hides_one_thing_of_a_size_within_its_bounds():
-    found = [draw_demo_effect(seed) for seed in range(60)]
-    assert draw_demo_effect(7) == draw_demo_effect(7)
+def test_a_seed_draws_effects_of_sizes_within_their_bounds():
+    found = [one for seed in range(30) for one in islice(draw_demo_effects(seed), 2)]
+    assert next(draw_demo_effects(7)) == next(draw_demo_effects(7))
+    assert len({one.value for one in found}) == len(found)
     assert {one.name for one in found} == set(HIDEABLE)
     for one in found:
         low, high = HIDEABLE[one.name]

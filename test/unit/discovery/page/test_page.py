@@ -445,7 +445,7 @@ def test_numbers_are_written_as_people_read_them() -> None:
 
 def why(*numbers: float, beaten: bool = False) -> str:
     """Return what is said of a candidate without a name."""
-    return explain_decision(SearchCandidate('a', *numbers, False), beaten, stands=False)
+    return explain_decision(SearchCandidate('a', *numbers, False), beaten)
 
 
 def test_a_candidate_says_why_it_has_no_name() -> None:

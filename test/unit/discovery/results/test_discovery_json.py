@@ -24,7 +24,7 @@ NAN = float('nan')
 
 def _gap(channel, at, before, after, unit='m'):
     return ChannelErrors(channel, unit, at, before, 0.5 * before, after, 9.0, 0.001,
-                         1.0 - after / before, (0.2, 0.4), 17)  # fmt: skip
+                         1.0 - after / before, (0.2, 0.4), 17, added_ci95=(0.1, 0.3))  # fmt: skip
 
 
 FINDING = StudyResult(

@@ -3,7 +3,12 @@
 from types import SimpleNamespace
 
 from lta_config.files import find_file, parse_yaml
-from lta_discovery.finding import NamedEffect, ParameterEstimate, StudyResult
+from lta_discovery.finding import (
+    ChannelErrors,
+    NamedEffect,
+    ParameterEstimate,
+    StudyResult,
+)
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import list_free_parameters
 from lta_discovery.results.learned_file import add_validity, format_learned_vehicle
@@ -13,10 +18,15 @@ import numpy as np
 import pytest
 
 
-def _finding(effects=(), vehicle='gtmab'):
+def _finding(effects=(), vehicle='gtmab', added=0.5):
+    """Return a study whose effects add that to fitted tolerances, give or take 0.1."""
     bags = {'train': ('A',), 'confirm': ('B',), 'holdout': ('C',)}
+    gap = ChannelErrors(
+        'position', 'm', 5.0, 0.3, 0.2, 0.1, 1.0, 0.002, 0.67, (0.6, 0.7), 9,
+        added_ci95=(added - 0.1, added + 0.1),
+    )  # fmt: skip
     return StudyResult(
-        'named', effects, (), (), (), True, (), (), 1, bags, vehicle, {'commit': 'abc123'}
+        'named', effects, (), (), (gap,), True, (), (), 1, bags, vehicle, {'commit': 'abc123'}
     )
 
 
@@ -79,6 +89,9 @@ def test_the_source_has_interval_flights_commit_and_what_was_before(tmp_path):
                   'previously [0, 0, 0] N s/m (CFD: drag is quadratic at 0.2 to '
                   '2 m/s)'):  # fmt: skip
         assert words in drag.source
+    # As a law is fitted beside an effect that no forecast shows, its file holds it as what it is
+    _, _, back = _written('gtmab', path, ['linear_drag.surge'], _finding((effect,), added=0.0))
+    assert 'surge possible, not named: 0.003 N s/m' in back.file.aero.linear_drag.force.source
 
 
 def test_the_difference_of_both_files_is_what_was_learned(tmp_path):
