@@ -54,14 +54,21 @@ def test_a_hidden_effect_is_found_added_and_shown(bags, tmp_path):
 
 
 @pytest.mark.long  # the test before has all that it does, but for the flights of its own
-def test_the_demonstration_finds_what_it_has_hidden(tmp_path):
-    words = [ROOT / 'lta', 'discover', '--demo', '--out', tmp_path / 'demo']
+def test_the_demonstration_names_what_it_has_hidden(tmp_path):
+    out = tmp_path / 'demo'
+    words = [ROOT / 'lta', 'discover', '--demo', '--out', out]
     done = subprocess.run(words, capture_output=True, text=True, timeout=PATIENCE)
     assert done.returncode == 0, done.stderr
-    hidden, found = re.search(
-        r'^Hidden: (.*) = \S+\. Result: (.*) = \S+$', done.stdout, re.MULTILINE
+    hidden, _, found, _ = re.search(
+        r'^Hidden: (\S+) = (.*)\. Result: (\S+) = (.*)\.$', done.stdout, re.MULTILINE
     ).groups()
     assert found == hidden
+    told = json.loads((out / 'discovery.json').read_text())
+    assert (told['verdict'], told['conclusion']['asserted']) == ('named', True)
+    gap = told['gap']
+    assert gap['before'] >= 5.0 * gap['after']
+    assert gap['tuned'] >= 2.0 * gap['after']
+    assert hidden.partition('.')[0] in (out / 'vehicle.yaml').read_text()
 
 
 def _is_overlay(path):
