@@ -52,8 +52,8 @@ HALL: Final = {
 # Smallest and largest value of each number that the demonstration hides. Others, such as an offset
 # centre of gravity or a weak rotor, pass for fitted tolerances of the vehicle file in its flights.
 HIDEABLE: Final[dict[str, tuple[float, float]]] = {
-    'wind_gradient.x_y': (0.04, 0.1),
-    'wind_gradient.y_x': (0.04, 0.1),
+    'wind_gradient.x_y': (0.02, 0.06),
+    'wind_gradient.y_x': (0.02, 0.06),
     'linear_drag.sway': (0.04, 0.08),
     'linear_drag.surge': (0.05, 0.1),
 }
