@@ -4,6 +4,7 @@ from lta_config.topics import load_topic_table, robot_topic
 from lta_data.bag.reader import read_bag
 from lta_data.bag.recorded_flight import open_flight
 from lta_graph.ros.shared.hand_over import HandOver, place_node, SharingNode
+import pytest
 import rclpy
 from rclpy.duration import Duration
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -71,6 +72,33 @@ def test_a_shared_process_is_a_graph_for_others_and_ends_by_ctrl_c(
         assert peer.set('controller', 'hold_after', 0.7).successful
         assert peer.ask(SetBool, 'arm', data=False).message == 'disarmed'
         assert not peer.set('estimator', 'vehicle', 'skye').successful
+    launch.interrupt()
+    assert launch.end() == 130
+    assert 'Traceback' not in launch.text
+    assert read_bag(tmp_path / 'bag').is_complete
+
+
+@pytest.mark.parametrize('processes', ['many', 'one'])
+def test_the_clock_of_every_node_changes_in_flight(
+    lta, domain_id, flying, scenario, tmp_path, processes
+):
+    """Which adds and destroys subscriptions, and ends neither a node nor the flight."""
+    room = scenario(radius='0.01 m', time_limit='600 s')
+    words = (f'scenario:={room}', f'bag:={tmp_path / "bag"}', f'processes:={processes}')
+    launch = lta.start('launch', 'fly', *words)
+    flying(0.5)
+    with Peer(domain_id) as peer:
+        odoms, ticks = [], []
+        peer.hear('odom', odoms.append)
+        peer.hear('/clock', ticks.append)
+        for value in (False, True):
+            for node in sorted(ALL_NODES):
+                assert peer.set(node, 'use_sim_time', value).successful, node
+                assert not peer.set(node, 'use_sim_time', 1.0).successful, node
+            odoms.clear()
+            ticks.clear()
+            peer.until(lambda: len(odoms) > 20 and len(ticks) > 2)
+        assert set(peer.node.get_node_names()) >= ALL_NODES
     launch.interrupt()
     assert launch.end() == 130
     assert 'Traceback' not in launch.text

@@ -70,6 +70,40 @@ def test_timers_keep_their_periods(node):
     assert 20 <= ticks[0.01] <= 5 * 20 + 5
 
 
+def test_entities_come_and_go_while_the_node_spins(node):
+    """By callbacks: each kind is served once it is there, and a destroyed one stops nothing."""
+    heard, answers = [], []
+    doomed = node.create_subscription(Float64, 'in', heard.append, 10)
+    condemned = node.create_timer(0.01, lambda: heard.append('tick'), clock=STEADY)
+
+    def answer(_, response):
+        answers.append(response)
+        return response
+
+    def destroy(_):
+        for end, entity in ((node.destroy_subscription, doomed), (node.destroy_timer, condemned)):
+            end(entity)
+
+    def change():
+        change.timer.cancel()
+        node.create_subscription(Float64, 'in', destroy, 10)
+        node.create_service(Trigger, 'ask', answer)
+        client = node.create_client(Trigger, 'ask')
+        publisher = node.create_publisher(Float64, 'in', 10)
+
+        def speak():
+            if len(answers) < 3:
+                publisher.publish(Float64())
+                client.call_async(Trigger.Request())
+
+        node.create_timer(0.01, speak, clock=STEADY)
+
+    change.timer = node.create_timer(0.01, change, clock=STEADY)
+    spin_until(node, lambda: len(answers) >= 3 and doomed not in list(node.subscriptions))
+    assert len(answers) >= 3
+    assert condemned not in list(node.timers)
+
+
 def test_an_exception_leaves_the_spin(node):
     def breaks():
         raise ValueError('on purpose')

@@ -249,10 +249,7 @@ class Recorder(GraphNode):
     def run(self) -> Generator[Spin | Pause]:
         """Record until stopped, then until no more messages arrive."""
         self.health.report('state', HealthLevel.OK, 'running')
-        while self.running:
-            self._taps.apply_changes()
-            going = lambda: self.running and not self._taps.has_pending_changes  # noqa: E731
-            yield Spin(going, wait_ns=NAP_NS)
+        yield Spin(lambda: self.running, wait_ns=NAP_NS)
         landed = time.monotonic() + LEAVE
         coming_down = lambda: self._has_flight_bridge() and time.monotonic() < landed  # noqa: E731
         yield Spin(coming_down, wait_ns=NAP_NS)

@@ -6,7 +6,10 @@ from collections.abc import Generator
 from lta_config.errors import BadInput
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.spin import Pause, Spin
+from rcl_interfaces.msg import SetParametersResult
 from rclpy.lifecycle import LifecycleNodeMixin, LifecycleState, TransitionCallbackReturn
+from rclpy.parameter import Parameter
+from rclpy.time_source import USE_SIM_TIME_NAME
 
 
 class DeviceNode(LifecycleNodeMixin, GraphNode, ABC):
@@ -43,6 +46,8 @@ class DeviceNode(LifecycleNodeMixin, GraphNode, ABC):
         if self.lockstep:
             raise BadInput(f'A real {device} works only in real time; remove time:=lockstep.')
         self.active, self.autostart, self.refusal = False, False, ''
+        # rclpy asks the newest callback first, so its own has not switched the clock yet
+        self.add_on_set_parameters_callback(self._refuse_simulated_time)
 
     def run(self) -> Generator[Spin | Pause]:
         """Configure and activate if `autostart` is set, then spin."""
@@ -51,6 +56,12 @@ class DeviceNode(LifecycleNodeMixin, GraphNode, ABC):
                 raise BadInput(self.refusal)
             self.trigger_activate()
         yield from super().run()
+
+    def _refuse_simulated_time(self, parameters: list[Parameter]) -> SetParametersResult:
+        if any(each.name == USE_SIM_TIME_NAME and each.value for each in parameters):
+            why = 'real hardware follows the wall clock; leave use_sim_time false'
+            return SetParametersResult(successful=False, reason=why)
+        return SetParametersResult(successful=True)
 
     @abstractmethod
     def release_device(self) -> None:

@@ -102,7 +102,7 @@ class RawSubscription:
         return match_profile(self._profile, self.list_offered_profiles()) != self._profile
 
     def resubscribe(self) -> None:
-        """Subscribe anew with what all publishers offer; not while the node spins."""
+        """Subscribe anew with what all publishers offer."""
         self._losses.destroy_when_not_in_use()
         self._node.destroy_subscription(self._subscription)
         self._subscribe(match_profile(self._profile, self.list_offered_profiles()))
@@ -126,10 +126,6 @@ class RawSubscriptions:
     """
     The raw subscriptions of one node.
 
-    They cannot be created while the node spins. `poll_changes` finds out what to change,
-    `has_pending_changes` reports that there is something, and `apply_changes` does it between
-    spins.
-
     `node`: the subscribing node. `receiver`: returns the callback for a topic from its name and
     type. `accepts`: returns whether to subscribe to a discovered topic, from its name and type (''
     if it has several); None to discover none.
@@ -148,8 +144,6 @@ class RawSubscriptions:
         self._taps: dict[str, RawSubscription] = {}
         # Rejected once, so that `accepts` is not called at every poll
         self._refused: set[str] = set()
-        self._new: dict[str, str] = {}
-        self._misfits: list[RawSubscription] = []
 
     def __getitem__(self, name: str) -> RawSubscription:
         """Return the subscription of a topic."""
@@ -164,14 +158,9 @@ class RawSubscriptions:
         """Messages that the middleware reports as lost, by topic."""
         return {name: tap.lost for name, tap in self._taps.items() if tap.lost}
 
-    @property
-    def has_pending_changes(self) -> bool:
-        """Whether `apply_changes` has something to do."""
-        return bool(self._new or self._misfits)
-
     def subscribe(self, name: str, type_name: str, preferred: QoSProfile = GENEROUS) -> None:
         """
-        Subscribe to a topic; not while the node spins.
+        Subscribe to a topic.
 
         `name`, `type_name`: absolute name and type, whose Python class must be installed.
         `preferred`: the profile to request if the publishers offer it.
@@ -188,14 +177,16 @@ class RawSubscriptions:
         )
 
     def poll_changes(self) -> list[str]:
-        """Check the graph, and return the topics whose publishers have changed."""
+        """Follow the graph, and return the topics whose publishers have changed."""
         changed = [name for name, tap in self._taps.items() if tap.poll_changes()]
-        self._misfits = [self._taps[name] for name in changed if self._taps[name].has_mismatch()]
-        self.discover_topics()
+        for name in changed:
+            if self._taps[name].has_mismatch():
+                self._taps[name].resubscribe()
+        self._discover_topics()
         return changed
 
-    def discover_topics(self) -> None:
-        """Find accepted topics that are not subscribed yet."""
+    def _discover_topics(self) -> None:
+        """Subscribe to accepted topics that are new."""
         if self._accepts is None:
             return
         for name, types in self._node.get_topic_names_and_types():
@@ -206,12 +197,4 @@ class RawSubscriptions:
                     self._refused.add(name)
                 # A topic with readers only has no offered profile yet, so ask again later
                 elif self._node.count_publishers(name):
-                    self._new[name] = type_name
-
-    def apply_changes(self) -> None:
-        """Make the changes that the last poll found."""
-        for tap in self._misfits:
-            tap.resubscribe()
-        for name, type_name in self._new.items():
-            self.subscribe(name, type_name)
-        self._misfits, self._new = [], {}
+                    self.subscribe(name, type_name)

@@ -25,8 +25,7 @@ class ReaderLinks:
     """
     Collect the numbers of matched readers that a drone's nodes report.
 
-    Use it as `with ReaderLinks(node, table) as links: ...`, not while the node spins: the
-    subscription is destroyed on exit.
+    Use it as `with ReaderLinks(node, table) as links: ...`; the subscription is destroyed on exit.
 
     `node`: the listening node; its namespace is that of the drone. `table`: gives the periodic
     topics, which have a publisher if their message type is installed.

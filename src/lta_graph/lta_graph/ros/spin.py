@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import time
 from typing import final
 
+from rclpy.context import Context
 from rclpy.event_handler import EventHandler
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
@@ -55,6 +56,25 @@ def spin_phases(node: Node, phases: Iterable[Spin | Pause]) -> None:
             spin_node(node, phase.running, phase.awaited, phase.wait_ns)
 
 
+@final
+class WatchfulExecutor(SingleThreadedExecutor):
+    """
+    rclpy's executor, which notes that its nodes have added or destroyed entities.
+
+    Attribute `stale`: whether that happened since a loop looked them up, and set it to False. Until
+    it looks again, a handle that it keeps may be invalid.
+    """
+
+    def __init__(self, *, context: Context) -> None:
+        super().__init__(context=context)
+        self.stale = True
+
+    def wake(self) -> None:
+        """Note the change; rclpy calls this at each one, in whatever callback it happens."""
+        self.stale = True
+        super().wake()
+
+
 def list_actions(node: Node) -> list[Waitable]:
     """Return the action servers and clients of a node."""
     # The events of publishers and subscriptions are waitables too. They are rare, and waiting for
@@ -82,32 +102,36 @@ def spin_node(
     wait_ns: int = WAIT_NS,
 ) -> None:
     """
-    Run a node's callbacks until `running` returns False; do not add entities meanwhile.
+    Run a node's callbacks until `running` returns False.
 
     `running`: called between callbacks, at least every `wait_ns`. `awaited`: returns the
     subscriptions to wake up for. Each wake-up takes the messages of all subscriptions, of the
     newest first. `wait_ns`: longest sleep [ns].
     """
     context = node.context
-    executor = SingleThreadedExecutor(context=context)
+    executor = WatchfulExecutor(context=context)
     executor.add_node(node)
-    # Attribute access on the node's entities is slow, so look everything up once
-    timers = [(timer.handle, timer.callback) for timer in node.timers]
-    services = [service.handle for service in node.services]
-    clients = [client.handle for client in node.clients]
-    inputs = [
-        (item.handle, item.callback, item.msg_type, item.raw) for item in node.subscriptions
-    ][::-1]
-    actions = list_actions(node)
-    # Subscriptions, guard conditions, timers, clients, services, events
-    size = (len(inputs), 0, len(timers), len(clients), len(services), 0)
-    for action in actions:
-        size = tuple(map(sum, zip(size, count_entities(action), strict=True)))
-    looked, pause = 0.0, OFTEN if actions else RARELY
+    looked = 0.0
     try:
         with context.handle:
-            wait_set = _rclpy.WaitSet(*size, context.handle)
             while running():
+                if executor.stale:
+                    executor.stale = False
+                    # Attribute access on the node's entities is slow, so look everything up once
+                    timers = [(timer.handle, timer.callback) for timer in node.timers]
+                    services = [service.handle for service in node.services]
+                    clients = [client.handle for client in node.clients]
+                    inputs = [
+                        (item.handle, item.callback, item.msg_type, item.raw)
+                        for item in node.subscriptions
+                    ][::-1]
+                    actions = list_actions(node)
+                    # Subscriptions, guard conditions, timers, clients, services, events
+                    size = (len(inputs), 0, len(timers), len(clients), len(services), 0)
+                    for action in actions:
+                        size = tuple(map(sum, zip(size, count_entities(action), strict=True)))
+                    wait_set = _rclpy.WaitSet(*size, context.handle)
+                    pause = OFTEN if actions else RARELY
                 # rcl clears what is not ready, so the set is filled anew for each wait
                 wait_set.clear_entities()
                 for subscription in awaited():
@@ -121,13 +145,19 @@ def spin_node(
                 for action in actions:
                     action.add_to_wait_set(wait_set)
                 wait_set.wait(wait_ns)
+                # A callback may destroy what comes next; what is left stays ready
                 for handle, callback, kind, raw in inputs:
-                    while (taken := handle.take_message(kind, raw)) is not None:
+                    while (
+                        not executor.stale
+                        and (taken := handle.take_message(kind, raw)) is not None
+                    ):
                         callback(taken[0])
                 for timer, tick in timers:
-                    if timer.is_timer_ready():
+                    if not executor.stale and timer.is_timer_ready():
                         timer.call_timer()
                         tick()
+                if executor.stale:
+                    continue
                 requests = wait_set.get_ready_entities('service')
                 responses = wait_set.get_ready_entities('client')
                 requested = any(action.is_ready(wait_set) for action in actions)

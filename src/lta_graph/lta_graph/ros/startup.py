@@ -49,7 +49,6 @@ def wait_until_settled(
     deadline = time.monotonic() + patience
     # Endpoints of a drone that still starts keep appearing; a stable number means all are there
     seen, since = count_endpoints(node), time.monotonic()
-    # The node does not spin yet, so the temporary subscription is safe
     with ReaderLinks(node, node.table) as links:
         while node.running and time.monotonic() - since < SETTLED:
             # In a pause no timer reports, and the launcher would call the node silent

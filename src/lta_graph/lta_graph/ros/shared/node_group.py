@@ -33,9 +33,17 @@ from lta_graph.ros.help.node_help import asks_for_help
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.process import describe_crash, run_process
 from lta_graph.ros.shared.hand_over import HandOver, place_node, ServiceFault
-from lta_graph.ros.spin import count_entities, list_actions, OFTEN, Pause, RARELY, Spin, WAIT_NS
+from lta_graph.ros.spin import (
+    count_entities,
+    list_actions,
+    OFTEN,
+    Pause,
+    RARELY,
+    Spin,
+    WAIT_NS,
+    WatchfulExecutor,
+)
 from rclpy.context import Context
-from rclpy.executors import SingleThreadedExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.node import Node
 from rclpy.utilities import get_default_context
@@ -202,10 +210,8 @@ class NodeGroup:
         self._hand_over = hand_over
         self._context = context
         self._running: dict[Node, RunningNode] = {}
-        self._executor = SingleThreadedExecutor(context=context)
+        self._executor = WatchfulExecutor(context=context)
         self._stopping = False
-        # Entities have changed since the wait sets were made
-        self._stale = True
         self._looked = self._served = 0.0
 
     def create_node(self, process: LaunchProcess, teardown: ExitStack) -> None:
@@ -250,7 +256,7 @@ class NodeGroup:
             while not each.is_in_phase(now):
                 each.phase = next(each.phases)
                 each.since = now
-                self._stale = True
+                self._executor.stale = True
         except StopIteration:
             self._end(each)
         except SystemExit as request:
@@ -297,7 +303,7 @@ class NodeGroup:
         """Close a node and drop the messages that wait for it."""
         node = each.node
         del self._running[node]
-        self._stale = True
+        self._executor.stale = True
         self._executor.remove_node(node)
         try:
             each.phases.close()
@@ -335,7 +341,7 @@ class NodeGroup:
 
     def _collect_entities(self) -> None:
         """Look up the entities of all nodes, which takes long, and make the wait sets."""
-        self._stale = False
+        self._executor.stale = False
         nodes = [each.node for each in self._running.values() if isinstance(each.phase, Spin)]
         self._readers = {
             item.handle.pointer: (node, item.handle, item.callback)
@@ -359,7 +365,7 @@ class NodeGroup:
         """Look for messages of other processes, timers and services; sleep if nothing is due."""
         if not self._running:
             return
-        if self._stale:
+        if self._executor.stale:
             self._collect_entities()
         self._hand_over.rounds += 1
         now = time.monotonic()
@@ -383,12 +389,19 @@ class NodeGroup:
         inputs.wait(int(1e9 * sleep))
         for pointer in inputs.get_ready_entities('subscription'):
             node, handle, callback = self._readers[pointer]
-            self._call(node, lambda h=handle, c=callback: take_all(h, c))
+            if self._executor.stale:  # an earlier callback may have destroyed what comes next
+                return
+            self._call(node, partial(self._take_all, handle, callback))
         for node, timer, tick in self._timers:
-            if timer.is_timer_ready():
+            if not self._executor.stale and timer.is_timer_ready():
                 timer.call_timer()
                 self._call(node, tick)
         self._serve()
+
+    def _take_all(self, handle: Any, callback: Callable[[bytes], None]) -> None:  # noqa: ANN401
+        """Take all messages that wait in a subscription, whose own callback may destroy it."""
+        while not self._executor.stale and (taken := handle.take_message(None, True)) is not None:
+            callback(taken[0])
 
     def _call(self, node: GraphNode, callback: Callable[[], object]) -> None:
         if node not in self._running:
@@ -420,7 +433,7 @@ class NodeGroup:
 
     def _is_requested(self) -> bool:
         """Return whether a service, a client or an action has something to do."""
-        if self._stale:
+        if self._executor.stale:
             return False
         requests = self._requests
         requests.clear_entities()
@@ -436,9 +449,3 @@ class NodeGroup:
             or bool(requests.get_ready_entities('client'))
             or any(action.is_ready(requests) for action in self._actions)
         )
-
-
-def take_all(handle: Any, callback: Callable[[bytes], None]) -> None:  # noqa: ANN401 - of rclpy
-    """Take all messages that wait in a subscription."""
-    while (taken := handle.take_message(None, True)) is not None:
-        callback(taken[0])
