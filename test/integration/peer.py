@@ -33,6 +33,7 @@ LIBC = ctypes.CDLL(None)  # before any fork
 PR_SET_PDEATHSIG = 1  # linux/prctl.h
 # What a bridge answers where the machine, and not the drone, was too slow: another try may do.
 HELD_UP = re.compile(r'the Crazyflie has|the newest (command|place)')
+LOGGED = re.compile(r'\[(INFO|WARN|ERROR)\] \[')
 AGAIN = 0.5  # s between two requests to arm
 STARTED: 'list[subprocess.Popen[str]]' = []
 
@@ -81,8 +82,8 @@ def _end_with_us() -> None:
 
 
 def complaints(errors: str) -> list[str]:
-    """Return what a node said on leaving, but that it had waited: a slow machine makes it wait."""
-    return [line for line in errors.splitlines() if 'waiting for ' not in line]
+    """Return what a node has printed but for its log, in which the faults of a test belong."""
+    return [line for line in errors.splitlines() if not LOGGED.match(line)]
 
 
 def put_away() -> None:

@@ -17,6 +17,7 @@ from lta_graph.ros.qos import select_profile
 from lta_graph.ros.stamps import to_stamp
 from lta_model.messages import read_duties
 import pytest
+from rcl_interfaces.msg import Log
 from rcl_interfaces.srv import DescribeParameters
 from rclpy.qos import ReliabilityPolicy
 from std_srvs.srv import SetBool, Trigger
@@ -34,9 +35,25 @@ class Pilot(Peer):
 
     def __init__(self, domain_id: int) -> None:
         super().__init__(domain_id)
-        self.motors = []
+        self.motors, self.log = [], []
         self.step = self.estimates = 0
         self.hear('motors', self.motors.append)
+        self.node.create_subscription(Log, '/rosout', self.log.append, 100)
+
+    def reads(self, severity: str, words: str) -> None:
+        """Wait until the controller has logged something, and check that it did so once."""
+
+        def lines() -> list[str]:
+            return [
+                line.msg
+                for line in self.log
+                if line.name == 'lta1.controller'
+                and line.level == getattr(Log, severity)
+                and words in line.msg
+            ]
+
+        self.until(lines)
+        assert len(lines()) == 1
 
 
 @pytest.fixture
@@ -208,6 +225,7 @@ def test_a_drone_that_two_nodes_steer_comes_down_until_it_is_armed_again(control
         return fact and 'landing' in fact.message and lift == [0.0, 0.0]
 
     hear(comes_down)
+    controller.reads('ERROR', 'commanders: several nodes sent setpoints')
     refused = controller.ask(SetBool, 'arm', data=True)
     assert (refused.success, refused.message) == (
         False, '2 nodes send setpoints: stop all but one',
@@ -217,6 +235,10 @@ def test_a_drone_that_two_nodes_steer_comes_down_until_it_is_armed_again(control
     assert all(fly_on()[:2] == [0.0, 0.0] for _ in range(50))  # whoever is left
     controller.until(lambda: controller.ask(SetBool, 'arm', data=True).success)
     controller.until(lambda: max(fly_on()) > 0.0)
+    controller.reads('INFO', 'commanders: OK again')
+    controller.reads('ERROR', 'inputs: waiting for messages on odom')  # while nothing is sent
+    controller.until(lambda: max(fly_on()) > 0.0)
+    controller.reads('INFO', 'inputs: OK again')
 
 
 def airspeed_fact(facts):
@@ -267,6 +289,7 @@ def test_an_unknown_height_stops_the_motors_for_good(controller, hear, lost):
     assert not any(map(any, duties[-10:]))
     assert not any(estimate(controller, step + 231))
     hear(lambda facts: 'the height is unknown' in motors(facts))
+    controller.reads('ERROR', 'motors: the height is unknown')
     refused = controller.ask(SetBool, 'arm', data=True)
     assert not refused.success
 
@@ -277,9 +300,12 @@ def test_turned_over_the_motors_stop_for_good(controller, hear):
     assert estimate(controller, step + 2, roll=1.02) == [0.0] * 4
     assert estimate(controller, step + 3) == [0.0] * 4
     hear(lambda facts: 'turned over' in motors(facts))
+    controller.reads('ERROR', 'motors: the drone turned over')
+    assert controller.ask(Trigger, 'emergency_stop').success
+    controller.reads('ERROR', 'motors: emergency stop')
     refused = controller.ask(SetBool, 'arm', data=True)
     assert not refused.success
-    assert 'turned over' in refused.message
+    assert 'emergency stop' in refused.message
     assert estimate(controller, step + 4) == [0.0] * 4
 
 

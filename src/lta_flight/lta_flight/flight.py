@@ -142,6 +142,7 @@ def supervise_flight(
         lookout.report_stalled_nodes(
             facts, listener.find_silent_nodes(running), listener.find_pending_nodes(running)
         )
+        lookout.report_health(facts.values())
         if lookout.stall_duration > PATIENCE:
             sentence = f'The ROS graph made no progress for {PATIENCE:.0f} s and is stopped.'
             watcher.show_message(sentence)

@@ -1,13 +1,11 @@
-"""Report problems of a running graph: nodes that stall it, and errors that nodes report."""
+"""Report problems of a running graph: nodes that stall it, and faults that nodes report."""
 
 from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import dataclass
-import math
-import re
 import time
 from typing import final
 
-from lta_graph.health import ENDS_RUN, HealthFact, HealthLevel
+from lta_graph.health import ENDS_RUN, HealthFact
+from lta_graph.health_log import HealthLog
 from lta_graph.stall_attribution import find_role, find_stalling_roles, INPUTS
 
 FLIGHT = 'simulator: flight'  # task with the state of a simulated flight
@@ -15,9 +13,6 @@ PLAYBACK = 'player: playback'  # task with the state of a replay
 GOING = {FLIGHT: 'flying', PLAYBACK: 'playing'}  # their outcomes until they end
 SETTLE = 0.5  # wall seconds; nodes check their inputs at different times
 DISCOVERY = 4.0  # wall seconds to wait instead while some nodes are not discovered yet
-FIGURE = re.compile(r'[0-9.]+')  # numbers, which may differ between reports of one error
-REPEATED = 10.0  # wall seconds in which a recurring error is reported twice, then counted
-AWAY = 1.0  # wall seconds without an error after which it counts as new
 ELSEWHERE = (INPUTS, 'processes')  # tasks whose errors are reported elsewhere
 START = 8.0  # wall seconds that nodes take to load on a busy machine; report if it takes longer
 
@@ -60,26 +55,9 @@ class StallDetector:
 
 
 @final
-@dataclass(slots=True)
-class NodeError:
-    """
-    One error of a node: times of its last message and report [wall s], and its repetitions.
-
-    The first recurrence is reported at once, so that a brief error does not hide a later fault.
-    """
-
-    message_time: float
-    report_time: float
-    text: str
-    back: bool = False  # whether the first recurrence has been reported
-    again: int = 0  # recurrences since the last message
-    here: bool = True  # whether it was present at the last update
-
-
-@final
 class StallMonitor:
     """
-    Name the nodes that stall a graph, whenever they change, and report errors of nodes.
+    Name the nodes that stall a graph, whenever they change, and report faults of nodes.
 
     `say`: gets each sentence. `tell`: also gets the sentences on stalls, which no node of the
     graph can report.
@@ -90,7 +68,7 @@ class StallMonitor:
     ) -> None:
         self._say = say
         self._tell = tell
-        self._ailing: dict[str, NodeError] = {}
+        self._log = HealthLog()
         self._blame = StallDetector()
         self._named: list[str] = []
         self._begun = time.monotonic()
@@ -129,41 +107,12 @@ class StallMonitor:
             self._say(sentence)
             self._tell(sentence)
         self._named = blamed
-        self._report_errors(facts.values())
 
-    def _report_errors(self, facts: Iterable[HealthFact]) -> None:
-        """Report the errors of nodes, each once in a while, and count recurrences in between."""
-        now = time.monotonic()
-        errors: dict[str, str] = {}
-        for fact in facts:
-            node, _, task = fact.task.partition(': ')
-            if fact.level == HealthLevel.ERROR and task not in ELSEWHERE:
-                # The same error with other numbers is not a new one
-                error = f'{node}: {FIGURE.sub("#", fact.message)}'
-                errors[error] = f'{node}: {fact.message.rstrip(".")}'
-        for error, text in errors.items():
-            earlier = self._ailing.get(error)
-            away = math.inf if earlier is None else now - earlier.report_time
-            if earlier is None or away > REPEATED or (away > AWAY and not earlier.back):
-                self._report_repeats(error)
-                self._say(f'{text}.')
-                self._ailing[error] = NodeError(now, now, text, back=away <= REPEATED)
-            else:
-                earlier.again += not earlier.here
-                earlier.report_time, earlier.text = now, text
-        for error, earlier in self._ailing.items():
-            earlier.here = error in errors
-            if earlier.again and now - earlier.message_time > REPEATED:
-                self._report_repeats(error)
-                earlier.message_time, earlier.again = now, 0
-
-    def _report_repeats(self, error: str) -> None:
-        """Report how often an error has recurred since its last message."""
-        earlier = self._ailing.get(error)
-        if earlier is not None and earlier.again:
-            times = 'once' if earlier.again == 1 else f'{earlier.again} times'
-            elapsed = time.monotonic() - earlier.message_time
-            self._say(f'{earlier.text} (repeated {times} in {elapsed:.0f} s).')
+    def report_health(self, facts: Iterable[HealthFact]) -> None:
+        """Report the faults of nodes and their ends, for a run whose nodes' lines nobody sees."""
+        wanted = (fact for fact in facts if fact.task.partition(': ')[2] not in ELSEWHERE)
+        for line in self._log.update(wanted, time.monotonic()):
+            self._say(f'{line.text.rstrip(".")}.')
 
     def _report_loading(self, loading: list[str]) -> None:
         """Report once which nodes the others wait for, if loading takes long."""

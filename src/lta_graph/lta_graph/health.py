@@ -1,5 +1,6 @@
 """Collect the health of a node, one status per task, for /diagnostics; the age of its data."""
 
+from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
@@ -7,6 +8,7 @@ import math
 from typing import Final, final
 
 ENDS_RUN: Final = 'ends_run'  # value in `state`: whether the node's fault ends the others, too
+NEWS: Final = 100  # changes of level that are kept until the next report
 AHEAD: Final = 0.3  # s; a stamp further ahead of our clock means that a clock was changed
 
 
@@ -45,15 +47,19 @@ class Health:
 
     def __init__(self) -> None:
         self._facts: dict[str, HealthFact] = {}
+        self._news: deque[HealthFact] = deque(maxlen=NEWS)
         self.changed = False
 
     def report(self, task: str, level: HealthLevel, message: str, **values: object) -> None:
         """Set the status of one task."""
         before = self._facts.get(task)
         # A changed message alone waits for the next periodic report
-        self.changed |= before is None or before.level != level
+        is_news = before is None or before.level != level
+        self.changed |= is_news
         text = dict(zip(values, map(str, values.values()), strict=True))
-        self._facts[task] = HealthFact(task, level, message, text)
+        fact = self._facts[task] = HealthFact(task, level, message, text)
+        if is_news:
+            self._news.append(fact)
 
     def set_fact(self, fact: HealthFact) -> None:
         """Set the status of the fact's task."""
@@ -62,6 +68,12 @@ class Health:
     def __contains__(self, task: str) -> bool:
         """Return whether a task has been reported."""
         return task in self._facts
+
+    def take_news(self) -> list[HealthFact]:
+        """Return, once, the facts with new levels, oldest first, and then all present ones."""
+        news = [*self._news, *self.facts]
+        self._news.clear()
+        return news
 
     @property
     def facts(self) -> list[HealthFact]:

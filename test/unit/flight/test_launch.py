@@ -5,7 +5,7 @@ from lta_cli.verbs import launch
 from lta_config.files import find_file
 from lta_flight import stall_monitor
 from lta_flight.domain_lock import format_holders
-from lta_flight.stall_monitor import FLIGHT, REPEATED, StallMonitor
+from lta_flight.stall_monitor import FLIGHT, StallMonitor
 from lta_graph.health import HealthFact, HealthLevel
 from lta_graph.launch_file import load_plan
 import pytest
@@ -124,77 +124,21 @@ def test_the_domain_is_held_in_the_name_of_all():
     ]
 
 
-def test_what_nodes_call_an_error_is_said_once_until_it_is_another(clock):
-    said, told = [], []
-    lookout = StallMonitor(said.append, told.append)
-    for message in ('silent for 0.5 s', 'silent for 0.6 s', 'unplugged', 'unplugged'):
-        fact = HealthFact('bridge: link', HealthLevel.ERROR, message)
-        lookout.report_stalled_nodes({fact.task: fact}, [])
-        clock[0] += 0.1
-    assert said == ['bridge: silent for 0.5 s.', 'bridge: unplugged.']
-    for level in (HealthLevel.OK, HealthLevel.WARN, HealthLevel.ERROR):  # it comes and goes
-        fact = HealthFact('bridge: link', level, 'unplugged')
-        lookout.report_stalled_nodes({fact.task: fact}, [])
-    assert len(said) == 2
-    clock[0] += REPEATED + 0.1
-    lookout.report_stalled_nodes({fact.task: fact}, [])
-    assert said[2:] == ['bridge: unplugged (repeated once in 10 s).', 'bridge: unplugged.']
-    assert told == []  # the node says it itself
-
-
-def test_an_error_that_keeps_coming_back_is_counted(clock):
-    """It is said once and where it first comes back, and counted from then on."""
-    said = []
-    lookout = StallMonitor(said.append)
-    for k in range(24):  # on for a second, off for a second
-        fact = HealthFact(
-            'bridge: link', HealthLevel.OK if k % 2 else HealthLevel.ERROR, f'silent for {k} s'
-        )
-        lookout.report_stalled_nodes({fact.task: fact}, [])
-        clock[0] += 1.0
-    assert said == [
-        'bridge: silent for 0 s.',
-        'bridge: silent for 2 s.',
-        'bridge: silent for 12 s (repeated 5 times in 11 s).',
-    ]
-    for _ in range(30):
-        lookout.report_stalled_nodes({}, [])
-        clock[0] += 1.0
-    assert said[3:] == ['bridge: silent for 22 s (repeated 5 times in 11 s).']  # and nothing ails
-
-
-def test_a_fault_is_said_at_once_although_it_showed_for_a_moment_before(clock):
-    """The slow disk of a moment must not hide for ten seconds the one that stands still."""
-    said = []
-    lookout = StallMonitor(said.append)
-    for seconds in (0.1, 3.0, 0.1):
-        fact = HealthFact('recorder: disk', HealthLevel.ERROR, f'the disk is slow for {seconds} s')
-        lookout.report_stalled_nodes({fact.task: fact}, [])
-        clock[0] += 0.1
-        lookout.report_stalled_nodes({}, [])
-        clock[0] += 3.0
-    assert said == [
-        'recorder: the disk is slow for 0.1 s.',
-        'recorder: the disk is slow for 3.0 s.',
-    ]
-
-
-def test_errors_that_have_sentences_of_their_own_are_not_said_twice(clock):
+@pytest.mark.usefixtures('clock')
+def test_faults_of_nodes_are_said_but_for_those_with_sentences_of_their_own():
     said, told = [], []
     lookout = StallMonitor(said.append, told.append)
     facts = [
         HealthFact('estimator: inputs', HealthLevel.ERROR, 'waiting for imu', {'suspects': ''}),
         HealthFact('launcher: processes', HealthLevel.ERROR, 'No messages arrive from estimator.'),
+        HealthFact('recorder: recording', HealthLevel.ERROR, 'The disk is full: make room.'),
     ]
     lookout.report_stalled_nodes({fact.task: fact for fact in facts}, ['estimator'])
     assert said == told == ['No messages arrive from estimator.']
-
-
-def test_a_full_disk_is_said_before_the_recorder_has_left(clock):
-    said = []
-    full = HealthFact('recorder: recording', HealthLevel.ERROR, 'The disk is full: make room.')
-    StallMonitor(said.append).report_stalled_nodes({full.task: full}, [])
-    assert said == ['recorder: The disk is full: make room.']
+    for _ in range(2):
+        lookout.report_health(facts)
+    assert said[1:] == ['recorder: recording: The disk is full: make room.']
+    assert len(told) == 1  # the node says it itself
 
 
 def test_a_real_drone_gets_the_time_to_land_and_the_recorder_sees_it():

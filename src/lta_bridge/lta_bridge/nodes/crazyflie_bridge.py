@@ -22,7 +22,6 @@ from lta_bridge.crazyflie.bridge_core import (
 from lta_bridge.crazyflie.connection_manager import ConnectionManager
 from lta_bridge.crazyflie.drone_lock import DroneLock
 from lta_bridge.crazyflie.health_diagnostics import (
-    describe_buoyancy,
     describe_connection,
     describe_health,
 )
@@ -92,12 +91,11 @@ class CrazyflieBridge(DeviceNode):
         self._former: ConnectionManager | None = None  # its connection may still be closing
         self.autostart = settings.autostart
         self._request = SafetyRequest()
-        self._was_up, self._connected, self._complained = False, 0.0, ''
+        self._was_up, self._connected = False, 0.0
         self._pose: Any = None
         self._velocity: Any = None
         self._odom: Any = None
         self._tracked_start: Any = None
-        self._buoyancy_warning = ''
         self._controller = self.create_client(SetBool, 'arm')
         # The controller arms separately from the drone
         self._armed_controller = False  # whether the controller was armed
@@ -240,7 +238,6 @@ class CrazyflieBridge(DeviceNode):
             'may be lost'
         )
         if short:
-            self.get_logger().warning(words)
             self.health.report('start', HealthLevel.WARN, words)
 
     def _on_emergency_stop(
@@ -361,18 +358,10 @@ class CrazyflieBridge(DeviceNode):
     def publish_health(self) -> None:
         """Report the health of the link and the drone."""
         self._count_commanders()
-        # Read once: another thread changes it, and log and diagnostics must agree.
         why, attempts = describe_connection(self._keeper)
-        if why not in (self._complained, ''):
-            self._complained = why
-            self.get_logger().warning(f'no link: {why}')
         inputs = self._bridge.collect_safety_inputs(
             self._graph_time_ns(), self._is_linked, self.active
         )
-        warning = describe_buoyancy(self._bridge.buoyancy)
-        if warning not in ('', self._buoyancy_warning):
-            self.get_logger().error(warning)
-        self._buoyancy_warning = warning
         for fact in describe_health(self._bridge, why, attempts, self._link.protocol, inputs):
             self.health.report(fact.task, fact.level, fact.message, **fact.values)
         super().publish_health()

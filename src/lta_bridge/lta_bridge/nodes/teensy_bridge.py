@@ -99,7 +99,6 @@ class TeensyBridge(DeviceNode):
         except BadInput as error:
             self.refusal = str(error)
             self.health.report(TASK, HealthLevel.ERROR, self.refusal)
-            self.get_logger().error(self.refusal)
             return TransitionCallbackReturn.FAILURE
         return super().on_configure(state)
 

@@ -87,6 +87,7 @@ def supervise_replay(
         lookout.report_stalled_nodes(
             facts, listener.find_silent_nodes(running), listener.find_pending_nodes(running)
         )
+        lookout.report_health(facts.values())
         # Leaving the context stops all processes
         if lookout.stall_duration > PATIENCE:
             watcher.show_message(

@@ -3,7 +3,7 @@ The base class of LTA nodes: topics from the table, stepped inputs and health re
 
 A node has a role in `topics.yaml`, which defines the types, names and quality of service of its
 topics. `on_step` gets all inputs of one step (see `lta_graph.inbox`). Health is published on
-/diagnostics at every change of a level and every `REPORT_PERIOD`.
+/diagnostics at every change of a level and every `REPORT_PERIOD`; each fault and its end is logged.
 """
 
 from collections.abc import Callable, Collection, Generator, Iterable
@@ -15,6 +15,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from lta_config.settings import setting, Settings
 from lta_config.topics import load_topic_table
 from lta_graph.health import Health, HealthLevel
+from lta_graph.health_log import HealthLog
 from lta_graph.inbox import Inbox, InboxStep
 from lta_graph.ros.message_validation import find_message_type, MESSAGES, MessageValidator
 from lta_graph.ros.parameters import NodeParameters
@@ -74,6 +75,7 @@ class GraphNode(SharingNode):
         self.hurried = False  # a second stop signal came during the shutdown
         self.begun = False  # whether a first message was sent or received
         self.health = Health()
+        self._log = HealthLog()
         self.health.report('state', HealthLevel.OK, 'starting')
         # In lockstep the inbox checks the stamps
         self.soundness = MessageValidator(stamps=not self.lockstep)
@@ -271,8 +273,9 @@ class GraphNode(SharingNode):
             )
 
     def publish_health(self) -> None:
-        """Publish all facts immediately."""
+        """Publish all facts immediately, and log what has changed."""
         self._reported = time.monotonic()
+        self._log_health()
         self.health.changed = False
         array = DiagnosticArray()
         array.header.stamp = self.get_clock().now().to_msg()
@@ -288,6 +291,17 @@ class GraphNode(SharingNode):
             for fact in self.health.facts
         ]
         self._diagnostics.publish(array)
+
+    def _log_health(self) -> None:
+        logger = self.get_logger()
+        for level, text in self._log.update(self.health.take_news(), self._reported):
+            # rclpy accepts one severity from each line of code
+            if level == HealthLevel.OK:
+                logger.info(text)
+            elif level == HealthLevel.WARN:
+                logger.warning(text)
+            else:
+                logger.error(text)
 
     def publish_due_health(self) -> None:
         """Publish all facts if none were published for `REPORT_PERIOD`."""
