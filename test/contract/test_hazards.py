@@ -145,11 +145,11 @@ BARRIERS = {
     ),
     'two commanders before arming': Barrier(
         f'{BRIDGE}/crazyflie/safety.py',
-        "return f'{inputs.commanders} nodes command the drone: stop all but one'", 'pass',
+        "return f'{inputs.rivals}: stop them, or allow them with allow_other_commanders:=true'", 'pass',
         f'{UNIT}/test_bridge.py',
     ),
     'two commanders in flight': Barrier(
-        f'{BRIDGE}/crazyflie/safety.py', "return f'{inputs.commanders} nodes command the drone'\n",
+        f'{BRIDGE}/crazyflie/safety.py', "return inputs.rivals\n",
         'pass\n', f'{UNIT}/test_bridge.py',
     ),
     'two navigators before arming': Barrier(

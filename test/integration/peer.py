@@ -127,9 +127,9 @@ class Peer:
         self.node.destroy_node()
         self._context.try_shutdown()
 
-    def beside(self) -> Any:
+    def beside(self, name: str = 'beside') -> Any:
         """Return a node of this robot that nobody spins."""
-        self._beside.append(rclpy.create_node('beside', namespace='/lta1', context=self._context))
+        self._beside.append(rclpy.create_node(name, namespace='/lta1', context=self._context))
         return self._beside[-1]
 
     def until(self, condition: Callable[[], Any]) -> Any:

@@ -123,7 +123,8 @@ def test_the_bridge_flies_it_and_brings_it_down_unlocked(uri, domain_id, hear):
         by_duties = drone.has_app
     vehicle = load_vehicle('gtmab' if by_duties else 'multirotor')
     # With a watchdog it would be locked once the node has gone
-    words = ('uri:=' + uri, f'vehicle:={vehicle.file.name}', 'blind:=true', 'watchdog:=never')
+    words = ('uri:=' + uri, f'vehicle:={vehicle.file.name}', 'blind:=true', 'watchdog:=never',
+             'allow_other_commanders:=true')  # fmt: skip
     words = tuple(part for word in words for part in ('-p', word))
     node = start('lta_bridge.nodes.crazyflie_bridge', *words)
 

@@ -14,6 +14,10 @@ from lta_emulation.crazyflie.body import BenchBody
 from lta_emulation.crazyflie.firmware import Firmware
 from lta_emulation.crazyflie.firmware_build import APP
 from lta_emulation.crazyflie.server import CrazyflieServer
+from lta_graph.health import HealthLevel
+from lta_graph.ros.message_validation import find_message_type
+from lta_graph.ros.publisher_conflict import COMMANDS
+from lta_graph.ros.qos import select_profile
 from lta_graph.ros.stamps import from_stamp
 from lta_model.vehicle import load_vehicle
 from nav_msgs.msg import Odometry
@@ -50,7 +54,9 @@ class Pair:
     def renew(self, *words):
         self.after.close()
         self.drone = self.after.enter_context(CrazyflieServer(Firmware(BenchBody(), drift=30e-6)))
-        words = ('-p', f'uri:={self.drone.uri}', '-p', 'blind:=true', *words)
+        # The peer of these tests is no controller
+        allowed = ('-p', 'allow_other_commanders:=true')
+        words = ('-p', f'uri:={self.drone.uri}', '-p', 'blind:=true', *allowed, *words)
         self.bridge = self.after.enter_context(running(NODE, *words))
 
 
@@ -86,9 +92,16 @@ def peer(domain_id):
         yield peer
 
 
-def commanding(peer):
+def offer(node, name):
+    """Return a publisher of a node on a topic of the table."""
+    return node.create_publisher(
+        find_message_type(TABLE[name]), name, select_profile(TABLE[name], lockstep=False)
+    )
+
+
+def commanding(peer, motors=None):
     """Return a function that sends one command, for `until`."""
-    motors = peer.publisher('motors')
+    motors = motors or peer.publisher('motors')
 
     def send():
         motors.publish(from_duties(peer.node.get_clock().now().to_msg(), ROTORS, DUTIES))
@@ -105,12 +118,12 @@ def turning(drone):
     return drone.firmware.body.duties
 
 
-def fly(peer, drone):
+def fly(peer, drone, motors=None):
     """Bring the motors to turn by arming and commanding."""
     heard = []
     peer.hear('battery', heard.append)
     peer.until(lambda: heard)
-    send = commanding(peer)
+    send = commanding(peer, motors)
     assert turning(drone) == (0.0,) * 4
     peer.arm()
 
@@ -241,6 +254,51 @@ def test_a_drone_of_another_vehicle_is_not_armed(peer, pair):
             assert 'was built for another vehicle or wiring (00000abc)' in refused.message
         assert not drone.firmware.supervisor.armed
     pair.drone = None
+
+
+def test_unknown_commanders_are_an_error_that_ends_the_flight(peer, pair, hear):
+    """On any topic that moves the drone, by a stranger or a second controller, until they go."""
+    pair.renew('-p', 'allow_other_commanders:=false')
+    motors = offer(peer.beside('controller'), 'motors')
+    send = fly(peer, pair.drone, motors)
+    stranger, named = peer.beside('stranger'), []
+
+    def status(facts, level, word):
+        fact = facts.get('crazyflie_bridge: commanders')
+        return fact is not None and fact.level == level and word in fact.message
+
+    def landed(facts):
+        send()
+        return 'unknown nodes command the drone: /lta1/stranger (teleop/held)' in safety(facts)
+
+    rivals = [(stranger, name) for name in reversed(COMMANDS)]
+    rivals.append((peer.beside('controller'), 'motors'))
+    for node, name in rivals:
+        rival = offer(node, name)
+        who = f'/lta1/{node.get_name()} ({name})'
+        hear(lambda facts, who=who: status(facts, HealthLevel.ERROR, who))
+        named.append(name)
+        if len(named) == 1:
+            hear(landed)
+            peer.until(lambda: not any(turning(pair.drone)))
+        refused = peer.ask(SetBool, ARM, data=True)
+        assert not refused.success
+        assert f'{who}: stop them, or allow them' in refused.message
+        assert peer.ask(SetBool, ARM, data=False).success
+        node.destroy_publisher(rival)
+        hear(lambda facts: status(facts, HealthLevel.OK, 'only the nodes of the flight'))
+    peer.arm()
+    stop = peer.beside('bystander').create_client(Trigger, STOP)  # of anybody
+    peer.until(stop.service_is_ready)
+    stop.call_async(Trigger.Request())
+    peer.until(lambda: pair.drone.firmware.supervisor.is_locked)
+
+
+def test_simulated_time_is_refused_by_hardware(peer, bridge):
+    answer = peer.set('crazyflie_bridge', 'use_sim_time', True)
+    assert (answer.successful, 'wall clock' in answer.reason) == (False, True)
+    assert peer.set('crazyflie_bridge', 'use_sim_time', False).successful
+    assert bridge.poll() is None
 
 
 def test_leaving_in_flight_comes_down_and_disarms(peer, drone, bridge):

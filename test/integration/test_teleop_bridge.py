@@ -48,7 +48,8 @@ def drone(body):
 
 @pytest.fixture
 def bridge(drone):
-    words = ('-p', f'uri:={drone.uri}', '-p', 'vehicle:=multirotor', '-p', 'blind:=true')
+    words = ('-p', f'uri:={drone.uri}', '-p', 'vehicle:=multirotor', '-p', 'blind:=true',
+             '-p', 'allow_other_commanders:=true')  # fmt: skip
     node = start('lta_bridge.nodes.crazyflie_bridge', *words)
     yield node
     if node.poll() is None:

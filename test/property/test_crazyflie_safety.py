@@ -51,7 +51,7 @@ seen = st.builds(
     distance=st.one_of(st.floats(0.0, 100.0), st.just(math.nan)),
     place_age=ages,
     blind=st.booleans(),
-    commanders=st.sampled_from([1, 1, 1, 2]),
+    rivals=st.sampled_from(['', '', '', 'a stranger']),
 )
 asked = st.builds(SafetyRequest, arm=st.sampled_from([None, True, False]), stop=st.booleans())
 FIT = SafetyInputs(True, True, int(SupervisorBit.ARMED), 0.0, 0.0, 4.0, 1.0, 1.0, 0.0)
@@ -128,7 +128,7 @@ class Bridge(RuleBasedStateMachine):
             assert self.seen.word & SupervisorBit.ARMED
             assert self.seen.active
             assert self.seen.silence <= SILENT
-            assert self.seen.commanders <= 1
+            assert not self.seen.rivals
 
     def knows_the_position_or_may_fly_blind(self):
         seen = self.seen

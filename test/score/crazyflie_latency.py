@@ -40,6 +40,8 @@ def main():
                 f'uri:={server.uri}',
                 '-p',
                 'blind:=true',
+                '-p',
+                'allow_other_commanders:=true',
             ),
             [],
         )

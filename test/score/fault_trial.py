@@ -66,6 +66,7 @@ class Trial:
             'lta_bridge.nodes.crazyflie_bridge',
             '-p', f'uri:={self.server.uri}', '-p', f'vehicle:={vehicle}',
             '-p', 'blind:=true', '-p', 'watchdog:=never',
+            '-p', 'allow_other_commanders:=true',
         )  # fmt: skip
         self._words: set[str] = set()
         peer.node.create_subscription(DiagnosticArray, '/diagnostics', self._on_diagnostics, 10)

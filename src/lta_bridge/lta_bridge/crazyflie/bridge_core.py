@@ -100,8 +100,8 @@ class BridgeCore:
         Whether the drone is lighter than air.
     wanted_height : float
         Height of the newest setpoint, which says whether the drone is to land. [m]
-    commanders : int
-        How many nodes publish the commands to fly.
+    rivals : str
+        Who else publishes commands to fly, in words; empty if nobody.
     malformed, unasked : RejectionCount
         Unreadable packets and invalid commands.
 
@@ -145,7 +145,7 @@ class BridgeCore:
         self._vertical = [rotors[name].axis.vector[2] for name in file.motors.values()]
         self.buoyancy = BuoyancyMonitor()
         self.wanted_height = math.inf
-        self.commanders = 1
+        self.rivals = ''
         self._floor = vehicle.hull_height_on_floor
         self._landing, self._ticked = LandingWatch(), math.inf
         self._sequence = 0
@@ -286,7 +286,7 @@ class BridgeCore:
             distance=where.distance,
             place_age=age,
             blind=self._blind,
-            commanders=self.commanders,
+            rivals=self.rivals,
         )
 
     def _safety_voltage(self, now_ns: int) -> float:

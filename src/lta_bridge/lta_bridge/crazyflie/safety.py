@@ -64,7 +64,8 @@ class SafetyInputs(NamedTuple):
     # begun must still continue.
     blind: bool = False
     grounded: float = 0.0  # for how long motors have turned to land without the drone sinking [s]
-    commanders: int = 1  # nodes that publish the commands to fly
+    # Who else publishes commands to fly than the nodes of the flight, in words; empty if nobody
+    rivals: str = ''
 
 
 class SafetyRequest(NamedTuple):
@@ -124,8 +125,8 @@ def find_arming_refusal(state: SafetyState, inputs: SafetyInputs, limits: Safety
             f'the battery has {inputs.voltage:.2f} V, less than the limit of '
             f'{limits.voltage:.2f} V: charge it'
         )
-    if inputs.commanders > 1:
-        return f'{inputs.commanders} nodes command the drone: stop all but one'
+    if inputs.rivals:
+        return f'{inputs.rivals}: stop them, or allow them with allow_other_commanders:=true'
     if find_missing_position(inputs):
         return (
             'the position of the drone is not known, so no limit of height and distance could be '
@@ -152,8 +153,8 @@ def find_landing_reason(
         )
     if now - state.began > limits.time:
         return f'the flight has reached its time limit of {limits.time:.0f} s'
-    if inputs.commanders > 1:
-        return f'{inputs.commanders} nodes command the drone'
+    if inputs.rivals:
+        return inputs.rivals
     if inputs.grounded > GROUNDED:
         return f'to land, it has not sunk for {GROUNDED:.0f} s: it stands on the ground'
     if inputs.height > limits.height:

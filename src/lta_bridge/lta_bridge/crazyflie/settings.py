@@ -35,6 +35,13 @@ class CrazyflieBridgeSettings(Settings):
         'distance ends its flight. tethered:=true allows it too.',
         fixed=True,
     )
+    allow_other_commanders: bool = setting(
+        False,
+        'Whether nodes of other names than in the topic table may publish motors, setpoints or '
+        'teleop commands, such as your own controller; otherwise they refuse arming and end the '
+        'flight.',
+        fixed=True,
+    )
     watchdog: Literal['setpoint', 'always', 'never'] = setting(
         'setpoint',
         'When the armed drone stops and locks its motors until it is restarted, if it receives no '

@@ -46,6 +46,7 @@ from lta_graph.ros.device import DeviceNode
 from lta_graph.ros.message_validation import find_fault
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
+from lta_graph.ros.publisher_conflict import CommanderWatch
 from lta_graph.ros.reader_links import ReaderLinks
 from lta_graph.ros.stamps import from_stamp, to_stamp
 from lta_model.vehicle import load_vehicle
@@ -121,6 +122,7 @@ class CrazyflieBridge(DeviceNode):
             self.subscribe_topic(name, callback)
         self._helm = CommandMux(self, self._accept_setpoint)
         self._links = ReaderLinks(self, self.table)
+        self._commanders = CommanderWatch(self, self.table)
 
     def _graph_time_ns(self) -> int:
         return self.get_clock().now().nanoseconds
@@ -201,7 +203,7 @@ class CrazyflieBridge(DeviceNode):
 
     def _on_arm(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
         """Arm or disarm, and answer with the confirmed state."""
-        self._count_commanders()
+        self._find_rivals()
         why = self._bridge.find_arming_refusal(self._graph_time_ns(), self._is_linked, self.active)
         if not self._is_linked and self._keeper is not None and self._keeper.why:
             why = self._keeper.why
@@ -219,12 +221,17 @@ class CrazyflieBridge(DeviceNode):
         response.message = stage.value if armed or not why else f'{stage.value}: {why}'
         return response
 
-    def _count_commanders(self) -> None:
-        """Count the nodes that publish what is flown; two would fight each other."""
-        by_duties = self._bridge.sends_duties
-        self._bridge.commanders = (
-            self.count_publishers('motors') if by_duties else self._helm.count_commanders()
-        )
+    def _find_rivals(self) -> None:
+        """Look for unknown nodes that publish commands, and report them."""
+        strangers = self._commanders.find_strangers()
+        allowed = self._settings.allow_other_commanders
+        self._bridge.rivals = '' if allowed else strangers
+        if strangers:
+            level = HealthLevel.WARN if allowed else HealthLevel.ERROR
+            self.health.report('commanders', level, strangers)
+        elif 'commanders' in self.health:
+            text = 'only the nodes of the flight command the drone'
+            self.health.report('commanders', HealthLevel.OK, text)
 
     def _wait_for_links(self) -> None:
         """Wait until all topics have their readers, so that no message of a flight is lost."""
@@ -357,7 +364,7 @@ class CrazyflieBridge(DeviceNode):
 
     def publish_health(self) -> None:
         """Report the health of the link and the drone."""
-        self._count_commanders()
+        self._find_rivals()
         why, attempts = describe_connection(self._keeper)
         inputs = self._bridge.collect_safety_inputs(
             self._graph_time_ns(), self._is_linked, self.active

@@ -140,17 +140,19 @@ def test_no_flight_goes_on_without_a_height(parts):
                 assert 1e-9 * (flight.now - known) <= STUCK + 2e-9 * TICK
 
 
-def test_two_nodes_that_command_it_neither_arm_nor_fly_it():
+def test_unknown_nodes_that_command_it_neither_arm_nor_fly_it():
     flight = Bridged()
-    flight.bridge.commanders = 2
+    flight.bridge.rivals = 'unknown nodes'
     flight.tick()
     refusal = flight.bridge.find_arming_refusal(flight.now, True, True)
-    assert refusal == '2 nodes command the drone: stop all but one'
-    flight.bridge.commanders = 1
+    assert refusal == (
+        'unknown nodes: stop them, or allow them with allow_other_commanders:=true'
+    )
+    flight.bridge.rivals = ''
     flight.fly()
-    flight.bridge.commanders = 2
+    flight.bridge.rivals = 'unknown nodes'
     flight.tick()
-    assert (flight.stage, flight.bridge.state.why) == ('landing', '2 nodes command the drone')
+    assert (flight.stage, flight.bridge.state.why) == ('landing', 'unknown nodes')
 
 
 def ticks_fed(flight, count):
