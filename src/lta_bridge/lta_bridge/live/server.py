@@ -1,20 +1,26 @@
 """
 Read-only WebSocket server for Foxglove, based on Foxglove's SDK.
 
-Viewers may not publish, set parameters or call services. If a viewer is slow, the SDK drops its
-oldest messages. The server runs in the SDK's threads.
+Viewers may not publish, set parameters or call services, and pages of strangers may not look (see
+`origin_gate`). If a viewer is slow, the SDK drops its oldest messages. The server runs in the SDK's
+threads.
 """
 
 from collections.abc import Mapping
+from ipaddress import IPv4Address
 import logging
+import secrets
 import threading
 from typing import final
 
 from foxglove.websocket import Capability, ChannelView, Client, ServerListener
-from lta_bridge.live.address import build_port_error
+from lta_bridge.live.origin_gate import OriginGate
+from lta_config.errors import BadInput
 
 import foxglove
 
+LOOPBACK = int(IPv4Address('127.1.0.0'))  # addresses of this machine alone (RFC 1122, 3.2.1.3)
+LOOPBACK_SIZE = int(IPv4Address('127.255.255.255')) - LOOPBACK
 BACKLOG = 512  # queue limit of messages for a slow viewer
 
 # Do not log viewers that disconnect or send forbidden requests.
@@ -75,22 +81,22 @@ class LiveServer:
             )
             for topic, (encoding, schema) in channels.items()
         }
+        # No page can know this address, so all have to pass the gate
+        hidden = str(IPv4Address(LOOPBACK + secrets.randbelow(LOOPBACK_SIZE)))
+        self._server = foxglove.start_server(
+            name=name,
+            host=hidden,
+            port=0,
+            capabilities=[Capability.Time],
+            server_listener=self.audience,
+            context=context,
+            message_backlog_size=BACKLOG,
+        )
         try:
-            self._server = foxglove.start_server(
-                name=name,
-                host=host,
-                port=port,
-                capabilities=[Capability.Time],
-                server_listener=self.audience,
-                context=context,
-                message_backlog_size=BACKLOG,
-            )
-        except (OSError, RuntimeError, ValueError) as error:
-            raise build_port_error(
-                # Keep only the reason from the SDK's message
-                port,
-                str(error).rpartition(': ')[2].partition(' (os error')[0],
-            ) from None
+            self._gate = OriginGate(host, port, (hidden, self._server.port))
+        except BadInput:
+            self._server.stop()
+            raise
 
     def has_viewers(self, topic: str) -> bool:
         """Return whether a topic has viewers."""
@@ -106,4 +112,5 @@ class LiveServer:
 
     def close(self) -> None:
         """Disconnect all viewers."""
+        self._gate.close()
         self._server.stop()

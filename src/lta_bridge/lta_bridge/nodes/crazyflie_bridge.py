@@ -8,6 +8,7 @@ when motors may turn; this node converts and publishes.
 
 from functools import partial
 import math
+import os
 import threading
 import time
 from typing import Any
@@ -41,6 +42,7 @@ from lta_config.errors import BadInput
 from lta_config.schema.crazyflie_file import find_crazyflie
 from lta_config.vehicle_identity import hash_airframe
 from lta_graph.health import HealthLevel
+from lta_graph.reach import describe_reach
 from lta_graph.ros.command_mux import CommandMux
 from lta_graph.ros.device import DeviceNode
 from lta_graph.ros.message_validation import find_fault
@@ -65,6 +67,7 @@ class CrazyflieBridge(DeviceNode):
 
     def __init__(self) -> None:
         super().__init__('crazyflie_bridge', 'Crazyflie')
+        self.health.set_fact(describe_reach(os.environ))
         check_log_table(BLOCKS)
         self._outputs = {
             'imu': self.create_output('imu'),

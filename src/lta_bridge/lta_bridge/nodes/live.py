@@ -176,7 +176,8 @@ class LiveViewNode(GraphNode):
         self.health.report(
             'view',
             HealthLevel.WARN if self._torn else HealthLevel.OK,
-            f'{viewers} viewers' if viewers != 1 else '1 viewer',
+            (f'{viewers} viewers' if viewers != 1 else '1 viewer')
+            + ('; some messages could not be read' if self._torn else ''),
             unreadable=self._torn,
             viewers=viewers,
             sent=sum(sent.values()),

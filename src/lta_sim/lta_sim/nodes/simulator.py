@@ -12,6 +12,7 @@ The simulators of one launch stay synchronised (see `lta_graph.peers`), and one 
 from collections.abc import Generator, Iterable
 import json
 import operator
+import os
 import sys
 import time
 
@@ -20,6 +21,7 @@ from lta_config.errors import unknown_name_error
 from lta_config.topic_selection import is_selected
 from lta_graph.health import HealthLevel
 from lta_graph.inbox import InboxStep
+from lta_graph.reach import describe_reach
 from lta_graph.ros.message_validation import has_message_type
 from lta_graph.ros.node import GraphNode, WHOLE
 from lta_graph.ros.parameters import NodeParameters
@@ -54,6 +56,7 @@ class Simulator(GraphNode):
 
     def __init__(self) -> None:
         super().__init__('simulator', role='vehicle')
+        self.health.set_fact(describe_reach(os.environ))
         self._settings = NodeParameters(self, SimulatorSettings).value
         offset = self._settings.offset_x, self._settings.offset_y
         scenario = offset_start(load_scenario(self._settings.scenario), *offset)
