@@ -145,7 +145,8 @@ BARRIERS = {
     ),
     'two commanders before arming': Barrier(
         f'{BRIDGE}/crazyflie/safety.py',
-        "return f'{inputs.rivals}: stop them, or allow them with allow_other_commanders:=true'", 'pass',
+        "return f'{inputs.rivals}: stop them, or allow them with allow_other_commanders:=true'",
+        'pass',
         f'{UNIT}/test_bridge.py',
     ),
     'two commanders in flight': Barrier(

@@ -16,7 +16,7 @@ from std_srvs.srv import SetBool
 from waiting import PATIENCE
 import yaml
 
-from .peer import Peer, start, TABLE
+from .peer import complaints, Peer, start, TABLE
 
 ROW = TABLE['odom']
 START = TABLE.start_ns
@@ -50,7 +50,7 @@ class Recording(Peer):
     def wait(self, patience=PATIENCE):
         """Wait for the end."""
         _, errors = self._process.communicate(timeout=patience)
-        return self._process.returncode, errors
+        return self._process.returncode, '\n'.join(complaints(errors))
 
     def __exit__(self, *error: object) -> None:
         if self._process is not None and self._process.poll() is None:

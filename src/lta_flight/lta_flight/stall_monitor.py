@@ -110,8 +110,8 @@ class StallMonitor:
 
     def report_health(self, facts: Iterable[HealthFact]) -> None:
         """Report the faults of nodes and their ends, for a run whose nodes' lines nobody sees."""
-        wanted = (fact for fact in facts if fact.task.partition(': ')[2] not in ELSEWHERE)
-        for line in self._log.update(wanted, time.monotonic()):
+        others = (fact for fact in facts if fact.task.partition(': ')[2] not in ELSEWHERE)
+        for line in self._log.update(others, time.monotonic()):
             self._say(f'{line.text.rstrip(".")}.')
 
     def _report_loading(self, loading: list[str]) -> None:

@@ -36,12 +36,12 @@ class TaskLog:
         """Count a change to a status, and return whether it gets a line."""
         self.status = status
         is_new = status not in self.lines
-        logged = len(self.lines) < STATUSES if is_new else self.lines[status] < LINES
-        if logged:
+        has_line = len(self.lines) < STATUSES if is_new else self.lines[status] < LINES
+        if has_line:
             self.lines[status] += 1
         else:
             self.left_out += 1
-        return logged
+        return has_line
 
 
 @final

@@ -29,8 +29,8 @@ def _find_opening(environment: Mapping[str, str]) -> str:
         return ''
     if peers := environment.get(PEERS):
         return f'{PEERS}={peers}'
-    chosen = environment.get(RANGE) or 'SUBNET'  # the default of ROS 2
+    scope = environment.get(RANGE) or 'SUBNET'  # the default of ROS 2
     own = environment.get(PROFILE, '').endswith(OWN_PROFILE)
-    if chosen == 'SUBNET' or (chosen == 'SYSTEM_DEFAULT' and not own):
-        return f'{RANGE}={chosen}'
+    if scope == 'SUBNET' or (scope == 'SYSTEM_DEFAULT' and not own):
+        return f'{RANGE}={scope}'
     return ''

@@ -1,9 +1,9 @@
 """
 Read-only WebSocket server for Foxglove, based on Foxglove's SDK.
 
-Viewers may not publish, set parameters or call services, and pages of strangers may not look (see
-`origin_gate`). If a viewer is slow, the SDK drops its oldest messages. The server runs in the SDK's
-threads.
+Viewers may not publish, set parameters or call services, and foreign pages may not look (see
+`origin_gate`). If a viewer is slow, the SDK drops its oldest messages. The server runs in threads
+of the SDK.
 """
 
 from collections.abc import Mapping
@@ -82,10 +82,10 @@ class LiveServer:
             for topic, (encoding, schema) in channels.items()
         }
         # No page can know this address, so all have to pass the gate
-        hidden = str(IPv4Address(LOOPBACK + secrets.randbelow(LOOPBACK_SIZE)))
+        address = str(IPv4Address(LOOPBACK + secrets.randbelow(LOOPBACK_SIZE)))
         self._server = foxglove.start_server(
             name=name,
-            host=hidden,
+            host=address,
             port=0,
             capabilities=[Capability.Time],
             server_listener=self.audience,
@@ -93,7 +93,7 @@ class LiveServer:
             message_backlog_size=BACKLOG,
         )
         try:
-            self._gate = OriginGate(host, port, (hidden, self._server.port))
+            self._gate = OriginGate(host, port, (address, self._server.port))
         except BadInput:
             self._server.stop()
             raise

@@ -227,10 +227,10 @@ class CrazyflieBridge(DeviceNode):
     def _find_rivals(self) -> None:
         """Look for unknown nodes that publish commands, and report them."""
         strangers = self._commanders.find_strangers()
-        allowed = self._settings.allow_other_commanders
-        self._bridge.rivals = '' if allowed else strangers
+        permits = self._settings.allow_other_commanders
+        self._bridge.rivals = '' if permits else strangers
         if strangers:
-            level = HealthLevel.WARN if allowed else HealthLevel.ERROR
+            level = HealthLevel.WARN if permits else HealthLevel.ERROR
             self.health.report('commanders', level, strangers)
         elif 'commanders' in self.health:
             text = 'only the nodes of the flight command the drone'

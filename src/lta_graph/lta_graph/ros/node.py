@@ -3,7 +3,8 @@ The base class of LTA nodes: topics from the table, stepped inputs and health re
 
 A node has a role in `topics.yaml`, which defines the types, names and quality of service of its
 topics. `on_step` gets all inputs of one step (see `lta_graph.inbox`). Health is published on
-/diagnostics at every change of a level and every `REPORT_PERIOD`; each fault and its end is logged.
+/diagnostics at every change of a level and every `REPORT_PERIOD`. Each fault and its end is
+logged.
 """
 
 from collections.abc import Callable, Collection, Generator, Iterable

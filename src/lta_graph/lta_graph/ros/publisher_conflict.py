@@ -90,28 +90,28 @@ class CommanderWatch:
 
     def find_strangers(self) -> str:
         """Return the nodes, each with its topics, as a sentence; empty if there are none."""
-        found: dict[str, list[str]] = {}
+        topics: dict[str, list[str]] = {}
         robot = self._node.get_namespace().rstrip('/')
         for topic in COMMANDS:
             role = self._table[topic].source
             names = list_publishers(self._node, topic)
-            known = f'{robot}/{role}'
-            if known in names and role != TELEOP:
-                names.remove(known)  # one only: a second is a namesake
+            owner = f'{robot}/{role}'
+            if owner in names and role != TELEOP:
+                names.remove(owner)  # one only: a second is a namesake
             for name in self._skip_new(topic, names):
-                if name != known or role != TELEOP:
-                    found.setdefault(name, []).append(topic)
-        if not found:
+                if name != owner or role != TELEOP:
+                    topics.setdefault(name, []).append(topic)
+        if not topics:
             return ''
-        nodes = ', '.join(f'{name} ({", ".join(found[name])})' for name in sorted(found))
+        nodes = ', '.join(f'{name} ({", ".join(topics[name])})' for name in sorted(topics))
         return f'unknown nodes command the drone: {nodes}'
 
     def _skip_new(self, topic: str, names: list[str]) -> list[str]:
         """Return the names without those that have not arrived yet."""
         now = time.monotonic()
-        named = [name for name in names if not name.endswith(NAMELESS)]
-        if len(named) == len(names):
+        complete = [name for name in names if not name.endswith(NAMELESS)]
+        if len(complete) == len(names):
             self._nameless_since.pop(topic, None)
         elif now - self._nameless_since.setdefault(topic, now) > NAMING:
             return names
-        return named
+        return complete

@@ -61,8 +61,8 @@ class WatchfulExecutor(SingleThreadedExecutor):
     """
     rclpy's executor, which notes that its nodes have added or destroyed entities.
 
-    Attribute `stale`: whether that happened since a loop looked them up, and set it to False. Until
-    it looks again, a handle that it keeps may be invalid.
+    Attribute `stale`: whether that happened since a loop looked them up, and set it to False.
+    Until it looks again, a handle that it keeps may be invalid.
     """
 
     def __init__(self, *, context: Context) -> None:

@@ -145,9 +145,7 @@ def test_unknown_nodes_that_command_it_neither_arm_nor_fly_it():
     flight.bridge.rivals = 'unknown nodes'
     flight.tick()
     refusal = flight.bridge.find_arming_refusal(flight.now, True, True)
-    assert refusal == (
-        'unknown nodes: stop them, or allow them with allow_other_commanders:=true'
-    )
+    assert refusal == ('unknown nodes: stop them, or allow them with allow_other_commanders:=true')
     flight.bridge.rivals = ''
     flight.fly()
     flight.bridge.rivals = 'unknown nodes'
