@@ -1,8 +1,9 @@
-"""What a bag holds, by somebody else's reader: to compare flights byte for byte."""
+"""What a bag holds, by somebody else's reader: to compare flights byte for byte; its one clock."""
 
 from collections import defaultdict
 from pathlib import Path
 
+from lta_data.bag.recorded_flight import open_flight
 from rosbags.highlevel import AnyReader
 
 
@@ -13,3 +14,16 @@ def contents(bag: Path) -> dict[str, list[tuple[int, bytes]]]:
         for connection, log_time, data in reader.messages():
             found[connection.topic].append((log_time, bytes(data)))
     return found
+
+
+def check_one_clock(call, bag, robot='lta1'):
+    """Hold the reports of all nodes to the flight's clock, and export the bag on an even one."""
+    bag = Path(bag)
+    flight = open_flight(bag, robot)
+    reports = flight.read_series('/diagnostics') if '/diagnostics' in flight.bag.topics else ()
+    if reports:
+        span = flight.bag.start, flight.bag.end
+        assert span[0] <= reports.stamps.min() <= reports.stamps.max() <= span[1], reports.stamps
+    words = ('--rate', '100', '--robot', robot, '--out', bag.parent / f'{bag.name}-{robot}-even')
+    status, said = call('bag', 'export', bag, *words)
+    assert status == 0, said.err

@@ -12,7 +12,7 @@ from lta_graph.quality import LOCKSTEP_HISTORY_NS
 import pytest
 import yaml
 
-from .contents import contents
+from .contents import check_one_clock, contents
 
 OWN = Path(__file__).resolve().parents[2] / 'examples' / 'own_strategy.py'
 TABLE = load_topic_table()
@@ -90,6 +90,7 @@ def test_a_flight_to_the_lamp_is_whole_and_that_of_one_process(lta, call, tmp_pa
     kept = [{k: v for k, v in told.items() if k not in own} for told in results.values()]
     assert kept[0] == kept[1]
     check_whole(results['fly']['bag'], call)
+    check_one_clock(call, results['fly']['bag'])
 
 
 def check_whole(path, call):
@@ -148,7 +149,7 @@ def test_a_changed_parameter_is_kept_in_files_that_the_graph_flies(lta, tmp_path
 
 
 @pytest.mark.long
-def test_real_time_is_real_time(fly):
+def test_real_time_is_real_time(fly, call):
     """Or it is said that the machine cannot keep pace."""
     flown = fly('real', '--time', 'realtime', time_limit='5 s')
     assert flown['outcome'] == 'timeout'
@@ -156,3 +157,4 @@ def test_real_time_is_real_time(fly):
     health = open_flight(flown['bag']).read_series('/diagnostics').texts
     said = any('slower than real time' in text for column in health.values() for text in column)
     assert flown['pace'] > 0.94 or said
+    check_one_clock(call, flown['bag'])

@@ -9,6 +9,7 @@ import pytest
 from std_srvs.srv import SetBool
 
 from .command import ROOT
+from .contents import check_one_clock
 from .peer import Peer
 
 ARM = 'crazyflie_bridge/arm'
@@ -76,6 +77,7 @@ def test_through_both_bridges_it_finds_the_lamp_and_comes_down(
     hear(lambda facts: facts['crazyflie_bridge: safety'].message.startswith(why))
     graph.interrupt()
     assert graph.end() == 130, graph.text  # as after any Ctrl-C
+    check_one_clock(call, tmp_path / 'bag')
     status, bag = call('bag', 'info', tmp_path / 'bag')
     assert status == 0
     counts = {line.split()[0]: line.split()[2] for line in bag.out.splitlines() if '/msg/' in line}

@@ -12,7 +12,7 @@ from std_msgs.msg import String
 from std_srvs.srv import SetBool
 
 from .command import ALL_NODES, processes
-from .contents import contents
+from .contents import check_one_clock, contents
 from .peer import Peer
 
 TABLE = load_topic_table()
@@ -48,6 +48,8 @@ def test_a_flight_in_one_process_is_that_of_the_loop(lta, call, scenario, tmp_pa
         each['/tf_static'].sort()
     for topic in REPEATABLE:
         assert graph[topic] == loop[topic] != [], topic
+    for name in ('fly', 'simulate'):
+        check_one_clock(call, tmp_path / name / 'bag')
 
 
 def test_a_shared_process_is_a_graph_for_others_and_ends_by_ctrl_c(

@@ -14,7 +14,7 @@ from lta_flight.simulate import simulate_once, SimulationRequest
 import pytest
 from rich.console import Console
 
-from .contents import contents
+from .contents import check_one_clock, contents
 
 TABLE = load_topic_table()
 REPEATABLE = [name for name, topic in TABLE.topics.items() if topic.repeatable and name[0] != '/']
@@ -116,6 +116,7 @@ def check_reading(call, bag):
     assert 'seed 7' in page
     assert 'launch fly vehicle:=gtmab' in page
     assert f'offset_y:={OFFSET}' in page
+    check_one_clock(call, bag, 'lta2')
     shown = call('bag', 'info', bag)[1].out
     assert 'messages of lta1 and lta2 in' in shown
     for line in ('/lta1/odom', '/lta2/odom', 'lta1/seed: 8', 'lta2/seed: 7'):

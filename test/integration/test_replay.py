@@ -23,6 +23,7 @@ from rich.console import Console
 from std_srvs.srv import SetBool, Trigger
 from waiting import PATIENCE
 
+from .contents import check_one_clock
 from .peer import Peer, ROOT, TABLE
 
 LAMP = ROOT / 'test/replay/lamp.mcap'
@@ -59,7 +60,7 @@ def copied(bag, folder, keep, later=0, strange=0):
     return folder
 
 
-def test_every_node_answers_its_own_recording_to_the_last_bit(lta, recorded, tmp_path):
+def test_every_node_answers_its_own_recording_to_the_last_bit(lta, call, recorded, tmp_path):
     done = lta.run(
         'replay', recorded, '--nodes', NODES, '--against', '--json', '--out', tmp_path / 'replay'
     )
@@ -74,6 +75,7 @@ def test_every_node_answers_its_own_recording_to_the_last_bit(lta, recorded, tmp
     assert all(told['only_replayed'] == 0 for told in said['topics'].values())
     again = read_bag(Path(said['bag']))
     assert again.provenance['replay_of'] == str(recorded)
+    check_one_clock(call, said['bag'])
     # The answers are logged when the flight's own were, those without a stamp as well.
     for name in answered:
         times = [

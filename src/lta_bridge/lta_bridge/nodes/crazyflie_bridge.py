@@ -80,7 +80,7 @@ class CrazyflieBridge(DeviceNode):
         vehicle = self._vehicle = load_vehicle(settings.vehicle)
         self._names = vehicle.rotor_names
         self._consumption = CrazyfliePowerModel.from_energy(vehicle.file.energy)
-        link = self._link = create_link(settings.uri, BLOCKS, self._graph_time_ns)
+        link = self._link = create_link(settings.uri, BLOCKS, self.graph_time_ns)
         file = self._file = find_crazyflie(settings.vehicle, vehicle.file.name, settings.crazyflie)
         command = settings.command or file.command
         self._bridge = BridgeCore(
@@ -126,9 +126,6 @@ class CrazyflieBridge(DeviceNode):
         self._helm = CommandMux(self, self._accept_setpoint)
         self._links = ReaderLinks(self, self.table)
         self._commanders = CommanderWatch(self, self.table)
-
-    def _graph_time_ns(self) -> int:
-        return self.get_clock().now().nanoseconds
 
     @property
     def _is_linked(self) -> bool:
@@ -207,7 +204,7 @@ class CrazyflieBridge(DeviceNode):
     def _on_arm(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
         """Arm or disarm, and answer with the confirmed state."""
         self._find_rivals()
-        why = self._bridge.find_arming_refusal(self._graph_time_ns(), self._is_linked, self.active)
+        why = self._bridge.find_arming_refusal(self.graph_time_ns(), self._is_linked, self.active)
         if not self._is_linked and self._keeper is not None and self._keeper.why:
             why = self._keeper.why
         if not (request.data and why):
@@ -308,7 +305,7 @@ class CrazyflieBridge(DeviceNode):
     # Periodic work.
 
     def _tick(self) -> None:
-        up, now_ns = self._is_linked, self._graph_time_ns()
+        up, now_ns = self._is_linked, self.graph_time_ns()
         pose, _ = self._helm.select_setpoint(self._pose, self._velocity)
         self._bridge.wanted_height = math.inf if pose is None else pose.pose.position.z
         # A new connection: nothing known from the last one is valid
@@ -370,7 +367,7 @@ class CrazyflieBridge(DeviceNode):
         self._find_rivals()
         why, attempts = describe_connection(self._keeper)
         inputs = self._bridge.collect_safety_inputs(
-            self._graph_time_ns(), self._is_linked, self.active
+            self.graph_time_ns(), self._is_linked, self.active
         )
         for fact in describe_health(self._bridge, why, attempts, self._link.protocol, inputs):
             self.health.report(fact.task, fact.level, fact.message, **fact.values)

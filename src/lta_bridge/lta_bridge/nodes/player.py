@@ -229,8 +229,13 @@ class Player(GraphNode):
         wall = time.monotonic()
         if wall - self._clocked >= CLOCK_PERIOD:
             self._clocked = wall
-            now = self._now if self.lockstep else max(self._now, self._pace.now(wall))
-            self._telling.publish(ClockMessage(clock=to_stamp(now)))
+            self._telling.publish(ClockMessage(clock=to_stamp(self.graph_time_ns())))
+
+    def graph_time_ns(self) -> int:
+        """Return the time of the bag, which is that of the graph. [ns]"""
+        if self.lockstep:
+            return self._now
+        return max(self._now, self._pace.now(time.monotonic()))
 
     def _on_pause(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
         wall = time.monotonic()
@@ -276,16 +281,16 @@ class Player(GraphNode):
         }
 
     def _monitor_inputs(self) -> None:
-        """Report the progress each time, for progress bars."""
+        """Report the progress of the replay."""
         over = {OVER: self._ended == 'played'}
         self.health.report(
             'playback', HealthLevel.OK, self._format_position(), **self._collect_progress(), **over
         )
-        self.health.changed = True
         super()._monitor_inputs()
 
     def close(self) -> None:
         """Print the outcome, finish the bag of answers, and send the last messages."""
+        self.health.changed = True  # others wait for the end
         self._monitor_inputs()
         if self._answer_bag is not None:
             self._answer_bag.close()

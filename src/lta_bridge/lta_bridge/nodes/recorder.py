@@ -115,7 +115,7 @@ class Recorder(GraphNode):
                 unfinished.callback(self._writer.close)  # if the constructor fails
             whole = self.lockstep and not self.replayed  # a replayed bag may begin anywhere
             self._real = self.get_parameter('source').value == 'crazyflie'
-            begun_ns = self.get_clock().now().nanoseconds if self._real else None
+            begun_ns = self.graph_time_ns() if self._real else None
             self._intake = MessageIntake(self.table, whole, robots, self._writer, begun_ns)
             everything = settings.topics.split() == [EVERYTHING]
             self._taps = RawSubscriptions(

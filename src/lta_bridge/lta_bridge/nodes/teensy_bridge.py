@@ -109,7 +109,7 @@ class TeensyBridge(DeviceNode):
         board = LightBoard(self.table.light, entry.count, peaks, entry.bits, self._hash)
         while True:
             try:
-                return BoardReader(port, board, self._publish_light, self._graph_time_ns)
+                return BoardReader(port, board, self._publish_light, self.graph_time_ns)
             except BadInput:
                 if time.monotonic() >= until or not self.running:
                     raise
@@ -119,7 +119,7 @@ class TeensyBridge(DeviceNode):
         """Report the health of the board and its link."""
         # A refusal was reported in on_configure; do not replace it
         if self._reader is not None or not self.refusal:
-            fact = describe_health(self._reader, self._graph_time_ns(), self.active)
+            fact = describe_health(self._reader, self.graph_time_ns(), self.active)
             self.health.report(fact.task, fact.level, fact.message, **fact.values)
         super().publish_health()
 
@@ -142,9 +142,6 @@ class TeensyBridge(DeviceNode):
         out['light/bearing'].publish(from_bearing(header, lamp.towards))
         out['light/peaks'].publish(from_peaks(header, (peaks,), self._finder.diodes.axes))
         out['light/estimate'].publish(from_lamp(header, lamp.lamp))
-
-    def _graph_time_ns(self) -> int:
-        return int(self.get_clock().now().nanoseconds)
 
     def release_device(self) -> None:
         """Close the link."""

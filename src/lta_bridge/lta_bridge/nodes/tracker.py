@@ -110,7 +110,7 @@ class TrackerNode(GraphNode):
                 self._publish_motion(from_stamp(each.header.stamp), from_transform(each))
 
     def _publish_motion(self, stamp_ns: int, pose: TrackerPose) -> None:
-        for motion in self._tracked.receive_pose(stamp_ns, pose, self._graph_time_ns()):
+        for motion in self._tracked.receive_pose(stamp_ns, pose, self.graph_time_ns()):
             frame = self.table['ground_truth/odom'].frame
             stamp = to_stamp(motion.stamp_ns)
             self._truth.publish(to_odometry(stamp, frame, motion))
@@ -122,12 +122,9 @@ class TrackerNode(GraphNode):
     def _on_estimate(self, odom: Odometry) -> None:
         self._correction.add_estimate(from_stamp(odom.header.stamp), from_odometry(odom))
 
-    def _graph_time_ns(self) -> int:
-        return int(self.get_clock().now().nanoseconds)
-
     def publish_health(self) -> None:
         """Report the health of the tracker."""
-        fact = self._tracked.describe_health(self._graph_time_ns())
+        fact = self._tracked.describe_health(self.graph_time_ns())
         self.health.report(fact.task, fact.level, fact.message, **fact.values)
         super().publish_health()
 

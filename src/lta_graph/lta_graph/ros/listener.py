@@ -5,18 +5,20 @@ from contextlib import ExitStack
 import time
 from typing import final, Self
 
+from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from lta_graph.health import HealthFact, HealthLevel
 from lta_graph.interrupts import hold_interrupts
 from lta_graph.ros.temporary_node import join_graph
 from rclpy.duration import Duration
+from std_msgs.msg import Header
 
 DEPTH = 100  # messages of all nodes together that may wait until the next look
 DISCOVERY = 10.0  # wall s after the first report for DDS to find all nodes of a busy machine
 LOADING = 300.0  # wall s for all to report once; compiling the model takes half a minute alone
 TASK = 'launcher: processes'  # task under which the launcher reports faults of its nodes
 RECEIPT = Duration(seconds=0.5)  # for all readers to acknowledge an error; a dead one never does
-SILENCE = 0.85  # wall s after which a node counts as silent: two reports and some delay
+SILENCE = 2.25  # wall s after which a node counts as silent: two reports and some delay
 
 
 @final
@@ -34,6 +36,7 @@ class DiagnosticsListener:
         self._prefix = {name: f'{name}/' if name and len(names) > 1 else '' for name in names}
         self._robot = names[0]
         self.facts: dict[str, HealthFact] = {}
+        self._stamp = Time()  # of the newest report: the graph's time
         self._received_at: dict[str, float] = {}
         self._begun: float | None = None
         self._complete: float | None = None
@@ -59,6 +62,7 @@ class DiagnosticsListener:
         if ours:
             # Time of the first report of any node; discovery is allowed DISCOVERY from then
             self._begun = self._begun or time.monotonic()
+            self._stamp = message.header.stamp
         for status in ours:
             values = {item.key: item.value for item in status.values}
             # Any node may publish here: an undefined level is capped at the worst one
@@ -84,7 +88,8 @@ class DiagnosticsListener:
         status = DiagnosticStatus(
             level=DiagnosticStatus.ERROR, name=TASK, message=sentence, hardware_id=self._robot
         )
-        self._publisher.publish(DiagnosticArray(status=[status]))
+        header = Header(stamp=self._stamp)
+        self._publisher.publish(DiagnosticArray(header=header, status=[status]))
 
     def wait_until_received(self) -> None:
         """

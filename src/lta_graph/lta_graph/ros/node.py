@@ -26,14 +26,14 @@ from lta_graph.ros.reader_links import LINKS
 from lta_graph.ros.replay_due import DUE, subscribe_inbox_schedule
 from lta_graph.ros.shared.hand_over import LocalPublisher, SharingNode
 from lta_graph.ros.spin import Pause, Spin
-from lta_graph.ros.stamps import from_stamp
+from lta_graph.ros.stamps import from_stamp, to_stamp
 from rclpy.clock import Clock, ClockType
 from rclpy.duration import Duration
 from rclpy.publisher import Publisher
 from rclpy.subscription import Subscription
 
 WATCH_PERIOD = 0.1  # wall seconds between checks for missing inputs
-REPORT_PERIOD = 0.3  # wall seconds between two unchanged /diagnostics
+REPORT_PERIOD = 1.0  # wall seconds between two unchanged /diagnostics
 FAREWELL = 0.2  # wall seconds for the last messages to be acknowledged
 WHOLE = 5.0  # the same after a successful flight, when a live recorder may be far behind
 PATIENCE = 0.5  # wall seconds of waiting after which the missing input is reported
@@ -108,6 +108,10 @@ class GraphNode(SharingNode):
         )
         self._writers[name] = publisher
         return publisher
+
+    def graph_time_ns(self) -> int:
+        """Return the time of the graph; 0 before its clock has begun. [ns]"""
+        return int(self.get_clock().now().nanoseconds)
 
     def count_readers(self) -> dict[str, int]:
         """Return the number of matched readers of each output."""
@@ -279,7 +283,7 @@ class GraphNode(SharingNode):
         self._log_health()
         self.health.changed = False
         array = DiagnosticArray()
-        array.header.stamp = self.get_clock().now().to_msg()
+        array.header.stamp = to_stamp(self.graph_time_ns())
         array.status = [
             DiagnosticStatus(
                 # The level is a `byte`, which rclpy represents as a bytes object of length 1

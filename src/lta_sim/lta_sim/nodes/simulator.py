@@ -245,7 +245,8 @@ class Simulator(GraphNode):
             return False
         if self._is_flight_over():
             self._finished, self.farewell = time.monotonic(), WHOLE
-            self._monitor_inputs()  # the others may be waiting for this
+            self.health.changed = True  # the others may be waiting for this
+            self._monitor_inputs()
             self._on_peer_update()
             return False
         if not self._peers.may_advance(self._world.stamp_ns + self.table.control_ns):
@@ -350,16 +351,20 @@ class Simulator(GraphNode):
         }
 
     def _monitor_inputs(self) -> None:
-        """Report the state of the flight at every check, for progress bars."""
+        """Report the state of the flight."""
         standing = self._summarize_flight()
         text = f'{standing["sentence"]}, {standing["distance_m"]} m from the lamp'
         over = {OVER: self._finished is not None}
         self.health.report('flight', HealthLevel.OK, text, **standing, **over)
-        self.health.changed = True
         super()._monitor_inputs()
+
+    def graph_time_ns(self) -> int:
+        """Return the time of the simulated world, which is that of the graph. [ns]"""
+        return self._world.stamp_ns
 
     def close(self) -> None:
         """Report the outcome, also to the launcher, and let the last messages leave."""
+        self.health.changed = True  # the outcome does not wait for the next report
         self._monitor_inputs()
         if self._world.steps:  # a flight that never began has no outcome
             # One line of JSON, which the launcher parses
