@@ -17,6 +17,8 @@ from lta_config.errors import BadInput
 from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.channels import iterate_channels, SignalChannel
 from lta_data.bag.recorded_flight import open_flight, RecordedFlight
+from lta_data.compare.sampling import median_period
+from lta_data.even_grid import check_time_span
 from lta_data.tracked_motion import COMMAND, find_tracker_prefix, has_newton_commands, MASS
 from lta_model.effects import EFFECTS
 from lta_model.measurement_chain import apply_chain, build_chains
@@ -150,6 +152,9 @@ def read_commands(
             f"'{bag}' has less than {SHORTEST:g} s with both a tracked pose and commands in this "
             'part; choose another part with --begin and --end, or another recording.'
         )
+    remedy = 'choose a part with --begin and --end'
+    span, step = float(last - at[0]), median_period(at)
+    check_time_span(f"of '{bag}'", span, step, len(at), remedy=remedy)
     reported = Rotation.from_euler('ZYX', poses[:, 3:])
     centres, turns = find_body_poses(vehicle, poses[:, :3], reported)
     raised = _find_raise(vehicle, centres[at <= last])

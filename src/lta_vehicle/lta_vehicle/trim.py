@@ -23,7 +23,7 @@ from typing import Final, final
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.errors import BadInput
-from lta_data.even_grid import build_uniform_time_grid
+from lta_data.even_grid import check_time_span
 from lta_model.effect_parameters import Effects, OTHER_CURVES
 from lta_model.effects import EFFECTS
 from lta_model.measurement_chain import apply_chain, build_chains
@@ -168,15 +168,9 @@ def _build_time_grid(path: VehiclePath, commands: RotorCommands | WrenchCommands
 def _estimate_velocity(path: VehiclePath, grid: Array) -> Array:
     """Return the velocity at the grid times, by a line fit to the poses around each."""
     step = float(np.median(np.diff(path.time)))
-    half = max(1, round(0.5 * SMOOTH / step))
-    uniform = build_uniform_time_grid(path.time[0], path.time[-1], step, len(path.time))
-    if not len(uniform):
-        raise BadInput(
-            f'The {len(path.time)} poses of the recording span '
-            f'{path.time[-1] - path.time[0]:.0f} s, which is too long for their number: '
-            'probably the clock was set during the recording; run "lta bag check" to find the '
-            'jump in time.'
-        )
+    check_time_span('of the poses', path.time[-1] - path.time[0], step, len(path.time))
+    uniform = np.arange(path.time[0], path.time[-1], step)
+    half = max(1, round(min(0.5 * SMOOTH / step, len(uniform) / 2)))
     # Least-squares slope over an odd window, as a convolution.
     weights = np.arange(-half, half + 1) / (step * sum(k * k for k in range(-half, half + 1)))
     velocity = np.zeros((len(grid), 3))

@@ -13,7 +13,7 @@ from typing import Any, Final, final, NamedTuple
 from lta_config.errors import BadInput, unknown_name_error
 from lta_data.bag.table import AXES, RecordingTable
 from lta_data.bag.table_text import DIM
-from lta_data.even_grid import is_grid_allowed
+from lta_data.even_grid import check_time_span
 import numpy as np
 from numpy.typing import NDArray
 
@@ -159,14 +159,8 @@ def build_even_clock(tables: Sequence[RecordingTable], rate: float) -> Stamps:
     # Relative to the start: float64 seconds since 1970 resolve only 0.2 us
     first = (min(int(each.min()) for each in stamps) - start) * 1e-9
     last = (max(int(each.max()) for each in stamps) - start) * 1e-9
-    # A single wrong stamp, such as 1970, would need a grid larger than the memory
-    if not is_grid_allowed((last - first) * rate, sum(map(len, stamps)), DENSE):
-        raise BadInput(
-            f'The time stamps span {last - first:.0f} s, too long to resample at {rate:g} Hz; '
-            'give a '
-            'lower rate, or check with `lta bag check` whether the system clock was changed '
-            'during the recording.'
-        )
+    samples = sum(map(len, stamps))
+    check_time_span('', last - first, 1.0 / rate, samples, DENSE, 'give a lower rate')
     # The tolerance keeps end points that are off by rounding.
     steps = np.arange(np.ceil(first * rate - 1e-6), np.floor(last * rate + 1e-6) + 1)
     return start + np.rint(steps * (1e9 / rate)).astype(np.int64)

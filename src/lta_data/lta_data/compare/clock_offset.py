@@ -22,6 +22,7 @@ from lta_data.compare.coarse_lag import (
 )
 from lta_data.compare.measures import NORMAL
 from lta_data.compare.sampling import Array, interpolate_signal, median_period, SampledSignal
+from lta_data.even_grid import is_grid_allowed
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import Akima1DInterpolator, CubicSpline
@@ -77,11 +78,20 @@ def estimate_clock_offset(shared: Sequence[SharedQuantity]) -> ClockOffset | Non
         return None
     like = {name: value for name, value in coarse.correlations.items() if value > LIKE}
     names = sorted(like, key=lambda name: -like[name])[:MOST]
-    used = [each for each in shared if each.name in names]
+    used = [each for each in shared if each.name in names and can_be_prepared(each)]
     return (
         refine_offset(used, coarse, float(np.median([like[name] for name in names])))
         if used
         else None
+    )
+
+
+def can_be_prepared(each: SharedQuantity) -> bool:
+    """Return whether both sides fit on a grid with the step of the finer one."""
+    step = min(median_period(line.time) for line in both_signals(each))
+    return all(
+        is_grid_allowed(float(line.time[-1] - line.time[0]), step, len(line.time))
+        for line in both_signals(each)
     )
 
 

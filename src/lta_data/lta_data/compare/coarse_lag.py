@@ -7,6 +7,7 @@ from typing import Final, NamedTuple
 from lta_data.compare.divergence import noise_deviation
 from lta_data.compare.sampling import Array, interpolate_signal, median_period, SampledSignal
 from lta_data.compare.spectra import fit_parabola_peak
+from lta_data.even_grid import check_time_span
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
@@ -35,7 +36,11 @@ class CoarseLag(NamedTuple):
 
 
 def estimate_coarse_lag(shared: Sequence[SharedQuantity]) -> CoarseLag | None:
-    """Return the lag at which the rates of change correlate best; None if none do."""
+    """
+    Return the lag at which the rates of change correlate best; None if none do.
+
+    Raise `BadInput` if the time stamps of a flight span too long for their number.
+    """
     able = [each for each in shared if len(each.a.time) > 8 and len(each.b.time) > 8]
     if not able:
         return None
@@ -44,6 +49,9 @@ def estimate_coarse_lag(shared: Sequence[SharedQuantity]) -> CoarseLag | None:
     step = float(np.clip(min(slower), *STEPS))
     begins = [min(float(both_signals(each)[k].time[0]) for each in able) for k in (0, 1)]
     ends = [max(float(both_signals(each)[k].time[-1]) for each in able) for k in (0, 1)]
+    for k, label in enumerate('AB'):
+        most = max(len(both_signals(each)[k].time) for each in able)
+        check_time_span(f'of {label}', ends[k] - begins[k], step, most)
     counts = [1 + math.ceil((ends[k] - begins[k]) / step) for k in (0, 1)]
     least = OVERLAP * min(counts)
     # Long enough that a circular correlation does not wrap around.

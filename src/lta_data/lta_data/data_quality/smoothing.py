@@ -1,5 +1,7 @@
 """Resample channels to an even grid and smooth them, so that derivatives can be compared."""
 
+from lta_config.limits import GRID
+from lta_data.even_grid import FINEST
 import numpy as np
 from numpy.typing import NDArray
 
@@ -41,7 +43,8 @@ def interpolate_on_grid(
 
 def hann_kernel(width: float, step: float) -> Array:
     """Return a Hann window of a width, normalised to one; of odd length, at least three."""
-    half = max(1, round(width / step / 2))
+    # No signal has more samples within the width than the longest grid
+    half = max(1, round(min(width / max(FINEST, step) / 2, GRID)))
     # The first and last point of a Hann window are zero.
     window = np.hanning(2 * half + 3)[1:-1]
     return np.asarray(window / window.sum(), dtype=np.float64)

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from typing import Final, final
 
 from lta_data.data_quality.tracker_jumps import find_tracker_jumps
+from lta_data.even_grid import check_time_span
 from lta_discovery.flights.noise import estimate_noise, estimate_pose_noise, LEAST
 from lta_discovery.flights.tracker_outliers import find_tracker_outliers
 import numpy as np
@@ -189,6 +190,7 @@ def resample_flight(streams: FlightStreams) -> MeasuredFlight:
     wrong |= find_tracker_jumps(pose.time, np.where(wrong[:, None], np.nan, pose.values))
     pose = Stream(pose.time[~wrong], pose.values[~wrong])
     # Grid points at multiples of the period, within the recorded poses
+    check_time_span('of the poses', pose.time[-1] - pose.time[0], PERIOD, len(pose.time))
     begin = np.ceil(pose.time[0] / PERIOD) * PERIOD
     count = int(np.floor((pose.time[-1] - begin) / PERIOD + 1e-9)) + 1
     grid = begin + PERIOD * np.arange(count)

@@ -14,6 +14,8 @@ from lta_config.topics import load_topic_table
 from lta_data.bag.channels import find_airspeed_topic
 from lta_data.bag.recorded_flight import PointSeries, RecordedFlight
 from lta_data.bag.series import TopicSeries
+from lta_data.compare.sampling import median_period
+from lta_data.even_grid import check_time_span
 from lta_data.scene import read_scene
 from lta_flight.report.goal import FlightGoal
 from lta_model.attitude import to_euler_angles
@@ -105,7 +107,7 @@ class FlightView:
         """First and last time of the motion, or of the bag if there is none. [s]"""
         for topic in ('ground_truth/odom', 'odom'):
             if self.has_topics(topic):
-                time = self.read_series(topic).time
+                time = self._read_motion(topic).time
                 return float(time[0]), float(time[-1])
         bag = self.flight.bag
         return 0.0, 0.0 if bag.start is None or bag.end is None else (bag.end - bag.start) * 1e-9
@@ -245,6 +247,8 @@ class FlightView:
     def _read_motion(self, topic: str) -> MotionCurve:
         """Return a topic of nav_msgs/Odometry as a motion."""
         series = self.read_series(topic)
+        span, step = float(np.ptp(series.time)), median_period(series.time)
+        check_time_span(f"of '{topic}'", span, step, len(series.time))
         place, attitude = (
             series.vector('pose.pose.position'),
             series.vector('pose.pose.orientation'),

@@ -25,7 +25,7 @@ from lta_data.data_quality.smoothing import (
     smooth_columns,
 )
 from lta_data.data_quality.tracker_jumps import find_tracker_jumps
-from lta_data.even_grid import build_uniform_time_grid
+from lta_data.even_grid import build_uniform_time_grid, FINEST
 import numpy as np
 from numpy.typing import NDArray
 
@@ -107,7 +107,7 @@ def measure_tremor(vector: VectorSeries, values: Array, limits: QualityLimits) -
     step = median_period(vector.time)
     grid = build_uniform_time_grid(vector.time[0], vector.time[-1], step, len(vector.time))
     table, valid = interpolate_on_grid(vector.time, values, grid)
-    count = round(limits.hold_window / step)
+    count = min(round(limits.hold_window / max(FINEST, step)), len(grid) + 1)
     starts = np.arange(0, len(grid) - count + 1, max(1, count // HOP))
     # Shape (windows, count)
     index = starts[:, None] + np.arange(count)

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Final
 
+from lta_data.even_grid import build_uniform_time_grid
 from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.clock_alignment import (
     find_motion,
@@ -100,7 +101,7 @@ def measure_shares(tracked: TimedTable, stamps: Numbers, values: Numbers) -> Num
     if tracked.position is None or tracked.turn is None:
         return None
     seconds, rising = tracked.seconds, find_rising(stamps)
-    grid = np.arange(np.nanmin(seconds), np.nanmax(seconds), STEP)
+    grid = build_uniform_time_grid(np.nanmin(seconds), np.nanmax(seconds), STEP, len(seconds))
     if len(grid) < LEAST or not rising.any():
         return None
     stamps, values = stamps[rising], values[rising]

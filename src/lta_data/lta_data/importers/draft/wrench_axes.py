@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any, Final
 
+from lta_data.even_grid import build_uniform_time_grid
 from lta_data.importers.draft.array_commands import DELAYS, LEAST, lose_without
 from lta_data.importers.draft.axis_commands import KEY, UNITS
 from lta_data.importers.draft.choices import DraftChoices
@@ -118,7 +119,8 @@ def _fit_accelerations(
         return {}
     stamps, held = stamps[rising], held[: len(rising)][rising]
     begin, end = np.nanmin(pose.seconds), np.nanmax(pose.seconds)
-    grid = np.arange(max(begin, stamps[0]), min(end, stamps[-1]), STEP)
+    first, last = max(begin, stamps[0]), min(end, stamps[-1])
+    grid = build_uniform_time_grid(first, last, STEP, len(pose.seconds))
     if len(grid) < LEAST:
         return {}
     speed, pull = find_motion(pose.seconds, pose.position, pose.turn, grid)

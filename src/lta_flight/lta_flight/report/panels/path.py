@@ -1,5 +1,7 @@
 """Plot the path of the flight from above."""
 
+import math
+
 from lta_flight.report.rays import draw_rays
 from lta_flight.report.results import find_phases
 from lta_flight.report.room import choose_tick_distance, draw_label, draw_room
@@ -121,8 +123,12 @@ def draw_times(figure: Figure, view: FlightView) -> None:
     """Label the path with times, on the side away from the lamp."""
     phases = find_phases(view)
     start = phases.search if np.isfinite(phases.search) else view.span[0]
-    # The smallest step that gives few enough labels
-    step = next((step for step in STEPS if (phases.end - start) / step <= MOST_STEPS), STEPS[-1])
+    # The smallest step that gives few enough labels; beyond the list, a multiple of its last
+    length = phases.end - start
+    step = next(
+        (step for step in STEPS if length / step <= MOST_STEPS),
+        STEPS[-1] * math.ceil(length / (STEPS[-1] * MOST_STEPS)),
+    )
     truth = view.truth
     for time in np.arange(np.ceil(start / step) * step, phases.end, step):
         # Position now and half a second later, for the direction of flight
