@@ -20,7 +20,7 @@ CHUNK_BYTES: Final = 1 << 27  # of a chunk or message, unpacked
 NOTE_BYTES: Final = 1 << 24  # of a schema, channel or metadata record
 CHANNELS: Final = 4000  # of a recording; the largest robots have hundreds
 SUMMARY_BYTES: Final = 1 << 28  # of the directory at the end of a recording
-GRID: Final = 250_000  # points of a time grid, an hour at 69 Hz; more if a recording has more
+GRID: Final = 150_000  # points of a time grid, 25 min at 100 Hz; more if a recording has more
 DEFINITION_BYTES: Final = 250_000  # of the text that defines a message type
 ARRAY_PARTS: Final = 4096  # elements of its fixed arrays, which the reader unrolls into code
 

@@ -24,6 +24,7 @@ from lta_cli.without_ros import (
     WITHOUT_GRAPH,
 )
 from lta_config.errors import BadInput, check_printable, to_one_line
+from lta_config.shortage import describe_shortage
 from lta_config.version import VERSION
 import typer
 from typer.core import TyperGroup
@@ -354,31 +355,29 @@ def run_command_line(loaded: Callable[[], None] = lambda: None) -> int:
     except typer.Exit as leave:
         # Verbs set statuses other than 0 and 2 this way
         return leave.exit_code
-    except ModuleNotFoundError as missing:
-        if not is_ros_module(missing.name):
-            raise
-        sys.stderr.write(f'{missing_ros_error(missing)}\n')
-        return 2
-    except UnicodeEncodeError as error:
-        # A folder above the given path, or a file in it
-        near = error.object[max(0, error.start - NEAR) : error.end + NEAR]
-        sys.stderr.write(
-            f"The name of a file or folder is not UTF-8 ('{to_one_line(near)}'); rename it.\n"
-        )
-        return 2
-    except OSError as error:
-        # Other errors are defects and keep their traceback
-        if error.filename is None or error.errno not in UNUSABLE:
-            raise
-        sys.stderr.write(f"Cannot read or write '{error.filename}': {error.strerror}.\n")
-        return 2
     except Exception as error:
-        # Click's usage errors are vendored by Typer; only this method identifies them.
-        message = getattr(error, 'format_message', None)
-        if message is None:
+        text = describe_error(error)
+        # Other errors are defects and keep their traceback
+        if text is None:
             raise
-        text = ' '.join(message().split()).rstrip('.')
         if not text:  # called without a verb: Typer has already shown the help
             return 0
-        sys.stderr.write(f'{text}; see --help.\n')
+        sys.stderr.write(f'{text}\n')
         return 2
+
+
+def describe_error(error: Exception) -> str | None:
+    """Return the sentence for an error that the user can fix; None for any other."""
+    # Click's usage errors are vendored by Typer; only this method identifies them.
+    if (message := getattr(error, 'format_message', None)) is not None:
+        text = ' '.join(message().split()).rstrip('.')
+        return f'{text}; see --help.' if text else ''
+    if isinstance(error, ModuleNotFoundError) and is_ros_module(error.name):
+        return str(missing_ros_error(error))
+    if isinstance(error, UnicodeEncodeError):
+        # A folder above the given path, or a file in it
+        near = to_one_line(error.object[max(0, error.start - NEAR) : error.end + NEAR])
+        return f"The name of a file or folder is not UTF-8 ('{near}'); rename it."
+    if isinstance(error, OSError) and error.filename and error.errno in UNUSABLE:
+        return f"Cannot read or write '{error.filename}': {error.strerror}."
+    return describe_shortage(error)

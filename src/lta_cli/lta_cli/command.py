@@ -12,6 +12,7 @@ import signal
 import sys
 import threading
 from typing import Final, NoReturn
+import warnings
 
 from lta_graph.ament import list_middlewares
 from lta_graph.process_exit import exit_process
@@ -32,6 +33,10 @@ def main() -> NoReturn:
     # The lta script blocks SIGINT while Python starts; a pending one is delivered here.
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     guard_streams()
+    # Arithmetic on damaged data: what matters of it is reported, and children inherit this
+    if not sys.warnoptions:
+        os.environ.setdefault('PYTHONWARNINGS', 'ignore::RuntimeWarning')
+        warnings.simplefilter('ignore', RuntimeWarning)
     if COMPLETION in os.environ:  # the shell waits for an answer: import no command
         from lta_cli.completion import complete
 

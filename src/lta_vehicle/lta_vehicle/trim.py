@@ -154,6 +154,9 @@ def _is_calm(velocity: Array) -> bool:
 
 def _build_time_grid(path: VehiclePath, commands: RotorCommands | WrenchCommands) -> Array:
     """Return an even grid over the commands that lie within the path."""
+    if len(path.time) > 1:
+        step = float(np.median(np.diff(path.time)))
+        check_time_span('of the poses', float(np.ptp(path.time)), step, len(path.time))
     inside = (commands.time >= path.time[0]) & (commands.time <= path.time[-1])
     grid = commands.time[inside]
     if len(grid) < FEWEST or len(path.time) < FEWEST:
@@ -168,7 +171,6 @@ def _build_time_grid(path: VehiclePath, commands: RotorCommands | WrenchCommands
 def _estimate_velocity(path: VehiclePath, grid: Array) -> Array:
     """Return the velocity at the grid times, by a line fit to the poses around each."""
     step = float(np.median(np.diff(path.time)))
-    check_time_span('of the poses', path.time[-1] - path.time[0], step, len(path.time))
     uniform = np.arange(path.time[0], path.time[-1], step)
     half = max(1, round(min(0.5 * SMOOTH / step, len(uniform) / 2)))
     # Least-squares slope over an odd window, as a convolution.

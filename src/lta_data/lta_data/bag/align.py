@@ -17,7 +17,7 @@ from lta_data.even_grid import check_time_span
 import numpy as np
 from numpy.typing import NDArray
 
-DENSE: Final = 20.0  # rows of an even clock per recorded row, at most
+DENSE: Final = 20.0  # rows of an even clock per message of the longest topic, at most
 TINY: Final = 1e-8  # rad; for smaller angles slerp equals linear interpolation
 PERIODS: Final = 3.0  # default of the maximum gap, in periods of the topic
 LEFT_OUT: Final = ('clock.', 'stamp.')  # prefixes of columns without use on another clock
@@ -159,8 +159,8 @@ def build_even_clock(tables: Sequence[RecordingTable], rate: float) -> Stamps:
     # Relative to the start: float64 seconds since 1970 resolve only 0.2 us
     first = (min(int(each.min()) for each in stamps) - start) * 1e-9
     last = (max(int(each.max()) for each in stamps) - start) * 1e-9
-    samples = sum(map(len, stamps))
-    check_time_span('', last - first, 1.0 / rate, samples, DENSE, 'give a lower rate')
+    most = max(map(len, stamps))
+    check_time_span('', last - first, 1.0 / rate, most, DENSE, 'give a lower rate')
     # The tolerance keeps end points that are off by rounding.
     steps = np.arange(np.ceil(first * rate - 1e-6), np.floor(last * rate + 1e-6) + 1)
     return start + np.rint(steps * (1e9 / rate)).astype(np.int64)

@@ -11,6 +11,7 @@ import traceback
 from typing import Final, NoReturn
 
 from lta_config.errors import BadInput
+from lta_config.shortage import describe_shortage
 from lta_graph.health import HealthLevel
 from lta_graph.interrupts import catch_stops
 from lta_graph.process_exit import exit_process
@@ -61,9 +62,12 @@ def run_process(run: Callable[[ExitStack], int]) -> NoReturn:
     except BadInput as error:
         sys.stderr.write(f'{error}\n')
         status = 2
-    except Exception:
-        traceback.print_exc()
-        status = 1
+    except Exception as error:
+        if (shortage := describe_shortage(error)) is None:
+            traceback.print_exc()
+        else:
+            sys.stderr.write(f'{shortage}\n')
+        status = 1 if shortage is None else 2
     # After the report of the result, which must not be lost if DDS hangs
     limit = _limit_teardown(status)
     teardown.close()

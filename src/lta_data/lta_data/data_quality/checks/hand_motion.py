@@ -11,6 +11,7 @@ from collections.abc import Iterator
 import itertools
 from typing import final, NamedTuple
 
+from lta_config.limits import GRID
 from lta_data.data_quality import roles
 from lta_data.data_quality.check_context import CheckContext
 from lta_data.data_quality.finding import CheckVerdict, QualityFinding, Severity
@@ -107,7 +108,7 @@ def measure_tremor(vector: VectorSeries, values: Array, limits: QualityLimits) -
     step = median_period(vector.time)
     grid = build_uniform_time_grid(vector.time[0], vector.time[-1], step, len(vector.time))
     table, valid = interpolate_on_grid(vector.time, values, grid)
-    count = min(round(limits.hold_window / max(FINEST, step)), len(grid) + 1)
+    count = round(min(limits.hold_window / max(FINEST, step), GRID))
     starts = np.arange(0, len(grid) - count + 1, max(1, count // HOP))
     # Shape (windows, count)
     index = starts[:, None] + np.arange(count)
