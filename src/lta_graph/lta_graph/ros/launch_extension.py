@@ -7,10 +7,9 @@ its own, and a file for each parameter stays in the temporary folder.
 """
 
 import atexit
-from collections.abc import Sequence
 from importlib.metadata import entry_points
-from itertools import pairwise
 from pathlib import Path
+import shutil
 import signal
 import sys
 import tempfile
@@ -18,8 +17,8 @@ from typing import Any
 
 from launch.action import Action
 from launch.actions import RegisterEventHandler, Shutdown
-from launch.event_handlers import OnProcessExit, OnProcessStart
-from launch.events.process import ProcessExited, ProcessStarted
+from launch.event_handlers import OnProcessExit
+from launch.events.process import ProcessExited
 from launch.frontend import Entity, expose_action, Parser
 from launch.utilities import perform_substitutions
 from lta_config.errors import BadInput
@@ -30,7 +29,6 @@ from launch import LaunchContext
 
 CHECKS = 'lta.launch_checks'  # entry points: functions that take a LaunchPlan and raise BadInput
 PLANNED = 'lta_planned'  # name of the shared set in the launch context
-PARAMETERS = 'launch_params_'  # launch_ros begins the names of its parameter files so
 
 
 @expose_action('supervise')
@@ -76,32 +74,13 @@ class SuperviseAction(Action):
         def fail(event: ProcessExited, context: LaunchContext) -> None:
             fail_run(event, context, planned)
 
-        files: set[Path] = set()
-
-        def keep_files(event: ProcessStarted, _: LaunchContext) -> None:
-            files.update(list_temporary_parameter_files(event.cmd))
-
-        atexit.register(remove_files, files)
+        # launch_ros writes a file for each parameter into the temporary folder, and removes none
+        tempfile.tempdir = tempfile.mkdtemp(prefix='lta_launch_')
+        atexit.register(shutil.rmtree, tempfile.tempdir, ignore_errors=True)
         # Without a handler of Python, that of launch is never called: SIGTERM kills the launch
         if signal.getsignal(signal.SIGTERM) == signal.SIG_DFL:
             signal.signal(signal.SIGTERM, lambda *_: None)
-        return [
-            RegisterEventHandler(OnProcessStart(on_start=keep_files)),
-            RegisterEventHandler(OnProcessExit(on_exit=fail)),
-        ]
-
-
-def list_temporary_parameter_files(words: Sequence[str]) -> list[Path]:
-    """Return the parameter files on a command line that launch_ros has written for it."""
-    paths = [Path(value) for option, value in pairwise(words) if option == '--params-file']
-    folder = Path(tempfile.gettempdir())
-    return [path for path in paths if path.parent == folder and path.name.startswith(PARAMETERS)]
-
-
-def remove_files(paths: set[Path]) -> None:
-    """Remove files, of which some may be gone."""
-    for path in paths:
-        path.unlink(missing_ok=True)
+        return [RegisterEventHandler(OnProcessExit(on_exit=fail))]
 
 
 def check_launch(context: LaunchContext) -> None:
