@@ -7,6 +7,7 @@ The recorder is separate from the loop: without a bag no message is built.
 from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
+from importlib import import_module
 from pathlib import Path
 import time
 from typing import final, TYPE_CHECKING
@@ -76,7 +77,8 @@ def simulate_once(
 
     Raise `BadInput` if the request is invalid, or the bag cannot be written.
     """
-    recorder_class = import_recorder() if order.record else None
+    if order.record:
+        require_messages()
     spec = load_spec(order.vehicle, order.scenario, order.strategy, order.gains)
     spec = spec.with_values(dict(map(parse_assignment, order.changes)))
     if order.commands is None:
@@ -88,11 +90,14 @@ def simulate_once(
     try:
         with ExitStack() as closing:
             recorder = None
-            if recorder_class is not None:
+            if order.record:
+                # Imported late: without a bag, no messages are needed
+                from lta_flight.messages import LoopRecorder
+
                 prepare_empty_folder(folder)
                 origin = build_provenance(order, spec, folder, loop.policy.commands)
                 writer = closing.enter_context(BagWriter(folder / 'bag', origin))
-                recorder = recorder_class(writer, loop, loop.table, ROBOT)
+                recorder = LoopRecorder(writer, loop, loop.table, ROBOT)
             view, pace = simulate_closed_loop(loop, recorder, watcher)
     # For example a full disk
     except StorageFault as fault:
@@ -102,21 +107,16 @@ def simulate_once(
     return flight, compute_results(view)
 
 
-def import_recorder() -> 'type[LoopRecorder]':
-    """
-    Return the recorder, which is imported late: without a bag, no messages are needed.
-
-    Raise `BadInput` if the message classes of ROS 2 are not installed.
-    """
+def require_messages() -> None:
+    """Raise `BadInput` if the message classes of ROS 2, which a bag needs, are not installed."""
     try:
-        from lta_flight.messages import LoopRecorder
+        import_module('lta_flight.messages')
     except ModuleNotFoundError as missing:
         package = (missing.name or '').partition('.')[0]
         raise BadInput(
             f"A bag needs the messages of ROS 2, and '{package}' is not installed; install "
             'ros-jazzy-common-interfaces with pip (Linux on x86-64), or simulate with --no-bag.'
         ) from None
-    return LoopRecorder
 
 
 def announce_compilation(

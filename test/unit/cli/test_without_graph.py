@@ -10,13 +10,13 @@ COMMAND = f'{HIDE}from lta_cli.command import main; main()'
 LOAD_ALL = f"""{HIDE}
 from lta_cli.app import VERBS, VerbGroup
 from lta_config.topics import is_lta_msgs_built
-from lta_flight.simulate import import_recorder
+from lta_flight.simulate import require_messages
 
 for item in VERBS.values():
     for verb in item.verbs.values() if isinstance(item, VerbGroup) else [item]:
         if not verb.needs_graph:
             verb.load()
-import_recorder()
+require_messages()
 assert is_lta_msgs_built()
 """
 
