@@ -28,6 +28,7 @@ DIRECT = {
     },
 }
 STARTS = {'guard_streams', 'run_node', 'run_process'}
+PROCESS = 'lta_graph.ros.process:run_process'  # which `run_node` calls
 
 
 def calls(path):
@@ -67,12 +68,13 @@ def test_every_program_guards_its_streams():
     }
     assert len(starts) > 10
     for start in starts:
-        module, _, name = start.partition(':')
-        tree = ast.parse(Path(find_spec(module).origin).read_text())
-        (function,) = [
-            one for one in tree.body if isinstance(one, ast.FunctionDef) and one.name == name
-        ]
-        called = {
-            ast.unparse(node.func) for node in ast.walk(function) if isinstance(node, ast.Call)
-        }
-        assert called & STARTS, start
+        assert list_calls(start) & STARTS, start
+    assert 'guard_streams' in list_calls(PROCESS)
+
+
+def list_calls(start):
+    """Return what the function of an entry point calls."""
+    module, _, name = start.partition(':')
+    body = ast.parse(Path(find_spec(module).origin).read_text()).body
+    (function,) = [one for one in body if isinstance(one, ast.FunctionDef) and one.name == name]
+    return {ast.unparse(node.func) for node in ast.walk(function) if isinstance(node, ast.Call)}

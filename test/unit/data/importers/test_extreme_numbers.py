@@ -15,8 +15,8 @@ FIELDS = (
     'scale: [1, %s, 1]',
 )  # fmt: skip
 NUMBERS = (
-    '1.0e-300', '5.0e-324', '-0.0', '0', '-1', '1.0e300', '1.7e308', '.inf', '-.inf', '.nan',
-    '9' * 400, '-' + '9' * 30, '18446744073709551616', '2147483648', '1.0e18', '[1]', 'null', 'a',
+    '1.0e-300', '5.0e-324', '-0.0', '0', '-1', '1.0e+300', '1.7e+308', '.inf', '-.inf', '.nan',
+    '9' * 400, '-' + '9' * 30, '18446744073709551616', '2147483648', '1.0e+18', '[1]', 'null', 'a',
 )  # fmt: skip
 CELLS = (
     '1e300', '-1e300', '1e308', '1e999999', '1e999999999', 'inf', 'nan', '9' * 400, '9223372036',
@@ -92,3 +92,9 @@ def test_rows_that_end_beyond_all_stamps(bring, tmp_path):
     source = text(tmp_path / 'a.csv', 't,x,y,z', *(4 * ['5,1,2,3']))
     with pytest.raises(BadInput, match=r'Row 4 is at 6e\+09 s, outside the range'):
         bring(source, POSE.replace(TIME, '{step: 2.0e9 s}'))
+
+
+def test_a_value_too_large_for_a_float(bring, tmp_path):
+    source = text(tmp_path / 'a.csv', 't,x,y,z', '5,1,2,3', '6,1,200,3')
+    with pytest.raises(BadInput, match=r"^Column 'y' has 200 in row 2, which is too large with"):
+        bring(source, POSE.replace('unit: m}', 'unit: m, scale: 1.0e+306}'))
