@@ -32,7 +32,7 @@ build:  ## build the environment in .venv and the workspace in install/, if they
 	@tools/build.sh
 
 contract: test-environment  ## run the contract tests: names, layers, declarations, pages (two minutes)
-	@$(enter) && .venv/bin/python -m pytest -q -n 2 -m 'not long' test/contract $(ARGS)
+	@$(enter) && .venv/bin/python -P -m pytest -q -n 2 -m 'not long' test/contract $(ARGS)
 
 test: checked  ## check style and types, run all tests except the long ones
 	@$(enter) && tools/suite.sh 'not long and not benchmark' $(ARGS)
@@ -140,7 +140,7 @@ kernels: test-environment
 # The first import rewrites the tests' assertions and caches the result: once here, not in each worker.
 collected: check
 	@ls test/contract/__pycache__/*-pytest-*.pyc >/dev/null 2>&1 || { $(enter) && \
-		.venv/bin/python -m pytest -q --collect-only >/dev/null 2>&1 || :; }
+		.venv/bin/python -P -m pytest -q --collect-only >/dev/null 2>&1 || :; }
 
 check: test-environment  ## check style and types only
 	@.venv/bin/ruff check --quiet $(sources)

@@ -70,6 +70,6 @@ done' >install/environment
 echo "PYTHONPATH $root/install/python" >>install/environment
 
 # Once, not by a dozen processes at the same time when the first graph starts.
-.venv/bin/python -m compileall -q -j 0 config src
+.venv/bin/python -P -m compileall -q -j 0 config src
 echo "$wanted" >"$stamp"
 echo "workspace: ready after $(($(date +%s) - begun)) s."

@@ -27,11 +27,11 @@ stop() {
 choose_python() {
     lacking=
     for python in ${PYTHON:-python3.13 python3.12 python3.11 python3 python3.14}; do
-        "$python" -c 'import sys; sys.exit(not (3, 11) <= sys.version_info < (3, 15))' \
+        "$python" -I -c 'import sys; sys.exit(not (3, 11) <= sys.version_info < (3, 15))' \
             2>/dev/null || continue
-        if "$python" -c 'import ensurepip, venv' 2>/dev/null; then
+        if "$python" -I -c 'import ensurepip, venv' 2>/dev/null; then
             # Not the link in an activated environment, perhaps the very one to be made anew.
-            "$python" -c 'import sys; print(getattr(sys, "_base_executable", sys.executable))'
+            "$python" -I -c 'import sys; print(getattr(sys, "_base_executable", sys.executable))'
             return
         fi
         lacking=$python
@@ -69,7 +69,7 @@ tell_progress() {
 
 # uv does not read pip's configuration: pass on where packages come from and which certificates hold.
 pass_settings_to_uv() {
-    settings=$("$venv/bin/python" -m pip config list 2>/dev/null) || return 0
+    settings=$("$venv/bin/python" -P -m pip config list 2>/dev/null) || return 0
     setting() {
         printf '%s\n' "$settings" | sed -n "s/^[^=]*\.$1='\(.*\)'\$/\1/p" | head -n 1
     }
@@ -82,7 +82,7 @@ pass_settings_to_uv() {
 
 # Both take the listed packages alone, and only files with a listed hash, from whatever index.
 with_pip() {
-    "$venv/bin/python" -m pip install --disable-pip-version-check --no-input --no-compile \
+    "$venv/bin/python" -P -m pip install --disable-pip-version-check --no-input --no-compile \
         --no-deps --require-hashes "$@" >>"$venv/install.log" 2>&1
 }
 
@@ -141,7 +141,7 @@ if [ "$found" != "run $wanted" ]; then
     wanted=$(key "$python")
     echo "environment: $("$python" -V) in .venv (first time: about a minute on a free machine) ..."
     rm -rf "$venv"
-    "$python" -m venv "$venv"
+    "$python" -I -m venv "$venv"
     : >"$venv/install.log"
     with_pip --requirement locked/build.txt || fail_to_install
     with_pip --requirement locked/uv.txt || : # pip does its work then
@@ -161,6 +161,6 @@ kill "$telling" 2>/dev/null || :
 telling=
 # On all cores, where pip takes one, and without the half that nobody imports: tests of packages and
 # pymavlink's dialects. What does not compile stays as it is, as with pip.
-(cd "$venv" && bin/python -m compileall -q -j 0 -x '/(tests|dialects)/' lib >>install.log 2>&1) || :
+(cd "$venv" && bin/python -P -m compileall -q -j 0 -x '/(tests|dialects)/' lib >>install.log 2>&1) || :
 echo "$level $wanted" >"$stamp"
 echo "environment: ready after $(($(date +%s) - begun)) s."

@@ -9,7 +9,7 @@ if [ -z "$files" ]; then
 fi
 status=0
 # shellcheck disable=SC2086  # words
-timeout --signal=INT "$limit" .venv/bin/python -m pytest -q -n 2 --dist loadfile \
+timeout --signal=INT "$limit" .venv/bin/python -P -m pytest -q -n 2 --dist loadfile \
     --no-loadscope-reorder -m 'not long' "$@" $files || status=$?
 if [ "$status" = 124 ]; then
     echo "The nearest $(echo "$files" | wc -l) files of tests take longer than a minute; make test runs them all."

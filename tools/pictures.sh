@@ -23,7 +23,7 @@ draw() {
         cat "$made/log" >&2
         exit 1
     }
-    .venv/bin/python -c '
+    .venv/bin/python -P -c '
 import sys
 from pathlib import Path
 from lta_report.screenshots import write_pictures

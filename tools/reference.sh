@@ -11,12 +11,12 @@ write() {
     "$@" >"$new"
     cat "$new" >"docs/$page"
 }
-write topics.md python -m lta_config.topics_page
+write topics.md python -P -m lta_config.topics_page
 write effects.md ./lta effects --markdown
-write verbs.md python -m lta_cli.reference verbs
-write parameters.md python -m lta_cli.reference parameters
-write vehicles.md python -m lta_cli.reference vehicles
-write vehicle_keys.md python -m lta_cli.reference vehicle_keys
-write discovery_thresholds.md python -m lta_cli.reference thresholds
-write images/graph.svg python -m lta_cli.reference graph
+write verbs.md python -P -m lta_cli.reference verbs
+write parameters.md python -P -m lta_cli.reference parameters
+write vehicles.md python -P -m lta_cli.reference vehicles
+write vehicle_keys.md python -P -m lta_cli.reference vehicle_keys
+write discovery_thresholds.md python -P -m lta_cli.reference thresholds
+write images/graph.svg python -P -m lta_cli.reference graph
 python test/score/hardware_pages.py

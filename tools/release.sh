@@ -17,7 +17,7 @@ style_and_types() { make check; }
 wheel() { tools/wheel.sh; }
 site() { tools/site.sh; }
 # Versions, dependencies and generated pages agree with what they are made of.
-agreement() { (. tools/workspace.sh && python -m pytest -q -n 0 test/contract); }
+agreement() { (. tools/workspace.sh && python -P -m pytest -q -n 0 test/contract); }
 # Asks a database of vulnerabilities over the network; without --strict, what it does not find there passes.
 known_faults() {
     command -v pip-audit || { echo 'pip-audit is missing: pipx install pip-audit'; return 1; }

@@ -29,7 +29,7 @@ for package in cli action interface lifecycle node param pkg run service topic; 
     set -- "$@" "$sources/ros2cli/ros2$package"
 done
 pip() {
-    "$root/.venv/bin/python" -m pip install --quiet --disable-pip-version-check \
+    "$root/.venv/bin/python" -P -m pip install --quiet --disable-pip-version-check \
         --ignore-installed --prefix "$sources/made" "$@" || stop 'ros2: pip failed; see above.'
 }
 pip --no-deps --no-build-isolation "$@"

@@ -13,8 +13,8 @@ wanted=$({
 if [ "$(cat "$venv/.lta" 2>/dev/null || :)" != "$wanted" ]; then
     echo "docs: MkDocs in $venv (first time: half a minute) ..."
     rm -rf "$venv"
-    .venv/bin/python -m venv "$venv"
-    if ! "$venv/bin/python" -m pip install --disable-pip-version-check --no-input \
+    .venv/bin/python -P -m venv "$venv"
+    if ! "$venv/bin/python" -P -m pip install --disable-pip-version-check --no-input \
         --require-hashes --requirement locked/docs.txt \
         >"$venv/install.log" 2>&1; then
         echo "pip cannot install MkDocs (see $venv/install.log); check the network and run" \

@@ -9,5 +9,5 @@ chosen=$1
 shift
 # OMP_NUM_THREADS, which make sets for the tests, would be taken for the number of cores.
 workers=$(($(env -u OMP_NUM_THREADS nproc) + 1))
-exec .venv/bin/python -m pytest -q -n "$workers" --maxprocesses 5 --dist loadfile \
+exec .venv/bin/python -P -m pytest -q -n "$workers" --maxprocesses 5 --dist loadfile \
     --no-loadscope-reorder -m "$chosen" "$@"

@@ -30,6 +30,8 @@ SETTINGS: Final = {
     'distributed.diagnostics.nvml': False,
     # As `silence_logs`, in the worker processes
     'distributed.nanny.pre-spawn-environ.DASK_LOGGING__DISTRIBUTED': 'critical',
+    # No module is taken from the current folder
+    'distributed.nanny.pre-spawn-environ.PYTHONSAFEPATH': '1',
 }
 # Dask's web server has no encryption, so other machines must not reach it
 WEB: Final = {'dashboard': False, 'dashboard_address': '127.0.0.1:0'}

@@ -101,11 +101,15 @@ def _exit_with_parent(sentinel: int) -> None:
 
 @contextmanager
 def _worker_environment() -> Iterator[None]:
-    """Block SIGINT and limit BLAS to one thread; processes started meanwhile inherit both."""
+    """
+    Block SIGINT and limit BLAS to one thread; processes started meanwhile inherit both.
+
+    They take no module from the current folder, as Python's own start of a process would.
+    """
+    missing = [name for name in (*THREADS, 'PYTHONSAFEPATH') if name not in os.environ]
+    os.environ.update(dict.fromkeys(missing, '1'))
     # Start Python's resource tracker before, because it would unblock the signal
     resource_tracker.ensure_running()
-    missing = [name for name in THREADS if name not in os.environ]
-    os.environ.update(dict.fromkeys(missing, '1'))
     # The main process handles Ctrl-C
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:

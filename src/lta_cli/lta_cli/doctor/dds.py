@@ -57,7 +57,8 @@ def check_message_exchange() -> HardwareCheck:
     # A domain of its own, so that a running graph neither disturbs nor is disturbed
     environment = {**os.environ, 'ROS_DOMAIN_ID': str(find_free_domain())}
     # The processes end before the deadline, so that their message can be read
-    command = [sys.executable, '-m', 'lta_graph.ros.echo', '--seconds', str(DEADLINE - 2.0)]
+    # -P: no module is taken from the current folder
+    command = [sys.executable, '-P', '-m', 'lta_graph.ros.echo', '--seconds', str(DEADLINE - 2.0)]
     began = time.monotonic()
     pipe = subprocess.PIPE
     answering = subprocess.Popen([*command, 'answer'], env=environment, stdout=pipe, stderr=pipe)

@@ -31,7 +31,11 @@ def check_dependency_imports() -> HardwareCheck:
     modules = MODULES if is_wheel_without_graph() else ('rclpy', *MODULES)
     script = '; '.join(f'print({module!r}, flush=True); import {module}' for module in modules)
     result = subprocess.run(
-        [sys.executable, '-c', script], capture_output=True, text=True, timeout=PATIENCE
+        # -P: no module is taken from the current folder
+        [sys.executable, '-P', '-c', script],
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
     )
     if result.returncode != 0:
         module = result.stdout.split()[-1]
