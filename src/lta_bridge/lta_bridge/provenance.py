@@ -8,9 +8,10 @@ from pathlib import Path
 import platform
 import subprocess
 
-from lta_config.files import find_file, share_folder
+from lta_config.files import find_file, load_yaml, parse_yaml, share_folder
 from lta_config.version import VERSION
 from lta_control.strategies.strategy_file import is_strategy_file
+import yaml
 
 CODE = (':/src', ':/config')  # folders that affect results, unlike documentation
 COMMIT_FILE = 'commit'  # written by tools/wheel.sh
@@ -97,10 +98,23 @@ def collect_provenance(vehicle: str, scenario: str, gains: str, **choices: str) 
         **choices,
         **own,
         **describe_environment(),
-        'vehicle_file': find_file('vehicle', vehicle).read_text(encoding='utf-8'),
+        'vehicle_file': read_whole_vehicle(vehicle),
         'scenario_file': find_file('scenario', scenario).read_text(encoding='utf-8'),
         'gains_file': find_file('gains', gains).read_text(encoding='utf-8'),
     }
+
+
+def read_whole_vehicle(name: str) -> str:
+    """Return the text of a vehicle file; coefficients from an aero file of the user are in it."""
+    path = find_file('vehicle', name)
+    text = path.read_text(encoding='utf-8')
+    content = parse_yaml(text, str(path))
+    aero = content.get('aero')
+    # Who reads the recording opens no file that it names
+    if not isinstance(aero, str) or '.' not in aero:
+        return text
+    block = load_yaml(find_file('aero', aero))['aero']
+    return yaml.safe_dump({**content, 'aero': block}, sort_keys=False)
 
 
 def merge_provenance(origins: Mapping[str, Mapping[str, str]]) -> dict[str, str]:

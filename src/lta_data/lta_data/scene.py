@@ -6,9 +6,9 @@ from functools import lru_cache
 from typing import Any, final, NamedTuple, TypeVar
 
 from lta_config.errors import BadInput
-from lta_config.files import parse_yaml
 from lta_config.schema.vehicle_file import VehicleFile
 from lta_config.validation_errors import format_error
+from lta_data.recorded_choices import read_recorded_file
 from lta_model.scenario import Scenario
 from pydantic import BaseModel, ValidationError
 
@@ -38,13 +38,13 @@ def read_scene(provenance: Mapping[str, str]) -> RecordedScene:
 def parse_provenance_file(
     model: type[Model], provenance: Mapping[str, str], key: str
 ) -> Model | None:
-    """Parse one file of the provenance; None if it is missing."""
+    """Parse one file of the provenance, which names no other; None if it is missing."""
     return _parse_model(model, provenance[key], key) if key in provenance else None
 
 
 @lru_cache(maxsize=32)  # a study reads the same few files often; the models are frozen
 def _parse_model(model: type[Model], text: str, key: str) -> Model:
-    content = parse_yaml(text, f"The bag's {key}")
+    content = read_recorded_file({key: text}, key)
     _keep_first_resistor(content)
     try:
         return model.model_validate(content)

@@ -24,14 +24,11 @@ from lta_config.schema.vehicle_file import load_vehicle_content, VehicleFile
 from lta_config.settings import Settings
 from lta_config.topics import load_topic_table
 from lta_control.cascade import CascadeGains
-from lta_control.estimator import EstimatorSettings
 from lta_control.laws import find_control_law
 from lta_control.laws.onboard_law import CASCADE
-from lta_control.mission import MissionSettings
-from lta_control.reserve import ReserveResponseSettings
 from lta_control.reserve_policy import check_reserve
 from lta_control.strategies import check_route, find_navigation_strategy
-from lta_energy.monitoring.monitor import MonitorSettings
+from lta_data.recorded_choices import SETTABLE
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_stack import FlightStack
 from lta_flight.lamp_frequency import check_lamp_frequency
@@ -39,20 +36,13 @@ from lta_model.scenario import resolve_wind_file, Scenario
 from lta_model.vehicle import Vehicle
 from lta_sim import scene_model
 from lta_sim.world import World
-from lta_vlc.lamp import LampPrior
-from lta_vlc.settings import DemodulationSettings
 from pydantic import BaseModel
 import yaml
 
 FILES = ('vehicle', 'scenario', 'gains')
 SETTINGS: dict[str, type[Settings]] = {
     'gains': CascadeGains,
-    'mission': MissionSettings,
-    'reserve': ReserveResponseSettings,
-    'estimator': EstimatorSettings,
-    'demodulator': DemodulationSettings,
-    'prior': LampPrior,
-    'energy_monitor': MonitorSettings,
+    **{root: block.model for root, block in SETTABLE.items()},
 }
 GAINS = 'gtmab'  # for a vehicle that does not name its own
 NAMED = ('strategy', *FILES)  # paths of one word, which replace a whole file

@@ -211,7 +211,7 @@ def build_provenance(
         names['vehicle'],
         names['scenario'],
         names['gains'],
-        strategy=order.strategy,
+        strategy=spec.strategy,
         seed=str(order.seed),
         time='lockstep',
         process='one, without DDS',

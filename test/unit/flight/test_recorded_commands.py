@@ -182,12 +182,12 @@ def test_a_velocity_is_fitted_to_two_poses_that_are_far_apart() -> None:
     assert rates == pytest.approx((0.0, 0.0, 0.0), abs=1e-9)
 
 
-def test_a_recorded_file_that_is_gone_is_not_replaced_by_another(tmp_path: Path, call) -> None:
+def test_a_file_that_a_recording_names_is_not_opened(tmp_path: Path, call) -> None:
     fly(tmp_path / 'flight', 'scenario.goal.time_limit=1 s')
     moved = (tmp_path / 'flight').rename(tmp_path / 'moved')
     status, said = call('simulate', '--commands', str(moved), '--out', str(tmp_path / 'again'))
     assert status == 2
-    assert 'is no longer there; choose one with --scenario' in said.err
+    assert 'because a recording names it; give it with --scenario' in said.err
     assert not (tmp_path / 'again').exists()
 
 

@@ -1,6 +1,5 @@
 """lta simulate: fly once in one process, without DDS."""
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
@@ -8,10 +7,10 @@ from lta_cli.options.common_options import Json, Out, plain_console, print_json
 from lta_cli.options.flight_output import flight_to_dict, format_outcome, print_files
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
-from lta_config.files import find_file
 from lta_control.strategies import STRATEGIES
 from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.recorded_flight import open_flight
+from lta_data.recorded_choices import find_recorded_name
 from lta_flight.flight_run import EXIT_STATUSES, ROBOT
 from lta_flight.progress import FlightProgress
 from lta_flight.report.page import write_page
@@ -95,8 +94,10 @@ def simulate(
         raise BadInput('--begin, --end and --robot choose from a recording; add --commands BAG.')
     recorded = {} if commands is None else open_flight(find_bag(commands), robot).provenance
     order = SimulationRequest(
-        vehicle or _find_recorded('vehicle', recorded, VEHICLE),
-        scenario or _find_recorded('scenario', recorded, SCENARIO if commands is None else HALL),
+        vehicle or find_recorded_name(recorded, 'vehicle') or VEHICLE,
+        scenario
+        or find_recorded_name(recorded, 'scenario')
+        or (SCENARIO if commands is None else HALL),
         strategy, gains, seed, tuple(changes or ()), out, record=bag,
         commands=None if commands is None else CommandRequest(commands, robot, begin, end),
     )  # fmt: skip
@@ -124,17 +125,3 @@ def simulate(
             console.print(f'Compare them: {line}', highlight=False, soft_wrap=True)
     if status := EXIT_STATUSES[flight.outcome]:
         raise typer.Exit(status)
-
-
-def _find_recorded(kind: str, provenance: Mapping[str, str], default: str) -> str:
-    """Return the recorded vehicle or scenario, or the default if none is recorded."""
-    name = provenance.get(kind, '')
-    try:
-        if name:
-            find_file(kind, name)
-    except BadInput:
-        raise BadInput(
-            f'The recording was made with the {kind} {name}, which is no longer there; choose '
-            f'one with --{kind}.'
-        ) from None
-    return name or default

@@ -14,26 +14,20 @@ from lta_bridge.playback.node_selection import (
 from lta_bridge.playback.settings import FOREVER
 from lta_config.errors import BadInput, unknown_name_error
 from lta_config.files import find_file
-from lta_config.parameter_override import parse_assignment, parse_quantity
-from lta_config.quantity import Quantity
 from lta_config.topics import is_lta_msgs_built, load_topic_table, MESSAGES
 from lta_control.strategies import find_navigation_strategy
-from lta_control.strategies.strategy_file import is_strategy_file
 from lta_data.bag.recorded_flight import RecordedFlight
+from lta_data.recorded_choices import (
+    find_recorded_name,
+    read_recorded_file,
+    read_recorded_settings,
+)
 from lta_graph.launch_file import LaunchPlan, load_plan
 from lta_graph.launch_node import format_ros_yaml, LaunchProcess
 from lta_model.vehicle import load_vehicle
+import yaml
 
 ROBOT = 'lta1'  # for a bag without namespaces
-# Node and parameter prefix of the settings of `lta simulate --set`
-OWNERS = {
-    'mission': ('navigator', ''),
-    'reserve': ('navigator', 'reserve.'),
-    'estimator': ('estimator', ''),
-    'demodulator': ('demodulator', ''),
-    'prior': ('demodulator', 'prior.'),
-    'energy_monitor': ('energy_monitor', ''),
-}
 VEHICLE, STRATEGY, LAMP_ROOM = 'gtmab', 'bag', 'lamp_room'  # for a bag without provenance
 
 
@@ -87,33 +81,15 @@ def parse_nodes(text: str) -> tuple[str, ...]:
     return names
 
 
-def read_recorded_settings(provenance: Mapping[str, str]) -> dict[str, dict[str, Any]]:
-    """Return the node parameters that were set for a flight in one process, by node."""
-    settings: dict[str, dict[str, Any]] = {}
-    # `lta simulate` joins its changes with '; '
-    for text in filter(None, provenance.get('set', '').split('; ')):
-        path, value = parse_assignment(text)
-        root, _, below = path.partition('.')
-        if root in OWNERS:
-            node, prefix = OWNERS[root]
-            quantity = parse_quantity(value)
-            # Node parameters are in SI without units
-            plain = value if quantity is None else Quantity.model_validate(quantity).si
-            settings.setdefault(node, {})[prefix + below] = plain
-    return settings
-
-
 def check_request(order: ReplayRequest, flight: RecordedFlight) -> None:
     """Reject a request that the recording cannot serve."""
     if order.strategy is not None:
         find_navigation_strategy(order.strategy)
-    elif 'navigator' in order.nodes and find_recorded_strategy(flight.provenance) is None:
-        # A bag may come from anybody, and must not run code here
-        raise BadInput(
-            f"'{order.bag}' was flown with a strategy from a file, and a replay runs no code from "
-            'a bag; give the file with --strategy, or leave navigator out of --nodes. '
-            '(The page of lta report shows its text.)'
-        )
+    elif 'navigator' in order.nodes:
+        find_recorded_name(flight.provenance, 'strategy')
+    read_recorded_settings(flight.provenance, order.nodes)
+    if order.vehicle is None:
+        read_recorded_file(flight.provenance, 'vehicle_file')
     if 'navigator' in order.nodes and flight.provenance.get('commanded') == 'true':
         raise BadInput(
             f"'{order.bag}' is of a flight by actions, whose goals are not in the bag, so the "
@@ -171,7 +147,8 @@ def build_launch_plan(order: ReplayRequest, flight: RecordedFlight, folder: Path
     }
     changed: dict[str, Mapping[str, Any]] = {'player': player}
     # Requested settings last, since they override those of the recording
-    for settings in (read_recorded_settings(flight.provenance), order.settings):
+    recorded = read_recorded_settings(flight.provenance, order.nodes)
+    for settings in (recorded, order.settings):
         changed |= {node: {**changed.get(node, {}), **own} for node, own in settings.items()}
     arguments = build_launch_arguments(order, flight, folder)
     plan = load_plan(find_file('launch file', 'fly', '.launch.yaml'), arguments)
@@ -198,7 +175,7 @@ def build_launch_arguments(
         'rate': repr(float(order.rate or 1.0)),
         # The player records the answers itself
         'record': 'false',
-        'strategy': order.strategy or find_recorded_strategy(provenance) or STRATEGY,
+        'strategy': select_strategy(order, provenance),
         **select_files(order, provenance, folder),
     }
 
@@ -222,13 +199,13 @@ def select_files(
 
     The scenario is needed for its course, if it has one.
     """
-    vehicle = order.vehicle or extract_file(provenance, 'vehicle', folder) or VEHICLE
-    control = load_vehicle(vehicle).file.control
-    named = control.gains if control else None
     gains = str(find_file('gains', order.gains)) if order.gains else None
     # The recorded gains belong to the recorded vehicle
     if gains is None and order.vehicle is None:
         gains = extract_file(provenance, 'gains', folder)
+    vehicle = order.vehicle or extract_file(provenance, 'vehicle', folder, gains) or VEHICLE
+    control = load_vehicle(vehicle).file.control
+    named = control.gains if control else None
     if gains is None and named:
         gains = str(find_file('gains', named))
     scenario = extract_file(provenance, 'scenario', folder) or LAMP_ROOM
@@ -239,20 +216,29 @@ def select_files(
     }
 
 
-def find_recorded_strategy(provenance: Mapping[str, str]) -> str | None:
-    """Return the strategy of LTA with which a bag was flown; None for a file, which is code."""
-    name = provenance.get('strategy', STRATEGY)
-    return None if is_strategy_file(name) or 'strategy_file' in provenance else name
+def select_strategy(order: ReplayRequest, provenance: Mapping[str, str]) -> str:
+    """Return the navigation strategy: the requested one, else the recorded one if it runs."""
+    if order.strategy is None and 'navigator' in order.nodes:
+        return find_recorded_name(provenance, 'strategy') or STRATEGY
+    return order.strategy or STRATEGY
 
 
-def extract_file(provenance: Mapping[str, str], name: str, folder: Path) -> str | None:
-    """Write a file from the recording's provenance to the folder and return its path, if any."""
-    text = provenance.get(f'{name}_file')
-    if text is None:
+def extract_file(
+    provenance: Mapping[str, str], name: str, folder: Path, gains: str | None = None
+) -> str | None:
+    """
+    Write a file from the recording's provenance to the folder and return its path, if any.
+
+    `gains`: the gains of a vehicle file that names none of LTA's own.
+    """
+    content = read_recorded_file(provenance, f'{name}_file')
+    if content is None:
         return None
+    if gains and isinstance(content, dict) and isinstance(content.get('control'), dict):
+        content['control'].setdefault('gains', gains)
     path = folder / f'{name}.yaml'
     try:
-        path.write_text(text, encoding='utf-8')
+        path.write_text(yaml.safe_dump(content, sort_keys=False), encoding='utf-8')
     except OSError as error:
         raise BadInput(
             f"'{path}' cannot be written ({error.strerror}); check that its folder is writable "

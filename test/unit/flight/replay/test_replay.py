@@ -25,7 +25,6 @@ from lta_flight.replay.replay_request import (
     check_request,
     extract_file,
     parse_nodes,
-    read_recorded_settings,
     ReplayRequest,
 )
 from lta_flight.replay.report import build_report, format_largest_change
@@ -35,6 +34,7 @@ from lta_flight.replay.verdict import ReplayVerdict
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
+import yaml
 
 ROOT = Path(__file__).resolve().parents[4]
 NAN = math.nan
@@ -202,15 +202,6 @@ def test_nodes_are_those_of_the_graph():
         parse_nodes(',')
 
 
-def test_what_a_flight_in_one_process_was_set_to_is_given_to_the_nodes_again():
-    told = {'set': 'scenario.goal.time_limit=4 s; mission.altitude=60 cm; prior.distance=2'}
-    assert read_recorded_settings(told) == {
-        'navigator': {'altitude': 0.6},
-        'demodulator': {'prior.distance': 2},
-    }
-    assert read_recorded_settings({}) == {}
-
-
 def given_to(process):
     """Return the parameters on a process's command line; the last of a name counts."""
     words = [word.partition(':=') for word in process.arguments]
@@ -228,7 +219,7 @@ def flight(**told):
 def test_a_replay_starts_the_player_and_the_nodes_with_what_the_bag_carries(tmp_path):
     text = find_file('vehicle', 'gtmab').read_text(encoding='utf-8')
     gains = find_file('gains', 'gtmab').read_text(encoding='utf-8')
-    told = {'vehicle_file': text, 'gains_file': gains, 'set': 'mission.altitude=0.6 m'}
+    told = {'vehicle_file': text, 'gains_file': gains, 'set': 'mission.altitude=0.6'}
     settings = {'navigator': {'speed': 0.3}}
     order = ReplayRequest(tmp_path / 'bag', ('navigator', 'controller'), settings)
     plan = build_launch_plan(order, flight(**told), tmp_path)
@@ -243,10 +234,11 @@ def test_a_replay_starts_the_player_and_the_nodes_with_what_the_bag_carries(tmp_
     assert player['answers'] == str(tmp_path / 'bag')
     assert (by_name['navigator']['altitude'], by_name['navigator']['speed']) == (0.6, 0.3)
     carried = Path(by_name['controller']['vehicle'])
-    assert carried.read_text(encoding='utf-8') == text
+    assert yaml.safe_load(carried.read_text(encoding='utf-8')) == yaml.safe_load(text)
     assert load_vehicle(str(carried)).rotor_names == load_vehicle('gtmab').rotor_names
     words = next(p.arguments for p in plan.processes if p.name == 'controller')
-    assert Path(words[words.index('--params-file') + 1]).read_text(encoding='utf-8') == gains
+    passed = Path(words[words.index('--params-file') + 1])
+    assert yaml.safe_load(passed.read_text(encoding='utf-8')) == yaml.safe_load(gains)
 
 
 @pytest.mark.usefixtures('installed')
@@ -268,8 +260,9 @@ def test_a_node_without_what_it_answers_cannot_be_replayed(tmp_path):
         match=r"has no topic 'battery', which the node energy_monitor needs as input; leave",
     ):
         check_request(order, flight())  # nobody can run a vehicle again
+    nothing = SimpleNamespace(topics={}, provenance={})
     with pytest.raises(BadInput, match=r'add estimator to --nodes, or leave controller out'):
-        check_request(ReplayRequest(tmp_path / 'bag', ('controller',)), SimpleNamespace(topics={}))
+        check_request(ReplayRequest(tmp_path / 'bag', ('controller',)), nothing)
     both = ReplayRequest(tmp_path / 'bag', ('controller', 'estimator'))
     check_request(both, flight())  # odom comes from the estimator
     with pytest.raises(BadInput, match='Unknown'):
@@ -292,7 +285,7 @@ def test_a_navigator_that_got_goals_cannot_be_replayed_and_other_nodes_can(tmp_p
 )
 def test_a_replay_runs_no_code_from_a_bag(carried, tmp_path):
     flown = flight(**carried)
-    with pytest.raises(BadInput, match='runs no code from a bag; give the file with --strategy'):
+    with pytest.raises(BadInput, match='because a recording names it; give it with --strategy'):
         check_request(ReplayRequest(tmp_path, ('navigator', 'demodulator')), flown)
     check_request(ReplayRequest(tmp_path, ('navigator', 'demodulator'), strategy='bag'), flown)
     others = ReplayRequest(tmp_path, ('demodulator',), vehicle='gtmab', gains='gtmab')

@@ -1,0 +1,154 @@
+"""
+Decide which choices of a recording may act here: every reader of them asks this module.
+
+A recording may come from anybody. Its numbers and the names of what LTA ships may act. Whatever
+names a file or a module never does: a strategy would be run, and another file would be opened
+because a stranger chose it.
+"""
+
+from collections.abc import Collection, Mapping
+import re
+from typing import Any, Final, NamedTuple
+
+from lta_config.errors import BadInput
+from lta_config.files import FOLDERS, list_shipped_names, parse_yaml, validate_content
+from lta_config.parameter_override import parse_assignment, replace_parameter
+from lta_config.schema.vehicle_version import upgrade_content
+from lta_config.settings import Settings
+from lta_control.estimator import EstimatorSettings
+from lta_control.mission import MissionSettings
+from lta_control.reserve import ReserveResponseSettings
+from lta_control.strategies import STRATEGIES
+from lta_energy.monitoring.monitor import MonitorSettings
+from lta_vlc.lamp import LampPrior
+from lta_vlc.settings import DemodulationSettings
+
+
+class SettableBlock(NamedTuple):
+    """Settings of a node that a flight may change: none of them names a file."""
+
+    node: str
+    prefix: str  # of the names of its parameters
+    model: type[Settings]
+
+
+SETTABLE: Final = {  # by the first word of a path in `lta simulate --set`
+    'mission': SettableBlock('navigator', '', MissionSettings),
+    'reserve': SettableBlock('navigator', 'reserve.', ReserveResponseSettings),
+    'estimator': SettableBlock('estimator', '', EstimatorSettings),
+    'demodulator': SettableBlock('demodulator', '', DemodulationSettings),
+    'prior': SettableBlock('demodulator', 'prior.', LampPrior),
+    'energy_monitor': SettableBlock('energy_monitor', '', MonitorSettings),
+}
+# Where a recorded file may name another one. The recording has its own copy of the gains, and what
+# the recorded wind did is in its data; without the others the file has no meaning
+OMITTED: Final = {'vehicle_file': ('control.gains',), 'scenario_file': ('air.recorded',)}
+REFUSED: Final = {'vehicle_file': ('aero', 'energy.array.cell')}
+GAINS: Final = (
+    '/**/controller',
+    'ros__parameters',
+    'gains',
+)  # the only parameters of a gains file
+SHIPPED: Final = re.compile('[A-Za-z0-9_-]*')  # a name of a file of LTA, which is no path
+NUMBERS: Final = (bool, int, float)
+
+
+def find_recorded_name(provenance: Mapping[str, str], kind: str) -> str | None:
+    """
+    Return the recorded strategy, vehicle or scenario; None if none is recorded.
+
+    `kind`: 'strategy', or a key of `FOLDERS`. Raise `BadInput` if it is not one of LTA's own.
+    """
+    name = provenance.get(kind)
+    own: Collection[str] = STRATEGIES if kind == 'strategy' else list_shipped_names(FOLDERS[kind])
+    if not name or (name in own and not (kind == 'strategy' and 'strategy_file' in provenance)):
+        return name or None
+    raise BadInput(
+        f"The recording names the {kind} '{name}', which is not one of LTA's own, and nothing "
+        f'is opened or run because a recording names it; give it with --{kind}.'
+    )
+
+
+def read_recorded_settings(
+    provenance: Mapping[str, str], nodes: Collection[str]
+) -> dict[str, dict[str, Any]]:
+    """
+    Return the parameters of nodes that were set for a flight in one process, by node.
+
+    Raise `BadInput` for one that `lta simulate --set` could not have set.
+    """
+    settings: dict[str, dict[str, Any]] = {}
+    # `lta simulate` joins its changes with '; '
+    for text in filter(None, provenance.get('set', '').split('; ')):
+        root, _, path = text.partition('=')[0].strip().partition('.')
+        # Those of vehicle, scenario and gains are in the recorded files
+        if root not in SETTABLE or SETTABLE[root].node not in nodes:
+            continue
+        block = SETTABLE[root]
+        try:
+            _, value = parse_assignment(text)
+            content = replace_parameter(block.model().model_dump(), path, value, root)
+            validate_content(block.model, content, 'its provenance')
+        except BadInput as error:
+            raise BadInput(
+                f"The recording sets '{text}', which lta simulate --set refuses ("
+                f'{str(error).rstrip(".")}); leave {block.node} out of --nodes.'
+            ) from None
+        settings.setdefault(block.node, {})[block.prefix + path] = value
+    return settings
+
+
+def read_recorded_file(provenance: Mapping[str, str], key: str) -> Any:  # noqa: ANN401 - YAML
+    """
+    Return the content of a vehicle, scenario or gains file in a recording; it names no file.
+
+    `key`: 'vehicle_file', 'scenario_file' or 'gains_file'; None if it is missing. Raise `BadInput`
+    if it is no YAML, or cannot do without a file that it names.
+    """
+    if key not in provenance:
+        return None
+    content = parse_yaml(provenance[key], f"The bag's {key}")
+    if key == 'gains_file':
+        return _keep_gains(content)
+    if key == 'vehicle_file':
+        # In older versions a file may be named elsewhere
+        content = upgrade_content(content)
+    for path in (*OMITTED.get(key, ()), *REFUSED.get(key, ())):
+        *above, last = path.split('.')
+        holder = content
+        for name in above:
+            holder = holder.get(name) if isinstance(holder, dict) else None
+        value = holder.get(last) if isinstance(holder, dict) else None
+        if not isinstance(value, str) or SHIPPED.fullmatch(value):
+            continue
+        if path in REFUSED.get(key, ()):
+            raise BadInput(
+                f"The bag's {key} names the file '{value}' in {path}, and no file is opened "
+                'because a recording names it; use your own copy of the vehicle file, with '
+                '--vehicle where a command has it.'
+            )
+        del holder[last]
+    return content
+
+
+def _keep_gains(content: Any) -> Any:  # noqa: ANN401 - YAML
+    """Return a parameter file with nothing but the gains of the controller."""
+    gains = content
+    for name in GAINS:
+        gains = gains.get(name) if isinstance(gains, dict) else None
+    if not _holds_numbers(gains):
+        raise BadInput(
+            f"The bag's gains_file has no gains under {', '.join(GAINS)} that are numbers; give "
+            'others with --gains.'
+        )
+    for name in reversed(GAINS):
+        gains = {name: gains}
+    return gains
+
+
+def _holds_numbers(content: object) -> bool:
+    if isinstance(content, dict):
+        return all(isinstance(key, str) and _holds_numbers(content[key]) for key in content)
+    if isinstance(content, list):
+        return all(map(_holds_numbers, content))
+    return isinstance(content, NUMBERS)
