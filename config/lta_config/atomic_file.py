@@ -1,8 +1,21 @@
-"""Write files atomically, so that a kill or a full disk never leaves a partial one."""
+"""
+Write files and folders atomically, so that a kill or a full disk never leaves a partial one.
+
+What is written lies beside its target, in a part that its writer locks. The system releases the
+lock of a dead process, so what a killed command left is told from what another one writes.
+"""
 
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+import fcntl
+import os
 from pathlib import Path
+import shutil
+from typing import Final
+
+from lta_config.errors import BadInput
+
+PART: Final = '.lta.part'  # name of a staging folder, and how a file ends that is being written
 
 
 @contextmanager
@@ -24,11 +37,70 @@ def replace_atomically(path: Path) -> Iterator[Path]:
         return
     target = path.resolve()  # replace the file that a link points to, not the link
     # In the same folder, because a rename is atomic only within one file system
-    part = target.with_name(f'.{target.name}.part')
+    part = target.with_name(f'.{target.name}{PART}')
+    lock = os.open(part, os.O_RDWR | os.O_CREAT, 0o666)
     try:
+        with suppress(OSError):  # a file system without locks
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         yield part
         part.replace(target)
     finally:
         # After a success there is nothing left to remove
         with suppress(OSError):
             part.unlink(missing_ok=True)
+        os.close(lock)
+
+
+@contextmanager
+def create_part_folder(folder: Path) -> Iterator[Path]:
+    """
+    Yield a new staging folder within a folder; remove it at the end.
+
+    It is inside because the parent of the folder may not be writable. Raise `BadInput` if another
+    command is writing to the folder, and OSError if it cannot be created.
+    """
+    part = folder / PART
+    remove_dead_parts(folder)
+    part.mkdir()
+    lock = os.open(part, os.O_RDONLY)
+    try:
+        with suppress(OSError):  # a file system without locks
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        yield part
+    finally:
+        shutil.rmtree(part, ignore_errors=True)
+        os.close(lock)
+
+
+def remove_dead_parts(folder: Path) -> None:
+    """
+    Remove what killed commands were writing to a folder.
+
+    Raise `BadInput` if a living one is writing to it, and OSError if it cannot be read.
+    """
+    for part in folder.glob(f'.*{PART[1:]}'):
+        if not _is_dead(part):
+            raise BadInput(
+                f"Another command is writing to '{folder}'; wait until it has ended, or choose "
+                f"another folder. (If none is, remove '{part}'.)"
+            )
+        with suppress(OSError):
+            if part.is_dir():
+                shutil.rmtree(part)
+            else:
+                part.unlink()
+
+
+def _is_dead(part: Path) -> bool:
+    """Return whether nobody holds the lock of a part."""
+    try:
+        lock = os.open(part, os.O_RDONLY)
+    except OSError:
+        return not part.exists()
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        return False
+    finally:
+        os.close(lock)
+    return True

@@ -1,20 +1,17 @@
 """The results folder of a command: its name, atomic writing, and the line that names the page."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, ExitStack, suppress
 from datetime import datetime
 import json
 import os
 from pathlib import Path
 import shlex
-import shutil
-from typing import Any, Final
+from typing import Any
 
 from lta_bridge.bag.writer import prepare_empty_folder
-from lta_config.atomic_file import replace_atomically
+from lta_config.atomic_file import create_part_folder, replace_atomically
 from lta_config.errors import BadInput
-
-PART: Final = '.part'  # staging folder, inside because the parent may not be writable
 
 
 def resolve_folder(out: Path | None, name: str) -> Path:
@@ -37,14 +34,10 @@ def check_creatable(folder: Path) -> None:
         )
 
 
-def create_folder(folder: Path, part: str = '') -> None:
-    """
-    Create a results folder, unless it exists, or a new part of it.
-
-    Raise `BadInput` if that fails.
-    """
+def create_folder(folder: Path) -> None:
+    """Create a results folder, unless it exists; raise `BadInput` if that fails."""
     try:
-        (folder / part).mkdir(parents=True, exist_ok=not part)
+        folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise BadInput(
             f"'{folder}' cannot be created ({error.strerror}); choose another folder with --out."
@@ -60,14 +53,21 @@ def stage_results(folder: Path, last: str) -> Iterator[Path]:
     last; if it exists, so do the others.
     """
     # An existing empty folder belongs to the user and stays
-    new, part = not folder.exists(), folder / PART
-    create_folder(folder, PART)
+    new = not folder.exists()
+    create_folder(folder)
     try:
-        yield part
-        for one in sorted(part.iterdir(), key=lambda one: one.name == last):
-            one.rename(folder / one.name)
+        with ExitStack() as stack:
+            try:
+                part = stack.enter_context(create_part_folder(folder))
+            except OSError as error:
+                raise BadInput(
+                    f"'{folder}' cannot be written ({error.strerror}); choose another folder with "
+                    '--out.'
+                ) from error
+            yield part
+            for one in sorted(part.iterdir(), key=lambda one: one.name == last):
+                one.rename(folder / one.name)
     finally:
-        shutil.rmtree(part, ignore_errors=True)
         if new:
             with suppress(OSError):  # fails if the folder has results, as it should
                 folder.rmdir()

@@ -1,5 +1,9 @@
 """Results appear when all are there, or none does."""
 
+import subprocess
+import sys
+
+from lta_config.atomic_file import PART
 from lta_config.errors import BadInput
 from lta_discovery.results.overlay import format_topic_names
 from lta_report.results_folder import check_creatable, stage_results
@@ -62,3 +66,55 @@ def test_a_folder_that_cannot_be_made_is_refused(tmp_path):
         stage_results(tmp_path / 'file' / 'a', 'b'),
     ):
         pass
+
+
+WRITER = """
+import sys
+from pathlib import Path
+from lta_config.atomic_file import replace_atomically
+from lta_report.results_folder import stage_results
+
+folder = Path(sys.argv[1])
+with stage_results(folder, 'b') as part, replace_atomically(folder / 'page.html') as page:
+    (part / 'a').write_text('half')
+    page.write_text('half')
+    print('writes', flush=True)
+    sys.stdin.read()
+"""
+
+
+@pytest.fixture
+def writer(tmp_path):
+    """Return a folder to which a process is writing, and the process."""
+    words = [sys.executable, '-c', WRITER, str(tmp_path / 'out')]
+    pipe = subprocess.PIPE
+    with subprocess.Popen(words, stdin=pipe, stdout=pipe, text=True) as process:
+        assert process.stdout.readline() == 'writes\n'
+        yield tmp_path / 'out', process
+        process.kill()
+
+
+def test_what_a_killed_command_was_writing_is_replaced(writer):
+    folder, process = writer
+    with pytest.raises(BadInput, match='Another command is writing to'):
+        check_creatable(folder)
+    assert {one.name for one in folder.iterdir()} == {PART, f'.page.html{PART}'}
+    process.kill()
+    process.wait()
+    check_creatable(folder)
+    with stage_results(folder, 'b') as part:
+        (part / 'b').write_text('whole')
+    assert {one.name: one.read_text() for one in folder.iterdir()} == {'b': 'whole'}
+
+
+def test_a_command_does_not_write_beside_a_living_one(writer):
+    folder, process = writer
+    with (
+        pytest.raises(BadInput, match='Another command is writing to'),
+        stage_results(folder, 'b'),
+    ):
+        pass
+    assert (folder / PART / 'a').read_text() == 'half'
+    process.stdin.close()
+    assert process.wait() == 0
+    assert {one.name for one in folder.iterdir()} == {'a', 'page.html'}

@@ -23,6 +23,7 @@ from lta_bridge.bag.qos import format_offered_qos, OfferedQos
 from lta_bridge.bag.records import PROVENANCE
 from lta_bridge.bag.schemas import generate_definition, MessageDefinition
 from lta_bridge.bag.storage import check_room, fsync_file, SplitLimits, StorageFault, WHOLE
+from lta_config.atomic_file import remove_dead_parts
 from lta_config.errors import BadInput
 
 LIBRARY = 'lta'
@@ -32,10 +33,12 @@ def prepare_empty_folder(path: Path) -> Path:
     """
     Create the folder if it is missing, and return it.
 
-    Raise `BadInput` if it is not empty or cannot be created.
+    What a killed command was writing there is removed. Raise `BadInput` if it is not empty or
+    cannot be created.
     """
     try:
         path.mkdir(parents=True, exist_ok=True)
+        remove_dead_parts(path)
         # In the same try: a folder may be creatable but not readable
         busy = any(path.iterdir())
     except OSError as error:
