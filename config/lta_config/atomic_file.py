@@ -1,13 +1,15 @@
 """
-Write files and folders atomically, so that a kill or a full disk never leaves a partial one.
+Create and write files and folders atomically: a kill or a full disk leaves no partial one.
 
 What is written lies beside its target, in a part that its writer locks. The system releases the
 lock of a dead process, so what a killed command left is told from what another one writes.
 """
 
+import atexit
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 import fcntl
+from itertools import count
 import os
 from pathlib import Path
 import shutil
@@ -16,6 +18,40 @@ from typing import Final
 from lta_config.errors import BadInput
 
 PART: Final = '.lta.part'  # name of a staging folder, and how a file ends that is being written
+
+
+_reserved: dict[Path, bool] = {}  # new folders, and whether their parent was made for them
+
+
+def reserve_folder(folder: Path) -> Path:
+    """
+    Create a folder that no other command has, and return it: `folder`, or one with -2, -3 ...
+
+    Where it cannot be created, the path is returned, and the error is left to what writes there.
+    """
+    new = not folder.parent.exists()
+    for number in count(1):
+        own = folder if number == 1 else folder.with_name(f'{folder.name}-{number}')
+        try:
+            own.mkdir(parents=True)
+        except FileExistsError:
+            continue
+        except OSError:
+            return folder
+        _reserved[own] = new
+        return own
+    raise AssertionError  # the numbers do not end
+
+
+@atexit.register
+def release_folders() -> None:
+    """Remove the reserved folders to which nothing was written."""
+    while _reserved:
+        folder, new = _reserved.popitem()
+        with suppress(OSError):  # it has results, as it should
+            folder.rmdir()
+            if new:
+                folder.parent.rmdir()
 
 
 @contextmanager

@@ -23,6 +23,7 @@ from lta_cli.without_ros import (
     refuse_without_ros,
     WITHOUT_GRAPH,
 )
+from lta_config.atomic_file import release_folders
 from lta_config.errors import BadInput, check_printable, to_one_line
 from lta_config.shortage import describe_shortage
 from lta_config.version import VERSION
@@ -364,6 +365,8 @@ def run_command_line(loaded: Callable[[], None] = lambda: None) -> int:
             return 0
         sys.stderr.write(f'{text}\n')
         return 2
+    finally:
+        release_folders()
 
 
 def describe_error(error: Exception) -> str | None:

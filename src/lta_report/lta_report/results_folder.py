@@ -10,15 +10,21 @@ import shlex
 from typing import Any
 
 from lta_bridge.bag.writer import prepare_empty_folder
-from lta_config.atomic_file import create_part_folder, replace_atomically
+from lta_config.atomic_file import create_part_folder, replace_atomically, reserve_folder
 from lta_config.errors import BadInput
 
 
 def resolve_folder(out: Path | None, name: str) -> Path:
-    """Return the absolute path of the given folder, or of runs/<time>-<name>."""
+    """
+    Return the absolute path of the given folder, or of a new folder runs/<time>-<name>.
+
+    The new folder exists, so that no other command gets it (see `reserve_folder`).
+    """
+    if out is not None:
+        return out.absolute()
     # Local time, as the user sees it; names sort by time
     stamp = datetime.now().astimezone().strftime('%Y%m%d-%H%M%S')
-    return (out or Path('runs') / f'{stamp}-{name}').absolute()
+    return reserve_folder(Path('runs').absolute() / f'{stamp}-{name}')
 
 
 def check_creatable(folder: Path) -> None:

@@ -1,12 +1,15 @@
 """Results appear when all are there, or none does."""
 
+from datetime import datetime
+import os
+from pathlib import Path
 import subprocess
 import sys
 
-from lta_config.atomic_file import PART
+from lta_config.atomic_file import PART, release_folders
 from lta_config.errors import BadInput
 from lta_discovery.results.overlay import format_topic_names
-from lta_report.results_folder import check_creatable, stage_results
+from lta_report.results_folder import check_creatable, resolve_folder, stage_results
 import pytest
 
 
@@ -118,3 +121,52 @@ def test_a_command_does_not_write_beside_a_living_one(writer):
     process.stdin.close()
     assert process.wait() == 0
     assert {one.name for one in folder.iterdir()} == {'a', 'page.html'}
+
+
+RESOLVER = """
+from lta_report import results_folder
+from test_results_folder import Noon
+
+results_folder.datetime = Noon
+folder = results_folder.resolve_folder(None, 'flight')
+(folder / 'bag').write_text('')
+print(folder.name)
+"""
+
+
+class Noon(datetime):
+    """A clock that stands still."""
+
+    @classmethod
+    def now(cls, tz=None):
+        return cls(2026, 11, 20, 12, tzinfo=tz)
+
+
+def test_commands_of_the_same_second_have_folders_of_their_own(tmp_path):
+    words = [sys.executable, '-c', RESOLVER]
+    paths = {'PYTHONPATH': os.pathsep.join([str(Path(__file__).parent), *sys.path])}
+    started = [
+        subprocess.Popen(
+            words, cwd=tmp_path, env=os.environ | paths, stdout=subprocess.PIPE, text=True
+        )
+        for _ in range(4)
+    ]
+    names = sorted(process.communicate()[0].strip() for process in started)
+    ends = ('', '-2', '-3', '-4')
+    assert names == [f'20261120-120000-flight{end}' for end in ends]
+
+
+def test_a_command_that_wrote_nothing_leaves_no_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for _ in range(2):
+        assert resolve_folder(None, 'flight').is_dir()
+    (resolve_folder(None, 'kept') / 'bag').write_text('')
+    release_folders()
+    assert [one.name.partition('-')[2].partition('-')[2] for one in Path('runs').iterdir()] == [
+        'kept'
+    ]
+    (tmp_path / 'new').mkdir()
+    monkeypatch.chdir(tmp_path / 'new')
+    resolve_folder(None, 'flight')
+    release_folders()
+    assert list(Path().iterdir()) == []
