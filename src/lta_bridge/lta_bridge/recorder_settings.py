@@ -52,7 +52,9 @@ class RobotOrigin(Settings):
 class RecorderSettings(RobotOrigin):
     """Parameters of the recorder node."""
 
-    bag: str = setting('bag', 'Folder of the bag; must be empty or not exist yet.', fixed=True)
+    bag: str = setting(
+        'runs/bag', 'Folder of the bag; must be empty or not exist yet.', fixed=True
+    )
     robots: str = setting(
         '',
         'Namespaces of the robots to record, separated by spaces; empty for that of the recorder. '

@@ -220,7 +220,7 @@ def add_origin(report: Report, words: Sequence[str], folder: Path | None) -> Rep
 
 def show_resume_command(words: Sequence[str], run: StudyRun) -> None:
     """Print how to resume a study that was stopped, if it has stored anything."""
-    if words and run.folder.is_dir():
+    if words and any(run.folder.glob('*')):
         # The default folder contains the time, so the same command would start again
         command = format_lta_command(
             *drop_output_options(words), '--out', relative_path(run.folder)

@@ -75,11 +75,11 @@ def import_(
     and a picture, and written to FOLDER/mapping.yaml. Where two readings fit, the command asks;
     without a terminal it prints both with the --set that decides, and ends with status 2.
 
-    Example: lta import --draft flight.csv --out lab
+    Example: lta import --draft flight.csv --out runs/lab
 
     Example: lta import data_1.csv --vehicle rgblimp
 
-    Example: lta import flight.bag --mapping my_tracker.yaml --out lab/flight
+    Example: lta import flight.bag --mapping my_tracker.yaml --out runs/lab/flight
 
     Example: lta import log00 log01 --json
     """

@@ -102,7 +102,7 @@ def tune(
 
     Exit status 0: done. 2: bad input, nothing was flown. 130: Ctrl-C.
 
-    Example: lta tune gtmab --most '6 g' --budget 121 --out tuned
+    Example: lta tune gtmab --most '6 g' --budget 121 --out runs/tuned
     """
     arguments = [f'--least={1e3 * least:g} g', f'--most={1e3 * most:g} g', f'--cases={cases}']
     # The options of the stored command, so that repeating it resumes

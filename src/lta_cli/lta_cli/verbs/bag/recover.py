@@ -43,7 +43,7 @@ def recover(
     Exit status 0: a new bag was written. 1: storage failed. 2: nothing to recover, or the bag is
     intact.
 
-    Example: lta bag recover runs/20261120-lamp_room-1/bag --out mended
+    Example: lta bag recover runs/20261120-lamp_room-1/bag --out runs/mended
     """
     bag = find_bag(path)
     place = bag.absolute()

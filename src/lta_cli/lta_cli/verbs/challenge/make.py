@@ -59,7 +59,7 @@ def make(
 
     Exit status 0: done. 2: bad input.
 
-    Example: lta challenge make --seed 1 --n 20 --out hidden
+    Example: lta challenge make --seed 1 --n 20 --out runs/hidden
     """
     console = plain_console()
     # s; longer flights take hours to analyse

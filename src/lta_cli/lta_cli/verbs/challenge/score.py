@@ -49,7 +49,7 @@ def score(
 
     Exit status 0: scored, whatever the score. 2: bad input. 130: Ctrl-C.
 
-    Example: lta challenge score hidden
+    Example: lta challenge score runs/hidden
     """
     places = [place.absolute() for place in folders]
     # Otherwise the cases would count twice in the summary

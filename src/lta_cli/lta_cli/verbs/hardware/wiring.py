@@ -7,6 +7,7 @@ from lta_cli.options.common_options import plain_console, VehicleName
 from lta_config.schema.crazyflie_file import find_crazyflie
 from lta_model.vehicle import load_vehicle
 from lta_report.page_frame import write_file
+from lta_report.results_folder import create_folder
 from lta_vehicle.views.wiring import draw_wiring
 import typer
 
@@ -16,16 +17,17 @@ def wiring(
     file: Annotated[
         Path,
         typer.Option(help='SVG file to write.', metavar='FILE'),
-    ] = Path('wiring.svg'),
+    ] = Path('runs/wiring.svg'),
 ) -> None:
     """
     Draw the wiring of a vehicle: motors, photodiodes, supply and signals.
 
     Motor numbers are those of the vehicle's Crazyflie file.
 
-    Example: lta hardware wiring gtmab --file wiring.svg
+    Example: lta hardware wiring gtmab --file runs/wiring.svg
     """
     craft = load_vehicle(vehicle)
     text = draw_wiring(craft, find_crazyflie(vehicle, craft.file.name))
+    create_folder(file.parent)
     write_file(text, file)
     plain_console().print(f'Drawing {file}', highlight=False, markup=False, soft_wrap=True)

@@ -55,7 +55,7 @@ def show(
     (about ten flights), at which its gains fail. Numbers that were neither measured nor published
     are marked as assumed. The page (--out) adds three views and works offline.
 
-    Example: lta vehicle show gtmab --out gtmab
+    Example: lta vehicle show gtmab --out runs/gtmab
     """
     if pictures is not None and out is None:
         raise BadInput('--pictures needs the page; give its folder with --out.')
