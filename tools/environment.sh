@@ -117,7 +117,7 @@ make_underlay() {
 
 key() {
     {
-        echo "$root $("$1" -c 'import sys; print(sys.version, sys.base_prefix)')"
+        echo "$root $("$1" -I -c 'import sys; print(sys.version, sys.base_prefix)')"
         cat locked/uv.txt locked/build.txt locked/run.txt locked/test.txt tools/environment.sh
     } | sha256sum | cut -d ' ' -f 1
 }

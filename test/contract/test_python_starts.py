@@ -11,7 +11,7 @@ from waiting import PATIENCE
 ROOT = Path(__file__).resolve().parents[2]
 FOLDERS = ('src', 'config', 'tools', 'firmware')
 # The name of an interpreter as a shell or make has it, and its first option
-START = re.compile(r'(?:python3?|\$python|\$\(PYTHON\))"? +(-\w+)')
+START = re.compile(r'(?:python3?|\$python|\$1|\$\(PYTHON\))"? +(-\w+)')
 HARMLESS = {'-V'}  # runs no module
 
 

@@ -11,7 +11,7 @@ from typing import Annotated
 from lta_config.errors import BadInput
 from lta_config.files import StrictModel
 from lta_config.quantity import Quantity, si_quantity
-from lta_config.schema.cell_file import load_cell_file
+from lta_config.schema.cell_file import CellFile, load_cell_file
 from lta_config.schema.vehicle_body import Fraction
 from pydantic import Field, model_validator
 
@@ -52,7 +52,7 @@ class BatteryBlock(StrictModel):
 class SolarArrayBlock(StrictModel):
     """Solar cells of one kind in one plane: `parallel` strings of `series` cells each."""
 
-    cell: str
+    cell: str | CellFile  # name or path of a cell file; in a recording, also its content
     series: Count
     parallel: Count
     part: str | None = None  # that carries it; without one, sensors.panel_position applies
@@ -68,12 +68,17 @@ class SolarArrayBlock(StrictModel):
             )
         # Read now, so that an invalid cell is an error of the vehicle file
         try:
-            load_cell_file(self.cell)
+            _ = self.cell_file
         except BadInput as error:
             raise ValueError(
                 f'names a solar cell in "cell" whose file cannot be used: {str(error).rstrip(".")}'
             ) from None
         return self
+
+    @property
+    def cell_file(self) -> CellFile:
+        """One of the cells."""
+        return load_cell_file(self.cell) if isinstance(self.cell, str) else self.cell
 
 
 class ChargerBlock(StrictModel):

@@ -105,16 +105,18 @@ def collect_provenance(vehicle: str, scenario: str, gains: str, **choices: str) 
 
 
 def read_whole_vehicle(name: str) -> str:
-    """Return the text of a vehicle file; coefficients from an aero file of the user are in it."""
+    """Return the text of a vehicle file, with the content of aero and cell files of the user."""
     path = find_file('vehicle', name)
     text = path.read_text(encoding='utf-8')
     content = parse_yaml(text, str(path))
-    aero = content.get('aero')
+    aero, array = content.get('aero'), content.get('energy', {}).get('array') or {}
+    own = False
     # Who reads the recording opens no file that it names
-    if not isinstance(aero, str) or '.' not in aero:
-        return text
-    block = load_yaml(find_file('aero', aero))['aero']
-    return yaml.safe_dump({**content, 'aero': block}, sort_keys=False)
+    if isinstance(aero, str) and '.' in aero:
+        content['aero'], own = load_yaml(find_file('aero', aero))['aero'], True
+    if isinstance(cell := array.get('cell'), str) and '.' in cell:
+        array['cell'], own = load_yaml(find_file('cell', cell)), True
+    return yaml.safe_dump(content, sort_keys=False) if own else text
 
 
 def merge_provenance(origins: Mapping[str, Mapping[str, str]]) -> dict[str, str]:

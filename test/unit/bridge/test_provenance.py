@@ -7,7 +7,9 @@ from lta_bridge import provenance as origin
 from lta_bridge.provenance import collect_provenance, extract_robot_origin, merge_provenance
 from lta_config.errors import BadInput
 from lta_config.files import share_folder
+from lta_config.schema.vehicle_file import load_vehicle_file
 import pytest
+import yaml
 
 
 @pytest.fixture(autouse=True)
@@ -25,6 +27,26 @@ def test_files_go_into_the_bag_whole_and_under_the_names_given(tmp_path: Path):
     assert found['vehicle_file'] == (share_folder() / 'vehicles/gtmab.yaml').read_text()
     named = [found[key] for key in ('vehicle', 'scenario', 'gains', 'seed')]
     assert named == ['gtmab', 'lamp_room', str(gains), '3']
+
+
+def test_a_vehicle_is_whole_without_the_users_aero_and_cell_files(tmp_path: Path):
+    content = yaml.safe_load((share_folder() / 'vehicles/gtmab.yaml').read_text())
+    files = {'aero': 'aero/gtmab.aero.yaml', 'cell': 'cells/anysolar.yaml'}
+    for name, shipped in files.items():
+        (tmp_path / f'{name}.yaml').write_text((share_folder() / shipped).read_text())
+    content['aero'] = f'{tmp_path}/aero.yaml'
+    content['energy']['array']['cell'] = f'{tmp_path}/cell.yaml'
+    vehicle = tmp_path / 'mine.yaml'
+    vehicle.write_text(yaml.safe_dump(content))
+    flown = load_vehicle_file(str(vehicle))
+    text = collect_provenance(str(vehicle), 'lamp_room', 'gtmab')['vehicle_file']
+    assert str(tmp_path) not in text
+    for name in files:
+        (tmp_path / f'{name}.yaml').unlink()
+    vehicle.write_text(text)
+    again = load_vehicle_file(str(vehicle))
+    assert again.aero == flown.aero
+    assert again.energy.array.cell_file.name == 'anysolar'
 
 
 def test_gains_that_are_not_there_are_one_sentence():

@@ -72,7 +72,8 @@ class SolarArrayModel(StrictModel):
         """Return the array of a vehicle file; one that gives nothing if it has none."""
         if energy.array is None:
             return cls(light=0.0, saturation=0.0, thermal=1.0, series=0.0, shunt=0.0)
-        return cls.from_cells(energy.array.cell, energy.array.series, energy.array.parallel)
+        array = energy.array
+        return cls.from_cell_file(array.cell_file, array.series, array.parallel)
 
     @classmethod
     def from_cells(cls, cell: str, series: int, parallel: int) -> Self:
@@ -102,8 +103,10 @@ def cell_spectral_factor(cell: str, efficacy: float) -> float:
 
 
 def array_spectral_factor(energy: EnergyBlock, efficacy: float) -> float:
-    """Return `cell_spectral_factor` of the array of a vehicle file; 1 if it has none."""
-    return 1.0 if energy.array is None else cell_spectral_factor(energy.array.cell, efficacy)
+    """Return `spectral_factor` of the array of a vehicle file; 1 if it has none."""
+    if energy.array is None:
+        return 1.0
+    return spectral_factor(efficacy, energy.array.cell_file.technology)
 
 
 def compute_curve_parameters(panel: SolarArrayModel, irradiance: float) -> Curve:

@@ -97,9 +97,9 @@ def compute_break_even_map(vehicle: Vehicle, cells: Sequence[str], budget: float
             f'{vehicle.file.name} has no solar array; choose a vehicle with a solar array.'
         )
     count = own.series * own.parallel
-    mass = count * load_cell_file(own.cell).mass.si
+    mass = count * own.cell_file.mass.si
     harvest = HarvestCurve.of_energy(vehicle.file.energy)
-    arrays = [CandidateArray(f'{own.cell} ({OWN})', count, mass, harvest)]
+    arrays = [CandidateArray(f'{own.cell_file.name} ({OWN})', count, mass, harvest)]
     for name in cells:
         each = load_cell_file(name).mass.si
         # As many whole panels as the mass budget allows

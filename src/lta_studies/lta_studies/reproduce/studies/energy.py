@@ -117,10 +117,9 @@ def measure_draw(request: RowStudyRequest, seed: int) -> dict[str, float]:
     hover, fly = tasks[1].power, tasks[2].power
     array = body.file.energy.array
     assert array is not None
-    panel = SolarArrayModel.from_cell_file(
-        draw_cell(array.cell, seed), array.series, array.parallel
-    )
-    harvest = HarvestCurve(panel, cell_spectral_factor(array.cell, WHITE_LED))
+    cell = array.cell_file.name
+    panel = SolarArrayModel.from_cell_file(draw_cell(cell, seed), array.series, array.parallel)
+    harvest = HarvestCurve(panel, cell_spectral_factor(cell, WHITE_LED))
     return {'hover': hover, 'fly': fly, **measure_charging(body, harvest, fly, hover)}
 
 
