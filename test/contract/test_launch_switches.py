@@ -45,3 +45,8 @@ def test_the_simulator_can_be_left_out_and_the_rest_stays():
     plan = flown(simulator='false')
     assert set(flown()) - set(plan) == {'simulator'}
     assert set(plan) - {'recorder', 'description'} == set(AWAITED)
+
+
+@pytest.mark.parametrize('commanded', ['true', 'false'])
+def test_a_commanded_flight_brakes_at_its_lamp(commanded):
+    assert flown(commanded=commanded)['navigator']['homing.brake'] is (commanded == 'true')

@@ -33,6 +33,8 @@ FLOOR = Setpoint(0.0, 0.0, 0.0)
 # s without sinking after which a landing is reported: later than the controller ends it, as its
 # wrong end in the air would pass and a wrong report would not
 LANDED = 15.0
+# s at the lamp after which a flight to it has succeeded: a drone that only passes has left by then
+STAYED = 3.0
 
 
 @final
@@ -119,6 +121,7 @@ class FlightTask:
     # Time since its first block, and since light from the lamp or the first block [ns]
     flown_ns: int = 0
     unseen_ns: int = 0
+    arrived_ns: int | None = None  # `flown_ns` at its arrival; None away from the lamp
     driven: bool = False  # whether a motor has turned
 
     def advance(self, stamp_ns: int) -> None:
@@ -402,7 +405,7 @@ class CommandedFlight:
         if sight.seen:
             task.unseen_ns = 0
         unseen = task.unseen_ns * 1e-9
-        if course.arrived:
+        if self._has_stayed(task, now, arrived=course.arrived):
             self._end_task(TaskOutcome.SUCCEEDED, 'the lamp is reached')
             self.mission = self.mission._replace(phase=Phase.ARRIVED)
         elif unseen > self.limits.unseen:
@@ -416,3 +419,14 @@ class CommandedFlight:
         if self.mission.phase is Phase.HOLD:
             return Setpoint(self._height, self.mission.heading, 0.0)
         return Setpoint(self._height, course.heading, course.speed)
+
+    def _has_stayed(self, task: FlightTask, now: GuidanceInputs, *, arrived: bool) -> bool:
+        """Return whether the drone has been at the lamp for `STAYED`, within the goal."""
+        # An arrival outlasts a gust; the goal does not grow by it. NaN is no distance.
+        beyond = now.strategy.distance(self.mission.memory) > now.settings.homing.arrival
+        if not arrived or beyond:
+            task.arrived_ns = None
+            return False
+        if task.arrived_ns is None:
+            task.arrived_ns = task.flown_ns
+        return (task.flown_ns - task.arrived_ns) * 1e-9 >= STAYED

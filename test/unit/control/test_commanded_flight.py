@@ -31,18 +31,19 @@ SETTINGS = MissionSettings()  # flown at 0.5 m, reached 0.04 m below, landing to
 LIMITS = TaskLimits(take_off=10.0, go_to_lamp=20.0, unseen=5.0, land=10.0)
 BLIND = LightMeasurement(seen=False, bearing=0.0, heading=1.0, amplitudes=(0.0,) * 8, interval=0.1)
 SEEN = BLIND._replace(seen=True, bearing=0.4, strength=10.0)
-NEAR = SEEN._replace(strength=100.0)
+NEAR = SEEN._replace(strength=200.0)
 
 
 def steer(_settings, memory, sight):
-    """Turn to the light at 0.5 m/s; strong light is an arrival. Remember heading and strength."""
+    """Turn to the light at 0.5 m/s; strong light is an arrival. Remember heading and distance."""
     heading = sight.heading + sight.bearing
     near = sight.strength >= 100.0
-    return SteeringCommand(heading, 0.1 if near else 0.5, near), (heading, sight.strength)
+    distance = 100.0 / sight.strength if sight.strength else math.nan
+    return SteeringCommand(heading, 0.1 if near else 0.5, near), (heading, distance)
 
 
 STRATEGY = NavigationStrategy(
-    'simple', lambda heading: (heading, 0.0), steer, onward=lambda memory: memory,
+    'simple', lambda heading: (heading, math.nan), steer, onward=lambda memory: memory,
     distance=lambda memory: memory[1],
 )  # fmt: skip
 
@@ -137,13 +138,29 @@ def test_a_flight_to_a_lamp_steers_until_it_arrives(holds):
     assert holds.flight.progress == TaskProgress(0.5, 0.0, True, 10.0, 0.4)
     assert task.result is None
     holds.sight = NEAR
-    assert holds.step() == Setpoint(0.5, pytest.approx(1.4), 0.1)
+    assert holds.step(3.0) == Setpoint(0.5, pytest.approx(1.4), 0.1)
+    assert task.result is None
+    holds.step()
     assert task.result == TaskResult(TaskOutcome.SUCCEEDED, 'the lamp is reached')
     # It holds its position as the strategy does, and does not search for a lamp that it loses
     assert holds.step(60.0) == Setpoint(0.5, pytest.approx(1.4), 0.1)
     holds.sight = BLIND
     assert holds.step(60.0) == Setpoint(0.5, 1.0, 0.0)
     assert holds.phase is Phase.HOLD
+
+
+@pytest.mark.parametrize(
+    'away',
+    [SEEN, NEAR._replace(strength=100.0)],  # the second 1 m from the lamp, which it once reached
+)
+def test_a_drone_that_passes_the_lamp_has_not_reached_it(holds, away):
+    task = holds.flight.request(TaskKind.GO_TO_LAMP)
+    for sight in (NEAR, away, NEAR):
+        holds.sight = sight
+        holds.step(2.9)
+    assert task.result is None
+    holds.step(0.2)
+    assert outcome(task) is TaskOutcome.SUCCEEDED
 
 
 def test_a_landing_ends_on_the_ground_and_the_drone_can_take_off_again(holds):
@@ -382,9 +399,9 @@ def test_the_reserve_flies_on_to_the_lamp_where_it_is_set_so():
     task = drone.flight.request(TaskKind.GO_TO_LAMP)
     drone.sight = NEAR
     drone.report = ReserveReport(0, True, False)
-    drone.step(0.2)
+    drone.step(3.0)
     assert task.result is None
-    drone.step(0.1)
+    drone.step(0.3)  # two blocks without light, and the first at the lamp
     assert outcome(task) is TaskOutcome.SUCCEEDED
     assert drone.step().altitude == 0.3
 

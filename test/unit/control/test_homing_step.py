@@ -3,6 +3,8 @@
 import math
 
 from lta_control.strategies.homing import (
+    brake_at_lamp,
+    brakes,
     build_filter_prior,
     full_turn_time,
     HomingSettings,
@@ -26,6 +28,7 @@ from lta_control.strategies.settings import StrategySettings
 import pytest
 
 QUICK = StrategySettings(homing=HomingSettings(hold=0.5, doubt=0.5, settling=5.0))
+BRAKING = StrategySettings(homing=HomingSettings(brake=True))
 QUARTER = 0.25  # s; a power of two, so that sums of intervals are exact
 
 
@@ -189,6 +192,41 @@ def test_heading_and_airspeed_along_the_line_to_the_lamp(x, wind, speed, course)
     settings = StrategySettings(speed=speed)
     heading, airspeed = steer_to_lamp(settings, placed(x, wind=(wind, 0.0)))
     assert (abs(heading), airspeed) == pytest.approx(course, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ('x', 'wind', 'drift', 'course'),
+    [
+        (4.8, 0.0, (0.4, 0.0), (0.0, 0.4)),  # a twelfth of the distance in a second
+        (4.8, 0.0, (0.5, 0.0), (0.0, 0.4)),  # an error below 0.12 m/s turns nothing
+        (2.4, 0.0, (0.5, 0.0), (2.0, 0.0)),  # too fast: turn about, towards pi, and push
+        (0.0, 0.3, (0.0, -0.3), (-math.pi / 2, 0.3)),  # at the lamp: stand in the wind
+    ],
+)
+def test_a_drone_that_brakes_slows_down_and_stays(x, wind, drift, course):
+    memory = placed(x, wind=(0.0, wind))._replace(heading=0.6)
+    command = brake_at_lamp(BRAKING, memory, dark()._replace(drift=drift))
+    assert command == pytest.approx(course)
+
+
+def test_a_turn_about_keeps_its_sense():
+    memory, fast = placed(2.4), dark()._replace(drift=(0.5, 0.01))
+    for heading in (0.6, -0.6):
+        turned = brake_at_lamp(BRAKING, memory._replace(heading=heading), fast)[0]
+        assert turned == math.copysign(2.0, heading)
+
+
+def test_it_brakes_near_the_lamp_where_it_is_told_to():
+    for settings, away, slow in ((BRAKING, 5.9, True), (BRAKING, 6.1, False), (QUICK, 1.0, False)):
+        assert brakes(settings, away) is slow
+
+
+@pytest.mark.parametrize(('settings', 'share', 'lost'), [
+    (BRAKING, 0.7, QUARTER), (BRAKING, 0.9, 0.0), (QUICK, 0.7, 0.0),
+])  # fmt: skip
+def test_light_that_the_hull_begins_to_hide_is_ignored_where_it_brakes(settings, share, lost):
+    memory = placed(3.0)
+    assert update_with_sight(settings, memory, lit(memory, share)).lost == lost
 
 
 def test_a_search_turns_once_and_then_flies_circles_that_widen_with_time():

@@ -16,12 +16,16 @@ as the lamp after `doubt`: the filter was wrong. So is any light after a search 
 
 The drone's own hull hides a lamp that is near and higher than the diodes. The drone then
 continues by dead reckoning and wind correction: it flies the last metre without light.
+
+With `brake`, the ground speed falls with the range over `braking` seconds. The drag of a blimp is
+too weak for that: the drone turns against its motion and pushes, and stays.
 """
 
 import math
 from typing import NamedTuple, TYPE_CHECKING
 
 from lta_config.settings import setting, Settings
+from lta_control.cascade import wrap_angle
 from lta_control.strategies.lamp_ekf import (
     bearing_deviation,
     expected_strength,
@@ -33,12 +37,14 @@ from lta_control.strategies.lamp_ekf import (
     update_fix,
 )
 from lta_control.strategies.protocol import LightMeasurement, NavigationStrategy, SteeringCommand
-from lta_control.strategies.wind_triangle import solve_wind_triangle
+from lta_control.strategies.wind_triangle import solve_wind_triangle, STEERAGE
 
 if TYPE_CHECKING:
     from lta_control.strategies.settings import StrategySettings
 
 LEAST_PUSH = 0.1  # m/s; least forward airspeed on the way, even where the wind alone would suffice
+AHEAD = 2.0  # rad; a farther heading is commanded step by step, so that the sense of a turn stays
+BAND = 0.12  # m/s; error of the ground velocity that is not worth a turn
 STAY = 2.0  # of the arrival range: hysteresis, so that wind does not undo an arrival
 
 
@@ -154,6 +160,25 @@ class HomingSettings(Settings):
         low=0.05,
         high=5.0,
     )
+    brake: bool = setting(
+        False, 'Whether to brake ahead of the lamp and stay there, instead of flying past it.'
+    )
+    braking: float = setting(
+        12.0,
+        'With brake: time to the lamp at the present speed below which the drone slows down. A '
+        'turn about takes half of it.',
+        unit='s',
+        low=1.0,
+        high=60.0,
+    )
+    shade: float = setting(
+        0.8,
+        'With brake: smallest ratio of measured to expected brightness near the lamp; below it '
+        'the hull hides a part of it.',
+        unit='1',
+        low=0.0,
+        high=1.0,
+    )
 
 
 class HomingState(NamedTuple):
@@ -199,13 +224,18 @@ def steer(
     """Return the course through the air along the line to the lamp."""
     own = settings.homing
     memory = update_with_sight(settings, memory, sight)
-    unsure = memory.searched > 0.0 or bearing_deviation(memory.fix) > own.certain
+    # Close to the lamp its bearing means little, its place is known all the same
+    close = brakes(settings, 2.0 * distance_to_lamp(memory))
+    unsure = memory.searched > 0.0 or (not close and bearing_deviation(memory.fix) > own.certain)
     lost = memory.lost > own.hold or (memory.lost > 0.0 and unsure)
     if not memory.has_fix or lost:
         heading, speed = steer_search(settings, memory, sight.interval)
         after = _update_search(memory, heading, memory.searched + sight.interval)
         return SteeringCommand(heading, speed, False), after
-    heading, speed = steer_to_lamp(settings, memory)
+    if brakes(settings, distance_to_lamp(memory)):
+        heading, speed = brake_at_lamp(settings, memory, sight)
+    else:
+        heading, speed = steer_to_lamp(settings, memory)
     after = _update_search(memory, heading, 0.0)
     return SteeringCommand(heading, speed, after.arrived), after
 
@@ -249,9 +279,10 @@ def update_with_sight(
             has_fix and normalized_innovation(fix, optics, bearing, sight.deviation) <= own.gate
         )
         share = strength / expected_strength(fix) if has_fix else 1.0
-        fits = there and own.echo <= share <= 1.0 / own.echo
+        shaded = brakes(settings, math.hypot(fix.x, fix.y)) and share < own.shade
+        fits = there and own.echo <= share <= 1.0 / own.echo and not (has_fix and shaded)
         # A weak light elsewhere is a reflection and raises no doubt
-        doubted = 0.0 if fits or share < own.echo else doubted + dt
+        doubted = 0.0 if fits or share < own.echo or shaded else doubted + dt
         # After a full turn without success any light is better than the old fix.
         sought = m.searched > full_turn_time(settings)
         if not has_fix or doubted > own.doubt or (sought and not fits):
@@ -285,6 +316,39 @@ def steer_to_lamp(settings: 'StrategySettings', m: HomingState) -> tuple[float, 
         top,
         -top if near else LEAST_PUSH,
     )
+
+
+def brakes(settings: 'StrategySettings', away: float) -> bool:
+    """Return whether the drone brakes at a distance from the lamp. [m]"""
+    own = settings.homing
+    return own.brake and away < own.braking * settings.speed
+
+
+def brake_at_lamp(
+    settings: 'StrategySettings', m: HomingState, sight: LightMeasurement
+) -> tuple[float, float]:
+    """Return heading [rad] and airspeed [m/s] that slow the drone down and hold it at the lamp."""
+    own, fix = settings.homing, m.fix
+    cos, sin = math.cos(sight.heading), math.sin(sight.heading)
+    surge, sway = sight.drift
+    air_x, air_y = cos * surge - sin * sway, sin * surge + cos * sway
+    # Velocity through the air that is wanted, and its error
+    want_x, want_y = fix.x / own.braking - fix.wind_x, fix.y / own.braking - fix.wind_y
+    off_x, off_y = want_x - air_x, want_y - air_y
+    if math.hypot(off_x, off_y) > BAND:
+        along_x, along_y = want_x + off_x, want_y + off_y
+    else:
+        along_x, along_y = want_x, want_y
+    size = math.hypot(along_x, along_y)
+    if size < 0.5 * STEERAGE:
+        return sight.heading, 0.0
+    heading = math.atan2(along_y, along_x)
+    turn = wrap_angle(heading - sight.heading)
+    if abs(turn) > AHEAD:
+        last = wrap_angle(m.heading - sight.heading)
+        sense = last if abs(last) > 0.25 * AHEAD else turn
+        heading = sight.heading + math.copysign(AHEAD, sense)
+    return heading, max(0.0, (want_x * along_x + want_y * along_y) / size)
 
 
 def full_turn_time(settings: 'StrategySettings') -> float:
