@@ -12,9 +12,9 @@ from lta_bridge.recorder_settings import RecorderSettings
 from lta_bridge.teensy.port import require_port
 from lta_bridge.teleop.gamepad import require_gamepad
 from lta_bridge.teleop.steering import check_time_mode
-from lta_config.bounded_memory import limit_memory
 from lta_config.errors import BadInput
 from lta_config.files import find_file
+from lta_config.process_limits import limit_memory
 from lta_config.settings import Settings
 from lta_config.topic_selection import select_topics
 from lta_config.topics import load_topic_table

@@ -7,7 +7,7 @@ import subprocess
 import sys
 
 from lta_config import shortage
-from lta_config.shortage import describe_shortage
+from lta_config.process_limits import describe_shortage
 import pytest
 
 MAIN = 'from lta_cli.command import main; main()'

@@ -30,8 +30,8 @@ from lta_bridge.playback.origin import build_replay_origin
 from lta_bridge.playback.recording import open_recording
 from lta_bridge.provenance import merge_provenance
 from lta_bridge.recorder_settings import RecorderSettings, RobotOrigin
-from lta_config.bounded_memory import limit_memory
 from lta_config.errors import BadInput
+from lta_config.process_limits import limit_memory
 from lta_config.settings import setting, Settings
 from lta_config.topic_selection import EVERYTHING, select_topics
 from lta_config.topics import is_name

@@ -42,8 +42,8 @@ def open_recording(bag: Path | str | None = None, robot: str | None = None) -> '
 
     Raise `BadInput` if there is no recording, or the robot is unknown or ambiguous.
     """
-    found = find_newest_bag() if bag is None else find_bag(Path(bag))
-    return RobotRecording(open_flight(found, robot))
+    folder = find_newest_bag() if bag is None else find_bag(Path(bag))
+    return RobotRecording(open_flight(folder, robot))
 
 
 @final

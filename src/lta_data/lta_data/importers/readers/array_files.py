@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Any
 import zipfile
 
-from lta_config.bounded_memory import limit_memory
 from lta_config.errors import BadInput
 from lta_config.limits import (
     check_column_count,
@@ -13,6 +12,7 @@ from lta_config.limits import (
     INFLATED_FREELY,
     INFLATION,
 )
+from lta_config.process_limits import limit_memory
 from lta_data.importers.readers.column_log import Column
 from lta_data.importers.readers.mat_process import read_mat_arrays
 import numpy as np

@@ -15,9 +15,9 @@ import sys
 import tempfile
 from typing import Any
 
-from lta_config.bounded_memory import limit_memory
 from lta_config.errors import BadInput
 from lta_config.limits import check_column_count
+from lta_config.process_limits import limit_memory
 import numpy as np
 from numpy.typing import NDArray
 
