@@ -4,7 +4,8 @@ The measurements: `make bench` prints a table and writes `runs/bench.json`.
 A benchmark is a file here, or in `peers/`, with a function `figures`; what it cannot measure on
 this machine it refuses with `BadInput`, and is listed as skipped. All figures are sampled turn
 about over the whole run and the best sample of each counts, so that other work on the machine
-spoils neither them nor their ratio. `make bench ARGS='kernel mujoco'` takes only these files.
+spoils neither them nor their ratio. `make bench ARGS='kernel mujoco'` takes only these files, and
+`--once` one sample of each figure, to see that all can be measured; it writes no file.
 
 The file has the date, the number of cores, the load of the machine at the beginning and the end,
 and `rows` of {name, value, unit, peer, ratio}. `ratio` is always LTA's figure over the peer's: in
@@ -17,6 +18,7 @@ from dataclasses import asdict, dataclass, replace
 from datetime import date
 from importlib import import_module
 import json
+import math
 import os
 from pathlib import Path
 import sys
@@ -125,12 +127,19 @@ def sample(
         for figure in [figure for figure in samples if turn < figure.rounds]:
             tell(f'{figure.name}, {turn + 1} of {figure.rounds}')
             try:
-                samples[figure].append(figure.measure())
+                samples[figure].append(check_finite(figure.measure()))
             except Exception as error:
                 why = f'{type(error).__name__}: {error}'
                 absent.append(Absent(figure.name, why, failed=True))
                 del samples[figure]
     return {figure: figure.choose(taken) for figure, taken in samples.items()}, absent
+
+
+def check_finite(value: float) -> float:
+    """Return a sample; raise `ArithmeticError` if it is not a number, as without any message."""
+    if not math.isfinite(value):
+        raise ArithmeticError(f'a sample is {value}')
+    return value
 
 
 def rows_of(values: dict[Figure, float]) -> list[Row]:
@@ -185,8 +194,8 @@ def write(rows: Sequence[Row], path: Path, load: Sequence[float]) -> None:
     temporary.replace(path)
 
 
-def main(chosen: Sequence[str] = ()) -> int:
-    """Measure, print and write; return the exit status."""
+def main(chosen: Sequence[str] = (), *, once: bool = False) -> int:
+    """Measure, print and write unless `once`; return the exit status."""
     known = benchmarks()
     if unknown := [name for name in chosen if name not in known]:
         sys.stderr.write(f'There is no benchmark {unknown[0]!r}; known: {", ".join(known)}.\n')
@@ -194,6 +203,8 @@ def main(chosen: Sequence[str] = ()) -> int:
     # All imports first: rclpy's starts the interpreter anew.
     modules = [(name, module) for name, module in known.items() if not chosen or name in chosen]
     figures, absent = gather(modules)
+    if once:
+        figures = [replace(figure, rounds=1) for figure in figures]
     ordered, load = groups(figures), os.getloadavg()[0]
     with Console(stderr=True).status('') as status:
         values, broken = sample([figure for group in ordered for figure in group], status.update)
@@ -204,13 +215,16 @@ def main(chosen: Sequence[str] = ()) -> int:
     ]
     absent += broken
     show(Console(width=None if sys.stdout.isatty() else 120), rows, absent)
-    write(rows, RESULTS, (load, os.getloadavg()[0]))
-    sys.stdout.write(f'{RESULTS}\n')
+    if not once:
+        write(rows, RESULTS, (load, os.getloadavg()[0]))
+        sys.stdout.write(f'{RESULTS}\n')
     return int(any(each.failed for each in absent))
 
 
 if __name__ == '__main__':
     parser = ArgumentParser(description='Measure, print a table and write runs/bench.json.')
     parser.add_argument('names', nargs='*', help=f'some of: {", ".join(benchmarks())}')
+    parser.add_argument('--once', action='store_true', help='one sample each; write no file')
+    given = parser.parse_args()
     # The benchmarks import this file by its name: it must not be there twice.
-    sys.exit(import_module('bench').main(parser.parse_args().names))
+    sys.exit(import_module('bench').main(given.names, once=given.once))

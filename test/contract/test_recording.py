@@ -42,7 +42,7 @@ def test_every_setting_is_a_launch_argument_that_reaches_the_recorder(name):
 
 
 def test_the_page_has_every_setting_with_its_default():
-    rows = re.findall(r'^\| `(\w+)` \| (?:`?([\w.]+)`? )?\|', PAGE.read_text(), re.MULTILINE)
+    rows = re.findall(r'^\| `(\w+)` \| (?:`?([\w./]+)`? )?\|', PAGE.read_text(), re.MULTILINE)
     assert dict(rows) == {key: str(default) for key, default in SETTINGS.items()}
 
 

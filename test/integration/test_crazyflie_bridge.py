@@ -276,7 +276,7 @@ def test_unknown_commanders_are_an_error_that_ends_the_flight(peer, pair, hear):
     for node, name in rivals:
         rival = offer(node, name)
         who = f'/lta1/{node.get_name()} ({name})'
-        hear(lambda facts, who=who: status(facts, HealthLevel.ERROR, who))
+        hear(lambda facts, who=who: (send(), status(facts, HealthLevel.ERROR, who))[1])
         named.append(name)
         if len(named) == 1:
             hear(landed)

@@ -34,7 +34,9 @@ def test_a_hidden_effect_is_found_added_and_shown(bags, tmp_path):
     done = subprocess.run(
         [ROOT / 'lta', 'discover', *words], capture_output=True, text=True, timeout=PATIENCE
     )
-    assert (done.returncode, done.stderr) == (0, '')
+    assert done.returncode == 0, done.stderr
+    # A slow machine is told how far it is
+    assert all(line.endswith('...') for line in done.stderr.splitlines())
     told = json.loads(done.stdout)
     assert told['verdict'].startswith('named')
     (effect,) = told['effects']

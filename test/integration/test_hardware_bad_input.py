@@ -88,6 +88,6 @@ def test_what_may_yet_come_is_told_and_waited_for_and_never_armed(
         assert sentence in refused.message
         node.send_signal(2)
         _, text = node.communicate(timeout=PATIENCE)
-        assert f'no link: {sentence}' in text
+        assert f'link: {sentence}' in text
         assert node.returncode == 0
         assert server.firmware.body.duties == (0.0,) * 4

@@ -1,7 +1,9 @@
 """The runner of the benchmarks: ratios, choices, what is skipped, and the file it leaves."""
 
 import json
+import os
 from pathlib import Path
+import subprocess
 import sys
 
 from lta_config.errors import BadInput
@@ -149,3 +151,28 @@ def test_each_peer_is_pinned_to_one_version():
     pins = dict(line.split('==') for line in lines)
     of_laws = {'pysindy', 'scikit-learn'}  # imported by law_peers.py
     assert pins.keys() == of_laws | {path.stem for path in FOLDER.glob('peers/[!_]*.py')}
+
+
+def test_a_sample_that_is_no_number_fails(bench):
+    _, absent = bench.sample([bench.Figure('mute', 's', series(float('nan')), 1)])
+    assert [(each.why, each.failed) for each in absent] == [
+        ('ArithmeticError: a sample is nan', True)
+    ]
+
+
+# One sample of these takes a few seconds; the others fly a graph, compile or search for effects
+QUICK = {'loop', 'supply', 'tables', 'vlc'}
+# These need a quiet machine: a board sends in real time, and no message may be lost
+QUIET = {'light_link', 'record'}
+
+
+@pytest.mark.parametrize('quick', [True, pytest.param(False, marks=pytest.mark.long)])
+def test_every_benchmark_can_be_measured(bench, quick):
+    names = QUICK if quick else bench.benchmarks().keys() - QUICK - QUIET
+    done = subprocess.run(
+        [sys.executable, FOLDER / 'bench.py', '--once', *names],
+        env={**os.environ, 'PYTHONPATH': os.pathsep.join(sys.path)},
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert 'failed' not in done.stdout

@@ -157,6 +157,7 @@ def test_a_stopped_study_says_how_to_resume_in_its_folder(tmp_path, monkeypatch,
     show_resume_command(['platforms', '--json', '--seeds', '3'], run)
     assert capsys.readouterr().out == ''  # nothing is stored yet
     run.folder.mkdir(parents=True)
+    (run.folder / 'rows.jsonl').touch()
     show_resume_command(['platforms', '--json', '--seeds', '3'], run)
     assert capsys.readouterr().out == (
         'Finished work is stored; resume with: lta platforms --seeds 3 --out runs/1-platforms\n'

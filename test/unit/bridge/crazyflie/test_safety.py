@@ -293,7 +293,7 @@ def test_at_first_nothing_is_known_asked_or_sent():
         math.inf,
         False,
         0.0,
-        1,
+        '',
     )
     assert SafetyRequest() == (None, False)
     assert SafetyState() == ('disarmed', 0.0, 0.0, 'not armed yet', 0, -math.inf, False, math.inf)
