@@ -14,6 +14,8 @@ from typing import Final, final
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.errors import BadInput
+from lta_config.topics import load_topic_table
+from lta_data.bag.align import DENSE
 from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.channels import iterate_channels, SignalChannel
 from lta_data.bag.recorded_flight import open_flight, RecordedFlight
@@ -155,6 +157,9 @@ def read_commands(
     remedy = 'choose a part with --begin and --end'
     span, step = float(last - at[0]), median_period(at)
     check_time_span(f"of '{bag}'", span, step, len(at), remedy=remedy)
+    # Stamps that jump again and again have a long median period, but the control steps do not
+    control = load_topic_table().control_ns * 1e-9
+    check_time_span(f"of '{bag}'", span, control, len(at), DENSE, remedy)
     reported = Rotation.from_euler('ZYX', poses[:, 3:])
     centres, turns = find_body_poses(vehicle, poses[:, :3], reported)
     raised = _find_raise(vehicle, centres[at <= last])

@@ -28,7 +28,7 @@ REFUSING = (
     ('bag', 'export', '--out', 'done', '--rate', '100'),
     ('vehicle', 'trim'),
 )
-COMMANDS = ('simulate', '--out', 'done', '--commands')
+COMMANDS = ('simulate', '--scenario', 'lamp_room', '--out', 'done', '--commands')
 READING = (
     ('bag', 'check'),
     ('bag', 'info'),
@@ -103,6 +103,22 @@ def test_a_pose_that_jumps_is_one_sentence(attempt, words, jump):
 )
 def test_no_other_jump_takes_more_than_its_messages(attempt, words, jump, status):
     assert attempt(words, jump).status == status
+
+
+def test_commands_are_not_flown_through_hours_between_all_messages(sandbox, sound, tmp_path):
+    source = read_bag(sound)
+    numbers = dict.fromkeys(source.topics, 0)
+    with BagWriter(tmp_path / 'slow', source.provenance) as writer:
+        for name, topic in source.topics.items():
+            writer.add_topic(name, topic.type_name, [])
+        for name, log_time, data in source.iterate_messages():
+            numbers[name] += 1
+            moves = name in (*POSES, '/lta1/motors')
+            hours = numbers[name] * DAY // 24
+            writer.write(name, shift_stamp(data, hours) if moves else data, log_time)
+    told = sandbox.run([*COMMANDS, 'slow'], tmp_path)
+    assert (told.status, told.err.count('\n')) == (2, 1), told
+    assert 'lta bag check' in told.err
 
 
 @pytest.mark.parametrize('words', READING, ids=lambda words: ' '.join(words[:4]))
