@@ -12,7 +12,7 @@ from typing import Any, Final, NamedTuple
 
 from lta_config.errors import BadInput
 from lta_config.files import FOLDERS, list_shipped_names, parse_yaml, validate_content
-from lta_config.parameter_override import parse_assignment, replace_parameter
+from lta_config.parameter_override import get_parameter, parse_assignment, replace_parameter
 from lta_config.schema.vehicle_version import upgrade_content
 from lta_config.settings import Settings
 from lta_control.estimator import EstimatorSettings
@@ -88,13 +88,17 @@ def read_recorded_settings(
         try:
             _, value = parse_assignment(text)
             content = replace_parameter(block.model().model_dump(), path, value, root)
-            validate_content(block.model, content, 'its provenance')
+            valid = validate_content(block.model, content, 'its provenance')
         except BadInput as error:
             raise BadInput(
                 f"The recording sets '{text}', which lta simulate --set refuses ("
                 f'{str(error).rstrip(".")}); leave {block.node} out of --nodes.'
             ) from None
-        settings.setdefault(block.node, {})[block.prefix + path] = value
+        # A node takes no integer for a parameter that is a float, which `--set` may write so
+        accepted = get_parameter(valid.model_dump(), path, root)
+        settings.setdefault(block.node, {})[block.prefix + path] = (
+            accepted if isinstance(accepted, float) else value
+        )
     return settings
 
 

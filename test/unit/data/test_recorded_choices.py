@@ -72,6 +72,11 @@ def test_no_setting_of_a_recording_is_a_text(path, hostile):
             read_recorded_settings({'set': f'{path}={text}'}, NODES)
 
 
+def test_a_whole_number_of_a_recording_is_set_as_the_float_that_a_node_declares():
+    setting = read_recorded_settings({'set': 'mission.patience=5'}, NODES)['navigator']['patience']
+    assert (setting, type(setting)) == (5.0, float)
+
+
 def test_the_numbers_and_choices_of_a_recording_are_set_again():
     told = {
         'set': 'scenario.goal.time_limit=4 s; mission.altitude=0.6; prior.distance=2; '
