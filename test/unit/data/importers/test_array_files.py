@@ -119,6 +119,13 @@ class Command:
         return (open, (str(self.path), 'w'))
 
 
+def test_an_array_of_too_many_fields_is_no_pickle(bring, tmp_path):
+    source = tmp_path / 'fields.npy'
+    np.save(source, np.zeros(3, [(f'f{k}', 'f8') for k in range(2000)]))
+    with pytest.raises(BadInput, match=r'cannot be read as a NumPy file .*Header info length'):
+        bring(source, HEAD + 'format: numpy\n' + POSE)
+
+
 @pytest.mark.parametrize('kind', ['pickle', 'npy', 'npz'])
 def test_pickles_are_refused_and_not_run(bring, tmp_path, kind):
     trap = tmp_path / 'ran'

@@ -130,7 +130,8 @@ def read_numpy_file(path: Path) -> READ:
         raise
     # numpy raises many types for damaged files
     except Exception as error:
-        if 'allow_pickle' in str(error):
+        # numpy advises pickles also for a header of thousands of fields
+        if 'allow_pickle' in str(error) and 'max_header_size' not in str(error):
             raise BadInput(
                 f"'{path}' contains pickled Python objects, and LTA does not unpickle files, "
                 'since a pickle can run any program; save its arrays of numbers with np.savez.'
