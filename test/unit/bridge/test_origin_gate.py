@@ -82,5 +82,6 @@ def test_a_request_without_end_keeps_nobody_else_out(port):
 
 
 def test_a_port_in_use_is_refused_in_a_sentence(port):
-    with pytest.raises(BadInput, match=f'Port {port} cannot be used for the live view'):
+    sentence = rf'Port {port} cannot be used for the live view \(Address already in use\);'
+    with pytest.raises(BadInput, match=sentence):
         LiveServer('LTA lta1', '127.0.0.1', port, {})

@@ -1,5 +1,6 @@
 """Address of a live view."""
 
+import os
 import socket
 from urllib.parse import urlencode
 
@@ -10,8 +11,11 @@ PORT = 8765  # Foxglove's default
 LOCAL = '127.0.0.1'
 
 
-def build_port_error(port: int, reason: str) -> BadInput:
-    """Return the error for a port that cannot be listened on."""
+def build_port_error(port: int, error: OSError) -> BadInput:
+    """Return the error for a port that cannot be listened on, and why."""
+    # socket.create_server adds the address to the text; an unknown host has a number below zero
+    number = error.errno or 0
+    reason = os.strerror(number) if number > 0 else error.strerror or str(error)
     return BadInput(
         f'Port {port} cannot be used for the live view ({reason}); stop the program '
         'that uses the port, or choose another port.'
@@ -30,7 +34,7 @@ def check_port_available(host: str, port: int) -> None:
             probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
             probe.bind(address)
     except OSError as error:
-        raise build_port_error(port, error.strerror or str(error)) from None
+        raise build_port_error(port, error) from None
 
 
 def build_app_url(port: int) -> str:

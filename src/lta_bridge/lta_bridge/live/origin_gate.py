@@ -61,7 +61,7 @@ class OriginGate:
             family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
             listener = socket.create_server(address[:2], family=family)
         except OSError as error:
-            raise build_port_error(port, error.strerror or str(error)) from None
+            raise build_port_error(port, error) from None
         runner = asyncio.Runner(loop_factory=asyncio.new_event_loop)
         self._loop, self._ended = runner.get_loop(), asyncio.Event()
 
