@@ -26,18 +26,17 @@ def describe_outcome(results: FlightResults) -> str:
     count, near = int(results.lamps or 1), format_amount(results.closest, 'm', 1) + ' horizontally'
     if results.altitude is not None:
         near += f', at a mean height of {format_amount(results.altitude, "m", 1)}'
-    time, path = (
-        format_amount(results.search_time, 's', 1),
-        format_amount(results.path_length, 'm', 1),
-    )
+    way = f'over {format_amount(results.path_length, "m", 1)}'
+    if results.search_time is not None:  # None: blown there before it searched
+        way = f'in {format_amount(results.search_time, "s", 1)} {way}'
     if count > 1 and results.success:
-        return f'The drone reached all {count} lamps of its route in {time} over {path}'
+        return f'The drone reached all {count} lamps of its route {way}'
     # A route that was not completed
     if count > 1:
         reached = f'{results.lamps_reached:.0f} of the {count} lamps of its route'
         return f'The drone reached {reached}, and came no nearer to the next than {near}'
     if results.success:
-        return f'The drone found the lamp and reached it in {time} over {path}'
+        return f'The drone found the lamp and reached it {way}'
     return f'The drone did not reach the lamp: it came no nearer than {near}'
 
 

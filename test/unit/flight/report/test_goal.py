@@ -86,6 +86,12 @@ def test_of_two_lamps_of_one_frequency_the_next_of_the_route_is_meant():
     assert np.abs(angle[[0, 1, 4]]) == pytest.approx([0.0, 0.0, math.pi])
 
 
+def test_an_arrival_without_a_search_tells_no_time():
+    found = compute_results(flown([-3.2, 0.0, 3.0, 3.5, 0.0, -3.0, -3.5]))
+    assert found.search_time is None
+    assert describe_outcome(found) == 'The drone reached all 2 lamps of its route over 13.2 m'
+
+
 def test_one_lamp_alone_is_the_last():
     found = compute_results(flown([-3.0, np.nan, 0.0], ROOM))
     assert found.closest == pytest.approx(math.hypot(3.5, 2.0))
