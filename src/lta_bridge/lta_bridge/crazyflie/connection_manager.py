@@ -20,6 +20,7 @@ CONFIRM: Final = 2.0  # s for one parameter
 # Parameters that let motors turn without a command.
 TURNING: Final = ('motorPowerSet.enable', 'powerDist.idleThrust')
 FIRST, LONGEST = 0.5, 8.0  # s of pause after a failed attempt
+CONNECTING: Final = 'connecting'  # the reason for no link until the first attempt has ended
 LOOK: Final = 0.1  # s between two looks whether the drone listens
 
 
@@ -158,7 +159,7 @@ class ConnectionManager:
         self._is_closed, self._patience = is_closed, patience
         self._link, self._expected, self._given_back = link, expected, on_closed
         self._compensated, self._airframe = compensated, airframe
-        self.up, self.why, self.attempts = False, 'connecting', 0
+        self.up, self.why, self.attempts = False, CONNECTING, 0
         self._leave = threading.Event()
         self._again = threading.Event()
         self._thread = threading.Thread(target=self._run, name='crazyflie_link', daemon=True)

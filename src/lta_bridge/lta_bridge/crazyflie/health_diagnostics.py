@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from lta_bridge.crazyflie.bridge_core import BridgeCore
 from lta_bridge.crazyflie.buoyancy import BuoyancyMonitor
-from lta_bridge.crazyflie.connection_manager import ConnectionManager
+from lta_bridge.crazyflie.connection_manager import CONNECTING, ConnectionManager
 from lta_bridge.crazyflie.safety import SafetyInputs, SafetyStage, SILENT
 from lta_graph.health import HealthFact, HealthLevel
 
@@ -54,7 +54,9 @@ def _describe_link(
     }
     alive = inputs.linked and inputs.silence < SILENT
     silent = f'no packets for {inputs.silence:.1f} s' if inputs.linked else why
-    level, message = (HealthLevel.OK, 'connected') if alive else (HealthLevel.ERROR, silent)
+    # A start is no fault yet
+    missing = HealthLevel.WARN if silent == CONNECTING else HealthLevel.ERROR
+    level, message = (HealthLevel.OK, 'connected') if alive else (missing, silent)
     return HealthFact('link', level, message, {key: str(value) for key, value in figures.items()})
 
 

@@ -35,6 +35,7 @@ def test_what_is_said_of_the_link():
         assert (told.level, told.message) == said
     gone = fact('link', bridge, 'nobody answers', 7, linked=False)
     assert (gone.level, gone.message) == (HealthLevel.ERROR, 'nobody answers')
+    assert fact('link', bridge, 'connecting', 0, linked=False).level == HealthLevel.WARN
     bridge.add_round_trip(0.004)
     values = fact('link', bridge, attempts=7, silence=0.25).values
     assert values == {
