@@ -22,4 +22,4 @@ def test_a_stored_day_is_found_again(call, tmp_path):
     assert life['flown'] == pytest.approx(told['flown'], abs=60.0)  # s
     assert life['harvested'] == pytest.approx(told['harvested'], abs=100.0)  # J
     assert life['flights'] == pytest.approx(told['flights'], abs=1)
-    assert life['failures'] == told['failures'] == []
+    assert life['failures'] == told['failures'] == {}
