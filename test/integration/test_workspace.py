@@ -10,6 +10,7 @@ import json
 import os
 from pathlib import Path
 import re
+import resource
 import shutil
 import signal
 import subprocess
@@ -271,6 +272,25 @@ def test_ctrl_c_during_the_imports_is_answered_without_a_traceback(
         text=True, timeout=START, check=False, preexec_fn=heed_signals,
     )  # fmt: skip
     assert (done.returncode, done.stdout, done.stderr) == (128 + signal.SIGINT, '', '')
+
+
+def test_a_node_names_the_limit_of_memory_that_keeps_a_library_from_loading(
+    installed, environment, tmp_path
+):
+    library = "raise ImportError('librcl.so: failed to map segment from shared object')"
+    (tmp_path / 'rclpy.py').write_text(library, encoding='utf-8')
+    path = f'{tmp_path}:{environment["PYTHONPATH"]}'
+    done = subprocess.run(
+        [installed / 'lta_control/lib/lta_control/controller'], cwd=tmp_path,
+        env=environment | {'PYTHONPATH': path}, capture_output=True, text=True, timeout=START,
+        check=False, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (3 << 30,) * 2),
+    )  # fmt: skip
+    assert done.returncode == 2, done.stderr
+    assert done.stderr == (
+        'The command failed with a limit of 3072 MB of memory (ImportError: librcl.so: failed to '
+        'map segment from shared object); raise it with `ulimit -v 4194304`, in a new shell if '
+        'that is refused.\n'
+    )
 
 
 @pytest.mark.parametrize('words', [('--help',), ('-h',), ('--ros-args', '--help')])

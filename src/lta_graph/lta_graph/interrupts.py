@@ -12,7 +12,7 @@ from pathlib import Path
 import signal
 import sys
 import threading
-from types import FrameType
+from types import FrameType, TracebackType
 
 STOPS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
@@ -24,19 +24,38 @@ def catch_stops(stop: Callable[[int, FrameType | None], object]) -> None:
             signal.signal(number, stop)
 
 
-def exit_at_once_on_interrupt(package: str) -> None:
+def guard_start(package: str) -> None:
     """
-    Make Ctrl-C exit an executable of a package with status 130, until `main` takes over.
+    Make an executable of a package end in order while it imports, until `main` takes over.
 
-    Python would answer Ctrl-C during the imports, which take a second, with a traceback. So the
-    package that holds the module of an executable calls this with its own name, and is imported
-    before the module. The launchers block SIGINT while Python itself starts; it is unblocked here.
-    Nothing changes in other executables, which may rely on Python's own handler.
+    Python would answer Ctrl-C during the imports, which take a second, with a traceback; the
+    status is 130 instead. If a library cannot be loaded because of a limit of this process, a
+    sentence names it, with status 2. So the package that holds the module of an executable calls
+    this with its own name, and is imported before the module. The launchers block SIGINT while
+    Python itself starts; it is unblocked here. Nothing changes in other executables, which may
+    rely on Python's own handlers.
     """
     name = package.partition('.')[0]
     if Path(sys.argv[0]).parts[-3:-1] == ('lib', name):  # where `ros2 run` finds executables
+        sys.excepthook = _explain_failed_start
         signal.signal(signal.SIGINT, lambda number, _: os._exit(128 + number))
         signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+
+
+def _explain_failed_start(
+    kind: type[BaseException], error: BaseException, trace: TracebackType | None
+) -> None:
+    """Report an error that nothing has caught, as `sys.excepthook`."""
+    # Not above: Ctrl-C during that import would come too early to be guarded
+    from lta_config.process_limits import describe_shortage
+
+    shortage = describe_shortage(error)
+    if shortage is None:
+        sys.__excepthook__(kind, error, trace)
+        return
+    sys.stderr.write(f'{shortage}\n')
+    sys.stderr.flush()
+    os._exit(2)
 
 
 @contextmanager

@@ -1,5 +1,5 @@
 """ROS nodes of lta_vlc."""
 
-from lta_graph.interrupts import exit_at_once_on_interrupt
+from lta_graph.interrupts import guard_start
 
-exit_at_once_on_interrupt(__name__)
+guard_start(__name__)
