@@ -249,8 +249,10 @@ def test_nonsense_ends_no_view(domain_id, lta, port, hear):
     assert viewer.times == []
     alone.interrupt()
     assert alone.end() == 0
-    (line,) = alone.text.splitlines()
-    assert line.endswith('view: 1 viewer; some messages could not be read')
+    # Other faults of this graph without a flight are logged, too
+    lines = alone.text.splitlines()
+    assert any(line.endswith('view: 1 viewer; some messages could not be read') for line in lines)
+    assert 'Traceback' not in alone.text
 
 
 def repeatable(path):
