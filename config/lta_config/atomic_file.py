@@ -18,8 +18,6 @@ from typing import Final
 from lta_config.errors import BadInput
 
 PART: Final = '.lta.part'  # name of a staging folder, and how a file ends that is being written
-
-
 _reserved: dict[Path, bool] = {}  # new folders, and whether their parent was made for them
 
 
@@ -128,7 +126,7 @@ def remove_dead_parts(folder: Path) -> None:
 
 
 def _is_dead(part: Path) -> bool:
-    """Return whether nobody holds the lock of a part."""
+    """Return whether the process that was writing a part has ended."""
     try:
         lock = os.open(part, os.O_RDONLY)
     except OSError:

@@ -36,7 +36,7 @@ def uses_typed_messages() -> bool:
 
 
 def is_lta_msgs_built() -> bool:
-    """Return whether lta_msgs can be imported and, where nodes can run, sent."""
+    """Return whether lta_msgs is usable: its classes and, where nodes run, its type support."""
     # Found, not imported: this module is also used without ROS, and by every command
     spec = find_spec('lta_msgs')
     folders = spec.submodule_search_locations if spec else None

@@ -30,48 +30,6 @@ class FinishedChunk:
 
 
 @final
-@dataclass(frozen=True, slots=True)
-class CompressedChunk:
-    """A compressed chunk that does not depend on its position in a file."""
-
-    record: bytes  # the MCAP record
-    entries: dict[int, bytes]  # index entries by channel
-    # First and last log time [ns]
-    start: int
-    end: int
-    # Bytes of the messages, compressed and not
-    packed_size: int
-    size: int
-
-    @property
-    def message_counts(self) -> dict[int, int]:
-        """Number of messages by channel."""
-        return {id: len(index) // INDEX_ENTRY.size for id, index in self.entries.items()}
-
-    def place_at(self, offset: int) -> FinishedChunk:
-        """Return the chunk and its message indexes for a byte offset in a file."""
-        places, indexes = {}, b''
-        for channel, entries in self.entries.items():
-            # MCAP places the message indexes directly behind their chunk
-            places[channel] = offset + len(self.record) + len(indexes)
-            inside = ENTRIES_HEAD + len(entries)
-            indexes += INDEX_HEAD.pack(Opcode.MESSAGE_INDEX, inside, channel, len(entries))
-            indexes += entries
-        index = ChunkIndex(
-            chunk_length=len(self.record),
-            chunk_start_offset=offset,
-            compression='zstd',
-            compressed_size=self.packed_size,
-            message_end_time=self.end,
-            message_index_length=len(indexes),
-            message_index_offsets=places,
-            message_start_time=self.start,
-            uncompressed_size=self.size,
-        )
-        return FinishedChunk(self.record + indexes, index, self.message_counts)
-
-
-@final
 class ChunkBuilder:
     """Collect messages for the next chunk."""
 
@@ -120,14 +78,32 @@ class ChunkBuilder:
         self._records += data
         self._entries[channel] += INDEX_ENTRY.pack(log_time, offset)
 
-    def build_chunk(self) -> CompressedChunk:
-        """Return the collected messages as a chunk, and start a new one."""
+    def build_chunk(self, offset: int) -> FinishedChunk:
+        """Return the messages as a chunk for a byte offset in a file, and start a new one."""
         records = bytes(self._records)
         packed = self._compressor.compress(records)
         chunk = encode_records(
             [Chunk('zstd', packed, self._end, self._start, zlib.crc32(records), len(records))]
         )
-        entries = {channel: bytes(index) for channel, index in self._entries.items()}
+        places, indexes, counts = {}, b'', {}
+        for channel, entries in self._entries.items():
+            # MCAP places the message indexes directly behind their chunk
+            places[channel] = offset + len(chunk) + len(indexes)
+            inside = ENTRIES_HEAD + len(entries)
+            indexes += INDEX_HEAD.pack(Opcode.MESSAGE_INDEX, inside, channel, len(entries))
+            indexes += entries
+            counts[channel] = len(entries) // INDEX_ENTRY.size
+        index = ChunkIndex(
+            chunk_length=len(chunk),
+            chunk_start_offset=offset,
+            compression='zstd',
+            compressed_size=len(packed),
+            message_end_time=self._end,
+            message_index_length=len(indexes),
+            message_index_offsets=places,
+            message_start_time=self._start,
+            uncompressed_size=len(records),
+        )
         self._records = bytearray()
         self._entries = defaultdict(bytearray)
-        return CompressedChunk(chunk, entries, self._start, self._end, len(packed), len(records))
+        return FinishedChunk(chunk + indexes, index, counts)

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import final
 import zlib
 
-from lta_bridge.bag.chunk import ChunkBuilder, CompressedChunk
+from lta_bridge.bag.chunk import ChunkBuilder
 from lta_bridge.bag.records import CompressedRecords, encode_records, MAGIC
 from lta_bridge.bag.schemas import MessageDefinition
 from lta_bridge.bag.storage import RecordFile
@@ -135,16 +135,14 @@ class McapFile:
 
     def flush(self) -> None:
         """Write the pending chunk."""
-        if self._builder.size:
-            self.add_chunk(self._builder.build_chunk())
-
-    def add_chunk(self, compressed: CompressedChunk) -> None:
-        """Write a whole chunk; its channels must have been added."""
-        chunk = compressed.place_at(self._file.size)
+        if not self._builder.size:
+            return
+        chunk = self._builder.build_chunk(self._file.size)
         self._file.append(chunk.data)
-        self._summary_size += self._chunk_index.add(chunk.index)
-        start, end = self._span or (compressed.start, compressed.end)
-        self._span = min(start, compressed.start), max(end, compressed.end)
+        index = chunk.index
+        self._summary_size += self._chunk_index.add(index)
+        start, end = self._span or (index.message_start_time, index.message_end_time)
+        self._span = min(start, index.message_start_time), max(end, index.message_end_time)
         self.counts.update(chunk.counts)
 
     def close(self, *, sync: bool = True) -> None:
