@@ -150,12 +150,13 @@ def stage(folder):
         (folder / name).symlink_to(ROOT / name)
 
 
-def run(language, text, folder, seconds):
-    """Run a line of shell or a block of Python in a folder; what it said is in the failure."""
+def run(language, text, folder, seconds, env=None):
+    """Run a line of shell or a block of Python in a folder, and return what it said."""
     program = ['bash', '-ec'] if language == 'sh' else [sys.executable, '-c']
     done = subprocess.run(
         [*program, text],
         cwd=folder,
+        env=env,
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
@@ -163,3 +164,4 @@ def run(language, text, folder, seconds):
         timeout=seconds,
     )
     assert done.returncode == 0, f'{text}\n{done.stdout[-2000:]}'
+    return done.stdout

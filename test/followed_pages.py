@@ -18,7 +18,7 @@ import re
 import shutil
 import subprocess
 
-from doc_blocks import blocks, ROOT
+from doc_blocks import blocks, ROOT, run
 
 # What the copy inherits: the workspace of the tests would bring the code of the original
 INHERITED = {'HOME', 'LANG', 'OPENBLAS_CORETYPE', 'ROS_DOMAIN_ID', 'TMPDIR', 'XDG_RUNTIME_DIR'}
@@ -124,19 +124,10 @@ class Tree:
     def run(self, line: str, seconds: float = 3600.0) -> str:
         """Type a line; what it says is returned, and kept for the quotes of the page."""
         path = os.pathsep.join([str(self.beside / 'bin'), os.environ['PATH']])
-        done = subprocess.run(
-            ['bash', '-ec', line],
-            cwd=self.folder,
-            env={key: os.environ[key] for key in INHERITED & os.environ.keys()} | {'PATH': path},
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            timeout=seconds,
-        )
-        assert done.returncode == 0, f'{line}\n{done.stdout[-8000:]}'
-        self.said += done.stdout
-        return done.stdout
+        inherited = {key: os.environ[key] for key in INHERITED & os.environ.keys()}
+        said = run('sh', line, self.folder, seconds, env=inherited | {'PATH': path})
+        self.said += said
+        return said
 
     def reset(self) -> None:
         """Undo what a page did; what was compiled stays."""

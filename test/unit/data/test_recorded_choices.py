@@ -1,4 +1,4 @@
-"""What of a recording may act: numbers and names of LTA; never a path, a module or a word."""
+"""A recording sets numbers and chooses names that LTA ships; never a path, a module or a word."""
 
 from contextlib import suppress
 import sys

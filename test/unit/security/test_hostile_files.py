@@ -10,7 +10,7 @@ import pytest
 from .logs import DRAFTED, LOGS
 from .logs import TEXTS as CSV_TEXTS
 from .recordings import READ, REFUSED
-from .sandbox import find_control, MEMORY, Sandbox
+from .sandbox import find_control, MEMORY
 from .shapes import SHAPES
 from .texts import TEXTS
 
@@ -31,12 +31,6 @@ KINDS = [
 
 def named(given):
     return given.__name__ if callable(given) else given[0]
-
-
-@pytest.fixture(scope='module')
-def sandbox():
-    with Sandbox() as found:
-        yield found
 
 
 @pytest.fixture

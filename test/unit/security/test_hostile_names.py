@@ -21,7 +21,7 @@ import pytest
 from scipy.io import savemat
 import yaml
 
-from .sandbox import find_control, Sandbox
+from .sandbox import find_control
 from .test_hostile_pages import write_foreign
 
 EVIL = 'e\x1b]0;own\x07\x1b[8m\x9b31m\u202egnp\u200b\u2066\x7f\u2028\x85\rx'
@@ -89,12 +89,6 @@ COMMANDS = [
     ),
     *(((verb, '--out', 'done'), bag) for verb in ('report', 'replay', 'import')),
 ]  # fmt: skip
-
-
-@pytest.fixture(scope='module')
-def sandbox():
-    with Sandbox() as found:
-        yield found
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from lta_flight.simulate import simulate_once, SimulationRequest
 import pytest
 from rich.console import Console
 
-from .sandbox import MEMORY, Sandbox
+from .sandbox import MEMORY
 
 DAY = 86_400 * 10**9  # ns
 POSES = ('/lta1/ground_truth/odom', '/lta1/odom')
@@ -36,12 +36,6 @@ READING = (
     ('bag', 'export', '--out', 'done'),
     ('compare', '--out', 'done', '--no-page', '--align', 'none', 'sound'),
 )
-
-
-@pytest.fixture(scope='module')
-def sandbox():
-    with Sandbox() as found:
-        yield found
 
 
 @pytest.fixture(scope='module')

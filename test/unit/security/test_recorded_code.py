@@ -3,8 +3,6 @@
 from lta_config.files import find_file
 import pytest
 
-from .sandbox import Sandbox
-
 SPY = 'open("ran", "w").close()\n'
 NAMED = {  # what a stranger writes into the provenance of a recording
     'set': 'mission.strategy={}',
@@ -32,12 +30,6 @@ CASES = [
     # It refuses the others, below
     (REPLAY, [key for key in NAMED if key not in ('set', 'strategy', 'robots')]),
 ]
-
-
-@pytest.fixture(scope='module')
-def sandbox():
-    with Sandbox() as found:
-        yield found
 
 
 @pytest.fixture
