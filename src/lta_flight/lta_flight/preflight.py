@@ -23,7 +23,6 @@ from lta_vlc.settings import DemodulationSettings
 
 OURS = 'lta_'
 CONTROLLER, DEMODULATOR, NAVIGATOR = 'controller', 'demodulator', 'navigator'
-RECORDER = 'recorder'
 BRIDGE = ('lta_bridge', 'crazyflie_bridge')
 LANDING = LEAVE + 5.0  # s to land and then to close the link
 FILE_OPTION = '--params-file'
