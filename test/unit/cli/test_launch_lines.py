@@ -1,9 +1,11 @@
 """What `lta launch` prints of the lines of its nodes, and its exit status."""
 
+from pathlib import Path
 import sys
 
 from lta_cli.verbs import launch as verb
 from lta_cli.verbs.launch import print_node_line
+from lta_flight.graph import list_bags
 from lta_graph.child_process import ProcessExit
 import pytest
 
@@ -38,3 +40,26 @@ def test_the_exit_status_is_that_of_the_worst_flight(call, monkeypatch, outcomes
 
     monkeypatch.setattr(verb, 'run_graph', run_graph)
     assert call('launch', 'fly', 'record:=false')[0] == status
+
+
+@pytest.mark.parametrize(
+    ('words', 'bags'),
+    [
+        ((), ['runs/bag-2']),
+        (('bag:=runs/bag',), ['runs/bag']),  # which the recorder refuses, as it was asked for
+        (('record:=false',), []),
+    ],
+)
+def test_a_bag_without_a_name_is_a_new_folder(call, monkeypatch, tmp_path, words, bags):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / 'runs/bag').mkdir(parents=True)
+    plans = []
+
+    def run_graph(plan, _on_line, _say):
+        plans.append(plan)
+        return ProcessExit('simulator', 0, (), (), ends_run=True, success=True, stopped=False)
+
+    monkeypatch.setattr(verb, 'run_graph', run_graph)
+    assert call('launch', 'fly', *words)[0] == 0
+    assert list_bags(plans[0]) == list(map(Path, bags))
+    assert not (tmp_path / 'runs/bag-2').exists()  # nothing was recorded

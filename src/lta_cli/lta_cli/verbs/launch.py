@@ -1,5 +1,6 @@
 """lta launch: run a launch file like `ros2 launch`."""
 
+from collections.abc import Mapping
 import os
 from pathlib import Path
 import shutil
@@ -7,6 +8,7 @@ import sys
 from typing import Annotated
 
 from lta_cli.options.common_options import plain_console
+from lta_config.atomic_file import reserve_folder
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
 from lta_config.files import find_file
@@ -47,7 +49,8 @@ def launch(
     Reports nodes that exit or hang. If an essential node (on_exit: shutdown) exits unexpectedly,
     all others are stopped. Only the part of ROS 2's launch format that the files of LTA use is
     supported. With an installed ROS 2 (ros2 run lta_cli lta launch ...) this runs the real
-    "ros2 launch", which has its own exit status; ./lta never does.
+    "ros2 launch", which has its own exit status; ./lta never does. Without bag:=FOLDER, the bag is
+    runs/bag, or runs/bag-2, runs/bag-3 ... where there is one.
 
     Exit status 0: every simulated drone reached its goal, or nothing was simulated. 1: an
     essential node died. 2: bad input. 3: a drone ran out of time. 4: a drone left the room.
@@ -62,13 +65,17 @@ def launch(
     pairs = parse_arguments(arguments or [])
     # Validate the arguments first, also for the real ros2 launch
     plan = load_plan(path, pairs)
+    if bag := reserve_bag(path, pairs, plan):
+        pairs |= bag
+        plan = load_plan(path, pairs)
     check_plan(plan)
     # Another environment may have a ros2 command that does not belong to the wheels
     # `ros2 launch` gives every node a process of its own
     alone = not any(process.shared for process in plan.processes)
     if alone and os.environ.get('LTA_UNDERLAY') != WHEELS and shutil.which('ros2'):
         # Replaces this process, so signals and the exit status are those of ros2 launch
-        os.execvp('ros2', ['ros2', 'launch', str(path), *(arguments or [])])
+        words = [f'{name}:={value}' for name, value in pairs.items()]
+        os.execvp('ros2', ['ros2', 'launch', str(path), *words])
     outcomes: list[str] = []  # of the simulated flights
 
     def on_line(node: str, line: str) -> None:
@@ -86,6 +93,14 @@ def launch(
     # Players report an outcome of their own, which is no flight's
     if status := max((EXIT_STATUSES.get(each, 0) for each in outcomes), default=0):
         raise typer.Exit(status)
+
+
+def reserve_bag(path: Path, pairs: Mapping[str, str], plan: LaunchPlan) -> dict[str, str]:
+    """Return the argument `bag` with a new folder where the plan records into the default one."""
+    default = next((each.default for each in list_arguments(path) if each.name == 'bag'), None)
+    if 'bag' in pairs or default is None or Path(default) not in list_bags(plan):
+        return {}
+    return {'bag': str(reserve_folder(Path(default)))}
 
 
 def print_recordings(plan: LaunchPlan) -> None:
