@@ -33,6 +33,7 @@ wanted=$(
     {
         cat .venv/.lta tools/build.sh colcon.meta
         cat config/setup.* config/package.xml src/*/setup.* src/*/package.xml
+        cat firmware/light_board/mavlink/*.xml # lta_bridge is generated from them
         find config -name __pycache__ -prune -o -name '*.egg-info' -prune -o -type f -print | sort
     } | sed 's/^test /run /' | sha256sum | cut -d ' ' -f 1
 )

@@ -1,6 +1,32 @@
-"""Install lta_bridge as an ament_python package."""
+"""
+Install lta_bridge as an ament_python package.
+
+The classes of the light board's messages are generated first, by pymavlink from their XML.
+"""
+
+from pathlib import Path
 
 from setuptools import find_packages, setup
+from setuptools.command.egg_info import egg_info
+
+HERE = Path(__file__).resolve().parent  # not the link that colcon makes
+XML = HERE.parents[1] / 'firmware/light_board/mavlink/link.xml'
+MODULE = HERE / 'lta_bridge/teensy/mavlink.py'
+
+
+class GenerateMessages(egg_info):
+    """The step that an install and a `develop` of colcon have in common."""
+
+    def run(self) -> None:
+        """Write the module."""
+        # Only here: colcon reads this file without building it
+        from pymavlink.generator import mavgen
+
+        options = mavgen.Opts(str(MODULE), wire_protocol='2.0', language='Python3', validate=True)
+        if not mavgen.mavgen(options, [str(XML)]):
+            raise SystemExit(f'pymavlink cannot read {XML}; the lines above say why.')
+        super().run()
+
 
 setup(
     name='lta_bridge',
@@ -13,6 +39,7 @@ setup(
     ],
     install_requires=['setuptools'],
     extras_require={'test': ['pytest']},  # `colcon test` looks for it
+    cmdclass={'egg_info': GenerateMessages},
     zip_safe=False,
     maintainer='LTA maintainers',
     maintainer_email='maintainers@users.noreply.github.com',

@@ -13,7 +13,6 @@ import subprocess
 import sys
 import time
 
-from lta_bridge.teensy.dialect import LTA_LIGHT_BLOCK, LTA_LIGHT_PEAKS, LTA_LIGHT_STATUS
 from lta_bridge.teensy.frame_parser import FrameParser
 from lta_bridge.teensy.light_board import LightBoard
 from lta_config.topics import load_topic_table
@@ -91,15 +90,13 @@ def test_its_samples_come_through_the_bridge_whole_and_in_our_time(built, switch
     link, framing, blocks, now = LightBoard(LIGHT, DIODES), FrameParser(), [], BOOT
     for cable, data in switched_on(built / 'samples.elf'):
         cable.write(link.compose_due_messages(now))
-        for frame in framing.parse_frames(data):
-            record = frame.record
-            if frame.message is LTA_LIGHT_BLOCK:
-                first, count = int(record['sequence']), int(record['rows'])
-                assert int(record['time_usec']) * 1000 == ROW * (first + 1)
-                now = BOOT + ROW * (first + count)
-            elif frame.message is LTA_LIGHT_STATUS:
-                overruns = int(record['overruns'])
-                assert link.blocks.lost <= overruns  # none lost but by the board, which tells it
+        for message in framing.parse_frames(data):
+            if message.get_type() == 'LTA_LIGHT_BLOCK':
+                assert message.time_usec * 1000 == ROW * (message.sequence + 1)
+                now = BOOT + ROW * (message.sequence + message.rows)
+            elif message.get_type() == 'LTA_LIGHT_STATUS':
+                # none lost but by the board, which tells it
+                assert link.blocks.lost <= message.overruns
         blocks += link.receive_bytes(data, now + 2 * FRAME)
         if len(blocks) >= ENOUGH:
             break
@@ -117,17 +114,17 @@ def test_its_peaks_are_those_of_its_lamp(built, switched_on):
     """A square wave of height h has a fundamental of 2 h / pi; 15 cycles fill the window."""
     framing, peaks = FrameParser(), []
     for _, data in switched_on(built / 'peaks.elf'):
-        peaks += [f.record for f in framing.parse_frames(data) if f.message is LTA_LIGHT_PEAKS]
+        peaks += [m for m in framing.parse_frames(data) if m.get_type() == 'LTA_LIGHT_PEAKS']
         if len(peaks) >= ENOUGH:
             break
     heights = 100.0 * np.arange(DIODES)
-    for record in peaks:
-        assert (record['diodes'], record['window'], record['frequency']) == (DIODES, 1000, 150.0)
-        assert record['amplitude'][:DIODES] == pytest.approx(
+    for message in peaks:
+        assert (message.diodes, message.window, message.frequency) == (DIODES, 1000, 150.0)
+        assert message.amplitude[:DIODES] == pytest.approx(
             2.0 / np.pi * heights, rel=2e-3, abs=0.01
         )
         rest = heights * np.sqrt(0.25 - 2.0 / np.pi**2)  # half the height squared, less the sine's
-        assert record['noise'][:DIODES] == pytest.approx(rest, rel=2e-3, abs=0.1)
+        assert message.noise[:DIODES] == pytest.approx(rest, rel=2e-3, abs=0.1)
 
 
 def test_what_a_world_shows_comes_through_the_bridge_whole(built, tmp_path):

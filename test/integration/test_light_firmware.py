@@ -8,8 +8,8 @@ import subprocess
 import sys
 import time
 
+from light_frames import build_frame
 from lta_bridge.teensy.board_clock import ClockExchange
-from lta_bridge.teensy.dialect import LTA_LIGHT_PEAKS, TIMESYNC
 from lta_bridge.teensy.frame_parser import FrameParser
 from lta_bridge.teensy.light_board import LightBoard
 from lta_config.topics import load_topic_table
@@ -99,9 +99,9 @@ def test_its_answers_tell_its_clock(built, tmp_path):
     framing, answers = FrameParser(), []
     for cable, data in run(built, tmp_path, np.zeros((10_000, 8), np.uint16), RATE, 0.02):
         now = time.monotonic_ns()
-        told = [frame.record for frame in framing.parse_frames(data) if frame.message is TIMESYNC]
-        answers += [ClockExchange(int(r['ts1']), int(r['tc1']), now) for r in told]
-        cable.write(TIMESYNC.build_frame(0, 255, 191, ts1=time.monotonic_ns()))
+        told = [one for one in framing.parse_frames(data) if one.get_type() == 'TIMESYNC']
+        answers += [ClockExchange(one.ts1, one.tc1, now) for one in told]
+        cable.write(build_frame('TIMESYNC', system=255, ts1=time.monotonic_ns()))
     quick = sorted(answers, key=lambda answer: answer.round_trip)[: len(answers) // 2]
     assert len(quick) > 10
     first = quick[0]
@@ -118,18 +118,18 @@ def test_peaks_are_those_of_the_wave(built, tmp_path):
     samples = 500 + np.outer(wave, heights)
     framing, peaks = FrameParser(), []
     for _, data in run(built, tmp_path, samples, RATE, 0.0, peak=150.0):
-        peaks += [f.record for f in framing.parse_frames(data) if f.message is LTA_LIGHT_PEAKS]
-    assert [int(p['sequence']) for p in peaks] == [0, 1000, 2000]
-    for record in peaks:
-        window = samples[int(record['sequence']) :][:1000].astype(float)
+        peaks += [m for m in framing.parse_frames(data) if m.get_type() == 'LTA_LIGHT_PEAKS']
+    assert [m.sequence for m in peaks] == [0, 1000, 2000]
+    for message in peaks:
+        window = samples[message.sequence :][:1000].astype(float)
         turns = 2j * math.pi * 150.0 / RATE * np.arange(1000)
         expected = 2e-3 * np.abs(np.exp(-turns) @ (window - window.mean(axis=0)))
-        assert record['amplitude'][:8] == pytest.approx(expected, rel=2e-4, abs=2e-3)
-        assert record['amplitude'][:8] == pytest.approx(2.0 / math.pi * heights, rel=2e-3)
+        assert message.amplitude[:8] == pytest.approx(expected, rel=2e-4, abs=2e-3)
+        assert message.amplitude[:8] == pytest.approx(2.0 / math.pi * heights, rel=2e-3)
         rest = np.sqrt(window.var(axis=0) - 0.5 * expected**2)
-        assert record['noise'][:8] == pytest.approx(rest, rel=1e-3, abs=1e-2)
-        assert (record['diodes'], record['window']) == (8, 1000)
-        assert not record['amplitude'][8:].any()
+        assert message.noise[:8] == pytest.approx(rest, rel=1e-3, abs=1e-2)
+        assert (message.diodes, message.window) == (8, 1000)
+        assert not any(message.amplitude[8:])
 
 
 @pytest.mark.parametrize(('frequency', 'duty'), [(150.0, 0.5), (437.3, 0.25)])

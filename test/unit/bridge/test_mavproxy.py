@@ -7,7 +7,6 @@ import socket
 import subprocess
 import threading
 
-from lta_bridge.teensy.dialect import LTA_LIGHT_BLOCK
 from lta_bridge.teensy.frame_parser import FrameParser
 from lta_emulation.teensy.emulated_board import EmulatedBoard
 import numpy as np
@@ -59,12 +58,12 @@ def test_mavproxy_detects_the_board_and_forwards_its_blocks(tmp_path):
                 parser, blocks = FrameParser(), []
                 while not blocks:
                     frames = parser.parse_frames(bridge_socket.recv(65536))
-                    blocks = [each.record for each in frames if each.message is LTA_LIGHT_BLOCK]
+                    blocks = [one for one in frames if one.get_type() == 'LTA_LIGHT_BLOCK']
                 assert any('Detected vehicle 1:191' in line for line in proxy.stdout)
             finally:
                 late.cancel()
                 over.set()
                 sender.join()
                 proxy.kill()
-    assert blocks[0]['samples'].tolist() == samples.ravel().tolist()
+    assert blocks[0].samples == samples.ravel().tolist()
     assert (parser.crc_errors, parser.stray) == (0, 0)

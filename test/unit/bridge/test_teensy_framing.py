@@ -4,21 +4,21 @@ from collections import Counter
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from lta_bridge.teensy.dialect import HEARTBEAT, LTA_LIGHT_STATUS
+from light_frames import build_frame, crc, frame_bytes, sign_frame
 from lta_bridge.teensy.frame_parser import FrameParser
-from lta_bridge.teensy.message import MavlinkMessage
-from lta_emulation.teensy.emulated_board import EmulatedBoard, FOREIGN, FrameFaults
+from lta_emulation.teensy.emulated_board import EmulatedBoard, FrameFaults
 import numpy as np
 import pytest
 
 FRAMES = 120
 LIGHT = np.random.default_rng(1).integers(0, 4096, (15 * FRAMES, 8)).astype(np.uint16)
+FOREIGN = frame_bytes(12345, b'\1\2\3\4', 7)  # a message that is not in the dialect
 
 
 def read(data, framing=None):
     """Return the numbers of the rows that begin each frame of light."""
     framing = framing or FrameParser()
-    return [int(frame.record['sequence']) for frame in framing.parse_frames(data)], framing
+    return [message.sequence for message in framing.parse_frames(data)], framing
 
 
 @settings(max_examples=40)
@@ -36,7 +36,7 @@ def test_any_cut_of_the_stream_gives_the_same(sizes):
 @pytest.mark.parametrize('fault', ['corrupt', 'cut', 'drop'])
 def test_a_fault_costs_the_frame_that_it_hits_and_no_other(fault):
     data = EmulatedBoard(0, faults=FrameFaults(**{fault: 10})).encode_light(LIGHT)
-    found, framing = read(data + FOREIGN.build_frame(0, 1, 1))
+    found, framing = read(data + FOREIGN)
     # The last frame that is cut short may be a whole one yet: it waits.
     assert found == [15 * k for k in range(FRAMES) if (k + 1) % 10]
     if fault == 'corrupt':
@@ -89,56 +89,49 @@ def test_a_million_malformed_bytes_are_each_looked_at_once(kind, monkeypatch):
     assert read(frame * 3, framing)[0]  # and it goes on
 
 
-def crc(data):
-    """CRC-16/MCRF4XX bit by bit: polynomial 0x1021 reflected, begun with ones."""
-    value = 0xFFFF
-    for byte in data:
-        value ^= byte
-        for _ in range(8):
-            value = value >> 1 ^ (0x8408 if value & 1 else 0)
-    return value.to_bytes(2, 'little')
-
-
 def test_a_frame_byte_by_byte():
     """The layout of MAVLink 2: the CRC covers all bytes but the marker, and CRC_EXTRA (50)."""
     assert crc(b'123456789') == b'\x91\x6f'  # 0x6F91 of the catalogue of CRCs
     head = bytes.fromhex('09 00 00 02 03 bf 00 00 00')  # length, flags, 258 modulo 256, 3, 191
     body = head + bytes.fromhex('44332211 12 08 51 04 03')
     values = {'type': 0x12, 'autopilot': 8, 'base_mode': 0x51, 'system_status': 4}
-    frame = HEARTBEAT.build_frame(258, 3, 191, custom_mode=0x11223344, mavlink_version=3, **values)
+    frame = build_frame(
+        'HEARTBEAT', 258, 3, 191, custom_mode=0x11223344, mavlink_version=3, **values
+    )
     assert frame == b'\xfd' + body + crc(body + bytes([50]))
-    empty = LTA_LIGHT_STATUS.build_frame(0, 1, 2)
+    empty = build_frame('LTA_LIGHT_STATUS', 0, 1, 2)
     body = bytes.fromhex('01 00 00 00 01 02 9ad000 00')  # 53402; one zero at least is sent
     assert empty == b'\xfd' + body + crc(body + bytes([193]))
 
 
 def test_a_payload_is_filled_up_with_zeros_and_cut_at_its_last_field():
     whole = bytes([5, 0, 0, 0, 7, 8, 9, 10, 11])
-    assert HEARTBEAT.parse_payload(whole + b'\1\2').tobytes() == whole
-    assert HEARTBEAT.parse_payload(whole[:1]).tobytes() == whole[:1] + bytes(8)
-
-
-def signed(frame, extra):
-    """Return the frame with a 13 byte signature, which the reader skips."""
-    body = frame[1:2] + b'\1' + frame[3:-2]
-    return b'\xfd' + body + crc(body + bytes([extra])) + bytes(range(13))
+    for payload, fields in (
+        (whole + b'\1\2', (5, 7, 8, 9, 10, 11)),
+        (whole[:5], (5, 7, 0, 0, 0, 0)),
+        (whole[:1], (5, 0, 0, 0, 0, 0)),
+    ):
+        (one,) = FrameParser().parse_frames(frame_bytes(0, payload, 50))
+        found = [getattr(one, name) for name in one.ordered_fieldnames]
+        assert tuple(found) == fields
 
 
 def test_a_stream_of_all_kinds_byte_by_byte():
     """Own, signed and foreign frames and noise are each recognised at the earliest byte."""
-    ours = HEARTBEAT.build_frame(1, 1, 191, custom_mode=77)
-    foreign = FOREIGN.build_frame(0, 1, 1)
-    stream = b'ab' + ours + signed(ours, 50) + foreign + ours + signed(foreign, 0) + ours + b'c'
+    ours = build_frame('HEARTBEAT', 1, 1, 191, custom_mode=77)
+    stream = (
+        b'ab' + ours + sign_frame(ours, 50) + FOREIGN + ours + sign_frame(FOREIGN, 0) + ours + b'c'
+    )
     framing = FrameParser()
-    found = [frame for byte in stream for frame in framing.parse_frames(bytes([byte]))]
-    assert [int(frame.record['custom_mode']) for frame in found] == [77] * 4
-    assert [(frame.system, frame.component) for frame in found] == [(1, 191)] * 4
+    found = [one for byte in stream for one in framing.parse_frames(bytes([byte]))]
+    assert [one.custom_mode for one in found] == [77] * 4
+    assert [(one.get_srcSystem(), one.get_srcComponent()) for one in found] == [(1, 191)] * 4
     assert (framing.frames, framing.crc_errors, framing.unknown) == (4, 0, 2)
     assert framing.stray == 3
 
 
 def test_a_head_with_a_flag_that_nobody_knows_begins_no_frame():
-    frame = bytearray(HEARTBEAT.build_frame(0, 1, 1, custom_mode=1))
+    frame = bytearray(build_frame('HEARTBEAT', 0, 1, 1, custom_mode=1))
     for flags in (2, 3, 0x80):
         frame[2] = flags
         framing = FrameParser()
@@ -149,7 +142,7 @@ def test_a_head_with_a_flag_that_nobody_knows_begins_no_frame():
 
 
 def test_a_foreign_message_counts_where_a_frame_of_either_kind_follows_at_once():
-    foreign = MavlinkMessage(7, 'OTHER', 0, HEARTBEAT.layout).build_frame(0, 1, 1, custom_mode=3)
+    foreign = frame_bytes(7, b'\3', 0)
     for behind, unknown in ((b'\xfd', 1), (b'\xfe', 1), (b'\xfc', 0)):
         framing = FrameParser()
         assert list(framing.parse_frames(foreign)) == []

@@ -1,6 +1,6 @@
 """Peaks that the board finds, beside what a demodulator makes of the same samples."""
 
-from lta_bridge.teensy.dialect import LTA_LIGHT_PEAKS
+from light_frames import build_frame
 from lta_bridge.teensy.light_board import LightBoard, LightPeaks
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.topics import load_topic_table
@@ -103,7 +103,6 @@ def test_samples_where_peaks_were_asked_for_and_peaks_of_no_number_are_one_sente
     assert 'sends samples instead of peaks; start without light_peaks:=true' in link.fault
     assert list(through(lamp(0.0), link)) != []
     assert link.fault == ''
-    record = {'diodes': 8, 'window': 1000, 'frequency': np.nan}
-    frame = LTA_LIGHT_PEAKS.build_frame(0, 1, 191, **record)
+    frame = build_frame('LTA_LIGHT_PEAKS', diodes=8, window=1000, frequency=np.nan)
     assert list(link.receive_bytes(frame, BOOT + 1)) == []
     assert 'sends peaks outside the range of its ADC' in link.fault

@@ -6,20 +6,14 @@ This module is independent of the transport and of ROS. The caller passes receiv
 """
 
 from collections.abc import Iterator
+import io
 import math
 from typing import final, NamedTuple
 
+from lta_bridge.teensy import mavlink
 from lta_bridge.teensy.block_assembler import BlockAssembler
 from lta_bridge.teensy.board_clock import BoardClock, ClockExchange
-from lta_bridge.teensy.dialect import (
-    HEARTBEAT,
-    LTA_LIGHT_BLOCK,
-    LTA_LIGHT_PEAKS,
-    LTA_LIGHT_STATUS,
-    TIMESYNC,
-)
-from lta_bridge.teensy.frame_parser import FrameParser, MavlinkFrame
-from lta_bridge.teensy.message import MavlinkMessage
+from lta_bridge.teensy.frame_parser import FrameParser
 from lta_bridge.teensy.sender_filter import SenderFilter
 from lta_config.topics import AdcBlockShape
 from lta_vlc.demodulation import Peaks
@@ -36,10 +30,14 @@ OLDEST_NS = AHEAD_NS = 10_000_000_000  # plausible age of a first sample, and le
 BACK_NS = 100_000_000  # reordering of datagrams; farther back, the board has restarted
 ANSWER_NS = 1_000_000_000  # age at which an answer to a time request is useless
 QUESTIONS = 8  # open time requests at most, and queued answers to the board's requests
-OF_LIGHT = (LTA_LIGHT_BLOCK, LTA_LIGHT_PEAKS, LTA_LIGHT_STATUS)
+OF_LIGHT = (
+    mavlink.MAVLink_lta_light_block_message,
+    mavlink.MAVLink_lta_light_peaks_message,
+    mavlink.MAVLink_lta_light_status_message,
+)
 CONTROLLER, NO_AUTOPILOT, ACTIVE, PROTOCOL = 18, 8, 4, 3  # of MAVLink's common.xml
 COUNTS = 65535.0  # largest reading of a 16-bit ADC
-ROOM = LTA_LIGHT_BLOCK.layout['samples'].shape[0]  # values in a message
+ROOM = max(mavlink.MAVLink_lta_light_block_message.array_lengths)  # values in a message
 
 
 class LightPeaks(NamedTuple):
@@ -110,10 +108,11 @@ class LightBoard:
         self._light, self._diodes, self._finds_peaks = light, diodes, finds_peaks
         self._bits, self._vehicle = bits, vehicle
         self.commit = self.vehicle = 0
-        self._sent = 0
+        self._due = io.BytesIO()  # bytes to send
+        self._link = mavlink.MAVLink(self._due, SYSTEM, COMPONENT)
         self._request_times: list[int] = []
         self._next_beat = self._next_ask = self._looked_ns = 0
-        self._replies: list[bytes] = []
+        self._replies = 0  # answers among the bytes to send
         self.sender = SenderFilter()
         self.framing = FrameParser()
         self.clock = BoardClock()
@@ -131,43 +130,45 @@ class LightBoard:
 
     def receive_bytes(self, data: bytes, now_ns: int) -> Iterator[LightBlock | LightPeaks]:
         """Add received bytes with their arrival [ns]; yield the blocks that they complete."""
-        for frame in self.framing.parse_frames(data):
-            if not self._is_from_board(frame, now_ns):
+        for message in self.framing.parse_frames(data):
+            if not self._is_from_board(message, now_ns):
                 continue
-            if frame.message is LTA_LIGHT_BLOCK:
-                yield from self._take_rows(frame.record, now_ns)
-            elif frame.message is TIMESYNC:
-                self._take_time(frame.record, now_ns)
-            elif frame.message is LTA_LIGHT_STATUS:
-                self._take_status(frame.record)
-            elif frame.message is LTA_LIGHT_PEAKS:
-                yield from self._take_peaks(frame.record, now_ns)
+            match message:
+                case mavlink.MAVLink_lta_light_block_message():
+                    yield from self._take_rows(message, now_ns)
+                case mavlink.MAVLink_timesync_message():
+                    self._take_time(message, now_ns)
+                case mavlink.MAVLink_lta_light_status_message():
+                    self._take_status(message)
+                case mavlink.MAVLink_lta_light_peaks_message():
+                    yield from self._take_peaks(message, now_ns)
 
-    def _is_from_board(self, frame: MavlinkFrame, now_ns: int) -> bool:
-        """Return whether the board sent a frame; its first light message identifies it."""
-        source, board = (frame.system, frame.component), self.sender.who
-        if frame.message in OF_LIGHT:
+    def _is_from_board(self, message: mavlink.MAVLink_message, now_ns: int) -> bool:
+        """Return whether the board sent a message; its first light message identifies it."""
+        source, board = (message.get_srcSystem(), message.get_srcComponent()), self.sender.who
+        if isinstance(message, OF_LIGHT):
             accepted = self.sender.accept_sender(source, now_ns)
         else:
             # Before the board is known, any time exchange may be its own: it speeds up the start
-            accepted = source == board or (board is None and frame.message is TIMESYNC)
+            is_time = isinstance(message, mavlink.MAVLink_timesync_message)
+            accepted = source == board or (board is None and is_time)
         if accepted:
             self.heard_ns = now_ns
         return accepted
 
     def compose_due_messages(self, now_ns: int) -> bytes:
-        """Return the bytes to send now: heartbeat, time request, answers."""
-        out, self._replies = b''.join(self._replies), []
+        """Return the bytes to send now: answers, heartbeat, time request."""
         if now_ns < self._looked_ns - BACK_NS:  # our own clock was set back
             self._next_beat = self._next_ask = now_ns
             self.clock.discard_exchanges()
         self._looked_ns = now_ns
         if now_ns >= self._next_beat:
             self._next_beat = now_ns + BEAT_NS
-            out += self._build_frame(
-                HEARTBEAT,
+            self._link.heartbeat_send(
                 type=CONTROLLER,
                 autopilot=NO_AUTOPILOT,
+                base_mode=0,
+                custom_mode=0,
                 system_status=ACTIVE,
                 mavlink_version=PROTOCOL,
             )
@@ -175,26 +176,25 @@ class LightBoard:
             self._next_ask = now_ns + (ASK_NS if self.clock.is_synchronized else EAGER_NS)
             # Keep the newest requests only, since lost answers would let the list grow
             self._request_times = [*self._request_times[1 - QUESTIONS :], now_ns]
-            out += self._build_frame(TIMESYNC, ts1=now_ns)
-        return out
+            self._link.timesync_send(tc1=0, ts1=now_ns)
+        due = self._due.getvalue()
+        self._due.seek(0)
+        self._due.truncate()
+        self._replies = 0
+        return due
 
-    def _build_frame(self, message: MavlinkMessage, **values: int) -> bytes:
-        self._sent += 1
-        # The first argument is MAVLink's sequence number, from 0
-        return message.build_frame(self._sent - 1, SYSTEM, COMPONENT, **values)
-
-    def _take_rows(self, record: np.void, now_ns: int) -> Iterator[LightBlock]:
-        self._detect_restart(_board_time_ns(record))
-        self._unfit = self._describe_rows_fault(int(record['diodes']), int(record['rows']))
+    def _take_rows(
+        self, message: mavlink.MAVLink_lta_light_block_message, now_ns: int
+    ) -> Iterator[LightBlock]:
+        board_ns, diodes, rows = message.time_usec * 1000, message.diodes, message.rows
+        self._detect_restart(board_ns)
+        self._unfit = self._describe_rows_fault(diodes, rows)
         if self._unfit:
             self.unfit += 1
             return
-        diodes, rows = self._diodes, int(record['rows'])
         # The message has room for ROOM values; the rest is unused
-        samples = record['samples'][: diodes * rows].reshape(rows, diodes)
-        for block in self.blocks.add_rows(
-            _board_time_ns(record), int(record['sequence']), samples
-        ):
+        samples = np.array(message.samples[: diodes * rows], np.uint16).reshape(rows, diodes)
+        for block in self.blocks.add_rows(board_ns, message.sequence, samples):
             stamp = self._to_graph_time(block.board_ns, now_ns)
             if stamp is not None:
                 yield LightBlock(stamp, block.samples)
@@ -217,25 +217,28 @@ class LightBoard:
             )
         return ''
 
-    def _take_peaks(self, record: np.void, now_ns: int) -> Iterator[LightPeaks]:
+    def _take_peaks(
+        self, message: mavlink.MAVLink_lta_light_peaks_message, now_ns: int
+    ) -> Iterator[LightPeaks]:
         self.peaks += 1
-        self._detect_restart(_board_time_ns(record))
-        self._unfit = self._describe_peaks_fault(record)
+        board_ns = message.time_usec * 1000
+        self._detect_restart(board_ns)
+        self._unfit = self._describe_peaks_fault(message)
         if self._unfit:
             self.unfit += 1
             return
         diodes, window = self._diodes, self._light.samples
-        amplitude = record['amplitude'][:diodes].astype(np.float64)
+        amplitude = np.array(message.amplitude[:diodes])
         # Of white noise with this root mean square, the mean magnitude of a bin.
-        noise = record['noise'][:diodes].astype(np.float64) * math.sqrt(math.pi / window)
-        frequency = np.full(diodes, float(record['frequency']))
-        stamp = self._to_graph_time(_board_time_ns(record), now_ns)
+        noise = np.array(message.noise[:diodes]) * math.sqrt(math.pi / window)
+        frequency = np.full(diodes, message.frequency)
+        stamp = self._to_graph_time(board_ns, now_ns)
         if stamp is not None:
             snr = signal_to_noise(amplitude, noise)
             yield LightPeaks(stamp, Peaks(amplitude, snr, frequency, noise))
 
-    def _describe_peaks_fault(self, record: np.void) -> str:
-        diodes, window = int(record['diodes']), int(record['window'])
+    def _describe_peaks_fault(self, message: mavlink.MAVLink_lta_light_peaks_message) -> str:
+        diodes, window = message.diodes, message.window
         if not self._finds_peaks:
             return 'The light board sends peaks instead of samples; start with light_peaks:=true.'
         if diodes != self._diodes or window != self._light.samples:
@@ -245,11 +248,11 @@ class LightBoard:
                 'build the firmware of the board for these numbers.'
             )
         rate = self._light.sample_rate.si
-        most = {'amplitude': COUNTS, 'noise': COUNTS, 'frequency': 0.5 * rate}
-        # Comparisons with NaN are false.
-        if not all(
-            ((record[name] >= 0.0) & (record[name] <= top)).all() for name, top in most.items()
-        ):
+        # Comparisons with NaN are false
+        fits = 0.0 <= message.frequency <= 0.5 * rate and all(
+            0.0 <= value <= COUNTS for value in (*message.amplitude, *message.noise)
+        )
+        if not fits:
             return 'The light board sends peaks outside the range of its ADC; check its firmware.'
         return ''
 
@@ -275,11 +278,12 @@ class LightBoard:
         self.undated += 1
         return None
 
-    def _take_time(self, record: np.void, now_ns: int) -> None:
-        board, request = int(record['tc1']), int(record['ts1'])
+    def _take_time(self, message: mavlink.MAVLink_timesync_message, now_ns: int) -> None:
+        board, request = message.tc1, message.ts1
         if board == 0:  # MAVLink TIMESYNC: 0 marks a request
-            if len(self._replies) < QUESTIONS:
-                self._replies.append(self._build_frame(TIMESYNC, tc1=now_ns, ts1=request))
+            if self._replies < QUESTIONS:
+                self._replies += 1
+                self._link.timesync_send(tc1=now_ns, ts1=request)
             else:
                 self.unanswered += 1
         elif request in self._request_times and 0 <= now_ns - request < ANSWER_NS:
@@ -287,16 +291,15 @@ class LightBoard:
             self._request_times.remove(request)
             self.clock.add_exchange(ClockExchange(request, board, now_ns))
 
-    def _take_status(self, record: np.void) -> None:
-        self.overruns = int(record['overruns'])
-        dialect, rate = int(record['dialect']), float(record['sample_rate'])
-        bits = int(record['adc_bits'])
-        self.commit, self.vehicle = int(record['commit']), int(record['vehicle'])
+    def _take_status(self, message: mavlink.MAVLink_lta_light_status_message) -> None:
+        self.overruns = message.overruns
+        version, rate, bits = message.dialect, message.sample_rate, message.adc_bits
+        self.commit, self.vehicle = message.commit, message.vehicle
         sample_rate = self._light.sample_rate.si
         self._unlike = ''
-        if dialect != DIALECT:
+        if version != DIALECT:
             self._unlike = (
-                f'The light board uses version {dialect} of the messages, but this bridge uses '
+                f'The light board uses version {version} of the messages, but this bridge uses '
                 f'version {DIALECT}; build both from the same commit.'
             )
         # Written with `not`, so that a rate of NaN is refused too
@@ -316,8 +319,3 @@ class LightBoard:
                 f'than the vehicle file has ({self._vehicle:08x}); give the vehicle file of this '
                 'board, or build and flash its firmware with "make firmware".'
             )
-
-
-def _board_time_ns(record: np.void) -> int:
-    # int first: numpy's integers could overflow
-    return int(record['time_usec']) * 1000

@@ -13,26 +13,34 @@ import termios
 import tty
 from typing import final
 
-from lta_bridge.teensy.dialect import (
-    HEARTBEAT,
-    LTA_LIGHT_BLOCK,
-    LTA_LIGHT_PEAKS,
-    LTA_LIGHT_STATUS,
-    TIMESYNC,
-)
+from lta_bridge.teensy import mavlink
 from lta_bridge.teensy.frame_parser import FrameParser
 from lta_bridge.teensy.light_board import ACTIVE, CONTROLLER, DIALECT, NO_AUTOPILOT, PROTOCOL
-from lta_bridge.teensy.message import MavlinkMessage
 from lta_config.errors import BadInput
 import numpy as np
 from numpy.typing import NDArray
 
 # MAVLink ids; 191 is an onboard computer
 SYSTEM, COMPONENT = 1, 191
-MOST = LTA_LIGHT_PEAKS.layout['amplitude'].shape[0]  # diodes per message of peaks
-VALUES = LTA_LIGHT_BLOCK.layout['samples'].shape[0]  # values per message of samples
+MOST = max(mavlink.MAVLink_lta_light_peaks_message.array_lengths)  # diodes per message of peaks
+VALUES = max(
+    mavlink.MAVLink_lta_light_block_message.array_lengths
+)  # values per message of samples
 WRAP = 2**32
-FOREIGN = MavlinkMessage(12345, 'FOREIGN', 7, np.dtype([('word', '<u4')]))
+
+
+@final
+class ForeignMessage(mavlink.MAVLink_message):
+    """A valid message that is not in the dialect, with a word of 32 bits."""
+
+    def __init__(self, word: int) -> None:
+        super().__init__(12345, 'FOREIGN')
+        self._word = word
+
+    def pack(self, mav: mavlink.MAVLink, force_mavlink1: bool = False) -> bytes:
+        """Return its frame."""
+        seed = 7  # of the checksum; any number, as no other side knows the message
+        return self._pack(mav, seed, self._word.to_bytes(4, 'little'), force_mavlink1)
 
 
 @final
@@ -58,7 +66,7 @@ class FrameFaults:
             return frame[: len(frame) // 3]
         if _is_every_nth(turn, self.foreign):
             # A parser must skip valid messages of an unknown type
-            return frame + FOREIGN.build_frame(0, SYSTEM, COMPONENT, word=turn)
+            return frame + ForeignMessage(turn).pack(mavlink.MAVLink(None, SYSTEM, COMPONENT))
         return frame
 
 
@@ -116,9 +124,9 @@ class EmulatedBoard:
         self._boot_ns, self._rate, self._diodes, self._drift = boot_ns, sample_rate, diodes, drift
         self.faults = faults or FrameFaults()
         self._dialect, self._bits, self._vehicle = dialect, bits, vehicle
-        self._first, self._rows, self._turn = first, 0, 0
+        self._first, self._rows = first, 0
         self._paused = 0  # ns of its clock without sampling
-        self._hears = FrameParser()
+        self._hears, self._link = FrameParser(), mavlink.MAVLink(None, SYSTEM, COMPONENT)
         self._left = np.empty((0, diodes), np.uint16)
         self.sent = 0
 
@@ -161,13 +169,14 @@ class EmulatedBoard:
             values = np.zeros(VALUES, np.uint16)
             values[: rows.size] = rows.ravel()
             frame = self._build_frame(
-                LTA_LIGHT_BLOCK,
-                time_usec=self._time_usec,
-                # The row counter has 32 bits
-                sequence=(self._first + self._rows) % WRAP,
-                diodes=self._diodes,
-                rows=count,
-                samples=values,
+                mavlink.MAVLink_lta_light_block_message(
+                    time_usec=self._time_usec,
+                    # The row counter has 32 bits
+                    sequence=(self._first + self._rows) % WRAP,
+                    diodes=self._diodes,
+                    rows=count,
+                    samples=values.tolist(),
+                )
             )
             self._rows += count
             self.sent += 1
@@ -196,14 +205,15 @@ class EmulatedBoard:
         # Pad the values to the fixed array length of the message
         room = MOST - self._diodes
         frame = self._build_frame(
-            LTA_LIGHT_PEAKS,
-            time_usec=self._time_usec,
-            sequence=(self._first + self._rows) % WRAP,
-            window=count,
-            frequency=frequency,
-            diodes=self._diodes,
-            amplitude=np.pad(amplitude, (0, room)),
-            noise=np.pad(rest, (0, room)),
+            mavlink.MAVLink_lta_light_peaks_message(
+                time_usec=self._time_usec,
+                sequence=(self._first + self._rows) % WRAP,
+                window=count,
+                frequency=frequency,
+                diodes=self._diodes,
+                amplitude=np.pad(amplitude, (0, room)).tolist(),
+                noise=np.pad(rest, (0, room)).tolist(),
+            )
         )
         self._rows += count
         return frame
@@ -211,36 +221,43 @@ class EmulatedBoard:
     def encode_status(self) -> bytes:
         """Return the heartbeat and status, sent once a second."""
         beat = self._build_frame(
-            HEARTBEAT,
-            type=CONTROLLER,
-            autopilot=NO_AUTOPILOT,
-            system_status=ACTIVE,
-            mavlink_version=PROTOCOL,
+            mavlink.MAVLink_heartbeat_message(
+                type=CONTROLLER,
+                autopilot=NO_AUTOPILOT,
+                base_mode=0,
+                custom_mode=0,
+                system_status=ACTIVE,
+                mavlink_version=PROTOCOL,
+            )
         )
         return beat + self._build_frame(
-            LTA_LIGHT_STATUS,
-            time_usec=self._time_usec,
-            rows=(self._first + self._rows) % WRAP,
-            sample_rate=self._rate,
-            diodes=self._diodes,
-            adc_bits=self._bits,
-            dialect=self._dialect,
-            vehicle=self._vehicle,
+            mavlink.MAVLink_lta_light_status_message(
+                time_usec=self._time_usec,
+                rows=(self._first + self._rows) % WRAP,
+                overruns=0,
+                sample_rate=self._rate,
+                diodes=self._diodes,
+                adc_bits=self._bits,
+                dialect=self._dialect,
+                commit=0,
+                vehicle=self._vehicle,
+            )
         )
 
     def answer_timesync(self, data: bytes, now_ns: int) -> bytes:
         """Return the answers to received bytes at a host time [ns]."""
-        requests = [f.record for f in self._hears.parse_frames(data) if f.message is TIMESYNC]
+        board_ns = self.to_board_time(now_ns)
         return b''.join(
-            self._build_frame(TIMESYNC, tc1=self.to_board_time(now_ns), ts1=int(question['ts1']))
-            for question in requests
+            self._build_frame(mavlink.MAVLink_timesync_message(tc1=board_ns, ts1=message.ts1))
+            for message in self._hears.parse_frames(data)
             # A nonzero tc1 marks an answer of another participant
-            if question['tc1'] == 0
+            if isinstance(message, mavlink.MAVLink_timesync_message) and message.tc1 == 0
         )
 
-    def _build_frame(self, message: MavlinkMessage, **values: object) -> bytes:
-        self._turn += 1
-        return message.build_frame(self._turn - 1, SYSTEM, COMPONENT, **values)
+    def _build_frame(self, message: mavlink.MAVLink_message) -> bytes:
+        frame = message.pack(self._link)
+        self._link.seq = (self._link.seq + 1) % 256
+        return frame
 
 
 @final
