@@ -36,10 +36,12 @@ from what each package says of itself; the versions are those of `locked/`, by h
 it is copied into LTA.
 
 The base install has nothing under the GPL alone (`test_locked.py`). docutils, which colcon brings,
-names the GPL for a few of its files beside the public domain and BSD of the rest. cflib (GPL) and
-pymavlink (LGPL) are tools of the tests; to fly a real Crazyflie you install cflib yourself. What
-is asked for by hand (`requirements-bench.txt`, `-dask`, `-docs`, `-gpu`, `-mutation`, `-pybamm`)
-is not listed.
+names the GPL for a few of its files beside the public domain and BSD of the rest. pymavlink
+(LGPL-3.0, unmodified) generates the code for the light board's messages when LTA is built, and is
+not imported in flight. By its README, what it generates is under the MIT licence; the headers of
+its generator's files name the GPL. cflib (GPL) is a tool of the tests; to fly a real Crazyflie you
+install it yourself. What is asked for by hand (`requirements-bench.txt`, `-dask`, `-docs`, `-gpu`,
+`-mutation`, `-pybamm`) is not listed.
 
 The pages that LTA writes contain two libraries of JavaScript with their licence texts: plotly.js
 (MIT), which comes with plotly, and, for 3-D views, three.js (MIT), which comes with trimesh.

@@ -248,6 +248,13 @@ def test_package_xml_declares_exactly_what_is_imported(folder):
 
 
 @each_package
+def test_package_xml_declares_exactly_what_the_build_imports(folder):
+    manifest = parse_package(folder / 'package.xml')
+    declared = {depend.name for depend in manifest.build_depends}
+    assert declared == imported_keys([folder / 'setup.py'], {'setuptools'})
+
+
+@each_package
 def test_package_xml_declares_exactly_what_the_tests_import_besides(folder):
     """Other packages of LTA are not declared: some tests use those that depend on their own."""
     manifest = parse_package(folder / 'package.xml')

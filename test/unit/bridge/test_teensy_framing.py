@@ -119,9 +119,8 @@ def test_a_payload_is_filled_up_with_zeros_and_cut_at_its_last_field():
 def test_a_stream_of_all_kinds_byte_by_byte():
     """Own, signed and foreign frames and noise are each recognised at the earliest byte."""
     ours = build_frame('HEARTBEAT', 1, 1, 191, custom_mode=77)
-    stream = (
-        b'ab' + ours + sign_frame(ours, 50) + FOREIGN + ours + sign_frame(FOREIGN, 0) + ours + b'c'
-    )
+    strangers = FOREIGN + ours + sign_frame(FOREIGN, 0)
+    stream = b'ab' + ours + sign_frame(ours, 50) + strangers + ours + b'c'
     framing = FrameParser()
     found = [one for byte in stream for one in framing.parse_frames(bytes([byte]))]
     assert [one.custom_mode for one in found] == [77] * 4

@@ -15,17 +15,21 @@ from typing import final
 
 from lta_bridge.teensy import mavlink
 from lta_bridge.teensy.frame_parser import FrameParser
-from lta_bridge.teensy.light_board import ACTIVE, CONTROLLER, DIALECT, NO_AUTOPILOT, PROTOCOL
+from lta_bridge.teensy.light_board import (
+    ACTIVE,
+    CONTROLLER,
+    DIALECT,
+    NO_AUTOPILOT,
+    PROTOCOL,
+    ROOM,
+)
 from lta_config.errors import BadInput
 import numpy as np
 from numpy.typing import NDArray
 
 # MAVLink ids; 191 is an onboard computer
 SYSTEM, COMPONENT = 1, 191
-MOST = max(mavlink.MAVLink_lta_light_peaks_message.array_lengths)  # diodes per message of peaks
-VALUES = max(
-    mavlink.MAVLink_lta_light_block_message.array_lengths
-)  # values per message of samples
+MAX_DIODES = max(mavlink.MAVLink_lta_light_peaks_message.array_lengths)  # in a message of peaks
 WRAP = 2**32
 
 
@@ -162,11 +166,11 @@ class EmulatedBoard:
 
     def _encode_rows(self, samples: NDArray[np.uint16]) -> Iterator[bytes]:
         # Rows per frame; the rest of the fixed-size array stays zero
-        count = VALUES // self._diodes
+        count = ROOM // self._diodes
         self._left = np.concatenate([self._left, samples])
         while len(self._left) >= count:
             rows, self._left = self._left[:count], self._left[count:]
-            values = np.zeros(VALUES, np.uint16)
+            values = np.zeros(ROOM, np.uint16)
             values[: rows.size] = rows.ravel()
             frame = self._build_frame(
                 mavlink.MAVLink_lta_light_block_message(
@@ -203,7 +207,7 @@ class EmulatedBoard:
         # A sine of amplitude A has a variance of A^2 / 2; the remaining variance is noise
         rest = np.sqrt(np.maximum(np.mean(waves**2, axis=0) - 0.5 * amplitude**2, 0.0))
         # Pad the values to the fixed array length of the message
-        room = MOST - self._diodes
+        room = MAX_DIODES - self._diodes
         frame = self._build_frame(
             mavlink.MAVLink_lta_light_peaks_message(
                 time_usec=self._time_usec,
