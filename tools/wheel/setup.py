@@ -13,7 +13,8 @@ import sysconfig
 from setuptools import find_packages, setup
 
 ROOT = Path(os.environ['LTA_ROOT'])
-OF_WORKSPACE = ('ros-', 'colcon-', 'pymavlink', 'setuptools')  # what building a workspace needs, and no wheel
+# What building a workspace needs, and no wheel
+OF_WORKSPACE = ('ros-', 'colcon-', 'pymavlink', 'setuptools')
 # The message classes, for bags; there are wheels for this platform only
 MESSAGES = "ros-jazzy-common-interfaces; sys_platform == 'linux' and platform_machine == 'x86_64'"
 NOT_INSTALLED = ('package.xml', 'resource')
