@@ -13,6 +13,7 @@ import pytest
 from waiting import PATIENCE
 
 TYPE = 'sensor_msgs/msg/Image'
+FIRST = 777  # log time of the message that meets the stalled disk [ns]
 
 
 class SlowDisk:
@@ -29,18 +30,26 @@ class SlowDisk:
         return self.write(fd, data, offset)
 
 
+def stall(folder, monkeypatch, room):
+    """Return a writer whose disk takes the beginning of a message, and then its time."""
+    bag, disk = BagWriter(folder, {}), SlowDisk()
+    writer = BackgroundWriter(bag, room)
+    for name in ('/a', '/b'):
+        writer.add_topic(name, TYPE, [])
+    monkeypatch.setattr(storage.os, 'pwrite', disk.pwrite)
+    writer.write('/a', bytes(1000), FIRST)
+    writer.submit(bag.flush)
+    writer.wake_thread()
+    assert disk.stalled.wait(PATIENCE)
+    return writer, disk
+
+
 def stored(folder):
     return [when for _, when, _ in read_bag(folder).iterate_messages()]
 
 
 def test_a_disk_that_stalls_stops_nobody_and_costs_what_finds_no_room(tmp_path, monkeypatch):
-    disk = SlowDisk()
-    writer = BackgroundWriter(BagWriter(tmp_path / 'bag', {}), room=10_000)
-    writer.add_topic('/a', TYPE, [])
-    monkeypatch.setattr(storage.os, 'pwrite', disk.pwrite)
-    writer.add_topic('/b', TYPE, [])  # the disk takes the beginning of this, and then its time
-    writer.wake_thread()
-    assert disk.stalled.wait(PATIENCE)
+    writer, disk = stall(tmp_path / 'bag', monkeypatch, room=10_000)
     names = ['/a', '/b']
     taken = [writer.write(names[k % 2], bytes(1000), k) for k in range(15)]
     assert taken == [True] * 10 + [False] * 5  # the newest are dropped
@@ -49,18 +58,13 @@ def test_a_disk_that_stalls_stops_nobody_and_costs_what_finds_no_room(tmp_path, 
     disk.let.set()
     writer.close()
     assert writer.queued_bytes == 0
-    assert stored(tmp_path / 'bag') == list(range(10))
+    assert stored(tmp_path / 'bag') == [FIRST, *range(10)]
     assert read_bag(tmp_path / 'bag').is_complete
     assert writer.lost_count == 0
 
 
 def test_after_a_stall_recording_goes_on(tmp_path, monkeypatch):
-    disk = SlowDisk()
-    writer = BackgroundWriter(BagWriter(tmp_path / 'bag', {}), room=2000)
-    monkeypatch.setattr(storage.os, 'pwrite', disk.pwrite)
-    writer.add_topic('/a', TYPE, [])
-    writer.wake_thread()
-    assert disk.stalled.wait(PATIENCE)
+    writer, disk = stall(tmp_path / 'bag', monkeypatch, room=2000)
     before = [writer.write('/a', bytes(1000), k) for k in range(4)]
     disk.let.set()
     caught_up = threading.Event()
@@ -70,7 +74,7 @@ def test_after_a_stall_recording_goes_on(tmp_path, monkeypatch):
     assert writer.write('/a', bytes(1000), 4)
     writer.close()
     assert before == [True, True, False, False]
-    assert stored(tmp_path / 'bag') == [0, 1, 4]
+    assert stored(tmp_path / 'bag') == [FIRST, 0, 1, 4]
 
 
 class SlowSink:
@@ -185,12 +189,7 @@ def test_messages_reach_the_disk_without_anybody_asking(tmp_path, monkeypatch):
 
 
 def test_a_disk_that_keeps_the_writer_busy_is_seen_and_forgotten(tmp_path, monkeypatch):
-    disk = SlowDisk()
-    writer = BackgroundWriter(BagWriter(tmp_path / 'bag', {}), room=10_000)
-    monkeypatch.setattr(storage.os, 'pwrite', disk.pwrite)
-    writer.add_topic('/a', TYPE, [])
-    writer.wake_thread()
-    assert disk.stalled.wait(PATIENCE)
+    writer, disk = stall(tmp_path / 'bag', monkeypatch, room=10_000)
     before = writer.busy_time
     assert writer.busy_time > before > 0.0
     disk.let.set()

@@ -182,7 +182,7 @@ def test_a_kill_at_any_step_of_a_split_loses_nothing_that_was_flushed(tmp_path):
         env=os.environ | {'PYTHONPATH': os.pathsep.join(sys.path)},
     )
     steps = int(done.stdout)
-    assert steps >= 8  # the old chunk, four records of the new file, summary, sync, metadata
+    assert steps >= 8  # the old chunk, the new file and its head, summary, metadata
     for fatal in range(1, steps + 1):
         folder = tmp_path / str(fatal)
         bag = read_bag(folder)
@@ -213,7 +213,7 @@ class Full:
         return self.write(fd, data, offset)
 
 
-@pytest.mark.parametrize('room', range(1, 5))
+@pytest.mark.parametrize('room', [1, 2])  # the old chunk, the head of the new file
 def test_a_disk_that_fills_in_a_split_leaves_what_was_flushed(tmp_path, monkeypatch, room):
     bag = BagWriter(tmp_path / 'bag', {}, SplitLimits(duration_ns=10))
     bag.add_topic('/b', 'std_msgs/msg/Bool', [])

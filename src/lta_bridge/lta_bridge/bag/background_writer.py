@@ -17,7 +17,9 @@ from lta_bridge.bag.mcap_file import CHUNK_SIZE
 from lta_bridge.bag.qos import OfferedQos
 from lta_bridge.bag.writer import BagWriter
 
-FLUSH_PERIOD = 0.4  # wall seconds; SIGKILL loses at most FLUSH_PERIOD + NAP of messages
+# Wall seconds. SIGKILL loses at most FLUSH_PERIOD + NAP of messages; each flush costs the memory
+# of a chunk's index, about 3 kB with the topics of a flight.
+FLUSH_PERIOD = 0.8
 NAP = 0.1  # wall seconds between two polls of the queue: batches are cheaper than single messages
 REFRESH_PERIOD = 5.0  # wall seconds between two updates of metadata.yaml
 MOST = 500_000  # queue limit in messages: many small ones cost more memory than their bytes

@@ -1,35 +1,34 @@
 """
-Write an MCAP file whose summary always matches the data on the disk.
+Write an MCAP file that stays readable after a crash or a full disk, with mcap's writer.
 
-Chunks are written whole. Schemas and channels are written outside the chunks, so that a damaged
-chunk does not make others unreadable. Format: https://mcap.dev/spec.
+The writer counts a message before its chunk is on the disk, and lists a chunk that did not fit
+in its summary. So it gets the messages of a chunk together, and writes into a `RecordFile`, which
+stores a chunk whole or not at all. After a chunk that failed, the file ends without a summary, as
+MCAP allows: readers scan it.
 """
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import final
-import zlib
+import sys
+from typing import cast, final, IO
 
-from lta_bridge.bag.chunk import ChunkBuilder
-from lta_bridge.bag.records import CompressedRecords, encode_records, MAGIC
 from lta_bridge.bag.schemas import MessageDefinition
-from lta_bridge.bag.storage import RecordFile
-from mcap.opcode import Opcode
-from mcap.records import (
-    Channel,
-    DataEnd,
-    Footer,
-    Header,
-    McapRecord,
-    Metadata,
-    MetadataIndex,
-    Schema,
-    Statistics,
-    SummaryOffset,
-)
+from lta_bridge.bag.storage import RecordFile, StorageFault
+from mcap.data_stream import RecordBuilder
+from mcap.records import DataEnd, Footer
+from mcap.writer import MCAP0_MAGIC, Writer
 
+PROVENANCE = 'provenance'  # name of the metadata record
 CHUNK_SIZE = 1 << 20  # bytes, uncompressed
+MESSAGE_HEAD = 31  # bytes of a message record before its data
+# Sizes in the summary, without names and texts [bytes]
+CHUNK_INDEX = 81
+CHUNK_INDEX_CHANNEL = 10
+SCHEMA = 23
+CHANNEL = 100  # with the keys of its metadata
+OTHERS = 1024  # statistics, indexes of metadata, offsets, footer
 
 
 @final
@@ -40,85 +39,59 @@ class McapFile:
     `library` is the name and version of the writing program.
     """
 
-    def __init__(self, path: Path, library: str) -> None:
+    def __init__(self, path: Path, library: str, provenance: Mapping[str, str]) -> None:
         self.path = path
         self._file = RecordFile(path)
-        self._builder = ChunkBuilder()
-        self._schemas: dict[MessageDefinition, Schema] = {}
-        self._channels: list[Channel] = []
-        self._chunk_index = CompressedRecords()
-        self._span: tuple[int, int] | None = None
-        self._metadata: list[MetadataIndex] = []
-        self._summary_size = 0
+        # Chunks end in `flush` only, so that each is stored whole
+        self._writer = Writer(cast('IO[bytes]', self._file), chunk_size=sys.maxsize)
+        self._schemas: dict[MessageDefinition, int] = {}
+        self._pending: list[tuple[int, int, bytes, int, int]] = []
+        self._pending_size = 0
+        self._summary_size = OTHERS
+        self._intact = True  # what the writer has counted is in the file
+        self.start = self.end = 0  # first and last log time in the file [ns]
         self.counts: Counter[int] = Counter()
         try:
-            self._file.append(MAGIC + encode_records([Header('ros2', library)]))
+            self._writer.start('ros2', library)
+            self._writer.add_metadata(PROVENANCE, dict(provenance))
+            self._file.flush()
         except BaseException:
             self._file.discard()
             raise
 
     @property
     def size(self) -> int:
-        """Size of the file, without the pending chunk. [bytes]"""
+        """Size of the file, without the pending messages. [bytes]"""
         return self._file.size
-
-    @property
-    def start(self) -> int:
-        """Earliest log time in the file. [ns]"""
-        return 0 if self._span is None else self._span[0]
-
-    @property
-    def end(self) -> int:
-        """Latest log time in the file. [ns]"""
-        return 0 if self._span is None else self._span[1]
 
     @property
     def summary_size(self) -> int:
         """Space that `close` will need. [bytes]"""
         # An estimate from above is safe: it ends the recording slightly earlier
-        return self._summary_size + 1024  # bytes for statistics, footer and the like
+        return self._summary_size
 
     @property
     def pending_count(self) -> int:
         """Number of messages that the next flush will write."""
-        return self._builder.message_count
-
-    def add_metadata(self, name: str, values: Mapping[str, str]) -> None:
-        """Write a metadata record."""
-        data = encode_records([Metadata(name, dict(values))])
-        index = MetadataIndex(self._file.append(data), len(data), name)
-        self._metadata.append(index)
-        self._summary_size += len(encode_records([index]))
+        return len(self._pending)
 
     def add_channel(self, topic: str, definition: MessageDefinition, qos: str) -> int:
         """Add a topic and return the number of its channel."""
-        records: list[McapRecord] = []
-        schema = self._schemas.get(definition)
-        if schema is None:
-            schema = Schema(
-                # MCAP reserves schema id 0 for "no schema"
-                id=len(self._schemas) + 1,
+        with self._change_writer():
+            if definition not in self._schemas:
                 # Keeps bytes of a copied definition that are not UTF-8
-                data=definition.text.encode(errors='surrogateescape'),
-                encoding=definition.encoding,
-                name=definition.type_name,
+                text = definition.text.encode(errors='surrogateescape')
+                self._schemas[definition] = self._writer.register_schema(
+                    definition.type_name, definition.encoding, text
+                )
+                names = len(definition.type_name.encode()) + len(definition.encoding.encode())
+                self._summary_size += SCHEMA + names + len(text)
+            metadata = {'offered_qos_profiles': qos, 'topic_type_hash': definition.rihs01}
+            self._summary_size += CHANNEL + len(definition.message_encoding.encode())
+            self._summary_size += sum(len(x.encode()) for x in (topic, qos, definition.rihs01))
+            return self._writer.register_channel(
+                topic, definition.message_encoding, self._schemas[definition], metadata
             )
-            records.append(schema)
-        metadata = {
-            'offered_qos_profiles': qos,
-            'topic_type_hash': definition.rihs01,
-        }
-        channel = Channel(
-            len(self._channels) + 1, topic, definition.message_encoding, metadata, schema.id
-        )
-        records.append(channel)
-        data = encode_records(records)
-        self._file.append(data)
-        # Only after the write succeeded, so that a failed one leaves no channel without a record
-        self._schemas[definition] = schema
-        self._channels.append(channel)
-        self._summary_size += len(data)
-        return channel.id
 
     def add_message(
         self,
@@ -129,66 +102,54 @@ class McapFile:
         publish_time: int | None = None,
     ) -> None:
         """Add one message to the pending chunk, which is written when it is full."""
-        self._builder.add(channel, sequence, log_time, data, publish_time)
-        if self._builder.size >= CHUNK_SIZE:
+        published = log_time if publish_time is None else publish_time
+        self._pending.append((channel, log_time, data, published, sequence))
+        self._pending_size += MESSAGE_HEAD + len(data)
+        if self._pending_size >= CHUNK_SIZE:
             self.flush()
 
     def flush(self) -> None:
-        """Write the pending chunk."""
-        if not self._builder.size:
+        """Write the pending messages as one chunk; if that fails, they are lost."""
+        messages, self._pending, self._pending_size = self._pending, [], 0
+        if not messages or not self._intact:
             return
-        chunk = self._builder.build_chunk(self._file.size)
-        self._file.append(chunk.data)
-        index = chunk.index
-        self._summary_size += self._chunk_index.add(index)
-        start, end = self._span or (index.message_start_time, index.message_end_time)
-        self._span = min(start, index.message_start_time), max(end, index.message_end_time)
-        self.counts.update(chunk.counts)
+        with self._change_writer():
+            for message in messages:
+                self._writer.add_message(*message)
+            self._writer.flush()
+        counts = Counter(message[0] for message in messages)
+        times = [message[1] for message in messages]
+        self.start = min(self.start, *times) if self.counts else min(times)
+        self.end = max(self.end, *times)
+        self.counts.update(counts)
+        self._summary_size += CHUNK_INDEX + CHUNK_INDEX_CHANNEL * len(counts)
 
     def close(self, *, sync: bool = True) -> None:
-        """Write the summary and close the file; see `RecordFile.close`."""
+        """Finish and close the file, with a summary if it is right; see `RecordFile.close`."""
         try:
-            self._file.append(self._build_summary(self._file.size))
+            if self._intact:
+                with self._change_writer():
+                    self._writer.finish()
+                    self._file.flush()
         finally:
+            if not self._intact:
+                with suppress(StorageFault):
+                    self._file.write(encode_end_without_summary())
+                    self._file.flush()
             self._file.close(sync=sync)
 
-    def discard(self) -> None:
-        """Close the file and remove it."""
-        self._file.discard()
+    @contextmanager
+    def _change_writer(self) -> Iterator[None]:
+        """Distrust the writer's counts if a step fails, or Ctrl-C interrupts it."""
+        self._intact, intact = False, self._intact
+        yield
+        self._intact = intact
 
-    def _build_statistics(self) -> Statistics:
-        """Return the statistics record of the file."""
-        return Statistics(
-            attachment_count=0,
-            channel_count=len(self._channels),
-            channel_message_counts=dict(self.counts),
-            chunk_count=self._chunk_index.count,
-            message_count=self.counts.total(),
-            message_end_time=self.end,
-            message_start_time=self.start,
-            metadata_count=len(self._metadata),
-            schema_count=len(self._schemas),
-        )
 
-    def _build_summary(self, offset: int) -> bytes:
-        """Return everything that follows the data: summary, footer and closing magic."""
-        ending = encode_records([DataEnd(0)])  # CRC 0: not computed
-        start = offset + len(ending)
-        groups = {
-            Opcode.SCHEMA: encode_records(self._schemas.values()),
-            Opcode.CHANNEL: encode_records(self._channels),
-            Opcode.STATISTICS: encode_records([self._build_statistics()]),
-            Opcode.CHUNK_INDEX: self._chunk_index.decompress(),
-            Opcode.METADATA_INDEX: encode_records(self._metadata),
-        }
-        body, places = b'', []
-        for opcode, data in groups.items():
-            if data:
-                # One offset per group lets readers jump to the records of one kind
-                places.append(SummaryOffset(opcode, start + len(body), len(data)))
-            body += data
-        footer = Footer(start, start + len(body), 0)
-        body += encode_records(places)
-        # By the specification the CRC covers the footer too, up to its own four bytes.
-        footer.summary_crc = zlib.crc32(body + encode_records([footer])[:-4])
-        return ending + body + encode_records([footer]) + MAGIC
+def encode_end_without_summary() -> bytes:
+    """Return the end of an MCAP file that has no summary."""
+    builder = RecordBuilder()
+    DataEnd(0).write(builder)  # CRC 0: not computed
+    Footer(summary_start=0, summary_offset_start=0, summary_crc=0).write(builder)
+    data: bytes = builder.end()  # type: ignore[no-untyped-call]
+    return data + MCAP0_MAGIC

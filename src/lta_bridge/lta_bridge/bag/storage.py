@@ -114,10 +114,9 @@ def fsync_file(path: Path) -> None:
 @final
 class RecordFile:
     """
-    Append-only file with atomic appends.
+    Append-only file, to which a flush adds everything or nothing.
 
-    Writes are unbuffered: once `append` has returned, the data survive the death of the process,
-    but not a power cut before `close`.
+    What was flushed survives the death of the process, but not a power cut before `close`.
 
     Raises
     ------
@@ -128,41 +127,46 @@ class RecordFile:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self.size = 0
+        self.size = 0  # without what waits for a flush [bytes]
+        self._waiting = bytearray()
         try:
             # O_EXCL: never overwrite a recording
             self._fd = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o644)
         except OSError as error:
             raise to_storage_fault(error, path) from error
 
-    def append(self, data: bytes) -> int:
+    def write(self, data: bytes) -> int:
+        """Add `data` to what the next flush appends, and return its size. [bytes]"""
+        self._waiting += data
+        return len(data)
+
+    def tell(self) -> int:
+        """Return where the next `write` will be in the file. [bytes]"""
+        return self.size + len(self._waiting)
+
+    def flush(self) -> None:
         """
-        Write `data` at the end and return the offset where it starts. [bytes]
+        Append what was written since the last flush.
 
         Raises
         ------
         StorageFault
-            If not all of it could be written; the file then ends where it ended before.
+            If not all of it could be written; it is lost, and the file ends where it ended before.
 
         """
-        start = self.size
-        left = memoryview(data)
+        data, self._waiting = self._waiting, bytearray()
+        left, end = memoryview(data), self.size + len(data)
         try:
             # pwrite may write less than asked for, such as on a nearly full disk
             while left:
-                left = left[os.pwrite(self._fd, left, start + len(data) - len(left)) :]
-            self.size = start + len(data)
+                left = left[os.pwrite(self._fd, left, end - len(left)) :]
+            self.size = end
         except OSError as error:
             raise to_storage_fault(error, self.path) from error
         finally:
-            if self.size == start:  # Ctrl-C can interrupt a write as a full disk does.
-                self._truncate_torn_record()
-        return start
-
-    def _truncate_torn_record(self) -> None:
-        """Truncate the file to its last whole record."""
-        with suppress(OSError):  # If this fails, the next append overwrites the torn record.
-            os.ftruncate(self._fd, self.size)
+            if self.size != end:  # Ctrl-C can interrupt a write as a full disk does
+                with suppress(OSError):  # If this fails, the next flush overwrites the torn record
+                    os.ftruncate(self._fd, self.size)
 
     def close(self, *, sync: bool = True) -> None:
         """Close the file; with `sync`, wait until it survives a power cut."""

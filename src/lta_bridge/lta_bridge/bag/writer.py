@@ -20,7 +20,6 @@ from lta_bridge.bag.metadata import (
     write_metadata,
 )
 from lta_bridge.bag.qos import format_offered_qos, OfferedQos
-from lta_bridge.bag.records import PROVENANCE
 from lta_bridge.bag.schemas import generate_definition, MessageDefinition
 from lta_bridge.bag.storage import check_room, fsync_file, SplitLimits, StorageFault, WHOLE
 from lta_config.atomic_file import remove_dead_parts
@@ -117,18 +116,14 @@ class BagWriter:
         BadInput
             If the type is unknown or the topic was added before.
         StorageFault
-            If the disk is full or broken.
+            The earlier fault, if any.
 
         """
         if name in self._topics:
             raise BadInput(f"The topic '{name}' is in the bag already; add each topic only once.")
         definition = generate_definition(type_name) if isinstance(type_name, str) else type_name
         self._check_fault()
-        try:
-            channel = self._mcap.add_channel(name, definition, format_offered_qos(qos))
-        except StorageFault as fault:
-            self._fault = fault
-            raise
+        channel = self._mcap.add_channel(name, definition, format_offered_qos(qos))
         self._topics[name] = TopicRecord(name, definition, list(qos), channel)
 
     def update_qos(self, name: str, qos: Sequence[OfferedQos]) -> None:
@@ -248,14 +243,9 @@ class BagWriter:
         """Create a file with all metadata and channels, so that it can be read on its own."""
         # rosbag2's naming; resolve() gives '.' and '..' a name
         name = f'{self.path.resolve().name}_{number}.mcap'
-        mcap = McapFile(self.path / name, LIBRARY)
-        try:
-            mcap.add_metadata(PROVENANCE, self._provenance)
-            for record in self._topics.values():  # in the order of the channel numbers
-                mcap.add_channel(record.name, record.definition, format_offered_qos(record.qos))
-        except BaseException:
-            mcap.discard()
-            raise
+        mcap = McapFile(self.path / name, LIBRARY, self._provenance)
+        for record in self._topics.values():  # in the order of the channel numbers
+            mcap.add_channel(record.name, record.definition, format_offered_qos(record.qos))
         return mcap
 
     def _split_if_due(self, log_time_ns: int) -> None:

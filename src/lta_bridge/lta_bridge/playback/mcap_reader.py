@@ -14,7 +14,7 @@ from pathlib import Path
 import struct
 from typing import BinaryIO, final, NamedTuple
 
-from lta_bridge.bag.records import MAGIC, PROVENANCE
+from lta_bridge.bag.mcap_file import PROVENANCE
 from lta_config.errors import BadInput
 from lta_config.limits import READER_MEMORY
 from mcap.exceptions import McapError
@@ -23,6 +23,7 @@ from mcap.records import Channel, Message, Metadata, Schema
 from mcap.stream_reader import StreamReader
 from mcap.summary import Summary
 from mcap.well_known import MessageEncoding
+from mcap.writer import MCAP0_MAGIC
 from zstandard import ZstdError
 
 ADVICE = 'give a rosbag2 folder or an .mcap file'
@@ -59,7 +60,7 @@ def read_topic_types(files: list[Path]) -> tuple[dict[str, str], dict[str, str]]
     for file in files:
         try:
             with file.open('rb') as stream:
-                if stream.read(len(MAGIC)) != MAGIC:
+                if stream.read(len(MCAP0_MAGIC)) != MCAP0_MAGIC:
                     raise BadInput(f"'{file}' is not an MCAP recording; {ADVICE}.")
                 file_types, origin = read_summary(stream) or scan_unfinished_file(stream)
         except OSError as error:

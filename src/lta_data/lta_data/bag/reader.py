@@ -9,7 +9,6 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from pathlib import Path
 from typing import Any, BinaryIO, final
 
-from lta_bridge.bag.records import MAGIC
 from lta_config.errors import BadInput, unknown_name_error
 from lta_config.limits import CHUNK_BYTES
 from lta_data.bag.bag_folder import (
@@ -41,6 +40,7 @@ from lta_data.bag.mcap_file.rhythm import MessageIntervals
 from lta_data.bag.mcap_file.scan import describe_damage, scan_mcap_file
 from lta_data.bag.mcap_file.summary import read_summary, summary_is_damaged, UNUSABLE
 from mcap.records import Channel, Schema
+from mcap.writer import MCAP0_MAGIC
 
 
 @final
@@ -270,7 +270,7 @@ def read_file_contents(file: Path, metadata_topics: Sequence[TopicMetadata] = ()
             complete_names(contents, metadata_topics)
             if summary_is_damaged(stream, size):
                 contents.remarks.append(UNUSABLE)
-        if not head.startswith(MAGIC):
+        if not head.startswith(MCAP0_MAGIC):
             contents.indexed = False
             contents.remarks.append(
                 'The first bytes of the file, which identify it as MCAP, are damaged; the rest '
@@ -281,7 +281,7 @@ def read_file_contents(file: Path, metadata_topics: Sequence[TopicMetadata] = ()
 
 def has_mcap_magic(head: bytes) -> bool:
     """Return whether a file starts with MCAP's magic; up to three of its bytes may be damaged."""
-    pairs = zip(head[: len(MAGIC)], MAGIC, strict=False)
+    pairs = zip(head[: len(MCAP0_MAGIC)], MCAP0_MAGIC, strict=False)
     return (
-        sum(actual == expected for actual, expected in pairs) >= len(MAGIC) - 3 and len(head) >= 8
+        sum(actual == expected for actual, expected in pairs) >= len(MCAP0_MAGIC) - 3 and len(head) >= 8
     )

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import final, NamedTuple
 import zlib
 
-from lta_bridge.bag.records import MAGIC as MCAP
 from lta_config.errors import BadInput, unknown_name_error
 from lta_config.schema.import_file import ImportMapping as MappingFile
 from lta_data.importers.protocol import LogReader
@@ -23,6 +22,7 @@ from lta_data.importers.readers import (
     sensor_folder,
 )
 from lta_data.importers.readers.line_stream import GZIP, UTF16
+from mcap.writer import MCAP0_MAGIC
 
 HEAD = 4096  # bytes read to detect the format
 ULOG = b'ULog\x01\x12\x35'
@@ -114,7 +114,7 @@ def detect_format(path: Path) -> str:
     head = _read_head(path)
     if not head:
         raise BadInput(f"'{path}' is empty; give a log with data.")
-    if head.startswith((MCAP, SQLITE, ROS1)):
+    if head.startswith((MCAP0_MAGIC, SQLITE, ROS1)):
         return 'bag'
     _refuse_pickle(path, head)
     if binary := _detect_binary(path, head):
@@ -193,4 +193,4 @@ def _is_mcap(path: Path) -> bool:
     if path.is_dir():
         return any(path.glob('*.mcap'))
     with path.open('rb') as stream:
-        return stream.read(len(MCAP)) == MCAP
+        return stream.read(len(MCAP0_MAGIC)) == MCAP0_MAGIC

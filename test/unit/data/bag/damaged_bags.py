@@ -14,11 +14,10 @@ DAMAGES = ('flip', 'cut', 'both', 'zeros', 'gone', 'added')
 
 @dataclass(frozen=True)
 class Chunk:
-    """Where a chunk, its CRC and its packed records lie [bytes], and the messages in it."""
+    """Where a chunk and its packed records lie [bytes], and the messages in it."""
 
     start: int
     end: int
-    crc: int
     packed: tuple[int, int]
     messages: list
 
@@ -80,8 +79,7 @@ def examined(file, metadata=None):
             start, end = found.chunk_start_offset, found.chunk_start_offset + found.chunk_length
             span = found.message_start_time, found.message_end_time
             inside = [m for m in messages if span[0] <= m[0] <= span[1]]
-            crc = start + 9 + 24
-            chunks.append(Chunk(start, end, crc, (end - found.compressed_size, end), inside))
+            chunks.append(Chunk(start, end, (end - found.compressed_size, end), inside))
     assert sum(len(chunk.messages) for chunk in chunks) == CHUNKS * PER_CHUNK
     return Whole(data, chunks, metadata)
 
@@ -116,7 +114,6 @@ def damaged(whole, rng):
         broken = data[:at].tobytes() + rng.bytes(length) + data[at:].tobytes()
     else:
         broken = data[:cut].tobytes()
-    # Flips and zeros may hit the rest of a chunk; bytes that come or go must leave it whole.
     moved = at if kind == 'added' else None
     return (
         kind,
@@ -124,16 +121,14 @@ def damaged(whole, rng):
         [
             message
             for chunk in whole.chunks
-            if survives(chunk, hit, cut, moved, entire=kind in ('gone', 'added'))
+            if survives(chunk, hit, cut, moved)
             for message in chunk.messages
         ],
     )
 
 
-def survives(chunk, hit, cut, moved, entire):
-    """Tell whether the CRC of a chunk still holds, by the bytes it is made of."""
+def survives(chunk, hit, cut, moved):
+    """Tell whether a chunk is whole."""
     if chunk.end > cut or (moved is not None and chunk.start < moved < chunk.end):
         return False
-    if entire:
-        return not hit[chunk.start : chunk.end].any()
-    return not (hit[chunk.crc : chunk.crc + 4].any() or hit[slice(*chunk.packed)].any())
+    return not hit[chunk.start : chunk.end].any()

@@ -3,15 +3,15 @@
 import struct
 
 from lta_bridge.bag import BagWriter
-from lta_bridge.bag.records import encode_records, MAGIC
 from lta_bridge.bag.schemas import generate_definition
 from lta_config.errors import BadInput
 from lta_data.bag import read_bag, summarize_bag
 from lta_data.bag.mcap_file import compression
 from lta_data.bag.mcap_file.decoder import explain_undecodable
+from mcap.data_stream import RecordBuilder
 from mcap.reader import make_reader
 from mcap.records import Channel, Chunk, Header, Message, Schema
-from mcap.writer import CompressionType, Writer
+from mcap.writer import CompressionType, MCAP0_MAGIC, Writer
 import pytest
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
 from rosbags.rosbag2 import Writer as RosbagsWriter
@@ -19,6 +19,13 @@ from rosbags.typesys import get_typestore, Stores
 import zstandard
 
 TRUE = b'\0\1\0\0\1'
+
+
+def encode_records(records):
+    builder = RecordBuilder()
+    for record in records:
+        record.write(builder)
+    return builder.end()
 
 
 def write(path, topics, messages, **options):
@@ -76,7 +83,7 @@ def chunked(path, *chunks):
         Channel(1, '/x', 'cdr', {}, 1),
         *(Chunk(name, data, 0, 0, crc, size) for name, data, size, crc in chunks),
     ]
-    path.write_bytes(MAGIC + encode_records(records))
+    path.write_bytes(MCAP0_MAGIC + encode_records(records))
     return path
 
 
@@ -225,7 +232,7 @@ def test_hostile_bytes_cost_bounded_effort(tmp_path):
         bytes(64),
     )
     for filling in fillings:
-        (tmp_path / 'a.mcap').write_bytes(MAGIC + filling * (60_000 // len(filling)))
+        (tmp_path / 'a.mcap').write_bytes(MCAP0_MAGIC + filling * (60_000 // len(filling)))
         bag = read_bag(tmp_path / 'a.mcap')
         assert sum(1 for _ in bag.iterate_messages()) <= 60_000 // 31
         assert len(bag.losses) < 120
@@ -251,20 +258,20 @@ def test_lost_names_come_from_metadata(tmp_path):
     with BagWriter(tmp_path / 'bag', {}) as writer:
         for topic in ('/a', '/b'):
             writer.add_topic(topic, 'std_msgs/msg/Bool', [])
-        writer.write('/a', TRUE, 1)
-        writer.write('/b', TRUE, 2)
+        for time in range(3):
+            writer.write('/a' if time % 2 else '/b', TRUE, time)
+            writer.flush()
     file = tmp_path / 'bag' / 'bag_0.mcap'
-    data = file.read_bytes()
-    first = data.index(b'std_msgs/msg/Bool')
-    # From the schema on until before the chunk, then nothing behind the chunk's indexes.
-    cut = data.index(encode_records([Schema(1, b'', '', '')])[:1], data.index(b'zstd'))
-    broken = data[:first] + bytes(data.index(b'\x06', data.index(b'/b')) - first)
-    file.write_bytes(broken + data[len(broken) : max(cut, len(broken) + 150)])
+    with file.open('rb') as stream:
+        first, *_, last = make_reader(stream).get_summary().chunk_indexes
+    data = bytearray(file.read_bytes()[: last.chunk_start_offset + last.chunk_length])
+    data[first.chunk_start_offset + first.chunk_length - 20] ^= 1  # the chunk with the names
+    file.write_bytes(data)
     bag = read_bag(tmp_path / 'bag')
     assert list(bag.iterate_messages()) == [('/a', 1, TRUE), ('/b', 2, TRUE)]
     assert bag.decode('/b', TRUE).data is True
     assert (
-        'The topic name of channel 2 is missing or damaged in the recording; it is taken from '
+        'The topic name of channel 2 is missing in the recording; it is taken from '
         "metadata.yaml: '/b'." in bag.remarks
     )
     (tmp_path / 'bag' / 'metadata.yaml').unlink()

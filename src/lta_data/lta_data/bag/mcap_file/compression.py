@@ -4,24 +4,16 @@ from lta_config.limits import CHUNK_BYTES
 import lz4.frame
 import zstandard
 
-MAGICS = {b'\x28\xb5\x2f\xfd': 'zstd', b'\x04\x22\x4d\x18': 'lz4'}
-KINDS = ('zstd', 'lz4', '')
-
 
 class DamagedRecord(Exception):
     """A damaged record; the text, if any, is the reason as a clause."""
-
-
-def detect_compression(name: str, packed: bytes | memoryview) -> str:
-    """Return the compression of bytes by their magic number, otherwise by name."""
-    return MAGICS.get(bytes(packed[:4]), name) if name != '' else ''
 
 
 def decompress(kind: str, packed: bytes | memoryview) -> bytes | memoryview:
     """
     Return the uncompressed data; bytes behind the end of a frame are ignored.
 
-    `kind` is one of `KINDS`; '' means uncompressed.
+    `kind` is 'zstd', 'lz4' or '', which means uncompressed.
 
     Raises
     ------
@@ -39,7 +31,7 @@ def decompress(kind: str, packed: bytes | memoryview) -> bytes | memoryview:
     except (zstandard.ZstdError, RuntimeError, ValueError, EOFError, MemoryError) as error:
         raise DamagedRecord from error
     raise DamagedRecord(
-        f"are compressed with '{kind}', which is not supported (only zstd and lz4 are)"
+        f'are compressed with {kind!r}, which is not supported (only zstd and lz4 are)'
     )
 
 
@@ -70,15 +62,3 @@ def decompress_lz4(packed: bytes | memoryview) -> bytes:
         raise DamagedRecord
     return data
 
-
-def frame_length(kind: str, packed: bytes | memoryview) -> int:
-    """Return the length of the complete frame at the start of some bytes."""
-    if kind == 'zstd':
-        stream = zstandard.ZstdDecompressor().decompressobj()
-        stream.decompress(packed)
-        return len(packed) - len(stream.unused_data)
-    if kind == 'lz4':
-        unpacker = lz4.frame.LZ4FrameDecompressor()
-        unpacker.decompress(packed)
-        return len(packed) - len(unpacker.unused_data or b'')
-    return len(packed)

@@ -8,7 +8,7 @@ import os
 import struct
 from typing import BinaryIO, final
 
-from lta_bridge.bag.records import PROVENANCE
+from lta_bridge.bag.mcap_file import PROVENANCE
 from lta_config.errors import strip_control_codes, to_one_line
 from lta_config.limits import CHANNELS
 from lta_data.bag.mcap_file.compression import DamagedRecord
@@ -48,12 +48,14 @@ class DamagedRegion:
     A region of the file that cannot be used. [bytes from the start of the file]
 
     `counts` are the messages in it by channel, as far as an index shows; `start` and `end` their
-    first and last log time in ns. `chunks` is the number of chunks that it certainly contained.
+    first and last log time in ns. `chunks` is the number of chunks that it certainly contained,
+    `reason` why it cannot be used, as a clause, if not for damage.
     """
 
     offset: int
     length: int
     chunks: int = 0
+    reason: str = ''
     counts: Counter[int] = field(default_factory=Counter)
     start: int | None = None
     end: int | None = None
@@ -71,9 +73,8 @@ class McapContents:
     Directory of one MCAP file.
 
     `counts` are messages by channel, `start` and `end` the first and last log time in ns. `losses`
-    describe what is missing, `lost` where, and `remarks` irregularities without loss. `rivals` are
-    second copies of channels that differ from the first. `rhythm` is filled by a scan only.
-    `indexed` is whether everything comes from the file's summary.
+    describe what is missing, `lost` where, and `remarks` irregularities without loss. `rhythm` is
+    filled by a scan only. `indexed` is whether everything comes from the file's summary.
     """
 
     schemas: dict[int, Schema] = field(default_factory=dict)
@@ -86,7 +87,6 @@ class McapContents:
     losses: list[str] = field(default_factory=list)
     lost: list[DamagedRegion] = field(default_factory=list)
     remarks: list[str] = field(default_factory=list)
-    rivals: list[Channel] = field(default_factory=list)
     rhythm: MessageIntervals = field(default_factory=MessageIntervals, compare=False)
     indexed: bool = field(default=False, compare=False)
 
@@ -112,8 +112,8 @@ class McapContents:
                 channel.topic = to_one_line(channel.topic)
                 if len(self.channels) >= CHANNELS and channel.id not in self.channels:
                     self._note_channel_limit()
-                elif self.channels.setdefault(channel.id, channel) != channel:
-                    self.rivals.append(channel)
+                else:
+                    self.channels.setdefault(channel.id, channel)
             elif opcode == Opcode.METADATA:
                 metadata = Metadata.read(stream)
                 if metadata.name == PROVENANCE:

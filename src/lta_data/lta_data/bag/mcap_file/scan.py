@@ -1,110 +1,185 @@
 """
-Scan an MCAP file record by record.
+Scan an MCAP file chunk by chunk.
 
-This is for recordings without a valid summary: the recorder was killed, the file was cut, or
-another program wrote it without one. A chunk counts if its CRC is right; after an invalid record,
-the scan continues at the next valid one.
+This is for recordings without a valid summary: the recorder was killed, the disk was full, the
+file was cut, or another program wrote it without one. A chunk counts if its CRC is right. What
+lies between two such chunks is walked record by record, and given up where that ends.
 """
 
 from contextlib import suppress
 from dataclasses import replace
-from typing import BinaryIO, final
+import re
+from typing import BinaryIO, Final, final, NamedTuple
 
-from lta_bridge.bag.records import MAGIC
-from lta_data.bag.mcap_file.chunks import iterate_records, MESSAGE, Read, RECORD
+from lta_config.limits import CHUNK_BYTES, NOTE_BYTES
+from lta_data.bag.mcap_file.chunks import iterate_records, MESSAGE, RECORD, unpack_chunk
 from lta_data.bag.mcap_file.compression import DamagedRecord
 from lta_data.bag.mcap_file.contents import DamagedRegion, McapContents, MessageRegion
-from lta_data.bag.mcap_file.record_prober import RecordProber, ValidRecord
 from lta_data.bag.mcap_file.rhythm import iterate_index_entries
 from mcap.opcode import Opcode
+from mcap.writer import MCAP0_MAGIC
 import numpy as np
 
+# A chunk from its length on: length, times, size, CRC, compression, packed length. Lengths and
+# sizes are below 4 GB.
+CHUNK_LIKE: Final = (
+    rb'.{4}\0{4}.{16}.{4}\0{4}.{4}(?:\x04\0{3}zstd|\x03\0{3}lz4|\0{4}).{4}\0{4}'
+)
+CHUNK_HEAD: Final = re.compile(rb'\x06' + CHUNK_LIKE, re.DOTALL)
+MISLABELLED_CHUNK: Final = re.compile(rb'[^\x06]' + CHUNK_LIKE, re.DOTALL)
+HEAD_SIZE = 53  # bytes of the longest such head
+FIRST_WINDOW, LARGEST_WINDOW = 1 << 12, 1 << 20  # bytes; the next chunk is usually near
+FUTILE = 1 << 26  # bytes of futile attempts to unpack per file, beyond eight times its size
+ATTEMPT = 1 << 20  # least cost of an attempt [bytes]
 LONGEST_RUN = 1 << 20  # bytes; bare messages are read in regions of about this size
 MANY_PENDING = 10_000  # bare messages held before they enter the rhythm
 MOST_TOLD = 100  # further losses are only counted
+PRIVATE = 0x80  # opcodes from here on are private
+DATA_END_SIZE, FOOTER_SIZE = 4, 20  # bytes without opcode and length
+UNREAD: Final = (Opcode.HEADER, Opcode.ATTACHMENT)
+NAMES: Final = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.METADATA)
+
+
+class IntactChunk(NamedTuple):
+    """A chunk with a correct CRC: its region in the file [bytes] and its records."""
+
+    start: int
+    end: int
+    records: bytes | memoryview
 
 
 def scan_mcap_file(stream: BinaryIO, size: int) -> McapContents:
     """Return the contents of a file that starts as MCAP; `size` in bytes."""
-
-    def read(offset: int, length: int) -> bytes:
-        stream.seek(offset)
-        return stream.read(max(0, min(length, size - offset)))
-
-    scanner = McapScanner(read, size)
+    scanner = McapScanner(stream, size)
     scanner.walk()
     return scanner.contents
 
 
 @final
 class McapScanner:
-    """Collects the contents record by record."""
+    """Collects the contents chunk by chunk."""
 
-    def __init__(self, read: Read, size: int) -> None:
+    def __init__(self, stream: BinaryIO, size: int) -> None:
         self.contents = McapContents()
-        self._read = read
+        self._stream = stream
         self._size = size
-        self._prober = RecordProber(read, size, self.contents.channels)
+        self._patience = 8 * size + FUTILE
+        self._chunked = False  # messages come in chunks
         self._ended = False  # the data section is over; the rest repeats parts of it
+        self._finished = False
+        self._readable = len(MCAP0_MAGIC)  # end of the last valid record
         self._orphan: DamagedRegion | None = None  # the loss whose message indexes may follow
         self._pending: list[tuple[int, int]] = []  # time and channel of bare messages
 
     def walk(self) -> None:
         """Scan the file to its end."""
-        at, chunk, finished = len(MAGIC), False, False
-        while at + RECORD.size <= self._size and not finished:
-            record = self._prober.read_record(at, chunk)
-            if record is None:
-                following = self._prober.find_resume_offset(at)
-                if following is None:
-                    break
-                self._note_loss(min([at, *self._prober.before]), following[0])
-                self._prober.before.clear()
-                at, chunk = following
-            else:
-                self._add_record(at, record)
-                self._prober.accept_record(at, record)
-                at, chunk = record.end, False
-                finished = record.opcode == Opcode.FOOTER
+        chunk = self._find_chunk(len(MCAP0_MAGIC))
+        while chunk is not None:
+            self._chunked = True
+            self._read_between(self._readable, chunk.start)
+            self._add_chunk(chunk)
+            chunk = self._find_chunk(chunk.end)
+        self._read_between(self._readable, self._size)
         self._flush_pending()
-        if not finished or self._read(at, len(MAGIC)) != MAGIC:
-            self._note_truncation(at)
-        more = len(self.contents.lost) - MOST_TOLD
-        if more > 0:
-            self.contents.losses.append(
-                f'{more} more regions of the file are damaged and not listed.'
+        self._describe_losses()
+
+    def _read(self, offset: int, length: int) -> bytes:
+        """Return bytes of the file; fewer at its end."""
+        self._stream.seek(offset)
+        return self._stream.read(max(0, min(length, self._size - offset)))
+
+    def _find_chunk(self, start: int) -> IntactChunk | None:
+        """Return the first intact chunk from an offset on."""
+        at, width = start, FIRST_WINDOW
+        while at < self._size and self._patience > 0:
+            window = self._read(at, width + HEAD_SIZE)
+            head = CHUNK_HEAD.search(window)
+            while head is not None and self._patience > 0:
+                with suppress(DamagedRecord):
+                    return self._unpack_chunk(at + head.start())
+                head = CHUNK_HEAD.search(window, head.start() + 1)
+            at += width
+            width = min(2 * width, LARGEST_WINDOW)
+        return None
+
+    def _read_head(self, at: int) -> tuple[int, int]:
+        """Return opcode and length of the record at an offset; 0 beyond the end of the file."""
+        opcode, length = RECORD.unpack(self._read(at, RECORD.size).ljust(RECORD.size, b'\0'))
+        return opcode, length
+
+    def _unpack_chunk(self, at: int) -> IntactChunk:
+        """Return the chunk at an offset; raise DamagedRecord if it is not intact."""
+        start = at + RECORD.size
+        length = self._read_head(at)[1]
+        if start + length > self._size:
+            raise DamagedRecord
+        if length > 2 * CHUNK_BYTES:
+            raise DamagedRecord(
+                f'declare a chunk of {length} bytes, more than the limit of {2 * CHUNK_BYTES} '
+                'bytes'
             )
+        try:
+            return IntactChunk(at, start + length, unpack_chunk(self._read(start, length)))
+        except DamagedRecord:
+            self._patience -= ATTEMPT + length
+            raise
 
-    def _add_record(self, at: int, record: ValidRecord) -> None:
-        if record.opcode == Opcode.CHUNK:
-            self._add_chunk(at, record)
-        elif record.opcode == Opcode.MESSAGE:
-            self._add_message(at, record)
-        elif record.opcode == Opcode.MESSAGE_INDEX:
-            self._count_lost_messages(at, record)
-        elif record.opcode == Opcode.DATA_END:
+    def _read_between(self, at: int, stop: int) -> None:
+        """Read the records between two intact chunks, or behind the last one."""
+        while at < stop and not self._finished:
+            opcode, length = self._read_head(at)
+            end = at + RECORD.size + length
+            try:
+                if end > stop or MISLABELLED_CHUNK.match(self._read(at, HEAD_SIZE)):
+                    raise DamagedRecord
+                self._add_record(opcode, at, end)
+                self._readable = end
+            except DamagedRecord as error:
+                # The length of a damaged chunk may be right; that of others misleads
+                end = end if opcode == Opcode.CHUNK and end <= stop else stop
+                self._note_loss(at, end, opcode, str(error))
+            at = end
+
+    def _add_record(self, opcode: int, at: int, end: int) -> None:
+        """Add a record outside of intact chunks; raise DamagedRecord if it cannot be one."""
+        start = at + RECORD.size
+        if opcode == Opcode.CHUNK:
+            self._add_chunk(self._unpack_chunk(at))
+        elif opcode == Opcode.MESSAGE:
+            self._add_message(at, end)
+        elif opcode == Opcode.MESSAGE_INDEX:
+            self._count_lost_messages(at, end)
+        elif opcode == Opcode.DATA_END and end - start == DATA_END_SIZE:
             self._ended = True
-        else:
-            with suppress(DamagedRecord):  # cannot happen after `is_well_formed`
-                self.contents.add_record(record.opcode, bytes(record.body))
+        elif opcode == Opcode.FOOTER and end - start == FOOTER_SIZE:
+            self._ended = True
+            self._finished = self._read(end, self._size - end) == MCAP0_MAGIC
+        elif opcode in NAMES and not self._ended:
+            if end - start > NOTE_BYTES:
+                raise DamagedRecord
+            self.contents.add_record(opcode, self._read(start, end - start))
+        # The summary is damaged: what it repeats is not believed
+        elif not (opcode in UNREAD or opcode >= PRIVATE or self._ended):
+            raise DamagedRecord
 
-    def _add_chunk(self, at: int, chunk: ValidRecord) -> None:
+    def _add_chunk(self, chunk: IntactChunk) -> None:
         """Add a chunk, its messages and the channels announced in it."""
-        self._orphan = None
+        self._orphan, self._ended, self._readable = None, False, chunk.end
         times, channels = [], []
         contents = self.contents
+        length = chunk.end - chunk.start
         try:
-            for record in iterate_records(chunk.body):
+            for record in iterate_records(chunk.records):
                 if record.opcode == Opcode.MESSAGE and record.end - record.start >= MESSAGE.size:
-                    channel, _, log_time, _ = MESSAGE.unpack_from(chunk.body, record.start)
+                    channel, _, log_time, _ = MESSAGE.unpack_from(chunk.records, record.start)
                     times.append(log_time)
                     channels.append(channel)
                 elif record.opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
                     contents.add_record(
-                        record.opcode, bytes(chunk.body[record.start : record.end])
+                        record.opcode, bytes(chunk.records[record.start : record.end])
                     )
         except DamagedRecord:
-            contents.losses.append(describe_damage(at, chunk.end - at))
+            contents.losses.append(describe_damage(chunk.start, length))
         self._flush_pending()
         contents.counts.update(channels)
         first, last = min(times, default=None), max(times, default=None)
@@ -112,11 +187,15 @@ class McapScanner:
             contents.extend_time_span(first, last)
         contents.rhythm.add_times(np.array(times, np.uint64), np.array(channels, np.uint16))
         channel_ids = frozenset(channels)
-        contents.places.append(MessageRegion(at, chunk.end - at, True, channel_ids, first, last))
+        contents.places.append(MessageRegion(chunk.start, length, True, channel_ids, first, last))
 
-    def _add_message(self, at: int, record: ValidRecord) -> None:
+    def _add_message(self, at: int, end: int) -> None:
         """Add a message outside chunks to the region of its neighbours."""
-        channel, _, log_time, _ = MESSAGE.unpack(record.body)
+        if self._chunked or end - at < RECORD.size + MESSAGE.size:
+            raise DamagedRecord
+        channel, _, log_time, _ = MESSAGE.unpack(self._read(at + RECORD.size, MESSAGE.size))
+        if channel not in self.contents.channels:
+            raise DamagedRecord
         self.contents.count_message(channel, log_time)
         self._pending.append((log_time, channel))
         if len(self._pending) >= MANY_PENDING:
@@ -128,7 +207,7 @@ class McapScanner:
         places.append(
             replace(
                 run,
-                length=record.end - run.offset,
+                length=end - run.offset,
                 start=min(run.start or 0, log_time),
                 end=max(run.end or 0, log_time),
             )
@@ -143,34 +222,49 @@ class McapScanner:
             )
             self._pending.clear()
 
-    def _count_lost_messages(self, at: int, record: ValidRecord) -> None:
+    def _count_lost_messages(self, at: int, end: int) -> None:
         """Count the messages of a lost chunk by its message index."""
-        if self._orphan is not None:
-            for channel, listed in iterate_index_entries(self._read(at, record.end - at)):
+        if self._orphan is not None and end - at <= NOTE_BYTES:
+            for channel, listed in iterate_index_entries(self._read(at, end - at)):
                 self._orphan.counts[channel] += len(listed)
                 if len(listed):
                     times = listed['time']
                     self._orphan.extend_time_span(int(times.min()), int(times.max()))
 
-    def _note_loss(self, at: int, end: int) -> None:
-        """Add an unusable region."""
+    def _note_loss(self, at: int, end: int, opcode: int, reason: str) -> None:
+        """Add an unusable region, or extend the last one."""
         # Behind the data end only the summary is damaged, which the scan does not need.
-        if self._ended or end <= at:
+        if self._ended:
             return
-        chunks = int(self._prober.read_record_header(at)[0] == Opcode.CHUNK)
-        self._orphan = DamagedRegion(at, end - at, chunks)
-        self.contents.lost.append(self._orphan)
-        if len(self.contents.lost) <= MOST_TOLD:
-            self.contents.losses.append(
-                describe_damage(at, end - at, self._prober.reason if chunks else '')
-            )
+        chunks = int(opcode == Opcode.CHUNK)
+        self._chunked |= bool(chunks)
+        lost = self.contents.lost
+        if lost and lost[-1].offset + lost[-1].length == at and not chunks:
+            lost[-1].length += end - at
+        else:
+            lost.append(DamagedRegion(at, end - at, chunks, reason))
+        self._orphan = lost[-1]
 
-    def _note_truncation(self, at: int) -> None:
-        """Add the loss of a truncated end."""
-        self.contents.losses.append(describe_truncation(at, self._size))
-        if at < self._size and not self._ended:
-            chunks = int(self._prober.read_record_header(at)[0] == Opcode.CHUNK)
-            self.contents.lost.append(DamagedRegion(at, self._size - at, chunks))
+    def _describe_losses(self) -> None:
+        """Add a sentence for each unusable region, and for an end that is missing."""
+        lost, size = self.contents.lost, self._size
+        magic = len(MCAP0_MAGIC)
+        cut = self._read(max(size - magic, magic), magic) != MCAP0_MAGIC
+        for loss in lost[:MOST_TOLD]:
+            if not cut or loss.offset + loss.length < size:
+                self.contents.losses.append(
+                    describe_damage(loss.offset, loss.length, loss.reason)
+                )
+        if cut:
+            at_end = lost and lost[-1].offset + lost[-1].length == size
+            self.contents.losses.append(
+                describe_truncation(lost[-1].offset if at_end else self._readable, size)
+            )
+        more = len(lost) - MOST_TOLD
+        if more > 0:
+            self.contents.losses.append(
+                f'{more} more regions of the file are damaged and not listed.'
+            )
 
 
 def describe_truncation(end: int, size: int) -> str:

@@ -1,23 +1,23 @@
 """Read the contents of a finished MCAP file from its summary."""
 
+from collections import deque
 from io import BytesIO
 import struct
 from typing import BinaryIO
 import zlib
 
-from lta_bridge.bag.records import MAGIC
 from lta_config.limits import NOTE_BYTES, SUMMARY_BYTES
 from lta_data.bag.mcap_file.chunks import iterate_records, RECORD
 from lta_data.bag.mcap_file.compression import DamagedRecord
 from lta_data.bag.mcap_file.contents import McapContents, MessageRegion, read_at
-from lta_data.bag.mcap_file.record_shape import is_well_formed, SHAPES
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import MetadataIndex, Statistics
+from mcap.writer import MCAP0_MAGIC
 
 FOOTER = struct.Struct('<BQQQI')  # opcode, length, summary, summary offsets, CRC
-TAIL = FOOTER.size + len(MAGIC)
+TAIL = FOOTER.size + len(MCAP0_MAGIC)
 CHUNK_INDEX = struct.Struct('<QQQQI')  # start, end, offset, length, bytes of the channels
 CHANNEL = struct.Struct('<HQ')  # channel, offset of its message index
 UNUSABLE = (
@@ -40,17 +40,14 @@ def summary_is_damaged(stream: BinaryIO, size: int) -> bool:
         return False
     tail = read_at(stream, size - TAIL, TAIL)
     opcode, _, start, _, _ = FOOTER.unpack_from(tail)
-    if opcode != Opcode.FOOTER or not tail.endswith(MAGIC) or start == 0:
+    if opcode != Opcode.FOOTER or not tail.endswith(MCAP0_MAGIC) or start == 0:
         return False
     try:
         _, section = read_summary_section(stream, size)
-        return any(
-            record.opcode in SHAPES
-            and not is_well_formed(record.opcode, section[record.start : record.end])
-            for record in iterate_records(section)
-        )
+        deque(iterate_records(section), maxlen=0)
     except DamagedRecord:
         return True
+    return False
 
 
 def read_summary_section(stream: BinaryIO, size: int) -> tuple[int, bytes]:
@@ -59,7 +56,7 @@ def read_summary_section(stream: BinaryIO, size: int) -> tuple[int, bytes]:
         raise DamagedRecord
     tail = read_at(stream, size - TAIL, TAIL)
     opcode, _, start, _, crc = FOOTER.unpack_from(tail)
-    if opcode != Opcode.FOOTER or not tail.endswith(MAGIC) or not 0 < start <= size - TAIL:
+    if opcode != Opcode.FOOTER or not tail.endswith(MCAP0_MAGIC) or not 0 < start <= size - TAIL:
         raise DamagedRecord
     if size - TAIL - start > SUMMARY_BYTES:
         raise DamagedRecord
@@ -124,7 +121,7 @@ def parse_chunk_region(body: bytes) -> MessageRegion:
 
 def covers_all_messages(contents: McapContents, statistics: Statistics, data_end: int) -> bool:
     """Return whether the summary leads to every counted message exactly once."""
-    after = len(MAGIC)
+    after = len(MCAP0_MAGIC)
     for region in sorted(contents.places, key=lambda place: place.offset):
         if region.offset < after:
             return False
