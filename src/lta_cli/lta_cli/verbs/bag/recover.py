@@ -36,7 +36,7 @@ def recover(
     Recover a damaged bag into a new, complete, indexed one.
 
     Repairs truncated bags (killed recorder, full disk), damaged bytes, and a missing summary or
-    metadata.yaml. Recovers every message in chunks with a valid CRC. The original is not changed.
+    metadata.yaml. Recovers every message in intact chunks. The original is not changed.
     Reports the lost bytes, chunks and times, and the lost messages per topic as far as an index,
     metadata.yaml or the topic's rate shows them.
 
