@@ -181,7 +181,7 @@ class Disk:
 
 
 @pytest.mark.parametrize('number', [errno.ENOSPC, errno.EIO, errno.EDQUOT])
-def test_failed_write_is_undone_and_the_file_ends_without_the_wrong_summary(tmp_path, monkeypatch, number):
+def test_failed_write_is_undone_and_no_wrong_summary_written(tmp_path, monkeypatch, number):
     bag = BagWriter(tmp_path / 'bag', {})
     bag.add_topic('/b', 'std_msgs/msg/Bool', [])
     for i in range(40):

@@ -116,7 +116,7 @@ class McapFile:
         with self._change_writer():
             for message in messages:
                 self._writer.add_message(*message)
-            self._writer.flush()
+            self._writer.flush()  # type: ignore[no-untyped-call]
         counts = Counter(message[0] for message in messages)
         times = [message[1] for message in messages]
         self.start = min(self.start, *times) if self.counts else min(times)
@@ -129,7 +129,7 @@ class McapFile:
         try:
             if self._intact:
                 with self._change_writer():
-                    self._writer.finish()
+                    self._writer.finish()  # type: ignore[no-untyped-call]
                     self._file.flush()
         finally:
             if not self._intact:

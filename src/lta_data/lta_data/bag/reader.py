@@ -281,7 +281,6 @@ def read_file_contents(file: Path, metadata_topics: Sequence[TopicMetadata] = ()
 
 def has_mcap_magic(head: bytes) -> bool:
     """Return whether a file starts with MCAP's magic; up to three of its bytes may be damaged."""
-    pairs = zip(head[: len(MCAP0_MAGIC)], MCAP0_MAGIC, strict=False)
-    return (
-        sum(actual == expected for actual, expected in pairs) >= len(MCAP0_MAGIC) - 3 and len(head) >= 8
-    )
+    size = len(MCAP0_MAGIC)
+    pairs = zip(head[:size], MCAP0_MAGIC, strict=False)
+    return sum(actual == expected for actual, expected in pairs) >= size - 3 and len(head) >= size

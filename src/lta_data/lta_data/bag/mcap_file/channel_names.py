@@ -50,8 +50,8 @@ def complete_names(contents: McapContents, metadata_topics: Sequence[TopicMetada
                 'definition is used instead.'
             )
     # If the known channels are numbered as in metadata.yaml, so are the others
-    entries = dict(enumerate(metadata_topics, start=1))
-    if any(entries[i].topic != contents.channels[i].topic for i in entries.keys() & contents.channels):
+    known, entries = contents.channels, dict(enumerate(metadata_topics, start=1))
+    if any(entries[id].topic != known[id].topic for id in entries.keys() & known):
         entries = {}
     for id in sorted(set(contents.counts) - set(contents.channels)):
         name_channel(contents, id, entries.get(id))

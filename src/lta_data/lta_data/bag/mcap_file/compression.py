@@ -61,4 +61,3 @@ def decompress_lz4(packed: bytes | memoryview) -> bytes:
     if not unpacker.eof:
         raise DamagedRecord
     return data
-

@@ -22,9 +22,7 @@ import numpy as np
 
 # A chunk from its length on: length, times, size, CRC, compression, packed length. Lengths and
 # sizes are below 4 GB.
-CHUNK_LIKE: Final = (
-    rb'.{4}\0{4}.{16}.{4}\0{4}.{4}(?:\x04\0{3}zstd|\x03\0{3}lz4|\0{4}).{4}\0{4}'
-)
+CHUNK_LIKE: Final = rb'.{4}\0{4}.{16}.{4}\0{4}.{4}(?:\x04\0{3}zstd|\x03\0{3}lz4|\0{4}).{4}\0{4}'
 CHUNK_HEAD: Final = re.compile(rb'\x06' + CHUNK_LIKE, re.DOTALL)
 MISLABELLED_CHUNK: Final = re.compile(rb'[^\x06]' + CHUNK_LIKE, re.DOTALL)
 HEAD_SIZE = 53  # bytes of the longest such head
@@ -252,9 +250,7 @@ class McapScanner:
         cut = self._read(max(size - magic, magic), magic) != MCAP0_MAGIC
         for loss in lost[:MOST_TOLD]:
             if not cut or loss.offset + loss.length < size:
-                self.contents.losses.append(
-                    describe_damage(loss.offset, loss.length, loss.reason)
-                )
+                self.contents.losses.append(describe_damage(loss.offset, loss.length, loss.reason))
         if cut:
             at_end = lost and lost[-1].offset + lost[-1].length == size
             self.contents.losses.append(
