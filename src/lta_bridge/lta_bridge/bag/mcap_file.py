@@ -47,7 +47,8 @@ class McapFile:
         self._schemas: dict[MessageDefinition, int] = {}
         self._pending: list[tuple[int, int, bytes, int, int]] = []
         self._pending_size = 0
-        self._summary_size = OTHERS
+        # Space that `close` will need, estimated from above: that is safe [bytes]
+        self.summary_size = OTHERS
         self._intact = True  # what the writer has counted is in the file
         self.start = self.end = 0  # first and last log time in the file [ns]
         self.counts: Counter[int] = Counter()
@@ -65,12 +66,6 @@ class McapFile:
         return self._file.size
 
     @property
-    def summary_size(self) -> int:
-        """Space that `close` will need. [bytes]"""
-        # An estimate from above is safe: it ends the recording slightly earlier
-        return self._summary_size
-
-    @property
     def pending_count(self) -> int:
         """Number of messages that the next flush will write."""
         return len(self._pending)
@@ -85,10 +80,10 @@ class McapFile:
                     definition.type_name, definition.encoding, text
                 )
                 names = len(definition.type_name.encode()) + len(definition.encoding.encode())
-                self._summary_size += SCHEMA + names + len(text)
+                self.summary_size += SCHEMA + names + len(text)
             metadata = {'offered_qos_profiles': qos, 'topic_type_hash': definition.rihs01}
-            self._summary_size += CHANNEL + len(definition.message_encoding.encode())
-            self._summary_size += sum(len(x.encode()) for x in (topic, qos, definition.rihs01))
+            self.summary_size += CHANNEL + len(definition.message_encoding.encode())
+            self.summary_size += sum(len(x.encode()) for x in (topic, qos, definition.rihs01))
             return self._writer.register_channel(
                 topic, definition.message_encoding, self._schemas[definition], metadata
             )
@@ -102,8 +97,9 @@ class McapFile:
         publish_time: int | None = None,
     ) -> None:
         """Add one message to the pending chunk, which is written when it is full."""
-        published = log_time if publish_time is None else publish_time
-        self._pending.append((channel, log_time, data, published, sequence))
+        if publish_time is None:
+            publish_time = log_time
+        self._pending.append((channel, log_time, data, publish_time, sequence))
         self._pending_size += MESSAGE_HEAD + len(data)
         if self._pending_size >= CHUNK_SIZE:
             self.flush()
@@ -122,7 +118,7 @@ class McapFile:
         self.start = min(self.start, *times) if self.counts else min(times)
         self.end = max(self.end, *times)
         self.counts.update(counts)
-        self._summary_size += CHUNK_INDEX + CHUNK_INDEX_CHANNEL * len(counts)
+        self.summary_size += CHUNK_INDEX + CHUNK_INDEX_CHANNEL * len(counts)
 
     def close(self, *, sync: bool = True) -> None:
         """Finish and close the file, with a summary if it is right; see `RecordFile.close`."""
@@ -133,6 +129,7 @@ class McapFile:
                     self._file.flush()
         finally:
             if not self._intact:
+                self._file.drop()
                 with suppress(StorageFault):
                     self._file.write(encode_end_without_summary())
                     self._file.flush()

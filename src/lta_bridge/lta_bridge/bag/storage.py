@@ -168,6 +168,10 @@ class RecordFile:
                 with suppress(OSError):  # If this fails, the next flush overwrites the torn record
                     os.ftruncate(self._fd, self.size)
 
+    def drop(self) -> None:
+        """Forget what was written since the last flush."""
+        self._waiting.clear()
+
     def close(self, *, sync: bool = True) -> None:
         """Close the file; with `sync`, wait until it survives a power cut."""
         try:

@@ -50,8 +50,8 @@ def complete_names(contents: McapContents, metadata_topics: Sequence[TopicMetada
                 'definition is used instead.'
             )
     # If the known channels are numbered as in metadata.yaml, so are the others
-    known, entries = contents.channels, dict(enumerate(metadata_topics, start=1))
-    if any(entries[id].topic != known[id].topic for id in entries.keys() & known):
+    channels, entries = contents.channels, dict(enumerate(metadata_topics, start=1))
+    if any(entries[id].topic != channels[id].topic for id in entries.keys() & channels):
         entries = {}
     for id in sorted(set(contents.counts) - set(contents.channels)):
         name_channel(contents, id, entries.get(id))
