@@ -12,14 +12,14 @@ The second way solves the flow of each at 0.5 m/s by OpenFOAM (a minute or two e
 import sys
 
 from lta_config.constants import AIR_DENSITY, HELIUM_DENSITY
-from lta_sim.cfd.analytic import drag_force
-from lta_sim.cfd.flow_plan import TunnelFlow
-from lta_sim.cfd.flow_solvers import ThreadedFlowSolver
-from lta_sim.cfd.openfoam.case_runner import cache_folder
-from lta_sim.cfd.shape import ellipse_profile, mylar_profile, revolve_profile, TURNED
-from lta_sim.cfd.solve import solve_sweep
-from lta_sim.cfd.tunnel import build_steady_wind_case, PREVIEW
-from lta_sim.cfd.tunnel_model import TunnelModel
+from lta_windtunnel.analytic import drag_force
+from lta_windtunnel.flow_plan import TunnelFlow
+from lta_windtunnel.flow_solvers import ThreadedFlowSolver
+from lta_windtunnel.openfoam.case_runner import cache_folder
+from lta_windtunnel.shape import ellipse_profile, mylar_profile, revolve_profile, TURNED
+from lta_windtunnel.solve import solve_sweep
+from lta_windtunnel.tunnel import build_steady_wind_case, PREVIEW
+from lta_windtunnel.tunnel_model import TunnelModel
 import plotly.graph_objects as go
 from trimesh import Trimesh
 

@@ -62,6 +62,7 @@ PACKAGE_TESTS: Final = {
     'lta_studies': ('studies',),
     'lta_vehicle': ('vehicle',),
     'lta_vlc': ('vlc',),
+    'lta_windtunnel': ('windtunnel',),
     # Shared, or of tools, benchmarks and campaigns, which `make test` alone runs
     '': (
         'benchmark',

@@ -39,6 +39,7 @@ NAMES = {
     'lta_studies',
     'lta_vehicle',
     'lta_vlc',
+    'lta_windtunnel',
 }
 # The key by which package.xml calls each module that is not of ROS. tools/rosdep.yaml has the
 # rules of those that rosdistro lacks; Ubuntu's own packages of some are too old (pydantic).

@@ -10,12 +10,12 @@ from lta_bridge.bag.schemas import load_jazzy_types
 from lta_config.compilation.flat import render_core_source
 from lta_config.compilation.kernel_cache import load_kernel
 from lta_control import law_autopilot
-from lta_sim.cfd.openfoam.engine import PROGRAMS
+from lta_windtunnel.openfoam.engine import PROGRAMS
 from numba.core import config
 import numpy as np
 import pytest
 
-FAKE = Path(__file__).parent / 'sim' / 'cfd' / 'fake_openfoam.py'
+FAKE = Path(__file__).parent / 'windtunnel' / 'fake_openfoam.py'
 TOPICS = {
     '/clock': 'rosgraph_msgs/msg/Clock',
     '/lta1/odom': 'nav_msgs/msg/Odometry',

@@ -1,7 +1,7 @@
 """
 Estimate the content of a vehicle file from size, mass and motors.
 
-The drag is estimated by hand (`lta_sim.cfd.analytic`). What is neither given nor follows is
+The drag is estimated by hand (`lta_windtunnel.analytic`). What is neither given nor follows is
 assumed, and marked so, with its range.
 """
 
@@ -228,14 +228,14 @@ def _build_rotors(size: VehicleSize, hang: float) -> dict[str, Any]:
 
 
 def _estimate_drag(shape: HullBlock, hang: float, gondola: list[float]) -> dict[str, Any]:
-    """Return the drag of envelope and gondola by the formulas of `lta_sim.cfd.analytic`."""
+    """Return the drag of envelope and gondola by the formulas of `lta_windtunnel.analytic`."""
     # Imported late: the surfaces need trimesh, which copying a file does not
-    from lta_sim.cfd.aero_fit import opposing_drag
-    from lta_sim.cfd.drag_fit import fit_drag
-    from lta_sim.cfd.flow_plan import AIR
-    from lta_sim.cfd.shape import build_hull_surface
-    from lta_sim.cfd.solve import estimate_drag
-    from lta_sim.cfd.tunnel_model import build_box_surface, HULL, TunnelModel
+    from lta_windtunnel.aero_fit import opposing_drag
+    from lta_windtunnel.drag_fit import fit_drag
+    from lta_windtunnel.flow_plan import AIR
+    from lta_windtunnel.shape import build_hull_surface
+    from lta_windtunnel.solve import estimate_drag
+    from lta_windtunnel.tunnel_model import build_box_surface, HULL, TunnelModel
 
     box = build_box_surface((0.0, 0.0, -hang), (gondola[0], gondola[1], gondola[2]))
     model = TunnelModel('sized', {HULL: build_hull_surface(shape), 'gondola': box}, {}, {})

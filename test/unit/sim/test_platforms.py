@@ -9,8 +9,8 @@ from lta_model.hull import added_mass
 from lta_model.limits import level_force, level_speed, tumble_speed
 from lta_model.state import pack_state, SURROUNDINGS, VOLTAGE
 from lta_model.vehicle import load_vehicle
-from lta_sim.cfd.sweep_table import read_sweep
 from lta_sim.kernels import kernel
+from lta_windtunnel.sweep_table import read_sweep
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation

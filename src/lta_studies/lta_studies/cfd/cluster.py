@@ -13,24 +13,24 @@ from typing import Any, Final, final, Self
 
 from lta_config.errors import BadInput
 from lta_report.cluster import connect_cluster
-from lta_sim.cfd.flow_plan import TunnelFlow
-from lta_sim.cfd.flow_solvers import (
+from lta_windtunnel.flow_plan import TunnelFlow
+from lta_windtunnel.flow_solvers import (
     flow_mesh_case,
     Found,
     list_distinct_meshes,
     solve_flow,
     solve_mesh,
 )
-from lta_sim.cfd.openfoam.case import FoamCase
-from lta_sim.cfd.openfoam.case_runner import cache_folder, CaseRunner, Progress
-from lta_sim.cfd.openfoam.engine import (
+from lta_windtunnel.openfoam.case import FoamCase
+from lta_windtunnel.openfoam.case_runner import cache_folder, CaseRunner, Progress
+from lta_windtunnel.openfoam.engine import (
     CaseFailed,
     find_openfoam_version,
     FoamPrograms,
     has_openfoam,
 )
-from lta_sim.cfd.solve import check_memory
-from lta_sim.cfd.tunnel_model import TunnelModel
+from lta_windtunnel.solve import check_memory
+from lta_windtunnel.tunnel_model import TunnelModel
 
 REMEDY: Final = 'start its workers with fewer threads or more memory, or use a coarser --fidelity'
 

@@ -5,9 +5,9 @@ import math
 from typing import final
 
 from lta_report.progress_bar import ProgressBar
-from lta_sim.cfd.flow_plan import TunnelFlow
-from lta_sim.cfd.openfoam.case import FoamCase, ProgramStep
-from lta_sim.cfd.openfoam.case_runner import CaseRunner
+from lta_windtunnel.flow_plan import TunnelFlow
+from lta_windtunnel.openfoam.case import FoamCase, ProgramStep
+from lta_windtunnel.openfoam.case_runner import CaseRunner
 from rich.console import Console
 from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
 

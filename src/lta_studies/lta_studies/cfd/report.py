@@ -6,7 +6,9 @@ from typing import Final
 
 from lta_report.formatting import Tile
 from lta_report.report import Picture, Report, TextSection
-from lta_sim.cfd.aero_fit import (
+from lta_studies.cfd.pictures import draw_drag, draw_slice
+from lta_studies.cfd.tables import build_drag_table, build_incidence_table, build_rotor_table
+from lta_windtunnel.aero_fit import (
     ABOUT,
     ALONG,
     collect_warnings,
@@ -14,13 +16,11 @@ from lta_sim.cfd.aero_fit import (
     select_solved_points,
     sum_processor_time,
 )
-from lta_sim.cfd.aero_text import format_aero_file
-from lta_sim.cfd.flow_plan import MIDDLE, SLOW
-from lta_sim.cfd.slices import FlowSlice
-from lta_sim.cfd.sweep_table import Axis, drop_pressure_maps, format_sweep, TunnelSweep
-from lta_sim.cfd.tunnel import MODELLED
-from lta_studies.cfd.pictures import draw_drag, draw_slice
-from lta_studies.cfd.tables import build_drag_table, build_incidence_table, build_rotor_table
+from lta_windtunnel.aero_text import format_aero_file
+from lta_windtunnel.flow_plan import MIDDLE, SLOW
+from lta_windtunnel.slices import FlowSlice
+from lta_windtunnel.sweep_table import Axis, drop_pressure_maps, format_sweep, TunnelSweep
+from lta_windtunnel.tunnel import MODELLED
 
 INTRODUCTION: Final = (
     'Drag of the vehicle along and about its three axes, and the net force of each rotor '

@@ -8,13 +8,13 @@ from typing import Annotated
 from lta_config.errors import BadInput
 from lta_config.machine import count_cores
 from lta_report.study import StudyOptions
-from lta_sim.cfd.flow_plan import TunnelFlow
-from lta_sim.cfd.flow_solvers import FlowSolver, ThreadedFlowSolver
-from lta_sim.cfd.openfoam.case_runner import cache_folder, CaseRunner
-from lta_sim.cfd.openfoam.engine import FoamPrograms, require_openfoam
-from lta_sim.cfd.solve import check_memory, machine_memory
 from lta_studies.cfd.cluster import DaskFlowSolver
 from lta_studies.cfd.progress import TunnelProgress
+from lta_windtunnel.flow_plan import TunnelFlow
+from lta_windtunnel.flow_solvers import FlowSolver, ThreadedFlowSolver
+from lta_windtunnel.openfoam.case_runner import cache_folder, CaseRunner
+from lta_windtunnel.openfoam.engine import FoamPrograms, require_openfoam
+from lta_windtunnel.solve import check_memory, machine_memory
 import typer
 
 Cache = Annotated[

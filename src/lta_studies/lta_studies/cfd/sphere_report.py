@@ -6,11 +6,11 @@ from typing import Final
 
 from lta_report.formatting import Tile
 from lta_report.report import Picture, Report, TextSection
-from lta_sim.cfd.openfoam.engine import find_openfoam_version
-from lta_sim.cfd.tunnel import MODELLED
-from lta_sim.cfd.validation import SphereComparison
 from lta_studies.cfd.pictures import draw_sphere_drag
 from lta_studies.cfd.tables import build_sphere_table
+from lta_windtunnel.openfoam.engine import find_openfoam_version
+from lta_windtunnel.tunnel import MODELLED
+from lta_windtunnel.validation import SphereComparison
 
 CAPTION: Final = (
     'Line: correlation of Morrison (2013). Band: 0.45 to 0.50, measured by Achenbach (1972) '

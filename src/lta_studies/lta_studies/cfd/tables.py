@@ -4,7 +4,7 @@ from collections.abc import Sequence
 import math
 
 from lta_report.report import TextTable
-from lta_sim.cfd.aero_fit import (
+from lta_windtunnel.aero_fit import (
     fit_drag_by_axis,
     hull_share,
     mesh_share,
@@ -13,10 +13,10 @@ from lta_sim.cfd.aero_fit import (
     select_fit_points,
     select_solved_points,
 )
-from lta_sim.cfd.incidence import compare_inclined_flows
-from lta_sim.cfd.sweep_table import TunnelSweep
-from lta_sim.cfd.thrust_allocation import linearity_ratio, sum_columns
-from lta_sim.cfd.validation import SphereComparison
+from lta_windtunnel.incidence import compare_inclined_flows
+from lta_windtunnel.sweep_table import TunnelSweep
+from lta_windtunnel.thrust_allocation import linearity_ratio, sum_columns
+from lta_windtunnel.validation import SphereComparison
 
 
 def build_drag_table(sweep: TunnelSweep) -> TextTable:

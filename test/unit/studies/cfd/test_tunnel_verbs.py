@@ -7,13 +7,13 @@ import sys
 
 from lta_config.files import share_folder
 from lta_report.report_terminal import print_table
-from lta_sim.cfd.flow_plan import plan_flows
-from lta_sim.cfd.sweep_table import drop_pressure_maps, read_sweep
-from lta_sim.cfd.tunnel_model import load_tunnel_model
-from lta_sim.cfd.validation import SphereComparison
 from lta_studies.cfd.progress import TunnelProgress
 from lta_studies.cfd.sphere_report import build_report
 from lta_studies.cfd.tables import build_drag_table, build_rotor_table
+from lta_windtunnel.flow_plan import plan_flows
+from lta_windtunnel.sweep_table import drop_pressure_maps, read_sweep
+from lta_windtunnel.tunnel_model import load_tunnel_model
+from lta_windtunnel.validation import SphereComparison
 import pytest
 from rich.console import Console
 

@@ -7,8 +7,8 @@ from typing import Annotated
 from lta_config.atomic_file import replace_atomically
 from lta_config.errors import BadInput
 from lta_config.files import share_folder
-from lta_sim.cfd.aero_text import format_aero_file
-from lta_sim.cfd.sweep_table import read_sweep
+from lta_windtunnel.aero_text import format_aero_file
+from lta_windtunnel.sweep_table import read_sweep
 import typer
 
 

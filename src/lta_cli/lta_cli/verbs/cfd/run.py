@@ -11,14 +11,6 @@ from lta_config.schema.mount_file import load_mount
 from lta_config.schema.tunnel_file import load_tunnel_file
 from lta_report.report import Report
 from lta_report.results_folder import resolve_folder
-from lta_sim.cfd.flow_plan import AIR, plan_flows, TunnelFlow
-from lta_sim.cfd.openfoam.case_runner import CaseRunner
-from lta_sim.cfd.openfoam.engine import FoamPrograms
-from lta_sim.cfd.slices import FlowSlice, read_flow_slice
-from lta_sim.cfd.solve import build_sweep, solve_sweep
-from lta_sim.cfd.sweep_table import TunnelSweep
-from lta_sim.cfd.tunnel import INCIDENCES
-from lta_sim.cfd.tunnel_model import load_tunnel_model, TunnelModel
 from lta_studies.cfd.progress import TunnelProgress
 from lta_studies.cfd.report import build_report
 from lta_studies.cfd.solvers import (
@@ -28,6 +20,14 @@ from lta_studies.cfd.solvers import (
     refuse_solver_options,
     resolve_cache_folder,
 )
+from lta_windtunnel.flow_plan import AIR, plan_flows, TunnelFlow
+from lta_windtunnel.openfoam.case_runner import CaseRunner
+from lta_windtunnel.openfoam.engine import FoamPrograms
+from lta_windtunnel.slices import FlowSlice, read_flow_slice
+from lta_windtunnel.solve import build_sweep, solve_sweep
+from lta_windtunnel.sweep_table import TunnelSweep
+from lta_windtunnel.tunnel import INCIDENCES
+from lta_windtunnel.tunnel_model import load_tunnel_model, TunnelModel
 import typer
 
 SHOWN = ('heave', 'surge', 'up_left', 'both_up', 'all', 'up_left_reversed', 'forward_left')

@@ -6,15 +6,15 @@ from lta_cli.options.study_command import study_command, StudyRun
 from lta_cli.verbs.cfd.run import Fidelity
 from lta_config.errors import BadInput
 from lta_report.report import Report
-from lta_sim.cfd.flow_plan import AIR
-from lta_sim.cfd.validation import (
+from lta_studies.cfd.progress import TunnelProgress
+from lta_studies.cfd.solvers import Cache, check_solver_options, open_solver
+from lta_studies.cfd.sphere_report import build_report
+from lta_windtunnel.flow_plan import AIR
+from lta_windtunnel.validation import (
     build_sphere_model,
     compare_with_measurements,
     plan_validation_flows,
 )
-from lta_studies.cfd.progress import TunnelProgress
-from lta_studies.cfd.solvers import Cache, check_solver_options, open_solver
-from lta_studies.cfd.sphere_report import build_report
 import typer
 
 

@@ -1,0 +1,211 @@
+"""Fit drag, rotor columns and coupling to a raw sweep, and collect its warnings."""
+
+from collections.abc import Sequence
+import math
+from typing import Final
+
+from lta_config.errors import BadInput
+from lta_windtunnel import flow_checks
+from lta_windtunnel.drag_fit import DragFit, fit_drag
+from lta_windtunnel.sweep_table import AXES, Axis, SweepPoint, TunnelSweep
+from lta_windtunnel.thrust_allocation import linearity_ratio, transform_wrench
+from lta_windtunnel.tunnel_model import HULL, QUARTER
+import numpy as np
+
+ABOUT: Final[dict[Axis, int]] = {'roll': 0, 'pitch': 1, 'yaw': 2}
+ALONG: Final[dict[Axis, int]] = {'surge': 0, 'sway': 1, 'heave': 2}
+LIKE: Final[dict[Axis, Axis]] = {'sway': 'surge', 'pitch': 'roll'}  # after a quarter turn
+NOTICED: Final = 0.05  # of the drag: smallest side force that is reported
+MESHED: Final = 0.1  # of the drag: largest change on a coarser mesh without a warning
+JOINED: Final = 0.05  # largest error of a fit through steady and transient points
+# Spins are solved as steady rotation, but a flying hull oscillates about its attitude
+UNSTEADY: Final = (
+    'the damping of small fast oscillations is underestimated, because the flow was solved '
+    'for a steady rotation'
+)
+
+
+def opposing_drag(axis: Axis, points: Sequence[SweepPoint]) -> list[float]:
+    """Return the drag along or about an axis, positive where it opposes the motion. [N or N m]."""
+    if axis in ALONG:
+        # The vehicle moves along +axis, so that drag is negative
+        return [-point.force[ALONG[axis]] for point in points]
+    return [-point.moment[ABOUT[axis]] for point in points]
+
+
+def fit_drag_by_axis(sweep: TunnelSweep) -> dict[Axis, DragFit]:
+    """Return the drag fit of each axis, from estimates by hand where no flow was solved."""
+    fits: dict[Axis, DragFit] = {}
+    for axis in AXES:
+        fits[axis] = _fit_points(axis, select_fit_points(sweep, axis))
+    return fits
+
+
+def _fit_points(axis: Axis, points: Sequence[SweepPoint]) -> DragFit:
+    return fit_drag([point.speed for point in points], opposing_drag(axis, points))
+
+
+def select_fit_points(sweep: TunnelSweep, axis: Axis) -> Sequence[SweepPoint]:
+    """
+    Return the points for the fit of an axis.
+
+    The slow point of a reference sweep comes from the steady model, whose wake does not shed. It
+    is left out if no drag fit matches both points.
+    """
+    points = select_axis_points(sweep, axis)
+    # Only reference sweeps mix steady (slow) and transient (fast) points
+    if sweep.fidelity != 'reference' or not select_solved_points(sweep, axis) or axis in ABOUT:
+        return points
+    return points if _fit_points(axis, points).error <= JOINED else points[-1:]
+
+
+def select_solved_points(sweep: TunnelSweep, axis: Axis) -> Sequence[SweepPoint]:
+    """Return the solved points of an axis, or of the axis equivalent by symmetry; else none."""
+    like = LIKE.get(axis)
+    if axis in sweep.axes or like is None or QUARTER.tolist() not in list(sweep.symmetries):
+        return sweep.axes.get(axis, ())
+    return [_rotate_point(point) for point in sweep.axes.get(like, ())]
+
+
+def _rotate_point(point: SweepPoint) -> SweepPoint:
+    """Rotate a point of a motion along or about x to the same motion along or about y."""
+    # A quarter turn about z maps x to y
+    wrench = transform_wrench(np.array([*point.force, *point.moment]), QUARTER).tolist()
+    return point.model_copy(update={'force': wrench[:3], 'moment': wrench[3:]})
+
+
+def select_axis_points(sweep: TunnelSweep, axis: Axis) -> Sequence[SweepPoint]:
+    """Return the solved points of an axis, or else the estimates by hand."""
+    points = select_solved_points(sweep, axis) or sweep.by_hand.get(axis)
+    if not points:
+        raise BadInput(
+            f'The wind tunnel results of {sweep.name} have no values for {axis}; run lta '
+            'cfd again.'
+        )
+    return points
+
+
+def collect_warnings(sweep: TunnelSweep) -> list[str]:
+    """Return warnings for users of the fitted coefficients."""
+    warnings: list[str] = []
+    for axis in AXES:
+        points = select_solved_points(sweep, axis)
+        if not points:
+            if sweep.fidelity != 'analytic':
+                warnings.append(f'{axis}: analytic estimate, no flow was solved')
+            continue
+        ratio = ratio_to_estimate(sweep, axis)
+        if not flow_checks.is_near_estimate(ratio, 1.0):
+            warnings.append(
+                f'{axis}: the drag is {ratio:.2f} times the analytic estimate; check the flow'
+            )
+        coarser = mesh_share(sweep, axis)
+        if coarser is not None and abs(coarser) > MESHED:
+            warnings.append(
+                f'{axis}: on a coarser mesh, the drag changes by {100 * coarser:+.0f} %'
+            )
+    if any(axis in sweep.axes for axis in ABOUT):
+        warnings.append(f'roll, pitch, yaw: {UNSTEADY}')
+    if sweep.fidelity == 'preview':
+        warnings.append(
+            'steady flow model: for a sphere, its drag is correct at 0.2 m/s and up to 30 '
+            '% low at 2 m/s'
+        )
+    tops = [
+        select_solved_points(sweep, axis)[-1].speed
+        for axis in ALONG
+        if select_solved_points(sweep, axis)
+    ]
+    if sweep.fidelity == 'reference' and tops:
+        # A reference solves two speeds; the faster one bounds the range of the fit
+        warnings.append(f'drag above {min(tops):g} m/s is extrapolated')
+        warnings += [
+            _format_omission_warning(sweep, axis) for axis in ALONG if _is_unjoined(sweep, axis)
+        ]
+    for pattern in sweep.blows:
+        share = linearity_ratio(sweep, pattern)
+        if share is not None and abs(share - 1.0) > 0.05:
+            warnings.append(
+                f'{pattern}: force and moment are not proportional to the thrust: at '
+                f'partial thrust, they are {share:.2f} times the expected values'
+            )
+    warnings += [f'{name}: refused: {reason}' for name, reason in sweep.refused.items()]
+    return warnings
+
+
+def _is_unjoined(sweep: TunnelSweep, axis: Axis) -> bool:
+    return len(select_fit_points(sweep, axis)) < len(select_axis_points(sweep, axis))
+
+
+def _format_omission_warning(sweep: TunnelSweep, axis: Axis) -> str:
+    """Return the warning about a slow reference point that is left out."""
+    slow = select_axis_points(sweep, axis)[0]
+    share = opposing_drag(axis, [slow])[0] / _fit_points(
+        axis, select_fit_points(sweep, axis)
+    ).drag_at(slow.speed)
+    return (
+        f'{axis}: the drag of the steady flow at {slow.speed:g} m/s differs by '
+        f'{100 * (share - 1):+.0f} % from the fit to the transient flow, so it is left out '
+        'of the fit'
+    )
+
+
+def middle_speed_point(sweep: TunnelSweep, axis: Axis) -> SweepPoint:
+    """Return the middle speed of an axis."""
+    points = select_axis_points(sweep, axis)
+    return points[len(points) // 2]
+
+
+def ratio_to_estimate(sweep: TunnelSweep, axis: Axis) -> float:
+    """Return the drag at the middle speed over the estimate by hand. [1]."""
+    middle = middle_speed_point(sweep, axis)
+    return opposing_drag(axis, [middle])[0] / interpolate_estimate(sweep, axis, middle.speed)
+
+
+def mesh_share(sweep: TunnelSweep, axis: Axis) -> float | None:
+    """Return the relative change of the drag on a coarser mesh; None if none was solved. [1]."""
+    coarse = sweep.coarse.get(axis)
+    fine = [point for point in sweep.axes.get(axis, ()) if coarse and point.speed == coarse.speed]
+    if coarse is None or not fine:
+        return None
+    return opposing_drag(axis, [coarse])[0] / opposing_drag(axis, fine)[0] - 1.0
+
+
+def hull_share(sweep: TunnelSweep, axis: Axis) -> float | None:
+    """Return the hull's share of the drag at the middle speed; None by hand. [1]."""
+    parts = middle_speed_point(sweep, axis).parts
+    return parts[HULL] / sum(parts.values()) if parts else None
+
+
+def sum_processor_time(sweep: TunnelSweep) -> float:
+    """Return the processor time of all flows, without meshes. [s]."""
+    points = [point for axis in sweep.axes.values() for point in axis]
+    points += [*sweep.coarse.values(), *sweep.inclined.values()]
+    evidence = [each.evidence for each in points]
+    evidence += [each.evidence for each in sweep.blows.values()]
+    return sum(each.seconds for each in evidence)
+
+
+def interpolate_estimate(sweep: TunnelSweep, axis: Axis, speed: float) -> float:
+    """Interpolate the estimate by hand for an axis at a speed. [N or N m]"""
+    points = sweep.by_hand[axis]
+    # Drag is close to a power law, which is a straight line in logarithms
+    speeds = np.log([point.speed for point in points])
+    return math.exp(float(np.interp(math.log(speed), speeds, np.log(opposing_drag(axis, points)))))
+
+
+def describe_side_loads(sweep: TunnelSweep) -> dict[str, str]:
+    """Return force and moment of each direction at its middle speed, unless negligible."""
+    loads: dict[str, str] = {}
+    for axis, k in ALONG.items():
+        points = select_solved_points(sweep, axis)
+        if not points:
+            continue
+        point = points[len(points) // 2]
+        drag = abs(point.force[k])
+        sides = [each for j, each in enumerate(point.force) if j != k]
+        if math.hypot(*sides) > NOTICED * drag:
+            force = ', '.join(f'{each:.3g}' for each in point.force)
+            moment = ', '.join(f'{each:.3g}' for each in point.moment)
+            loads[axis] = f'at {point.speed:g} m/s force ({force}) N, moment ({moment}) N m'
+    return loads

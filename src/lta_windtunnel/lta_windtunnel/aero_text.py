@@ -1,0 +1,157 @@
+"""Format the aero file of a raw sweep."""
+
+from collections.abc import Callable, Sequence
+import math
+from typing import Any
+
+from lta_windtunnel.aero_fit import (
+    ABOUT,
+    ALONG,
+    collect_warnings,
+    describe_side_loads,
+    fit_drag_by_axis,
+    hull_share,
+    mesh_share,
+    ratio_to_estimate,
+    select_fit_points,
+    select_solved_points,
+)
+from lta_windtunnel.drag_fit import DragFit
+from lta_windtunnel.sweep_table import AXES, Axis, TunnelSweep
+from lta_windtunnel.thrust_allocation import (
+    AllocationColumn,
+    compute_jet_coupling,
+    find_rotor_column,
+)
+import yaml
+
+NOTHING = 1e-9  # any coefficient below is zero by symmetry, except for rounding
+
+
+def _round_to_four_digits(number: float) -> float:
+    """Round to four digits; values that are zero by symmetry become exactly zero."""
+    return float(f'{number:.4g}') if abs(number) > NOTHING else 0.0
+
+
+def format_quantity(value: float | Sequence[float], unit: str, source: str) -> dict[str, Any]:
+    """Return a quantity for YAML, with four digits."""
+    numbers = (
+        [_round_to_four_digits(each) for each in value] if isinstance(value, Sequence) else value
+    )
+    return {'value': numbers, 'unit': unit, 'source': source}
+
+
+def _describe_source(sweep: TunnelSweep, axes: Sequence[Axis]) -> str:
+    """Return the source of the coefficients of three axes."""
+    solved = [axis for axis in axes if select_solved_points(sweep, axis)]
+    hand = [axis for axis in axes if axis not in solved]
+    sources = [f'{sweep.engine}, {sweep.fidelity}: {", ".join(solved)}'] if solved else []
+    return '; '.join(sources + ([f'by hand: {", ".join(hand)}'] if hand else []))
+
+
+def _format_drag(
+    sweep: TunnelSweep, fits: dict[Axis, DragFit], term: Callable[[DragFit], float], square: str
+) -> dict[str, Any]:
+    along, about = tuple(ALONG), tuple(ABOUT)
+    unit = {'': ('N s/m', 'N m s'), '2': ('N s2/m2', 'N m s2')}[square]
+    return {
+        'force': format_quantity(
+            [term(fits[a]) for a in along], unit[0], _describe_source(sweep, along)
+        ),
+        'moment': format_quantity(
+            [term(fits[a]) for a in about], unit[1], _describe_source(sweep, about)
+        ),
+    }
+
+
+def _format_wrench(column: AllocationColumn, engine: str) -> dict[str, Any]:
+    source = f'{engine}, {column.source}'
+    return {
+        'force': format_quantity(column.wrench[:3].tolist(), 'N/N', source),
+        'moment': format_quantity(column.wrench[3:].tolist(), 'm', source),
+    }
+
+
+def _format_columns(sweep: TunnelSweep) -> dict[str, Any]:
+    columns: dict[str, Any] = {}
+    for name in sweep.rotors:
+        if (column := find_rotor_column(sweep, name)) is None:
+            continue
+        columns[name] = _format_wrench(column, sweep.engine)
+        # A reversed rotor blows the other way over the hull, so it has its own column
+        if (back := find_rotor_column(sweep, name, backward=True)) is not None:
+            columns[name]['reverse'] = _format_wrench(back, sweep.engine)
+    return columns
+
+
+def build_aero_content(sweep: TunnelSweep) -> dict[str, Any]:
+    """Return the content of the aero file of a sweep, for YAML."""
+    fits = fit_drag_by_axis(sweep)
+    aero: dict[str, Any] = {
+        'linear_drag': _format_drag(sweep, fits, lambda fit: fit.linear, ''),
+        'quadratic_drag': _format_drag(sweep, fits, lambda fit: fit.quadratic, '2'),
+    }
+    if columns := _format_columns(sweep):
+        aero['thrust_allocation'] = columns
+    if (coupled := compute_jet_coupling(sweep)) is not None:
+        aero['coupling'] = {
+            'rotors': list(coupled.rotors),
+            **_format_wrench(
+                AllocationColumn(
+                    coupled.wrench, 'all rotors on, minus the columns of the single rotors'
+                ),
+                sweep.engine,
+            ),
+        }
+    return {
+        'schema': 1,
+        'name': sweep.name,
+        'vehicle': sweep.vehicle,
+        'evidence': {
+            'engine': sweep.engine,
+            'fidelity': sweep.fidelity,
+            'geometry': sweep.geometry,
+            'density': format_quantity(sweep.density, 'kg/m3', 'as solved'),
+            'axes': {axis: _format_fit(sweep, axis, fits[axis]) for axis in AXES},
+            'beside': describe_side_loads(sweep),
+            'warnings': collect_warnings(sweep),
+        },
+        'aero': aero,
+    }
+
+
+def _format_fit(sweep: TunnelSweep, axis: Axis, fit: DragFit) -> dict[str, Any]:
+    points = select_fit_points(sweep, axis)
+    entries = {
+        'points': len(points),
+        'error': _round_to_three_digits(
+            round(fit.error, 9)
+        ),  # a fit through two points is exact except for rounding
+        'exponent': None if math.isnan(fit.exponent) else float(f'{fit.exponent:.4g}'),
+        'spread': max(point.evidence.spread for point in points),
+        'cells': max(point.evidence.cells for point in points),
+        'by_hand': _round_to_three_digits(ratio_to_estimate(sweep, axis)),
+        'mesh': _round_to_three_digits(mesh_share(sweep, axis)),
+        'hull': _round_to_three_digits(hull_share(sweep, axis)),
+    }
+    # Optional evidence is omitted rather than written as null
+    return {name: each for name, each in entries.items() if each is not None}
+
+
+def _round_to_three_digits(number: float | None) -> float | None:
+    return None if number is None else float(f'{number:.3g}')
+
+
+def format_aero_file(sweep: TunnelSweep) -> str:
+    """Return the aero file of a sweep."""
+    head = (
+        f'# Aerodynamic data of {sweep.name} from the simulated wind tunnel. Do not edit: '
+        f'lta cfd refit generates this file from {sweep.name}.sweep.json.\n'
+    )
+    return head + yaml.dump(
+        build_aero_content(sweep),
+        sort_keys=False,
+        default_flow_style=None,
+        width=150,
+        allow_unicode=True,
+    )

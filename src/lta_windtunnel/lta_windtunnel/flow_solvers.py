@@ -1,0 +1,156 @@
+"""
+Solve flows in parallel threads, each running a program on one core.
+
+On two cores this is faster than one flow on both, and a failing flow does not affect the others.
+"""
+
+from collections.abc import Generator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from pathlib import Path
+from typing import Final, final, Protocol
+
+from lta_windtunnel import flow_checks, reduce
+from lta_windtunnel.flow_plan import TunnelFlow
+from lta_windtunnel.openfoam.case import FoamCase
+from lta_windtunnel.openfoam.case_runner import CaseRunner, Progress
+from lta_windtunnel.openfoam.engine import CaseFailed, find_openfoam_version, FoamPrograms
+from lta_windtunnel.openfoam.mesh import list_solved_bodies
+from lta_windtunnel.openfoam.output_reader import read_mesh, read_patches
+from lta_windtunnel.sweep_table import Blow, SweepPoint
+from lta_windtunnel.tunnel_model import TunnelModel
+
+READ: Final = {
+    'wind': reduce.summarize_steady_wind,
+    'coarse': reduce.summarize_steady_wind,
+    'transient': reduce.summarize_transient_wind,
+    'spin': reduce.summarize_rotation_flow,
+}
+Points = tuple[list[SweepPoint], dict[str, str]]  # points, and the refused ones with their reason
+Found = Points | Blow
+
+
+class FlowSolver(Protocol):
+    """Interface of a flow solver."""
+
+    def solver_version(self) -> str:
+        """Return name and version of the solver."""
+        ...
+
+    def solve_flows(
+        self, model: TunnelModel, flows: Sequence[TunnelFlow], density: float
+    ) -> Generator[tuple[TunnelFlow, Found | CaseFailed]]:
+        """Yield each flow with its result, and stop when closed; arguments as in `solve_flow`."""
+        ...
+
+
+@final
+class ThreadedFlowSolver:
+    """
+    Solve flows on this machine.
+
+    `folder`: cache of the solved cases. `jobs`: number of parallel flows. `tell`: called with the
+    progress of each case. `retry_failed`: whether to repeat cases that failed in an earlier run.
+    """
+
+    def __init__(
+        self, folder: Path, jobs: int, tell: Progress, retry_failed: bool = False
+    ) -> None:
+        self._programs = FoamPrograms()
+        self._stages = CaseRunner(folder, self._programs, tell, retry_failed)
+        self._jobs = jobs
+
+    def solver_version(self) -> str:
+        """Return name and version of the solver."""
+        return find_openfoam_version()
+
+    def solve_flows(
+        self, model: TunnelModel, flows: Sequence[TunnelFlow], density: float
+    ) -> Generator[tuple[TunnelFlow, Found | CaseFailed]]:
+        """Yield each flow with its result; arguments as in `solve_flow`."""
+        with ThreadPoolExecutor(self._jobs) as pool:
+            try:
+                # Each mesh once, before all flows that share it
+                meshes = {
+                    mesh.key: pool.submit(solve_mesh, self._stages, mesh)
+                    for mesh in list_distinct_meshes(flows)
+                }
+                pending = [
+                    (
+                        flow,
+                        pool.submit(
+                            self._solve_after_mesh,
+                            meshes[flow_mesh_case(flow).key],
+                            model,
+                            flow,
+                            density,
+                        ),
+                    )
+                    for flow in flows
+                ]
+                # In submission order, so that results do not depend on timing.
+                for flow, future in pending:
+                    try:
+                        yield flow, future.result()
+                    except CaseFailed as error:
+                        yield flow, error
+            # Also for KeyboardInterrupt and a closed generator: leave no solver running
+            except BaseException:
+                self._programs.stop()
+                pool.shutdown(wait=False, cancel_futures=True)
+                raise
+
+    def _solve_after_mesh(
+        self, mesh: Future[Path], model: TunnelModel, flow: TunnelFlow, density: float
+    ) -> Found:
+        mesh.result()  # raises the reason if the mesh failed
+        return solve_flow(self._stages, model, flow, density)
+
+
+def flow_mesh_case(flow: TunnelFlow) -> FoamCase:
+    """Return the case that makes the mesh of a flow."""
+    assert flow.case.mesh is not None
+    return flow.case.mesh
+
+
+def list_distinct_meshes(flows: Sequence[TunnelFlow]) -> list[FoamCase]:
+    """Return the distinct meshes of some flows."""
+    return list({flow_mesh_case(flow).key: flow_mesh_case(flow) for flow in flows}.values())
+
+
+def solve_mesh(stages: CaseRunner, mesh: FoamCase) -> Path:
+    """Solve a mesh and return its folder; raise `CaseFailed` if it is invalid."""
+    place = stages.solve(mesh)
+    flow_checks.check_mesh(mesh.name, read_mesh(place))
+    return place
+
+
+def solve_flow(stages: CaseRunner, model: TunnelModel, flow: TunnelFlow, density: float) -> Found:
+    """Solve a flow, after its mesh if needed, and return the result; density in kg/m3."""
+    mesh = solve_mesh(stages, flow_mesh_case(flow))
+    if flow.kind != 'coarse':  # a coarse mesh may lose thin bodies: it only shows the mesh error
+        patches = read_patches(mesh)
+        flow_checks.check_bodies(
+            flow_mesh_case(flow).name, patches, list_solved_bodies(flow_mesh_case(flow), patches)
+        )
+    place = stages.solve(flow.case)
+    # From the logs, so that a cached case keeps its original time
+    spent = round(stages.processor_time(flow.case), 1)
+    if flow.kind == 'blow':
+        return reduce.summarize_rotor_flow(model, flow.shares or {}, place, mesh, spent, density)
+    read = READ[flow.kind]
+    # A coarse mesh and its wind share the axis, so the case name labels the coarse one.
+    points, refused = [], {}
+    label = flow.case.name if flow.kind == 'coarse' else flow.about
+    for speed in flow.speeds:
+        step = next(each for each in flow.case.steps if each.name == f'{speed:g}')
+        try:
+            each = spent / len(flow.speeds)
+            points.append(read(model, flow.about, step, speed, place, mesh, each, density))
+        except CaseFailed as error:  # one failed speed does not invalidate the others
+            refused[f'{label} at {speed:g}'] = str(error)
+    return points, refused
+
+
+def split_failed_points(flow: TunnelFlow, result: Points | CaseFailed) -> Points:
+    """Return the points of a flow and its failed ones, or the reason of a complete failure."""
+    return ([], {flow.case.name: str(result)}) if isinstance(result, CaseFailed) else result

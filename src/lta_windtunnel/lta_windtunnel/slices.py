@@ -1,0 +1,95 @@
+"""Sample a plane through a solved flow on a regular grid, for pictures."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final, final
+
+from lta_windtunnel.flow_plan import TunnelFlow
+from lta_windtunnel.openfoam.output_reader import read_slice
+from lta_windtunnel.tunnel import has_symmetry_planes, rotate_into_tunnel
+from lta_windtunnel.tunnel_model import TunnelModel
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import griddata
+import trimesh
+
+Array = NDArray[np.float64]
+POINTS: Final = 220  # along the longer side
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class FlowSlice:
+    """Air speed in a plane."""
+
+    about: str  # axis or pattern
+    # Coordinates along the two sides of the picture [m]
+    across: Array
+    up: Array
+    names: tuple[str, str]  # labels of the sides
+    speed: Array  # NaN inside the bodies [m/s]
+
+
+def read_flow_slice(model: TunnelModel, flow: TunnelFlow, place: Path) -> FlowSlice | None:
+    """Return the slice of a solved flow, or None if none was written."""
+    rows = read_slice(place)
+    if rows is None or len(rows) < 100:
+        return None
+    size = model.length
+    speed = np.linalg.norm(rows[:, 3:6], axis=1)
+    if flow.kind == 'blow':
+        # The slice contains z and either x or y: the one that varies
+        across = int(np.argmax(np.ptp(rows[:, :2], axis=0)))
+        window = ((-1.0, 1.0), (-1.5, 0.6))
+        names = ('xyz'[across] + ' [m]', 'z [m]')
+        turn = np.eye(3)
+    else:
+        across = 0
+        window = ((-0.9, 2.2), (-0.9, 0.9))
+        names = ('along the wind [m]', 'across it [m]')
+        turn = np.eye(3) if flow.kind == 'spin' else rotate_into_tunnel(flow.about)
+        # The flow was solved at 1 m/s
+        speed = speed * flow.speeds[-1]
+    points = rows[:, [across, 2]]
+    if flow.kind == 'wind' and has_symmetry_planes(model, flow.about)[1]:
+        # Mirror the solved half
+        points = np.vstack((points, points * (1.0, -1.0)))
+        speed = np.concatenate((speed, speed))
+    ends = size * np.array(window)
+    step = float(np.ptp(ends[0])) / POINTS
+    sides = [np.arange(low, high + step, step) for low, high in ends]
+    grid = griddata(points, speed, tuple(np.meshgrid(*sides)), method='linear')
+    return FlowSlice(
+        flow.about, sides[0], sides[1], names, _mask_bodies(model, turn, across, sides, grid)
+    )
+
+
+def _mask_bodies(
+    model: TunnelModel, turn: Array, across: int, sides: list[Array], grid: Array
+) -> Array:
+    """Return the grid with NaN inside the cross-sections of the bodies."""
+    grid = grid.copy()
+    normal = np.eye(3)[1 - across]
+    for mesh in model.bodies.values():
+        turned = mesh.copy()
+        whole = np.eye(4)
+        whole[:3, :3] = turn
+        turned.apply_transform(whole)
+        # Close to the plane of the slice, which is 0.002 lengths off the centre
+        origin = 0.0023 * model.length * normal
+        cut = trimesh.intersections.mesh_plane(turned, normal, origin)  # type: ignore[no-untyped-call]
+        if len(cut):
+            grid[_find_enclosed_points(cut[:, :, [across, 2]], sides)] = np.nan
+    return grid
+
+
+def _find_enclosed_points(lines: Array, sides: list[Array]) -> NDArray[np.bool_]:
+    """Return which points of a grid are inside closed lines, by counting ray crossings."""
+    x, y = np.meshgrid(*sides)
+    odd = np.zeros(x.shape, dtype=bool)
+    for (x1, y1), (x2, y2) in lines:
+        crosses = (y1 > y) != (y2 > y)
+        if crosses.any():
+            at = x1 + (y - y1) * (x2 - x1) / (y2 - y1 if y2 != y1 else 1.0)
+            odd ^= crosses & (x < at)
+    return odd

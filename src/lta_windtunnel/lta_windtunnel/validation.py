@@ -1,0 +1,106 @@
+"""Validate the tunnel with a sphere against measured drag."""
+
+from collections.abc import Callable, Sequence
+from contextlib import closing
+from dataclasses import dataclass, replace
+import math
+from typing import Final, final
+
+from lta_windtunnel.flow_plan import Air, LENGTHS, MIDDLE, TunnelFlow
+from lta_windtunnel.flow_solvers import FlowSolver, split_failed_points
+from lta_windtunnel.shape import ellipse_profile, revolve_profile
+from lta_windtunnel.sphere import morrison_drag_coefficient, relative_deviation
+from lta_windtunnel.sweep_table import Blow, SweepPoint
+from lta_windtunnel.tunnel import (
+    build_steady_wind_case,
+    build_transient_wind_case,
+    choose_mesh_fineness,
+    COARSE,
+    PREVIEW,
+    ROUGH,
+    SPEEDS,
+)
+from lta_windtunnel.tunnel_model import HULL, TunnelModel
+
+SETTINGS: Final = {'wind': 'steady, {} cells', 'transient': 'transient, {} cells'}
+# Speed [m/s] and diameters of flow: the wake of the fast one swings more.
+TRANSIENTS: Final = ((2.0, 41.0), (MIDDLE, LENGTHS))
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class SphereComparison:
+    """A drag coefficient from the tunnel and the measured one. [1]"""
+
+    setting: str
+    cells: int
+    speed: float
+    reynolds: float
+    coefficient: float
+    error: float  # standard, or the spread of a steady flow
+    measured: float  # Morrison's
+    off: float  # 0 within the scatter
+    seconds: float
+
+
+def build_sphere_model() -> TunnelModel:
+    """Return a sphere of 1 m diameter."""
+    return TunnelModel('sphere', {HULL: revolve_profile(ellipse_profile(), 0.5, 1.0)}, {}, {})
+
+
+def plan_validation_flows(model: TunnelModel, fidelity: str, air: Air) -> list[TunnelFlow]:
+    """Return the flows of a validation: steady on two meshes, or transient."""
+    viscosity = air[1]
+    if fidelity == 'preview':
+        return [
+            TunnelFlow(
+                'wind', 'surge', build_steady_wind_case(model, 'surge', viscosity, PREVIEW), SPEEDS
+            ),
+            TunnelFlow(
+                'wind', 'surge', build_steady_wind_case(model, 'surge', viscosity, COARSE), SPEEDS
+            ),
+        ]
+    cases = [
+        (speed, choose_mesh_fineness(model, viscosity, speed), long) for speed, long in TRANSIENTS
+    ]
+    flows = []
+    for speed, fine, lengths in (*cases, (MIDDLE, ROUGH, LENGTHS)):
+        case = build_transient_wind_case(model, 'surge', viscosity, fine, speed, lengths)
+        named = replace(case, name=f'{case.name}, hull at level {fine.hull}')
+        flows.append(TunnelFlow('transient', 'surge', named, (speed,)))
+    return flows
+
+
+def compare_with_measurements(
+    solver: FlowSolver,
+    model: TunnelModel,
+    planned: Sequence[TunnelFlow],
+    air: Air,
+    report: Callable[[str], None],
+) -> list[SphereComparison]:
+    """Solve flows and compare all points with measured drag; report failed flows."""
+    comparisons = []
+    with closing(solver.solve_flows(model, planned, air[0])) as results:
+        for flow, result in results:
+            assert not isinstance(result, Blow)
+            points, reasons = split_failed_points(flow, result)
+            for name, reason in reasons.items():
+                report(f'{name}: {reason}')
+            for point in points:
+                setting = SETTINGS[flow.kind].format(point.evidence.cells)
+                comparisons.append(compare_sphere_drag(setting, point, air))
+    return comparisons
+
+
+def compare_sphere_drag(setting: str, point: SweepPoint, air: Air) -> SphereComparison:
+    """Compare a point of the sphere with measured drag."""
+    density, viscosity = air
+    # The diameter is 1 m
+    reynolds = point.speed / viscosity
+    area = 0.25 * math.pi
+    coefficient = -point.force[0] / (0.5 * density * point.speed**2 * area)
+    return SphereComparison(
+        setting, point.evidence.cells, point.speed, reynolds, coefficient, point.evidence.spread,
+        morrison_drag_coefficient(reynolds), relative_deviation(coefficient, reynolds),
+        point.evidence.seconds,
+    )  # fmt: skip
