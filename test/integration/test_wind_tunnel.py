@@ -2,7 +2,7 @@
 
 from lta_windtunnel.flow_plan import TunnelFlow
 from lta_windtunnel.flow_solvers import ThreadedFlowSolver
-from lta_windtunnel.openfoam.engine import has_openfoam
+from lta_windtunnel.openfoam.programs import has_openfoam
 from lta_windtunnel.solve import solve_sweep
 from lta_windtunnel.tunnel import build_steady_wind_case, COARSE
 from lta_windtunnel.validation import build_sphere_model, compare_sphere_drag

@@ -230,8 +230,7 @@ def _build_rotors(size: VehicleSize, hang: float) -> dict[str, Any]:
 def _estimate_drag(shape: HullBlock, hang: float, gondola: list[float]) -> dict[str, Any]:
     """Return the drag of envelope and gondola by the formulas of `lta_windtunnel.analytic`."""
     # Imported late: the surfaces need trimesh, which copying a file does not
-    from lta_windtunnel.aero_fit import opposing_drag
-    from lta_windtunnel.drag_fit import fit_drag
+    from lta_windtunnel.aero_fit import fit_drag, opposing_drag
     from lta_windtunnel.flow_plan import AIR
     from lta_windtunnel.shape import build_hull_surface
     from lta_windtunnel.solve import estimate_drag

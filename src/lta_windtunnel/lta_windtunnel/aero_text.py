@@ -9,6 +9,7 @@ from lta_windtunnel.aero_fit import (
     ALONG,
     collect_warnings,
     describe_side_loads,
+    DragFit,
     fit_drag_by_axis,
     hull_share,
     mesh_share,
@@ -16,8 +17,7 @@ from lta_windtunnel.aero_fit import (
     select_fit_points,
     select_solved_points,
 )
-from lta_windtunnel.drag_fit import DragFit
-from lta_windtunnel.sweep_table import AXES, Axis, TunnelSweep
+from lta_windtunnel.sweep_table import AXES, Axis, round_digits, TunnelSweep
 from lta_windtunnel.thrust_allocation import (
     AllocationColumn,
     compute_jet_coupling,
@@ -30,7 +30,7 @@ NOTHING = 1e-9  # any coefficient below is zero by symmetry, except for rounding
 
 def _round_to_four_digits(number: float) -> float:
     """Round to four digits; values that are zero by symmetry become exactly zero."""
-    return float(f'{number:.4g}') if abs(number) > NOTHING else 0.0
+    return round_digits(number, 4) if abs(number) > NOTHING else 0.0
 
 
 def format_quantity(value: float | Sequence[float], unit: str, source: str) -> dict[str, Any]:
@@ -122,24 +122,20 @@ def build_aero_content(sweep: TunnelSweep) -> dict[str, Any]:
 
 def _format_fit(sweep: TunnelSweep, axis: Axis, fit: DragFit) -> dict[str, Any]:
     points = select_fit_points(sweep, axis)
-    entries = {
+    entries: dict[str, Any] = {
         'points': len(points),
-        'error': _round_to_three_digits(
-            round(fit.error, 9)
-        ),  # a fit through two points is exact except for rounding
-        'exponent': None if math.isnan(fit.exponent) else float(f'{fit.exponent:.4g}'),
+        # A fit through two points is exact except for rounding
+        'error': round_digits(round(fit.error, 9), 3),
+        **({} if math.isnan(fit.exponent) else {'exponent': round_digits(fit.exponent, 4)}),
         'spread': max(point.evidence.spread for point in points),
         'cells': max(point.evidence.cells for point in points),
-        'by_hand': _round_to_three_digits(ratio_to_estimate(sweep, axis)),
-        'mesh': _round_to_three_digits(mesh_share(sweep, axis)),
-        'hull': _round_to_three_digits(hull_share(sweep, axis)),
+        'by_hand': round_digits(ratio_to_estimate(sweep, axis), 3),
     }
-    # Optional evidence is omitted rather than written as null
-    return {name: each for name, each in entries.items() if each is not None}
-
-
-def _round_to_three_digits(number: float | None) -> float | None:
-    return None if number is None else float(f'{number:.3g}')
+    # Missing evidence is omitted rather than written as null
+    for name, share in (('mesh', mesh_share(sweep, axis)), ('hull', hull_share(sweep, axis))):
+        if share is not None:
+            entries[name] = round_digits(share, 3)
+    return entries
 
 
 def format_aero_file(sweep: TunnelSweep) -> str:

@@ -1,5 +1,5 @@
 """
-Estimate drag by hand: Hoerner for the hull, plates for boxes, discs for rotation.
+Estimate by hand: drag by Hoerner, plates and discs, and the pressure of potential flow.
 
 Used without a flow solver, and to check solved flows: the two should agree within a factor of two.
 Hulls are treated as spheroids of the same size.
@@ -17,12 +17,22 @@ sphere has 1.67 times as much (Howarth 1951), interpolated by the height over th
 
 About other axes: the same friction plus the drag of a plate moved broadside, zero for a sphere:
 C_D rho R^5 (2 / 15) 2 (1 - h / d)^2 w^2 (an assumption). Boxes count as plates.
+
+The potential on the surface of an ellipsoid in a stream U along one of its axes is (1 + k) U x
+(Lamb 1932, Hydrodynamics, article 114), with k the added mass over the displaced mass. The air
+therefore slides along the surface at (1 + k) times the tangential part of U:
+
+    C_p = 1 - (1 + k)^2 (1 - (n.e)^2)
+
+with n the normal and e the direction of the stream. A sphere has k = 1/2: C_p is 1 to -5/4.
 """
 
 from collections.abc import Mapping
 import math
 from typing import Final
 
+from lta_config.schema.vehicle_body import HullBlock
+from lta_model.hull import added_mass, half_axes
 from lta_windtunnel.tunnel_model import HULL, TunnelModel
 import numpy as np
 from numpy.typing import NDArray
@@ -105,3 +115,40 @@ def _box_damping(model: TunnelModel, axis: int, density: float) -> float:
             wide = float(mesh.extents[axis])
             total += 0.5 * density * PLATE * wide * cubed
     return total
+
+
+def pressure_coefficient(normals: Array, along: int, share: float) -> Array:
+    """
+    Return the pressure over the dynamic pressure of the stream. [1]
+
+    `normals`: unit normals of the surface. `along`: 0, 1, 2 for a stream along x, y, z. `share`:
+    added mass along it over the displaced mass [1].
+    """
+    facing = np.asarray(normals)[..., along]
+    coefficient: Array = 1.0 - (1.0 + share) ** 2 * (1.0 - facing**2)
+    return coefficient
+
+
+def added_mass_share(shape: HullBlock, along: int) -> float:
+    """Return a hull's added mass along an axis over the air mass that its spheroid displaces."""
+    a, b, c = half_axes(shape)
+    displaced = 4.0 / 3.0 * np.pi * a * b * c
+    return float(added_mass(shape, 1.0)[along] / displaced)
+
+
+def pressure_extremes(
+    shape: HullBlock, along: int, speed: float, density: float
+) -> tuple[float, float]:
+    """
+    Return the lowest and the highest pressure on a hull in flight along an axis. [Pa]
+
+    A balloon counts as the spheroid of its diameter and height. Speed in m/s, density in kg/m3.
+    """
+    dynamic = 0.5 * density * speed**2
+    beside, ahead = np.zeros(3), np.zeros(3)
+    # Lowest pressure where the surface is parallel to the stream, highest at the stagnation point
+    beside[along - 1], ahead[along] = 1.0, 1.0
+    low, high = pressure_coefficient(
+        np.array([beside, ahead]), along, added_mass_share(shape, along)
+    )
+    return float(dynamic * low), float(dynamic * high)

@@ -3,8 +3,10 @@
 from collections.abc import Iterable, Mapping
 from typing import Final
 
-from lta_windtunnel.openfoam.engine import CaseFailed
+from lta_windtunnel.openfoam.output_reader import MeshFacts
+from lta_windtunnel.openfoam.programs import CaseFailed
 
+CELLS: Final = 1000  # most cells of a mesh that is none
 FACES: Final = 20  # least mesh faces on each body
 ZONE: Final = 30  # least cells of a rotor disk
 SPREAD: Final = 0.15  # largest relative deviation in the window; edge-on wakes swing by 7 %
@@ -16,27 +18,22 @@ FACTOR: Final = 2.0  # largest factor between the flow and the estimate by hand
 WINDOW: Final = 50  # iterations that are averaged
 
 
-def check_mesh(name: str, facts: Mapping[str, float | Mapping[str, int]]) -> None:
-    """Raise `CaseFailed` for an invalid mesh; facts as in `read_mesh`."""
-    cells, angle, negative = facts['cells'], facts['non_orthogonality'], facts['negative']
-    # The mapping also holds the zones; these asserts only narrow the type
-    assert isinstance(cells, float)
-    assert isinstance(angle, float)
-    assert isinstance(negative, float)
+def check_mesh(name: str, facts: MeshFacts) -> None:
+    """Raise `CaseFailed` for an invalid mesh."""
     # "not >" also rejects NaN, which stands for a missing number in the log
-    if not cells > 1000:
+    if not facts.cells > CELLS:
         raise CaseFailed(
-            f'The {name} has too few cells (more than 1000 are needed); check that the surface '
+            f'The {name} has too few cells (more than {CELLS} are needed); check that the surface '
             'of the shape is closed.'
         )
-    if not angle <= ANGLE:
+    if not facts.non_orthogonality <= ANGLE:
         raise CaseFailed(
-            f'The {name} has faces with a non-orthogonality of {angle:.0f} degrees '
-            f'(allowed: {ANGLE:.0f}); smooth sharp corners of the shape.'
+            f'The {name} has faces with a non-orthogonality of {facts.non_orthogonality:.0f} '
+            f'degrees (allowed: {ANGLE:.0f}); smooth sharp corners of the shape.'
         )
-    if negative:
+    if facts.negative:
         raise CaseFailed(
-            f'The {name} has {negative:.0f} cells of negative volume; simplify the shape.'
+            f'The {name} has {facts.negative:.0f} cells of negative volume; simplify the shape.'
         )
 
 

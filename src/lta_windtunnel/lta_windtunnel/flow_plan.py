@@ -1,13 +1,13 @@
 """Plan the flows of a sweep for a fidelity."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, final, Literal
 
 from lta_windtunnel.openfoam.case import FoamCase
 from lta_windtunnel.still_air import AXES as SPINS
 from lta_windtunnel.still_air import build_blowing_case, build_spinning_case, RATES
-from lta_windtunnel.thrust_allocation import REVERSED
+from lta_windtunnel.thrust_allocation import maps_onto, REVERSED
 from lta_windtunnel.tunnel import (
     build_steady_wind_case,
     build_transient_wind_case,
@@ -20,8 +20,6 @@ from lta_windtunnel.tunnel import (
     SPEEDS,
 )
 from lta_windtunnel.tunnel_model import TunnelModel
-import numpy as np
-from numpy.typing import NDArray
 
 Kind = Literal['wind', 'coarse', 'transient', 'spin', 'blow']
 Air = tuple[float, float]  # density [kg/m3], kinematic viscosity [m2/s]
@@ -43,6 +41,12 @@ class TunnelFlow:
     # Thrust of the running rotors, relative to full thrust
     shares: Mapping[str, float] | None = None
 
+    @property
+    def mesh(self) -> FoamCase:
+        """Case that makes the mesh."""
+        assert self.case.mesh is not None
+        return self.case.mesh
+
 
 def list_rotor_patterns(model: TunnelModel) -> dict[str, Mapping[str, float]]:
     """
@@ -53,25 +57,15 @@ def list_rotor_patterns(model: TunnelModel) -> dict[str, Mapping[str, float]]:
     singles: dict[str, Mapping[str, float]] = {}
     changes = model.find_symmetries()
     for name in model.rotors:
-        if not _is_symmetric_twin(model, name, singles, changes):
+        if not any(
+            maps_onto(change, model.rotors[earlier], model.rotors[name])
+            for earlier in singles
+            for change in changes
+        ):
             singles[name] = {name: 1.0}
     # Listed last: the most informative flows are solved first
     back = {f'{name}{REVERSED}': {name: -1.0} for name in singles}
     return {**model.patterns, **singles, **back}
-
-
-def _is_symmetric_twin(
-    model: TunnelModel, name: str, before: Iterable[str], changes: Sequence[NDArray[np.float64]]
-) -> bool:
-    """Return whether a symmetry maps an earlier rotor to this one."""
-    one = model.rotors[name]
-    return any(
-        # [m] and [1]; far below the tolerance of a drawing
-        np.allclose(change @ model.rotors[other].place, one.place, atol=1e-6)
-        and np.allclose(change @ model.rotors[other].axis, one.axis, atol=1e-6)
-        for other in before
-        for change in changes
-    )
 
 
 def plan_flows(

@@ -11,11 +11,9 @@ from typing import Final, final, Protocol
 
 from lta_windtunnel import flow_checks, reduce
 from lta_windtunnel.flow_plan import TunnelFlow
-from lta_windtunnel.openfoam.case import FoamCase
-from lta_windtunnel.openfoam.case_runner import CaseRunner, Progress
-from lta_windtunnel.openfoam.engine import CaseFailed, find_openfoam_version, FoamPrograms
-from lta_windtunnel.openfoam.mesh import list_solved_bodies
-from lta_windtunnel.openfoam.output_reader import read_mesh, read_patches
+from lta_windtunnel.openfoam.case import CaseRunner, FoamCase, Progress
+from lta_windtunnel.openfoam.output_reader import MeshFacts, read_mesh
+from lta_windtunnel.openfoam.programs import CaseFailed, find_openfoam_version, FoamPrograms
 from lta_windtunnel.sweep_table import Blow, SweepPoint
 from lta_windtunnel.tunnel_model import TunnelModel
 
@@ -23,7 +21,7 @@ READ: Final = {
     'wind': reduce.summarize_steady_wind,
     'coarse': reduce.summarize_steady_wind,
     'transient': reduce.summarize_transient_wind,
-    'spin': reduce.summarize_rotation_flow,
+    'spin': reduce.summarize_rotation,
 }
 Points = tuple[list[SweepPoint], dict[str, str]]  # points, and the refused ones with their reason
 Found = Points | Blow
@@ -77,13 +75,7 @@ class ThreadedFlowSolver:
                 pending = [
                     (
                         flow,
-                        pool.submit(
-                            self._solve_after_mesh,
-                            meshes[flow_mesh_case(flow).key],
-                            model,
-                            flow,
-                            density,
-                        ),
+                        pool.submit(self._wait_for, meshes[flow.mesh.key], model, flow, density),
                     )
                     for flow in flows
                 ]
@@ -99,53 +91,44 @@ class ThreadedFlowSolver:
                 pool.shutdown(wait=False, cancel_futures=True)
                 raise
 
-    def _solve_after_mesh(
-        self, mesh: Future[Path], model: TunnelModel, flow: TunnelFlow, density: float
+    def _wait_for(
+        self, mesh: Future[MeshFacts], model: TunnelModel, flow: TunnelFlow, density: float
     ) -> Found:
-        mesh.result()  # raises the reason if the mesh failed
+        """Solve a flow after its mesh, or raise the reason why that failed."""
+        mesh.result()
         return solve_flow(self._stages, model, flow, density)
-
-
-def flow_mesh_case(flow: TunnelFlow) -> FoamCase:
-    """Return the case that makes the mesh of a flow."""
-    assert flow.case.mesh is not None
-    return flow.case.mesh
 
 
 def list_distinct_meshes(flows: Sequence[TunnelFlow]) -> list[FoamCase]:
     """Return the distinct meshes of some flows."""
-    return list({flow_mesh_case(flow).key: flow_mesh_case(flow) for flow in flows}.values())
+    return list({flow.mesh.key: flow.mesh for flow in flows}.values())
 
 
-def solve_mesh(stages: CaseRunner, mesh: FoamCase) -> Path:
-    """Solve a mesh and return its folder; raise `CaseFailed` if it is invalid."""
-    place = stages.solve(mesh)
-    flow_checks.check_mesh(mesh.name, read_mesh(place))
-    return place
+def solve_mesh(stages: CaseRunner, mesh: FoamCase) -> MeshFacts:
+    """Solve a mesh and return its facts; raise `CaseFailed` if it is invalid."""
+    facts = read_mesh(stages.solve(mesh))
+    flow_checks.check_mesh(mesh.name, facts)
+    return facts
 
 
 def solve_flow(stages: CaseRunner, model: TunnelModel, flow: TunnelFlow, density: float) -> Found:
     """Solve a flow, after its mesh if needed, and return the result; density in kg/m3."""
-    mesh = solve_mesh(stages, flow_mesh_case(flow))
+    facts = solve_mesh(stages, flow.mesh)
     if flow.kind != 'coarse':  # a coarse mesh may lose thin bodies: it only shows the mesh error
-        patches = read_patches(mesh)
-        flow_checks.check_bodies(
-            flow_mesh_case(flow).name, patches, list_solved_bodies(flow_mesh_case(flow), patches)
-        )
+        flow_checks.check_bodies(flow.mesh.name, facts.faces, flow.mesh.bodies)
     place = stages.solve(flow.case)
     # From the logs, so that a cached case keeps its original time
-    spent = round(stages.processor_time(flow.case), 1)
+    spent = round(stages.processor_time(flow.case), 1) / max(len(flow.speeds), 1)
+    solved = reduce.SolvedFlow(model, place, facts, spent, density)
     if flow.kind == 'blow':
-        return reduce.summarize_rotor_flow(model, flow.shares or {}, place, mesh, spent, density)
-    read = READ[flow.kind]
+        return reduce.summarize_rotors(solved, flow.shares or {})
     # A coarse mesh and its wind share the axis, so the case name labels the coarse one.
     points, refused = [], {}
     label = flow.case.name if flow.kind == 'coarse' else flow.about
     for speed in flow.speeds:
         step = next(each for each in flow.case.steps if each.name == f'{speed:g}')
         try:
-            each = spent / len(flow.speeds)
-            points.append(read(model, flow.about, step, speed, place, mesh, each, density))
+            points.append(READ[flow.kind](solved, flow.about, step, speed))
         except CaseFailed as error:  # one failed speed does not invalidate the others
             refused[f'{label} at {speed:g}'] = str(error)
     return points, refused

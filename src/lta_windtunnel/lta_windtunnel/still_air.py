@@ -11,29 +11,19 @@ import math
 from typing import Final
 
 from lta_windtunnel.openfoam.case import FoamCase, ProgramStep
-from lta_windtunnel.openfoam.dictionary import Entry, format_dictionary
-from lta_windtunnel.openfoam.fields import format_still_air_fields, STEADY
-from lta_windtunnel.openfoam.mesh import (
-    BASE,
-    build_mesh_case,
-    format_block_mesh,
-    format_snappy_mesh,
+from lta_windtunnel.openfoam.fields import format_still_air_fields
+from lta_windtunnel.openfoam.input_files import (
+    build_flow_records,
+    build_pressure_record,
+    Entry,
+    format_air,
+    format_control,
+    format_files,
+    format_steady_settings,
 )
-from lta_windtunnel.openfoam.numerics import (
-    build_force_functions,
-    build_momentum_functions,
-    build_pressure_function,
-    build_slice_function,
-    format_control_dict,
-    format_fv_solution,
-    format_steady_fv_schemes,
-)
-from lta_windtunnel.tunnel import (
-    empty_files,
-    format_transport_properties,
-    format_turbulence_properties,
-)
-from lta_windtunnel.tunnel_model import HULL, RotorDisk, TunnelModel
+from lta_windtunnel.openfoam.mesh import BASE, build_mesh_case, MeshFineness, Region
+from lta_windtunnel.tunnel import build_steady_steps, format_absent
+from lta_windtunnel.tunnel_model import RotorDisk, TunnelModel
 import numpy as np
 
 RATES: Final = (0.3, 1.0, 3.0)  # rad/s
@@ -52,61 +42,42 @@ def disk_refinement_level(model: TunnelModel, rotor: RotorDisk) -> int:
     return math.ceil(math.log2(BASE * model.length * CELLS_ACROSS / (2.0 * rotor.radius)) - 1e-9)
 
 
-def build_still_air_mesh(model: TunnelModel, most: int = 3_000_000) -> FoamCase:
+def build_still_air_mesh(model: TunnelModel) -> FoamCase:
     """Return the mesh of the box, with cell zones for the rotors' disks and the rotating ball."""
-    size = model.length
-    regions: dict[str, tuple[Mapping[str, Entry], int]] = {}
+    regions: dict[str, Region] = {}
+    zones: list[Entry] = []
     finest = 4
     for name, rotor in model.rotors.items():
         level = disk_refinement_level(model, rotor)
         finest = max(finest, level)
         for k, (wide, long, coarser) in enumerate(JETS):
-            regions[f'{name}_{k}'] = (_jet_region(rotor, wide, long), max(level - coarser, 0))
-    text = format_snappy_mesh(
-        {name: 3 if name == HULL else min(finest, 5) for name in model.bodies},
-        BASE * size,
-        regions,
-        # A point in the air that lies on no cell face
-        [-2.613 * size, 2.137 * size, 2.071 * size],
-        (0.12 * size, 3),
-        6,
-        1.3,
-        most,
-    )
-    actions: list[Entry] = []
-    for name, rotor in model.rotors.items():
-        half = 0.5 * rotor.thickness * np.array(rotor.axis)
-        ends = [(np.array(rotor.place) + sign * half).tolist() for sign in (-1.0, 1.0)]
-        actions += _zone_actions(name, {
+            # To both sides, as rotors may be reversed
+            ends = _cylinder_ends(rotor, long * rotor.radius)
+            shape: dict[str, Entry] = {
+                'type': 'searchableCylinder', 'point1': ends[0], 'point2': ends[1],
+                'radius': wide * rotor.radius,
+            }  # fmt: skip
+            regions[f'{name}_{k}'] = shape, max(level - coarser, 0)
+        ends = _cylinder_ends(rotor, 0.5 * rotor.thickness)
+        zones += _zone_actions(name, {
             'source': 'cylinderToCell', 'p1': ends[0], 'p2': ends[1], 'radius': rotor.radius,
         })  # fmt: skip
-    actions += _zone_actions(BALL, {
+    zones += _zone_actions(BALL, {
         # Encloses the hull, which extends half a length from the centre
-        'source': 'sphereToCell', 'centre': [0, 0, 0], 'radius': 1.2 * size
+        'source': 'sphereToCell', 'centre': [0, 0, 0], 'radius': 1.2 * model.length
     })  # fmt: skip
     return build_mesh_case(
-        'still mesh',
-        model.bodies,
-        format_block_mesh(
-            np.full(3, -3.0 * size), np.full(3, 3.0 * size), BASE * size,
-            {'far': ['x-', 'x+', 'y-', 'y+', 'z-', 'z+']},
-        ),
-        text,
-        70_000,
-        format_dictionary('topoSetDict', {'actions': actions}),
+        'still mesh', model.bodies, model.length,
+        MeshFineness(hull=3, parts=min(finest, 5), cells=70_000),
+        (np.full(3, -3.0), np.full(3, 3.0)), {'far': ['x-', 'x+', 'y-', 'y+', 'z-', 'z+']},
+        regions, [-2.613, 2.137, 2.071], zones,
     )  # fmt: skip
 
 
-def _jet_region(rotor: RotorDisk, wide: float, long: float) -> dict[str, Entry]:
-    """Return a cylinder around a rotor and its jet, to both sides as rotors may be reversed."""
-    reach = long * rotor.radius * np.array(rotor.axis)
-    ends = (np.array(rotor.place) - reach, np.array(rotor.place) + reach)
-    return {
-        'type': 'searchableCylinder',
-        'point1': ends[0].tolist(),
-        'point2': ends[1].tolist(),
-        'radius': wide * rotor.radius,
-    }
+def _cylinder_ends(rotor: RotorDisk, half: float) -> list[list[float]]:
+    """Return the ends of a cylinder about a rotor's axis, from its half length. [m]"""
+    reach = half * np.array(rotor.axis)
+    return [(np.array(rotor.place) + sign * reach).tolist() for sign in (-1.0, 1.0)]
 
 
 def _zone_actions(name: str, source: Mapping[str, Entry]) -> list[Entry]:
@@ -118,11 +89,11 @@ def _zone_actions(name: str, source: Mapping[str, Entry]) -> list[Entry]:
     ]  # fmt: skip
 
 
-def _build_function_objects(model: TunnelModel, normal: tuple[int, int, int]) -> dict[str, Entry]:
+def _format_common_files(model: TunnelModel) -> dict[str, str]:
+    # Rotors and rotation converge with more relaxation than a wind
     return {
-        **build_force_functions({name: name for name in model.bodies} | {'outer': 'far'}),
-        **build_momentum_functions(('far',)),
-        **build_slice_function(normal, model.length),
+        **format_still_air_fields(tuple(model.bodies)),
+        **format_steady_settings('kOmegaSST', (0.7, 0.6)),
     }
 
 
@@ -155,20 +126,18 @@ def build_blowing_case(
     )
     mesh = build_still_air_mesh(model)
     files = {
-        **format_still_air_fields(STEADY, tuple(model.bodies)),
-        **empty_files(),
-        'constant/fvOptions': format_dictionary('fvOptions', sources),
-        'constant/transportProperties': format_transport_properties(viscosity),
-        'constant/turbulenceProperties': format_turbulence_properties('kOmegaSST'),
-        'system/fvSchemes': format_steady_fv_schemes(),
-        'system/fvSolution': format_fv_solution(0.7, 0.6),
+        **_format_common_files(model),
+        **format_absent('MRFProperties'),
+        **format_files({'constant/fvOptions': sources}),
+        **format_air(viscosity),
     }
+    normal = (1, 0, 0) if along_y else (0, 1, 0)
     functions = {
-        **_build_function_objects(model, (1, 0, 0) if along_y else (0, 1, 0)),
-        **build_pressure_function(model.bodies),
-    }  # fmt: skip
+        **build_flow_records(model.bodies, model.length, ('far',), normal),
+        **build_pressure_record(model.bodies),
+    }
     rounds = MEETING if len(shares) > 2 else ROUNDS
-    last = {'system/controlDict': format_control_dict('simpleFoam', 0, rounds, functions)}
+    last = format_control('simpleFoam', 0, rounds, functions)
     return FoamCase(
         pattern, files, [ProgramStep('on', ('simpleFoam',), last, rounds)], mesh, mesh.cells
     )
@@ -181,28 +150,15 @@ def build_spinning_case(model: TunnelModel, about: str, viscosity: float) -> Foa
     `about` is 'roll', 'pitch' or 'yaw'; the viscosity is kinematic. [m2/s]
     """
     mesh = build_still_air_mesh(model)
-    steps, begin = [], 0
-    for rate in RATES:
-        end = begin + (NEXT if begin else ROUNDS)
-        files = {
-            'system/controlDict': format_control_dict(
-                'simpleFoam', begin, end, _build_function_objects(model, (0, 1, 0))
-            ),
-            # Reynolds similarity: 1 rad/s at viscosity / rate equals `rate` at the real viscosity
-            'constant/transportProperties': format_transport_properties(viscosity / rate),
-        }  # fmt: skip
-        steps.append(ProgramStep(f'{rate:g}', ('simpleFoam',), files, end - begin, str(begin)))
-        begin = end
     turning: Mapping[str, Entry] = {
         'cellZone': BALL, 'active': True, 'nonRotatingPatches': [], 'origin': [0, 0, 0],
         'axis': list(AXES[about]), 'omega': 1,
     }  # fmt: skip
     files = {
-        **format_still_air_fields(STEADY, tuple(model.bodies)),
-        **empty_files(),
-        'constant/MRFProperties': format_dictionary('MRFProperties', {'turning': turning}),
-        'constant/turbulenceProperties': format_turbulence_properties('kOmegaSST'),
-        'system/fvSchemes': format_steady_fv_schemes(),
-        'system/fvSolution': format_fv_solution(0.7, 0.6),
+        **_format_common_files(model),
+        **format_absent('fvOptions'),
+        **format_files({'constant/MRFProperties': {'turning': turning}}),
     }
+    functions = build_flow_records(model.bodies, model.length, ('far',))
+    steps = build_steady_steps(RATES, viscosity, functions, (ROUNDS, NEXT))
     return FoamCase(about, files, steps, mesh, mesh.cells)

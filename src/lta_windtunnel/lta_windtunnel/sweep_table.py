@@ -114,6 +114,11 @@ class TunnelSweep(StrictModel):
     refused: Mapping[str, str]  # failed flows and flows that failed a check, with the reason
 
 
+def round_digits(number: float, digits: int = 5) -> float:
+    """Return a number rounded to significant digits."""
+    return float(f'{number:.{digits}g}')
+
+
 def read_sweep(path: Path) -> TunnelSweep:
     """Read a sweep from its file; raise `BadInput` for any error."""
     try:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Final, final
 
 from lta_windtunnel.sweep_table import Blow, RotorPlacement, TunnelSweep
+from lta_windtunnel.tunnel_model import RotorDisk
 import numpy as np
 from numpy.typing import NDArray
 
@@ -62,14 +63,18 @@ def _is_pattern_symmetry(
     return all(
         any(
             # Both rotors must also run at the same share
-            shares[other] == share and _maps_onto(change, sweep.rotors[name], sweep.rotors[other])
+            shares[other] == share and maps_onto(change, sweep.rotors[name], sweep.rotors[other])
             for other in shares
         )
         for name, share in shares.items()
     )
 
 
-def _maps_onto(change: Array, one: RotorPlacement, other: RotorPlacement) -> bool:
+def maps_onto(
+    change: Array, one: RotorPlacement | RotorDisk, other: RotorPlacement | RotorDisk
+) -> bool:
+    """Return whether a symmetry of the bodies maps one rotor to another."""
+    # [m] and [1]; far below the tolerance of a drawing
     place = np.allclose(change @ one.place, other.place, atol=1e-6)
     return place and np.allclose(change @ one.axis, other.axis, atol=1e-6)
 
@@ -80,7 +85,7 @@ def find_symmetric_rotors(sweep: TunnelSweep, name: str) -> list[tuple[str, Arra
     for rows in sweep.symmetries:
         change = np.array(rows)
         for other, rotor in sweep.rotors.items():
-            if other != name and _maps_onto(change, rotor, one):
+            if other != name and maps_onto(change, rotor, one):
                 twins.append((other, change))
     return twins
 

@@ -10,32 +10,23 @@ steady solver, because an unconstrained steady wake does not settle.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 import math
-from typing import Final, final
+from typing import Final
 
 from lta_windtunnel.openfoam.case import FoamCase, ProgramStep
-from lta_windtunnel.openfoam.dictionary import Entry, format_dictionary
 from lta_windtunnel.openfoam.fields import DETACHED, format_tunnel_fields, TRANSITION
-from lta_windtunnel.openfoam.mesh import (
-    BASE,
-    build_mesh_case,
-    format_block_mesh,
-    format_snappy_mesh,
+from lta_windtunnel.openfoam.input_files import (
+    build_flow_records,
+    Entry,
+    format_air,
+    format_control,
+    format_files,
+    format_steady_settings,
+    format_time,
+    format_transient_settings,
 )
-from lta_windtunnel.openfoam.numerics import (
-    build_force_functions,
-    build_momentum_functions,
-    build_slice_function,
-    EDDY_VISCOSITY,
-    format_control_dict,
-    format_fv_solution,
-    format_steady_fv_schemes,
-    format_time_file,
-    format_transient_fv_schemes,
-    format_transient_fv_solution,
-)
-from lta_windtunnel.tunnel_model import HULL, TunnelModel
+from lta_windtunnel.openfoam.mesh import build_mesh_case, MeshFineness, Region
+from lta_windtunnel.tunnel_model import TunnelModel
 import numpy as np
 from numpy.typing import NDArray
 
@@ -74,23 +65,6 @@ def rotate_into_tunnel(direction: str) -> Array:
     # The vehicle moves along (c, 0, -s), from which the air comes
     rows: Array = np.array([[-c, 0.0, s], [0.0, -1.0, 0.0], [s, 0.0, c]])
     return rows
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class MeshFineness:
-    """Resolution of a tunnel mesh."""
-
-    # Levels on the hull and on other bodies
-    hull: int = 4
-    parts: int = 5
-    trail: int = 2  # level behind the hull, up to 1.5 lengths; one less up to 3
-    shell: float = 0.12  # distance around the hull that is refined to level 3 [lengths]
-    layers: int = 6  # number of prism layers on the hull
-    expansion: float = 1.3  # thickness ratio of successive layers [1]
-    # Expected and maximum number of cells of the whole domain
-    cells: int = 185_000
-    most: int = 3_000_000
 
 
 PREVIEW: Final = MeshFineness()
@@ -139,81 +113,62 @@ def build_tunnel_mesh(
     for mesh in surfaces.values():
         mesh.apply_transform(turn)
     # Four lengths of air ahead and to the sides, eight for the wake
-    low = size * np.array([-4.0, 0.0 if planes[0] else -4.0, 0.0 if planes[1] else -4.0])
-    high = size * np.array([8.0, 4.0, 4.0])
-    halves = [f'symmetry{name}' for name, is_one in zip('YZ', planes, strict=True) if is_one]
+    low = np.array([-4.0, 0.0 if planes[0] else -4.0, 0.0 if planes[1] else -4.0])
+    halves = _name_symmetry_planes(planes)
     sides = [face for face in ('y-', 'y+', 'z-', 'z+') if f'symmetry{face[0].upper()}' not in
              halves or face[1] == '+']  # fmt: skip
     patches = {'inlet': ['x-'], 'outlet': ['x+'], 'sides': sides}
     patches |= {name: [f'{name[-1].lower()}-'] for name in halves}
-    wide, near = 1.0 * size, 0.75 * size
+
+    def refine(begin: float, end: float, half: float, level: int) -> Region:
+        """Return a refined box around the tunnel's axis, in lengths of the hull."""
+        corner = half * size
+        return {
+            'type': 'searchableBox',
+            'min': [begin * size, -corner, -corner], 'max': [end * size, corner, corner],
+        }, level  # fmt: skip
+
     regions = {
-        'wake': (_refinement_box((-wide, -wide, -wide), (3.0 * size, wide, wide)), fine.trail - 1),
-        'near': (_refinement_box((-near, -near, -near), (1.5 * size, near, near)), 2),
+        'wake': refine(-1.0, 3.0, 1.0, fine.trail - 1),
+        'near': refine(-0.75, 1.5, 0.75, 2),
     }
     if fine.trail > PREVIEW.trail:
-        regions['trail'] = (
-            _refinement_box((0.0, -near, -near), (1.5 * size, near, near)),
-            fine.trail,
-        )
-    text = format_snappy_mesh(
-        {name: fine.hull if name == HULL else fine.parts for name in surfaces},
-        BASE * size,
-        regions,
-        # A point in the air that lies on no cell face
-        [-2.913 * size, 1.137 * size, 1.071 * size],
-        (fine.shell * size, 3),
-        fine.layers,
-        fine.expansion,
-        fine.most,
-    )
-    share = 2 ** -sum(planes)
+        regions['trail'] = refine(0.0, 1.5, 0.75, fine.trail)
     return build_mesh_case(
-        f'{axis} mesh',
-        surfaces,
-        format_block_mesh(low, high, BASE * size, patches),
-        text,
-        int(fine.cells * share),
-    )
+        f'{axis} mesh', surfaces, size, fine, (low, np.array([8.0, 4.0, 4.0])), patches, regions,
+        [-2.913, 1.137, 1.071],
+    )  # fmt: skip
 
 
-def _refinement_box(low: Sequence[float], high: Sequence[float]) -> Mapping[str, Entry]:
-    return {'type': 'searchableBox', 'min': list(low), 'max': list(high)}
+def _name_symmetry_planes(planes: tuple[bool, bool]) -> list[str]:
+    return [f'symmetry{name}' for name, is_one in zip('YZ', planes, strict=True) if is_one]
 
 
-def format_transport_properties(viscosity: float) -> str:
-    """Return transportProperties; kinematic viscosity in m2/s."""
-    return format_dictionary(
-        'transportProperties', {'transportModel': 'Newtonian', 'nu': viscosity}
-    )
-
-
-def format_turbulence_properties(model: str | None) -> str:
-    """Return turbulenceProperties of a RANS model, or of a laminar flow."""
-    if model is None:
-        return format_dictionary('turbulenceProperties', {'simulationType': 'laminar'})
-    return format_dictionary('turbulenceProperties', {
-        'simulationType': 'RAS',
-        'RAS': {'RASModel': model, 'turbulence': True, 'printCoeffs': False},
-    })  # fmt: skip
-
-
-def format_detached_eddies() -> str:
-    """Return turbulenceProperties of DDES, which resolves eddies larger than its cells."""
-    return format_dictionary('turbulenceProperties', {
-        'simulationType': 'LES',
-        'LES': {
-            'LESModel': 'SpalartAllmarasDDES', 'turbulence': True, 'printCoeffs': False,
-            'delta': 'maxDeltaxyz', 'maxDeltaxyzCoeffs': {},
-        },
-    })  # fmt: skip
-
-
-def empty_files() -> dict[str, str]:
+def format_absent(*names: str) -> dict[str, str]:
     """Return the files that the solvers require even if they are empty."""
-    return {
-        f'constant/{name}': format_dictionary(name, {}) for name in ('fvOptions', 'MRFProperties')
-    }  # the solvers look for both
+    return format_files({f'constant/{name}': {} for name in names})
+
+
+def build_steady_steps(
+    values: Sequence[float], viscosity: float, functions: Mapping[str, Entry],
+    rounds: tuple[int, int],
+) -> list[ProgramStep]:  # fmt: skip
+    """
+    Return steps of the steady solver at several speeds [m/s] or rates [rad/s], one after another.
+
+    Each is solved at 1 m/s or 1 rad/s with the kinematic viscosity [m2/s] divided by its value.
+    `rounds`: iterations until the first flow has settled, and each later one.
+    """
+    steps, begin = [], 0
+    for value in values:
+        count = rounds[1] if begin else rounds[0]
+        files = {
+            **format_control('simpleFoam', begin, begin + count, functions),
+            **format_air(viscosity / value),
+        }
+        steps.append(ProgramStep(f'{value:g}', ('simpleFoam',), files, count, str(begin)))
+        begin += count
+    return steps
 
 
 def build_steady_wind_case(
@@ -230,31 +185,13 @@ def build_steady_wind_case(
     """
     planes = has_symmetry_planes(model, axis)
     mesh = build_tunnel_mesh(model, axis, fine, planes)
-    walls = tuple(model.bodies)
-    halves = [f'symmetry{name}' for name, is_one in zip('YZ', planes, strict=True) if is_one]
-    functions = {
-        **build_force_functions(
-            {name: name for name in walls} | {'outer': '"(inlet|outlet|sides)"'}
-        ),
-        **build_momentum_functions(OUTER),
-        **build_slice_function((0, 1, 0), model.length),
-    }
-    steps, begin = [], 0
-    for speed in speeds:
-        end = begin + (NEXT if begin else FIRST)
-        files = {
-            'system/controlDict': format_control_dict('simpleFoam', begin, end, functions),
-            'constant/transportProperties': format_transport_properties(viscosity / speed),
-        }
-        steps.append(ProgramStep(f'{speed:g}', ('simpleFoam',), files, end - begin, str(begin)))
-        begin = end
+    functions = build_flow_records(model.bodies, model.length, OUTER)
     files = {
-        **format_tunnel_fields(TRANSITION, walls, halves),
-        **empty_files(),
-        'constant/turbulenceProperties': format_turbulence_properties('kOmegaSSTLM'),
-        'system/fvSchemes': format_steady_fv_schemes(),
-        'system/fvSolution': format_fv_solution(),
+        **format_tunnel_fields(TRANSITION, tuple(model.bodies), _name_symmetry_planes(planes)),
+        **format_absent('fvOptions', 'MRFProperties'),
+        **format_steady_settings('kOmegaSSTLM'),
     }
+    steps = build_steady_steps(speeds, viscosity, functions, (FIRST, NEXT))
     return FoamCase(axis, files, steps, mesh, mesh.cells)
 
 
@@ -273,44 +210,31 @@ def build_transient_wind_case(
     `build_steady_wind_case`.
     """
     mesh = build_tunnel_mesh(model, axis, fine, (False, False))
-    walls = tuple(model.bodies)
-    functions = build_force_functions({name: name for name in walls})
-    functions |= build_slice_function((0, 1, 0), model.length)
-    air = {'constant/transportProperties': format_transport_properties(viscosity / speed)}
+    functions = build_flow_records(model.bodies, model.length)
     begin = SETTLING + round(BEGINNING * model.length, 4)
     end = SETTLING + lengths * model.length
-    modelled = needs_eddy_model(model, viscosity, speed)
     # [s] At 1 m/s; twice as long for each coarser level of the hull
     longest = 0.03 * model.length * 2.0 ** (4 - fine.hull)
-    eddies = {
-        'constant/turbulenceProperties': (
-            format_detached_eddies() if modelled else format_turbulence_properties(None)
-        ),
-        'system/fvSchemes': format_transient_fv_schemes(),
-        'system/fvSolution': format_transient_fv_solution(),
-    }
+    eddies = format_transient_settings(needs_eddy_model(model, viscosity, speed))
     steps = [
         ProgramStep('settle', ('simpleFoam',), {
-            **air,
-            'constant/turbulenceProperties': format_turbulence_properties('SpalartAllmaras'),
-            'system/fvSchemes': format_steady_fv_schemes(EDDY_VISCOSITY),
-            'system/fvSolution': format_fv_solution(carried=EDDY_VISCOSITY),
-            'system/controlDict': format_control_dict('simpleFoam', 0, SETTLING, {}),
+            **format_air(viscosity / speed),
+            **format_steady_settings('SpalartAllmaras'),
+            **format_control('simpleFoam', 0, SETTLING, {}),
         }, SETTLING),
         ProgramStep('begin', ('pimpleFoam',), {
             **eddies,
             # The steady solver counted iterations: reset the time step for the transient one
-            f'{SETTLING}/uniform/time': format_time_file(SETTLING, 0.05 * longest),
-            'system/controlDict': format_control_dict(
-                'pimpleFoam', SETTLING, begin, {}, longest, CAREFUL
-            ),
+            **format_time(SETTLING, 0.05 * longest),
+            **format_control('pimpleFoam', SETTLING, begin, {}, (longest, CAREFUL)),
         }, int(6.0 * (begin - SETTLING) / longest), str(SETTLING)),
         ProgramStep(f'{speed:g}', ('pimpleFoam',), {
             **eddies,
-            'system/controlDict': format_control_dict(
-                'pimpleFoam', begin, end, functions, longest, BOLD
-            ),
+            **format_control('pimpleFoam', begin, end, functions, (longest, BOLD)),
         }, int(1.5 * lengths * model.length / longest), f'{begin:.8g}'),
     ]  # fmt: skip
-    files = {**format_tunnel_fields(DETACHED, walls, (), viscosity / speed), **empty_files()}
+    files = {
+        **format_tunnel_fields(DETACHED, tuple(model.bodies), (), viscosity / speed),
+        **format_absent('fvOptions', 'MRFProperties'),
+    }
     return FoamCase(f'{axis} {speed:g} m/s', files, steps, mesh, mesh.cells)

@@ -10,16 +10,20 @@ from lta_config.errors import BadInput
 from lta_config.schema.mount_file import load_mount
 from lta_windtunnel import flow_checks
 from lta_windtunnel.flow_plan import LENGTHS, plan_flows
-from lta_windtunnel.openfoam import engine
-from lta_windtunnel.openfoam.case import FoamCase, ProgramStep
-from lta_windtunnel.openfoam.case_runner import CaseRunner
-from lta_windtunnel.openfoam.dictionary import format_dictionary
-from lta_windtunnel.openfoam.engine import CaseFailed, explain_failure, FoamPrograms
-from lta_windtunnel.openfoam.mesh import BASE, list_solved_bodies
-from lta_windtunnel.openfoam.output_reader import parse_table, read_forces, read_mesh, read_patches
+from lta_windtunnel.openfoam import programs
+from lta_windtunnel.openfoam.case import CaseRunner, FoamCase, ProgramStep
+from lta_windtunnel.openfoam.input_files import format_files
+from lta_windtunnel.openfoam.mesh import BASE
+from lta_windtunnel.openfoam.output_reader import read_forces, read_mesh, read_table
+from lta_windtunnel.openfoam.programs import CaseFailed, explain_failure, FoamPrograms
 from lta_windtunnel.reduce import STARTING
 from lta_windtunnel.solve import check_memory
-from lta_windtunnel.tunnel import build_steady_wind_case, INCIDENCES, PREVIEW
+from lta_windtunnel.tunnel import (
+    build_steady_wind_case,
+    build_transient_wind_case,
+    INCIDENCES,
+    PREVIEW,
+)
 from lta_windtunnel.tunnel_model import load_tunnel_model
 import pytest
 
@@ -36,9 +40,9 @@ def case(*scripts, name='case'):
 
 
 def test_entries_become_the_text_that_openfoam_reads():
-    text = format_dictionary(
-        'x', {'a': 1.5e-5, 'b': [1, [2, 3]], 'c': {'d': True, 'e': ['f', {'g': 1}]}}
-    )
+    entries = {'a': 1.5e-5, 'b': [1, [2, 3]], 'c': {'d': True, 'e': ['f', {'g': 1}]}}
+    text = format_files({'system/x': entries})['system/x']
+    assert 'object      x;' in text
     body = text[text.index('}') + 1 :].split()
     assert body == [
         'a',
@@ -205,7 +209,7 @@ def test_what_went_wrong_is_said(code, tail, said):
 def test_without_openfoam_one_sentence_says_how_to_get_it(monkeypatch):
     monkeypatch.setattr(shutil, 'which', lambda _: None)
     with pytest.raises(BadInput, match=r'apt-get install .*openfoam.*--fidelity analytic'):
-        engine.require_openfoam()
+        programs.require_openfoam()
 
 
 def test_a_mesh_beyond_the_memory_is_refused_before_any_work():
@@ -232,8 +236,9 @@ def test_forces_are_read_as_they_are_written(tmp_path):
     assert read.viscous[-1, 0] == 1.976e-3
 
 
-def test_a_row_cut_short_is_left_out():
-    assert parse_table(FORCE + '301 \t(5.4e-02 4.8').shape == (2, 10)
+def test_a_row_cut_short_is_left_out(tmp_path):
+    (tmp_path / 'force.dat').write_text(FORCE + '301 \t(5.4e-02 4.8')
+    assert read_table(tmp_path / 'force.dat').shape == (2, 10)
 
 
 def test_a_mesh_tells_its_cells_and_zones(tmp_path):
@@ -243,7 +248,7 @@ def test_a_mesh_tells_its_cells_and_zones(tmp_path):
     )
     (tmp_path / 'log.zones').write_text('    cellZoneSet up_left now size 59\n')
     facts = read_mesh(tmp_path)
-    assert (facts['cells'], facts['zones']) == (44936, {'up_left': 59})
+    assert (facts.cells, facts.zones) == (44936, {'up_left': 59})
     flow_checks.check_mesh('mesh', facts)
 
 
@@ -293,16 +298,16 @@ Checking faceZone topology for multiply connected surfaces...
 
 def test_every_patch_of_a_mesh_has_its_faces_whatever_its_topology(tmp_path):
     (tmp_path / 'log.check').write_text(SOUND + PATCHES)
-    assert read_patches(tmp_path) == {'envelope': 1250, 'gondola': 128}
+    assert read_mesh(tmp_path).faces == {'envelope': 1250, 'gondola': 128}
 
 
 def test_bodies_of_the_half_that_is_cut_off_are_not_missed():
-    mesh = build_steady_wind_case(
-        load_tunnel_model('gtmab', load_mount('bottom')), 'surge', 1.5e-5, PREVIEW
-    ).mesh
+    model = load_tunnel_model('gtmab', load_mount('bottom'))
+    half = build_steady_wind_case(model, 'surge', 1.5e-5, PREVIEW).mesh
+    transient = build_transient_wind_case(model, 'surge', 1.5e-5, PREVIEW, 1.0, LENGTHS).mesh
     whole = {'envelope', 'gondola', 'frame', 'panel_left', 'panel_right', 'arm_left', 'arm_right'}
-    assert set(list_solved_bodies(mesh, ())) == whole
-    assert set(list_solved_bodies(mesh, ('symmetryY',))) == whole - {'panel_left', 'arm_left'}
+    assert set(transient.bodies) == whole
+    assert set(half.bodies) == whole - {'panel_left', 'arm_left'}
 
 
 def test_no_cell_is_so_coarse_that_a_bar_lies_between_the_middles_of_two_unseen():

@@ -5,14 +5,13 @@ from lta_config.files import find_file
 from lta_config.schema.mount_file import load_mount
 from lta_model.vehicle import load_vehicle
 from lta_windtunnel.analytic import drag_force
-from lta_windtunnel.self_intersection import find_crossing_triangles
 from lta_windtunnel.shape import (
     build_hull_surface,
     ellipse_profile,
     mylar_profile,
     revolve_profile,
 )
-from lta_windtunnel.stl import read_stl
+from lta_windtunnel.stl import find_crossing_triangles, read_stl
 from lta_windtunnel.tunnel_model import build_box_surface, load_tunnel_model, winding_number
 import numpy as np
 import pytest

@@ -15,15 +15,13 @@ from lta_config.errors import BadInput
 from lta_report.cluster import connect_cluster
 from lta_windtunnel.flow_plan import TunnelFlow
 from lta_windtunnel.flow_solvers import (
-    flow_mesh_case,
     Found,
     list_distinct_meshes,
     solve_flow,
     solve_mesh,
 )
-from lta_windtunnel.openfoam.case import FoamCase
-from lta_windtunnel.openfoam.case_runner import cache_folder, CaseRunner, Progress
-from lta_windtunnel.openfoam.engine import (
+from lta_windtunnel.openfoam.case import cache_folder, CaseRunner, FoamCase, Progress
+from lta_windtunnel.openfoam.programs import (
     CaseFailed,
     find_openfoam_version,
     FoamPrograms,
@@ -95,7 +93,7 @@ class DaskFlowSolver:
         coming = [
             (flow, self._submit(flow.case, solve_flow_on_worker, there, flow, density,
                                # The future of the mesh makes Dask wait for it.
-                               meshes[flow_mesh_case(flow).key]))
+                               meshes[flow.mesh.key]))
             for flow in flows
         ]  # fmt: skip
         for flow, future in coming:

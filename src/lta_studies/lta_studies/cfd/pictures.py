@@ -7,10 +7,14 @@ from typing import Final
 from lta_report.drawing import add_legend, create_figure
 from lta_report.palette import ESTIMATE, GOOD, HEAT, LAMP, RAW, SETPOINT, TRUTH, WALL
 from lta_windtunnel.aero_fit import ABOUT, fit_drag_by_axis, opposing_drag, select_solved_points
-from lta_windtunnel.slices import FlowSlice
-from lta_windtunnel.sphere import morrison_drag_coefficient, SCATTER, SCATTER_RANGE
+from lta_windtunnel.flow_fields import FlowSlice
 from lta_windtunnel.sweep_table import AXES, TunnelSweep
-from lta_windtunnel.validation import SphereComparison
+from lta_windtunnel.validation import (
+    morrison_drag_coefficient,
+    SCATTER,
+    SCATTER_RANGE,
+    SphereComparison,
+)
 import numpy as np
 from plotly.graph_objects import Figure, Heatmap, Scatter
 

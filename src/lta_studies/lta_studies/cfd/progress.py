@@ -6,8 +6,7 @@ from typing import final
 
 from lta_report.progress_bar import ProgressBar
 from lta_windtunnel.flow_plan import TunnelFlow
-from lta_windtunnel.openfoam.case import FoamCase, ProgramStep
-from lta_windtunnel.openfoam.case_runner import CaseRunner
+from lta_windtunnel.openfoam.case import CaseRunner, FoamCase, ProgramStep
 from rich.console import Console
 from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
 

@@ -17,8 +17,8 @@ from lta_windtunnel.aero_fit import (
     sum_processor_time,
 )
 from lta_windtunnel.aero_text import format_aero_file
+from lta_windtunnel.flow_fields import FlowSlice
 from lta_windtunnel.flow_plan import MIDDLE, SLOW
-from lta_windtunnel.slices import FlowSlice
 from lta_windtunnel.sweep_table import Axis, drop_pressure_maps, format_sweep, TunnelSweep
 from lta_windtunnel.tunnel import MODELLED
 

@@ -12,8 +12,8 @@ from lta_studies.cfd.cluster import DaskFlowSolver
 from lta_studies.cfd.progress import TunnelProgress
 from lta_windtunnel.flow_plan import TunnelFlow
 from lta_windtunnel.flow_solvers import FlowSolver, ThreadedFlowSolver
-from lta_windtunnel.openfoam.case_runner import cache_folder, CaseRunner
-from lta_windtunnel.openfoam.engine import FoamPrograms, require_openfoam
+from lta_windtunnel.openfoam.case import cache_folder, CaseRunner
+from lta_windtunnel.openfoam.programs import FoamPrograms, require_openfoam
 from lta_windtunnel.solve import check_memory, machine_memory
 import typer
 

@@ -8,7 +8,7 @@ from lta_report.formatting import Tile
 from lta_report.report import Picture, Report, TextSection
 from lta_studies.cfd.pictures import draw_sphere_drag
 from lta_studies.cfd.tables import build_sphere_table
-from lta_windtunnel.openfoam.engine import find_openfoam_version
+from lta_windtunnel.openfoam.programs import find_openfoam_version
 from lta_windtunnel.tunnel import MODELLED
 from lta_windtunnel.validation import SphereComparison
 

@@ -4,8 +4,7 @@ from collections.abc import Mapping, Sequence
 import math
 from typing import Final
 
-from lta_windtunnel.openfoam.dictionary import Entry, format_dictionary
-from lta_windtunnel.openfoam.numerics import EDDY_VISCOSITY
+from lta_windtunnel.openfoam.input_files import EDDY_VISCOSITY, Entry, format_files
 
 INTENSITY, EDDY = 0.005, 0.05  # turbulence of the oncoming air, and the size of its eddies [m]
 # Isotropic turbulence; omega from k and the eddy size with C_mu = 0.09
@@ -19,29 +18,23 @@ THETA: Final = 1173.51 - 589.428 * 0.5 + 0.2196 / 0.25
 CLEAN: Final = 'uniform 1e-12'
 SEED: Final = 5.0
 
-# Exponents of kg, m, s, K, mol, A, cd
-DIMENSIONS: Final = {
-    'U': '[0 1 -1 0 0 0 0]', 'p': '[0 2 -2 0 0 0 0]', 'k': '[0 2 -2 0 0 0 0]',
-    'omega': '[0 0 -1 0 0 0 0]', 'nut': '[0 2 -1 0 0 0 0]', 'ReThetat': '[0 0 0 0 0 0 0]',
-    'gammaInt': '[0 0 0 0 0 0 0]', 'nuTilda': '[0 2 -1 0 0 0 0]',
-}  # fmt: skip
-INSIDE: Final[Mapping[str, str]] = {
-    'U': 'uniform (1 0 0)', 'p': 'uniform 0', 'k': f'uniform {K:.8g}',
-    'omega': f'uniform {OMEGA:.8g}', 'nut': 'uniform 0', 'ReThetat': f'uniform {THETA:.6g}',
-    'gammaInt': 'uniform 1',
-}  # fmt: skip
 ZERO: Final = {'type': 'zeroGradient'}
-WALL: Final[Mapping[str, Mapping[str, Entry]]] = {
-    'U': {'type': 'noSlip'},
-    'p': ZERO,
-    'k': {'type': 'kLowReWallFunction', 'value': '$internalField'},
-    'omega': {'type': 'omegaWallFunction', 'blended': True, 'value': '$internalField'},
-    'nut': {'type': 'nutUSpaldingWallFunction', 'value': '$internalField'},
-    'ReThetat': ZERO,
-    'gammaInt': ZERO,
-    'nuTilda': {'type': 'fixedValue', 'value': 'uniform 0'},
-}
-
+INITIAL: Final = {'value': '$internalField'}
+CALCULATED: Final = {'type': 'calculated', **INITIAL}
+# Of each field: exponents of kg, m, s, K, mol, A, cd; value inside; condition at walls
+FIELDS: Final[Mapping[str, tuple[str, str, Mapping[str, Entry]]]] = {
+    'U': ('0 1 -1 0 0 0 0', 'uniform (1 0 0)', {'type': 'noSlip'}),
+    'p': ('0 2 -2 0 0 0 0', 'uniform 0', ZERO),
+    'k': ('0 2 -2 0 0 0 0', f'uniform {K:.8g}', {'type': 'kLowReWallFunction', **INITIAL}),
+    'omega': (
+        '0 0 -1 0 0 0 0', f'uniform {OMEGA:.8g}',
+        {'type': 'omegaWallFunction', 'blended': True, **INITIAL},
+    ),
+    'nut': ('0 2 -1 0 0 0 0', 'uniform 0', {'type': 'nutUSpaldingWallFunction', **INITIAL}),
+    'ReThetat': ('0 0 0 0 0 0 0', f'uniform {THETA:.6g}', ZERO),
+    'gammaInt': ('0 0 0 0 0 0 0', 'uniform 1', ZERO),
+    'nuTilda': ('0 2 -1 0 0 0 0', '', {'type': 'fixedValue', 'value': 'uniform 0'}),
+}  # fmt: skip
 STEADY: Final = ('U', 'p', 'k', 'omega', 'nut')
 TRANSITION: Final = (*STEADY, 'ReThetat', 'gammaInt')
 DETACHED: Final = ('U', 'p', 'nut', *EDDY_VISCOSITY)
@@ -49,24 +42,23 @@ DETACHED: Final = ('U', 'p', 'nut', *EDDY_VISCOSITY)
 
 def _open_boundary(name: str) -> Mapping[str, Entry]:
     """Return a boundary with free outflow, and far-field values for inflow."""
-    return {'type': 'inletOutlet', 'inletValue': _inflow_value(name), 'value': '$internalField'}
+    return {'type': 'inletOutlet', 'inletValue': _inflow_value(name), **INITIAL}
 
 
 def _inflow_value(name: str) -> str:
     return CLEAN if name in EDDY_VISCOSITY else '$internalField'
 
 
-def _calculated_boundary(name: str) -> Mapping[str, Entry]:
-    return {'type': 'calculated', 'value': '$internalField'}
-
-
-def _format_field(name: str, inside: str, boundary: Mapping[str, Mapping[str, Entry]]) -> str:
+def _format_field(
+    name: str, inside: str, outer: Mapping[str, Mapping[str, Entry]], walls: Sequence[str]
+) -> dict[str, str]:
+    dimensions, _, wall = FIELDS[name]
     kind = 'volVectorField' if name == 'U' else 'volScalarField'
-    return format_dictionary(
-        name,
-        {'dimensions': DIMENSIONS[name], 'internalField': inside, 'boundaryField': boundary},
-        kind,
-    )
+    content: dict[str, Entry] = {
+        'dimensions': f'[{dimensions}]', 'internalField': inside,
+        'boundaryField': {**outer, **dict.fromkeys(walls, wall)},
+    }  # fmt: skip
+    return format_files({f'0/{name}': content}, kind)
 
 
 def format_tunnel_fields(
@@ -75,19 +67,10 @@ def format_tunnel_fields(
     """
     Return the fields of a wind tunnel with air along x at 1 m/s.
 
-    Parameters
-    ----------
-    names : sequence of str
-        Fields that the solver needs.
-    walls : sequence of str
-        Patches of the bodies.
-    planes : sequence of str
-        Patches of symmetry planes.
-    viscosity : float
-        Kinematic viscosity, from which the initial `nuTilda` is set. [m2/s]
-
+    `names`: fields that the solver needs. `walls`, `planes`: patches of bodies and of symmetry
+    planes. `viscosity`: kinematic, from which the initial `nuTilda` is set. [m2/s]
     """
-    files = {}
+    files: dict[str, str] = {}
     for name in names:
         inlet: Mapping[str, Entry] = {'type': 'fixedValue', 'value': _inflow_value(name)}
         outlet = _open_boundary(name)
@@ -95,32 +78,30 @@ def format_tunnel_fields(
         if name == 'p':
             inlet, outlet = ZERO, {'type': 'fixedValue', 'value': 'uniform 0'}
         elif name == 'nut':
-            inlet = outlet = _calculated_boundary(name)
-        inside = f'uniform {SEED * viscosity:.6g}' if name in EDDY_VISCOSITY else INSIDE[name]
-        files[f'0/{name}'] = _format_field(name, inside, {
+            inlet = outlet = CALCULATED
+        outer = {
             'inlet': inlet,
             'outlet': outlet,
             # Frictionless, so that the tunnel's walls have no boundary layer
             'sides': {'type': 'slip'},
             **{plane: {'type': 'symmetryPlane'} for plane in planes},
-            **dict.fromkeys(walls, WALL[name]),
-        })  # fmt: skip
+        }
+        files |= _format_field(
+            name, FIELDS[name][1] or f'uniform {SEED * viscosity:.6g}', outer, walls
+        )
     return files
 
 
-def format_still_air_fields(names: Sequence[str], walls: Sequence[str]) -> dict[str, str]:
-    """Return the fields of an open box of still air; parameters as `format_tunnel_fields`."""
-    files = {}
-    for name in names:
-        far = _open_boundary(name)
-        if name == 'U':
-            far = {'type': 'pressureInletOutletVelocity', 'value': 'uniform (0 0 0)'}
-        elif name == 'p':
-            # Entrained air enters from rest: its total pressure is the ambient one
-            far = {'type': 'totalPressure', 'p0': 'uniform 0', 'value': 'uniform 0'}
-        elif name == 'nut':
-            far = _calculated_boundary(name)
-        inside = 'uniform (0 0 0)' if name == 'U' else INSIDE[name]
-        boundary = {'far': far, **dict.fromkeys(walls, WALL[name])}
-        files[f'0/{name}'] = _format_field(name, inside, boundary)
+def format_still_air_fields(walls: Sequence[str]) -> dict[str, str]:
+    """Return the fields of an open box of still air around bodies with these patches."""
+    far: dict[str, Mapping[str, Entry]] = {
+        'U': {'type': 'pressureInletOutletVelocity', 'value': 'uniform (0 0 0)'},
+        # Entrained air enters from rest: its total pressure is the ambient one
+        'p': {'type': 'totalPressure', 'p0': 'uniform 0', 'value': 'uniform 0'},
+        'nut': CALCULATED,
+    }
+    files: dict[str, str] = {}
+    for name in STEADY:
+        inside = 'uniform (0 0 0)' if name == 'U' else FIELDS[name][1]
+        files |= _format_field(name, inside, {'far': far.get(name, _open_boundary(name))}, walls)
     return files

@@ -5,21 +5,27 @@ All lengths scale with the hull's length, so that small and large drones get the
 base cube is a quarter of the hull's length; each refinement level halves it.
 """
 
-from collections.abc import Container, Mapping, Sequence
-from io import BytesIO
-from typing import Final
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final, final
 
 from lta_windtunnel.openfoam.case import FoamCase, ProgramStep
-from lta_windtunnel.openfoam.dictionary import Entry, format_dictionary
+from lta_windtunnel.openfoam.input_files import (
+    Entry,
+    format_control,
+    format_files,
+    format_steady_settings,
+)
 from lta_windtunnel.tunnel_model import HULL
 import numpy as np
 from numpy.typing import NDArray
 import trimesh
 
 Array = NDArray[np.float64]
-SURFACES: Final = 'constant/triSurface/'
+Region = tuple[Mapping[str, Entry], int]  # shape and level
 BASE: Final = 0.25  # of the hull's length
 FEATURE: Final = 130.0  # deg: layers go around the edges of boxes
+MAX_CELLS: Final = 3_000_000  # of a mesh; snappyHexMesh stops refining there
 QUALITY: Final[Mapping[str, Entry]] = {
     'maxNonOrtho': 65, 'maxBoundarySkewness': 20, 'maxInternalSkewness': 4, 'maxConcave': 80,
     'minVol': 1e-16, 'minTetQuality': 1e-15, 'minArea': -1, 'minTwist': 0.02,
@@ -27,75 +33,123 @@ QUALITY: Final[Mapping[str, Entry]] = {
     'minTriangleTwist': -1, 'nSmoothScale': 4, 'errorReduction': 0.75,
     'relaxed': {'maxNonOrtho': 75},
 }  # fmt: skip
+# Vertex numbers of each face of a block, in blockMesh's order: outward normals
+FACES: Final = {
+    'x-': [0, 4, 7, 3], 'x+': [1, 2, 6, 5], 'y-': [0, 1, 5, 4], 'y+': [3, 7, 6, 2],
+    'z-': [0, 3, 2, 1], 'z+': [4, 5, 6, 7],
+}  # fmt: skip
 
 
-def format_block_mesh(
-    low: Array, high: Array, size: float, patches: Mapping[str, Sequence[str]]
-) -> str:
+@final
+@dataclass(frozen=True, slots=True)
+class MeshFineness:
+    """Resolution of a mesh."""
+
+    # Levels on the hull and on other bodies
+    hull: int = 4
+    parts: int = 5
+    trail: int = 2  # level behind the hull, up to 1.5 lengths; one less up to 3
+    shell: float = 0.12  # distance around the hull that is refined to level 3 [lengths]
+    layers: int = 6  # number of prism layers on the hull
+    expansion: float = 1.3  # thickness ratio of successive layers [1]
+    cells: int = 185_000  # expected number of cells of the whole domain
+
+
+def build_mesh_case(
+    name: str,
+    surfaces: Mapping[str, trimesh.Trimesh],
+    size: float,
+    fine: MeshFineness,
+    box: tuple[Array, Array],
+    patches: Mapping[str, Sequence[str]],
+    regions: Mapping[str, Region],
+    inside: Sequence[float],
+    zones: Sequence[Entry] = (),
+) -> FoamCase:
     """
-    Return blockMeshDict of a box of cubes.
+    Return the case that creates a mesh.
 
-    `low`, `high`: corners [m]. `size`: edge of a cube [m]. `patches`: faces ('x-', 'z+', ...) of
-    each patch; 'symmetry' in a name makes it a symmetry plane.
+    Parameters
+    ----------
+    name : str
+        Name for users.
+    surfaces : mapping of str to Trimesh
+        Bodies in the axes of the mesh. [m]
+    size : float
+        Length of the hull. [m]
+    fine : MeshFineness
+        Resolution.
+    box : (array, array)
+        Lowest and highest corner, in lengths of the hull. [1]
+    patches : mapping of str to sequence of str
+        Faces of the box ('x-', 'z+', ...) in each patch; 'symmetry' in a name makes it a plane of
+        symmetry, beyond which nothing is solved.
+    regions : mapping of str to (mapping, int)
+        Shape and level of each refined region.
+    inside : sequence of 3 floats
+        A point in the air that lies on no cell face, in lengths of the hull. [1]
+    zones : sequence of mappings
+        Actions of topoSet that create cell zones.
+
     """
-    counts = np.maximum(np.rint((high - low) / size), 1).astype(int)
+    files: dict[str, str | bytes] = {}
+    for each, mesh in surfaces.items():
+        data = mesh.export(file_type='stl')
+        assert isinstance(data, bytes)
+        files[f'constant/triSurface/{each}.stl'] = data
+    files |= format_files({
+        'system/blockMeshDict': _build_block(size * box[0], size * box[1], BASE * size, patches),
+        'system/snappyHexMeshDict': _build_refinement(
+            {each: fine.hull if each == HULL else fine.parts for each in surfaces},
+            size, fine, regions, [each * size for each in inside],
+        ),
+    })  # fmt: skip
+    files |= format_control('snappyHexMesh', 0, 1, {})
+    # snappyHexMesh requires schemes and solvers even though no flow is solved
+    settings = format_steady_settings('kOmegaSST')
+    files |= {path: text for path, text in settings.items() if path.startswith('system')}
+    steps = [
+        ProgramStep('block', ('blockMesh',)),
+        ProgramStep('snappy', ('snappyHexMesh', '-overwrite'), rounds=60),
+    ]
+    if zones:
+        files |= format_files({'system/topoSetDict': {'actions': zones}})
+        steps.append(ProgramStep('zones', ('topoSet',)))
+    steps.append(ProgramStep('check', ('checkMesh',)))
+    # Of a domain that is cut, y > 0 and z > 0 is left
+    cut = [axis for axis, plane in ((1, 'symmetryY'), (2, 'symmetryZ')) if plane in patches]
+    bodies = tuple(each for each, mesh in surfaces.items() if (mesh.bounds[1][cut] > 0.0).all())
+    return FoamCase(name, files, steps, cells=int(fine.cells * 0.5 ** len(cut)), bodies=bodies)
+
+
+def _build_block(
+    low: Array, high: Array, edge: float, patches: Mapping[str, Sequence[str]]
+) -> dict[str, Entry]:
+    """Return blockMeshDict of a box of cubes between two corners. [m]"""
+    counts = np.maximum(np.rint((high - low) / edge), 1).astype(int)
     ends = (low, high)
     corners = [
         (i, j, k) for k in (0, 1) for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))
     ]  # as blockMesh counts them
-    vertices = [[float(ends[c[a]][a]) for a in range(3)] for c in corners]
-    # Vertex numbers of each face, in blockMesh's order: outward normals
-    faces = {
-        'x-': [0, 4, 7, 3], 'x+': [1, 2, 6, 5], 'y-': [0, 1, 5, 4], 'y+': [3, 7, 6, 2],
-        'z-': [0, 3, 2, 1], 'z+': [4, 5, 6, 7],
-    }  # fmt: skip
     boundary: list[Entry] = []
     for name, sides in patches.items():
         kind = 'symmetryPlane' if 'symmetry' in name else 'patch'
-        boundary += [name, {'type': kind, 'faces': [faces[side] for side in sides]}]
-    return format_dictionary('blockMeshDict', {
+        boundary += [name, {'type': kind, 'faces': [FACES[side] for side in sides]}]
+    return {
         'scale': 1,
-        'vertices': vertices,
+        'vertices': [[float(ends[corner[a]][a]) for a in range(3)] for corner in corners],
         'blocks': ['hex', list(range(8)), counts.tolist(), 'simpleGrading', [1, 1, 1]],
         'boundary': boundary,
-    })  # fmt: skip
+    }
 
 
-def format_snappy_mesh(
-    bodies: Mapping[str, int],
-    cube: float,
-    regions: Mapping[str, tuple[Mapping[str, Entry], int]],
+def _build_refinement(
+    levels: Mapping[str, int], size: float, fine: MeshFineness, regions: Mapping[str, Region],
     inside: Sequence[float],
-    shell: tuple[float, int],
-    layers: int,
-    expansion: float,
-    most: int,
-) -> str:
-    """
-    Return snappyHexMeshDict.
-
-    Parameters
-    ----------
-    bodies : mapping of str to int
-        Refinement level of each surface.
-    cube : float
-        Edge of the base cube. [m]
-    regions : mapping of str to (mapping, int)
-        Shape and level of each refined region.
-    inside : sequence of 3 floats
-        A point in the air. [m]
-    shell : (float, int)
-        Refinement distance around the hull [m], and its level.
-    layers : int
-        Number of prism layers on the hull.
-    expansion : float
-        Thickness ratio of successive layers. [1]
-    most : int
-        Maximum number of cells.
-
-    """
+) -> dict[str, Entry]:  # fmt: skip
+    """Return snappyHexMeshDict for the level of each surface and a point in the air. [m]"""
     geometry: dict[str, Entry] = {
-        f'{name}.stl': {'type': 'triSurfaceMesh', 'name': name} for name in bodies
+        f'{name}.stl': {'type': 'triSurfaceMesh', 'name': name} for name in levels
     }
     geometry |= {name: shape for name, (shape, _) in regions.items()}
     around: dict[str, Entry] = {
@@ -103,22 +157,28 @@ def format_snappy_mesh(
         name: {'mode': 'inside', 'levels': [[1e15, level]]}
         for name, (_, level) in regions.items()
     }
-    around[HULL] = {'mode': 'distance', 'levels': [list(shell)]}
+    around[HULL] = {'mode': 'distance', 'levels': [[fine.shell * size, 3]]}
+    # snappyHexMesh detects a surface only between the centres of two cells, so coarse cells would
+    # miss a thin plate or bar. Cells are therefore refined wherever their corner may touch it: two
+    # cells of each level, from the finest down to level 3.
     around |= {
-        name: {'mode': 'distance', 'levels': _refinement_shells(cube, level)}
-        for name, level in bodies.items()
+        name: {
+            'mode': 'distance',
+            'levels': [[2.0 * BASE * size * 2.0**-each, each] for each in range(level, 2, -1)],
+        }
+        for name, level in levels.items()
         if name != HULL
     }
-    return format_dictionary('snappyHexMeshDict', {
-        'castellatedMesh': True, 'snap': True, 'addLayers': layers > 0,
+    return {
+        'castellatedMesh': True, 'snap': True, 'addLayers': True,
         'geometry': geometry,
         'castellatedMeshControls': {
-            'maxLocalCells': most, 'maxGlobalCells': most, 'minRefinementCells': 10,
+            'maxLocalCells': MAX_CELLS, 'maxGlobalCells': MAX_CELLS, 'minRefinementCells': 10,
             'nCellsBetweenLevels': 3, 'features': [], 'resolveFeatureAngle': 30,
             'allowFreeStandingZoneFaces': True, 'locationInMesh': list(inside),
             'refinementSurfaces': {
                 name: {'level': [level, level], 'patchInfo': {'type': 'wall'}}
-                for name, level in bodies.items()
+                for name, level in levels.items()
             },
             'refinementRegions': around,
         },
@@ -128,8 +188,8 @@ def format_snappy_mesh(
             'multiRegionFeatureSnap': False,
         },
         'addLayersControls': {
-            'relativeSizes': True, 'layers': {HULL: {'nSurfaceLayers': layers}},
-            'expansionRatio': expansion, 'finalLayerThickness': 0.35, 'minThickness': 0.02,
+            'relativeSizes': True, 'layers': {HULL: {'nSurfaceLayers': fine.layers}},
+            'expansionRatio': fine.expansion, 'finalLayerThickness': 0.35, 'minThickness': 0.02,
             'nGrow': 0, 'featureAngle': FEATURE, 'slipFeatureAngle': 30, 'nRelaxIter': 5,
             'nSmoothSurfaceNormals': 1, 'nSmoothNormals': 3, 'nSmoothThickness': 10,
             'maxFaceThicknessRatio': 0.5, 'maxThicknessToMedialRatio': 0.3,
@@ -138,80 +198,4 @@ def format_snappy_mesh(
         },
         'meshQualityControls': QUALITY,
         'writeFlags': [], 'mergeTolerance': 1e-6,
-    })  # fmt: skip
-
-
-def build_mesh_case(
-    name: str,
-    surfaces: Mapping[str, trimesh.Trimesh],
-    block_text: str,
-    snappy_text: str,
-    cells: int,
-    zones: str = '',
-) -> FoamCase:
-    """
-    Return the case that creates a mesh.
-
-    `surfaces`: bodies in tunnel axes. `cells`: expected number of cells. `zones`: topoSetDict of
-    the cell zones, if any.
-    """
-    from lta_windtunnel.openfoam.numerics import (
-        format_control_dict,
-        format_fv_solution,
-        format_steady_fv_schemes,
-    )
-
-    files: dict[str, str | bytes] = {
-        f'{SURFACES}{each}.stl': _encode_stl(mesh) for each, mesh in surfaces.items()
-    }
-    files |= {
-        'system/blockMeshDict': block_text,
-        'system/snappyHexMeshDict': snappy_text,
-        'system/controlDict': format_control_dict('snappyHexMesh', 0, 1, {}),
-        # snappyHexMesh requires these files even though no flow is solved
-        'system/fvSchemes': format_steady_fv_schemes(),
-        'system/fvSolution': format_fv_solution(),
-    }
-    steps = [
-        ProgramStep('block', ('blockMesh',)),
-        ProgramStep('snappy', ('snappyHexMesh', '-overwrite'), rounds=60),
-    ]
-    if zones:
-        files['system/topoSetDict'] = zones
-        steps.append(ProgramStep('zones', ('topoSet',)))
-    steps.append(ProgramStep('check', ('checkMesh',)))
-    return FoamCase(name, files, steps, cells=cells)
-
-
-def _refinement_shells(cube: float, level: int) -> list[Entry]:
-    """
-    Return the refinement distance around a body for each level.
-
-    snappyHexMesh detects a surface only between the centres of two cells, so coarse cells would
-    miss a thin plate or bar. Cells are therefore refined wherever their corner may touch it.
-    """
-    # Two cells of each level, from the finest down to level 3
-    return [[2.0 * cube * 2.0**-each, each] for each in range(level, 2, -1)]
-
-
-def list_solved_bodies(mesh: FoamCase, patches: Container[str]) -> list[str]:
-    """Return the bodies of a mesh that reach into the solved part of the tunnel."""
-    bodies = []
-    for path, data in mesh.files.items():
-        if not path.startswith(SURFACES):
-            continue
-        assert isinstance(data, bytes)
-        _, high_y, high_z = trimesh.load_mesh(BytesIO(data), file_type='stl').bounds[1]
-        # Of a tunnel that is cut, y > 0 and z > 0 is left.
-        if not ('symmetryY' in patches and high_y <= 0.0) and not (
-            'symmetryZ' in patches and high_z <= 0.0
-        ):
-            bodies.append(path.removeprefix(SURFACES).removesuffix('.stl'))
-    return bodies
-
-
-def _encode_stl(mesh: trimesh.Trimesh) -> bytes:
-    """Return a surface as binary STL."""
-    data = mesh.export(file_type='stl')
-    assert isinstance(data, bytes)
-    return data
+    }  # fmt: skip

@@ -20,10 +20,10 @@ from lta_studies.cfd.solvers import (
     refuse_solver_options,
     resolve_cache_folder,
 )
+from lta_windtunnel.flow_fields import FlowSlice, read_flow_slice
 from lta_windtunnel.flow_plan import AIR, plan_flows, TunnelFlow
-from lta_windtunnel.openfoam.case_runner import CaseRunner
-from lta_windtunnel.openfoam.engine import FoamPrograms
-from lta_windtunnel.slices import FlowSlice, read_flow_slice
+from lta_windtunnel.openfoam.case import CaseRunner
+from lta_windtunnel.openfoam.programs import FoamPrograms
 from lta_windtunnel.solve import build_sweep, solve_sweep
 from lta_windtunnel.sweep_table import TunnelSweep
 from lta_windtunnel.tunnel import INCIDENCES

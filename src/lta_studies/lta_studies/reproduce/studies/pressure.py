@@ -14,7 +14,7 @@ from lta_report.palette import ESTIMATE, LAMP, TRUTH, WALL
 from lta_report.palette import PAPER as WHITE
 from lta_sim.wind_limits import static_wind_limit
 from lta_studies.reproduce.study_result import MeasuredValue, StudyPicture
-from lta_windtunnel.potential import pressure_extremes
+from lta_windtunnel.analytic import pressure_extremes
 from lta_windtunnel.sweep_table import Blow, read_sweep, SurfacePressure
 import numpy as np
 from plotly.graph_objects import Bar, Figure, Heatmap

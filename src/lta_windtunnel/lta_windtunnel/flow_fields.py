@@ -1,20 +1,62 @@
-"""Sample a plane through a solved flow on a regular grid, for pictures."""
+"""Sample the fields of a solved flow: pressure on the bodies, and the velocity in a plane."""
 
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, final
 
 from lta_windtunnel.flow_plan import TunnelFlow
-from lta_windtunnel.openfoam.output_reader import read_slice
+from lta_windtunnel.openfoam.output_reader import read_last_table
+from lta_windtunnel.sweep_table import round_digits, SurfacePressure
 from lta_windtunnel.tunnel import has_symmetry_planes, rotate_into_tunnel
 from lta_windtunnel.tunnel_model import TunnelModel
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import griddata
+from scipy.interpolate import griddata, NearestNDInterpolator
+from scipy.spatial import ConvexHull, Delaunay
 import trimesh
 
 Array = NDArray[np.float64]
-POINTS: Final = 220  # along the longer side
+CELLS: Final = 41  # of the map of a pressure, along a side
+POINTS: Final = 220  # of a slice, along the longer side
+
+
+def read_surface_pressure(folder: Path, body: str, density: float) -> SurfacePressure:
+    """Return the pressure on a body (a patch of the case) at the end of a flow."""
+    rows = read_last_table(folder, 'pressure', f'p_{body}.raw')
+    assert rows is not None  # or the solver failed
+    return summarize_surface_pressure(rows[:, :3], density * rows[:, 3])
+
+
+def summarize_surface_pressure(places: Array, pressure: Array) -> SurfacePressure:
+    """
+    Reduce the pressure on a body to its extremes and a map.
+
+    `places`: face centres, body axes [m]. `pressure`: relative to the far field [Pa].
+    """
+    low, high = int(pressure.argmin()), int(pressure.argmax())
+    side = 2.0 * float(np.abs(places[:, :2]).max())
+    return SurfacePressure(
+        least=round_digits(pressure[low], 3), most=round_digits(pressure[high], 3),
+        least_at=[round_digits(each, 3) for each in places[low]],
+        most_at=[round_digits(each, 3) for each in places[high]],
+        below=_lower_pressure_grid(places, pressure, side), side=round_digits(side, 3),
+    )  # fmt: skip
+
+
+def _lower_pressure_grid(places: Array, pressure: Array, side: float) -> list[list[float | None]]:
+    """Return the pressure on the lower half, on a grid of x and y, from the nearest face."""
+    under = places[:, 2] <= float(places[:, 2].mean())
+    flat = places[under, :2]
+    # Centres of the map's cells
+    steps = side * ((np.arange(CELLS) + 0.5) / CELLS - 0.5)
+    x, y = np.meshgrid(steps, steps)
+    values = NearestNDInterpolator(flat, pressure[under])(x, y)
+    # Cells outside the body's outline would get the value of a far face
+    outline = Delaunay(flat[ConvexHull(flat).vertices])
+    inside = outline.find_simplex(np.stack((x, y), axis=-1)) >= 0
+    rows: list[list[float]] = np.where(inside, values, np.nan).tolist()
+    # NaN is the only value unequal to itself; JSON has no NaN
+    return [[None if value != value else round_digits(value, 3) for value in row] for row in rows]
 
 
 @final
@@ -32,7 +74,7 @@ class FlowSlice:
 
 def read_flow_slice(model: TunnelModel, flow: TunnelFlow, place: Path) -> FlowSlice | None:
     """Return the slice of a solved flow, or None if none was written."""
-    rows = read_slice(place)
+    rows = read_last_table(place, 'slice', '*plane*')
     if rows is None or len(rows) < 100:
         return None
     size = model.length

@@ -17,7 +17,7 @@ from typing import Final, final
 from lta_config.errors import BadInput
 
 PROJECT: Final = 'WM_PROJECT_DIR'
-PLACES: Final = ('/usr/share/openfoam',)
+DEBIAN_FOLDER: Final = '/usr/share/openfoam'
 PROGRAMS: Final = (
     'blockMesh', 'snappyHexMesh', 'topoSet', 'checkMesh', 'simpleFoam', 'pimpleFoam',
 )  # fmt: skip
@@ -25,12 +25,10 @@ MISSING: Final = (
     'OpenFOAM is not installed; install it with "sudo apt-get install --no-install-recommends '
     'openfoam" (450 MB), or use --fidelity analytic, which does not need it.'
 )
-TIME: Final = re.compile(r'^Time = ([-+.\deE]+)s?$')
+TIME: Final = re.compile(r'^Time = [-+.\deE]+s?$')
 RESIDUAL: Final = re.compile(r'Solving for p, Initial residual = ([-+.\deE]+|nan|-nan)')
 FATAL: Final = 'FOAM FATAL'
 TAIL: Final = 40  # lines of a log that are searched for the reason
-
-Tell = Callable[[float, float], None]  # time reached, residual of the pressure
 
 
 @final
@@ -59,7 +57,7 @@ def require_openfoam() -> None:
 
 def program_environment() -> Mapping[str, str]:
     """Return the environment of the programs, each limited to one core."""
-    place = os.environ.get(PROJECT) or next((p for p in PLACES if Path(p).is_dir()), '')
+    place = os.environ.get(PROJECT) or DEBIAN_FOLDER
     # FOAM_SIGFPE aborts on NaN and overflow instead of iterating on
     return {**os.environ, PROJECT: place, 'OMP_NUM_THREADS': '1', 'FOAM_SIGFPE': 'true'}
 
@@ -90,11 +88,13 @@ class FoamPrograms:
         for process in list(self._running):
             process.terminate()
 
-    def run(self, command: Sequence[str], folder: Path, log: Path, tell: Tell) -> None:
+    def run(
+        self, command: Sequence[str], folder: Path, log: Path, tell: Callable[[float], None]
+    ) -> None:
         """
         Run a program in the folder of a case and wait for it.
 
-        `tell` is called with the time or iteration reached and the residual of the pressure.
+        `tell` is called with the residual of the pressure at each iteration or time step.
 
         Raises
         ------
@@ -106,7 +106,7 @@ class FoamPrograms:
             raise CaseFailed(
                 'The computation was stopped before it began; start it again to resume.'
             )
-        time, residual = 0.0, float('nan')
+        residual = float('nan')
         # Popen does not update PWD, which OpenFOAM may use as the working directory
         where = {**program_environment(), 'PWD': str(folder)}
         with log.open('w', encoding='utf-8') as out:
@@ -122,9 +122,8 @@ class FoamPrograms:
                     out.write(line)
                     if (match := RESIDUAL.search(line)) is not None:
                         residual = float(match[1])
-                    elif (match := TIME.match(line.strip())) is not None:
-                        time = float(match[1])
-                        tell(time, residual)
+                    elif TIME.match(line.strip()):
+                        tell(residual)
             self._running.discard(process)
         if process.returncode != 0:
             raise self._build_failure(command[0], process.returncode, log)

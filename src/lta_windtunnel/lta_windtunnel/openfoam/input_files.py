@@ -1,0 +1,279 @@
+"""
+Write OpenFOAM's input files, with settings proven on round bodies.
+
+Steady: SIMPLEC with a bounded second-order scheme. Transient: implicit large-eddy simulation, with
+only the dissipation of the LUST scheme; where that predicts the drag crisis too early
+(`tunnel.MODELLED`), detached eddies (Spalart's DDES). The inflow has no eddies, so the boundary
+layer on the hull is laminar until it separates.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Final
+
+Entry = str | bool | int | float | Sequence['Entry'] | Mapping[str, 'Entry']
+
+HEADER: Final = """FoamFile
+{{
+    version     2.0;
+    format      ascii;
+    class       {kind};
+    object      {name};
+}}
+"""
+TURBULENT: Final = ('k', 'omega', 'ReThetat', 'gammaInt')  # fields that a model transports
+EDDY_VISCOSITY: Final = ('nuTilda',)
+LIMITED: Final = ('k', 'omega', 'nuTilda')  # gradients
+LINEAR_STRESS: Final = {'div((nuEff*dev2(T(grad(U)))))': 'Gauss linear'}
+MULTIGRID: Final[Mapping[str, Entry]] = {'solver': 'GAMG', 'smoother': 'GaussSeidel'}
+SWEEPS: Final[Mapping[str, Entry]] = {
+    'solver': 'smoothSolver', 'smoother': 'symGaussSeidel', 'tolerance': 1e-10,
+}  # fmt: skip
+PISO: Final[Mapping[str, Entry]] = {
+    'nOuterCorrectors': 1,
+    'nCorrectors': 2,
+    'nNonOrthogonalCorrectors': 0,
+}
+NO_REFERENCE: Final[Mapping[str, Entry]] = {'pRefCell': 0, 'pRefValue': 0}
+COMMON_SCHEMES: Final[Mapping[str, Entry]] = {
+    'interpolationSchemes': {'default': 'linear'},
+    # Limits the non-orthogonal correction, for stability on distorted cells
+    'laplacianSchemes': {'default': 'Gauss linear limited corrected 0.5'},
+    'snGradSchemes': {'default': 'limited corrected 0.5'},
+    'wallDist': {'method': 'meshWave'},
+}
+EVERY_STEP: Final[Mapping[str, Entry]] = {
+    'log': False,
+    'writeControl': 'timeStep',
+    'writeInterval': 1,
+}
+AT_END: Final[Mapping[str, Entry]] = {
+    'type': 'surfaces', 'libs': ['sampling'], 'writeControl': 'writeTime', 'surfaceFormat': 'raw',
+}  # fmt: skip
+
+
+def _format_entry(entry: Entry) -> str:
+    """Format an entry on one line."""
+    # Before int, because bool is a subclass of int
+    if isinstance(entry, bool):
+        return 'true' if entry else 'false'
+    if isinstance(entry, str):
+        return entry
+    if isinstance(entry, int | float):
+        return f'{entry:.10g}'
+    if isinstance(entry, Mapping):
+        return '{ ' + ' '.join(_format_entries(entry, '')) + ' }'
+    return f'({" ".join(_format_entry(each) for each in entry)})'
+
+
+def _format_entries(entries: Mapping[str, Entry], indent: str) -> list[str]:
+    text = []
+    for key, entry in entries.items():
+        if isinstance(entry, Mapping):
+            inner = _format_entries(entry, indent + '    ')
+            text += [f'{indent}{key}', f'{indent}{{', *inner, f'{indent}}}']
+        else:
+            text.append(f'{indent}{key} {_format_entry(entry)};')
+    return text
+
+
+def format_files(
+    contents: Mapping[str, Mapping[str, Entry]], kind: str = 'dictionary'
+) -> dict[str, str]:
+    """
+    Format files from their entries, by path; strings are written unquoted.
+
+    `kind` is the class of the objects: 'dictionary', 'volScalarField', ...
+    """
+    files = {}
+    for path, entries in contents.items():
+        head = HEADER.format(kind=kind, name=path.rpartition('/')[2])
+        files[path] = '\n'.join([head, *_format_entries(entries, ''), ''])
+    return files
+
+
+def format_air(viscosity: float) -> dict[str, str]:
+    """Return the file with the kinematic viscosity. [m2/s]"""
+    entries: dict[str, Entry] = {'transportModel': 'Newtonian', 'nu': viscosity}
+    return format_files({'constant/transportProperties': entries})
+
+
+def format_steady_settings(
+    model: str, relaxation: tuple[float, float] = (0.8, 0.7)
+) -> dict[str, str]:
+    """
+    Return turbulence model, schemes and solvers of simpleFoam.
+
+    `relaxation` holds the factors of the velocity and of the turbulence. [1]
+    """
+    carried = EDDY_VISCOSITY if model == 'SpalartAllmaras' else TURBULENT
+    pattern = f'|{"|".join(carried)})"'
+    limited = 'cellLimited Gauss linear 1'
+    pressure: dict[str, Entry] = {**MULTIGRID, 'tolerance': 1e-8, 'relTol': 0.05}
+    return format_files({
+        'constant/turbulenceProperties': {
+            'simulationType': 'RAS',
+            'RAS': {'RASModel': model, 'turbulence': True, 'printCoeffs': False},
+        },
+        'system/fvSchemes': {
+            'ddtSchemes': {'default': 'steadyState'},
+            'gradSchemes': {
+                'default': 'Gauss linear', 'grad(U)': limited,
+                **{f'grad({each})': limited for each in carried if each in LIMITED},
+            },
+            'divSchemes': {
+                'default': 'none',
+                # Second order for the velocity; turbulence first order, which stays positive
+                'div(phi,U)': 'bounded Gauss linearUpwindV grad(U)',
+                **{f'div(phi,{each})': 'bounded Gauss upwind' for each in carried},
+                **LINEAR_STRESS,
+            },
+            **COMMON_SCHEMES,
+        },
+        'system/fvSolution': {
+            'solvers': {
+                'p': pressure,
+                'pFinal': {**pressure, 'tolerance': 1e-7, 'relTol': 0.01},
+                'Phi': pressure,
+                f'"(U{pattern}': {**SWEEPS, 'relTol': 0.1},
+                'UFinal': {**SWEEPS, 'relTol': 0.01},
+            },
+            # 'consistent' selects SIMPLEC, which needs no relaxation of the pressure
+            'SIMPLE': {'consistent': 'yes', 'nNonOrthogonalCorrectors': 0, **NO_REFERENCE},
+            'PIMPLE': PISO,
+            'relaxationFactors': {
+                'fields': {'p': 1.0},
+                'equations': {'U': relaxation[0], f'"({pattern[1:]}': relaxation[1]},
+            },
+        },
+    })  # fmt: skip
+
+
+def format_transient_settings(modelled: bool) -> dict[str, str]:
+    """
+    Return eddy model, schemes and solvers of pimpleFoam.
+
+    `modelled`: whether DDES models the eddies smaller than the cells. At large time steps the
+    undamped convection matrix does not converge with Gauss-Seidel sweeps, so the velocity uses a
+    Krylov solver.
+    """
+    eddies: dict[str, Entry] = {'simulationType': 'laminar'}
+    if modelled:
+        eddies = {'simulationType': 'LES', 'LES': {
+            'LESModel': 'SpalartAllmarasDDES', 'turbulence': True, 'printCoeffs': False,
+            'delta': 'maxDeltaxyz', 'maxDeltaxyzCoeffs': {},
+        }}  # fmt: skip
+    return format_files({
+        'constant/turbulenceProperties': eddies,
+        'system/fvSchemes': {
+            'ddtSchemes': {'default': 'backward'},
+            'gradSchemes': {'default': 'Gauss linear'},
+            'divSchemes': {
+                'default': 'none', 'div(phi,nuTilda)': 'Gauss limitedLinear 1',
+                'div(phi,U)': 'Gauss LUST grad(U)', **LINEAR_STRESS,
+            },
+            **COMMON_SCHEMES,
+        },
+        'system/fvSolution': {
+            'solvers': {
+                'p': {**MULTIGRID, 'tolerance': 1e-8, 'relTol': 0.05},
+                'pFinal': {**MULTIGRID, 'tolerance': 1e-7, 'relTol': 0.01},
+                '"(U|nuTilda)Final"': {
+                    'solver': 'PBiCGStab', 'preconditioner': 'DILU', 'tolerance': 1e-10,
+                    'relTol': 0.01,
+                },
+            },
+            'PIMPLE': {**PISO, **NO_REFERENCE},
+        },
+    })  # fmt: skip
+
+
+def format_control(
+    program: str, begin: float, end: float, functions: Mapping[str, Entry],
+    steps: tuple[float, float] | None = None,
+) -> dict[str, str]:  # fmt: skip
+    """
+    Return the file that controls a solver from `begin` to `end`, with its function objects.
+
+    Both are iterations of a steady solver, or seconds of a transient one, whose `steps` are the
+    largest time step [s] and Courant number [1].
+    """
+    entries: dict[str, Entry] = {
+        'application': program,
+        'startFrom': 'startTime', 'startTime': begin, 'stopAt': 'endTime', 'endTime': end,
+        # A steady solver counts iterations as time steps of 1
+        'deltaT': steps[0] / 20.0 if steps else 1,
+        'writeControl': 'adjustableRunTime' if steps else 'runTime',
+        # Write fields at the end only
+        'writeInterval': end - begin,
+        'purgeWrite': 0, 'writeFormat': 'binary', 'writePrecision': 8, 'timePrecision': 8,
+        'runTimeModifiable': False,
+    }  # fmt: skip
+    if steps:
+        entries |= {'adjustTimeStep': True, 'maxCo': steps[1], 'maxDeltaT': steps[0]}
+    return format_files({'system/controlDict': {**entries, 'functions': functions}})
+
+
+def format_time(now: int, step: float) -> dict[str, str]:
+    """
+    Return the file with a solver's time, so that it does not inherit another solver's step of 1.
+
+    `now` counts iterations so far, which become seconds; `step` is the new time step. [s]
+    """
+    return format_files({
+        f'{now}/uniform/time': {
+            'value': now, 'name': f'"{now}"', 'index': now, 'deltaT': step, 'deltaT0': step,
+        }
+    })  # fmt: skip
+
+
+def build_flow_records(
+    walls: Iterable[str], length: float, outer: Sequence[str] = (),
+    normal: tuple[int, int, int] = (0, 1, 0),
+) -> dict[str, Entry]:  # fmt: skip
+    """
+    Return the function objects that record a flow, at 1 kg/m3 and about the origin.
+
+    At each iteration the force on each wall and on all `outer` patches, and the momentum flux
+    through each of these; at the end the velocity in the central plane with this normal. `length`
+    is that of the hull. [m]
+    """
+    patches = {name: name for name in walls}
+    if outer:
+        patches['outer'] = outer[0] if len(outer) == 1 else f'"({"|".join(outer)})"'
+    # [m] Slightly off the plane, because a plane of symmetry contains no cells
+    aside = [0.002 * length * each for each in normal]
+    plane: dict[str, Entry] = {
+        'type': 'cuttingPlane', 'planeType': 'pointAndNormal',
+        'pointAndNormalDict': {'point': aside, 'normal': list(normal)}, 'interpolate': True,
+    }  # fmt: skip
+    return {
+        **{
+            f'forces_{name}': {
+                'type': 'forces', 'libs': ['forces'], 'patches': [patch], 'rho': 'rhoInf',
+                'rhoInf': 1, 'CofR': [0, 0, 0], **EVERY_STEP,
+            }
+            for name, patch in patches.items()
+        },
+        **{
+            f'momentum_{patch}': {
+                'type': 'surfaceFieldValue', 'libs': ['fieldFunctionObjects'],
+                'regionType': 'patch', 'name': patch, 'operation': 'weightedSum',
+                'weightField': 'phi', 'fields': ['U'], 'writeFields': False, **EVERY_STEP,
+            }
+            for patch in outer
+        },
+        'slice': {
+            **AT_END, 'interpolationScheme': 'cellPoint', 'fields': ['U'],
+            'surfaces': {'plane': plane},
+        },
+    }  # fmt: skip
+
+
+def build_pressure_record(walls: Iterable[str]) -> dict[str, Entry]:
+    """Return the function object that writes the pressure on the faces of walls at the end."""
+    return {
+        'pressure': {
+            **AT_END, 'interpolationScheme': 'cell', 'fields': ['p'],
+            'surfaces': {name: {'type': 'patch', 'patches': [name]} for name in walls},
+        },
+    }  # fmt: skip
