@@ -34,7 +34,7 @@ setup(
     package_data={'lta_config': ['py.typed']},
     data_files=[
         ('share/ament_index/resource_index/packages', ['resource/lta_config']),
-        ('share/lta_config', ['package.xml', 'topics.yaml', 'views.yaml']),
+        ('share/lta_config', ['package.xml', 'topics.yaml']),
         ('share/lta_config/fastdds', sorted(map(str, Path('fastdds').glob('*.xml')))),
         ('share/lta_config/foxglove', ['foxglove/lta.json']),
         ('share/lta_config/plotjuggler', ['plotjuggler/lta.xml']),

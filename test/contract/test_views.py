@@ -7,12 +7,8 @@ import xml.etree.ElementTree as ET
 
 import foxglove.layouts as sdk
 from lta_bridge.bag.schemas import load_jazzy_types
-from lta_config import views_foxglove, views_plotjuggler
-from lta_config.errors import BadInput
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_config.topics import load_topic_table, MESSAGES, robot_topic, uses_typed_messages
-from lta_config.views import list_series, load_views, main, parse_series, Views
-from pydantic import ValidationError
+from lta_config.topics import load_topic_table, robot_topic
 import pytest
 from rosbags.typesys.store import Nodetype
 
@@ -150,27 +146,6 @@ def test_a_curve_is_one_that_plotjuggler_makes(curve):
     assert kind == Nodetype.BASE
 
 
-@pytest.fixture
-def use_types(monkeypatch):
-    """Return a function that chooses the message types, also where they are not built."""
-
-    def choose(name):
-        monkeypatch.setenv(MESSAGES, name)
-        uses_typed_messages.cache_clear()
-
-    yield choose
-    monkeypatch.undo()
-    uses_typed_messages.cache_clear()
-
-
-@pytest.mark.parametrize(('app', 'file'), [('foxglove', 'lta.json'), ('plotjuggler', 'lta.xml')])
-def test_both_layouts_are_fresh(use_types, capsys, app, file):
-    use_types('typed')
-    main([app])
-    kept = (ROOT / 'config' / app / file).read_text(encoding='utf-8')
-    assert kept == capsys.readouterr().out
-
-
 def test_both_layouts_have_the_five_tabs_and_the_same_plots():
     configs = LAYOUT['configById']
     tabs = configs[LAYOUT['layout']]['tabs']
@@ -234,47 +209,12 @@ def test_topics_of_other_panels_are_there_and_of_the_right_kind():
             assert TYPES[config['topicToRender']] == 'diagnostic_msgs/msg/DiagnosticArray', name
 
 
-def test_motors_are_shown_by_the_names_of_the_vehicle(use_types):
-    views = load_views()
-    for types, path, curve in (
-        ('typed', '.duty[{}]', 'motors/duty[{}]'),
-        ('standard', '.effort[{}]', 'motors/{}/effort'),
-    ):
-        use_types(types)
-        for index, name in enumerate(ROTORS):
-            place = parse_series(views, f'motors.duty.{name}')
-            assert views_foxglove.message_path(views, place).endswith(path.format(index))
-            found = views_plotjuggler.curve_name(views, place)
-            assert found.endswith(curve.format(index if types == 'typed' else name))
-
-
-def test_standard_types_have_paths_of_their_own_and_lack_some_series(use_types):
-    views = load_views()
-    use_types('standard')
-    power = parse_series(views, 'energy/status.power_in')
-    (kind, detail), filters = follow(
-        power.topic.type, parsed(views_foxglove.message_path(views, power))[1]
-    )
-    assert (kind, detail[0], filters) == (
-        Nodetype.BASE, 'string', {'name': 'energy', 'key': 'power_in_W'},
-    )  # fmt: skip
-    assert views_plotjuggler.curve_name(views, power) == '/lta1/energy/status/energy/power_in_W'
-    (panel,) = [each for each in views.iterate_panels() if each.title == 'SNR by diode [1]']
-    assert list_series(views, panel) == []
-    use_types('typed')
-    assert len(list_series(views, panel)) == 8
-
-
-def test_bad_views_are_refused():
-    views = load_views()
-    for series, words in (('odom', 'names no message field'), ('nope.x', "Unknown topic 'nope'")):
-        with pytest.raises(BadInput, match=words):
-            parse_series(views, series)
-    with pytest.raises(BadInput, match='foxglove, plotjuggler'):
-        main(['rviz'])
-    given = {'schema': 1, 'robot': 'lta1', 'vehicle': 'gtmab'}
-    for panel in ({'title': 'a'}, {'title': 'a', 'plot': {}, 'scene': 'map'}):
-        with pytest.raises(ValidationError, match='give exactly one of plot'):
-            Views.model_validate({**given, 'tabs': {'A': [[panel]]}})
-    with pytest.raises(ValidationError, match='not a valid namespace'):
-        Views.model_validate({**given, 'robot': '1', 'tabs': {}})
+def test_motors_are_shown_by_the_names_of_the_vehicle():
+    plots = [each for each in LAYOUT['configById'].values() if 'paths' in each]
+    (motors,) = [
+        each['paths'] for each in plots if each['foxglovePanelTitle'].startswith('Motors')
+    ]
+    shown = {path['label'].replace(' ', '_'): path['value'] for path in motors}
+    assert shown == {name: f'/lta1/motors.duty[{k}]' for k, name in enumerate(ROTORS)}
+    curves = {item.get('name') for item in PLOTS.iter('curve')}
+    assert {f'/lta1/motors/duty[{k}]' for k in range(len(ROTORS))} <= curves

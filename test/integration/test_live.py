@@ -7,14 +7,15 @@ import json
 import math
 import os
 from pathlib import Path
+import re
 import signal
 import socket
 
 from lta_bridge.bag.schemas import load_jazzy_types
 from lta_bridge.live.server import LiveServer
 from lta_bridge.nodes.live import REPLACED
+from lta_config.files import share_folder
 from lta_config.topics import load_topic_table, robot_topic
-from lta_config.views import load_views, parse_series
 from lta_data.bag.reader import read_bag
 from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.qos import select_profile
@@ -169,13 +170,9 @@ def figures_are_told(viewer):
         for _, message in seen(viewer, name):
             for status in message.status:
                 told |= {(name, status.name, item.key) for item in status.values}
-    views = load_views()
-    places = [
-        parse_series(views, s) for panel in views.iterate_panels() for s in panel.series.values()
-    ]
-    wanted = {
-        (place.name, *place.steps) for place in places if place.topic.message == 'DiagnosticArray'
-    }
+    layout = (share_folder() / 'foxglove/lta.json').read_text().replace('\\"', '"')
+    path = re.compile(r'"(/diagnostics)\.status.*{name=="(.*)"}\.values\[:]{key=="(.*)"}')
+    wanted = set(path.findall(layout))
     assert wanted
     assert wanted <= told
 
