@@ -27,7 +27,6 @@ from lta_config.schema.vehicle_body import (
 from lta_config.schema.vehicle_diodes import PhotodiodesBlock
 from lta_config.schema.vehicle_energy import EnergyBlock
 from lta_config.schema.vehicle_law import Law
-from lta_config.schema.vehicle_version import upgrade_content
 from pydantic import AliasChoices, Field, field_validator, model_validator
 
 Vector = tuple[float, float, float]
@@ -171,12 +170,6 @@ class VehicleFile(StrictModel):
             return load_aero_file(value).aero
         except BadInput as error:
             raise ValueError(f'cannot be used: {str(error).removesuffix(".")}') from None
-
-    @model_validator(mode='before')
-    @classmethod
-    # Runs before the other checks, so they only know the newest version
-    def _upgrade_version(cls, content: Any) -> Any:  # noqa: ANN401 - whatever the file held
-        return upgrade_content(content)
 
     @model_validator(mode='after')
     def _check_part_names(self) -> 'VehicleFile':

@@ -13,7 +13,6 @@ from typing import Any, Final, NamedTuple
 from lta_config.errors import BadInput
 from lta_config.files import FOLDERS, list_shipped_names, parse_yaml, validate_content
 from lta_config.parameter_override import get_parameter, parse_assignment, replace_parameter
-from lta_config.schema.vehicle_version import upgrade_content
 from lta_config.settings import Settings
 from lta_control.estimator import EstimatorSettings
 from lta_control.mission import MissionSettings
@@ -114,9 +113,6 @@ def read_recorded_file(provenance: Mapping[str, str], key: str) -> Any:  # noqa:
     content = parse_yaml(provenance[key], f"The bag's {key}")
     if key == 'gains_file':
         return _keep_gains(content)
-    if key == 'vehicle_file':
-        # In older versions a file may be named elsewhere
-        content = upgrade_content(content)
     for path in (*OMITTED.get(key, ()), *REFUSED.get(key, ())):
         *above, last = path.split('.')
         holder = content

@@ -42,6 +42,10 @@ def test_every_number_of_a_platform_has_unit_and_source(name):
             assert len(number['source'].strip()) >= 4, place
 
 
+def test_another_version_of_the_file_is_refused(tmp_path):
+    assert refused(tmp_path, ('schema', 2)) == 'schema is 2, but must be 3.'
+
+
 def test_sources_are_kept():
     file = load_vehicle_file('gtmab')
     assert file.parts['battery'].mass.source == 'seed paper, 1S 250 mAh'

@@ -1,35 +1,20 @@
 """What follows from a vehicle file that is not GT-MAB's: other parts, rotors, scales and trims."""
 
-import copy
-
 from lta_config.errors import BadInput
-from lta_config.schema.vehicle_file import VehicleFile
 from lta_model.effects import initial_memory
 from lta_model.limits import level_force
 from lta_model.state import pack_state
-from lta_model.vehicle import load_vehicle, Vehicle
+from lta_model.vehicle import load_vehicle
 from lta_sim.kernels import kernel
 import numpy as np
 import pytest
 
-from .changed_vehicle import build, G, given, GTMAB, PARTS, refused, RHO, VOLUME
+from .changed_vehicle import build, G, given, GTMAB, refused, RHO, VOLUME
 
 
 @pytest.fixture(scope='module')
 def gtmab():
     return load_vehicle('gtmab', RHO)
-
-
-def test_version_1_of_the_file_is_the_same_vehicle(gtmab):
-    """To the last bit, but for where the rotors point: that followed from the jets."""
-    old = copy.deepcopy(GTMAB) | {'schema': 1, 'parts': PARTS}
-    del old['layers'], old['hull']['shape'], old['control']
-    for rotor in old['rotors'].values():
-        del rotor['axis']
-    one, two = Vehicle(VehicleFile.model_validate(old), RHO).build_model(), gtmab.build_model()
-    np.testing.assert_array_equal(one.parameters, two.parameters)
-    np.testing.assert_array_equal(one.body, two.body)
-    np.testing.assert_array_equal(one.inverse, two.inverse)
 
 
 def test_a_layer_is_swapped_by_one_edit(gtmab):
