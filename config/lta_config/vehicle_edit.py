@@ -1,125 +1,150 @@
 """
-Set values in a vehicle file, and keep its comments, order and layout.
+Set values in a vehicle file, and keep its comments and order.
 
-The YAML parser gives the position of each value; only that text is replaced, and new keys are
-added after the last one of their mapping. If the result does not parse to the expected content
-(with anchors or tags, for example), the whole file is written anew. So only the layout is at risk.
+ruamel.yaml reads and writes the text. The shipped files have the form that it writes, so that a
+new number changes one line.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping
+from copy import deepcopy
+from io import StringIO
 from typing import Any, Final
 
 from lta_config.errors import BadInput
+from ruamel.yaml import YAML
+from ruamel.yaml.comments import CommentedMap, CommentedSeq
+from ruamel.yaml.error import CommentMark
+from ruamel.yaml.resolver import VersionedResolver
+from ruamel.yaml.tokens import CommentToken
 import yaml
 
 WIDE: Final = 10**6  # characters per line, so that no value is folded
-
-Way = Sequence[str]
-
-
-def _parse_yaml_text(text: str) -> Any:  # noqa: ANN401 - as YAML has it
-    """Return the content of a YAML text."""
-    return yaml.load(text, Loader=yaml.CSafeLoader)
+KEPT_TAGS: Final = (':null', ':merge')  # of plain scalars that mean more than their text
 
 
-def format_inline(value: Any) -> str:  # noqa: ANN401 - as YAML has it
-    """Return a value as YAML on one line."""
-    text = yaml.safe_dump(
-        value, default_flow_style=True, sort_keys=False, width=WIDE, allow_unicode=True
+class _LeafDumper(yaml.SafeDumper):
+    """Write quantities, and what holds no mapping, on one line each, and no anchors."""
+
+    def ignore_aliases(self, data: Any) -> bool:  # noqa: ANN401 - as YAML has it
+        """Write what two places share twice."""
+        return True
+
+    def represent_mapping(self, tag: str, mapping: Any, flow_style: Any = None) -> Any:  # noqa: ANN401
+        """Represent a mapping."""
+        in_line = 'unit' in mapping or not any(map(_holds_mapping, mapping.values()))
+        return super().represent_mapping(tag, mapping, in_line)
+
+    def represent_sequence(self, tag: str, sequence: Any, flow_style: Any = None) -> Any:  # noqa: ANN401
+        """Represent a list."""
+        return super().represent_sequence(tag, sequence, not _holds_mapping(sequence))
+
+
+def _holds_mapping(value: Any) -> bool:  # noqa: ANN401 - as YAML has it
+    return isinstance(value, dict) or (
+        isinstance(value, list | tuple) and any(map(_holds_mapping, value))
     )
-    # PyYAML ends a bare scalar with the document marker '...'
-    return text.removesuffix('\n').removesuffix('\n...')
 
 
-def set_yaml_value(text: str, way: Way, value: Any) -> str:  # noqa: ANN401 - as YAML has it
+def format_yaml(value: Any) -> str:  # noqa: ANN401 - as YAML has it
+    """Return a value as YAML: quantities on one line each, mappings of them as blocks."""
+    return yaml.dump(value, Dumper=_LeafDumper, sort_keys=False, width=WIDE, allow_unicode=True)
+
+
+class _KeepScalars(VersionedResolver):
+    """Read every plain scalar but null as it is written, so that no digit of a number changes."""
+
+    @property
+    def versioned_resolver(self) -> dict[str | None, list[tuple[str, Any]]]:
+        """Resolvers by the first character of a scalar."""
+        return {
+            first: [(tag, regexp) for tag, regexp in resolvers if tag.endswith(KEPT_TAGS)]
+            for first, resolvers in super().versioned_resolver.items()
+        }
+
+
+def set_yaml_values(text: str, values: Mapping[str, Any]) -> str:
     """
-    Return a file's text with a value set at a path.
+    Return a file's text with values set at dotted places, such as 'trim.heaviness'.
 
-    `text`: a mapping in YAML. `way`: the keys of the path; missing ones are created. `value`: the
-    new value. Raise `BadInput` if the path leads through something that is not a mapping.
+    `text`: a mapping in YAML. `values`: new values by place; missing keys are created. Raise
+    `BadInput` if a place leads through something that is not a mapping.
     """
-    content = _parse_yaml_text(text)
-    target = _set_in_content(content, list(way), value)
-    node = yaml.compose(text, Loader=yaml.CSafeLoader)
-    try:
-        new = _set_in_text(text, node, list(way), value)
-        # Accept the edited text only if it means what was intended
-        if _parse_yaml_text(new) == target:
-            return new
-    except (yaml.YAMLError, ValueError):
-        pass
-    return yaml.safe_dump(target, sort_keys=False, width=WIDE, allow_unicode=True)
-
-
-def set_yaml_block(text: str, key: str, value: Any) -> str:  # noqa: ANN401 - as YAML has it
-    """Return a file's text with a block at the end in place of the one of a top-level key."""
-    node = yaml.compose(text, Loader=yaml.CSafeLoader)
-    for name, below in node.value if isinstance(node, yaml.MappingNode) else ():
-        if name.value == key:
-            end = text.find('\n', _find_value_end(below))
-            text = text[: name.start_mark.index] + ('' if end < 0 else text[end + 1 :])
-    # Leaves on one line each
-    block = yaml.safe_dump({key: value}, default_flow_style=None, sort_keys=False, width=WIDE)
-    return f'{text.rstrip()}\n{block}'
-
-
-def _set_in_content(content: Any, way: list[str], value: Any) -> Any:  # noqa: ANN401 - as YAML has it
-    """Return the content with a value set at a path."""
-    if not way:
-        return value
-    if content is None:
-        content = {}
-    if not isinstance(content, Mapping):
-        raise BadInput(
-            f"'{way[0]}' cannot be set in the vehicle file, because the key above it has a value "
-            'instead of keys; remove that value from the file first.'
-        )
-    return {**content, way[0]: _set_in_content(content.get(way[0]), way[1:], value)}
-
-
-def _set_in_text(text: str, node: Any, way: list[str], value: Any) -> str:  # noqa: ANN401 - a node
-    """Return the text with a value set at a path; raise ValueError if there is no place for it."""
-    # An empty value or '~' is null, and may become a mapping
-    if not way or (isinstance(node, yaml.ScalarNode) and not node.value.strip('~')):
-        for key in reversed(way):
+    editor = YAML()
+    editor.Resolver = _KeepScalars
+    editor.preserve_quotes = True
+    editor.width = WIDE
+    content = editor.load(text)
+    for place, value in values.items():
+        node, way = content, place.split('.')
+        while len(way) > 1 and node.get(way[0]) is not None:
+            below = node[way[0]]
+            if not isinstance(below, CommentedMap):
+                raise BadInput(
+                    f"'{way[1]}' cannot be set in the vehicle file, because the key above it has "
+                    'a value instead of keys; remove that value from the file first.'
+                )
+            if below.anchor.value is not None:
+                # Its aliases keep the old values
+                below = node[way[0]] = deepcopy(below)
+                below.yaml_set_anchor(None)
+            node, way = below, way[1:]
+        for key in reversed(way[1:]):
             value = {key: value}
-        inline = format_inline(value)
-        # An empty value has no extent and needs a space after the colon
-        begin, end = node.start_mark.index, node.end_mark.index
-        return text[:begin] + (inline if end > begin else f' {inline}') + text[end:]
-    if not isinstance(node, yaml.MappingNode):
-        raise ValueError('cannot add a key to a value that is not a mapping')
-    for key, below in node.value:
-        if key.value == way[0]:
-            return _set_in_text(text, below, way[1:], value)
-    # Nest the value in the missing keys, from the inside out
-    for key in reversed(way[1:]):
-        value = {key: value}
-    return _append_line(text, node, f'{way[0]}: {format_inline(value)}')
+        _put(node, way[0], editor.load(format_yaml(value)))
+    out = StringIO()
+    editor.dump(content, out)
+    return out.getvalue()
 
 
-def _append_line(text: str, node: yaml.MappingNode, line: str) -> str:
-    """Return the text with a line added at the end of a mapping."""
-    if node.flow_style:
-        # Before the closing brace
-        end = node.end_mark.index - 1
-        before = text[:end].rstrip()
-        return before + (', ' if node.value else '') + line + text[end:]
-    if not node.value:
-        raise ValueError(
-            'cannot add a key to an empty section; write one key into it by hand first'
-        )
-    # Indent as the first key
-    column = node.value[0][0].start_mark.column
-    end = text.find('\n', _find_value_end(node))
-    end = len(text) if end < 0 else end
-    return f'{text[:end]}\n{" " * column}{line}{text[end:]}'
+def _put(node: CommentedMap, key: str, value: Any) -> None:  # noqa: ANN401 - as YAML has it
+    """Set a value, and leave the comments below it where they are."""
+    # ruamel.yaml keeps what stands below a value with the value, or with its last leaf
+    beside, below = '', ''
+    if key in node:
+        beside, below = _take_comment(node, key)
+    elif node and not node.fa.flow_style():
+        last = next(reversed(node))
+        beside, below = _take_comment(node, last)
+        _set_comment(node, last, beside)
+        beside = ''
+    node[key] = value
+    _set_comment(node, key, f'{beside}\n{below}' if beside or below else '')
 
 
-def _find_value_end(node: yaml.Node) -> int:
-    """Return the end of the last value in a node, without trailing comments."""
-    if isinstance(node, yaml.MappingNode | yaml.SequenceNode) and not node.flow_style:
-        last = node.value[-1]
-        return _find_value_end(last[1] if isinstance(last, tuple) else last)
-    end: int = node.end_mark.index
-    return end
+def _descend(node: Any, key: Any) -> Iterator[tuple[Any, Any]]:  # noqa: ANN401 - a mapping or list
+    """Yield the way to the last value in block form at or below a key, as collection and key."""
+    yield node, key
+    below = node[key]
+    if isinstance(below, CommentedMap | CommentedSeq) and below and not below.fa.flow_style():
+        last = next(reversed(below)) if isinstance(below, CommentedMap) else len(below) - 1
+        yield from _descend(below, last)
+
+
+def _take_comment(node: CommentedMap, key: str) -> tuple[str, str]:
+    """Remove and return the comment beside the last leaf of a value, and the lines below it."""
+    below = ''
+    for holder, last in _descend(node, key):
+        leaf = holder[last]
+        # A list keeps what stands below it itself
+        for token in (getattr(leaf, 'ca', None) and leaf.ca.end) or ():
+            below += ' ' * token.start_mark.column * token.value.startswith('#') + token.value
+        if below:
+            leaf.ca.end.clear()
+    slots = holder.ca.items.get(last)
+    place = 0 if isinstance(holder, CommentedSeq) else 2
+    if not slots or slots[place] is None:
+        return '', below
+    beside, _, text = slots[place].value.partition('\n')
+    slots[place] = None
+    if isinstance(leaf, CommentedMap | CommentedSeq):
+        leaf.ca.comment = None
+    return beside, text + below
+
+
+def _set_comment(node: CommentedMap, key: str, text: str) -> None:
+    """Set the comment that begins beside the last leaf of a value."""
+    if text:
+        *_, (holder, last) = _descend(node, key)
+        token = CommentToken(text if '\n' in text else f'{text}\n', CommentMark(0), None)
+        is_list = isinstance(holder, CommentedSeq)
+        holder.ca.items[last] = [token, None] if is_list else [None, None, token, None]

@@ -65,6 +65,7 @@ ROSDEP = {
     'pyulog': 'python3-pyulog-pip',
     'rich': 'python3-rich',
     'rosbags': 'python3-rosbags-pip',
+    'ruamel': 'python3-ruamel.yaml-pip',
     'scipy': 'python3-scipy',
     'serial': 'python3-serial',
     'trimesh': 'python3-trimesh-pip',

@@ -14,7 +14,7 @@ from lta_config.parameter_override import (
     replace_parameter,
 )
 from lta_config.schema.vehicle_file import VehicleFile
-from lta_config.vehicle_edit import set_yaml_value
+from lta_config.vehicle_edit import set_yaml_values
 from lta_model.vehicle import Vehicle
 
 ROOT = 'vehicle'
@@ -70,7 +70,7 @@ def edit_vehicle_file(
             raise BadInput(
                 f'{place} has no unit, so the file holds no source for it; leave out --source.'
             )
-        text = set_yaml_value(text, place.split('.'), value)
+        text = set_yaml_values(text, {place: value})
         edits.append(
             NumberEdit(
                 place, format_number_value(old), format_number_value(value), old_source,

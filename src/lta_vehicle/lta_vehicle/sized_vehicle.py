@@ -7,12 +7,13 @@ motors. Volume, lift, ballast, inertia and added mass follow from the file.
 
 from collections.abc import Mapping
 from pathlib import Path
+import re
 from typing import Any
 
 from lta_config.errors import BadInput
 from lta_config.files import list_shipped_names, validate_content
 from lta_config.schema.vehicle_file import VehicleFile
-from lta_config.vehicle_edit import format_inline
+from lta_config.vehicle_edit import format_yaml
 from lta_model.vehicle import Vehicle
 from lta_vehicle.gains_estimate import format_gains
 from lta_vehicle.new_vehicle import check_vehicle_name, write_new_file
@@ -77,19 +78,6 @@ def format_vehicle_file(blocks: Mapping[str, Any], vehicle: Vehicle, size: Vehic
         '# alone, the depth of the gondola, the thrust of a motor at full and half duty. What a',
         '# scale does not tell, flights do: lta tests plan.',
     ]
-    lines = [*head]
-    for key, block in blocks.items():
-        lines += ['', *_format_block(key, block, '')] if isinstance(block, dict) else (
-            [f'{key}: {format_inline(block)}']
-        )  # fmt: skip
-    return '\n'.join(lines) + '\n'
-
-
-def _format_block(key: str, block: Any, indent: str) -> list[str]:  # noqa: ANN401 - as YAML has it
-    """Return a block as lines: a quantity or a word on one, a mapping below its key."""
-    if not isinstance(block, dict) or 'unit' in block or not block:
-        return [f'{indent}{key}: {format_inline(block)}']
-    below = [
-        line for name, each in block.items() for line in _format_block(name, each, indent + '  ')
-    ]
-    return [f'{indent}{key}:', *below]
+    # A blank line before each block
+    text = re.sub(r'(?m)^(?=\w+:\n)', '\n', format_yaml(blocks))
+    return '\n'.join(head) + f'\n\n{text}'

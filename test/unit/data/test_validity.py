@@ -2,7 +2,7 @@
 
 from lta_config.files import find_file, parse_yaml
 from lta_config.schema.vehicle_file import VehicleFile
-from lta_config.vehicle_edit import set_yaml_value
+from lta_config.vehicle_edit import set_yaml_values
 from lta_data.validity import describe_exceeded_region, list_motion
 import numpy as np
 import pytest
@@ -25,9 +25,9 @@ def vehicle() -> VehicleFile:
     text = find_file('vehicle', 'rgblimp').read_text(encoding='utf-8')
     for name, ends in LIMITS.items():
         node = {'value': list(ends), 'unit': UNITS.get(name, 'rad/s'), 'source': 'a test'}
-        text = set_yaml_value(text, ['validity', name], node)
+        text = set_yaml_values(text, {f'validity.{name}': node})
     node = {'value': [0.2, 0.9], 'unit': '1', 'source': 'a test'}
-    text = set_yaml_value(text, ['validity', 'commands', 'left'], node)
+    text = set_yaml_values(text, {'validity.commands.left': node})
     return VehicleFile.model_validate(parse_yaml(text, 'a test'))
 
 

@@ -11,7 +11,7 @@ from lta_config.schema.vehicle_law import (
     LawFactor,
     QUANTITIES,
 )
-from lta_config.vehicle_edit import set_yaml_block
+from lta_config.vehicle_edit import set_yaml_values
 from lta_model.effects import initial_memory
 from lta_model.effects.law import list_law_parameters
 from lta_model.law_arrays import evaluate_drive_fade, evaluate_law
@@ -272,9 +272,9 @@ def test_arrays_and_kernel_agree_on_a_law_with_everything():
 def test_it_is_written_to_a_vehicle_file_and_read_back():
     text = find_file('vehicle', 'gtmab').read_text(encoding='utf-8')
     block = crowded.LAW.model_dump(exclude_defaults=True)
-    written = set_yaml_block(text, 'law', block)
+    written = set_yaml_values(text, {'law': block})
     assert written.startswith(text)
-    assert set_yaml_block(written, 'law', block) == written
+    assert set_yaml_values(written, {'law': block}) == written
     file = validate_content(VehicleFile, parse_yaml(written, 'a test'), 'a test')
     assert file.law == crowded.LAW
 

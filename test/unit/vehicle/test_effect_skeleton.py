@@ -9,7 +9,7 @@ from lta_config.compilation.extract import SourceExtract
 from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_config.schema.vehicle_law import Law
-from lta_config.vehicle_edit import set_yaml_block
+from lta_config.vehicle_edit import set_yaml_values
 from lta_model.effects.law import compute_memory_rate, compute_wrench, list_law_parameters
 from lta_model.effects.protocol import VehicleMotion
 from lta_vehicle.effect_skeleton import load_law, write_skeleton
@@ -167,7 +167,7 @@ def test_the_law_comes_from_a_vehicle_file_or_a_run(tmp_path):
     text = find_file('vehicle', 'gtmab').read_text(encoding='utf-8')
     law = LAWS['first']
     (tmp_path / 'vehicle.yaml').write_text(
-        set_yaml_block(text, 'law', law.model_dump(exclude_defaults=True)), encoding='utf-8'
+        set_yaml_values(text, {'law': law.model_dump(exclude_defaults=True)}), encoding='utf-8'
     )
     assert load_law(str(tmp_path / 'vehicle.yaml')) == law
     assert load_law(str(tmp_path)) == law

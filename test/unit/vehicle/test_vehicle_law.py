@@ -5,7 +5,7 @@ from pathlib import Path
 
 from lta_config.files import find_file
 from lta_config.schema.vehicle_law import Law
-from lta_config.vehicle_edit import set_yaml_block
+from lta_config.vehicle_edit import set_yaml_values
 import pytest
 
 BLOCK = {
@@ -30,7 +30,9 @@ def lawful(tmp_path):
     text = find_file('vehicle', 'gtmab').read_text(encoding='utf-8')
     path = tmp_path / 'lawful.yaml'
     path.write_text(
-        set_yaml_block(text, 'law', Law.model_validate(BLOCK).model_dump(exclude_defaults=True)),
+        set_yaml_values(
+            text, {'law': Law.model_validate(BLOCK).model_dump(exclude_defaults=True)}
+        ),
         encoding='utf-8',
     )
     return str(path)
@@ -71,7 +73,7 @@ def test_check_accepts_a_law_and_names_a_wrong_unit(call, lawful, tmp_path):
     assert (status, 'is a valid vehicle file' in output.out) == (0, True)
     wrong = tmp_path / 'wrong.yaml'
     text = Path(lawful).read_text(encoding='utf-8')
-    wrong.write_text(text.replace('unit: N s2\n', 'unit: N m\n'), encoding='utf-8')
+    wrong.write_text(text.replace('unit: N s2,', 'unit: N m,'), encoding='utf-8')
     status, output = call('vehicle', 'check', str(wrong))
     assert status == 2
     assert 'law has the unit "N m" in term 1, but its axis and factors give "N s2"' in ' '.join(
@@ -84,7 +86,7 @@ def test_a_law_among_the_effects_is_refused(call, tmp_path):
     path = tmp_path / 'wrong.yaml'
     text = find_file('vehicle', 'gtmab').read_text(encoding='utf-8')
     given = {'axis_1': {'value': 1.0, 'unit': '1', 'source': 'a test'}}
-    path.write_text(set_yaml_block(text, 'effects', {'law': given}), encoding='utf-8')
+    path.write_text(set_yaml_values(text, {'effects': {'law': given}}), encoding='utf-8')
     complaint = 'has law in its block effects, but a law is no effect with parameters; write it'
     for verb in (('vehicle', 'check'), ('vehicle', 'show')):
         status, output = call(*verb, str(path))

@@ -8,7 +8,7 @@ Unless effects are hidden too, it lacks none, so that everything found is calibr
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 import math
-from typing import Final, final
+from typing import Any, Final, final
 
 from lta_challenge.case import CaseFlight
 from lta_challenge.other.air import MovingAir, RoomAirMotion, UnsteadyWind
@@ -26,7 +26,7 @@ from lta_challenge.other.wrench_flight import (
     WrenchActuators,
     WrenchPilot,
 )
-from lta_config.vehicle_edit import set_yaml_value
+from lta_config.vehicle_edit import set_yaml_values
 from lta_model.vehicle import Vehicle
 import numpy as np
 from numpy.typing import NDArray
@@ -201,25 +201,25 @@ def misstate_thrusts(text: str, vehicle: Vehicle, gains: Sequence[float]) -> str
     The vehicle itself stays as it can fly; where a gain is negative, the file has the axis of the
     rotor the other way round.
     """
+    values: dict[str, Any] = {}
     a, b = vehicle.thrust_curve
     columns = vehicle.file.aero.thrust_allocation
     for (name, rotor), gain in zip(vehicle.file.rotors.items(), gains, strict=True):
         for key, value in (('a', a), ('b', b)):
             number = {'value': value / abs(gain), 'unit': 'N', 'source': 'a wrong data sheet'}
-            text = set_yaml_value(text, ['rotors', name, 'thrust_curve', key], number)
+            values[f'rotors.{name}.thrust_curve.{key}'] = number
         if gain < 0.0:
             axis = [-each for each in rotor.axis.vector]
             number = {'value': axis, 'unit': '1', 'source': 'mounted the other way round'}
-            text = set_yaml_value(text, ['rotors', name, 'axis'], number)
-            column = {
+            values[f'rotors.{name}.axis'] = number
+            values[f'aero.thrust_allocation.{name}'] = {
                 key: {'value': [-each for each in part.vector], 'unit': unit, 'source': 'as axis'}
                 for key, part, unit in (
                     ('force', columns[name].force, 'N/N'),
                     ('moment', columns[name].moment, 'm'),
                 )
             }
-            text = set_yaml_value(text, ['aero', 'thrust_allocation', name], column)
-    return text
+    return set_yaml_values(text, values)
 
 
 def draw_calibration(vehicle: Vehicle, seed: int, number: int, rotors: bool) -> tuple[float, ...]:

@@ -5,7 +5,7 @@ from typing import Any, Final, final, NamedTuple
 
 from lta_config.errors import BadInput
 from lta_config.files import parse_yaml
-from lta_config.vehicle_edit import set_yaml_value
+from lta_config.vehicle_edit import set_yaml_values
 from lta_discovery.calibration.result import CalibratedValue, Calibration
 from lta_discovery.calibration.reversed_thrust import split_by_duty
 from lta_discovery.model.calibration_parameters import reversed_column
@@ -90,14 +90,14 @@ def format_changed_vehicle(
 
     """
     straight = change._replace(after=_scale_misalignments(vehicle, change))
-    for quantity in list_changed_quantities(text, vehicle, *straight, notes, source):
-        if not quantity.place.startswith(ELSEWHERE):
-            text = set_yaml_value(text, quantity.place.split('.'), quantity.as_yaml)
-    for place, content in (
-        *_list_thrusts(vehicle, change, source),
-        *_list_part_drags(vehicle, change, source),
-    ):
-        text = set_yaml_value(text, place.split('.'), content)
+    values = {
+        quantity.place: quantity.as_yaml
+        for quantity in list_changed_quantities(text, vehicle, *straight, notes, source)
+        if not quantity.place.startswith(ELSEWHERE)
+    }
+    values |= dict(_list_thrusts(vehicle, change, source))
+    values |= dict(_list_part_drags(vehicle, change, source))
+    text = set_yaml_values(text, values)
     if change.before.mass == change.after.mass and np.array_equal(
         change.before.inertia, change.after.inertia
     ):
@@ -263,8 +263,7 @@ def _set_mass_properties(text: str, vehicle: Vehicle, now: NominalVehicle, sourc
         VehicleFileQuantity('measured.inertia', np.diag(inertia).tolist(), 'kg m2', source),
         VehicleFileQuantity('measured.products', products, 'kg m2', source),
     ]
-    for one in quantities:
-        text = set_yaml_value(text, one.place.split('.'), one.as_yaml)
+    text = set_yaml_values(text, {one.place: one.as_yaml for one in quantities})
     if now.displaced <= 0.0:
         return text
     # The mass contains the ballast, which has no place of its own then
@@ -280,7 +279,7 @@ def _set_mass_properties(text: str, vehicle: Vehicle, now: NominalVehicle, sourc
         for k, v in content.get('trim', {}).items()
         if k not in ('ballast_position', 'ballast')
     }
-    return set_yaml_value(text, ['trim'], {**trim, 'heaviness': heavier.as_yaml})
+    return set_yaml_values(text, {'trim': {**trim, 'heaviness': heavier.as_yaml}})
 
 
 def format_value(one: CalibratedValue) -> str:

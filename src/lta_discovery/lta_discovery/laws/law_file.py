@@ -10,7 +10,7 @@ from typing import final
 
 from lta_config.schema.vehicle_file import VehicleFile
 from lta_config.schema.vehicle_law import Law
-from lta_config.vehicle_edit import set_yaml_block
+from lta_config.vehicle_edit import set_yaml_values
 from lta_discovery.calibration.calibrated_file import (
     CURVE,
     format_changed_vehicle,
@@ -115,7 +115,7 @@ def _is_writable(file: VehicleFile, nominal: NominalVehicle, effect: str) -> boo
 
 def add_law_block(text: str, law: Law) -> str:
     """Return the text of a vehicle file with a law."""
-    return set_yaml_block(text, 'law', law.model_dump(exclude_defaults=True))
+    return set_yaml_values(text, {'law': law.model_dump(exclude_defaults=True)})
 
 
 def list_study_parameters(study: DiscoveryStudy) -> list[FreeParameter]:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any, Final, final, NamedTuple
 
 from lta_config.errors import BadInput, unknown_name_error
-from lta_config.vehicle_edit import set_yaml_value
+from lta_config.vehicle_edit import set_yaml_values
 from lta_discovery.fit.evidence import PieceReducer, ReducedFlight, wrench_floor
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter, list_free_parameters
@@ -236,8 +236,7 @@ def format_hypothesis(text: str, vehicle: Vehicle, nominal: NominalVehicle) -> s
 
     Raise `BadInput` if the format has no place for a parameter, or the vehicle is impossible.
     """
-    for one in list_changed_quantities(
+    changed = list_changed_quantities(
         text, vehicle, NominalVehicle.from_vehicle(vehicle), nominal, {}, 'supposed'
-    ):
-        text = set_yaml_value(text, one.place.split('.'), one.as_yaml)
-    return text
+    )
+    return set_yaml_values(text, {one.place: one.as_yaml for one in changed})

@@ -15,7 +15,7 @@ from typing import Any, Final, final
 from lta_config.errors import BadInput
 from lta_config.files import parse_yaml
 from lta_config.parameter_override import get_parameter
-from lta_config.vehicle_edit import set_yaml_value
+from lta_config.vehicle_edit import set_yaml_values
 from lta_data.validity import list_motion
 from lta_discovery.conclusion import draw_conclusion
 from lta_discovery.finding import NamedEffect, ParameterEstimate, StudyResult
@@ -90,11 +90,10 @@ def format_learned_vehicle(
         for effect in finding.effects
         for one in effect.parameters
     }
-    for one in list_changed_quantities(
+    changed = list_changed_quantities(
         text, vehicle, nominal, learned, notes_by_parameter, format_source(finding)
-    ):
-        text = set_yaml_value(text, one.place.split('.'), one.as_yaml)
-    return text
+    )
+    return set_yaml_values(text, {one.place: one.as_yaml for one in changed})
 
 
 def add_validity(
@@ -103,16 +102,17 @@ def add_validity(
     """Return the text of a vehicle file with the region that some flights covered."""
     starts = np.concatenate([one.replay.cut.start for one in flights])
     motion = list_motion(starts[:, 3:7], starts[:, 7:10], starts[:, 10:13])
+    regions = {}
     for name, values in motion.items():
         unit = 'm/s' if name == 'speed' else 'rad/s' if name.endswith('rate') else 'rad'
-        text = set_yaml_value(text, ['validity', name], _region(values, unit, source))
+        regions[f'validity.{name}'] = _region(values, unit, source)
     # Flights that were commanded by forces have duties of zero, which are none
     flown_by_duty = [one.replay.flight for one in flights if one.replay.flight.wrench is None]
     arrays = [one.commands.values for one in flown_by_duty if len(one.commands.values)]
     table = np.concatenate(arrays) if arrays else np.zeros((0, 0))
     for name, values in zip(rotors, table.T, strict=False):
-        text = set_yaml_value(text, ['validity', 'commands', name], _region(values, '1', source))
-    return text
+        regions[f'validity.commands.{name}'] = _region(values, '1', source)
+    return set_yaml_values(text, regions)
 
 
 def _region(values: NDArray[np.float64], unit: str, source: str) -> dict[str, Any]:

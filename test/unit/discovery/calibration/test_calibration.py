@@ -15,7 +15,7 @@ from lta_challenge.other.wrench_flight import Course, WrenchActuators, WrenchPil
 from lta_challenge.recording import write_bag
 from lta_config.errors import BadInput
 from lta_config.files import find_file
-from lta_config.vehicle_edit import set_yaml_value
+from lta_config.vehicle_edit import set_yaml_values
 from lta_discovery.calibration import calibration as calibration_module
 from lta_discovery.calibration.calibrated_file import (
     format_calibrated_vehicle,
@@ -465,10 +465,9 @@ def test_a_wind_in_the_vehicle_file_shows_the_heading_of_the_tracker(tmp_path: P
     """Of a vehicle with all other calibrations hidden, too; the wind is that of the file."""
     wind, heading = 0.15, 0.12
     hidden = {'steady_wind.x': wind, 'tracker_misalignment.yaw': heading}
-    text = set_yaml_value(
+    text = set_yaml_values(
         find_file('vehicle', 'gtmab').read_text(encoding='utf-8'),
-        ['effects', 'steady_wind'],
-        {'x': {'value': wind, 'unit': 'm/s', 'source': 'an anemometer'}},
+        {'effects.steady_wind.x': {'value': wind, 'unit': 'm/s', 'source': 'an anemometer'}},
     )
     path = tmp_path / 'windy.yaml'
     path.write_text(text)

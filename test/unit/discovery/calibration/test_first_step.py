@@ -9,7 +9,7 @@ from pathlib import Path
 from lta_challenge.other.calibration_case import generate_calibration_case
 from lta_challenge.recording import write_bag
 from lta_config.files import find_file
-from lta_config.vehicle_edit import set_yaml_value
+from lta_config.vehicle_edit import set_yaml_values
 from lta_discovery.calibration import first_step
 from lta_discovery.calibration.calibrated_file import format_calibrated_vehicle
 from lta_discovery.calibration.coarse_fit import (
@@ -442,7 +442,7 @@ def test_a_rotor_that_pushes_weaker_in_reverse_is_written_as_one(
     """For duties of either sign the file pushes as the fit, also with a rotor turned around."""
     text = find_file('vehicle', 'gtmab').read_text(encoding='utf-8')
     for rotor in ('up_left', 'up_right', 'forward_left', 'forward_right'):
-        text = set_yaml_value(text, ['rotors', rotor, 'reversible'], True)
+        text = set_yaml_values(text, {f'rotors.{rotor}.reversible': True})
     vehicle = parse_vehicle(text, 'gtmab')
     nominal = NominalVehicle.from_vehicle(vehicle)
     share, reverse = (-0.5, 1.0 / 0.4) if turned else (0.8, 0.4)

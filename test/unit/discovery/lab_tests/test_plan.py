@@ -5,7 +5,7 @@ from pathlib import Path
 
 from lta_config.errors import BadInput
 from lta_config.files import find_file
-from lta_config.vehicle_edit import set_yaml_value
+from lta_config.vehicle_edit import set_yaml_values
 from lta_discovery.flights.measured_flight import PERIOD, Stream
 from lta_discovery.flights.windows import fit_state_at
 from lta_discovery.lab_tests.design import LabTest, list_designed_tests
@@ -114,7 +114,7 @@ def test_a_light_vehicle_climbs_with_its_rotors_alone(gtmab: Vehicle, tmp_path: 
     """What the gas lifts beyond the weight is no part of the commanded force."""
     text = find_file('vehicle', 'gtmab').read_text(encoding='utf-8')
     light = {'value': -0.002, 'unit': 'kg', 'source': 'a test'}
-    (tmp_path / 'light.yaml').write_text(set_yaml_value(text, ['trim', 'heaviness'], light))
+    (tmp_path / 'light.yaml').write_text(set_yaml_values(text, {'trim.heaviness': light}))
     vehicle = load_vehicle(str(tmp_path / 'light.yaml'))
     assert vehicle.heaviness == pytest.approx(-0.002)
     step = next(one for one in list_designed_tests(vehicle) if one.name == 'step in heave')

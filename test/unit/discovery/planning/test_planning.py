@@ -6,7 +6,7 @@ import math
 from lta_config.course import Course
 from lta_config.errors import BadInput
 from lta_config.files import find_file, load_yaml
-from lta_config.vehicle_edit import set_yaml_value
+from lta_config.vehicle_edit import set_yaml_values
 from lta_discovery.finding import NamedEffect, StudyResult
 from lta_discovery.flights.measured_flight import FlightStreams, Stream
 from lta_discovery.model.nominal import NominalVehicle
@@ -250,7 +250,7 @@ def test_a_rehearsed_command_is_what_makes_the_rotor_wrench_by_the_gains_of_the_
     streams = FlightStreams(Stream(time, pose), Stream(time, duties))
     gain = {'value': 0.3, 'unit': '1', 'source': 'a calibration'}
     path = tmp_path / 'weak.yaml'
-    path.write_text(set_yaml_value(TEXT, ['effects', 'wrench_gain'], {'surge': gain}))
+    path.write_text(set_yaml_values(TEXT, {'effects.wrench_gain': {'surge': gain}}))
     whole, weak = (
         prepare_linearizer(streams, vehicle, [], 'wrench').replay.flight.wrench
         for vehicle in (load_vehicle('gtmab'), load_vehicle(str(path)))
