@@ -42,7 +42,7 @@ def edit_vehicle_file(
     path: Path, assignments: Sequence[str], source: str | None
 ) -> list[NumberEdit]:
     """
-    Set numbers in a vehicle file; comments, order and layout stay.
+    Set numbers in a vehicle file; comments and order stay.
 
     `path`: the file. `assignments`: 'PATH=VALUE', such as 'trim.heaviness=3 g'. `source`: source
     of all these numbers; None keeps the sources of the file. Raise `BadInput` if a path does not

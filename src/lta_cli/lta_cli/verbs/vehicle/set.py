@@ -22,7 +22,7 @@ def set_(
     ] = None,
 ) -> None:
     """
-    Set numbers in a vehicle file, with their source; comments and layout stay.
+    Set numbers in a vehicle file, with their source; comments and order stay.
 
     Paths are those of --set. Warns if a number changed and its source did not. The file is
     replaced only if the result is a valid vehicle.
