@@ -16,7 +16,7 @@ from lta_windtunnel.analytic import drag_force
 from lta_windtunnel.flow_plan import TunnelFlow
 from lta_windtunnel.flow_solvers import ThreadedFlowSolver
 from lta_windtunnel.openfoam.case import cache_folder
-from lta_windtunnel.shape import ellipse_profile, mylar_profile, revolve_profile, TURNED
+from lta_windtunnel.shape import ellipse_profile, mylar_profile, revolve_profile, Z_TURNED_TO
 from lta_windtunnel.solve import solve_sweep
 from lta_windtunnel.tunnel import build_steady_wind_case, PREVIEW
 from lta_windtunnel.tunnel_model import TunnelModel
@@ -42,7 +42,7 @@ def sphere(diameter: float) -> Trimesh:
 def cigar(diameter: float) -> Trimesh:
     """Twice as long as thick, nose first; thinner than the sphere, for its volume."""
     mesh = revolve_profile(ellipse_profile(), 0.4 * diameter, 1.6 * diameter)
-    return mesh.apply_transform(TURNED['x'])
+    return mesh.apply_transform(Z_TURNED_TO['x'])
 
 
 def solved(model: TunnelModel) -> float:

@@ -16,16 +16,17 @@ from lta_config.errors import BadInput
 from lta_windtunnel import flow_checks
 from lta_windtunnel.sweep_table import AXES, Axis, SweepPoint, TunnelSweep
 from lta_windtunnel.thrust_allocation import linearity_ratio, transform_wrench
-from lta_windtunnel.tunnel_model import HULL, QUARTER
+from lta_windtunnel.tunnel_model import HULL, QUARTER_TURN
 import numpy as np
 from scipy.optimize import nnls
 
 ABOUT: Final[dict[Axis, int]] = {'roll': 0, 'pitch': 1, 'yaw': 2}
 ALONG: Final[dict[Axis, int]] = {'surge': 0, 'sway': 1, 'heave': 2}
-LIKE: Final[dict[Axis, Axis]] = {'sway': 'surge', 'pitch': 'roll'}  # after a quarter turn
-NOTICED: Final = 0.05  # of the drag: smallest side force that is reported
-MESHED: Final = 0.1  # of the drag: largest change on a coarser mesh without a warning
-JOINED: Final = 0.05  # largest error of a fit through steady and transient points
+# Equal after a quarter turn
+SYMMETRIC_AXES: Final[dict[Axis, Axis]] = {'sway': 'surge', 'pitch': 'roll'}
+MIN_SIDE_FORCE: Final = 0.05  # of the drag: smallest side force that is reported
+MAX_MESH_CHANGE: Final = 0.1  # of the drag: largest change on a coarser mesh without a warning
+MAX_JOINT_ERROR: Final = 0.05  # largest error of a fit through steady and transient points
 # Spins are solved as steady rotation, but a flying hull oscillates about its attitude
 UNSTEADY: Final = (
     'the damping of small fast oscillations is underestimated, because the flow was solved '
@@ -104,13 +105,13 @@ def select_fit_points(sweep: TunnelSweep, axis: Axis) -> Sequence[SweepPoint]:
     # Only reference sweeps mix steady (slow) and transient (fast) points
     if sweep.fidelity != 'reference' or not select_solved_points(sweep, axis) or axis in ABOUT:
         return points
-    return points if _fit_points(axis, points).error <= JOINED else points[-1:]
+    return points if _fit_points(axis, points).error <= MAX_JOINT_ERROR else points[-1:]
 
 
 def select_solved_points(sweep: TunnelSweep, axis: Axis) -> Sequence[SweepPoint]:
     """Return the solved points of an axis, or of the axis equivalent by symmetry; else none."""
-    like = LIKE.get(axis)
-    if axis in sweep.axes or like is None or QUARTER.tolist() not in list(sweep.symmetries):
+    like = SYMMETRIC_AXES.get(axis)
+    if axis in sweep.axes or like is None or QUARTER_TURN.tolist() not in list(sweep.symmetries):
         return sweep.axes.get(axis, ())
     return [_rotate_point(point) for point in sweep.axes.get(like, ())]
 
@@ -118,7 +119,7 @@ def select_solved_points(sweep: TunnelSweep, axis: Axis) -> Sequence[SweepPoint]
 def _rotate_point(point: SweepPoint) -> SweepPoint:
     """Rotate a point of a motion along or about x to the same motion along or about y."""
     # A quarter turn about z maps x to y
-    wrench = transform_wrench(np.array([*point.force, *point.moment]), QUARTER).tolist()
+    wrench = transform_wrench(np.array([*point.force, *point.moment]), QUARTER_TURN).tolist()
     return point.model_copy(update={'force': wrench[:3], 'moment': wrench[3:]})
 
 
@@ -148,7 +149,7 @@ def collect_warnings(sweep: TunnelSweep) -> list[str]:
                 f'{axis}: the drag is {ratio:.2f} times the analytic estimate; check the flow'
             )
         coarser = mesh_share(sweep, axis)
-        if coarser is not None and abs(coarser) > MESHED:
+        if coarser is not None and abs(coarser) > MAX_MESH_CHANGE:
             warnings.append(
                 f'{axis}: on a coarser mesh, the drag changes by {100 * coarser:+.0f} %'
             )
@@ -252,7 +253,7 @@ def describe_side_loads(sweep: TunnelSweep) -> dict[str, str]:
         point = points[len(points) // 2]
         drag = abs(point.force[k])
         sides = [each for j, each in enumerate(point.force) if j != k]
-        if math.hypot(*sides) > NOTICED * drag:
+        if math.hypot(*sides) > MIN_SIDE_FORCE * drag:
             force = ', '.join(f'{each:.3g}' for each in point.force)
             moment = ', '.join(f'{each:.3g}' for each in point.moment)
             loads[axis] = f'at {point.speed:g} m/s force ({force}) N, moment ({moment}) N m'

@@ -16,8 +16,8 @@ from scipy.spatial import ConvexHull, Delaunay
 import trimesh
 
 Array = NDArray[np.float64]
-CELLS: Final = 41  # of the map of a pressure, along a side
-POINTS: Final = 220  # of a slice, along the longer side
+MAP_CELLS: Final = 41  # of the map of a pressure, along a side
+SLICE_POINTS: Final = 220  # of a slice, along the longer side
 
 
 def read_surface_pressure(folder: Path, body: str, density: float) -> SurfacePressure:
@@ -48,7 +48,7 @@ def _lower_pressure_grid(places: Array, pressure: Array, side: float) -> list[li
     under = places[:, 2] <= float(places[:, 2].mean())
     flat = places[under, :2]
     # Centres of the map's cells
-    steps = side * ((np.arange(CELLS) + 0.5) / CELLS - 0.5)
+    steps = side * ((np.arange(MAP_CELLS) + 0.5) / MAP_CELLS - 0.5)
     x, y = np.meshgrid(steps, steps)
     values = NearestNDInterpolator(flat, pressure[under])(x, y)
     # Cells outside the body's outline would get the value of a far face
@@ -98,7 +98,7 @@ def read_flow_slice(model: TunnelModel, flow: TunnelFlow, place: Path) -> FlowSl
         points = np.vstack((points, points * (1.0, -1.0)))
         speed = np.concatenate((speed, speed))
     ends = size * np.array(window)
-    step = float(np.ptp(ends[0])) / POINTS
+    step = float(np.ptp(ends[0])) / SLICE_POINTS
     sides = [np.arange(low, high + step, step) for low, high in ends]
     grid = griddata(points, speed, tuple(np.meshgrid(*sides)), method='linear')
     return FlowSlice(

@@ -24,9 +24,10 @@ from lta_windtunnel.tunnel_model import TunnelModel
 Kind = Literal['wind', 'coarse', 'transient', 'spin', 'blow']
 Air = tuple[float, float]  # density [kg/m3], kinematic viscosity [m2/s]
 AIR: Final[Air] = (1.2, 1.5e-5)  # at 20 degC
-MIDDLE: Final = 1.0  # m/s
-SLOW: Final = 0.2  # m/s; here the steady model is accurate for a sphere
-LENGTHS: Final = 26.0  # hull lengths of flow in a transient; the first ones are not averaged
+MIDDLE_SPEED: Final = 1.0  # m/s
+SLOW_SPEED: Final = 0.2  # m/s; here the steady model is accurate for a sphere
+# Hull lengths of flow in a transient; the first ones are not averaged
+TRANSIENT_LENGTHS: Final = 26.0
 
 
 @final
@@ -102,12 +103,14 @@ def _plan_winds(model: TunnelModel, fidelity: str, viscosity: float) -> Iterator
             case = build_steady_wind_case(model, axis, viscosity, PREVIEW)
             yield TunnelFlow('wind', axis, case, SPEEDS)
             continue
-        fine = choose_mesh_fineness(model, viscosity, MIDDLE)
-        # One transient per axis, at the middle speed; the slow point is steady, see `SLOW`
-        eddies = build_transient_wind_case(model, axis, viscosity, fine, MIDDLE, LENGTHS)
-        yield TunnelFlow('transient', axis, eddies, (MIDDLE,))
-        slow = build_steady_wind_case(model, axis, viscosity, PREVIEW, (SLOW,))
-        yield TunnelFlow('wind', axis, replace(slow, name=f'{axis}, slow'), (SLOW,))
+        fine = choose_mesh_fineness(model, viscosity, MIDDLE_SPEED)
+        # One transient per axis, at the middle speed; the slow point is steady, see `SLOW_SPEED`
+        eddies = build_transient_wind_case(
+            model, axis, viscosity, fine, MIDDLE_SPEED, TRANSIENT_LENGTHS
+        )
+        yield TunnelFlow('transient', axis, eddies, (MIDDLE_SPEED,))
+        slow = build_steady_wind_case(model, axis, viscosity, PREVIEW, (SLOW_SPEED,))
+        yield TunnelFlow('wind', axis, replace(slow, name=f'{axis}, slow'), (SLOW_SPEED,))
 
 
 def _plan_incidence(model: TunnelModel, name: str, fidelity: str, viscosity: float) -> TunnelFlow:
@@ -118,20 +121,22 @@ def _plan_incidence(model: TunnelModel, name: str, fidelity: str, viscosity: flo
     moment by 5 %.
     """
     if fidelity == 'preview':
-        case = build_steady_wind_case(model, name, viscosity, PREVIEW, (MIDDLE,))
-        return TunnelFlow('wind', name, case, (MIDDLE,))
-    fine = choose_mesh_fineness(model, viscosity, MIDDLE)
+        case = build_steady_wind_case(model, name, viscosity, PREVIEW, (MIDDLE_SPEED,))
+        return TunnelFlow('wind', name, case, (MIDDLE_SPEED,))
+    fine = choose_mesh_fineness(model, viscosity, MIDDLE_SPEED)
     coarse = fine if fine is FAST else ROUGH
-    case = build_transient_wind_case(model, name, viscosity, coarse, MIDDLE, LENGTHS)
-    return TunnelFlow('transient', name, case, (MIDDLE,))
+    case = build_transient_wind_case(
+        model, name, viscosity, coarse, MIDDLE_SPEED, TRANSIENT_LENGTHS
+    )
+    return TunnelFlow('transient', name, case, (MIDDLE_SPEED,))
 
 
 def _plan_coarse_winds(model: TunnelModel, viscosity: float) -> Iterator[TunnelFlow]:
     """Yield the middle speed of each wind on a coarser mesh."""
     for axis in _wind_directions(model):
-        case = build_steady_wind_case(model, axis, viscosity, COARSE, (MIDDLE,))
+        case = build_steady_wind_case(model, axis, viscosity, COARSE, (MIDDLE_SPEED,))
         yield TunnelFlow(
-            'coarse', axis, replace(case, name=f'{axis} on a coarser mesh'), (MIDDLE,)
+            'coarse', axis, replace(case, name=f'{axis} on a coarser mesh'), (MIDDLE_SPEED,)
         )
 
 

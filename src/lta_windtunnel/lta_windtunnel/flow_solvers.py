@@ -17,7 +17,7 @@ from lta_windtunnel.openfoam.programs import CaseFailed, find_openfoam_version, 
 from lta_windtunnel.sweep_table import Blow, SweepPoint
 from lta_windtunnel.tunnel_model import TunnelModel
 
-READ: Final = {
+SUMMARIZERS: Final = {
     'wind': reduce.summarize_steady_wind,
     'coarse': reduce.summarize_steady_wind,
     'transient': reduce.summarize_transient_wind,
@@ -128,7 +128,7 @@ def solve_flow(stages: CaseRunner, model: TunnelModel, flow: TunnelFlow, density
     for speed in flow.speeds:
         step = next(each for each in flow.case.steps if each.name == f'{speed:g}')
         try:
-            points.append(READ[flow.kind](solved, flow.about, step, speed))
+            points.append(SUMMARIZERS[flow.kind](solved, flow.about, step, speed))
         except CaseFailed as error:  # one failed speed does not invalidate the others
             refused[f'{label} at {speed:g}'] = str(error)
     return points, refused

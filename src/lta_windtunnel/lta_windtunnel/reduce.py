@@ -17,7 +17,12 @@ from lta_windtunnel.openfoam.output_reader import (
 from lta_windtunnel.openfoam.programs import RESIDUAL
 from lta_windtunnel.still_air import AXES
 from lta_windtunnel.sweep_table import Blow, FlowQuality, round_digits, SweepPoint
-from lta_windtunnel.tunnel import has_symmetry_planes, OUTER, rotate_into_tunnel, SETTLING
+from lta_windtunnel.tunnel import (
+    has_symmetry_planes,
+    OUTER_PATCHES,
+    rotate_into_tunnel,
+    SETTLING_ITERATIONS,
+)
 from lta_windtunnel.tunnel_model import TunnelModel
 import numpy as np
 from numpy.typing import NDArray
@@ -26,9 +31,9 @@ Array = NDArray[np.float64]
 Rows = slice | NDArray[np.bool_]
 # Hull lengths of flow before a transient is averaged: 4 until the first inflow has passed the
 # hull, and 2 for its wake.
-STARTING: Final = 6.0
-BATCH: Final = 5.0  # lengths of flow, about one swing of a wake
-LAST: Final = slice(-flow_checks.WINDOW, None)  # iterations of a steady flow that are averaged
+STARTING_LENGTHS: Final = 6.0
+BATCH_LENGTHS: Final = 5.0  # lengths of flow, about one swing of a wake
+LAST_ITERATIONS: Final = slice(-flow_checks.AVERAGED_ITERATIONS, None)  # of a steady flow
 LOG_END: Final = 8000  # characters of a log, which may have megabytes, that have the last residual
 
 
@@ -43,7 +48,7 @@ class SolvedFlow:
     seconds: float  # processor time of each result [s]
     density: float  # of the air [kg/m3]
 
-    def read_bodies(self, begin: str, rows: Rows = LAST) -> dict[str, WrenchHistory]:
+    def read_bodies(self, begin: str, rows: Rows = LAST_ITERATIONS) -> dict[str, WrenchHistory]:
         """Return the averaged iterations of the wrench on each body, of the step that began so."""
         return {
             name: read_forces(self.place, name, begin).select(rows) for name in self.model.bodies
@@ -51,9 +56,11 @@ class SolvedFlow:
 
     def mean_outflow(self, begin: str, patches: tuple[str, ...]) -> Array:
         """Return the mean momentum and pressure flux out of the domain, at 1 kg/m3. [N]"""
-        total: Array = read_forces(self.place, 'outer', begin).select(LAST).force.mean(axis=0)
+        total: Array = (
+            read_forces(self.place, 'outer', begin).select(LAST_ITERATIONS).force.mean(axis=0)
+        )
         for patch in patches:
-            total = total + read_momentum(self.place, patch, begin)[LAST].mean(axis=0)
+            total = total + read_momentum(self.place, patch, begin)[LAST_ITERATIONS].mean(axis=0)
         return total
 
     def describe_quality(
@@ -99,7 +106,7 @@ def summarize_steady_wind(
     flow_checks.check_spread(spread, len(drags))
     flow_checks.check_brakes(drag)
     # Momentum balance: drag on the bodies plus momentum leaving the domain must cancel.
-    balance = abs(float(flow.mean_outflow(step.begin, OUTER)[0]) + drag) / abs(drag)
+    balance = abs(float(flow.mean_outflow(step.begin, OUTER_PATCHES)[0]) + drag) / abs(drag)
     flow_checks.check_balance(balance)
     quality = flow.describe_quality(step.name, spread, float(len(drags)), balance)
     planes = has_symmetry_planes(flow.model, axis)
@@ -113,12 +120,12 @@ def summarize_transient_wind(
     length = flow.model.length
     time = next(iter(flow.read_bodies(step.begin, slice(None)).values())).time
     # Skip the start: the wake needs time to develop.
-    bodies = flow.read_bodies(step.begin, time >= SETTLING + STARTING * length)
+    bodies = flow.read_bodies(step.begin, time >= SETTLING_ITERATIONS + STARTING_LENGTHS * length)
     drags = _total_force(bodies)[:, 0]
     # Time steps vary: weight each value with its duration
     weights = np.gradient(next(iter(bodies.values())).time)
     window = float(weights.sum())
-    error = standard_error(drags, weights, BATCH * length)
+    error = standard_error(drags, weights, BATCH_LENGTHS * length)
     flow_checks.check_mean(error, window / length)
     flow_checks.check_brakes(float(np.average(drags, weights=weights)))
     quality = flow.describe_quality(step.name, error, window)

@@ -22,15 +22,15 @@ import trimesh
 
 Array = NDArray[np.float64]
 
-POINTS: Final = 61  # from the pole to the rim
-SECTIONS: Final = 160  # around
-TURNED: Final = {  # z to x, and z to y
+PROFILE_POINTS: Final = 61  # from the pole to the rim
+PROFILE_SECTIONS: Final = 160  # around
+Z_TURNED_TO: Final = {  # z to x, and z to y
     'x': np.array([[0.0, 0, 1, 0], [0, 1, 0, 0], [-1, 0, 0, 0], [0, 0, 0, 1]]),
     'y': np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]]),
 }
 
 
-def mylar_profile(points: int = POINTS) -> Array:
+def mylar_profile(points: int = PROFILE_POINTS) -> Array:
     """
     Return the upper half of a full mylar balloon of radius 1: radius and height, (points, 2). [1]
 
@@ -43,7 +43,7 @@ def mylar_profile(points: int = POINTS) -> Array:
     return np.column_stack((np.sin(angle), below[-1] - below))[::20]
 
 
-def ellipse_profile(points: int = POINTS) -> Array:
+def ellipse_profile(points: int = PROFILE_POINTS) -> Array:
     """Return a quarter of a unit circle, from pole to rim, as `mylar_profile`. [1]"""
     angle = np.linspace(0.0, 0.5 * np.pi, points)
     return np.column_stack((np.sin(angle), np.cos(angle)))
@@ -60,7 +60,7 @@ def revolve_profile(half: Array, radius: float, height: float) -> trimesh.Trimes
     # Exact zeros close the surface at the poles and at the rim
     upper[0, 0], upper[-1, 1] = 0.0, 0.0
     around = np.vstack((upper[:-1] * (1.0, -1.0), upper[::-1]))
-    mesh = trimesh.creation.revolve(around, sections=SECTIONS)
+    mesh = trimesh.creation.revolve(around, sections=PROFILE_SECTIONS)
     # A negative volume means inward normals.
     if mesh.volume < 0.0:
         mesh.invert()
@@ -82,5 +82,5 @@ def build_hull_surface(hull: HullBlock) -> trimesh.Trimesh:
     profile = mylar_profile() if hull.shape == 'balloon' else ellipse_profile()
     mesh = revolve_profile(profile, half[axis - 1], 2.0 * half[axis])
     if axis != 2:
-        mesh.apply_transform(TURNED['xy'[axis]])
+        mesh.apply_transform(Z_TURNED_TO['xy'[axis]])
     return mesh

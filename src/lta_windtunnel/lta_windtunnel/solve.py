@@ -24,7 +24,7 @@ from lta_windtunnel.tunnel_model import TunnelModel
 
 BYTES_A_CELL: Final = 4_000  # peak of snappyHexMesh, which needs more than the solvers
 BY_HAND: Final = 'by hand'
-HAND: Final = FlowQuality(spread=0.0, window=0.0, cells=0, seconds=0.0)
+ESTIMATE_QUALITY: Final = FlowQuality(spread=0.0, window=0.0, cells=0, seconds=0.0)
 
 
 def check_memory(
@@ -93,7 +93,7 @@ def estimate_drag(model: TunnelModel, air: Air) -> dict[Axis, list[SweepPoint]]:
             points.append(
                 SweepPoint(
                     speed=speed, force=wrench[:3], moment=wrench[3:], parts={}, viscous=0.0,
-                    evidence=HAND,
+                    evidence=ESTIMATE_QUALITY,
                 )
             )  # fmt: skip
         estimates[axis] = points

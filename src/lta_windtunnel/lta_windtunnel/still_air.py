@@ -21,17 +21,18 @@ from lta_windtunnel.openfoam.input_files import (
     format_files,
     format_steady_settings,
 )
-from lta_windtunnel.openfoam.mesh import BASE, build_mesh_case, MeshFineness, Region
+from lta_windtunnel.openfoam.mesh import BASE_CUBE, build_mesh_case, MeshFineness, Region
 from lta_windtunnel.tunnel import build_steady_steps, format_absent
 from lta_windtunnel.tunnel_model import RotorDisk, TunnelModel
 import numpy as np
 
 RATES: Final = (0.3, 1.0, 3.0)  # rad/s
-ROUNDS: Final = 200
-MEETING: Final = 400  # where more than two jets may meet: BEAVIS's lift still grows at 200
-NEXT: Final = 80
+STILL_ITERATIONS: Final = 200
+# Where more than two jets may meet: BEAVIS's lift still grows at 200
+COLLIDING_ITERATIONS: Final = 400
+NEXT_RATE_ITERATIONS: Final = 80
 AXES: Final = {'roll': (1, 0, 0), 'pitch': (0, 1, 0), 'yaw': (0, 0, 1)}
-BALL: Final = 'turning'
+ROTATING_ZONE: Final = 'turning'
 CELLS_ACROSS: Final = 6  # a rotor's disk
 # Jets: radius and length in radii of the rotor, and how many levels coarser than the disk.
 JETS: Final = ((1.34, 1.27, 0), (2.34, 12.8, 1), (5.1, 34.0, 2), (10.6, 76.6, 3))
@@ -39,7 +40,9 @@ JETS: Final = ((1.34, 1.27, 0), (2.34, 12.8, 1), (5.1, 34.0, 2), (10.6, 76.6, 3)
 
 def disk_refinement_level(model: TunnelModel, rotor: RotorDisk) -> int:
     """Return the level at which a rotor's disk has enough cells across."""
-    return math.ceil(math.log2(BASE * model.length * CELLS_ACROSS / (2.0 * rotor.radius)) - 1e-9)
+    return math.ceil(
+        math.log2(BASE_CUBE * model.length * CELLS_ACROSS / (2.0 * rotor.radius)) - 1e-9
+    )
 
 
 def build_still_air_mesh(model: TunnelModel) -> FoamCase:
@@ -62,7 +65,7 @@ def build_still_air_mesh(model: TunnelModel) -> FoamCase:
         zones += _zone_actions(name, {
             'source': 'cylinderToCell', 'p1': ends[0], 'p2': ends[1], 'radius': rotor.radius,
         })  # fmt: skip
-    zones += _zone_actions(BALL, {
+    zones += _zone_actions(ROTATING_ZONE, {
         # Encloses the hull, which extends half a length from the centre
         'source': 'sphereToCell', 'centre': [0, 0, 0], 'radius': 1.2 * model.length
     })  # fmt: skip
@@ -136,7 +139,7 @@ def build_blowing_case(
         **build_flow_records(model.bodies, model.length, ('far',), normal),
         **build_pressure_record(model.bodies),
     }
-    rounds = MEETING if len(shares) > 2 else ROUNDS
+    rounds = COLLIDING_ITERATIONS if len(shares) > 2 else STILL_ITERATIONS
     last = format_control('simpleFoam', 0, rounds, functions)
     return FoamCase(
         pattern, files, [ProgramStep('on', ('simpleFoam',), last, rounds)], mesh, mesh.cells
@@ -151,7 +154,7 @@ def build_spinning_case(model: TunnelModel, about: str, viscosity: float) -> Foa
     """
     mesh = build_still_air_mesh(model)
     turning: Mapping[str, Entry] = {
-        'cellZone': BALL, 'active': True, 'nonRotatingPatches': [], 'origin': [0, 0, 0],
+        'cellZone': ROTATING_ZONE, 'active': True, 'nonRotatingPatches': [], 'origin': [0, 0, 0],
         'axis': list(AXES[about]), 'omega': 1,
     }  # fmt: skip
     files = {
@@ -160,5 +163,7 @@ def build_spinning_case(model: TunnelModel, about: str, viscosity: float) -> Foa
         **format_files({'constant/MRFProperties': {'turning': turning}}),
     }
     functions = build_flow_records(model.bodies, model.length, ('far',))
-    steps = build_steady_steps(RATES, viscosity, functions, (ROUNDS, NEXT))
+    steps = build_steady_steps(
+        RATES, viscosity, functions, (STILL_ITERATIONS, NEXT_RATE_ITERATIONS)
+    )
     return FoamCase(about, files, steps, mesh, mesh.cells)

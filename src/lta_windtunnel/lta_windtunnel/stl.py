@@ -12,10 +12,10 @@ import trimesh
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
-CHUNK: Final = 2_000_000  # pairs at a time
-TOUCH: Final = 1e-9  # of an edge's length: touching is not crossing
+PAIR_CHUNK: Final = 2_000_000  # pairs at a time
+MIN_CROSSING: Final = 1e-9  # of an edge's length: touching is not crossing
 UNITS: Final = {'m': 1.0, 'cm': 1e-2, 'mm': 1e-3}
-LARGEST, SMALLEST = 30.0, 2e-3  # m; size limits of a drone's part
+MAX_SIZE, MIN_SIZE = 30.0, 2e-3  # m; size limits of a drone's part
 
 
 def read_stl(path: Path, unit: str) -> trimesh.Trimesh:
@@ -52,9 +52,9 @@ def read_stl(path: Path, unit: str) -> trimesh.Trimesh:
 def validate_closed(mesh: trimesh.Trimesh, name: str, unit: str) -> trimesh.Trimesh:
     """Return a surface that encloses a volume, with outward normals; else raise `BadInput`."""
     size = float(np.max(mesh.extents))
-    if not SMALLEST <= size <= LARGEST:
+    if not MIN_SIZE <= size <= MAX_SIZE:
         # Too large: probably millimetres read as metres; too small: the opposite
-        other = 'mm' if size > LARGEST else 'm'
+        other = 'mm' if size > MAX_SIZE else 'm'
         remedy = f'if it was drawn in {other}, set "unit: {other}" at its body in the tunnel file.'
         if other == unit:
             remedy = 'scale it in the CAD program, and export it again.'
@@ -117,7 +117,7 @@ def _iterate_near_pairs(triangles: Array) -> Iterator[tuple[Index, Index]]:
     begin = 0
     while begin < len(order):
         base = ends[begin - 1] if begin else 0
-        end = max(int(np.searchsorted(ends, base + CHUNK, side='right')), begin + 1)
+        end = max(int(np.searchsorted(ends, base + PAIR_CHUNK, side='right')), begin + 1)
         sizes = counts[begin:end]
         first = np.repeat(np.arange(begin, end), sizes)
         # 0, 1, 2 ... within each triangle's partners
@@ -147,6 +147,6 @@ def _find_pierced_triangles(begin: Array, end: Array, triangle: Array) -> NDArra
     v = np.einsum('ij,ij->i', way, turned) / scale
     t = np.einsum('ij,ij->i', other, turned) / scale
     # Barycentric coordinates u, v and the position t on the segment, all strictly inside
-    within = (u > TOUCH) & (v > TOUCH) & (u + v < 1.0 - TOUCH)
-    through: NDArray[np.bool_] = ~flat & within & (t > TOUCH) & (t < 1.0 - TOUCH)
+    within = (u > MIN_CROSSING) & (v > MIN_CROSSING) & (u + v < 1.0 - MIN_CROSSING)
+    through: NDArray[np.bool_] = ~flat & within & (t > MIN_CROSSING) & (t < 1.0 - MIN_CROSSING)
     return through

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 REVERSED: Final = '_reversed'
-FULL: Final = 'all'
-SUPERPOSED: Final = 0.10  # of one rotor's thrust: below this the columns superpose
+ALL_ROTORS: Final = 'all'
+MIN_COUPLING: Final = 0.10  # of one rotor's thrust: below this the columns superpose
 
 
 @final
@@ -134,12 +134,12 @@ def sum_columns(sweep: TunnelSweep, shares: Mapping[str, float]) -> Array | None
 
 def compute_jet_coupling(sweep: TunnelSweep) -> JetCoupling | None:
     """Return the wrench of all rotors beyond their columns, unless negligible."""
-    blow = sweep.blows.get(FULL)
+    blow = sweep.blows.get(ALL_ROTORS)
     if blow is None or (sum_ := sum_columns(sweep, blow.shares)) is None:
         return None
     weakest = min(sweep.rotors[name].thrust for name in blow.shares)
     rest = (symmetrize_wrench(sweep, blow) - sum_) / weakest
-    if np.linalg.norm(rest[:3]) <= SUPERPOSED:
+    if np.linalg.norm(rest[:3]) <= MIN_COUPLING:
         return None
     return JetCoupling(tuple(blow.shares), rest)
 

@@ -33,14 +33,15 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 SPEEDS: Final = (0.2, 0.5, 1.0, 1.5, 2.0)
-FIRST, NEXT = 300, 120  # iterations until a flow has settled, from nothing and from another speed
-SETTLING: Final = 60  # steady iterations before a transient
+# Until a flow has settled, from nothing and from another speed
+FIRST_ITERATIONS, NEXT_ITERATIONS = 300, 120
+SETTLING_ITERATIONS: Final = 60  # steady iterations before a transient
 # Lengths of flow over which a transient begins, and its Courant numbers then and later: eddies
 # that a steady flow has not shed yet come all at once.
-BEGINNING: Final = 0.25
-CAREFUL: Final = 1.0
-BOLD: Final = 4.0
-OUTER: Final = ('inlet', 'outlet', 'sides')
+FIRST_COURANT_LENGTHS: Final = 0.25
+FIRST_COURANT: Final = 1.0
+COURANT: Final = 4.0
+OUTER_PATCHES: Final = ('inlet', 'outlet', 'sides')
 
 # Body axes to tunnel axes for a vehicle that moves along its x, y or z: the air then comes along
 # minus that axis. Columns are where body x, y, z point in the tunnel.
@@ -75,12 +76,12 @@ FAST: Final = MeshFineness(trail=3, shell=0.15, layers=8, expansion=1.4, cells=3
 # Reynolds number of the hull up to which a transient needs no model. Beyond, a sphere's drag fell
 # as that of real ones does at twice the speed; a model of detached eddies keeps the layer along it
 # laminar, and gives 0.53 at half that speed, over all that was measured.
-MODELLED: Final = 1e5
+MAX_LAMINAR_REYNOLDS: Final = 1e5
 
 
 def needs_eddy_model(model: TunnelModel, viscosity: float, speed: float) -> bool:
     """Return whether a transient needs a model of eddies; viscosity in m2/s, speed in m/s."""
-    return speed * model.length / viscosity > MODELLED
+    return speed * model.length / viscosity > MAX_LAMINAR_REYNOLDS
 
 
 def choose_mesh_fineness(model: TunnelModel, viscosity: float, speed: float) -> MeshFineness:
@@ -185,13 +186,13 @@ def build_steady_wind_case(
     """
     planes = has_symmetry_planes(model, axis)
     mesh = build_tunnel_mesh(model, axis, fine, planes)
-    functions = build_flow_records(model.bodies, model.length, OUTER)
+    functions = build_flow_records(model.bodies, model.length, OUTER_PATCHES)
     files = {
         **format_tunnel_fields(TRANSITION, tuple(model.bodies), _name_symmetry_planes(planes)),
         **format_absent('fvOptions', 'MRFProperties'),
         **format_steady_settings('kOmegaSSTLM'),
     }
-    steps = build_steady_steps(speeds, viscosity, functions, (FIRST, NEXT))
+    steps = build_steady_steps(speeds, viscosity, functions, (FIRST_ITERATIONS, NEXT_ITERATIONS))
     return FoamCase(axis, files, steps, mesh, mesh.cells)
 
 
@@ -211,8 +212,8 @@ def build_transient_wind_case(
     """
     mesh = build_tunnel_mesh(model, axis, fine, (False, False))
     functions = build_flow_records(model.bodies, model.length)
-    begin = SETTLING + round(BEGINNING * model.length, 4)
-    end = SETTLING + lengths * model.length
+    begin = SETTLING_ITERATIONS + round(FIRST_COURANT_LENGTHS * model.length, 4)
+    end = SETTLING_ITERATIONS + lengths * model.length
     # [s] At 1 m/s; twice as long for each coarser level of the hull
     longest = 0.03 * model.length * 2.0 ** (4 - fine.hull)
     eddies = format_transient_settings(needs_eddy_model(model, viscosity, speed))
@@ -220,17 +221,19 @@ def build_transient_wind_case(
         ProgramStep('settle', ('simpleFoam',), {
             **format_air(viscosity / speed),
             **format_steady_settings('SpalartAllmaras'),
-            **format_control('simpleFoam', 0, SETTLING, {}),
-        }, SETTLING),
+            **format_control('simpleFoam', 0, SETTLING_ITERATIONS, {}),
+        }, SETTLING_ITERATIONS),
         ProgramStep('begin', ('pimpleFoam',), {
             **eddies,
             # The steady solver counted iterations: reset the time step for the transient one
-            **format_time(SETTLING, 0.05 * longest),
-            **format_control('pimpleFoam', SETTLING, begin, {}, (longest, CAREFUL)),
-        }, int(6.0 * (begin - SETTLING) / longest), str(SETTLING)),
+            **format_time(SETTLING_ITERATIONS, 0.05 * longest),
+            **format_control(
+                'pimpleFoam', SETTLING_ITERATIONS, begin, {}, (longest, FIRST_COURANT)
+            ),
+        }, int(6.0 * (begin - SETTLING_ITERATIONS) / longest), str(SETTLING_ITERATIONS)),
         ProgramStep(f'{speed:g}', ('pimpleFoam',), {
             **eddies,
-            **format_control('pimpleFoam', begin, end, functions, (longest, BOLD)),
+            **format_control('pimpleFoam', begin, end, functions, (longest, COURANT)),
         }, int(1.5 * lengths * model.length / longest), f'{begin:.8g}'),
     ]  # fmt: skip
     files = {

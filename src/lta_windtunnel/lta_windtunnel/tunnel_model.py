@@ -22,13 +22,13 @@ Array = NDArray[np.float64]
 Three = tuple[float, float, float]
 
 HULL: Final = 'envelope'
-PLAN: Final = [  # eight: four quarter turns about z, mirrored across y = 0 or not
+PLAN_SYMMETRIES: Final = [  # eight: four quarter turns about z, mirrored across y = 0 or not
     np.array([[c, -s * m, 0.0], [s, c * m, 0.0], [0.0, 0.0, 1.0]])
     for m in (1.0, -1.0)
     for c, s in ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
 ]
-QUARTER: Final = PLAN[1]  # x to y
-ALIKE: Final = 1e-3  # of the length: how well a mirrored surface must lie on itself
+QUARTER_TURN: Final = PLAN_SYMMETRIES[1]  # x to y
+SYMMETRY_TOLERANCE: Final = 1e-3  # of the length: how well a mirrored surface must lie on itself
 
 
 @final
@@ -88,12 +88,12 @@ class TunnelModel:
 
     def find_symmetries(self) -> list[Array]:
         """Return the quarter turns and reflections that map the bodies onto themselves."""
-        return self._select_symmetries(PLAN)
+        return self._select_symmetries(PLAN_SYMMETRIES)
 
     @property
     def has_quarter_symmetry(self) -> bool:
         """Whether a quarter turn maps the bodies onto themselves (x equals y)."""
-        return bool(self._select_symmetries([QUARTER]))
+        return bool(self._select_symmetries([QUARTER_TURN]))
 
     def _select_symmetries(self, changes: Sequence[Array]) -> list[Array]:
         """Return those transforms that map the bodies onto themselves."""
@@ -102,7 +102,7 @@ class TunnelModel:
         new = {key: each for key, each in keyed if key not in self._alike}
         if new:
             corners = np.vstack([mesh.vertices for mesh in self.bodies.values()])
-            tree, near = cKDTree(corners), ALIKE * self.length
+            tree, near = cKDTree(corners), SYMMETRY_TOLERANCE * self.length
             for key, each in new.items():
                 # A corner without a neighbour within reach is infinitely far: that ends it early.
                 off, _ = tree.query(corners @ each.T, distance_upper_bound=near)

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import math
 from typing import Final, final
 
-from lta_windtunnel.flow_plan import Air, LENGTHS, MIDDLE, TunnelFlow
+from lta_windtunnel.flow_plan import Air, MIDDLE_SPEED, TRANSIENT_LENGTHS, TunnelFlow
 from lta_windtunnel.flow_solvers import FlowSolver, split_failed_points
 from lta_windtunnel.shape import ellipse_profile, revolve_profile
 from lta_windtunnel.sweep_table import Blow, SweepPoint
@@ -29,7 +29,7 @@ from lta_windtunnel.tunnel_model import HULL, TunnelModel
 
 SETTINGS: Final = {'wind': 'steady, {} cells', 'transient': 'transient, {} cells'}
 # Speed [m/s] and diameters of flow: the wake of the fast one swings more.
-TRANSIENTS: Final = ((2.0, 41.0), (MIDDLE, LENGTHS))
+TRANSIENTS: Final = ((2.0, 41.0), (MIDDLE_SPEED, TRANSIENT_LENGTHS))
 SCATTER: Final = (0.45, 0.50)  # measured drag coefficients between these Reynolds numbers
 # Slightly beyond the measured range: the drag stays level up to about 2e5.
 SCATTER_RANGE: Final = (5e4, 1.4e5)
@@ -98,7 +98,7 @@ def plan_validation_flows(model: TunnelModel, fidelity: str, air: Air) -> list[T
         (speed, choose_mesh_fineness(model, viscosity, speed), long) for speed, long in TRANSIENTS
     ]
     flows = []
-    for speed, fine, lengths in (*cases, (MIDDLE, ROUGH, LENGTHS)):
+    for speed, fine, lengths in (*cases, (MIDDLE_SPEED, ROUGH, TRANSIENT_LENGTHS)):
         case = build_transient_wind_case(model, 'surge', viscosity, fine, speed, lengths)
         named = replace(case, name=f'{case.name}, hull at level {fine.hull}')
         flows.append(TunnelFlow('transient', 'surge', named, (speed,)))

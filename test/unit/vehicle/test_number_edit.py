@@ -1,4 +1,4 @@
-"""Setting numbers of a vehicle file: value, source, the lines around, and refusals that change nothing."""
+"""Setting numbers of a vehicle file: value, source, and refusals that change nothing."""
 
 from lta_config.errors import BadInput
 from lta_model.vehicle import load_vehicle

@@ -9,14 +9,14 @@ import shutil
 from lta_config.errors import BadInput
 from lta_config.schema.mount_file import load_mount
 from lta_windtunnel import flow_checks
-from lta_windtunnel.flow_plan import LENGTHS, plan_flows
+from lta_windtunnel.flow_plan import plan_flows, TRANSIENT_LENGTHS
 from lta_windtunnel.openfoam import programs
 from lta_windtunnel.openfoam.case import CaseRunner, FoamCase, ProgramStep
 from lta_windtunnel.openfoam.input_files import format_files
-from lta_windtunnel.openfoam.mesh import BASE
+from lta_windtunnel.openfoam.mesh import BASE_CUBE
 from lta_windtunnel.openfoam.output_reader import read_forces, read_mesh, read_table
 from lta_windtunnel.openfoam.programs import CaseFailed, explain_failure, FoamPrograms
-from lta_windtunnel.reduce import STARTING
+from lta_windtunnel.reduce import STARTING_LENGTHS
 from lta_windtunnel.solve import check_memory
 from lta_windtunnel.tunnel import (
     build_steady_wind_case,
@@ -102,7 +102,7 @@ def test_eddies_are_modelled_beyond_a_reynolds_number():
 
 
 def test_a_transient_is_averaged_over_twenty_lengths():
-    assert LENGTHS - STARTING == 20.0
+    assert TRANSIENT_LENGTHS - STARTING_LENGTHS == 20.0
 
 
 def test_every_flow_of_a_vehicle_is_planned_once():
@@ -304,7 +304,9 @@ def test_every_patch_of_a_mesh_has_its_faces_whatever_its_topology(tmp_path):
 def test_bodies_of_the_half_that_is_cut_off_are_not_missed():
     model = load_tunnel_model('gtmab', load_mount('bottom'))
     half = build_steady_wind_case(model, 'surge', 1.5e-5, PREVIEW).mesh
-    transient = build_transient_wind_case(model, 'surge', 1.5e-5, PREVIEW, 1.0, LENGTHS).mesh
+    transient = build_transient_wind_case(
+        model, 'surge', 1.5e-5, PREVIEW, 1.0, TRANSIENT_LENGTHS
+    ).mesh
     whole = {'envelope', 'gondola', 'frame', 'panel_left', 'panel_right', 'arm_left', 'arm_right'}
     assert set(transient.bodies) == whole
     assert set(half.bodies) == whole - {'panel_left', 'arm_left'}
@@ -319,7 +321,7 @@ def test_no_cell_is_so_coarse_that_a_bar_lies_between_the_middles_of_two_unseen(
     rows = [tuple(map(float, row.split())) for row in levels.split(') (')]
     assert [level for _, level in rows] == [5, 4, 3]  # from the bar outwards; all is at 2 there
     for far, level in rows:
-        coarser = BASE * 2.0 ** (1 - level)
+        coarser = BASE_CUBE * 2.0 ** (1 - level)
         assert far > 0.5 * math.sqrt(3.0) * coarser  # a corner of it touches the bar at most
 
 
@@ -370,9 +372,9 @@ def test_gates_refuse_with_the_figure(gate, given, said):
 
 
 def test_gates_let_pass_what_is_at_their_limits():
-    flow_checks.check_bodies('mesh', {'bar': flow_checks.FACES}, ['bar'])
-    flow_checks.check_zones({'up_left': flow_checks.ZONE}, {'up_left': 1.0})
-    flow_checks.check_spread(flow_checks.SPREAD, flow_checks.WINDOW)
-    flow_checks.check_balance(flow_checks.BALANCE)
+    flow_checks.check_bodies('mesh', {'bar': flow_checks.MIN_FACES}, ['bar'])
+    flow_checks.check_zones({'up_left': flow_checks.MIN_DISK_CELLS}, {'up_left': 1.0})
+    flow_checks.check_spread(flow_checks.MAX_SPREAD, flow_checks.AVERAGED_ITERATIONS)
+    flow_checks.check_balance(flow_checks.MAX_IMBALANCE)
     flow_checks.check_brakes(1e-6)
-    flow_checks.check_mean(flow_checks.ERROR, flow_checks.LENGTHS)
+    flow_checks.check_mean(flow_checks.MAX_MEAN_ERROR, flow_checks.MIN_LENGTHS)

@@ -7,8 +7,15 @@ from lta_config.files import share_folder
 from lta_config.schema.aero_file import load_aero_file
 from lta_model.vehicle import load_vehicle
 from lta_windtunnel.aero_text import format_aero_file
-from lta_windtunnel.flow_checks import BALANCE, ERROR, LENGTHS, SPREAD, WINDOW, ZONE
-from lta_windtunnel.flow_plan import MIDDLE
+from lta_windtunnel.flow_checks import (
+    AVERAGED_ITERATIONS,
+    MAX_IMBALANCE,
+    MAX_MEAN_ERROR,
+    MAX_SPREAD,
+    MIN_DISK_CELLS,
+    MIN_LENGTHS,
+)
+from lta_windtunnel.flow_plan import MIDDLE_SPEED
 from lta_windtunnel.sweep_table import read_sweep
 from lta_windtunnel.tunnel_model import load_tunnel_model
 import pytest
@@ -74,7 +81,7 @@ def test_gtmab_flies_with_the_drag_of_transient_flows(k, axis, within):
     aero = load_vehicle('gtmab').file.aero
     flown = aero.linear_drag.force.vector[k] + aero.quadratic_drag.force.vector[k]
     solved = {point.speed: -point.force[k] for point in sweep_of('gtmab_reference').axes[axis]}
-    assert flown == pytest.approx(solved[MIDDLE], rel=within)
+    assert flown == pytest.approx(solved[MIDDLE_SPEED], rel=within)
 
 
 def test_gtmab_flies_with_the_columns_of_its_rotors():
@@ -87,19 +94,19 @@ def test_gtmab_flies_with_the_columns_of_its_rotors():
 
 def is_of_a_steady_flow(evidence, is_balanced=True):
     """Hold evidence to its gates; where the air turns along, nobody sums its momentum."""
-    assert evidence.spread <= SPREAD
-    assert evidence.window == WINDOW
+    assert evidence.spread <= MAX_SPREAD
+    assert evidence.window == AVERAGED_ITERATIONS
     if is_balanced:
         assert evidence.balance is not None
-        assert evidence.balance <= BALANCE
+        assert evidence.balance <= MAX_IMBALANCE
     else:
         assert evidence.balance is None
 
 
 def is_of_a_transient(evidence, length):
     """Hold the evidence of a mean to its gates: the air comes with 1 m/s, and is not summed."""
-    assert evidence.spread <= ERROR
-    assert evidence.window >= LENGTHS * length
+    assert evidence.spread <= MAX_MEAN_ERROR
+    assert evidence.window >= MIN_LENGTHS * length
     assert evidence.balance is None
 
 
@@ -113,7 +120,7 @@ def test_whatever_is_solved_has_passed_its_gates(name):
     for axis, points in sweep.axes.items():
         assert points, axis
         for point in points:
-            if sweep.fidelity == 'reference' and axis in WINDS and point.speed == MIDDLE:
+            if sweep.fidelity == 'reference' and axis in WINDS and point.speed == MIDDLE_SPEED:
                 is_of_a_transient(point.evidence, sweep.length)
             else:
                 is_of_a_steady_flow(point.evidence, is_balanced=axis in WINDS)
@@ -122,4 +129,4 @@ def test_whatever_is_solved_has_passed_its_gates(name):
     for blow in sweep.blows.values():
         is_of_a_steady_flow(blow.evidence)
         assert blow.zones.keys() == blow.shares.keys()
-        assert min(blow.zones.values()) >= ZONE
+        assert min(blow.zones.values()) >= MIN_DISK_CELLS

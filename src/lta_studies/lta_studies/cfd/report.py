@@ -18,9 +18,9 @@ from lta_windtunnel.aero_fit import (
 )
 from lta_windtunnel.aero_text import format_aero_file
 from lta_windtunnel.flow_fields import FlowSlice
-from lta_windtunnel.flow_plan import MIDDLE, SLOW
+from lta_windtunnel.flow_plan import MIDDLE_SPEED, SLOW_SPEED
 from lta_windtunnel.sweep_table import Axis, drop_pressure_maps, format_sweep, TunnelSweep
-from lta_windtunnel.tunnel import MODELLED
+from lta_windtunnel.tunnel import MAX_LAMINAR_REYNOLDS
 
 INTRODUCTION: Final = (
     'Drag of the vehicle along and about its three axes, and the net force of each rotor '
@@ -36,9 +36,9 @@ METHOD: Final = (
     'Each direction has one mesh. The air always moves at 1 m/s; to get the Reynolds number '
     'of another speed, the viscosity is divided by that speed. Fidelity preview: steady '
     'k-omega SST with transition, on a half or a quarter of the domain where the vehicle is '
-    f'symmetric. Fidelity reference: transient at {MIDDLE:g} m/s in the whole tunnel, with '
-    f'implicit LES, or DES above a Reynolds number of {MODELLED:,.0f}; steady at {SLOW:g} '
-    'm/s.',
+    f'symmetric. Fidelity reference: transient at {MIDDLE_SPEED:g} m/s in the whole tunnel, with '
+    f'implicit LES, or DES above a Reynolds number of {MAX_LAMINAR_REYNOLDS:,.0f}; steady at '
+    f'{SLOW_SPEED:g} m/s.',
     'Each rotor is a momentum source in its disk, without swirl. Rotation of the vehicle is '
     'computed as steady, in a rotating frame: the damping of small fast oscillations is '
     'underestimated.',

@@ -9,7 +9,7 @@ from lta_report.report import Picture, Report, TextSection
 from lta_studies.cfd.pictures import draw_sphere_drag
 from lta_studies.cfd.tables import build_sphere_table
 from lta_windtunnel.openfoam.programs import find_openfoam_version
-from lta_windtunnel.tunnel import MODELLED
+from lta_windtunnel.tunnel import MAX_LAMINAR_REYNOLDS
 from lta_windtunnel.validation import SphereComparison
 
 CAPTION: Final = (
@@ -21,8 +21,8 @@ METHOD: Final = (
     'Its drag is correct at 0.2 m/s and too low at 2 m/s, even more so on finer meshes. Use '
     'it to compare designs.',
     'The settings of the transient model were chosen because they match this sphere: no '
-    f'turbulence model up to a Reynolds number of {MODELLED:,.0f}, one above it. So the '
-    'sphere is not an independent test of them.',
+    f'turbulence model up to a Reynolds number of {MAX_LAMINAR_REYNOLDS:,.0f}, one above it. So '
+    'the sphere is not an independent test of them.',
 )
 
 

@@ -19,7 +19,7 @@ from lta_config.machine import find_cache_folder
 from lta_windtunnel.openfoam.programs import CaseFailed, FoamPrograms
 
 FORMAT: Final = 'lta-1'  # cache format; cases of another format are solved again
-DONE: Final = 'done.'
+DONE_PREFIX: Final = 'done.'
 FAILURE: Final = 'failure'  # file with the reason why a case failed
 EXECUTION: Final = re.compile(r'ExecutionTime = ([\d.]+) s')
 SHORT_STEP: Final = 20  # iterations that a step without any counts as in estimates of the time
@@ -104,7 +104,7 @@ class CaseRunner:
     def is_done(self, case: FoamCase) -> bool:
         """Return whether a case has been solved."""
         place = self.case_folder(case)
-        return all((place / f'{DONE}{step.name}').is_file() for step in case.steps)
+        return all((place / f'{DONE_PREFIX}{step.name}').is_file() for step in case.steps)
 
     def solve(self, case: FoamCase) -> Path:
         """
@@ -147,7 +147,7 @@ class CaseRunner:
         self._prepare(case, place)
         try:
             for step in case.steps:
-                if not (place / f'{DONE}{step.name}').is_file():
+                if not (place / f'{DONE_PREFIX}{step.name}').is_file():
                     self._run_step(case, step, place)
         except CaseFailed as error:
             if error.diverged:
@@ -180,7 +180,7 @@ class CaseRunner:
             self._tell(case, step, min(rounds / max(step.rounds, 1), 1.0), residual)
 
         self._programs.run(step.command, place, place / f'log.{step.name}', tell)
-        _write(place, {f'{DONE}{step.name}': f'{time.monotonic() - begun:.1f}\n'})
+        _write(place, {f'{DONE_PREFIX}{step.name}': f'{time.monotonic() - begun:.1f}\n'})
         self._tell(case, step, 1.0, float('nan'))
 
     def processor_time(self, case: FoamCase) -> float:
@@ -199,4 +199,4 @@ def _read_seconds(place: Path, step: str) -> float:
     if times := EXECUTION.findall(log):
         return float(times[-1])
     # The program does not print its time: use the wall time in the marker file
-    return float((place / f'{DONE}{step}').read_text(encoding='utf-8'))
+    return float((place / f'{DONE_PREFIX}{step}').read_text(encoding='utf-8'))

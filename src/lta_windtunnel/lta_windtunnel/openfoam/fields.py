@@ -15,24 +15,24 @@ THETA: Final = 1173.51 - 589.428 * 0.5 + 0.2196 / 0.25
 # Where eddies are resolved, the inflow has none: the boundary layer stays laminar until it
 # separates, as on real hulls below the drag crisis ("tripless", Travin et al. 2000). The initial
 # air has an eddy viscosity of a few times the viscosity, which seeds the wake.
-CLEAN: Final = 'uniform 1e-12'
-SEED: Final = 5.0
+CLEAN_INFLOW: Final = 'uniform 1e-12'
+SEED_VISCOSITIES: Final = 5.0
 
-ZERO: Final = {'type': 'zeroGradient'}
+ZERO_GRADIENT: Final = {'type': 'zeroGradient'}
 INITIAL: Final = {'value': '$internalField'}
 CALCULATED: Final = {'type': 'calculated', **INITIAL}
 # Of each field: exponents of kg, m, s, K, mol, A, cd; value inside; condition at walls
 FIELDS: Final[Mapping[str, tuple[str, str, Mapping[str, Entry]]]] = {
     'U': ('0 1 -1 0 0 0 0', 'uniform (1 0 0)', {'type': 'noSlip'}),
-    'p': ('0 2 -2 0 0 0 0', 'uniform 0', ZERO),
+    'p': ('0 2 -2 0 0 0 0', 'uniform 0', ZERO_GRADIENT),
     'k': ('0 2 -2 0 0 0 0', f'uniform {K:.8g}', {'type': 'kLowReWallFunction', **INITIAL}),
     'omega': (
         '0 0 -1 0 0 0 0', f'uniform {OMEGA:.8g}',
         {'type': 'omegaWallFunction', 'blended': True, **INITIAL},
     ),
     'nut': ('0 2 -1 0 0 0 0', 'uniform 0', {'type': 'nutUSpaldingWallFunction', **INITIAL}),
-    'ReThetat': ('0 0 0 0 0 0 0', f'uniform {THETA:.6g}', ZERO),
-    'gammaInt': ('0 0 0 0 0 0 0', 'uniform 1', ZERO),
+    'ReThetat': ('0 0 0 0 0 0 0', f'uniform {THETA:.6g}', ZERO_GRADIENT),
+    'gammaInt': ('0 0 0 0 0 0 0', 'uniform 1', ZERO_GRADIENT),
     'nuTilda': ('0 2 -1 0 0 0 0', '', {'type': 'fixedValue', 'value': 'uniform 0'}),
 }  # fmt: skip
 STEADY: Final = ('U', 'p', 'k', 'omega', 'nut')
@@ -46,7 +46,7 @@ def _open_boundary(name: str) -> Mapping[str, Entry]:
 
 
 def _inflow_value(name: str) -> str:
-    return CLEAN if name in EDDY_VISCOSITY else '$internalField'
+    return CLEAN_INFLOW if name in EDDY_VISCOSITY else '$internalField'
 
 
 def _format_field(
@@ -76,7 +76,7 @@ def format_tunnel_fields(
         outlet = _open_boundary(name)
         # Pressure is fixed at the outlet only; elsewhere the velocity is
         if name == 'p':
-            inlet, outlet = ZERO, {'type': 'fixedValue', 'value': 'uniform 0'}
+            inlet, outlet = ZERO_GRADIENT, {'type': 'fixedValue', 'value': 'uniform 0'}
         elif name == 'nut':
             inlet = outlet = CALCULATED
         outer = {
@@ -87,7 +87,7 @@ def format_tunnel_fields(
             **{plane: {'type': 'symmetryPlane'} for plane in planes},
         }
         files |= _format_field(
-            name, FIELDS[name][1] or f'uniform {SEED * viscosity:.6g}', outer, walls
+            name, FIELDS[name][1] or f'uniform {SEED_VISCOSITIES * viscosity:.6g}', outer, walls
         )
     return files
 

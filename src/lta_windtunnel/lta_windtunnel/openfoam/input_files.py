@@ -3,8 +3,8 @@ Write OpenFOAM's input files, with settings proven on round bodies.
 
 Steady: SIMPLEC with a bounded second-order scheme. Transient: implicit large-eddy simulation, with
 only the dissipation of the LUST scheme; where that predicts the drag crisis too early
-(`tunnel.MODELLED`), detached eddies (Spalart's DDES). The inflow has no eddies, so the boundary
-layer on the hull is laminar until it separates.
+(`tunnel.MAX_LAMINAR_REYNOLDS`), detached eddies (Spalart's DDES). The inflow has no eddies, so the
+boundary layer on the hull is laminar until it separates.
 """
 
 from collections.abc import Iterable, Mapping, Sequence

@@ -23,8 +23,8 @@ import trimesh
 
 Array = NDArray[np.float64]
 Region = tuple[Mapping[str, Entry], int]  # shape and level
-BASE: Final = 0.25  # of the hull's length
-FEATURE: Final = 130.0  # deg: layers go around the edges of boxes
+BASE_CUBE: Final = 0.25  # of the hull's length
+LAYER_ANGLE: Final = 130.0  # deg: layers go around the edges of boxes
 MAX_CELLS: Final = 3_000_000  # of a mesh; snappyHexMesh stops refining there
 QUALITY: Final[Mapping[str, Entry]] = {
     'maxNonOrtho': 65, 'maxBoundarySkewness': 20, 'maxInternalSkewness': 4, 'maxConcave': 80,
@@ -34,7 +34,7 @@ QUALITY: Final[Mapping[str, Entry]] = {
     'relaxed': {'maxNonOrtho': 75},
 }  # fmt: skip
 # Vertex numbers of each face of a block, in blockMesh's order: outward normals
-FACES: Final = {
+BLOCK_FACES: Final = {
     'x-': [0, 4, 7, 3], 'x+': [1, 2, 6, 5], 'y-': [0, 1, 5, 4], 'y+': [3, 7, 6, 2],
     'z-': [0, 3, 2, 1], 'z+': [4, 5, 6, 7],
 }  # fmt: skip
@@ -97,8 +97,9 @@ def build_mesh_case(
         data = mesh.export(file_type='stl')
         assert isinstance(data, bytes)
         files[f'constant/triSurface/{each}.stl'] = data
+    cube = BASE_CUBE * size
     files |= format_files({
-        'system/blockMeshDict': _build_block(size * box[0], size * box[1], BASE * size, patches),
+        'system/blockMeshDict': _build_block(size * box[0], size * box[1], cube, patches),
         'system/snappyHexMeshDict': _build_refinement(
             {each: fine.hull if each == HULL else fine.parts for each in surfaces},
             size, fine, regions, [each * size for each in inside],
@@ -134,7 +135,7 @@ def _build_block(
     boundary: list[Entry] = []
     for name, sides in patches.items():
         kind = 'symmetryPlane' if 'symmetry' in name else 'patch'
-        boundary += [name, {'type': kind, 'faces': [FACES[side] for side in sides]}]
+        boundary += [name, {'type': kind, 'faces': [BLOCK_FACES[side] for side in sides]}]
     return {
         'scale': 1,
         'vertices': [[float(ends[corner[a]][a]) for a in range(3)] for corner in corners],
@@ -161,10 +162,11 @@ def _build_refinement(
     # snappyHexMesh detects a surface only between the centres of two cells, so coarse cells would
     # miss a thin plate or bar. Cells are therefore refined wherever their corner may touch it: two
     # cells of each level, from the finest down to level 3.
+    cube = BASE_CUBE * size
     around |= {
         name: {
             'mode': 'distance',
-            'levels': [[2.0 * BASE * size * 2.0**-each, each] for each in range(level, 2, -1)],
+            'levels': [[2.0 * cube * 2.0**-each, each] for each in range(level, 2, -1)],
         }
         for name, level in levels.items()
         if name != HULL
@@ -190,7 +192,7 @@ def _build_refinement(
         'addLayersControls': {
             'relativeSizes': True, 'layers': {HULL: {'nSurfaceLayers': fine.layers}},
             'expansionRatio': fine.expansion, 'finalLayerThickness': 0.35, 'minThickness': 0.02,
-            'nGrow': 0, 'featureAngle': FEATURE, 'slipFeatureAngle': 30, 'nRelaxIter': 5,
+            'nGrow': 0, 'featureAngle': LAYER_ANGLE, 'slipFeatureAngle': 30, 'nRelaxIter': 5,
             'nSmoothSurfaceNormals': 1, 'nSmoothNormals': 3, 'nSmoothThickness': 10,
             'maxFaceThicknessRatio': 0.5, 'maxThicknessToMedialRatio': 0.3,
             'minMedialAxisAngle': 90, 'nBufferCellsNoExtrude': 0, 'nLayerIter': 50,

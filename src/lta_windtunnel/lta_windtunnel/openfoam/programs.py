@@ -28,7 +28,7 @@ MISSING: Final = (
 TIME: Final = re.compile(r'^Time = [-+.\deE]+s?$')
 RESIDUAL: Final = re.compile(r'Solving for p, Initial residual = ([-+.\deE]+|nan|-nan)')
 FATAL: Final = 'FOAM FATAL'
-TAIL: Final = 40  # lines of a log that are searched for the reason
+LOG_TAIL: Final = 40  # lines of a log that are searched for the reason
 
 
 @final
@@ -134,7 +134,7 @@ class FoamPrograms:
         lines = log.read_text(encoding='utf-8').splitlines()
         # The first fatal error is the cause; the end of the log shows signals
         fatal = next((k for k, line in enumerate(lines) if FATAL in line), len(lines))
-        tail = lines[fatal : fatal + TAIL] + lines[-TAIL:]
+        tail = lines[fatal : fatal + LOG_TAIL] + lines[-LOG_TAIL:]
         return CaseFailed(explain_failure(program, code, tail), is_float_error(code, tail))
 
 
