@@ -14,7 +14,7 @@ export VEHICLE
 enter := root='$(CURDIR)' && . tools/workspace.sh
 sources := config src test examples tools conftest.py
 
-.PHONY: help demo build contract test test-fast test-long test-packages bench bench-compare flights hops trust wrong-imports calibration-trials same sensitivity classes plan rgblimp crazyflie odometry faults real-firmware ros2 firmware rehearsal end-to-end mutation chaos soak docs reference pictures lock check format clean
+.PHONY: help demo build contract test test-fast test-long test-packages bench bench-compare flights hops trust wrong-imports calibration-trials same sensitivity classes plan rgblimp forecasts crazyflie odometry faults real-firmware ros2 firmware rehearsal end-to-end mutation chaos soak docs reference pictures lock check format clean
 
 help:  ## show this list
 	@sed -n 's/^\([a-z0-9-]*\):[^#]*## \(.*\)/  make \1|\2/p' Makefile | awk -F '|' '{ printf "%-18s %s\n", $$1, $$2 }'
@@ -81,6 +81,9 @@ plan: test-environment  ## score planned flights that should decide between two 
 
 rgblimp: test-environment  ## score forecasts of RGBlimp's real flights; writes docs/discovery_flights.md (minutes)
 	@$(enter) && nice .venv/bin/python test/score/rgblimp.py $(ARGS)
+
+forecasts: test-environment  ## compare calibrated forecasts of real and simulated flights with two simple peers; writes docs/forecasts.md (half an hour; ARGS='--sets rgblimp')
+	@$(enter) && nice .venv/bin/python test/score/forecast_peers.py $(ARGS)
 
 faults: test-environment  ## inject faults into flights of emulated hardware, 20 of each kind; writes docs/hardware_faults.md (hours)
 	@$(enter) && .venv/bin/python test/score/faults.py $(ARGS)

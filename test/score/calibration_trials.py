@@ -19,7 +19,6 @@ effect: `lta calibrate` has to find them, and `lta discover` may name nothing.
 
 import argparse
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import asdict
 import json
 import math
 from pathlib import Path
@@ -42,8 +41,8 @@ from lta_challenge.recording import write_bag
 from lta_config.files import find_file
 from lta_discovery.calibration.calibrated_file import format_calibrated_vehicle
 from lta_discovery.calibration.calibration import calibrate_flights
-from lta_discovery.calibration.forecast_score import score_forecasts
-from lta_discovery.calibration.result import Calibration
+from lta_discovery.calibration.result import Calibration, find_main_score, ForecastScore
+from lta_discovery.calibration.scores import score_forecasts
 from lta_discovery.fit.bounds import apply_parameters
 from lta_discovery.flights.bags import read_bags, Role
 from lta_discovery.flights.usable_flights import select_usable_flights, UsableFlights
@@ -53,7 +52,8 @@ from lta_discovery.model.parameters import NET_LIFT
 from lta_discovery.page.verdict_text import format_headline
 from lta_discovery.run import DiscoveryRequest, study_usable_flights
 from lta_discovery.selection.equivalence_classes import load_class_map
-from lta_discovery.study import prepare_flight
+from lta_discovery.state_filter.forecasts import forecast_flights, list_flight_parameters
+from lta_discovery.state_filter.noise_model import average_noise
 from lta_model.effects.protocol import AXES
 from lta_model.vehicle import load_vehicle, Vehicle
 import numpy as np
@@ -167,20 +167,25 @@ def find_oracle(case: CalibrationCase, vehicle: Vehicle) -> NominalVehicle:
     return oracle
 
 
-def score_oracle(case: CalibrationCase, vehicle: Vehicle, usable: UsableFlights) -> float:
+def score_oracle(
+    case: CalibrationCase, vehicle: Vehicle, usable: UsableFlights, found: Calibration
+) -> float:
     """Return the oracle's position error 3 s ahead in the confirming flight. [m]"""
-    oracle = find_oracle(case, vehicle)
-    knobs = list_calibration_parameters(oracle, list_commanded_axes(case), True)
-    flights = [
-        prepare_flight(vehicle, flight, knobs)
-        for _, role, flight in usable.flights
-        if role == 'confirm'
-    ]
-    values = np.zeros(len(knobs))
-    lift = next(k for k, knob in enumerate(knobs) if knob.name == NET_LIFT)
     taught = [case.lifts[one.name] for one in case.flights if one.role == 'train']
-    values[lift] = np.mean(taught)
-    return score_forecasts(oracle, flights, values, None)[-1].after[0]
+    oracle = find_oracle(case, vehicle).with_value(*NET_LIFT.split('.'), float(np.mean(taught)))
+    flights = [flight for _, role, flight in usable.flights if role == 'confirm']
+    parameters = list_calibration_parameters(oracle, list_commanded_axes(case), True)
+    noise = average_noise(list(found.noise.values()))
+    told = forecast_flights(
+        vehicle, oracle, flights, list_flight_parameters(oracle, parameters),
+        [noise] * len(flights),
+    )  # fmt: skip
+    return find_main_score(score_forecasts(told, told)).after.position
+
+
+def encode_score(score: ForecastScore) -> Row:
+    """Return position and attitude errors by coasting, the file and the calibration."""
+    return {kind: list(getattr(score, kind)) for kind in ('coast', 'before', 'after')}
 
 
 def run_case(seed: int, number: int) -> Row:
@@ -193,8 +198,8 @@ def run_case(seed: int, number: int) -> Row:
         found = calibrate_flights(vehicle, str(path), usable.flights, lambda _what, _part: None)
         row: Row = {'method': found.method, 'values': list_intervals(case, found)}
         if scores := found.scores.get('confirm'):
-            row['scores'] = asdict(scores[-1])
-            row['oracle'] = score_oracle(case, vehicle, usable)
+            row['scores'] = encode_score(find_main_score(scores))
+            row['oracle'] = score_oracle(case, vehicle, usable, found)
         try:
             text = format_calibrated_vehicle(path.read_text(), vehicle, found, 'a trial')
             (folder / 'calibrated.yaml').write_text(text)
@@ -221,8 +226,8 @@ def study_closed_loop(seed: int, number: int) -> Row:
             'draught': number % 2 == 1,
             'method': found.method,
             'values': list_intervals(case, found),
-            'scores': asdict(found.scores['confirm'][-1]),
-            'oracle': score_oracle(case, vehicle, usable),
+            'scores': encode_score(find_main_score(found.scores['confirm'])),
+            'oracle': score_oracle(case, vehicle, usable, found),
             'verdict': study.verdict,
             'named': [knob for effect in study.effects for knob in effect.knobs],
             'unexplained': list(study.unexplained),

@@ -1,8 +1,8 @@
 """
-Open recordings, simulate, sweep and discover in notebooks.
+Open recordings, simulate, sweep, discover and forecast in notebooks.
 
 Use `flight = lta_analysis.open()`, then `flight['odom']`; see `lta_data.bag.recording`.
-`simulate`, `sweep` and `discover` are in `lta_analysis.flights`.
+`simulate`, `sweep`, `discover` and `forecast` are in `lta_analysis.flights`.
 """
 
 from importlib import import_module
@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 
 # Type checkers and editors see the functions without the imports at run time
 if TYPE_CHECKING:
-    from lta_analysis.flights import discover, simulate, sweep
+    from lta_analysis.flights import discover, forecast, simulate, sweep
     from lta_data.bag.recording import open_recording as open
 
-__all__ = ['discover', 'open', 'simulate', 'sweep']
+__all__ = ['discover', 'forecast', 'open', 'simulate', 'sweep']
 
 
 def __getattr__(name: str) -> object:

@@ -7,6 +7,7 @@ from typing import Any
 
 from lta_config.parameter_override import parse_assignment
 from lta_data.bag.recording import open_recording, RobotRecording
+from lta_discovery.forecast_study import build_report, study_forecasts
 from lta_discovery.run import discover_effects, DiscoveryRequest
 from lta_flight.flight_run import SilentObserver
 from lta_flight.flight_spec import build_loop, load_spec
@@ -96,4 +97,20 @@ def discover(
     }
     request = DiscoveryRequest(vehicle, bags)  # type: ignore[arg-type]
     result = discover_effects(request, Path(out), lambda _words, _share: None)
+    return dict(result.data)
+
+
+def forecast(
+    vehicle: str, flights: Sequence[Path | str], robot: str | None = None
+) -> dict[str, Any]:
+    """
+    Judge a vehicle file by forecasts of recorded flights, as `lta simulate --forecasts`.
+
+    Returns
+    -------
+    dict
+        The content of forecasts.json: `pandas.DataFrame(result['rows'])` is a table.
+
+    """
+    result = build_report(study_forecasts(vehicle, [Path(bag) for bag in flights], robot))
     return dict(result.data)

@@ -164,7 +164,7 @@ HARDWARE: Final = VerbGroup(
 )
 VERBS: Final[dict[str, Verb | VerbGroup]] = {
     'fly': Verb('fly', 'fly', needs_graph=True),
-    'simulate': Verb('simulate', 'simulate'),
+    'simulate': Verb('simulate', 'simulate', several=('--commands',)),
     'replay': Verb('replay', 'replay', needs_graph=True),
     'launch': Verb('launch', 'launch', {'allow_interspersed_args': True}, needs_graph=True),
     'call': Verb('call', 'call', needs_graph=True),

@@ -161,3 +161,19 @@ def test_thrust_by_a_power_of_the_command_and_weaker_in_reverse(command, force):
     many = wrench_gain.compute_reading(p, tuple(np.full((6, 3), command)), 0.0)
     np.testing.assert_allclose(many[0], 3 * [force], rtol=1e-12)
     np.testing.assert_allclose(wrench_gain.find_command(p, acting)[0], command, rtol=1e-12)
+
+
+def test_a_command_acts_on_other_axes():
+    """Rotors 0.2 m below the hull pitch it; jets lift by a share of a force, or of its size."""
+    given = {
+        'heave_from_sway': 0.5,
+        'heave_from_sway_size': -0.1,
+        'heave_from_yaw_size': 4.0,
+        'pitch_from_surge': 0.2,
+        'roll_from_sway': -0.3,
+    }
+    chain = build_chains({'wrench_gain': given}, {'wrench_gain': wrench_gain.EFFECT})
+    acting = apply_chain(chain['command_wrench'], (0.1, -0.05, 0.02, 0, 0.001, -0.003), 0.0)
+    # Heave: 0.02 - 0.5 x 0.05 - 0.1 x 0.05 + 4 x 0.003
+    wanted = (0.1, -0.05, 0.002, 0.015, 0.021, -0.003)
+    np.testing.assert_allclose(acting, wanted, rtol=1e-12)

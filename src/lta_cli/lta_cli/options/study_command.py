@@ -150,15 +150,7 @@ def build_command(
             if resumes:
                 show_resume_command(words, run)
             raise
-        report = add_origin(report, words, run.folder if resumes else None)
-        if resumes:
-            # A study may store its finished work elsewhere
-            create_folder(run.folder)
-        with nullcontext(run.folder) if resumes else stage_results(run.folder, PAGE) as folder:
-            write_report(report, folder, page=page, pictures=pictures)
-        show_report(report, run, json)
-        if report.status:
-            raise typer.Exit(report.status)
+        publish_report(report, run, words, json=json, pictures=pictures, resumes=resumes)
 
     hints = {
         'context': typer.Context, **get_type_hints(study, include_extras=True), **added,
@@ -170,6 +162,31 @@ def build_command(
     # Typer would otherwise read the annotations of the study
     del command.__wrapped__
     return command
+
+
+def publish_report(
+    report: Report,
+    run: StudyRun,
+    words: Sequence[str],
+    *,
+    json: bool,
+    pictures: Path | None = None,
+    resumes: bool = False,
+) -> None:
+    """
+    Write a report to the folder of its run, print it, and exit with its status unless that is 0.
+
+    `words` are those of the command line. `resumes`: whether the folder holds finished work.
+    """
+    report = add_origin(report, words, run.folder if resumes else None)
+    if resumes:
+        # A study may store its finished work elsewhere
+        create_folder(run.folder)
+    with nullcontext(run.folder) if resumes else stage_results(run.folder, PAGE) as folder:
+        write_report(report, folder, page=run.page, pictures=pictures)
+    show_report(report, run, json)
+    if report.status:
+        raise typer.Exit(report.status)
 
 
 def build_quick_option(quick: str | Mapping[str, object]) -> object:

@@ -1,10 +1,13 @@
-"""lta simulate: fly once in one process, without DDS."""
+"""lta simulate: fly once in one process, without DDS, or judge a vehicle file by forecasts."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
+from lta_cli.app import WORDS
 from lta_cli.options.common_options import Json, Out, plain_console, print_json
 from lta_cli.options.flight_output import flight_to_dict, format_outcome, print_files
+from lta_cli.options.study_command import is_unset, publish_report, StudyRun
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
 from lta_control.strategies import STRATEGIES
@@ -15,14 +18,21 @@ from lta_flight.flight_run import EXIT_STATUSES, ROBOT
 from lta_flight.progress import FlightProgress
 from lta_flight.report.page import write_page
 from lta_flight.simulate import CommandRequest, simulate_once, SimulationRequest
+from lta_report.results_folder import check_creatable, resolve_folder
 import typer
 
 VEHICLE, SCENARIO = 'gtmab', 'lamp_room'
 HALL = 'hall'  # for recordings of no known scene: no wall is near
 KNOWN = ', '.join(STRATEGIES)
+# Options of a flight, by the name of their parameter, that forecasts do not have
+OF_FLIGHT = {
+    'scenario': '--scenario', 'strategy': '--strategy', 'gains': '--gains', 'seed': '--seed',
+    'changes': '--set', 'begin': '--begin', 'end': '--end', 'bag': '--bag',
+}  # fmt: skip
 
 
 def simulate(
+    context: typer.Context,
     vehicle: Annotated[
         str | None,
         typer.Option(help=f'Vehicle name or file; {VEHICLE}, or the recorded one, by default.'),
@@ -43,12 +53,20 @@ def simulate(
         typer.Option('--set', metavar='PATH=VALUE', help='Override a parameter; repeatable.'),
     ] = None,
     commands: Annotated[
-        Path | None,
+        list[Path] | None,
         typer.Option(
+            metavar='BAG...',
             help='Fly the commands of this recording (bag or results folder) from its motion on, '
-            'instead of a controller.'
+            'instead of a controller. Several with --forecasts.',
         ),
     ] = None,
+    forecasts: Annotated[
+        bool,
+        typer.Option(
+            '--forecasts',
+            help='With --commands: judge the vehicle by forecasts of the recordings instead.',
+        ),
+    ] = False,
     begin: Annotated[
         float, typer.Option(help='With --commands: begin so many seconds into it.', min=0.0)
     ] = 0.0,
@@ -81,25 +99,41 @@ def simulate(
     --begin and --end choose a part. The bag has the clock of the recording, for
     "lta compare --align none".
 
-    Exit status 0: the drone reached its goal, or flew all --commands. 2: bad input, nothing was
-    flown. 3: out of time. 4: the drone left the room.
+    --commands with --forecasts judges a vehicle file: a forecast begins every 1.5 s from past
+    readings only, and its errors 1, 3 and 8 s ahead stand beside those of coasting (constant
+    body velocity and rates). It needs measured poses. It writes a page and forecasts.json, with a
+    row for each forecast. "lta calibrate" judges in the same way.
+
+    Exit status 0: the drone reached its goal, or flew all --commands, or --forecasts are done. 2:
+    bad input, nothing was flown. 3: out of time. 4: the drone left the room.
 
     Example: lta simulate --seed 3 --set 'vehicle.trim.heaviness=4 g'
 
     Example: lta simulate --commands runs/flight --vehicle my_blimp.yaml --begin 20 --end 30
+
+    Example: lta simulate --commands A B --vehicle my_blimp.yaml --forecasts
     """
     console = plain_console(stderr=json)
 
-    if commands is None and (begin or end is not None or robot is not None):
+    if forecasts:
+        run = StudyRun(console, resolve_folder(out, 'forecasts'), out, page=True)
+        judge_by_forecasts(context, run, vehicle, commands or [], robot, json)
+        return
+    if len(commands or []) > 1:
+        raise BadInput(
+            'One recording is flown at a time; give one with --commands, or add --forecasts.'
+        )
+    recording = commands[0] if commands else None
+    if recording is None and (begin or end is not None or robot is not None):
         raise BadInput('--begin, --end and --robot choose from a recording; add --commands BAG.')
-    recorded = {} if commands is None else open_flight(find_bag(commands), robot).provenance
+    recorded = {} if recording is None else open_flight(find_bag(recording), robot).provenance
     order = SimulationRequest(
         vehicle or find_recorded_name(recorded, 'vehicle') or VEHICLE,
         scenario
         or find_recorded_name(recorded, 'scenario')
-        or (SCENARIO if commands is None else HALL),
+        or (SCENARIO if recording is None else HALL),
         strategy, gains, seed, tuple(changes or ()), out, record=bag,
-        commands=None if commands is None else CommandRequest(commands, robot, begin, end),
+        commands=None if recording is None else CommandRequest(recording, robot, begin, end),
     )  # fmt: skip
     with FlightProgress(console, 'loading the world') as progress:
         flight, figures = simulate_once(order, progress)
@@ -117,11 +151,40 @@ def simulate(
     console.print(f'Simulation speed: {flight.pace:.1f} x real time.', highlight=False)
     if bag:
         print_files(flight.bag, target, console)
-        if commands is not None:
+        if recording is not None:
             line = format_lta_command(
-                'compare', commands, relative_path(flight.bag), '--align', 'none',
+                'compare', recording, relative_path(flight.bag), '--align', 'none',
                 *(() if robot is None else ('--robot', f'{robot}:{ROBOT}')),
             )  # fmt: skip
             console.print(f'Compare them: {line}', highlight=False, soft_wrap=True)
     if status := EXIT_STATUSES[flight.outcome]:
         raise typer.Exit(status)
+
+
+def judge_by_forecasts(
+    context: typer.Context,
+    run: StudyRun,
+    vehicle: str | None,
+    bags: Sequence[Path],
+    robot: str | None,
+    json: bool,
+) -> None:
+    """Forecast recordings, and print and write the report."""
+    # A flight does not wait for these imports, which take as long as all others
+    from lta_discovery.forecast_study import build_report, study_forecasts
+    from lta_discovery.progress import DiscoverProgress
+
+    if not bags:
+        raise BadInput('--forecasts judges recorded flights; add --commands BAG.')
+    if useless := [option for name, option in OF_FLIGHT.items() if not is_unset(context, name)]:
+        raise BadInput(
+            f'{" and ".join(useless)} cannot be used with --forecasts, which flies nothing new; '
+            'leave it out.'
+        )
+    check_creatable(run.folder)
+    if vehicle is None:
+        recorded = open_flight(find_bag(bags[0]), robot).provenance
+        vehicle = find_recorded_name(recorded, 'vehicle') or VEHICLE
+    with DiscoverProgress(run.console) as progress:
+        report = build_report(study_forecasts(vehicle, bags, robot, progress.show_stage))
+    publish_report(report, run, context.meta.get(WORDS, ()), json=json)

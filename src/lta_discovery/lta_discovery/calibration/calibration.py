@@ -1,16 +1,20 @@
 """Calibrate a vehicle file from flights: values with intervals, and what cannot be separated."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 import math
 from typing import Final, final
 
-from lta_discovery.calibration.coarse_fit import CoarseCalibration
-from lta_discovery.calibration.forecast_score import relative_error, score_axes, score_forecasts
-from lta_discovery.calibration.prepared_flights import find_index, fit_coarsely, fit_further
-from lta_discovery.calibration.refined_fit import refine_calibration
+from lta_config.errors import BadInput
+from lta_discovery.calibration.prepared_flights import (
+    find_index,
+    fit_calibration,
+    prepare_calibration,
+    PreparedCalibration,
+)
 from lta_discovery.calibration.result import CalibratedValue, Calibration, ForecastScore, WIDE
 from lta_discovery.calibration.reversed_thrust import state_by_duty
+from lta_discovery.calibration.scores import relative_error, score_vehicles
 from lta_discovery.fit.bounds import apply_parameters
 from lta_discovery.flights.role_assignment import Role
 from lta_discovery.model.calibration_parameters import (
@@ -19,7 +23,11 @@ from lta_discovery.model.calibration_parameters import (
 )
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter, NET_LIFT
-from lta_discovery.replay.flight_linearizer import FlightLinearizer
+from lta_discovery.state_filter.noise_model import average_noise, NoiseModel
+from lta_discovery.state_filter.parameter_fit import (
+    fit_forecasts,
+    ParameterFit,
+)
 from lta_model.vehicle import Vehicle
 import numpy as np
 from numpy.typing import NDArray
@@ -30,12 +38,9 @@ Progress = Callable[[str, float | None], None]
 KNOWN: Final = 0.7  # of the deviation before; a value with a larger one was not learned
 ALIKE: Final = 0.85  # correlation; values above it cannot be separated
 FAR: Final = 3.0  # tolerances; a value further from the file is reported first
-# Of the refined fit's forecast error; the coarse fit needs less. It is fitted to these forecasts,
-# and follows the noise in their initial states, too.
-BETTER: Final = 0.85
-# Noise of the readings in a fit whose forecasts are poor, by that of the tracker: of real flights,
-# whose forces no model has, such a fit forecasts nearly as well as one to the forecasts
-NOISIER: Final = 20.0
+# Of the forecast error of a fit to all readings; a fit to the forecasts themselves needs less, as
+# it follows the noise in them
+BETTER: Final = 0.9
 MAP: Final = 'the direction of the axes of the map'
 
 
@@ -63,44 +68,97 @@ def calibrate_flights(
     `with_flows`: whether the calibrated vehicle has the fitted drag and added mass, too, which a
     discovery names as effects.
     """
-    prepared, coarse = fit_coarsely(vehicle, flights, tell)
-    nominal, knobs, roles = prepared.nominal, prepared.knobs, prepared.flights
-    tell('fitting readings', 0.5)
-    estimates = _list_estimates(nominal, roles['train'], coarse, knobs)
-    tell('forecasting', 0.8)
-    best, scores = _choose_estimate(nominal, roles['train'], estimates, knobs)
-    if best.method == 'forecasts':
-        # Something of the flights is in no model
-        prepared, coarse = fit_further(vehicle, flights, prepared, coarse)
-        knobs, roles = prepared.knobs, prepared.flights
-        estimates = [_build_estimate('forecasts', coarse, knobs), estimates[-1]]
-        best, scores = _choose_estimate(nominal, roles['train'], estimates, knobs)
-    told_scores = {'train': scores}
-    own = _list_flight_values(best, knobs)
-    axes = {'train': score_axes(nominal, roles['train'], best.shared, own)}
-    if roles['confirm']:
-        shared = _without_lift(best.shared, knobs)
-        # As in the calibrated file; what a flight differs by, its own earlier forecasts tell
-        shared[find_index(knobs, NET_LIFT)] = _mean_lift(best, knobs)
-        told_scores['confirm'] = score_forecasts(nominal, roles['confirm'], shared, None)
-        axes['confirm'] = score_axes(nominal, roles['confirm'], shared, None)
-    if best.method == 'forecasts':
-        tell('fitting intervals', 0.9)
-        best = _widen_intervals(nominal, roles['train'], coarse, best)
+    tell('preparing', 0.0)
+    prepared = prepare_calibration(vehicle, flights)
+    tell('fitting readings', 0.1)
+    prepared, fit = fit_calibration(prepared)
+    nominal, knobs = prepared.nominal, prepared.parameters
+    tell('fitting forecasts', 0.6)
+    estimates = _list_estimates(prepared, fit)
+    tell('forecasting', 0.7)
+    noise = average_noise(fit.noise)
+    best, built, train = _choose_estimate(prepared, estimates, noise)
+    scores = {'train': train}
+    if prepared.flights['confirm']:
+        scores['confirm'] = score_vehicles(prepared, 'confirm', (nominal, built), noise)
     tell('done', 1.0)
     return Calibration(
         name,
         nominal,
-        _build_calibrated_vehicle(nominal, knobs, best, with_flows),
+        built if with_flows else _build_calibrated_vehicle(nominal, knobs, best, False),
         (
             *_list_values(nominal, knobs, best, prepared.names['train']),
             *_list_free_heading(nominal, knobs),
         ),
-        told_scores,
+        scores,
         best.method,
         {role: tuple(each) for role, each in prepared.names.items()},
-        axis_scores=axes,
+        noise=dict(zip(prepared.names['train'], fit.noise, strict=True)),
     )
+
+
+def _list_estimates(prepared: PreparedCalibration, fit: ParameterFit) -> list[_Estimate]:
+    """Return the estimates in the order of preference; that of the file is the last."""
+    systems, nominal = prepared.systems, prepared.nominal
+    out = [_Estimate('likelihood', fit.values, fit.covariance, _join(fit))]
+    # From the file as well: where nothing explains single readings, a fit to them is a poor start
+    for begin in (fit.values, np.zeros(len(fit.values))):
+        try:
+            ahead = fit_forecasts(systems, nominal, begin, fit.noise, prepared.horizons)
+            out.append(_widen_intervals(ahead, fit))
+        except (BadInput, np.linalg.LinAlgError):
+            continue
+    unknown = np.diag([one.tolerance**2 for one in prepared.parameters])
+    none = np.zeros(len(fit.values))
+    out.append(_Estimate('file', none, unknown, [(none, unknown)] * len(systems)))
+    return out
+
+
+def _widen_intervals(ahead: ParameterFit, fit: ParameterFit) -> _Estimate:
+    """
+    Return a fit to forecasts, whose intervals contain the fit to all readings, too.
+
+    Errors of a model make the two differ by more than either interval says, so that the square of
+    the difference is added to the variance.
+    """
+    both = [(ahead.values, ahead.covariance)]
+    both += [(ahead.values + own, ahead.covariance + more) for own, more in ahead.own]
+    others = [fit.values, *(fit.values + own for own, _ in fit.own)]
+    (shared, covariance), *members = (
+        (values, spread + np.diag((values - other) ** 2))
+        for (values, spread), other in zip(both, others, strict=True)
+    )
+    return _Estimate('forecasts', shared, covariance, members)
+
+
+def _join(fit: ParameterFit) -> list[tuple[Array, Array]]:
+    """Return the values of each flight: the shared ones with its own, and their covariance."""
+    return [(fit.values + own, fit.covariance + more) for own, more in fit.own]
+
+
+def _choose_estimate(
+    prepared: PreparedCalibration, estimates: Sequence[_Estimate], noise: NoiseModel
+) -> tuple[_Estimate, NominalVehicle, tuple[ForecastScore, ...]]:
+    """
+    Return the estimate that forecasts the training flights best, its vehicle and its scores.
+
+    None is returned that forecasts them worse than the vehicle file.
+    """
+    nominal, error = prepared.nominal, math.inf
+    chosen = estimates[-1], nominal, tuple[ForecastScore, ...]()
+    for one in estimates:
+        try:
+            built = _build_calibrated_vehicle(nominal, prepared.parameters, one, True)
+            scores = score_vehicles(prepared, 'train', (nominal, built), noise)
+        except (BadInput, np.linalg.LinAlgError):
+            continue
+        now, method = relative_error(scores), chosen[0].method
+        limit = error if one.method == method or math.isinf(error) else BETTER * error
+        if now < min(limit, 1.0):
+            chosen, error = (one, built, scores), now
+        elif one.method == 'file' and math.isinf(error):
+            chosen = one, built, scores
+    return chosen
 
 
 def _build_calibrated_vehicle(
@@ -121,123 +179,6 @@ def _mean_lift(best: _Estimate, knobs: Sequence[FreeParameter]) -> float:
     """Return the mean net lift of the flights. [N]"""
     lift = find_index(knobs, NET_LIFT)
     return float(np.mean([values[lift] for values, _ in best.flights]))
-
-
-def _without_lift(values: Array, knobs: Sequence[FreeParameter]) -> Array:
-    """Return shared values without what each flight has of its own."""
-    own = np.array([knob.per_flight for knob in knobs])
-    return np.where(own, 0.0, values[: len(knobs)])
-
-
-def _list_flight_values(one: _Estimate, knobs: Sequence[FreeParameter]) -> list[Array]:
-    """Return the shared values with what each flight has of its own: its lift and its trend."""
-    is_own = np.array([knob.per_flight for knob in knobs])
-    return [np.where(is_own, values, one.shared) for values, _ in one.flights]
-
-
-def _list_estimates(
-    nominal: NominalVehicle,
-    flights: Sequence[FlightLinearizer],
-    coarse: CoarseCalibration,
-    knobs: Sequence[FreeParameter],
-) -> list[_Estimate]:
-    """Return the estimates in the order of preference; that of the file is the last."""
-    out, count = [], len(knobs)
-    fit = refine_calibration(nominal, flights, coarse)
-    if fit is not None and np.isfinite(fit.fitted.covariance).all():
-        members = [
-            (one.fitted.mean[:count], one.fitted.covariance[:count, :count]) for one in fit.members
-        ]
-        shared, covariance = fit.fitted.mean[:count], fit.fitted.covariance[:count, :count]
-        out.append(_Estimate('likelihood', shared, covariance, members))
-    file = replace(coarse, values=np.zeros(count), lifts=np.zeros(len(flights)))
-    out.append(_build_estimate('forecasts', coarse, knobs))
-    out.append(_build_estimate('file', file, knobs))
-    return out
-
-
-def _build_estimate(
-    method: str, coarse: CoarseCalibration, knobs: Sequence[FreeParameter]
-) -> _Estimate:
-    """Return the estimate of a coarse calibration."""
-    members, lift = [], find_index(knobs, NET_LIFT)
-    for force in coarse.lifts:
-        own = coarse.values.copy()
-        own[lift] += force
-        members.append((own, coarse.covariance))
-    return _Estimate(method, coarse.values, coarse.covariance, members)
-
-
-def _choose_estimate(
-    nominal: NominalVehicle,
-    flights: Sequence[FlightLinearizer],
-    estimates: Sequence[_Estimate],
-    knobs: Sequence[FreeParameter],
-) -> tuple[_Estimate, tuple[ForecastScore, ...]]:
-    """
-    Return the estimate that forecasts the training flights best, and its scores.
-
-    None is returned that forecasts them worse than the vehicle file.
-    """
-    best, error = estimates[-1], math.inf
-    best_scores: tuple[ForecastScore, ...] = ()
-    for one in estimates:
-        own = _list_flight_values(one, knobs)
-        scores = score_forecasts(nominal, flights, one.shared, own)
-        now = relative_error(scores)
-        if now < (error if math.isinf(error) else BETTER * error) and now < 1.0:
-            best, best_scores, error = one, scores, now
-        elif one.method == 'file' and math.isinf(error):
-            best, best_scores = one, scores
-    return best, best_scores
-
-
-def _widen_intervals(
-    nominal: NominalVehicle,
-    flights: Sequence[FlightLinearizer],
-    coarse: CoarseCalibration,
-    best: _Estimate,
-) -> _Estimate:
-    """
-    Return the estimate from forecasts with the intervals of a fit to all readings.
-
-    Errors of a model make the two differ by more than either interval says, so that the square of
-    the difference is added to the variance. Parameters that were left out are free in that
-    fit, so that the others are not too certain, but keep the intervals assumed before.
-    """
-    fit = refine_calibration(nominal, flights, coarse, NOISIER)
-    if fit is None or not np.isfinite(fit.fitted.covariance).all():
-        return best
-    both = [(best.shared, fit.fitted)]
-    both += [(own, one.fitted) for (own, _), one in zip(best.flights, fit.members, strict=True)]
-    (shared, covariance), *members = (
-        (
-            values,
-            _keep_assumed(
-                _add_difference(values, other.mean, other.covariance),
-                flights[0].knobs,
-                coarse.held,
-            ),
-        )
-        for values, other in both
-    )
-    return _Estimate('both', shared, covariance, members)
-
-
-def _add_difference(values: Array, mean: Array, covariance: Array) -> Array:
-    """Return the covariance of a mean with the squared differences from some values."""
-    count = len(values)
-    wide: Array = covariance[:count, :count] + np.diag((values - mean[:count]) ** 2)
-    return wide
-
-
-def _keep_assumed(covariance: Array, knobs: Sequence[FreeParameter], held: Sequence[int]) -> Array:
-    """Return a covariance in which some parameters have the deviations assumed before."""
-    out, picked = covariance.copy(), list(held)
-    out[picked] = 0.0
-    out[:, picked] = 0.0
-    out[picked, picked] = [knobs[k].tolerance ** 2 for k in picked]
-    return out
 
 
 def _list_values(

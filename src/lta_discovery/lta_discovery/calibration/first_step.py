@@ -15,17 +15,22 @@ from typing import Final, final
 
 from lta_discovery.calibration.calibrated_file import format_calibrated_vehicle, NAME
 from lta_discovery.calibration.calibration import calibrate_flights
-from lta_discovery.calibration.coarse_fit import find_calibration_start, QuickFit
-from lta_discovery.calibration.forecast_score import (
+from lta_discovery.calibration.prepared_flights import fit_quickly, prepare_calibration
+from lta_discovery.calibration.result import (
+    CalibratedValue,
+    Calibration,
+    find_main_score,
+    ForecastScore,
+)
+from lta_discovery.calibration.scores import (
     is_contradicted,
     relative_error,
     relative_position_error,
-    score_forecasts,
+    score_vehicles,
 )
-from lta_discovery.calibration.prepared_flights import prepare_calibration
-from lta_discovery.calibration.result import CalibratedValue, Calibration, ForecastScore
 from lta_discovery.flights.role_assignment import assign_roles, Role
-from lta_discovery.model.parameters import FreeParameter, NET_LIFT
+from lta_discovery.model.parameters import NET_LIFT
+from lta_discovery.state_filter.noise_model import average_noise
 from lta_model.vehicle import parse_vehicle, Vehicle
 import numpy as np
 
@@ -51,7 +56,7 @@ POOR: Final = 0.5  # of the error of coasting; a file with a larger one predicts
 MUCH: Final = 0.7  # of the position error of such a file; a calibration needs less
 # Of the file's forecast error; a calibration needs less, by its method. Where a fit to all
 # readings forecasts poorly, something that the model lacks looks like a turned marker.
-BETTER: Final = {'likelihood': 0.8, 'both': 0.3, 'forecasts': 0.3, 'file': 0.0}
+BETTER: Final = {'likelihood': 0.8, 'forecasts': 0.3, 'file': 0.0}
 
 
 @final
@@ -130,13 +135,13 @@ def _is_clearly_better(calibration: Calibration, reasons: Sequence[CalibratedVal
 
 def _predicts_poorly(scores: Mapping[str, Sequence[ForecastScore]], share: float) -> bool:
     """Return whether the file's errors exceed a share of those of coasting, in all roles."""
-    last = [each[-1] for each in scores.values() if each]
+    last = [find_main_score(each) for each in scores.values() if each]
     return bool(last) and all(one.before[0] > share * one.coast[0] for one in last)
 
 
 def _beats_coasting(calibration: Calibration) -> bool:
     """Return whether a calibration predicts the positions of all roles better than coasting."""
-    last = [each[-1] for each in calibration.scores.values() if each]
+    last = [find_main_score(each) for each in calibration.scores.values() if each]
     return calibration.method != 'file' and all(one.after[0] < one.coast[0] for one in last)
 
 
@@ -152,25 +157,32 @@ def _list_suspicions(vehicle: Vehicle, flights: Sequence[Role]) -> list[str]:
 
     'forecasts' stands for a file that predicts the flights poorly.
     """
-    prepared = prepare_calibration(vehicle, flights)
-    linear = [*prepared.flights['train'], *prepared.flights['confirm']]
-    start = find_calibration_start(prepared.nominal, linear)
-    if start is None:
-        return []
-    apart = max(start.lifts) - min(start.lifts) > MAYBE * LIFT
-    off = [knob.name for k, knob in enumerate(prepared.knobs) if _is_off(knob, start, k)]
-    if apart or off:
-        return [NET_LIFT, *off] if apart else off
-    # A pendulum of another period does not show in a second
-    scores = score_forecasts(prepared.nominal, linear, np.zeros(len(prepared.knobs)), None)
+    both = [(title, 'train', flight) for title, _, flight in flights]
+    prepared = prepare_calibration(vehicle, both)
+    fit = fit_quickly(prepared)
+    names = [one.name for one in prepared.parameters]
+    own = names.index(NET_LIFT)
+    lifts = [float(values[own]) for values, _ in fit.own]
+    deviations = np.sqrt(np.diag(fit.covariance))
+    off = [
+        name
+        for name, value, deviation in zip(names, fit.values, deviations, strict=True)
+        if _is_off(name, float(value), float(deviation))
+    ]
+    if max(lifts) - min(lifts) > MAYBE * LIFT:
+        return [NET_LIFT, *off]
+    if off:
+        return off
+    # A pendulum of another period does not show in few steps
+    noise = average_noise(fit.noise)
+    scores = score_vehicles(prepared, 'train', (prepared.nominal,), noise)
     return ['forecasts'] if _predicts_poorly({'all': scores}, POOR) else []
 
 
-def _is_off(knob: FreeParameter, start: QuickFit, k: int) -> bool:
-    """Return whether a parameter of a short fit may be off."""
-    least = find_calling_difference(knob.name)
-    size = abs(float(start.values[k]))
-    return least is not None and size > max(MAYBE * least, SURE * float(start.deviations[k]))
+def _is_off(name: str, value: float, deviation: float) -> bool:
+    """Return whether a parameter of a quick fit may be off."""
+    least = find_calling_difference(name)
+    return least is not None and abs(value) > max(MAYBE * least, SURE * deviation)
 
 
 def find_calling_difference(name: str) -> float | None:

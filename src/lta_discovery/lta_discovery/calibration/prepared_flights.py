@@ -1,15 +1,12 @@
-"""Prepare the flights of a calibration, and fit their forecasts from wide assumptions."""
+"""Prepare the flights of a calibration, and fit their readings from wide assumptions."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+import math
 from typing import Final, final
 
-from lta_discovery.calibration.coarse_fit import (
-    CoarseCalibration,
-    fit_coarse_calibration,
-    leave_out_shapes,
-    settle_calibration,
-)
+from lta_config.errors import BadInput
+from lta_discovery.flights.measured_flight import MeasuredFlight
 from lta_discovery.flights.role_assignment import Role
 from lta_discovery.model.calibration_parameters import (
     commanded_axes,
@@ -20,17 +17,31 @@ from lta_discovery.model.calibration_parameters import (
 )
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.replay.flight_linearizer import FlightLinearizer
-from lta_discovery.study import prepare_flight
+from lta_discovery.state_filter.linear_flight import FlightSystem
+from lta_discovery.state_filter.noise_model import NoiseModel
+from lta_discovery.state_filter.parameter_fit import (
+    choose_horizons,
+    fit_likelihood,
+    ParameterFit,
+    ROUNDS,
+)
 from lta_model.effects.protocol import AXES
 from lta_model.vehicle import Vehicle
 import numpy as np
+from numpy.typing import NDArray
 
-Progress = Callable[[str, float | None], None]
+Array = NDArray[np.float64]
 
 MARKER_HEADING: Final = 'marker_offset.yaw'
+DELAY: Final = 'command_delay.delay'
+FIRST_DELAY: Final = 0.1  # s; a fit from no delay at all sees no slope of it
+QUICK: Final = 3  # linearizations of a first look
+FEW: Final = 2  # flights of a look at other headings
+CLEARLY: Final = 20.0  # nats; by which another heading than the file's has to be more probable
+AGAIN: Final = (3,)  # rounds before which a fit with wider assumptions learns the noise
 FAR: Final = 2.0  # tolerances; the assumption must not hold back what is further off
 ANY_HEADING: Final = 1.6  # standard deviation of the heading of such a marker frame [rad]
+HEADINGS: Final = (0.0, 0.5 * math.pi, math.pi, -0.5 * math.pi)  # where it is looked for [rad]
 # Of the period of a pendulum, by the beginnings of the names
 PENDULUM: Final = ('vehicle.roll', 'vehicle.pitch', 'vehicle.yaw', 'cg_height', 'cg_offset')
 WIDER: Final = 2.0  # times the tolerance of all of these, if one is further off
@@ -41,27 +52,40 @@ WIDER: Final = 2.0  # times the tolerance of all of these, if one is further off
 class PreparedCalibration:
     """What a calibration works on."""
 
+    vehicle: Vehicle
     nominal: NominalVehicle
-    knobs: list[FreeParameter]  # the calibrated numbers
+    parameters: list[FreeParameter]  # the calibrated numbers
     # Role 'train' or 'confirm'
-    flights: Mapping[str, list[FlightLinearizer]]
+    flights: Mapping[str, list[MeasuredFlight]]
     names: Mapping[str, list[str]]
+    systems: list[FlightSystem]  # of the training flights
+
+    @property
+    def horizons(self) -> tuple[float, ...]:
+        """How far ahead the training flights are forecast. [s]"""
+        return choose_horizons(self.systems)
+
+    def widen(self, tolerances: Mapping[str, float]) -> 'PreparedCalibration':
+        """Return the calibration with other tolerances of parameters, by name."""
+        parameters = [
+            replace(one, tolerance=tolerances.get(one.name, one.tolerance))
+            for one in self.parameters
+        ]
+        return replace(
+            self,
+            parameters=parameters,
+            systems=[one.with_parameters(parameters) for one in self.systems],
+        )
 
 
-def prepare_calibration(
-    vehicle: Vehicle, flights: Sequence[Role], tolerances: Mapping[str, float] | None = None
-) -> PreparedCalibration:
-    """
-    Return the flights of a calibration with what can be calibrated with them.
-
-    `tolerances`: of parameters, by name, in place of the usual ones.
-    """
+def prepare_calibration(vehicle: Vehicle, flights: Sequence[Role]) -> PreparedCalibration:
+    """Return the flights of a calibration with what can be calibrated with them."""
     measured_flights = [flight for _, _, flight in flights]
     wrenches = [one.wrench.values for one in measured_flights if one.wrench is not None]
     commanded = np.any([commanded_axes(each) for each in wrenches] or [[False]], axis=0)
     orders = np.concatenate([np.zeros((0, len(AXES))), *wrenches])
     nominal = set_references(NominalVehicle.from_vehicle(vehicle), orders)
-    knobs = list_calibration_parameters(
+    parameters = list_calibration_parameters(
         nominal,
         commanded.tolist(),
         all(one.has_only_pose for one in measured_flights),
@@ -71,59 +95,76 @@ def prepare_calibration(
         ),
         list_wrench_laws(orders),
     )
-    for name, tolerance in (tolerances or {}).items():
-        k = find_index(knobs, name)
-        knobs[k] = replace(knobs[k], tolerance=tolerance)
-    roles: dict[str, list[FlightLinearizer]] = {'train': [], 'confirm': []}
+    roles: dict[str, list[MeasuredFlight]] = {'train': [], 'confirm': []}
     names: dict[str, list[str]] = {'train': [], 'confirm': []}
     for title, role, flight in flights:
         side = role if role in roles else 'confirm'
-        roles[side].append(prepare_flight(vehicle, flight, knobs))
+        roles[side].append(flight)
         names[side].append(title)
-    return PreparedCalibration(nominal, knobs, roles, names)
+    systems = [FlightSystem(vehicle, one, parameters) for one in roles['train']]
+    return PreparedCalibration(vehicle, nominal, parameters, roles, names, systems)
 
 
-def fit_coarsely(
-    vehicle: Vehicle, flights: Sequence[Role], tell: Progress
-) -> tuple[PreparedCalibration, CoarseCalibration]:
-    """Return the prepared flights, and a fit to their forecasts."""
-    tell('preparing', 0.0)
-    prepared = prepare_calibration(vehicle, flights)
-    tell('fitting forecasts', 0.1)
-    coarse = fit_coarse_calibration(prepared.nominal, prepared.flights['train'])
-    heading = find_index(prepared.knobs, MARKER_HEADING)
-    if abs(coarse.values[heading]) <= FAR * prepared.knobs[heading].tolerance:
-        return prepared, coarse
-    # The frame was defined without regard to the nose
-    prepared = prepare_calibration(vehicle, flights, {MARKER_HEADING: ANY_HEADING})
-    return prepared, fit_coarse_calibration(prepared.nominal, prepared.flights['train'])
+def fit_quickly(prepared: PreparedCalibration) -> ParameterFit:
+    """Return a first look at the parameters, under the usual noise."""
+    return fit_likelihood(*_begin(prepared), QUICK, ())
 
 
-def fit_further(
-    vehicle: Vehicle,
-    flights: Sequence[Role],
+def _begin(
     prepared: PreparedCalibration,
-    coarse: CoarseCalibration,
-) -> tuple[PreparedCalibration, CoarseCalibration]:
-    """
-    Return a better fit to the forecasts of flights that no model explains to their noise.
+) -> tuple[list[FlightSystem], NominalVehicle, Array, list[NoiseModel]]:
+    """Return where a fit begins."""
+    noise = [NoiseModel.guess(prepared.nominal, one.flight) for one in prepared.systems]
+    begin = np.array([FIRST_DELAY if one.name == DELAY else 0.0 for one in prepared.parameters])
+    return prepared.systems, prepared.nominal, begin, noise
 
-    It settles, is free to find another pendulum, and has no shapes of forces that one short test
-    alone asks for.
+
+def fit_calibration(
+    prepared: PreparedCalibration,
+) -> tuple[PreparedCalibration, ParameterFit]:
     """
-    usual = {knob.name: knob.tolerance for knob in prepared.knobs}
+    Return a fit to all readings of the training flights, and the assumptions under which.
+
+    Where the marker frame is turned far, it was defined without regard to the nose, and may have
+    any heading. Where the pendulum is far off, the file is that of another vehicle.
+    """
+    systems, nominal, begin, noise = _begin(prepared)
+    heading = find_index(prepared.parameters, MARKER_HEADING)
+    begin[heading] = _choose_heading(prepared)
+    fit = fit_likelihood(systems, nominal, begin, noise)
+    usual = {one.name: one.tolerance for one in prepared.parameters}
+    off = dict(zip(usual, np.abs(fit.values), strict=True))
+    wider = {}
+    if off[MARKER_HEADING] > FAR * usual[MARKER_HEADING]:
+        wider[MARKER_HEADING] = ANY_HEADING
     pendulum = [name for name in usual if name.startswith(PENDULUM)]
-    off = dict(zip(usual, np.abs(coarse.values), strict=True))
     if any(off[name] > FAR * usual[name] for name in pendulum):
-        # The file is an estimate, or that of another vehicle
-        wider = usual | {name: WIDER * usual[name] for name in pendulum}
-        prepared = prepare_calibration(vehicle, flights, wider)
-    nominal, training = prepared.nominal, prepared.flights['train']
-    return prepared, leave_out_shapes(
-        nominal, training, settle_calibration(nominal, training, coarse)
+        wider |= {name: WIDER * usual[name] for name in pendulum}
+    if not wider:
+        return prepared, fit
+    prepared = prepared.widen({name: float(size) for name, size in wider.items()})
+    return prepared, fit_likelihood(
+        prepared.systems, prepared.nominal, fit.values, fit.noise, ROUNDS, AGAIN
     )
 
 
-def find_index(knobs: Sequence[FreeParameter], name: str) -> int:
+def _choose_heading(prepared: PreparedCalibration) -> float:
+    """Return the heading of the marker frame from which a first look is best. [rad]"""
+    systems, nominal, usual, noise = _begin(prepared.widen({MARKER_HEADING: ANY_HEADING}))
+    heading = find_index(prepared.parameters, MARKER_HEADING)
+    best, most = 0.0, -np.inf
+    for angle in HEADINGS:
+        begin = usual.copy()
+        begin[heading] += angle
+        try:
+            look = fit_likelihood(systems[:FEW], nominal, begin, noise[:FEW], QUICK, ())
+        except (BadInput, np.linalg.LinAlgError):
+            continue
+        if look.evidence > most + CLEARLY:
+            best, most = angle, look.evidence
+    return best
+
+
+def find_index(parameters: Sequence[FreeParameter], name: str) -> int:
     """Return the index of the parameter with a name."""
-    return next(k for k, knob in enumerate(knobs) if knob.name == name)
+    return next(k for k, one in enumerate(parameters) if one.name == name)

@@ -6,9 +6,9 @@ from typing import Any, Final
 
 from lta_discovery.calibration.calibrated_file import NAME
 from lta_discovery.calibration.result import (
-    AxisScore,
     CalibratedValue,
     Calibration,
+    find_main_score,
     ForecastScore,
 )
 from lta_discovery.calibration.verdict import (
@@ -33,12 +33,11 @@ import plotly.graph_objects as go
 FIRST_STEP: Final = 'Calibration: numbers any vehicle file must have'
 METHODS: Final = {
     'likelihood': 'all readings, with an unexplained force',
-    'both': 'forecasts; the intervals contain a fit to all readings, too',
-    'forecasts': 'forecasts; the intervals are rough',
+    'forecasts': 'forecasts, which follow something that the model lacks',
     'file': 'nothing forecasts the flights better than the file',
 }
 HEADS: Final = ('value', 'vehicle file', 'calibrated', '95 % interval', 'remark')
-DIRECTIONS: Final = ('nose', 'side', 'up', 'length')  # as in `AxisScore`
+DIRECTIONS: Final = ('nose', 'side', 'up')  # as in `ForecastRms`
 ALWAYS: Final = (
     'The heading of the tracker defines where the map points. Only a wind in the vehicle file, '
     'which is fixed to the room, shows it. The heading of the markers on the vehicle is fitted.',
@@ -73,7 +72,8 @@ def build_report(calibration: Calibration, calibrated_file: str | None) -> Repor
             _build_value_table('Vehicle', [one for one in calibration.values if not one.flight]),
             *_build_flight_tables(calibration),
             _build_score_table(calibration.scores),
-            *_build_axis_tables(calibration.axis_scores),
+            *_build_axis_tables(calibration.scores),
+            *_build_noise_tables(calibration),
             *_build_pictures(calibration),
             TextSection('What no flight separates', limits, bullets=True, printed=True),
             *(
@@ -98,7 +98,7 @@ def _build_tiles(calibration: Calibration) -> list[Tile]:
     count = sum(one.is_far for one in calibration.values)
     tiles = [Tile('Beyond tolerance', str(count), '', 'of the calibrated numbers, in bold')]
     if scores:
-        last = scores[-1]
+        last = find_main_score(scores)
         for name, pair in (
             ('Vehicle file', last.before),
             ('Calibrated', last.after),
@@ -176,31 +176,50 @@ def _build_score_table(scores: Mapping[str, Sequence[ForecastScore]]) -> TextTab
             for pair in (one.coast, one.before, one.after):
                 turn = format_number(DEGREES * pair[1])
                 cells.append(f'{format_error(pair[0], 3)}, {turn}\N{DEGREE SIGN}')
-            rows.append([f'{role}, {one.horizon:g} s', *cells, str(one.pieces)])
+            rows.append([f'{role}, {one.horizon:g} s', *cells, str(one.count)])
     heads = ('flights and horizon', 'coasting', 'vehicle file', 'calibrated', 'forecasts')
     note = (
-        'RMS errors of position and attitude. The net lift of a confirming flight is the mean of '
-        'the training flights, corrected by its own earlier forecasts.'
+        'RMS errors of position and attitude. A forecast begins from past readings only, and a '
+        'flight tells its lift and the strength of its commands on the way.'
     )
     return TextTable('Forecasts', heads, rows, note)
 
 
-def _build_axis_tables(scores: Mapping[str, Sequence[AxisScore]]) -> list[TextTable]:
-    """Return the table of position errors by direction; none if the flights are too short."""
+def _build_axis_tables(scores: Mapping[str, Sequence[ForecastScore]]) -> list[TextTable]:
+    """Return the table of position errors by direction; none without forecasts."""
     rows = []
     for role, each in scores.items():
         for one in each:
-            sides = zip(DIRECTIONS, one.coast, one.before, one.after, strict=True)
-            for name, *errors in sides:
-                cells = [format_error(error, 3) for error in errors]
-                rows.append([f'{role}, {one.horizon:g} s', name, *cells, str(one.pieces)])
+            for name in DIRECTIONS:
+                three = (one.coast, one.before, one.after)
+                cells = [format_error(getattr(errors, name), 3) for errors in three]
+                rows.append([f'{role}, {one.horizon:g} s', name, *cells])
     heads = ('flights and horizon', 'direction', 'coasting', 'vehicle file', 'calibrated')
+    note = 'RMS position errors by the heading in which each forecast begins.'
+    return [TextTable('Forecasts by direction', heads, rows, note)] if rows else []
+
+
+def _build_noise_tables(calibration: Calibration) -> list[TextTable]:
+    """Return the table of what each flight has that is not explained; none without a fit."""
+    rows = []
+    for name, one in calibration.noise.items():
+        white, slow = one.white, one.correlated
+        forces = ' '.join(format_number(1e3 * force, 2) for force in one.wrench[:3])
+        rows.append(
+            [
+                name,
+                f'{1e3 * white[0]:.2g} mm, {DEGREES * white[3]:.2g}\N{DEGREE SIGN}',
+                f'{1e3 * slow[0]:.2g} mm, {DEGREES * slow[3]:.2g}\N{DEGREE SIGN}, '
+                f'{one.correlation:.2g} s',
+                f'{forces} mN, {one.memory[0]:.2g} s',
+            ]
+        )
+    heads = ('flight', 'white error of a pose', 'slow error of a pose', 'unexplained force')
     note = (
-        'RMS position errors by the heading in which each forecast begins. A turn that no model '
-        'knows of moves an error from the nose to the side, but hardly changes the length of the '
-        'way along the floor.'
+        'Standard deviations, and times in which they change; the force along surge, sway and '
+        'heave. Learned with the values above.'
     )
-    return [TextTable('Forecasts by direction', (*heads, 'forecasts'), rows, note)] if rows else []
+    return [TextTable('Noise', heads, rows, note)] if rows else []
 
 
 def _build_pictures(calibration: Calibration) -> list[Picture]:
@@ -227,6 +246,12 @@ def _build_pictures(calibration: Calibration) -> list[Picture]:
     return [Picture('forecasts', 'Forecast errors', caption, figure)]
 
 
+def _encode_score(one: ForecastScore) -> dict[str, Any]:
+    """Return a score as JSON data."""
+    kinds = {kind: getattr(one, kind)._asdict() for kind in ('coast', 'before', 'after')}
+    return {'horizon_s': one.horizon, **kinds, 'count': one.count}
+
+
 def encode_calibration(calibration: Calibration) -> dict[str, Any]:
     """Return a calibration as JSON data, in SI units."""
     return {
@@ -236,11 +261,18 @@ def encode_calibration(calibration: Calibration) -> dict[str, Any]:
         'differences': list_differences(calibration),
         'values': [asdict(one) for one in calibration.values],
         'forecasts': {
-            role: [asdict(one) for one in scores] for role, scores in calibration.scores.items()
+            role: [_encode_score(one) for one in scores]
+            for role, scores in calibration.scores.items()
         },
-        'directions': {
-            role: [asdict(one) for one in scores]
-            for role, scores in calibration.axis_scores.items()
+        'noise': {
+            name: {
+                'white': one.white[:6].tolist(),
+                'correlated': one.correlated.tolist(),
+                'correlation_s': one.correlation,
+                'wrench': one.wrench.tolist(),
+                'memory_s': one.memory.tolist(),
+            }
+            for name, one in calibration.noise.items()
         },
         'bags': {role: list(names) for role, names in calibration.bags.items()},
         'warnings': list(calibration.warnings),

@@ -1,43 +1,44 @@
 """Define the result of a calibration as plain data."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final, final
+from typing import Final, final, NamedTuple
 
 from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.state_filter.noise_model import NoiseModel
 
 WIDE: Final = 1.96  # standard deviations of a 95 % interval
+MAIN: Final = 3.0  # s; horizon of the errors in headlines
+
+
+@final
+class ForecastRms(NamedTuple):
+    """RMS errors of some forecasts."""
+
+    position: float  # [m]
+    attitude: float  # [rad]
+    # Of the position by the heading in which a forecast begins, and upwards [m]
+    nose: float
+    side: float
+    up: float
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class ForecastScore:
-    """RMS errors of forecasts at one horizon, over all pieces of some flights."""
+    """RMS errors of forecasts at one horizon, over all forecasts of some flights."""
 
     horizon: float  # [s]
-    # Position [m] and attitude [rad] with constant body velocity, with the vehicle file, and with
-    # the calibration
-    coast: tuple[float, float]
-    before: tuple[float, float]
-    after: tuple[float, float]
-    pieces: int  # number of forecasts
+    # With constant velocity and rates, with the vehicle file, and with the calibration
+    coast: ForecastRms
+    before: ForecastRms
+    after: ForecastRms
+    count: int  # number of forecasts
 
 
-@final
-@dataclass(frozen=True, slots=True)
-class AxisScore:
-    """
-    RMS position errors of forecasts at one horizon, by direction.
-
-    Along the nose and sideways, by the heading in which a forecast begins, upwards, and of the
-    length of the way along the floor, which a turn of the vehicle hardly changes. [m]
-    """
-
-    horizon: float  # [s]
-    coast: tuple[float, ...]
-    before: tuple[float, ...]
-    after: tuple[float, ...]
-    pieces: int  # number of forecasts
+def find_main_score(scores: Sequence[ForecastScore]) -> ForecastScore:
+    """Return the score at the horizon that headlines state: `MAIN`, or the furthest below it."""
+    return max((one for one in scores if one.horizon <= MAIN), key=lambda one: one.horizon)
 
 
 @final
@@ -82,8 +83,7 @@ class Calibration:
     method: str
     bags: Mapping[str, tuple[str, ...]]
     warnings: tuple[str, ...] = ()
-    # By role, as `scores`; at the last horizon, and further ahead if flights are long enough
-    axis_scores: Mapping[str, tuple[AxisScore, ...]] = field(default_factory=dict)
+    noise: Mapping[str, NoiseModel] = field(default_factory=dict)  # of the training flights
 
     def find(self, name: str) -> CalibratedValue | None:
         """Return a value of the vehicle by name; None if it was not calibrated."""

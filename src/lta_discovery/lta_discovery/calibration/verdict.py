@@ -4,8 +4,8 @@ from collections.abc import Iterator, Sequence
 import math
 from typing import Final
 
-from lta_discovery.calibration.forecast_score import is_contradicted
-from lta_discovery.calibration.result import CalibratedValue, Calibration
+from lta_discovery.calibration.result import CalibratedValue, Calibration, find_main_score
+from lta_discovery.calibration.scores import is_contradicted
 from lta_discovery.model.calibration_parameters import GAIN_NAMES, HEADING
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import NET_LIFT
@@ -153,7 +153,7 @@ def format_forecast_sentence(calibration: Calibration) -> str:
     scores = calibration.scores.get(role, ())
     if not scores:
         return 'The flights are too short to compare forecasts.'
-    last = scores[-1]
+    last = find_main_score(scores)
     where = 'confirming flights' if role == 'confirm' else 'the training flights themselves'
     file, now, coast = (format_error(each[0]) for each in (last.before, last.after, last.coast))
     text = (

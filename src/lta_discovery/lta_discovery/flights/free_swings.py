@@ -10,7 +10,6 @@ masses of the vehicle, and the markers swing about it with the lever arm of thei
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
 import math
 from typing import Final, final, NamedTuple
 
@@ -20,8 +19,6 @@ from lta_discovery.flights.windows import find_usable_runs
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.quaternions import (
     quaternion_exponential,
-    quaternion_product,
-    rotate_vectors,
     rotation_matrix,
 )
 from lta_model.vehicle import Vehicle
@@ -41,6 +38,7 @@ SETTLED: Final = 0.2  # s; margin after the release
 APART: Final = math.radians(2.0)  # rad; tilts at rest that differ by less are the same
 MOVED: Final = 0.05  # m; lever arms of the markers that differ by less are the same
 SURE: Final = 4.0  # standard deviations of such a difference
+UNTURNED: Final = np.array([0.0, 0.0, 0.0, 1.0])  # quaternion x y z w
 
 
 @final
@@ -111,8 +109,7 @@ def _align_tilts(flights: Sequence[Role]) -> tuple[list[Role], list[str]]:
         apart = np.zeros(2) if law is None else law.rest - usual
         if np.linalg.norm(apart) > APART:
             turn = quaternion_exponential(np.array([-apart[1], apart[0], 0.0]))
-            quaternion = quaternion_product(flight.quaternion, turn)
-            flight = replace(flight, quaternion=quaternion)
+            flight = flight.with_marker_frame(turn, np.zeros(3))
             turned.append(name)
             most = max(most, float(np.linalg.norm(apart)))
         out.append((name, role, flight))
@@ -140,9 +137,7 @@ def _align_markers(
             # A swing about one axis hardly shows the arm along it
             shift = np.where(np.abs(apart) > SURE * arm.deviation, apart, 0.0)
         if np.linalg.norm(shift) > MOVED:
-            away = np.broadcast_to(shift, flight.position.shape)
-            position = flight.position - rotate_vectors(flight.quaternion, away)
-            flight = replace(flight, position=position)
+            flight = flight.with_marker_frame(UNTURNED, -shift)
             moved.append(name)
             most = max(most, float(np.linalg.norm(shift)))
         out.append((name, role, flight))

@@ -7,13 +7,14 @@ Commands keep their own times, because the model needs their onset to a few mill
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final, final
 
 from lta_data.data_quality.tracker_jumps import find_tracker_jumps
 from lta_data.even_grid import check_time_span
 from lta_discovery.flights.noise import estimate_noise, estimate_pose_noise, LEAST
 from lta_discovery.flights.tracker_outliers import find_tracker_outliers
+from lta_discovery.model.quaternions import quaternion_product, rotate_vectors
 import numpy as np
 from numpy.typing import NDArray
 
@@ -78,6 +79,8 @@ class MeasuredFlight:
     mass: Stream | None = None
     # Number of successive poses with correlated errors; `noise` is scaled by its root
     alike: float = 1.0
+    # As recorded, without outliers: position and quaternion; None where the grid has one each
+    poses: Stream | None = None
 
     @property
     def has_only_pose(self) -> bool:
@@ -88,6 +91,28 @@ class MeasuredFlight:
     def reading_deviation(self) -> Array:
         """Return the standard deviation of a single reading by CHANNELS, shape (14,)."""
         return np.concatenate([self.noise[:6] / np.sqrt(self.alike), self.noise[6:]])
+
+    def with_marker_frame(self, turn: Array, shift: Array) -> 'MeasuredFlight':
+        """
+        Return the flight as markers would show it that are turned and moved on the vehicle.
+
+        `turn`: quaternion, applied to the attitude from the right. `shift`: of the origin, in the
+        marker axes. [m]
+        """
+        poses = self.poses
+        if poses is not None:
+            moved = _move_markers(poses.values[:, :3], poses.values[:, 3:], turn, shift)
+            poses = Stream(poses.time, np.column_stack(moved))
+        position, quaternion = _move_markers(self.position, self.quaternion, turn, shift)
+        return replace(self, position=position, quaternion=quaternion, poses=poses)
+
+
+def _move_markers(
+    position: Array, quaternion: Array, turn: Array, shift: Array
+) -> tuple[Array, Array]:
+    """Return positions and quaternions of other markers on the vehicle."""
+    away = np.broadcast_to(shift, position.shape)
+    return position + rotate_vectors(quaternion, away), quaternion_product(quaternion, turn)
 
 
 def _median_interval(stream: Stream) -> float:
@@ -224,4 +249,5 @@ def resample_flight(streams: FlightStreams) -> MeasuredFlight:
         streams.wrench,
         streams.mass,
         alike,
+        pose,
     )

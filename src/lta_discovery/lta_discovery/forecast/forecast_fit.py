@@ -109,21 +109,6 @@ class ForecastFitter:
         self._known = [int(np.isfinite(left).sum()) for left in first]
         self._measured = [find_measured_poses(one, horizons) for one in flights]
 
-    def weigh_errors(self, values: Array, lifts: Sequence[float]) -> None:
-        """
-        Weigh errors from now on by those that are left with some values.
-
-        By those of a vehicle file that is far off, the errors of one short test hardly count.
-
-        `lifts`: net lift of each flight, besides the shared one. [N]
-        """
-        left = [
-            self.compute_flight_errors(values, f, lift=lift).errors for f, lift in enumerate(lifts)
-        ]
-        # A forecast that diverges has no weight
-        finite = np.concatenate([np.where(np.isfinite(each), each, np.nan) for each in left])
-        self.weights = _error_weights(finite, self.place)
-
     def build_linearization_point(
         self, values: Array, lift: float, flight: FlightLinearizer
     ) -> LinearizationPoint:

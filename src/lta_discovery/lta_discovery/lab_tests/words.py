@@ -43,6 +43,9 @@ def name_parameters(names: Sequence[str], rotors: Sequence[str]) -> list[str]:
         effect, _, part = name.partition('.')
         if effect == 'vehicle' and part != 'mass':
             words, axis = 'inertia in {}', part
+        elif '_from_' in part:
+            acting, _, axis = part.removesuffix('_size').partition('_from_')
+            words = acting + ' by the command in {}'
         elif effect == 'wrench_gain' and '_' in part:
             kind, _, axis = part.partition('_')
             words = LAW_WORDS[kind]

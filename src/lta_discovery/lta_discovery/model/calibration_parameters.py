@@ -5,7 +5,7 @@ Discovery takes them as tolerances of a file that was measured. A calibration ta
 within `CALIBRATION`. Everything else that discovery can name is an effect, which a model may lack.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 import math
 from typing import Final
@@ -41,7 +41,10 @@ FLOWS: Final = {
     'added_mass': 0.1,
     'added_inertia': 0.1,
 }
+FLYING: Final = 0.5  # m/s; speed at which linear and quadratic drag are compared
 TURNING: Final = 0.5  # rad/s; rate at which linear and quadratic damping are compared
+CROSS: Final = 0.5  # what a command does on another axis, by the RMS commands of both
+ARM: Final = 0.3  # m; of rotors below the hull centre
 MEASURED: Final = 0.05  # tolerance of these in a vehicle file that was measured
 PER_FLIGHT: Final = frozenset({NET_LIFT, 'helium_leak.rate'})
 # With poses alone the clock of the flight is that of the tracker
@@ -74,6 +77,10 @@ def prior_deviation(knob: FreeParameter, nominal: NominalVehicle) -> float:
         return knob.tolerance
     if effect == 'rotational_drag':
         return _damping_deviation(knob.name.partition('.')[2], nominal)
+    if effect == 'linear_drag':
+        return _drag_deviation(knob.name.partition('.')[2], nominal)
+    if '_from_' in knob.name:
+        return knob.tolerance
     if effect in FLOWS:
         # The tolerance of the file is a share of its value
         return knob.tolerance * FLOWS[effect] / MEASURED
@@ -90,6 +97,18 @@ def has_map_fixed_air(nominal: NominalVehicle) -> bool:
         isinstance(EFFECTS.get(effect), AirEffect) and any(values.values())
         for effect, values in nominal.effect_parameters.items()
     )
+
+
+def _drag_deviation(axis: str, nominal: NominalVehicle) -> float:
+    """
+    Return the deviation of a linear drag: the whole drag at a usual speed.
+
+    An estimate from the hull alone has none, which fins, strings and slow flow give.
+    """
+    linear, square = (
+        abs(nominal.parameter_value(f'{kind}_drag', axis)) for kind in ('linear', 'quadratic')
+    )
+    return max(FLOWS['linear_drag'] * linear, FLYING * square)
 
 
 def _damping_deviation(name: str, nominal: NominalVehicle) -> float:
@@ -132,24 +151,26 @@ def list_calibration_parameters(
     commanded: Sequence[bool],
     only_pose: bool,
     reversed_rotors: Sequence[int] = (),
-    laws: Sequence[str] = (),
+    laws: Mapping[str, float] | None = None,
 ) -> list[FreeParameter]:
     """
     Return the parameters of a calibration, with their deviations before it as tolerances.
 
     `commanded`: axes on which a wrench was commanded; none for vehicles commanded by duties,
     sequence of 6 bool. `only_pose`: whether nothing but the pose was measured. `reversed_rotors`:
-    numbers, from 1, of the rotors that are flown in reverse. `laws`: names of exponents and
-    reverses of a commanded wrench that its commands can show (`list_wrench_laws`).
+    numbers, from 1, of the rotors that are flown in reverse. `laws`: what else a commanded wrench
+    can show of `wrench_gain`, with deviations (`list_wrench_laws`).
     """
-    out = []
+    out, units = [], {one.name: one.unit for one in EFFECTS['wrench_gain'].parameters}
     for knob in [
         *list_free_parameters(nominal, any(commanded)),
         *list_marker_parameters(),
         *(build_reverse_parameter(nominal, i) for i in reversed_rotors),
         *(
-            FreeParameter(f'wrench_gain.{one}', '1', {('wrench_gain', one): 1.0}, STEP, STEP)
-            for one in laws
+            FreeParameter(
+                f'wrench_gain.{name}', units[name], {('wrench_gain', name): 1.0}, STEP, STEP, wide
+            )
+            for name, wide in (laws or {}).items()
         ),
     ]:
         wide = prior_deviation(knob, nominal)
@@ -166,7 +187,7 @@ def list_calibration_parameters(
         low, high = knob.low, knob.high
         if knob.name in GAIN_NAMES:
             low, high = -FAR, FAR
-        elif effect == 'wrench_gain':
+        elif effect == 'wrench_gain' and part.startswith(('exponent', 'reverse')):
             ends = EXPONENTS if part.startswith('exponent') else REVERSES
             low, high = (end - nominal.parameter_value(effect, part) for end in ends)
         elif knob.name.endswith('.thrust'):
@@ -249,21 +270,33 @@ def commanded_axes(wrench: np.ndarray[tuple[int, int], np.dtype[np.float64]]) ->
     return [bool(size > 0.0) for size in np.ptp(wrench, axis=0)]
 
 
-def list_wrench_laws(commands: np.ndarray[tuple[int, int], np.dtype[np.float64]]) -> list[str]:
+def list_wrench_laws(
+    commands: np.ndarray[tuple[int, int], np.dtype[np.float64]],
+) -> dict[str, float]:
     """
-    Return the exponents and reverses that commands of a wrench, shape (n, 6), can show.
+    Return the parameters of `wrench_gain` beyond the gains that commands can show, by deviation.
 
-    An exponent needs commands of several sizes, a reverse commands of either sign.
+    An exponent needs commands of several sizes, a reverse commands of either sign, and what a
+    command does on other axes varying commands. `commands`: of a wrench, shape (n, 6).
     """
-    out = []
+    out: dict[str, float] = {}
+    if not len(commands):
+        return out
     for axis, column in zip(AXES, commands.T, strict=True):
         sizes = np.abs(column[column != 0.0])
         if len(sizes) and sizes.std() > SIZES * sizes.mean():
-            out.append(f'exponent_{axis}')
+            out[f'exponent_{axis}'] = CALIBRATION[f'wrench_gain.exponent_{axis}']
         ends = -float(column.min(initial=0.0)), float(column.max(initial=0.0))
         if min(ends) > -REVERSED * max(ends):
-            out.append(f'reverse_{axis}')
-    return out
+            out[f'reverse_{axis}'] = CALIBRATION[f'wrench_gain.reverse_{axis}']
+    usual = dict(zip(AXES, np.sqrt(np.mean(np.square(commands), axis=0)).tolist(), strict=True))
+    for one in EFFECTS['wrench_gain'].parameters:
+        axis, across, source = one.name.removesuffix('_size').partition('_from_')
+        if across and usual[source] > 0.0 and np.ptp(commands[:, AXES.index(source)]) > 0.0:
+            # A vehicle whose moments are not commanded has rotors somewhere below the hull
+            share = CROSS * usual[axis] / usual[source]
+            out[one.name] = ARM if axis in AXES[3:] else share
+    return {name: deviation for name, deviation in out.items() if deviation > 0.0}
 
 
 def set_references(

@@ -214,7 +214,7 @@ CALIBRATION: Final[dict[str, float]] = {
 
 def is_calibration(name: str) -> bool:
     """Return whether a parameter is a number that any vehicle file must have."""
-    return name in CALIBRATION or name.endswith(('.thrust', '.reverse'))
+    return name in CALIBRATION or '_from_' in name or name.endswith(('.thrust', '.reverse'))
 
 
 # Standard deviations between flights: sensor biases and lift.

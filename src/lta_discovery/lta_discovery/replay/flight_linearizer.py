@@ -6,12 +6,11 @@ every free parameter. Only the products of whitened columns are stored per piece
 """
 
 from collections.abc import Sequence
-from copy import copy
 from dataclasses import replace
 from typing import Final, final
 
 from lta_discovery.flights.measured_flight import CHANNELS, PERIOD
-from lta_discovery.model.nominal import NominalVehicle, ReplayRows
+from lta_discovery.model.nominal import ReplayRows
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.model.quaternions import (
     quaternion_conjugate,
@@ -83,35 +82,11 @@ class FlightLinearizer:
         self._hats = hat_functions(replay.span, cut.knots)
         # The same weights per grid period, for the sensitivities
         self._sparse = self._hats.reshape(-1, STEPS, self._knots).mean(axis=1)
-        # Inverse mass matrix by which the latent wrench accelerates; by default that of the point
-        self._reference: Array | None = None
-
-    def with_reference(self, nominal: NominalVehicle) -> 'FlightLinearizer':
-        """
-        Return the flight with a latent wrench that accelerates the vehicle as it would another.
-
-        A wrench accelerates by the inverse mass matrix. If that is a fitted one, the columns of
-        mass and inertia lack what the latent wrench adds to them, and a fit with a large latent
-        wrench does not converge. An acceleration that follows from the wrench by a constant
-        matrix adds nothing.
-        """
-        out = copy(self)
-        out._reference = _inverse_mass(self.replay.build_replay_rows(nominal))
-        return out
 
     def with_knots(self, knots: int) -> 'FlightLinearizer':
         """Return the flight with another number of knots in each piece."""
         cut = replace(self.replay.cut, knots=knots)
-        out = FlightLinearizer(self.replay.with_pieces(cut), self.knobs, self.places)
-        out._reference = self._reference
-        return out
-
-    def with_noise(self, factor: float) -> 'FlightLinearizer':
-        """Return the flight with the noise of all readings scaled by a factor."""
-        out, replay = copy(self), copy(self.replay)
-        replay.flight = replace(replay.flight, noise=factor * replay.flight.noise)
-        out.replay = replay
-        return out
+        return FlightLinearizer(self.replay.with_pieces(cut), self.knobs, self.places)
 
     def simulate_trajectory(self, point: LinearizationPoint, which: slice = slice(None)) -> Array:
         """Return the states at each step, shape (S, span + 1, 13)."""
@@ -139,17 +114,12 @@ class FlightLinearizer:
         # Poses are in the tracker frame; the model needs the map frame
         begun = transform_to_map(told_at, rows.acting)
         start = apply_state_changes(begun, point.random[which, :WIDTH])
-        latent = self._interpolate_latent(point, which, self._hats, rows)
+        latent = self._interpolate_latent(point, which, self._hats)
         return self.replay.integrate_pieces(rows, ready, start, latent, which)
 
-    def _interpolate_latent(
-        self, point: LinearizationPoint, which: slice, hats: Array, rows: ReplayRows
-    ) -> Array:
+    def _interpolate_latent(self, point: LinearizationPoint, which: slice, hats: Array) -> Array:
         """Return the latent force and moment on the vehicle in each step."""
         knots: Array = point.random[which, WIDTH : self.motion].reshape(-1, AXES, self._knots)
-        if self._reference is not None:
-            factor = np.linalg.solve(_inverse_mass(rows), self._reference)
-            knots = np.asarray(factor @ knots, dtype=np.float64)
         return np.ascontiguousarray(np.einsum('saj,kj->ska', knots, hats))
 
     def compute_whitened_columns(
@@ -297,14 +267,14 @@ class FlightLinearizer:
         """
         # Whole grid periods suffice: columns need less accuracy than the prediction.
         middle = np.ascontiguousarray(states[:, STEPS // 2 :: STEPS])
-        latent = self._interpolate_latent(point, which, self._sparse, about.rows)
+        latent = self._interpolate_latent(point, which, self._sparse)
         jacobian = self.replay.state_jacobians(about.turns, middle, latent, which)
         # Without the latent wrench: its prior shrinks it, which would favour a lighter vehicle.
         answers = self.replay.parameter_sensitivities(
             about.turns, middle, np.zeros_like(latent), which
         )
         # A force accelerates by the inverse of the mass matrix, independent of the motion.
-        inverse = _inverse_mass(about.rows) if self._reference is None else self._reference
+        inverse = _inverse_mass(about.rows)
         # Acceleration in each period per unit force at each knot
         knots = np.einsum('ia,kj->kiaj', inverse, self._sparse).reshape(
             -1, AXES, AXES * self._knots

@@ -16,26 +16,23 @@ from lta_challenge.recording import write_bag
 from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_config.vehicle_edit import set_yaml_values
-from lta_discovery.calibration import calibration as calibration_module
 from lta_discovery.calibration.calibrated_file import (
     format_calibrated_vehicle,
     format_changed_vehicle,
     VehicleUpdate,
 )
 from lta_discovery.calibration.calibration import calibrate_flights
-from lta_discovery.calibration.coarse_fit import find_calibration_start
-from lta_discovery.calibration.prepared_flights import (
-    fit_coarsely,
-    fit_further,
-    prepare_calibration,
-)
-from lta_discovery.calibration.refined_fit import refine_calibration
+from lta_discovery.calibration.prepared_flights import fit_quickly, prepare_calibration
 from lta_discovery.calibration.report import build_report
-from lta_discovery.calibration.result import Calibration, ForecastScore
+from lta_discovery.calibration.result import (
+    Calibration,
+    find_main_score,
+    ForecastRms,
+    ForecastScore,
+)
 from lta_discovery.calibration.verdict import format_forecast_sentence, format_inseparable
 from lta_discovery.conclusion import draw_conclusion
 from lta_discovery.finding import StudyResult
-from lta_discovery.fit.joint_fit import JointFitter
 from lta_discovery.flights.bags import read_bags, Role
 from lta_discovery.flights.usable_flights import select_usable_flights
 from lta_discovery.model.calibration_parameters import list_calibration_parameters
@@ -96,8 +93,8 @@ def assert_truth_is_found(case: CalibrationCase, found: Calibration, share: floa
         inside.append(one.ci95[0] <= case.lifts[one.flight] <= one.ci95[1])
         assert abs(one.value - case.lifts[one.flight]) < 4e-3
     assert np.mean(inside) >= 0.85
-    last = found.scores['confirm'][-1]
-    assert last.after[0] < share * min(last.before[0], last.coast[0])
+    main = find_main_score(found.scores['confirm'])
+    assert main.after.position < share * min(main.before.position, main.coast.position)
 
 
 def test_a_hidden_calibration_is_found(calibrated: tuple[CalibrationCase, Calibration]) -> None:
@@ -187,63 +184,12 @@ def test_a_single_swing_shows_a_pendulum_forty_percent_faster_than_the_files(
         assert one is not None
         assert one.is_known
         assert one.ci95[0] < truth < one.ci95[1], (name, one)
-    assert found.scores['train'][-1].after[1] < math.radians(1.5)
-
-
-def test_a_fit_that_did_not_converge_has_no_intervals(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Its values are those of a linearization elsewhere; the fit to forecasts is used instead."""
-    monkeypatch.setattr(JointFitter, '_choose_step', lambda *_: None)
-    _, found = calibrate_case(6, tmp_path)
-    assert found.method == 'forecasts'
-
-
-def test_intervals_of_a_fit_to_forecasts_hold_that_to_all_readings(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Where readings as accurate as the tracker mislead, they are taken as less accurate."""
-    fits = []
-
-    def refine(nominal, flights, coarse, noise=1.0):
-        if noise == 1.0:
-            return None
-        fits.append(refine_calibration(nominal, flights, coarse, noise))
-        return fits[-1]
-
-    monkeypatch.setattr(calibration_module, 'refine_calibration', refine)
-    case, found = calibrate_case(6, tmp_path)
-    assert found.method == 'both'
-    (fit,) = fits
-    assert fit is not None
-    assert fit.is_converged
-    truths = case.list_true_values(load_vehicle('gtmab'))
-    shared = [one for one in found.values if not one.flight and one.name in truths]
-    inside = [one.ci95[0] < truths[one.name] < one.ci95[1] for one in shared]
-    assert len(shared) > 20
-    assert sum(inside) >= len(inside) - 2
-    surge = found.find('wrench_gain.surge')
-    assert surge is not None
-    assert surge.is_known
-    k = list(fit.group.linears[0].names).index('wrench_gain.surge')
-    apart = surge.value - surge.before - fit.fitted.mean[k]
-    assert surge.deviation == pytest.approx(math.hypot(apart, fit.fitted.covariance[k, k] ** 0.5))
+    assert find_main_score(found.scores['train']).after.attitude < math.radians(1.5)
 
 
 @pytest.mark.parametrize('share', [1.0, 1.7])
-def test_a_drag_is_fitted_to_one_step_only_if_other_flights_need_it(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, share: float
-) -> None:
-    """
-    Left out, it keeps the interval assumed before, and misleads in no other step.
-
-    As with real flights, the fit to all readings does not converge.
-    """
-
-    def refine(nominal, flights, coarse, noise=1.0):
-        return None if noise == 1.0 else refine_calibration(nominal, flights, coarse, noise)
-
-    monkeypatch.setattr(calibration_module, 'refine_calibration', refine)
+def test_a_drag_is_found_in_single_steps(tmp_path: Path, share: float) -> None:
+    """Of flights that show one command each, as those of a lab often do."""
     vehicle = load_vehicle('gtmab')
     file = build_vehicle_truth(vehicle)
     blimp = replace(
@@ -263,21 +209,15 @@ def test_a_drag_is_fitted_to_one_step_only_if_other_flights_need_it(
         bags[role].append(tmp_path / flight.name)
     flights = select_usable_flights(read_bags(bags), vehicle).flights
     found = calibrate_flights(vehicle, 'gtmab', flights, lambda _what, _part: None)
-    assert found.method == 'both'
     drag, gain = found.find('quadratic_drag.surge'), found.find('wrench_gain.surge')
     assert drag is not None
     assert gain is not None
     assert gain.ci95[0] < 2.4 < gain.ci95[1]
-    assert drag.is_known == (share > 1.0)
-    if drag.is_known:
-        assert drag.ci95[0] < share * file.drag[0] < drag.ci95[1]
-    else:
-        assert drag.value == drag.before
-        assert drag.deviation == pytest.approx(0.3 * drag.before)
-    far = found.axis_scores['confirm'][-1]
+    assert drag.ci95[0] < share * file.drag[0] < drag.ci95[1]
+    far = found.scores['confirm'][-1]
     assert far.horizon == 8.0
     # Along the nose, where half of the force makes 2 m
-    assert far.after[0] < 0.1 * far.before[0]
+    assert far.after.nose < 0.1 * far.before.nose
 
 
 def test_the_file_does_not_hold_back_another_pendulum(tmp_path: Path) -> None:
@@ -295,16 +235,14 @@ def test_the_file_does_not_hold_back_another_pendulum(tmp_path: Path) -> None:
         write_bag(tmp_path / name, swing.streams, vehicle.rotor_names, {})
     bags: dict[Role, list[Path]] = {'train': sorted(tmp_path.iterdir())}
     flights = select_usable_flights(read_bags(bags), vehicle).flights
-    prepared, coarse = fit_coarsely(vehicle, flights, lambda _what, _part: None)
-    free, further = fit_further(vehicle, flights, prepared, coarse)
-    names = [knob.name for knob in free.knobs]
-    assert names == [knob.name for knob in prepared.knobs]
-    for name, truth in (('vehicle.pitch', math.log(0.4)), ('cg_height.z', -0.06)):
-        k = names.index(name)
-        assert free.knobs[k].tolerance == 2.0 * prepared.knobs[k].tolerance
-        assert abs(further.values[k] - truth) < 0.7 * abs(coarse.values[k] - truth), name
-    gain = names.index('wrench_gain.yaw')
-    assert free.knobs[gain].tolerance == prepared.knobs[gain].tolerance
+    found = calibrate_flights(vehicle, 'gtmab', flights, lambda _what, _part: None)
+    for name, truth in (('vehicle.pitch', 0.4), ('cg_height.z', -0.06)):
+        one = found.find(name)
+        assert one is not None
+        assert one.is_known
+        assert abs(one.value - truth) < 2.5 * one.deviation, name
+    main = find_main_score(found.scores['train'])
+    assert main.after.attitude < 0.1 * main.before.attitude
 
 
 def test_the_first_line_says_what_is_wrong(
@@ -324,7 +262,10 @@ def test_forecasts_that_diverge_are_no_numbers(
     calibrated: tuple[CalibrationCase, Calibration],
 ) -> None:
     """As those of a multirotor, which tips over without its controller."""
-    lost = ForecastScore(3.0, (1.4, 0.5), (math.inf, 2.0), (2e19, 2.0), 9)
+    coast, before, after = (
+        ForecastRms(size, 0.5, size, size, size) for size in (1.4, math.inf, 2e19)
+    )
+    lost = ForecastScore(3.0, coast, before, after, 9)
     found = replace(calibrated[1], scores={'confirm': (lost,)})
     sentence = format_forecast_sentence(found)
     assert 'diverged with the vehicle file, diverged calibrated, 140 cm if' in sentence
@@ -342,8 +283,8 @@ def test_a_marker_frame_without_regard_to_the_nose_is_found(tmp_path: Path) -> N
     angles = [found.find(f'marker_offset.{angle}') for angle in ('yaw', 'pitch', 'roll')]
     fitted = Rotation.from_euler('ZYX', [one.value for one in angles if one is not None])
     assert (true.inv() * fitted).magnitude() < math.radians(3.0)
-    last = found.scores['confirm'][-1]
-    assert last.after[0] < 0.5 * min(last.before[0], last.coast[0])
+    main = find_main_score(found.scores['confirm'])
+    assert main.after.position < 0.5 * min(main.before.position, main.coast.position)
 
 
 def study_case(case: CalibrationCase, folder: Path) -> StudyResult:
@@ -391,14 +332,12 @@ def test_the_gain_of_a_controller_that_dithers_nothing_is_found(tmp_path: Path) 
     )
     for flight in case.flights:
         write_bag(tmp_path / flight.name, flight.streams, vehicle.rotor_names, {})
-    bags = {one.role: [tmp_path / one.name] for one in case.flights}
+    bags = {'train': [tmp_path / one.name for one in case.flights]}
     flights = select_usable_flights(read_bags(bags), vehicle).flights
     prepared = prepare_calibration(vehicle, flights)
-    linear = [*prepared.flights['train'], *prepared.flights['confirm']]
-    start = find_calibration_start(prepared.nominal, linear)
-    assert start is not None
+    start = fit_quickly(prepared)
     for axis in ('surge', 'sway', 'heave'):
-        k = [knob.name for knob in prepared.knobs].index(f'wrench_gain.{axis}')
+        k = [one.name for one in prepared.parameters].index(f'wrench_gain.{axis}')
         assert 1.0 + start.values[k] == pytest.approx(0.3, abs=0.15), axis
 
 
@@ -422,8 +361,8 @@ def test_thrust_by_a_power_of_the_command_is_found(
         assert one is not None, name
         assert one.is_known, name
         assert abs(one.value - truth) < 3.0 * one.deviation < 0.3, name
-    last = found.scores['confirm'][-1]
-    assert last.after[0] < 0.3 * min(last.before[0], last.coast[0])
+    main = find_main_score(found.scores['confirm'])
+    assert main.after.position < 0.3 * min(main.before.position, main.coast.position)
     text = format_calibrated_vehicle(
         find_file('vehicle', 'gtmab').read_text(encoding='utf-8'),
         load_vehicle('gtmab'), found, 'a test',

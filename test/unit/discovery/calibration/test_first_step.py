@@ -12,18 +12,17 @@ from lta_config.files import find_file
 from lta_config.vehicle_edit import set_yaml_values
 from lta_discovery.calibration import first_step
 from lta_discovery.calibration.calibrated_file import format_calibrated_vehicle
-from lta_discovery.calibration.coarse_fit import (
-    build_forecast_fitter,
-    fit_coarse_calibration,
-    LONG,
-    SHORT,
-)
+from lta_discovery.calibration.calibration import calibrate_flights
 from lta_discovery.calibration.first_step import calibrate_first, FirstStep
-from lta_discovery.calibration.forecast_score import score_forecasts
-from lta_discovery.calibration.prepared_flights import prepare_calibration
 from lta_discovery.calibration.priors import apply_calibration, free_flight_lifts
 from lta_discovery.calibration.report import build_report
-from lta_discovery.calibration.result import CalibratedValue, Calibration, ForecastScore
+from lta_discovery.calibration.result import (
+    CalibratedValue,
+    Calibration,
+    find_main_score,
+    ForecastRms,
+    ForecastScore,
+)
 from lta_discovery.calibration.reversed_thrust import split_by_duty, state_by_duty
 from lta_discovery.calibration.verdict import format_lift_warning, list_differences
 from lta_discovery.finding import StudyResult
@@ -73,6 +72,12 @@ def wrong(vehicle: Vehicle, tmp_path_factory: pytest.TempPathFactory) -> list[Ro
     return read_flights(vehicle, tmp_path_factory.mktemp('wrong'), is_right=False)
 
 
+def make_score(*errors: tuple[float, float]) -> ForecastScore:
+    """Return a score from position and attitude errors of coasting, file and calibration."""
+    coast, before, after = (ForecastRms(*each, *3 * [each[0] / 3.0**0.5]) for each in errors)
+    return ForecastScore(3.0, coast, before, after, 20)
+
+
 def make_value(
     name: str, before: float, value: float, deviation: float, flight: str = ''
 ) -> CalibratedValue:
@@ -84,7 +89,7 @@ def make_calibration(
     nominal: NominalVehicle, *values: CalibratedValue, after: float = 0.02
 ) -> Calibration:
     """Return a calibration with some values and a forecast error. [m]"""
-    score = ForecastScore(3.0, (0.2, 0.3), (0.5, 0.2), (after, 0.4 * after), 20)
+    score = make_score((0.2, 0.3), (0.5, 0.2), (after, 0.4 * after))
     calibrated = nominal.with_value('wrench_gain', 'surge', 0.3)
     return Calibration('gtmab', nominal, calibrated, values, {'train': (score,)}, 'likelihood', {})
 
@@ -178,7 +183,7 @@ def test_a_rough_calibration_replaces_a_file_that_predicts_poorly(
 ) -> None:
     """Coasting has an error of 20 cm; the attitudes are predicted as well as before."""
     found = make_calibration(NominalVehicle.from_vehicle(vehicle), GAIN)
-    score = ForecastScore(3.0, (0.2, 0.3), before, (after, 0.15), 20)
+    score = make_score((0.2, 0.3), before, (after, 0.15))
     found = replace(found, method='forecasts', scores={'train': (score,)})
     monkeypatch.setattr(first_step, '_list_suspicions', lambda *_: ['wrench_gain.surge'])
     monkeypatch.setattr(first_step, 'calibrate_flights', lambda *_, **__: found)
@@ -211,7 +216,7 @@ def test_a_discovery_does_not_go_on_from_what_confirming_flights_contradict(
     monkeypatch.setattr(first_step, '_list_suspicions', lambda *_: ['wrench_gain.surge'])
     monkeypatch.setattr(first_step, 'calibrate_flights', lambda *_, **__: found)
     for after, called in ((0.52, True), (0.56, False)):  # 1.05 times the file's 0.5 m between
-        score = replace(found.scores['train'][0], after=(after, 0.1))
+        score = replace(found.scores['train'][0], after=ForecastRms(after, 0.1, *3 * [after]))
         found = replace(found, scores=found.scores | {'confirm': (score,)})
         result = calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None).calibration
         assert (result is not None) == called
@@ -294,43 +299,29 @@ def test_flights_of_three_seconds_are_calibrated_by_their_shorter_forecasts(
         (f'{name}_{k}', 'train', restrict_to_interval(flight, *each))
         for k, each in enumerate(itertools.pairwise(edges))
     ]
-    prepared = prepare_calibration(vehicle, runs)
-    linear = prepared.flights['train']
-    assert build_forecast_fitter(prepared.nominal, linear, LONG, 1.5) is None
-    coarse = fit_coarse_calibration(prepared.nominal, linear)
-    assert not (coarse.values == 0.0).all()
-    before, after = (
-        score_forecasts(prepared.nominal, linear, values, [values] * len(linear))[-1].after[0]
-        for values in (np.zeros_like(coarse.values), coarse.values)
-    )
-    assert after < 0.5 * before
+    found = calibrate_flights(vehicle, 'gtmab', runs, lambda _what, _part: None)
+    main = find_main_score(found.scores['train'])
+    assert main.horizon == 1.0
+    assert main.after.position < 0.5 * main.before.position
 
 
-def test_a_short_flight_does_not_disable_the_first_fit(
+def test_a_flight_too_short_for_forecasts_disturbs_no_calibration(
     vehicle: Vehicle, wrong: list[Role]
 ) -> None:
-    """A flight of 2.4 s has forecasts over a second only; the other one has all."""
-    name, _, flight = wrong[1]
-    short = (name, 'train', restrict_to_interval(flight, 0.5, 0.6))
-    prepared = prepare_calibration(vehicle, [(wrong[0][0], 'train', wrong[0][2]), short])
-    flights = prepared.flights['train']
-    built = build_forecast_fitter(prepared.nominal, flights, LONG, 1.5)
-    assert built is not None
-    assert built[1] == [0]
-    built = build_forecast_fitter(prepared.nominal, flights, SHORT, 0.4)
-    assert built is not None
-    assert built[1] == [0, 1]
-
-
-def test_a_flight_too_short_for_forecasts_has_the_lift_of_the_others(
-    vehicle: Vehicle, wrong: list[Role]
-) -> None:
+    """Of a second; what it tells of its own lift is next to nothing, and its interval is wide."""
     (name, _, flight), (other, _, rest) = wrong
-    brief = (other, 'train', restrict_to_interval(rest, 0.5, 0.53))
-    prepared = prepare_calibration(vehicle, [(name, 'train', flight), brief])
-    lifts = fit_coarse_calibration(prepared.nominal, prepared.flights['train']).lifts
-    assert lifts[0] != 0.0
-    assert lifts[1] == lifts[0]
+    brief = (other, 'train', restrict_to_interval(rest, 0.5, 0.54))
+    alone, both = (
+        calibrate_flights(vehicle, 'gtmab', each, lambda _what, _part: None)
+        for each in ([(name, 'train', flight)], [(name, 'train', flight), brief])
+    )
+    for axis in ('surge', 'heave'):
+        first, second = (each.find(f'wrench_gain.{axis}') for each in (alone, both))
+        assert first is not None
+        assert second is not None
+        assert second.value == pytest.approx(first.value, abs=3.0 * first.deviation)
+    known, unknown = both.list_of_flights('net_lift.force')
+    assert unknown.deviation > 3.0 * known.deviation
 
 
 def test_calibrated_numbers_are_no_candidates(vehicle: Vehicle) -> None:
@@ -390,7 +381,7 @@ def test_a_calibration_has_a_section_of_its_own(vehicle: Vehicle, tmp_path: Path
 
 def test_a_calibration_that_confirming_flights_contradict_is_not_advised(vehicle: Vehicle) -> None:
     sound = make_calibration(NominalVehicle.from_vehicle(vehicle), GAIN)
-    worse = ForecastScore(3.0, (0.14, 0.3), (0.09, 0.2), (0.11, 0.2), 20)
+    worse = make_score((0.14, 0.3), (0.09, 0.2), (0.11, 0.2))
     bad = replace(sound, scores=sound.scores | {'confirm': (worse,)})
     assert build_report(sound, None).headline == 'Surge: 30 % of the commanded force arrives.'
     assert build_report(bad, None).headline == (
@@ -500,7 +491,7 @@ def test_a_rough_calibration_replaces_a_file_that_does_not_beat_coasting(
     vehicle: Vehicle, before: float, *, is_used: bool
 ) -> None:
     """Its readings could not be fitted; its forecasts have 0.7 of the error of the file's."""
-    score = ForecastScore(3.0, (0.2, 0.1), (before, 0.1), (0.7 * before, 0.07), 50)
+    score = make_score((0.2, 0.1), (before, 0.1), (0.7 * before, 0.07))
     gain = CalibratedValue('wrench_gain.heave', '1', '', 1.0, 0.2, (0.1, 0.3), True, True, ())
     nominal = NominalVehicle.from_vehicle(vehicle)
     rough = Calibration(

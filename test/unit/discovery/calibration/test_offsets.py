@@ -83,9 +83,16 @@ def test_exponents_and_reverses_are_fitted_where_commands_show_them() -> None:
         [0.04 * np.sin(time), sway, 0.03 + 0.01 * np.sin(time), zero, zero, yaw]
     )
     laws = list_wrench_laws(table)
-    assert laws == [
-        'exponent_surge', 'reverse_surge', 'reverse_sway', 'exponent_heave', 'exponent_yaw'
-    ]  # fmt: skip
+    own = ['exponent_surge', 'reverse_surge', 'reverse_sway', 'exponent_heave', 'exponent_yaw']
+    assert [one for one in laws if '_from_' not in one] == own
+    # Half of what the command of heave does, as a share of the other command: 0.0314 N RMS of 0.02
+    assert laws['heave_from_sway'] == pytest.approx(0.785, rel=0.02)
+    assert laws['heave_from_sway_size'] == laws['heave_from_sway']
+    # A lever arm of 0.3 m
+    assert (laws['pitch_from_surge'], laws['roll_from_sway']) == (0.3, 0.3)
+    # Commands that never change show nothing of other axes
+    assert not any('_from_' in one for one in list_wrench_laws(np.full((9, 6), 0.02)))
+    assert list_wrench_laws(np.zeros((0, 6))) == {}
     nominal = set_references(NominalVehicle.from_vehicle(load_vehicle('gtmab')), table)
     assert nominal.parameter_value('wrench_gain', 'reference_sway') == 0.02
     assert nominal.parameter_value('wrench_gain', 'reference_roll') == 1.0
@@ -103,4 +110,6 @@ def test_exponents_and_reverses_are_fitted_where_commands_show_them() -> None:
         )
     }
     assert {f'wrench_gain.{one}' for one in laws} <= set(knobs)
+    assert knobs['wrench_gain.roll_from_sway'].unit == 'm'
+    assert 'linear_drag.surge' in knobs
     assert knobs['wrench_gain.exponent_surge'].low == pytest.approx(0.5 - 1.5)

@@ -52,15 +52,16 @@ def test_each_test_teaches_what_textbooks_say(plan: LabPlan) -> None:
         'float': {'net_lift.force'},
         'swing in roll': {'rotational_drag.roll', 'rotational_drag.roll_2', 'vehicle.roll'},
         'swing in pitch': {'rotational_drag.pitch', 'rotational_drag.pitch_2', 'vehicle.pitch'},
-        'step in surge': {'wrench_gain.surge', 'quadratic_drag.surge'},
-        'step in heave': {'wrench_gain.heave', 'quadratic_drag.heave'},
+        'step in surge': {'wrench_gain.surge', 'linear_drag.surge'},
+        'step in heave': {'wrench_gain.heave', 'linear_drag.heave'},
         'step in yaw': {'wrench_gain.yaw'},
         'smaller step in surge': {'wrench_gain.exponent_surge'},
         'smaller step in heave': {'wrench_gain.exponent_heave'},
         'smaller step in yaw': {'wrench_gain.exponent_yaw'},
         'reverse step in yaw': {'wrench_gain.reverse_yaw'},
         'spin-down': {'rotational_drag.yaw_2'},
-        'free flight': {'command_delay.delay', 'marker_offset.yaw'},
+        # Speeds of several sizes tell linear from quadratic drag
+        'free flight': {'command_delay.delay', 'marker_offset.yaw', 'quadratic_drag.surge'},
     }.items():
         one = by_name(plan, name)
         assert one.is_needed, name

@@ -70,48 +70,6 @@ def test_a_column_is_what_flying_with_the_knob_turned_changes(
     assert _differ((before - after) / step, columns[..., RANDOM + k]) < 0.01
 
 
-@pytest.mark.parametrize(
-    'name', ['vehicle.mass', 'vehicle.yaw', 'added_mass.heave', 'cg_offset.y']
-)
-def test_under_a_large_latent_wrench_columns_of_mass_need_a_reference(
-    gtmab: Known, clean: FlightLinearizer, name: str
-) -> None:
-    """A wrench of 20 mN and 2 mN m accelerates a heavier vehicle less; its column lacks that."""
-    nominal, knobs = gtmab
-    k, step = [knob.name for knob in knobs].index(name), 1e-5
-    random = np.zeros((len(clean.replay.first), RANDOM))
-    latent = random[:, WIDTH:-1].reshape(-1, 6, KNOTS)
-    latent[:] = np.random.default_rng(5).normal(size=latent.shape)
-    latent *= np.array([0.02, 0.02, 0.02, 2e-3, 2e-3, 2e-3])[:, None]
-    point = replace(unchanged_vehicle_point(nominal, knobs, clean.replay.cut), random=random)
-    off = {}
-    for flight in (clean, clean.with_reference(nominal)):
-        change = _left(flight, nominal, random) - _left(
-            flight, knobs[k].apply_to(nominal, step), random
-        )
-        column = flight.compute_whitened_columns(point)[0][..., RANDOM + k]
-        off[flight is clean] = _differ(change / step, column)
-    assert off[False] < 0.02
-    assert off[True] > 2.0 * off[False]
-
-
-def test_a_latent_wrench_on_a_reference_accelerates_as_it_would_that(
-    gtmab: Known, clean: FlightLinearizer
-) -> None:
-    """On its own vehicle nothing changes; on a heavier one it does."""
-    nominal, knobs = gtmab
-    random = np.zeros((len(clean.replay.first), RANDOM))
-    random[:, WIDTH : WIDTH + KNOTS] = 0.02
-    point = replace(unchanged_vehicle_point(nominal, knobs, clean.replay.cut), random=random)
-    expected = clean.simulate_trajectory(point)
-    heavy = replace(nominal, mass=1.1 * nominal.mass)
-    same, other = (
-        clean.with_reference(one).simulate_trajectory(point) for one in (nominal, heavy)
-    )
-    np.testing.assert_allclose(same, expected, rtol=1e-9, atol=1e-9)
-    assert not np.allclose(other, expected, atol=1e-4)
-
-
 @pytest.mark.parametrize('k', [0, 4, 7, 11, 12, 24, 40, 55, 60, RANDOM - 1])
 def test_states_knots_and_pressure_have_theirs(
     gtmab: Known, clean: FlightLinearizer, columns: NDArray[np.float64], k: int

@@ -9,11 +9,17 @@ gain below 1 is a loss between command and air, such as a weak battery or a wron
 negative one is a command in other axes than those of the body. The exponent is 1 where thrust
 follows the command, and up to 2 where the command sets the rate of a propeller. Propellers push
 weaker in reverse. In simulation the rotors obey duties, and it has no influence.
+
+A command also acts on other axes: rotors below the hull push at a lever arm (`pitch_from_surge`,
+`roll_from_sway`), and their jets lift or press the hull. `heave_from_sway` times the command is a
+heave force that changes sign with it; `heave_from_sway_size` times its size is one that does not.
 """
 
 from lta_model.effects.protocol import AXES, EffectParameter, MeasurementEffect, Values
 
 _SOURCE = 'spread (assumed): the thrust law of a lab that never measured its rotors'
+_JETS = 'spread (assumed): half of what a command does on its own axis'
+_ARMS = 'spread (assumed): rotors a hull radius below the centre'
 
 PARAMETERS = (
     *(EffectParameter(axis, '1', 1.0, -20.0, 20.0, 0.2, _SOURCE) for axis in AXES),
@@ -23,6 +29,13 @@ PARAMETERS = (
         EffectParameter(f'reference_{axis}', unit, 1.0, 1e-6, 1e3, 0.1, _SOURCE)
         for axis, unit in zip(AXES, 3 * ('N',) + 3 * ('N m',), strict=True)
     ),
+    *(
+        EffectParameter(f'heave_from_{source}{end}', unit, 0.0, -1e5, 1e5, 0.5 * size, _JETS)
+        for end in ('', '_size')
+        for source, unit, size in (('surge', '1', 1.0), ('sway', '1', 1.0), ('yaw', '1/m', 100.0))
+    ),
+    EffectParameter('pitch_from_surge', 'm', 0.0, -10.0, 10.0, 0.3, _ARMS),
+    EffectParameter('roll_from_sway', 'm', 0.0, -10.0, 10.0, 0.3, _ARMS),
 )
 
 
@@ -36,23 +49,35 @@ def compute_reading(p: Values, values: Values, time: float) -> Values:
         reverse_roll, reverse_pitch, reverse_yaw,
         reference_surge, reference_sway, reference_heave,
         reference_roll, reference_pitch, reference_yaw,
+        heave_from_surge, heave_from_sway, heave_from_yaw,
+        heave_from_surge_size, heave_from_sway_size, heave_from_yaw_size,
+        pitch_from_surge, roll_from_sway,
     ) = p  # fmt: skip
     x, y, z, k, m, n = values
+    jets = heave_from_surge * x + heave_from_sway * y + heave_from_yaw * n
+    jets += (
+        heave_from_surge_size * abs(x) + heave_from_sway_size * abs(y)
+        + heave_from_yaw_size * abs(n)
+    )  # fmt: skip
     return (
         surge * _act(x, exponent_surge, reverse_surge, reference_surge),
         sway * _act(y, exponent_sway, reverse_sway, reference_sway),
-        heave * _act(z, exponent_heave, reverse_heave, reference_heave),
-        roll * _act(k, exponent_roll, reverse_roll, reference_roll),
-        pitch * _act(m, exponent_pitch, reverse_pitch, reference_pitch),
+        heave * _act(z, exponent_heave, reverse_heave, reference_heave) + jets,
+        roll * _act(k, exponent_roll, reverse_roll, reference_roll) + roll_from_sway * y,
+        pitch * _act(m, exponent_pitch, reverse_pitch, reference_pitch) + pitch_from_surge * x,
         yaw * _act(n, exponent_yaw, reverse_yaw, reference_yaw),
     )
 
 
 def find_command(p: Values, wrench: Values) -> Values:
-    """Return the command that causes a wrench; a gain of 0, which causes none, counts as 1."""
+    """
+    Return the command that causes a wrench; a gain of 0, which causes none, counts as 1.
+
+    Without what a command does on other axes.
+    """
     out = []
     for i, force in enumerate(wrench):
-        gain, exponent, reverse, reference = p[i :: len(AXES)]
+        gain, exponent, reverse, reference = p[i : 4 * len(AXES) : len(AXES)]
         full = _weaken(force / (gain or 1.0), 1.0 / (reverse or 1.0))
         out.append(_raise_to(full, 1.0 / exponent, reference))
     return tuple(out)

@@ -1,0 +1,234 @@
+"""
+Judge a vehicle file alone: how well it forecasts recorded flights, beside coasting.
+
+The forecasts are those by which a calibration is judged (`state_filter.forecasts`). The filter
+from which they begin needs to know how noisy the tracker is, and how large the forces that nothing
+explains. These thirteen numbers are learned from the flights themselves, about the vehicle file,
+and whatever the numbers that a calibration would fit (`learn_noise`), so that they tell of the
+flights more than of the file. With the numbers held at a file that is far off, the filter would
+take its misfit for forces that act, and forecasts would begin from poorer states: of real flights
+some positions were twice as far off, and more. The noise, and the cleaning of the data, are all
+that a forecast owes to later readings.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final, final
+
+from lta_config.errors import BadInput
+from lta_discovery.calibration.prepared_flights import prepare_calibration, PreparedCalibration
+from lta_discovery.calibration.result import find_main_score, ForecastRms, ForecastScore
+from lta_discovery.calibration.scores import score_forecasts
+from lta_discovery.calibration.verdict import format_error
+from lta_discovery.flights.bags import read_bags
+from lta_discovery.flights.role_assignment import Role
+from lta_discovery.flights.usable_flights import CALIBRATED, select_usable_flights
+from lta_discovery.page.formatting import DEGREES, format_number
+from lta_discovery.state_filter.forecasts import (
+    APART,
+    FlightForecasts,
+    forecast_flights,
+    list_flight_parameters,
+)
+from lta_discovery.state_filter.noise_model import average_noise, NoiseModel
+from lta_discovery.state_filter.parameter_fit import learn_noise, linearize_all, ParameterPrior
+from lta_model.vehicle import load_vehicle, Vehicle
+from lta_report.formatting import Tile
+from lta_report.json_value import to_json_value
+from lta_report.report import Picture, Report, TextSection, TextTable
+import numpy as np
+import plotly.graph_objects as go
+
+Tell = Callable[[str, float | None], None]
+
+KINDS: Final = {'vehicle file': 'errors', 'coasting': 'coasting'}  # fields of FlightForecasts
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class ForecastStudy:
+    """Forecasts of some flights with one vehicle file."""
+
+    vehicle: str  # name or file
+    names: tuple[str, ...]  # of the flights
+    forecasts: tuple[FlightForecasts, ...]  # of each flight
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def scores(self) -> tuple[ForecastScore, ...]:
+        """RMS errors of all flights at each horizon; `before` and `after` are the same."""
+        return score_forecasts(self.forecasts, self.forecasts)
+
+    def list_rows(self) -> list[dict[str, Any]]:
+        """Return a row for each forecast and horizon that a measured pose judges, in SI units."""
+        rows = []
+        for name, flight in zip(self.names, self.forecasts, strict=True):
+            both = np.concatenate([flight.errors, flight.coasting], axis=2)
+            for s, h in np.argwhere(~np.isnan(both).any(axis=2)):
+                error, coasting = flight.errors[s, h], flight.coasting[s, h]
+                rows.append({
+                    'flight': name,
+                    'start_s': flight.starts[s],
+                    'horizon_s': flight.horizons[h],
+                    'heading_rad': flight.headings[s],
+                    'error_m': error[:3],
+                    'error_rad': error[3:],
+                    'coasting_m': coasting[:3],
+                    'coasting_rad': coasting[3:],
+                })  # fmt: skip
+        return rows
+
+
+def study_forecasts(
+    name: str, bags: Sequence[Path], robot: str | None = None, tell: Tell = lambda *_: None
+) -> ForecastStudy:
+    """
+    Forecast recorded flights with a vehicle file.
+
+    `name`: name of the vehicle, or its file. `bags`: bag folders, results folders or .mcap files.
+    `robot`: robot to read, where a bag holds several. Raise `BadInput` if the flights are not
+    usable, or too short for a forecast.
+    """
+    vehicle = load_vehicle(name)
+    try:
+        flights = read_bags({'train': bags}, robot, lambda bag: tell(f'reading {bag}', None))
+        tell('checking data quality', None)
+        usable = select_usable_flights(flights, vehicle, CALIBRATED)
+    except BadInput as fault:
+        # All flights have one role, whose option has another name in other studies
+        raise BadInput(str(fault).replace('--train', '--commands')) from fault
+    titles = tuple(title for title, _, _ in usable.flights)
+    study = ForecastStudy(
+        name, titles, tuple(judge_vehicle(vehicle, usable.flights, tell)), usable.warnings
+    )
+    if not study.scores:
+        raise BadInput(
+            'No usable part of the flights is long enough to forecast from its past and to judge '
+            'the forecast; record some seconds more without a gap.'
+        )
+    return study
+
+
+def judge_vehicle(
+    vehicle: Vehicle, flights: Sequence[Role], tell: Tell = lambda *_: None
+) -> list[FlightForecasts]:
+    """Return the forecasts of flights with a vehicle as its file has it; none if all are short."""
+    tell('preparing', 0.1)
+    prepared = prepare_calibration(vehicle, [(title, 'train', one) for title, _, one in flights])
+    horizons = prepared.horizons
+    if not horizons:
+        return []
+    tell('learning the noise', 0.2)
+    noise = learn_noise_of_flights(prepared)
+    tell('forecasting', 0.8)
+    own = list_flight_parameters(prepared.nominal, prepared.parameters)
+    return forecast_flights(
+        vehicle, prepared.nominal, prepared.flights['train'], own, noise, horizons
+    )
+
+
+def learn_noise_of_flights(prepared: PreparedCalibration) -> list[NoiseModel]:
+    """Return the noise of each flight, of which the learned numbers are averaged over all."""
+    nominal, parameters = prepared.nominal, prepared.parameters
+    none = np.zeros(len(parameters))
+    noise = learn_noise(
+        linearize_all(prepared.systems, nominal, none), ParameterPrior.of(parameters), none,
+        [NoiseModel.guess(nominal, one.flight) for one in prepared.systems],
+    )  # fmt: skip
+    # Flights may have different sensors, of which each keeps its own noise
+    mean = average_noise(noise).logarithms
+    return [one.with_logarithms(mean) for one in noise]
+
+
+def build_report(study: ForecastStudy) -> Report:
+    """Return the report of a study."""
+    scores = study.scores
+    main = find_main_score(scores)
+    pair = main.after.position, main.coast.position
+    return Report(
+        command='simulate --forecasts',
+        subject=study.vehicle,
+        headline=(
+            f'{main.horizon:g} s ahead, the vehicle file forecasts the position to '
+            f'{format_error(pair[0])}, and coasting to {format_error(pair[1])} (RMS of '
+            f'{main.count} forecasts).'
+        ),
+        introduction=(
+            'Forecasts flights with a vehicle file, from past readings and the recorded commands. '
+            'Coasting keeps body velocity and rates.'
+        ),
+        tiles=[
+            Tile(label, format_number(100.0 * value, 2), 'cm', f'{main.horizon:g} s ahead, RMS')
+            for label, value in zip(('Vehicle file', 'Coasting'), pair, strict=True)
+        ],
+        blocks=(
+            _build_table(scores),
+            _build_picture(study, main),
+            *(
+                [TextSection('Warnings', study.warnings, bullets=True, printed=True)]
+                if study.warnings
+                else []
+            ),
+        ),
+        data=to_json_value({
+            'vehicle': study.vehicle,
+            'flights': study.names,
+            'summary': [_encode_score(one) for one in scores],
+            'rows': study.list_rows(),
+            'warnings': study.warnings,
+        }),
+        facts={'flights': ', '.join(study.names)},
+        json_name='forecasts.json',
+    )  # fmt: skip
+
+
+def _encode_score(one: ForecastScore) -> dict[str, Any]:
+    """Return the RMS errors at a horizon as JSON data, in SI units."""
+    return {
+        'horizon_s': one.horizon,
+        'count': one.count,
+        'vehicle': one.after._asdict(),
+        'coasting': one.coast._asdict(),
+    }
+
+
+def _build_table(scores: Sequence[ForecastScore]) -> TextTable:
+    """Return the table of RMS errors."""
+    rows = [
+        [f'{one.horizon:g} s', kind, *_format_errors(errors), str(one.count)]
+        for one in scores
+        for kind, errors in zip(KINDS, (one.after, one.coast), strict=True)
+    ]
+    heads = ('ahead', 'by', 'position', 'attitude', 'nose', 'side', 'up', 'forecasts')
+    note = (
+        f'RMS errors. A forecast begins every {APART:g} s from past readings only, and a flight '
+        'tells its lift and the strength of its commands on the way. Nose and side are those '
+        'of the position by the heading in which the forecast begins.'
+    )
+    return TextTable('Forecasts', heads, rows, note)
+
+
+def _format_errors(errors: ForecastRms) -> list[str]:
+    """Return the cells of some errors: position, attitude, nose, side and up."""
+    turn = f'{format_number(DEGREES * errors.attitude)}\N{DEGREE SIGN}'
+    sizes = (errors.nose, errors.side, errors.up)
+    return [format_error(errors.position, 3), turn, *(format_error(one, 3) for one in sizes)]
+
+
+def _build_picture(study: ForecastStudy, main: ForecastScore) -> Picture:
+    """Return the position error of each forecast by its start."""
+    figure, flights = go.Figure(), study.forecasts
+    h = flights[0].horizons.index(main.horizon)
+    for kind, field in KINDS.items():
+        errors = np.concatenate([getattr(one, field)[:, h, :3] for one in flights])
+        figure.add_scatter(
+            x=np.concatenate([one.starts for one in flights]),
+            y=100.0 * np.linalg.norm(errors, axis=1),
+            text=np.repeat(study.names, [len(one.starts) for one in flights]),
+            name=kind, mode='markers',
+        )  # fmt: skip
+    figure.update_xaxes(title='start of the forecast [s]')
+    figure.update_yaxes(title='position error [cm]', type='log')
+    caption = f'Each forecast {main.horizon:g} s ahead; point at one for the name of its flight.'
+    return Picture('forecasts', 'Errors by start', caption, figure)

@@ -1,0 +1,1 @@
+"""Filter flights through the model: likelihoods, noise, and causal forecasts."""

@@ -1,0 +1,317 @@
+"""
+Forecast flights from what they have shown so far, and measure the errors.
+
+This is the one judge of models: `lta calibrate`, `lta simulate --commands --forecasts` and the
+scores of the project use it. A forecast begins at the estimate of a filter through the model that
+has seen the readings up to there and none after it. The commands that were given later are known.
+What differs from flight to flight is learned on the way: lift and biases by the filter, and the
+strength of the commands from those forecasts that have ended by then. The unexplained wrench goes
+on and decays.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Final, final
+
+from lta_discovery.fit.bounds import apply_parameters
+from lta_discovery.flights.measured_flight import MeasuredFlight, PERIOD
+from lta_discovery.flights.windows import Windows
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.model.quaternions import (
+    quaternion_conjugate,
+    quaternion_exponential,
+    quaternion_logarithm,
+    quaternion_product,
+    rotate_vectors,
+    rotation_matrix,
+)
+from lta_discovery.parallel import map_parallel
+from lta_discovery.replay.replay import FlightReplay, STEPS
+from lta_discovery.replay.sensing import predict_pose
+from lta_discovery.replay.variational_equation import apply_state_changes
+from lta_discovery.state_filter.kalman import BODY, filter_flight
+from lta_discovery.state_filter.linear_flight import FlightSystem, LinearFlight, POSE
+from lta_discovery.state_filter.noise_model import NoiseModel
+from lta_discovery.state_filter.parameter_fit import (
+    EVERY,
+    HORIZONS,
+    list_starts,
+    ParameterPrior,
+    settle_own,
+    weigh_errors,
+)
+from lta_model.vehicle import Vehicle
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+APART: Final = 1.5  # s; between the starts of forecasts
+COASTING: Final = 12  # grid periods; the straight line of coasting goes through half a second
+# Relative standard deviation of the strength of a command between flights: batteries and trim
+# differ. Half and twice of it change the errors on real flights by at most 4 and 8 % after 3, 8 s
+VARIES: Final = 0.3
+LEAST_COASTING: Final = 4  # poses of that line
+TREND: Final = 'helium_leak.rate'
+LEAST_ENDED: Final = 3  # forecasts of a flight that have to end before it tells of the commands
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class FlightForecasts:
+    """Forecasts of one flight."""
+
+    starts: Array  # times, shape (S,) [s]
+    horizons: tuple[float, ...]  # [s]
+    # Measured less forecast pose at each horizon: position in the map and rotation vector; NaN
+    # where no pose was measured, infinite where a forecast diverges. Shape (S, H, 6) [m, rad]
+    errors: Array
+    coasting: Array  # the same at constant velocity and rates
+    headings: Array  # of the nose at each start, shape (S,) [rad]
+
+    def rms(self, horizon: float) -> tuple[float, float]:
+        """Return the RMS errors of position and attitude. [m, rad]"""
+        return rms_errors([self.errors], self.horizons.index(horizon))
+
+
+def rms_errors(errors: Sequence[Array], h: int) -> tuple[float, float]:
+    """Return RMS errors of position and attitude at a horizon, over (S, H, 6) of flights."""
+    both = np.concatenate([one[:, h] for one in errors])
+    both = both[~np.isnan(both).any(axis=1)]
+    if not len(both):
+        return np.nan, np.nan
+    place, turn = (float(np.sqrt(np.mean(np.sum(part**2, axis=1)))) for part in (
+        both[:, :3], both[:, 3:],
+    ))  # fmt: skip
+    return place, turn
+
+
+def forecast_flights(
+    vehicle: Vehicle,
+    nominal: NominalVehicle,
+    flights: Sequence[MeasuredFlight],
+    parameters: Sequence[FreeParameter],
+    noise: Sequence[NoiseModel],
+    horizons: Sequence[float] = HORIZONS,
+    apart: float = APART,
+) -> list[FlightForecasts]:
+    """
+    Forecast flights with a vehicle.
+
+    Parameters
+    ----------
+    nominal : NominalVehicle
+        The vehicle to judge.
+    parameters : sequence of FreeParameter
+        What a flight may have of its own, with tolerances: see `list_flight_parameters`.
+    noise : sequence of NoiseModel
+        Of each flight.
+    horizons : sequence of float
+        How far ahead, rising. [s]
+    apart : float
+        Time between the starts. [s]
+
+    """
+
+    def judge(one: tuple[MeasuredFlight, NoiseModel]) -> FlightForecasts:
+        system = FlightSystem(vehicle, one[0], parameters, with_future=False)
+        # A forecast may diverge
+        with np.errstate(all='ignore'):
+            return _forecast_flight(system, nominal, one[1], tuple(horizons), apart)
+
+    return map_parallel(judge, list(zip(flights, noise, strict=True)))
+
+
+def list_flight_parameters(
+    nominal: NominalVehicle, parameters: Sequence[FreeParameter]
+) -> list[FreeParameter]:
+    """
+    Return what a flight may have of its own: what differs per flight, and strengths of commands.
+
+    The strength of a command of the vehicle has a relative deviation of `VARIES`. A trend of the
+    lift is not among them: until a flight has told it, the flight is over.
+    """
+    out = []
+    for one in parameters:
+        if one.per_flight and one.name != TREND:
+            out.append(one)
+        elif share := _strength(nominal, one):
+            out.append(replace(one, tolerance=VARIES * share))
+    return out
+
+
+def _strength(nominal: NominalVehicle, one: FreeParameter) -> float:
+    """Return how strong a command is, by the unit of its parameter; 0 for another one."""
+    effect, _, part = one.name.partition('.')
+    if effect == 'wrench_gain' and not part.startswith(('exponent', 'reverse', 'reference')):
+        return abs(nominal.parameter_value(effect, part))
+    return 1.0 if part == 'thrust' else 0.0
+
+
+def _forecast_flight(
+    system: FlightSystem,
+    nominal: NominalVehicle,
+    noise: NoiseModel,
+    horizons: tuple[float, ...],
+    apart: float,
+) -> FlightForecasts:
+    """Forecast one flight."""
+    prior = ParameterPrior.of(system.parameters)
+    linear = system.linearize(nominal, np.zeros(len(system.parameters)))
+    starts = list_starts(linear.runs, apart)
+    seen = filter_flight(linear, noise, starts)
+    strengths = _learn_strengths(linear, noise, prior, starts)
+    values = np.array([
+        _join_own(seen.sums[s], prior, strengths[s]) for s in range(len(starts))
+    ]).reshape(len(starts), len(prior.own))  # fmt: skip
+    full = np.column_stack([values, np.ones(len(starts))])
+    states = np.einsum('szk,sk->sz', seen.states, full)
+    errors = _fly_forecasts(system, nominal, linear, starts, values, states, noise, horizons)
+    return FlightForecasts(
+        system.flight.time[starts],
+        horizons,
+        errors,
+        coast(system.flight, starts, horizons),
+        _compute_headings(linear.motion[starts]),
+    )
+
+
+def _learn_strengths(
+    linear: LinearFlight, noise: NoiseModel, prior: ParameterPrior, starts: NDArray[np.int64]
+) -> Array:
+    """
+    Return what ended forecasts tell of the strength of commands at each start, shape (S, K).
+
+    0 for other parameters.
+    """
+    out, which = np.zeros((len(starts), len(prior.own))), np.flatnonzero(~prior.own)
+    if not len(which):
+        return out
+    begun = list_starts(linear.runs, EVERY)
+    errors = settle_own(filter_flight(linear, noise, begun, HORIZONS), prior)
+    ends = begun[:, None] + np.rint(np.array(HORIZONS) / PERIOD).astype(np.int64)
+    limits = np.diag(prior.deviation[which] ** -2.0)
+    for s, start in enumerate(starts):
+        ended = ends <= start
+        if ended[:, 0].sum() < LEAST_ENDED:
+            continue
+        past = np.where(ended[..., None, None], errors, np.nan)
+        table = weigh_errors(past[ended[:, 0]])[0].reshape(-1, errors.shape[-1])
+        inner = table[:, which].T @ table[:, which] + limits
+        out[s, which] = -np.linalg.solve(inner, table[:, which].T @ table[:, -1])
+    return np.clip(out, prior.low, prior.high)
+
+
+def _join_own(sums: Array, prior: ParameterPrior, strengths: Array) -> Array:
+    """Return all parameters of a flight: those that its readings tell, with given strengths."""
+    own, out = np.flatnonzero(prior.own), strengths.copy()
+    if len(own):
+        inner = sums[np.ix_(own, own)] + np.diag(prior.deviation[own] ** -2.0)
+        pull = sums[own, -1] + sums[own, :-1] @ strengths
+        out[own] = np.clip(-np.linalg.solve(inner, pull), prior.low[own], prior.high[own])
+    return out
+
+
+def _fly_forecasts(
+    system: FlightSystem,
+    nominal: NominalVehicle,
+    linear: LinearFlight,
+    starts: NDArray[np.int64],
+    values: Array,
+    states: Array,
+    noise: NoiseModel,
+    horizons: tuple[float, ...],
+) -> Array:
+    """Fly the model from each start without further readings; return the errors."""
+    flight, count = system.flight, round(horizons[-1] / PERIOD)
+    begun = apply_state_changes(linear.motion[starts], states[:, :BODY])
+    inside = np.ones((len(starts), count), dtype=np.bool_)
+    pieces = Windows(starts, count, begun, inside, 2)
+    replay = FlightReplay(flight, pieces, system.vehicle.pack_command(()))
+    time = PERIOD / STEPS * (np.arange(replay.span) + 0.5)
+    faded = np.exp(-time[:, None] / noise.memory)
+    out = np.full((len(starts), len(horizons), POSE), np.nan)
+    for s, start in enumerate(starts):
+        there, _ = apply_parameters(nominal, system.parameters, values[s])
+        rows = replay.build_replay_rows(there)
+        ready = replay.compute_body_inputs(rows)
+        wrench = (states[s, BODY : BODY + len(noise.memory)] * faded)[None]
+        motion = replay.integrate_pieces(
+            rows, ready, begun[s : s + 1], np.ascontiguousarray(wrench), slice(s, s + 1)
+        )[:, ::STEPS]
+        # One state more, in which a late pose would end
+        grid = np.concatenate([motion, motion[:, -1:]], axis=1)
+        stamps = flight.time[start] + PERIOD * np.arange(count + 1)[None]
+        position, quaternion = predict_pose(grid, stamps, rows.acting)
+        for h, horizon in enumerate(horizons):
+            ahead = round(horizon / PERIOD)
+            if (at := start + ahead) >= len(flight.time):
+                continue
+            turn = quaternion_logarithm(
+                quaternion_product(
+                    quaternion_conjugate(quaternion[0, ahead]), flight.quaternion[at]
+                )
+            )
+            out[s, h] = np.concatenate([flight.position[at] - position[0, ahead], turn])
+            # Known poses that no finite forecast meets
+            lost = np.isfinite(flight.position[at]).all() & ~np.isfinite(out[s, h])
+            out[s, h][lost] = np.inf
+    return out
+
+
+def coast(flight: MeasuredFlight, starts: NDArray[np.int64], horizons: Sequence[float]) -> Array:
+    """
+    Return the errors of constant body velocity and rates, shape (S, H, 6).
+
+    Both are those of straight lines through the poses of the half second before each start.
+    """
+    out = np.full((len(starts), len(horizons), POSE), np.nan)
+    place, attitude, velocity, rates = _fit_lines(flight, starts)
+    ends = np.rint(np.asarray(horizons) / PERIOD).astype(np.int64)
+    turn = quaternion_exponential(PERIOD * rates)
+    for k in range(1, int(ends[-1]) + 1):
+        # To second order: the velocity in the middle of the period
+        middle = quaternion_product(attitude, quaternion_exponential(0.5 * PERIOD * rates))
+        place = place + PERIOD * rotate_vectors(middle, velocity)
+        attitude = quaternion_product(attitude, turn)
+        for h in np.flatnonzero(ends == k):
+            at = np.minimum(starts + k, len(flight.time) - 1)
+            out[:, h, :3] = flight.position[at] - place
+            out[:, h, 3:] = quaternion_logarithm(
+                quaternion_product(quaternion_conjugate(attitude), flight.quaternion[at])
+            )
+            out[starts + k >= len(flight.time), h] = np.nan
+    return out
+
+
+def _fit_lines(
+    flight: MeasuredFlight, starts: NDArray[np.int64]
+) -> tuple[Array, Array, Array, Array]:
+    """Return position, attitude, body velocity and rates by lines through the past half second."""
+    out = np.full((len(starts), 13), np.nan)
+    for s, start in enumerate(starts):
+        rows = np.arange(max(start - COASTING, 0), start + 1)
+        middle = flight.quaternion[start]
+        away = np.broadcast_to(quaternion_conjugate(middle), (len(rows), 4))
+        turn = quaternion_logarithm(quaternion_product(away, flight.quaternion[rows]))
+        table = np.column_stack([flight.position[rows], turn])
+        measured = np.isfinite(table).all(axis=1)
+        if measured.sum() < LEAST_COASTING:
+            continue
+        late = flight.time[rows] - flight.time[start]
+        slope, here = np.polyfit(late[measured], table[measured], 1)
+        attitude = quaternion_product(middle, quaternion_exponential(here[3:]))
+        # The line gives the mean velocity, where the nose was in the middle of it
+        between = here[3:] + late.mean() * slope[3:]
+        then = quaternion_product(middle, quaternion_exponential(between))
+        velocity = rotate_vectors(quaternion_conjugate(then), slope[:3])
+        out[s] = np.concatenate([here[:3], attitude, velocity, slope[3:]])
+    return out[:, :3], out[:, 3:7], out[:, 7:10], out[:, 10:]
+
+
+def _compute_headings(motion: Array) -> Array:
+    """Return the heading of the nose in each state. [rad]"""
+    nose = rotation_matrix(motion[:, 3:7])[:, :2, 0]
+    headings: Array = np.arctan2(nose[:, 1], nose[:, 0])
+    return headings

@@ -1,0 +1,252 @@
+"""
+Filter a linearized flight: a Kalman filter whose estimates are linear in the parameters.
+
+The filter's state is the change of the vehicle's state from its measured motion, an unexplained
+wrench on each axis (an Ornstein-Uhlenbeck process), and the correlated part of the tracker's
+error on each channel (another one). Every estimate is carried as columns: its slope by each
+parameter, and its value where the parameters are 0. So one pass gives the likelihood of all
+readings as a quadratic form in the parameters (Harvey, Forecasting, structural time series models
+and the Kalman filter, 1989, section 3.4), and the error of each forecast as a linear one.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+import math
+from typing import Final, final
+
+from lta_discovery.flights.measured_flight import PERIOD
+from lta_discovery.state_filter.linear_flight import LinearFlight, POSE
+from lta_discovery.state_filter.noise_model import NoiseModel
+from numba import njit
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+BODY: Final = 12  # components of a change of state
+AXES: Final = 6  # of the wrench
+SIZE: Final = BODY + AXES + POSE
+# Deviations of the first state from its polynomial: m, rad, m/s, rad/s
+START: Final = np.array([0.05] * 3 + [0.1] * 3 + [0.2] * 6)
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class FilteredFlight:
+    """
+    What a filter made of a flight with K parameters.
+
+    The last row or column of K + 1 belongs to parameters of 0.
+    """
+
+    products: Array  # of the whitened innovations, shape (K + 1, K + 1)
+    log_determinant: float  # of their covariances
+    # Of each forecast: grid point of its start, state estimated there by the readings so far, and
+    # products up to there, shape (S,), (S, SIZE, K + 1), (S, K + 1, K + 1)
+    starts: Indices
+    states: Array
+    sums: Array
+    # Measured less forecast pose at each horizon; NaN where unknown, shape (S, H, 6, K + 1)
+    errors: Array
+
+
+def filter_flight(
+    flight: LinearFlight,
+    noise: NoiseModel,
+    starts: Indices | None = None,
+    horizons: Sequence[float] = (),
+) -> FilteredFlight:
+    """
+    Filter a flight, and forecast from some of its grid points.
+
+    `horizons`: how far ahead, rising. [s]
+    """
+    starts = np.zeros(0, dtype=np.int64) if starts is None else starts
+    ahead = np.array([round(one / PERIOD) for one in horizons], dtype=np.int64)
+    count = flight.moved.shape[2] + 1
+    states, sums = np.zeros((len(starts), SIZE, count)), np.zeros((len(starts), count, count))
+    errors = np.full((len(starts), len(ahead), POSE, count), np.nan)
+    products, log_determinant = np.zeros((count, count)), 0.0
+    keep, spread, memory = _describe_noise(noise)
+    for begin, end in flight.runs:
+        inside = np.flatnonzero((starts >= begin) & (starts < end))
+        own, more = np.zeros((count, count)), np.zeros(1)
+        parts = np.zeros((len(inside), SIZE, count)), np.zeros((len(inside), count, count))
+        missed = np.full((len(inside), len(ahead), POSE, count), np.nan)
+        _filter_run(
+            flight.step, flight.push, flight.moved, flight.defect, flight.left, flight.read,
+            flight.felt, flight.read_moved, flight.count, begin, end, keep, spread, memory,
+            noise.white**2, starts[inside], ahead, own, more, *parts, missed,
+        )  # fmt: skip
+        products += own
+        log_determinant += float(more[0])
+        # In a later run the flight's own parameters are known from the earlier ones
+        states[inside], sums[inside], errors[inside] = parts[0], parts[1] + products - own, missed
+    return FilteredFlight(products, log_determinant, starts, states, sums, errors)
+
+
+def _describe_noise(noise: NoiseModel) -> tuple[Array, Array, Array]:
+    """Return initial variances, variances added and factors kept in each period."""
+    memory = np.concatenate([noise.memory, np.full(POSE, noise.correlation)])
+    fading = np.concatenate([np.ones(BODY), np.exp(-PERIOD / memory)])
+    first = np.concatenate([START, noise.wrench, noise.correlated]) ** 2
+    added = first * (1.0 - fading**2)
+    return first, added, fading
+
+
+@njit(error_model='numpy', cache=True, nogil=True)
+def _filter_run(
+    step: Array,
+    push: Array,
+    moved: Array,
+    defect: Array,
+    left: Array,
+    read: Array,
+    felt: Array,
+    read_moved: Array,
+    count: Array,
+    begin: int,
+    end: int,
+    first: Array,
+    added: Array,
+    fading: Array,
+    white: Array,
+    starts: Indices,
+    ahead: Indices,
+    products: Array,
+    log_determinant: Array,
+    states: Array,
+    sums: Array,
+    errors: Array,
+) -> None:
+    """Filter the grid points from `begin` to `end`; the last six arrays are written."""
+    size, columns, channels = len(first), moved.shape[2] + 1, left.shape[1]
+    x, s = np.zeros((size, columns)), np.diag(first)
+    top, wide = np.zeros((12, columns)), np.zeros((12, size))
+    h, e = np.zeros((channels, size)), np.zeros((channels, columns))
+    which, next_start = np.zeros(channels, dtype=np.int64), 0
+    for k in range(begin, end):
+        n = 0
+        for c in range(channels):
+            if np.isfinite(left[k, c]) and (c >= 6 or count[k] > 0.0):
+                which[n] = c
+                n += 1
+        if n > 0:
+            for i in range(n):
+                c = which[i]
+                h[i] = 0.0
+                for j in range(12):
+                    h[i, j] = read[k, c, j]
+                for j in range(6):
+                    h[i, 12 + j] = felt[k, c, j]
+                if c < 6:
+                    h[i, 18 + c] = 1.0
+                for j in range(columns - 1):
+                    e[i, j] = -read_moved[k, c, j]
+                e[i, columns - 1] = left[k, c]
+                for m in range(size):
+                    if h[i, m] != 0.0:
+                        for j in range(columns):
+                            e[i, j] -= h[i, m] * x[m, j]
+            cross = s @ h[:n].T
+            v = h[:n] @ cross
+            for i in range(n):
+                c = which[i]
+                v[i, i] += white[c] / count[k] if c < 6 else white[c]
+            lower = np.linalg.cholesky(v)
+            for i in range(n):
+                log_determinant[0] += 2.0 * math.log(lower[i, i])
+            # Whiten innovations and gains by forward substitution
+            gain = cross.T.copy()
+            for i in range(n):
+                for m in range(i):
+                    for j in range(columns):
+                        e[i, j] -= lower[i, m] * e[m, j]
+                    for j in range(size):
+                        gain[i, j] -= lower[i, m] * gain[m, j]
+                for j in range(columns):
+                    e[i, j] /= lower[i, i]
+                for j in range(size):
+                    gain[i, j] /= lower[i, i]
+            products += e[:n].T @ e[:n]
+            x += gain.T @ e[:n]
+            s -= gain.T @ gain
+        if next_start < len(starts) and starts[next_start] == k:
+            states[next_start] = x
+            sums[next_start] = products
+            _forecast(
+                x,
+                step,
+                push,
+                moved,
+                defect,
+                left,
+                read,
+                read_moved,
+                count,
+                k,
+                end,
+                fading,
+                ahead,
+                errors[next_start],
+            )
+            next_start += 1
+        # Only the first twelve change by the model; the others fade
+        top[:] = step[k] @ x[:12] + push[k] @ x[12:18]
+        wide[:] = step[k] @ s[:12] + push[k] @ s[12:18]
+        for i in range(12):
+            for j in range(columns - 1):
+                x[i, j] = top[i, j] + moved[k, i, j]
+            x[i, columns - 1] = top[i, columns - 1] + defect[k, i]
+        s[:12, :12] = wide[:, :12].copy() @ step[k].T + wide[:, 12:18].copy() @ push[k].T
+        for i in range(12, size):
+            for j in range(columns):
+                x[i, j] *= fading[i]
+            for j in range(12):
+                s[j, i] = wide[j, i] * fading[i]
+                s[i, j] = s[j, i]
+            for j in range(12, size):
+                s[i, j] *= fading[i] * fading[j]
+            s[i, i] += added[i]
+
+
+@njit(error_model='numpy', cache=True, nogil=True)
+def _forecast(
+    x: Array,
+    step: Array,
+    push: Array,
+    moved: Array,
+    defect: Array,
+    left: Array,
+    read: Array,
+    read_moved: Array,
+    count: Array,
+    begin: int,
+    end: int,
+    fading: Array,
+    ahead: Indices,
+    errors: Array,
+) -> None:
+    """Write the errors of a forecast without further readings."""
+    columns, h = moved.shape[2], 0
+    state, wrench = x[:12].copy(), x[12:18].copy()
+    if len(ahead) == 0:
+        return
+    for k in range(begin, min(end, begin + ahead[-1] + 1)):
+        if k - begin == ahead[h]:
+            if count[k] > 0.0 and np.isfinite(left[k, 0]):
+                errors[h] = -(read[k, :6] @ state)
+                errors[h, :, :columns] -= read_moved[k, :6]
+                errors[h, :, columns] += left[k, :6]
+            h += 1
+            if h == len(ahead):
+                break
+        state = step[k] @ state + push[k] @ wrench
+        for i in range(12):
+            for j in range(columns):
+                state[i, j] += moved[k, i, j]
+            state[i, columns] += defect[k, i]
+        for i in range(6):
+            for j in range(columns + 1):
+                wrench[i, j] *= fading[12 + i]

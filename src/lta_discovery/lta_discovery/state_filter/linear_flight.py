@@ -1,0 +1,253 @@
+"""
+Linearize the model about the measured motion of a flight, one grid period at a time.
+
+From the measured state at a grid point the model flies one period. How far it misses the next
+measured state (the defect), and how the miss depends on state, unexplained wrench and parameters,
+is all that a linear filter needs. Nothing diverges, however wrong the vehicle file is: errors do
+not add up beyond a period, because the filter, not the linearization, carries them on.
+"""
+
+from collections.abc import Sequence
+from copy import copy
+from dataclasses import dataclass, replace
+from typing import final
+
+from lta_discovery.fit.bounds import apply_parameters
+from lta_discovery.flights.measured_flight import CHANNELS, MeasuredFlight, PERIOD
+from lta_discovery.flights.windows import Windows
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.model.quaternions import (
+    quaternion_conjugate,
+    quaternion_logarithm,
+    quaternion_product,
+)
+from lta_discovery.model.replay_kernel import BODY_PLACES
+from lta_discovery.replay.linearization_inputs import (
+    LinearizationInputs,
+    prepare_linearization,
+)
+from lta_discovery.replay.linearized_flight import AXES, LinearizationPoint, SENSORS
+from lta_discovery.replay.reading_jacobian import reading_jacobians
+from lta_discovery.replay.replay import FlightReplay, STEPS
+from lta_discovery.replay.sensing import (
+    estimate_floor_pressure,
+    ideal_readings,
+    pose_sensitivity,
+    predict_pose,
+    predict_readings,
+    SensorPlaces,
+    transform_to_map,
+)
+from lta_discovery.replay.variational_equation import discretize_dynamics, WIDTH
+from lta_discovery.state_filter.motion import collect_readings, find_runs, fit_motion
+from lta_model.vehicle import Vehicle
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+POSE = 6  # number of pose channels, the first of CHANNELS
+ABSENT = np.array([0.0] * 6 + [1.0] + [0.0] * 6)  # state where the motion is not known
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class LinearFlight:
+    """
+    A flight as a linear system about its measured motion, of n grid points and K parameters.
+
+    A change of state has twelve components: position in the map, rotation vector in the body, body
+    velocity and rates. One period takes it to `step @ change + push @ wrench + moved @ parameters
+    + defect`. Readings less those of the measured motion are `read @ change + felt @ wrench +
+    read_moved @ parameters`, and noise.
+    """
+
+    motion: Array  # states of the body in the map, shape (n, 13)
+    step: Array  # shape (n, 12, 12)
+    push: Array  # per unit of the unexplained wrench, shape (n, 12, 6)
+    moved: Array  # shape (n, 12, K)
+    defect: Array  # shape (n, 12)
+    left: Array  # measured less predicted readings; NaN where nothing was read, shape (n, m)
+    read: Array  # shape (n, m, 12)
+    felt: Array  # shape (n, m, 6)
+    read_moved: Array  # shape (n, m, K)
+    count: Array  # number of poses that a reading is the mean of, shape (n,)
+    runs: Sequence[tuple[int, int]]  # first and end of the parts in which the motion is known
+    nominal: NominalVehicle  # the vehicle of this point
+
+    @property
+    def is_finite(self) -> bool:
+        """Whether the model could be linearized wherever the motion is known."""
+        return all(
+            bool(np.isfinite(part[begin : end - 1]).all())
+            for begin, end in self.runs
+            for part in (self.step, self.push, self.moved, self.defect)
+        )
+
+    def select(self, which: Sequence[int]) -> 'LinearFlight':
+        """Return the flight with the columns of some parameters only."""
+        picked = list(which)
+        return replace(
+            self,
+            moved=np.ascontiguousarray(self.moved[..., picked]),
+            read_moved=np.ascontiguousarray(self.read_moved[..., picked]),
+        )
+
+
+@final
+class FlightSystem:
+    """
+    A measured flight, ready to be linearized for any parameters.
+
+    `with_future`: whether the measured motion at a point may use later poses. Forecasts must not.
+    """
+
+    def __init__(
+        self,
+        vehicle: Vehicle,
+        flight: MeasuredFlight,
+        parameters: Sequence[FreeParameter],
+        with_future: bool = True,
+    ) -> None:
+        self.flight, self.parameters, self.vehicle = flight, list(parameters), vehicle
+        self._motion = fit_motion(flight, with_future)
+        self.runs = find_runs(flight, self._motion)
+        readings, self._count = collect_readings(flight, self._motion)
+        self._position, self._quaternion = readings[:, :3], readings[:, 3:]
+        count = len(flight.time) - 1
+        every = Windows(
+            np.arange(count),
+            1,
+            np.where(np.isfinite(self._motion), self._motion, ABSENT)[:-1],
+            np.ones((count, 1), dtype=np.bool_),
+            2,
+        )
+        self.replay = FlightReplay(flight, every, vehicle.pack_command(()))
+        places = SensorPlaces.from_vehicle(vehicle, 0.0)
+        self._places = SensorPlaces.from_vehicle(vehicle, estimate_floor_pressure(flight, places))
+        self.channels = POSE if flight.has_only_pose else len(CHANNELS)
+
+    def with_parameters(self, parameters: Sequence[FreeParameter]) -> 'FlightSystem':
+        """Return the flight with other assumptions about its parameters."""
+        out = copy(self)
+        out.parameters = list(parameters)
+        return out
+
+    def linearize(
+        self, nominal: NominalVehicle, values: Array, columns: Flags | None = None
+    ) -> LinearFlight:
+        """
+        Linearize about parameters, relative to a vehicle, shape (K,).
+
+        `columns`: parameters whose columns are computed; the others are 0. All by default. Raise
+        `BadInput` for an impossible vehicle.
+        """
+        there, values = apply_parameters(nominal, self.parameters, values)
+        none = np.zeros((0, 0))
+        point = LinearizationPoint(there, np.append(values, np.zeros(len(SENSORS))), none)
+        about = prepare_linearization(self.replay, self.parameters, point, columns)
+        acting = about.rows.acting
+        motion_there = np.where(np.isfinite(self._motion), self._motion, ABSENT)
+        motion = transform_to_map(motion_there, acting)
+        end, step, push, moved, defect = self._linearize_steps(motion, about)
+        n, m = len(motion), self.channels
+        left, read = np.full((n, m), np.nan), np.zeros((n, m, WIDTH))
+        felt, read_moved = np.zeros((n, m, AXES)), np.zeros((n, m, len(self.parameters)))
+        time = self.flight.time[None]
+        # The last point needs a state after it only where a pose is shifted in time
+        grid = np.concatenate([motion, motion[-1:]])[None]
+        position, quaternion = predict_pose(grid, time, acting)
+        left[:, :3] = self._position - position[0]
+        left[:, 3:POSE] = _rotation_between(quaternion[0], self._quaternion)
+        eye = np.ascontiguousarray(np.broadcast_to(np.eye(WIDTH), (n, WIDTH, WIDTH)))
+        read[:, :POSE] = pose_sensitivity(eye, motion, acting)
+        for turn, k in zip(about.turned, about.reading, strict=True):
+            before, after = (
+                predict_pose(grid, time, rows.acting) for rows in (turn.before, turn.after)
+            )
+            change = [(after[0] - before[0])[0], _rotation_between(before[1][0], after[1][0])]
+            read_moved[:, :POSE, k] = np.concatenate(change, axis=1) / turn.step
+        if m > POSE:
+            parts = (left, read, felt, read_moved)
+            self._linearize_sensors(motion, end, about, parts, (step, push, moved))
+        left[~self.flight.usable] = np.nan
+        return LinearFlight(
+            motion, step, push, moved, defect, left, read, felt, read_moved, self._count,
+            self.runs, there,
+        )  # fmt: skip
+
+    def _linearize_steps(
+        self, motion: Array, about: LinearizationInputs
+    ) -> tuple[Array, Array, Array, Array, Array]:
+        """Return the states after a period, and its step, push, moved and defect."""
+        n, replay = len(motion), self.replay
+        latent = np.zeros((n - 1, replay.span, AXES))
+        states = replay.integrate_pieces(
+            about.rows, about.ready, np.ascontiguousarray(motion[:-1]), latent
+        )
+        end, middle = states[:, -1], np.ascontiguousarray(states[:, STEPS // 2 :: STEPS])
+        none = np.zeros((n - 1, 1, AXES))
+        a, b = discretize_dynamics(replay.state_jacobians(about.turns, middle, none), PERIOD)
+        # Accelerations enter the last six components of a change only
+        b = b[:, 0, :, AXES:]
+        answers = replay.parameter_sensitivities(about.turns, middle, none)[:, 0]
+        step, push = np.zeros((n, WIDTH, WIDTH)), np.zeros((n, WIDTH, AXES))
+        moved, defect = np.zeros((n, WIDTH, len(self.parameters))), np.zeros((n, WIDTH))
+        step[:-1] = a[:, 0]
+        push[:-1] = b @ about.rows.body[BODY_PLACES['inverse']].reshape(AXES, AXES)
+        moved[:-1, :, list(about.moving)] = b @ answers
+        nearest = motion[1:]
+        defect[:-1] = np.concatenate(
+            [
+                end[:, :3] - nearest[:, :3],
+                _rotation_between(nearest[:, 3:7], end[:, 3:7]),
+                end[:, 7:] - nearest[:, 7:],
+            ],
+            axis=1,
+        )
+        return end, step, push, moved, defect
+
+    def _linearize_sensors(
+        self,
+        motion: Array,
+        end: Array,
+        about: LinearizationInputs,
+        out: tuple[Array, Array, Array, Array],
+        steps: tuple[Array, Array, Array],
+    ) -> None:
+        """
+        Write the rows of inertial unit, range finder and barometer.
+
+        A rate or force is a mean over the period, so that it depends on the state after it as
+        well, which follows from the one before.
+        """
+        left, read, felt, read_moved = out
+        step, push, moved = (each[:-1] for each in steps)
+        # Each period as a piece of its own, from the measured state to the model's
+        grid, time = np.stack([motion[:-1], end], axis=1), self.flight.time[:-1, None]
+        acting, places = about.rows.acting, self._places
+        exact = ideal_readings(grid[:, :1], grid[:, 1:], places)
+        base = predict_readings(grid, time, acting, places, exact).readings[:, 0]
+        left[:-1, POSE:] = self.flight.readings[:-1] - base
+        first, last = reading_jacobians(grid, exact, time, acting, places)
+        first, last = first[:, 0], last[:, 0]
+        # Range and pressure are of an instant
+        last[:, 6:] = 0.0
+        read[:-1, POSE:] = first + last @ step
+        felt[:-1, POSE:] = last @ push
+        read_moved[:-1, POSE:] = last @ moved
+        for turn, k in zip(about.turned, about.reading, strict=True):
+            before, after = (
+                predict_readings(grid, time, rows.acting, places, exact).readings[:, 0]
+                for rows in (turn.before, turn.after)
+            )
+            read_moved[:-1, POSE:, k] += (after - before) / turn.step
+        absent = ~np.isfinite(self.flight.noise[POSE:])
+        left[:, POSE:][:, absent] = np.nan
+
+
+def _rotation_between(first: Array, second: Array) -> Array:
+    """Return the rotation vectors from some attitudes to others, in the axes of the first."""
+    return quaternion_logarithm(quaternion_product(quaternion_conjugate(first), second))

@@ -1,0 +1,104 @@
+"""The filter against the joint normal distribution of a small flight, as one dense matrix."""
+
+from dataclasses import replace
+
+from lta_discovery.flights.measured_flight import PERIOD
+from lta_discovery.state_filter.kalman import BODY, filter_flight
+import numpy as np
+import pytest
+from scipy.stats import multivariate_normal
+
+from .dense_gaussian import build_dense, build_flight, NOISE, PARAMETERS, RUN
+
+STARTS = np.array([3, 5, 8])
+HORIZONS = (PERIOD, 3.0 * PERIOD)
+
+
+@pytest.mark.parametrize('seed', [1, 2])
+@pytest.mark.parametrize('parameters', [(0.0, 0.0, 0.0), (0.7, -1.2, 0.4)])
+def test_the_likelihood_is_that_of_the_joint_distribution(
+    seed: int, parameters: tuple[float, ...]
+) -> None:
+    flight = build_flight(seed)
+    dense = build_dense(flight, NOISE)
+    told = filter_flight(flight, NOISE)
+    columns = np.append(parameters, 1.0)
+    found = -0.5 * (told.log_determinant + columns @ told.products @ columns)
+    found -= 0.5 * len(dense.values) * np.log(2.0 * np.pi)
+    mean = dense.design @ np.array(parameters)
+    wanted = multivariate_normal(mean, dense.covariance).logpdf(dense.values)
+    assert found == pytest.approx(wanted, rel=1e-9)
+
+
+def test_the_most_likely_parameters_are_those_of_generalized_least_squares() -> None:
+    flight = build_flight(3)
+    dense = build_dense(flight, NOISE)
+    products = filter_flight(flight, NOISE).products
+    weight = np.linalg.inv(dense.covariance)
+    precision = dense.design.T @ weight @ dense.design
+    np.testing.assert_allclose(products[:-1, :-1], precision, rtol=1e-7)
+    np.testing.assert_allclose(
+        -np.linalg.solve(products[:-1, :-1], products[:-1, -1]),
+        np.linalg.solve(precision, dense.design.T @ weight @ dense.values),
+        rtol=1e-7,
+    )
+
+
+def test_the_state_at_a_start_is_the_mean_given_the_readings_so_far() -> None:
+    """Wrench and slow error of the tracker, too, for any parameters."""
+    flight, parameters = build_flight(4), np.array([0.5, -0.3, 0.8])
+    dense = build_dense(flight, NOISE)
+    told = filter_flight(flight, NOISE, STARTS)
+    columns = np.append(parameters, 1.0)
+    for s, start in enumerate(STARTS):
+        at = start - RUN[0]
+        wanted = dense.condition(at, at + 1, parameters)
+        np.testing.assert_allclose(told.states[s] @ columns, wanted, rtol=1e-7, atol=1e-9)
+        some = dense.select(at + 1)
+        left = (dense.values - dense.design @ parameters)[some]
+        known = left @ np.linalg.solve(dense.covariance[np.ix_(some, some)], left)
+        assert columns @ told.sums[s] @ columns == pytest.approx(known, rel=1e-8)
+
+
+def test_forecasts_are_the_means_given_the_readings_up_to_their_start() -> None:
+    """Without what is left of the tracker's slow error, which no forecast has to meet."""
+    flight, parameters = build_flight(5), np.array([-0.4, 0.6, 0.2])
+    dense = build_dense(flight, NOISE)
+    errors = filter_flight(flight, NOISE, STARTS, HORIZONS).errors @ np.append(parameters, 1.0)
+    for s, start in enumerate(STARTS):
+        for h, horizon in enumerate(HORIZONS):
+            k = start + round(horizon / PERIOD)
+            state = dense.condition(k - RUN[0], start - RUN[0] + 1, parameters)[:BODY]
+            wanted = flight.left[k] - flight.read[k] @ state - flight.read_moved[k] @ parameters
+            if flight.count[k] == 0.0:
+                assert np.isnan(errors[s, h]).all()
+            else:
+                np.testing.assert_allclose(errors[s, h], wanted, rtol=1e-7, atol=1e-10)
+
+
+def test_forecasts_are_those_of_a_filter_without_later_readings() -> None:
+    flight = build_flight(6)
+    told = filter_flight(flight, NOISE, STARTS[1:2], HORIZONS)
+    blind = flight.left.copy()
+    blind[STARTS[1] + 1 :] = np.nan
+    ahead = STARTS[1] + np.rint(np.array(HORIZONS) / PERIOD).astype(np.int64)
+    later = filter_flight(replace(flight, left=blind), NOISE, ahead)
+    for h, k in enumerate(ahead):
+        wanted = -np.einsum('ms,sk->mk', flight.read[k], later.states[h, :BODY])
+        wanted[:, :PARAMETERS] -= flight.read_moved[k]
+        wanted[:, PARAMETERS] += flight.left[k]
+        np.testing.assert_allclose(told.errors[0, h], wanted, rtol=1e-9, atol=1e-12)
+
+
+def test_two_runs_of_a_flight_are_independent_but_for_the_parameters() -> None:
+    """Of the second run, the likelihood and the starts begin anew; what is known adds up."""
+    flight = build_flight(7)
+    parts = [replace(flight, runs=[one]) for one in ((1, 6), (7, 13))]
+    first, second = (filter_flight(one, NOISE, np.array([3, 8]), HORIZONS) for one in parts)
+    whole = replace(flight, runs=[(1, 6), (7, 13)])
+    both = filter_flight(whole, NOISE, np.array([3, 8]), HORIZONS)
+    np.testing.assert_allclose(both.products, first.products + second.products, rtol=1e-12)
+    total = first.log_determinant + second.log_determinant
+    assert both.log_determinant == pytest.approx(total, rel=1e-12)
+    np.testing.assert_allclose(both.sums[1], first.products + second.sums[1], rtol=1e-12)
+    np.testing.assert_array_equal(both.errors[1], second.errors[1])
