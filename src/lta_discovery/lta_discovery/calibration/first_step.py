@@ -111,7 +111,8 @@ def calibrate_first(
         alone = [role for _, role, _ in fit_flights].count('train') == 1
         if alone and _is_clearly_better(calibration, lifts):
             return FirstStep(_mark_reasons(calibration, lifts))
-    return FirstStep(lifts=tuple(lifts) if calibration.method == 'likelihood' else ())
+    # By whatever the values are fitted, the readings of each flight tell its lift
+    return FirstStep(lifts=tuple(lifts) if calibration.method != 'file' else ())
 
 
 def _is_clearly_better(calibration: Calibration, reasons: Sequence[CalibratedValue]) -> bool:

@@ -250,7 +250,12 @@ def test_one_training_flight_shows_with_a_confirming_one_that_lifts_differ(
 
 @pytest.mark.parametrize(
     ('method', 'highest', 'differ'),
-    [('likelihood', 0.021, True), ('likelihood', 0.0125, False), ('forecasts', 0.021, False)],
+    [
+        ('likelihood', 0.021, True),
+        ('likelihood', 0.0125, False),
+        ('forecasts', 0.021, True),
+        ('file', 0.021, False),
+    ],
 )
 def test_flights_of_a_good_file_may_have_lifts_of_their_own(
     vehicle: Vehicle,
