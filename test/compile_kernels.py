@@ -15,10 +15,10 @@ from discovery.hidden_flight import flown, nominal, prepared  # noqa: E402
 from lta_challenge.case import CaseGenerator  # noqa: E402
 from lta_challenge.make import load_challenge_vehicle  # noqa: E402
 from lta_discovery.replay.linearized_flight import unchanged_vehicle_point  # noqa: E402
+from lta_discovery.state_filter.forecast_sums import list_starts  # noqa: E402
 from lta_discovery.state_filter.kalman import filter_flight  # noqa: E402
 from lta_discovery.state_filter.linear_flight import FlightSystem  # noqa: E402
 from lta_discovery.state_filter.noise_model import NoiseModel  # noqa: E402
-from lta_discovery.state_filter.parameter_fit import list_starts  # noqa: E402
 from lta_model.vehicle import load_vehicle  # noqa: E402
 import numpy as np  # noqa: E402
 

@@ -11,8 +11,8 @@ from typing import Final, final
 
 from lta_discovery.flights.measured_flight import MeasuredFlight, PERIOD
 from lta_discovery.flights.windows import find_usable_runs
+from lta_discovery.state_filter.forecast_sums import list_starts
 from lta_discovery.state_filter.forecasts import COASTING, LEAST_COASTING
-from lta_discovery.state_filter.parameter_fit import list_starts
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares

@@ -31,8 +31,9 @@ from lta_discovery.state_filter.forecasts import (
     forecast_flights,
     list_flight_parameters,
 )
+from lta_discovery.state_filter.likelihood import linearize_all, ParameterPrior
+from lta_discovery.state_filter.noise_fit import learn_noise
 from lta_discovery.state_filter.noise_model import average_noise, NoiseModel
-from lta_discovery.state_filter.parameter_fit import learn_noise, linearize_all, ParameterPrior
 from lta_model.vehicle import load_vehicle, Vehicle
 from lta_report.formatting import Tile
 from lta_report.json_value import to_json_value

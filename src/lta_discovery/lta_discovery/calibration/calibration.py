@@ -14,7 +14,7 @@ from lta_discovery.calibration.prepared_flights import (
 )
 from lta_discovery.calibration.result import CalibratedValue, Calibration, ForecastScore, WIDE
 from lta_discovery.calibration.reversed_thrust import state_by_duty
-from lta_discovery.calibration.scores import relative_error, score_vehicles
+from lta_discovery.calibration.scores import forecast_role, relative_error, score_forecasts
 from lta_discovery.fit.bounds import apply_parameters
 from lta_discovery.flights.role_assignment import Role
 from lta_discovery.model.calibration_parameters import (
@@ -24,10 +24,7 @@ from lta_discovery.model.calibration_parameters import (
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter, NET_LIFT
 from lta_discovery.state_filter.noise_model import average_noise, NoiseModel
-from lta_discovery.state_filter.parameter_fit import (
-    fit_forecasts,
-    ParameterFit,
-)
+from lta_discovery.state_filter.parameter_fit import fit_forecasts, ParameterFit
 from lta_model.vehicle import Vehicle
 import numpy as np
 from numpy.typing import NDArray
@@ -80,7 +77,8 @@ def calibrate_flights(
     best, built, train = _choose_estimate(prepared, estimates, noise)
     scores = {'train': train}
     if prepared.flights['confirm']:
-        scores['confirm'] = score_vehicles(prepared, 'confirm', (nominal, built), noise)
+        both = (forecast_role(prepared, 'confirm', one, noise) for one in (nominal, built))
+        scores['confirm'] = score_forecasts(*both)
     tell('done', 1.0)
     return Calibration(
         name,
@@ -98,7 +96,7 @@ def calibrate_flights(
 
 
 def _list_estimates(prepared: PreparedCalibration, fit: ParameterFit) -> list[_Estimate]:
-    """Return the estimates in the order of preference; that of the file is the last."""
+    """Return the estimates in the order of preference; that of the vehicle file is the last."""
     systems, nominal = prepared.systems, prepared.nominal
     out = [_Estimate('likelihood', fit.values, fit.covariance, _join(fit))]
     # From the file as well: where nothing explains single readings, a fit to them is a poor start
@@ -106,7 +104,7 @@ def _list_estimates(prepared: PreparedCalibration, fit: ParameterFit) -> list[_E
         try:
             ahead = fit_forecasts(systems, nominal, begin, fit.noise, prepared.horizons)
             out.append(_widen_intervals(ahead, fit))
-        except (BadInput, np.linalg.LinAlgError):
+        except BadInput:
             continue
     unknown = np.diag([one.tolerance**2 for one in prepared.parameters])
     none = np.zeros(len(fit.values))
@@ -145,19 +143,18 @@ def _choose_estimate(
     None is returned that forecasts them worse than the vehicle file.
     """
     nominal, error = prepared.nominal, math.inf
-    chosen = estimates[-1], nominal, tuple[ForecastScore, ...]()
-    for one in estimates:
+    file = forecast_role(prepared, 'train', nominal, noise)
+    chosen = estimates[-1], nominal, score_forecasts(file, file)
+    for one in estimates[:-1]:
         try:
             built = _build_calibrated_vehicle(nominal, prepared.parameters, one, True)
-            scores = score_vehicles(prepared, 'train', (nominal, built), noise)
-        except (BadInput, np.linalg.LinAlgError):
+            scores = score_forecasts(file, forecast_role(prepared, 'train', built, noise))
+        except BadInput:
             continue
-        now, method = relative_error(scores), chosen[0].method
-        limit = error if one.method == method or math.isinf(error) else BETTER * error
-        if now < min(limit, 1.0):
+        now = relative_error(scores)
+        preferred = one.method == chosen[0].method or math.isinf(error)
+        if now < min(1.0, error if preferred else BETTER * error):
             chosen, error = (one, built, scores), now
-        elif one.method == 'file' and math.isinf(error):
-            chosen = one, built, scores
     return chosen
 
 

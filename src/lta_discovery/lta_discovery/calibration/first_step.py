@@ -23,10 +23,11 @@ from lta_discovery.calibration.result import (
     ForecastScore,
 )
 from lta_discovery.calibration.scores import (
+    forecast_role,
     is_contradicted,
     relative_error,
     relative_position_error,
-    score_vehicles,
+    score_forecasts,
 )
 from lta_discovery.flights.role_assignment import assign_roles, Role
 from lta_discovery.model.parameters import NET_LIFT
@@ -176,7 +177,8 @@ def _list_suspicions(vehicle: Vehicle, flights: Sequence[Role]) -> list[str]:
         return off
     # A pendulum of another period does not show in few steps
     noise = average_noise(fit.noise)
-    scores = score_vehicles(prepared, 'train', (prepared.nominal,), noise)
+    alone = forecast_role(prepared, 'train', prepared.nominal, noise)
+    scores = score_forecasts(alone, alone)
     return ['forecasts'] if _predicts_poorly({'all': scores}, POOR) else []
 
 

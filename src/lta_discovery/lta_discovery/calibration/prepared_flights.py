@@ -17,10 +17,10 @@ from lta_discovery.model.calibration_parameters import (
 )
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.state_filter.forecast_sums import choose_horizons
 from lta_discovery.state_filter.linear_flight import FlightSystem
 from lta_discovery.state_filter.noise_model import NoiseModel
 from lta_discovery.state_filter.parameter_fit import (
-    choose_horizons,
     fit_likelihood,
     ParameterFit,
     ROUNDS,
@@ -158,7 +158,7 @@ def _choose_heading(prepared: PreparedCalibration) -> float:
         begin[heading] += angle
         try:
             look = fit_likelihood(systems[:FEW], nominal, begin, noise[:FEW], QUICK, ())
-        except (BadInput, np.linalg.LinAlgError):
+        except BadInput:
             continue
         if look.evidence > most + CLEARLY:
             best, most = angle, look.evidence

@@ -20,26 +20,14 @@ Array = NDArray[np.float64]
 WORSE: Final = 1.05  # relative error on confirming flights that contradicts a calibration
 
 
-def score_vehicles(
-    prepared: PreparedCalibration,
-    role: str,
-    vehicles: Sequence[NominalVehicle],
-    noise: NoiseModel,
-) -> tuple[ForecastScore, ...]:
-    """Return the scores of the first and of the last of some vehicles on the flights of a role."""
+def forecast_role(
+    prepared: PreparedCalibration, role: str, nominal: NominalVehicle, noise: NoiseModel
+) -> list[FlightForecasts]:
+    """Return the forecasts of the flights of a role with a vehicle."""
     flights = prepared.flights[role]
-    forecasts = [
-        forecast_flights(
-            prepared.vehicle,
-            nominal,
-            flights,
-            list_flight_parameters(nominal, prepared.parameters),
-            [noise] * len(flights),
-            prepared.horizons,
-        )
-        for nominal in vehicles
-    ]
-    return score_forecasts(forecasts[0], forecasts[-1])
+    own = list_flight_parameters(nominal, prepared.parameters)
+    noises = [noise] * len(flights)
+    return forecast_flights(prepared.vehicle, nominal, flights, own, noises, prepared.horizons)
 
 
 def score_forecasts(

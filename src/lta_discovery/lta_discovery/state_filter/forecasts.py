@@ -1,12 +1,11 @@
 """
 Forecast flights from what they have shown so far, and measure the errors.
 
-This is the one judge of models: `lta calibrate`, `lta simulate --commands --forecasts` and the
-scores of the project use it. A forecast begins at the estimate of a filter through the model that
-has seen the readings up to there and none after it. The commands that were given later are known.
-What differs from flight to flight is learned on the way: lift and biases by the filter, and the
-strength of the commands from those forecasts that have ended by then. The unexplained wrench goes
-on and decays.
+`lta calibrate` and `lta simulate --commands --forecasts` judge vehicles by these. A forecast
+begins at the estimate of a filter through the model that has seen the readings up to there and
+none after it. The commands that were given later are known. What differs from flight to flight is
+learned on the way: lift and biases by the filter, and the strength of the commands from those
+forecasts that have ended by then. The unexplained wrench goes on and decays.
 """
 
 from collections.abc import Sequence
@@ -30,17 +29,17 @@ from lta_discovery.parallel import map_parallel
 from lta_discovery.replay.replay import FlightReplay, STEPS
 from lta_discovery.replay.sensing import predict_pose
 from lta_discovery.replay.variational_equation import apply_state_changes
-from lta_discovery.state_filter.kalman import BODY, filter_flight
-from lta_discovery.state_filter.linear_flight import FlightSystem, LinearFlight, POSE
-from lta_discovery.state_filter.noise_model import NoiseModel
-from lta_discovery.state_filter.parameter_fit import (
+from lta_discovery.state_filter.forecast_sums import (
     EVERY,
     HORIZONS,
     list_starts,
-    ParameterPrior,
     settle_own,
     weigh_errors,
 )
+from lta_discovery.state_filter.kalman import BODY, filter_flight
+from lta_discovery.state_filter.likelihood import ParameterPrior
+from lta_discovery.state_filter.linear_flight import FlightSystem, LinearFlight, POSE
+from lta_discovery.state_filter.noise_model import NoiseModel
 from lta_model.vehicle import Vehicle
 import numpy as np
 from numpy.typing import NDArray
@@ -50,7 +49,7 @@ Array = NDArray[np.float64]
 APART: Final = 1.5  # s; between the starts of forecasts
 COASTING: Final = 12  # grid periods; the straight line of coasting goes through half a second
 # Relative standard deviation of the strength of a command between flights: batteries and trim
-# differ. Half and twice of it change the errors on real flights by at most 4 and 8 % after 3, 8 s
+# differ. Half and twice of it change the errors on real flights by about 4 and 8 % after 3 and 8 s
 VARIES: Final = 0.3
 LEAST_COASTING: Final = 4  # poses of that line
 TREND: Final = 'helium_leak.rate'
@@ -69,22 +68,6 @@ class FlightForecasts:
     errors: Array
     coasting: Array  # the same at constant velocity and rates
     headings: Array  # of the nose at each start, shape (S,) [rad]
-
-    def rms(self, horizon: float) -> tuple[float, float]:
-        """Return the RMS errors of position and attitude. [m, rad]"""
-        return rms_errors([self.errors], self.horizons.index(horizon))
-
-
-def rms_errors(errors: Sequence[Array], h: int) -> tuple[float, float]:
-    """Return RMS errors of position and attitude at a horizon, over (S, H, 6) of flights."""
-    both = np.concatenate([one[:, h] for one in errors])
-    both = both[~np.isnan(both).any(axis=1)]
-    if not len(both):
-        return np.nan, np.nan
-    place, turn = (float(np.sqrt(np.mean(np.sum(part**2, axis=1)))) for part in (
-        both[:, :3], both[:, 3:],
-    ))  # fmt: skip
-    return place, turn
 
 
 def forecast_flights(
@@ -160,21 +143,28 @@ def _forecast_flight(
     prior = ParameterPrior.of(system.parameters)
     linear = system.linearize(nominal, np.zeros(len(system.parameters)))
     starts = list_starts(linear.runs, apart)
+    coasting = coast(system.flight, starts, horizons)
+    try:
+        values, states = _estimate_starts(linear, noise, prior, starts)
+        errors = _fly_forecasts(system, nominal, linear, starts, values, states, noise, horizons)
+    except np.linalg.LinAlgError:
+        # So unstable that a filter loses it
+        errors = np.where(np.isnan(coasting), np.nan, np.inf)
+    headings = _compute_headings(linear.motion[starts])
+    return FlightForecasts(system.flight.time[starts], horizons, errors, coasting, headings)
+
+
+def _estimate_starts(
+    linear: LinearFlight, noise: NoiseModel, prior: ParameterPrior, starts: NDArray[np.int64]
+) -> tuple[Array, Array]:
+    """Return the flight's own parameters and the filter's state at each start."""
     seen = filter_flight(linear, noise, starts)
     strengths = _learn_strengths(linear, noise, prior, starts)
-    values = np.array([
-        _join_own(seen.sums[s], prior, strengths[s]) for s in range(len(starts))
-    ]).reshape(len(starts), len(prior.own))  # fmt: skip
+    values = np.zeros((len(starts), len(prior.own)))
+    for s in range(len(starts)):
+        values[s] = _join_own(seen.sums[s], prior, strengths[s])
     full = np.column_stack([values, np.ones(len(starts))])
-    states = np.einsum('szk,sk->sz', seen.states, full)
-    errors = _fly_forecasts(system, nominal, linear, starts, values, states, noise, horizons)
-    return FlightForecasts(
-        system.flight.time[starts],
-        horizons,
-        errors,
-        coast(system.flight, starts, horizons),
-        _compute_headings(linear.motion[starts]),
-    )
+    return values, np.einsum('szk,sk->sz', seen.states, full)
 
 
 def _learn_strengths(

@@ -42,9 +42,8 @@ class FilteredFlight:
 
     products: Array  # of the whitened innovations, shape (K + 1, K + 1)
     log_determinant: float  # of their covariances
-    # Of each forecast: grid point of its start, state estimated there by the readings so far, and
-    # products up to there, shape (S,), (S, SIZE, K + 1), (S, K + 1, K + 1)
-    starts: Indices
+    # At each start of a forecast: state estimated by the readings so far, and products up to
+    # there, shape (S, SIZE, K + 1), (S, K + 1, K + 1)
     states: Array
     sums: Array
     # Measured less forecast pose at each horizon; NaN where unknown, shape (S, H, 6, K + 1)
@@ -83,7 +82,7 @@ def filter_flight(
         log_determinant += float(more[0])
         # In a later run the flight's own parameters are known from the earlier ones
         states[inside], sums[inside], errors[inside] = parts[0], parts[1] + products - own, missed
-    return FilteredFlight(products, log_determinant, starts, states, sums, errors)
+    return FilteredFlight(products, log_determinant, states, sums, errors)
 
 
 def _describe_noise(noise: NoiseModel) -> tuple[Array, Array, Array]:

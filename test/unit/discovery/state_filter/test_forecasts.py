@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+from lta_discovery.calibration.scores import score_forecasts
 from lta_discovery.flights.measured_flight import (
     FlightStreams,
     MeasuredFlight,
@@ -17,7 +18,6 @@ from lta_discovery.state_filter.forecasts import (
     FlightForecasts,
     forecast_flights,
     list_flight_parameters,
-    rms_errors,
     VARIES,
 )
 from lta_discovery.state_filter.noise_model import NoiseModel
@@ -77,11 +77,11 @@ def test_a_perfect_model_forecasts_to_millimetres(gtmab: Known) -> None:
     flight = resample_flight(fly({}, 41, 24.0, 0.0))
     told = forecast(flight, nominal, [], is_exact=True)
     assert len(told.starts) > 10
-    for horizon, place, turn in ((1.0, 5e-4, 5e-4), (3.0, 1e-3, 1e-3)):
-        position, attitude = told.rms(horizon)
-        assert position < place
-        assert attitude < turn
-        assert rms_errors([told.coasting], HORIZONS.index(horizon))[0] > 50.0 * place
+    near, middle = score_forecasts([told], [told])
+    for score, place, turn in ((near, 5e-4, 5e-4), (middle, 1e-3, 1e-3)):
+        assert score.after.position < place
+        assert score.after.attitude < turn
+        assert score.coast.position > 50.0 * place
 
 
 def test_no_forecast_changes_with_later_poses(heavy: MeasuredFlight, gtmab: Known) -> None:
@@ -207,10 +207,15 @@ def test_coasting_misses_an_acceleration_by_a_closed_form() -> None:
 
 
 def test_forecasts_that_were_not_measured_do_not_count() -> None:
-    """Errors of 3, 4 cm in the plane and one unknown: 5 cm."""
+    """Errors of 3, 4 cm in the plane and one unknown: 5 cm; 0.1 rad of yaw."""
     errors = np.zeros((3, 1, 6))
     errors[:2, 0, :3] = 0.03, 0.04, 0.0
     errors[:2, 0, 5] = 0.1
     errors[2, 0, 0] = np.nan
-    assert rms_errors([errors[:1], errors[1:]], 0) == pytest.approx((0.05, 0.1))
-    assert np.isnan(rms_errors([errors[2:]], 0)).all()
+    # The nose points along y
+    flight = FlightForecasts(np.arange(3.0), (1.0,), errors, errors, np.full(3, 0.5 * np.pi))
+    (score,) = score_forecasts([flight], [flight])
+    assert score.after == pytest.approx((0.05, 0.1, 0.04, 0.03, 0.0))
+    assert score.count == 2
+    lost = replace(flight, errors=np.full((3, 1, 6), np.nan))
+    assert score_forecasts([lost], [lost]) == ()

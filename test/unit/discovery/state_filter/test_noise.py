@@ -6,9 +6,10 @@ from lta_discovery.flights.measured_flight import FlightStreams, resample_flight
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.model.quaternions import quaternion_exponential, quaternion_product
+from lta_discovery.state_filter.likelihood import ParameterPrior
 from lta_discovery.state_filter.linear_flight import FlightSystem
+from lta_discovery.state_filter.noise_fit import learn_noise
 from lta_discovery.state_filter.noise_model import average_noise, NoiseModel
-from lta_discovery.state_filter.parameter_fit import learn_noise, ParameterPrior
 from lta_model.vehicle import load_vehicle
 import numpy as np
 from numpy.typing import NDArray

@@ -6,8 +6,9 @@ from typing import Any
 
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.state_filter.forecast_sums import weigh_errors
 from lta_discovery.state_filter.linear_flight import LinearFlight
-from lta_discovery.state_filter.parameter_fit import fit_likelihood, weigh_errors
+from lta_discovery.state_filter.parameter_fit import fit_likelihood
 import numpy as np
 from numpy.typing import NDArray
 import pytest

@@ -1,0 +1,119 @@
+"""Errors of the forecasts of some flights, linear in the parameters, and their weights."""
+
+from collections.abc import Sequence
+import math
+from typing import Final, final, NamedTuple
+
+from lta_discovery.flights.measured_flight import PERIOD
+from lta_discovery.flights.noise import HALF
+from lta_discovery.parallel import map_parallel
+from lta_discovery.state_filter.kalman import filter_flight, FilteredFlight
+from lta_discovery.state_filter.likelihood import ParameterPrior
+from lta_discovery.state_filter.linear_flight import FlightSystem, LinearFlight
+from lta_discovery.state_filter.noise_model import NoiseModel
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+HORIZONS: Final = (1.0, 3.0, 8.0)  # s; of the forecasts
+SHORT: Final = (0.4, 0.8, 1.2)  # s; those of flights too short for them
+EVERY: Final = 0.75  # s; between the starts of the forecasts of a fit
+FIRST_START: Final = 1.0  # s; from the beginning of a run, in which the filter settles
+ATTITUDE: Final = 0.5  # weight of an error of attitude by that of position, each in its usual size
+ROBUST: Final = 4.5  # usual sizes; larger errors have a linear cost instead of a quadratic one
+BLOCK: Final = 10.0  # s; errors further apart than this are independent
+
+
+@final
+class ForecastSum(NamedTuple):
+    """Errors of forecasts about some parameters."""
+
+    inner: Array  # precision of the parameters, shape (K, K)
+    pull: Array  # shape (K,)
+    cost: float  # mean logarithm of the usual errors
+    blocks: Array  # pull of each block of independent errors, shape (B, K)
+
+
+def sum_forecasts(
+    flights: Sequence[LinearFlight],
+    noise: Sequence[NoiseModel],
+    prior: ParameterPrior,
+    values: Array,
+    horizons: Sequence[float],
+) -> ForecastSum:
+    """Return the errors of all forecasts about some values."""
+
+    def forecast(one: tuple[LinearFlight, NoiseModel]) -> Array:
+        return settle_own(filter_flight(*one, list_starts(one[0].runs, EVERY), horizons), prior)
+
+    errors = map_parallel(forecast, list(zip(flights, noise, strict=True)))
+    places = [
+        (f, int(start * PERIOD / BLOCK))
+        for f, flight in enumerate(flights)
+        for start in list_starts(flight.runs, EVERY)
+    ]
+    weighed, size = weigh_errors(np.concatenate(errors))
+    wide = np.where(prior.deviation > 0.0, prior.deviation, 1.0)
+    inner, pull = np.diag(wide**-2.0), -values / wide**2
+    count = len(values)
+    table = weighed.reshape(len(weighed), -1, count + 1)
+    pulls = -np.einsum('spk,sp->sk', table[..., :-1], table[..., -1])
+    flat = table[..., :-1].reshape(-1, count)
+    inner += flat.T @ flat
+    block = np.unique(places, axis=0, return_inverse=True)[1].ravel()
+    blocks = np.zeros((block.max() + 1, count))
+    np.add.at(blocks, block, pulls)
+    cost = float(np.mean(np.log(size)))
+    return ForecastSum(inner, pull + pulls.sum(axis=0), cost, blocks)
+
+
+def choose_horizons(systems: Sequence[FlightSystem]) -> tuple[float, ...]:
+    """Return the horizons of forecasts for which some flight is long enough. [s]"""
+    longest = max((b - a for one in systems for a, b in one.runs), default=0) * PERIOD
+    for horizons in (HORIZONS, SHORT):
+        fitting = tuple(one for one in horizons if one + FIRST_START < longest)
+        if fitting:
+            return fitting
+    return ()
+
+
+def list_starts(runs: Sequence[tuple[int, int]], every: float) -> NDArray[np.int64]:
+    """Return the grid points at which forecasts of a flight begin."""
+    wait, apart = round(FIRST_START / PERIOD), round(every / PERIOD)
+    return np.concatenate(
+        [np.zeros(0, dtype=np.int64), *(np.arange(a + wait, b, apart) for a, b in runs)]
+    )
+
+
+def settle_own(one: FilteredFlight, prior: ParameterPrior) -> Array:
+    """Return errors of forecasts with what the flight's own readings tell up to each start."""
+    own = np.flatnonzero(prior.own)
+    if not len(own):
+        return one.errors
+    inner = one.sums[:, own[:, None], own] + np.diag(prior.deviation[own] ** -2.0)
+    slopes = np.linalg.solve(inner, one.sums[:, own])
+    out: Array = one.errors - np.einsum('shpo,sok->shpk', one.errors[..., own], slopes)
+    out[..., own] = 0.0
+    return out
+
+
+def weigh_errors(errors: Array) -> tuple[Array, Array]:
+    """
+    Return errors of forecasts, shape (S, H, 6, K + 1), by their usual size, shape (H, 6).
+
+    Each horizon counts alike. Errors are 0 where unknown.
+    """
+    left = errors[..., -1]
+    measured = np.isfinite(left)
+    size = np.zeros(left.shape[1:])
+    for part in (slice(0, 3), slice(3, 6)):
+        for h in range(left.shape[1]):
+            some = left[:, h, part][measured[:, h, part]]
+            # An outlier must not hide the others
+            usual = np.median(np.abs(some)) / HALF if len(some) else 1.0
+            size[h, part] = usual if usual > 0.0 else 1.0
+    weight = np.array([1.0] * 3 + [ATTITUDE] * 3) / size / math.sqrt(left.shape[1])
+    far = np.where(measured, np.abs(left) / size, 0.0)
+    weight = weight * np.sqrt(ROBUST / np.maximum(far, ROBUST))
+    return np.where(measured[..., None], errors * weight[..., None], 0.0), size

@@ -1,0 +1,150 @@
+"""
+The likelihood of all readings of some flights, as a quadratic form in the parameters.
+
+Parameters that a flight has of its own, such as its lift and the biases of its sensors, are
+eliminated from the products of the filter.
+"""
+
+from collections.abc import Sequence
+from typing import Final, final, NamedTuple
+
+from lta_config.errors import BadInput
+from lta_discovery.fit.joint_fit import RAN_AWAY
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.parallel import map_parallel
+from lta_discovery.state_filter.kalman import filter_flight, FilteredFlight
+from lta_discovery.state_filter.linear_flight import FlightSystem, LinearFlight
+from lta_discovery.state_filter.noise_model import NoiseModel
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+LONGEST: Final = 1.0  # prior deviations; of a step, beyond which the linearization is not trusted
+
+
+@final
+class ParameterPrior(NamedTuple):
+    """Assumptions about parameters before a fit, relative to the vehicle file, each (K,)."""
+
+    deviation: Array
+    low: Array
+    high: Array
+    own: NDArray[np.bool_]  # whether each flight has it of its own
+
+    @classmethod
+    def of(cls, parameters: Sequence[FreeParameter]) -> 'ParameterPrior':
+        """Return the assumptions of parameters, whose tolerances are their deviations."""
+        return cls(
+            np.array([one.tolerance for one in parameters]),
+            np.array([one.low for one in parameters]),
+            np.array([one.high for one in parameters]),
+            np.array([one.per_flight for one in parameters], dtype=np.bool_),
+        )
+
+    @property
+    def free(self) -> NDArray[np.bool_]:
+        """Which parameters the flights share."""
+        free: NDArray[np.bool_] = (self.deviation > 0.0) & ~self.own
+        return free
+
+    def step(self, values: Array, inner: Array, pull: Array) -> Array:
+        """Return the values after a bounded Newton step."""
+        free = self.free
+        out = values.copy()
+        change = np.linalg.solve(inner[np.ix_(free, free)], pull[free])
+        longest = LONGEST * self.deviation[free]
+        out[free] = np.clip(
+            values[free] + np.clip(change, -longest, longest), self.low[free], self.high[free]
+        )
+        return out
+
+
+def linearize_all(
+    systems: Sequence[FlightSystem], nominal: NominalVehicle, values: Array
+) -> list[LinearFlight]:
+    """Linearize flights about shared values; raise `BadInput` for an impossible vehicle."""
+
+    def linearize(system: FlightSystem) -> LinearFlight:
+        with np.errstate(over='ignore', invalid='ignore'):
+            flight = system.linearize(nominal, values)
+        if not flight.is_finite:
+            raise BadInput(RAN_AWAY)
+        return flight
+
+    return map_parallel(linearize, systems)
+
+
+def filter_all(
+    flights: Sequence[LinearFlight], noise: Sequence[NoiseModel]
+) -> list[FilteredFlight]:
+    """Filter flights, each with its noise."""
+    return map_parallel(lambda one: filter_flight(*one), list(zip(flights, noise, strict=True)))
+
+
+def spread_out(inner: NDArray[np.floating], free: NDArray[np.bool_]) -> Array:
+    """Return a matrix of the free parameters among all."""
+    out = np.zeros((len(free), len(free)))
+    out[np.ix_(free, free)] = inner
+    return out
+
+
+@final
+class LikelihoodSum(NamedTuple):
+    """Likelihood of all readings about some values of the parameters."""
+
+    inner: Array  # precision of the parameters, shape (K, K)
+    pull: Array  # shape (K,)
+    cost: float  # negative log density at the values themselves [nats]
+    evidence: float  # log density whatever the parameters [nats]
+
+
+def sum_likelihoods(
+    filtered: Sequence[FilteredFlight], prior: ParameterPrior, values: Array
+) -> LikelihoodSum:
+    """Return the likelihood of all readings about some values."""
+    wide = np.where(prior.deviation > 0.0, prior.deviation, 1.0)
+    inner, pull = np.diag(wide**-2.0), -values / wide**2.0
+    evidence = -0.5 * float(np.sum((values / wide)[prior.free] ** 2))
+    evidence -= float(np.sum(np.log(wide[prior.free])))
+    for one in filtered:
+        products, more = _eliminate_own(one.products, prior)
+        evidence += more - 0.5 * one.log_determinant - 0.5 * float(products[-1, -1])
+        inner += products[:-1, :-1]
+        pull -= products[:-1, -1]
+    cost = -evidence
+    free = np.ix_(prior.free, prior.free)
+    change = np.linalg.solve(inner[free], pull[prior.free])
+    evidence += 0.5 * float(pull[prior.free] @ change)
+    evidence -= 0.5 * float(np.linalg.slogdet(inner[free])[1])
+    return LikelihoodSum(inner, pull, cost, evidence)
+
+
+def _eliminate_own(products: Array, prior: ParameterPrior) -> tuple[Array, float]:
+    """Return products without what the flight has of its own, and the evidence of that."""
+    own = np.flatnonzero(prior.own)
+    if not len(own):
+        return products, 0.0
+    inner = products[np.ix_(own, own)] + np.diag(prior.deviation[own] ** -2.0)
+    across = products[own]
+    left = products - across.T @ np.linalg.solve(inner, across)
+    size = np.linalg.slogdet(inner)[1] + 2.0 * np.sum(np.log(prior.deviation[own]))
+    return left, -0.5 * float(size)
+
+
+def estimate_own(
+    products: Array, prior: ParameterPrior, covariance: Array
+) -> tuple[Array, Array]:
+    """
+    Return what a flight has of its own, and its covariance, 0 for other parameters.
+
+    `covariance`: of the shared parameters, whose error its estimate shares.
+    """
+    own = np.flatnonzero(prior.own)
+    values = np.zeros(len(prior.own))
+    inner = products[np.ix_(own, own)] + np.diag(prior.deviation[own] ** -2.0)
+    values[own] = -np.linalg.solve(inner, products[own, -1])
+    slopes = np.linalg.solve(inner, products[own, :-1] * prior.free)
+    spread = np.linalg.inv(inner) + slopes @ covariance @ slopes.T
+    return values, spread_out(spread, prior.own)

@@ -1,0 +1,106 @@
+"""Learn the noise of the tracker of each flight, and the forces that nothing explains."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Final
+
+from lta_discovery.fit.evidence import wrench_floor
+from lta_discovery.parallel import map_parallel
+from lta_discovery.state_filter.kalman import AXES
+from lta_discovery.state_filter.likelihood import (
+    filter_all,
+    ParameterPrior,
+    sum_likelihoods,
+)
+from lta_discovery.state_filter.linear_flight import LinearFlight
+from lta_discovery.state_filter.motion import SHORTEST
+from lta_discovery.state_filter.noise_model import GUESS_LOGARITHMS, NoiseModel
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+Array = NDArray[np.float64]
+
+LEARNED: Final = 1500  # grid points of all flights from which the forces are learned; 60 s
+ITERATIONS: Final = 12  # most steps of the search
+# Standard deviation of the logarithm of each learned number about its first guess
+SPREAD: Final = np.array([1.0] * 4 + [0.3] + [3.0] * 6 + [0.7] * 2)
+FURTHEST: Final = 2.5  # of these deviations; bounds of the search
+SENSOR: Final = 5  # of these numbers, the first, that belong to the sensors of a flight
+
+
+def learn_noise(
+    flights: Sequence[LinearFlight],
+    prior: ParameterPrior,
+    values: Array,
+    noise: Sequence[NoiseModel],
+) -> list[NoiseModel]:
+    """
+    Return the noise under which the readings are most probable, whatever the parameters.
+
+    Unexplained forces are those of all flights. Each flight has sensor errors of its own. The
+    first part of each flight is enough.
+    """
+    parts = _shorten(flights)
+    together = _maximize(parts, prior, values, noise, np.arange(len(SPREAD)))
+    forces = together[0].logarithms[SENSOR:]
+    models = [
+        one.with_logarithms(np.concatenate([one.logarithms[:SENSOR], forces])) for one in together
+    ]
+
+    def refine(one: tuple[LinearFlight, NoiseModel]) -> NoiseModel:
+        return _maximize([one[0]], prior, values, [one[1]], np.arange(SENSOR))[0]
+
+    return map_parallel(refine, list(zip(parts, models, strict=True)))
+
+
+def _shorten(flights: Sequence[LinearFlight]) -> list[LinearFlight]:
+    """Return the first part of each flight, which is enough to learn the noise."""
+    most = max(LEARNED // len(flights), SHORTEST)
+    return [replace(one, runs=_limit_runs(one.runs, most)) for one in flights]
+
+
+def _limit_runs(runs: Sequence[tuple[int, int]], most: int) -> list[tuple[int, int]]:
+    """Return the runs up to a number of grid points."""
+    out, left = [], most
+    for begin, end in runs:
+        if left > 0:
+            out.append((begin, min(end, begin + left)))
+            left -= end - begin
+    return out
+
+
+def _maximize(
+    flights: Sequence[LinearFlight],
+    prior: ParameterPrior,
+    values: Array,
+    noise: Sequence[NoiseModel],
+    which: NDArray[np.int64],
+) -> list[NoiseModel]:
+    """Return the most probable noise, of which some numbers are changed alike in all flights."""
+    first = GUESS_LOGARITHMS.copy()
+    first[SENSOR:] = NoiseModel.guess_wrench(flights[0].nominal)
+    begin = [one.logarithms for one in noise]
+
+    def build(change: Array) -> list[NoiseModel]:
+        more = np.zeros(len(SPREAD))
+        more[which] = change
+        return [one.with_logarithms(at + more) for one, at in zip(noise, begin, strict=True)]
+
+    def cost(change: Array) -> float:
+        filtered = filter_all(flights, build(change))
+        off = (begin[0] - first)[which] + change
+        doubt = 0.5 * float(np.sum((off / SPREAD[which]) ** 2))
+        return doubt - sum_likelihoods(filtered, prior, values).evidence
+
+    limit = FURTHEST * SPREAD[which]
+    bounds = np.stack([-limit, limit]) - (begin[0] - first)[which]
+    # No model of a vehicle is better than the floor of its forces, however quiet a flight
+    least = np.full(len(SPREAD), -np.inf)
+    least[SENSOR : SENSOR + AXES] = np.log(wrench_floor(flights[0].nominal))
+    bounds = np.maximum(bounds, (least - begin[0])[which])
+    best = minimize(
+        cost, np.zeros(len(which)), method='L-BFGS-B', bounds=list(zip(*bounds, strict=True)),
+        options={'maxiter': ITERATIONS, 'ftol': 1e-6},
+    )  # fmt: skip
+    return build(best.x)
