@@ -77,8 +77,9 @@ def calibrate_flights(
     best, built, train = _choose_estimate(prepared, estimates, noise)
     scores = {'train': train}
     if prepared.flights['confirm']:
-        both = (forecast_role(prepared, 'confirm', one, noise) for one in (nominal, built))
-        scores['confirm'] = score_forecasts(*both)
+        before = forecast_role(prepared, 'confirm', nominal, noise)
+        after = forecast_role(prepared, 'confirm', built, noise)
+        scores['confirm'] = score_forecasts(before, after)
     tell('done', 1.0)
     return Calibration(
         name,

@@ -133,9 +133,7 @@ def _eliminate_own(products: Array, prior: ParameterPrior) -> tuple[Array, float
     return left, -0.5 * float(size)
 
 
-def estimate_own(
-    products: Array, prior: ParameterPrior, covariance: Array
-) -> tuple[Array, Array]:
+def estimate_own(products: Array, prior: ParameterPrior, covariance: Array) -> tuple[Array, Array]:
     """
     Return what a flight has of its own, and its covariance, 0 for other parameters.
 

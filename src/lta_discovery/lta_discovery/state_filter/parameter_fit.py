@@ -94,12 +94,14 @@ class _Search(Generic[Sums]):
             if there is not None and there.sums.cost < limit:
                 return there
             after = 0.5 * (at.values + after)
+            if self.has_settled(at.values, after):
+                break
         return None
 
-    def has_settled(self, before: _Point[Sums], after: _Point[Sums]) -> bool:
+    def has_settled(self, before: Array, after: Array) -> bool:
         """Return whether no parameter has moved far."""
-        moved = np.abs(after.values - before.values)[self.prior.free]
-        return bool(np.all(moved < SETTLED * self.prior.deviation[self.prior.free]))
+        free = self.prior.free
+        return bool(np.all(np.abs(after - before)[free] < SETTLED * self.prior.deviation[free]))
 
 
 def fit_likelihood(
@@ -133,7 +135,7 @@ def fit_likelihood(
         if after is None:
             break
         before, point = point, after
-        if number >= last and search.has_settled(before, point):
+        if number >= last and search.has_settled(before.values, point.values):
             break
     return _complete(point, prior, noise, np.linalg.inv, point.sums.evidence)
 
@@ -159,7 +161,7 @@ def fit_forecasts(
         if after is None:
             break
         before, point = point, after
-        if search.has_settled(before, point):
+        if search.has_settled(before.values, point.values):
             break
     blocks = point.sums.blocks[:, prior.free]
 
