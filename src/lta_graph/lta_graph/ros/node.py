@@ -231,7 +231,7 @@ class GraphNode(SharingNode):
             self.health.report(
                 'inputs',
                 HealthLevel.ERROR,
-                f'waiting for messages on {", ".join(missing)} from {", ".join(suspects)}',
+                f'waiting for messages on {", ".join(sorted(missing))} from {", ".join(suspects)}',
                 suspects=','.join(suspects),
             )
         elif self._received_at:
