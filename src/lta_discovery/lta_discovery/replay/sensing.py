@@ -166,6 +166,33 @@ def _transform_to_body(states: Array, arm: Array, turn: Array) -> Array:
     return np.concatenate([place, attitude, velocity, rates], axis=-1)
 
 
+def transform_to_tracker(states: Array, acting: Mapping[str, Chain]) -> Array:
+    """Transform states of the body in the map into those that a tracker measures: the inverse."""
+    if not acting['pose']:
+        return states
+    out = states
+    markers = marker_frame(acting)
+    if markers is not None:
+        arm, own = markers
+        back = np.broadcast_to(quaternion_conjugate(own), (*states.shape[:-1], 4))
+        velocity = states[..., 7:10] + np.cross(states[..., 10:13], arm)
+        shift = rotate_vectors(states[..., 3:7], np.broadcast_to(arm, velocity.shape))
+        out = np.concatenate(
+            [
+                states[..., :3] + shift,
+                quaternion_product(states[..., 3:7], quaternion_conjugate(back)),
+                rotate_vectors(back, velocity),
+                rotate_vectors(back, states[..., 10:13]),
+            ],
+            axis=-1,
+        )
+    frame, turn = tracker_frame(acting)
+    whole = np.broadcast_to(turn, (*states.shape[:-1], 4))
+    return np.concatenate(
+        [out[..., :3] @ frame.T, quaternion_product(whole, out[..., 3:7]), out[..., 7:]], axis=-1
+    )
+
+
 def pose_sensitivity(change: Array, states: Array, acting: Mapping[str, Chain]) -> Array:
     """
     Return the change of tracked poses, shape (..., 6, K), for changes of states (..., 12, K).

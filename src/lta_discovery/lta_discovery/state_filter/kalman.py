@@ -2,11 +2,12 @@
 Filter a linearized flight: a Kalman filter whose estimates are linear in the parameters.
 
 The filter's state is the change of the vehicle's state from its measured motion, an unexplained
-wrench on each axis (an Ornstein-Uhlenbeck process), and the correlated part of the tracker's
-error on each channel (another one). Every estimate is carried as columns: its slope by each
-parameter, and its value where the parameters are 0. So one pass gives the likelihood of all
-readings as a quadratic form in the parameters (Harvey, Forecasting, structural time series models
-and the Kalman filter, 1989, section 3.4), and the error of each forecast as a linear one.
+wrench on each axis (an Ornstein-Uhlenbeck process), the correlated part of the tracker's error on
+each channel, and the slow part of the pressure's error (others). Every estimate is carried as
+columns: its slope by each parameter, and its value where the parameters are 0. So one pass gives
+the likelihood of all readings as a quadratic form in the parameters (Harvey, Forecasting,
+structural time series models and the Kalman filter, 1989, section 3.4), and the error of each
+forecast as a linear one.
 """
 
 from collections.abc import Sequence
@@ -26,9 +27,13 @@ Indices = NDArray[np.int64]
 
 BODY: Final = 12  # components of a change of state
 AXES: Final = 6  # of the wrench
-SIZE: Final = BODY + AXES + POSE
+PRESSURE: Final = 13  # channel of the barometer
+SIZE: Final = BODY + AXES + POSE + 1
+BUFFERED: Final = 256  # rows
 # Deviations of the first state from its polynomial: m, rad, m/s, rad/s
 START: Final = np.array([0.05] * 3 + [0.1] * 3 + [0.2] * 6)
+WEATHER: Final = 2.4  # Pa; slow error of the pressure, that of 20 cm of air
+WEATHER_TIME: Final = 600.0  # s; in which it changes
 
 
 @final
@@ -67,7 +72,7 @@ def filter_flight(
     states, sums = np.zeros((len(starts), SIZE, count)), np.zeros((len(starts), count, count))
     errors = np.full((len(starts), len(ahead), POSE, count), np.nan)
     products, log_determinant = np.zeros((count, count)), 0.0
-    keep, spread, memory = _describe_noise(noise)
+    keep, spread, memory = describe_noise(noise)
     for begin, end in flight.runs:
         inside = np.flatnonzero((starts >= begin) & (starts < end))
         own, more = np.zeros((count, count)), np.zeros(1)
@@ -85,11 +90,11 @@ def filter_flight(
     return FilteredFlight(products, log_determinant, states, sums, errors)
 
 
-def _describe_noise(noise: NoiseModel) -> tuple[Array, Array, Array]:
+def describe_noise(noise: NoiseModel) -> tuple[Array, Array, Array]:
     """Return initial variances, variances added and factors kept in each period."""
-    memory = np.concatenate([noise.memory, np.full(POSE, noise.correlation)])
+    memory = np.concatenate([noise.memory, np.full(POSE, noise.correlation), [WEATHER_TIME]])
     fading = np.concatenate([np.ones(BODY), np.exp(-PERIOD / memory)])
-    first = np.concatenate([START, noise.wrench, noise.correlated]) ** 2
+    first = np.concatenate([START, noise.wrench, noise.correlated, [WEATHER]]) ** 2
     added = first * (1.0 - fading**2)
     return first, added, fading
 
@@ -125,6 +130,8 @@ def _filter_run(
     top, wide = np.zeros((12, columns)), np.zeros((12, size))
     h, e = np.zeros((channels, size)), np.zeros((channels, columns))
     which, next_start = np.zeros(channels, dtype=np.int64), 0
+    # Whitened innovations whose products are added together, which is faster
+    rows, filled = np.zeros((BUFFERED, columns)), 0
     for k in range(begin, end):
         n = 0
         for c in range(channels):
@@ -141,6 +148,8 @@ def _filter_run(
                     h[i, 12 + j] = felt[k, c, j]
                 if c < 6:
                     h[i, 18 + c] = 1.0
+                elif c == PRESSURE:
+                    h[i, size - 1] = 1.0
                 for j in range(columns - 1):
                     e[i, j] = -read_moved[k, c, j]
                 e[i, columns - 1] = left[k, c]
@@ -168,10 +177,16 @@ def _filter_run(
                     e[i, j] /= lower[i, i]
                 for j in range(size):
                     gain[i, j] /= lower[i, i]
-            products += e[:n].T @ e[:n]
+            if filled + n > BUFFERED:
+                products += rows[:filled].T @ rows[:filled]
+                filled = 0
+            rows[filled : filled + n] = e[:n]
+            filled += n
             x += gain.T @ e[:n]
             s -= gain.T @ gain
         if next_start < len(starts) and starts[next_start] == k:
+            products += rows[:filled].T @ rows[:filled]
+            filled = 0
             states[next_start] = x
             sums[next_start] = products
             _forecast(
@@ -208,6 +223,7 @@ def _filter_run(
             for j in range(12, size):
                 s[i, j] *= fading[i] * fading[j]
             s[i, i] += added[i]
+    products += rows[:filled].T @ rows[:filled]
 
 
 @njit(error_model='numpy', cache=True, nogil=True)

@@ -109,7 +109,7 @@ def sum_likelihoods(
     evidence = -0.5 * float(np.sum((values / wide)[prior.free] ** 2))
     evidence -= float(np.sum(np.log(wide[prior.free])))
     for one in filtered:
-        products, more = _eliminate_own(one.products, prior)
+        products, more = eliminate_own(one.products, prior)
         evidence += more - 0.5 * one.log_determinant - 0.5 * float(products[-1, -1])
         inner += products[:-1, :-1]
         pull -= products[:-1, -1]
@@ -121,7 +121,7 @@ def sum_likelihoods(
     return LikelihoodSum(inner, pull, cost, evidence)
 
 
-def _eliminate_own(products: Array, prior: ParameterPrior) -> tuple[Array, float]:
+def eliminate_own(products: Array, prior: ParameterPrior) -> tuple[Array, float]:
     """Return products without what the flight has of its own, and the evidence of that."""
     own = np.flatnonzero(prior.own)
     if not len(own):

@@ -38,6 +38,7 @@ from lta_discovery.replay.sensing import (
     predict_readings,
     SensorPlaces,
     transform_to_map,
+    transform_to_tracker,
 )
 from lta_discovery.replay.variational_equation import discretize_dynamics, WIDTH
 from lta_discovery.state_filter.motion import collect_readings, find_runs, fit_motion
@@ -86,6 +87,24 @@ class LinearFlight:
             for part in (self.step, self.push, self.moved, self.defect)
         )
 
+    def add_wrenches(self, wrenches: Array, strengths: Array) -> 'LinearFlight':
+        """
+        Return the flight with columns of wrenches.
+
+        `wrenches`: of strength 1 in each grid period, shape (n, 6, J) [N, N m]. `strengths`: about
+        which to linearize, shape (J,).
+        """
+        if not wrenches.shape[2]:
+            return self
+        moved, read_moved = self.push @ wrenches, self.felt @ wrenches
+        return replace(
+            self,
+            moved=np.concatenate([self.moved, moved], axis=2),
+            read_moved=np.concatenate([self.read_moved, read_moved], axis=2),
+            defect=self.defect + moved @ strengths,
+            left=self.left - read_moved @ strengths,
+        )
+
     def select(self, which: Sequence[int]) -> 'LinearFlight':
         """Return the flight with the columns of some parameters only."""
         picked = list(which)
@@ -128,11 +147,42 @@ class FlightSystem:
         places = SensorPlaces.from_vehicle(vehicle, 0.0)
         self._places = SensorPlaces.from_vehicle(vehicle, estimate_floor_pressure(flight, places))
         self.channels = POSE if flight.has_only_pose else len(CHANNELS)
+        self._terms = np.zeros((len(flight.time), AXES, 0))
 
     def with_parameters(self, parameters: Sequence[FreeParameter]) -> 'FlightSystem':
         """Return the flight with other assumptions about its parameters."""
         out = copy(self)
-        out.parameters = list(parameters)
+        out.parameters, out._terms = list(parameters), self._terms[..., :0]
+        return out
+
+    def with_terms(self, parameters: Sequence[FreeParameter], wrenches: Array) -> 'FlightSystem':
+        """
+        Return the flight with further parameters: the strengths of wrenches that act on it.
+
+        `wrenches`: of strength 1 in each grid period, shape (n, 6, J). [N, N m]
+        """
+        out = copy(self)
+        out.parameters = [*self._own_parameters, *parameters]
+        out._terms = wrenches
+        return out
+
+    @property
+    def _own_parameters(self) -> list[FreeParameter]:
+        """Return the parameters of the vehicle: all but the strengths of wrenches."""
+        return self.parameters[: len(self.parameters) - self._terms.shape[2]]
+
+    def with_motion(self, motion: Array, nominal: NominalVehicle) -> 'FlightSystem':
+        """
+        Return the flight with a better estimate of its motion, about which it is linearized.
+
+        `motion`: of the body in the map, NaN where unknown, shape (n, 13). `nominal`: the vehicle
+        with which it was estimated.
+        """
+        out = copy(self)
+        acting = self.replay.build_replay_rows(nominal).acting
+        there = transform_to_tracker(motion, acting)
+        better = np.isfinite(there).all(axis=1, keepdims=True)
+        out._motion = np.where(better, there, self._motion)
         return out
 
     def linearize(
@@ -144,17 +194,19 @@ class FlightSystem:
         `columns`: parameters whose columns are computed; the others are 0. All by default. Raise
         `BadInput` for an impossible vehicle.
         """
-        there, values = apply_parameters(nominal, self.parameters, values)
+        parameters = self._own_parameters
+        strengths = values[len(parameters) :]
+        there, values = apply_parameters(nominal, parameters, values[: len(parameters)])
         none = np.zeros((0, 0))
         point = LinearizationPoint(there, np.append(values, np.zeros(len(SENSORS))), none)
-        about = prepare_linearization(self.replay, self.parameters, point, columns)
+        about = prepare_linearization(self.replay, parameters, point, columns)
         acting = about.rows.acting
         motion_there = np.where(np.isfinite(self._motion), self._motion, ABSENT)
         motion = transform_to_map(motion_there, acting)
         end, step, push, moved, defect = self._linearize_steps(motion, about)
         n, m = len(motion), self.channels
         left, read = np.full((n, m), np.nan), np.zeros((n, m, WIDTH))
-        felt, read_moved = np.zeros((n, m, AXES)), np.zeros((n, m, len(self.parameters)))
+        felt, read_moved = np.zeros((n, m, AXES)), np.zeros((n, m, len(parameters)))
         time = self.flight.time[None]
         # The last point needs a state after it only where a pose is shifted in time
         grid = np.concatenate([motion, motion[-1:]])[None]
@@ -173,10 +225,11 @@ class FlightSystem:
             parts = (left, read, felt, read_moved)
             self._linearize_sensors(motion, end, about, parts, (step, push, moved))
         left[~self.flight.usable] = np.nan
-        return LinearFlight(
+        linear = LinearFlight(
             motion, step, push, moved, defect, left, read, felt, read_moved, self._count,
             self.runs, there,
         )  # fmt: skip
+        return linear.add_wrenches(self._terms, strengths)
 
     def _linearize_steps(
         self, motion: Array, about: LinearizationInputs
@@ -194,7 +247,8 @@ class FlightSystem:
         b = b[:, 0, :, AXES:]
         answers = replay.parameter_sensitivities(about.turns, middle, none)[:, 0]
         step, push = np.zeros((n, WIDTH, WIDTH)), np.zeros((n, WIDTH, AXES))
-        moved, defect = np.zeros((n, WIDTH, len(self.parameters))), np.zeros((n, WIDTH))
+        moved_count = len(self._own_parameters)
+        moved, defect = np.zeros((n, WIDTH, moved_count)), np.zeros((n, WIDTH))
         step[:-1] = a[:, 0]
         push[:-1] = b @ about.rows.body[BODY_PLACES['inverse']].reshape(AXES, AXES)
         moved[:-1, :, list(about.moving)] = b @ answers

@@ -5,6 +5,7 @@ from dataclasses import replace
 from typing import Final
 
 from lta_discovery.fit.evidence import wrench_floor
+from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.parallel import map_parallel
 from lta_discovery.state_filter.kalman import AXES
 from lta_discovery.state_filter.likelihood import (
@@ -54,6 +55,17 @@ def learn_noise(
     return map_parallel(refine, list(zip(parts, models, strict=True)))
 
 
+def log_prior_of_noise(noise: Sequence[NoiseModel], nominal: NominalVehicle) -> float:
+    """Return the logarithm of the prior density of noise, the same for all flights. [nats]"""
+    mean = np.mean([one.logarithms for one in noise], axis=0)
+    return -0.5 * float(np.sum(((mean - _guess(nominal)) / SPREAD) ** 2))
+
+
+def _guess(nominal: NominalVehicle) -> Array:
+    """Return the logarithms of the learned numbers before any reading."""
+    return np.concatenate([GUESS_LOGARITHMS[:SENSOR], NoiseModel.guess_wrench(nominal)])
+
+
 def _shorten(flights: Sequence[LinearFlight]) -> list[LinearFlight]:
     """Return the first part of each flight, which is enough to learn the noise."""
     most = max(LEARNED // len(flights), SHORTEST)
@@ -78,8 +90,7 @@ def _maximize(
     which: NDArray[np.int64],
 ) -> list[NoiseModel]:
     """Return the most probable noise, of which some numbers are changed alike in all flights."""
-    first = GUESS_LOGARITHMS.copy()
-    first[SENSOR:] = NoiseModel.guess_wrench(flights[0].nominal)
+    first = _guess(flights[0].nominal)
     begin = [one.logarithms for one in noise]
 
     def build(change: Array) -> list[NoiseModel]:

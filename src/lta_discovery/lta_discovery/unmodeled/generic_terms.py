@@ -103,7 +103,7 @@ def _project_on_knots(values: Array, nearest: Array) -> Array:
     return knots
 
 
-def _position_terms(inputs: TermInputs, scene: FlightBoundingBox) -> tuple[list[str], Array]:
+def position_terms(inputs: TermInputs, scene: FlightBoundingBox) -> tuple[list[str], Array]:
     """Return Gaussian bumps on a grid of positions, shape (S, n, SIDE^2)."""
     spots = [np.linspace(scene.low[k], scene.high[k], SIDE) for k in range(2)]
     # Standard deviation of a bump: one interval of the grid
@@ -117,7 +117,7 @@ def _position_terms(inputs: TermInputs, scene: FlightBoundingBox) -> tuple[list[
     return ['place'] * len(out), np.stack(out, axis=-1)
 
 
-def _simulate_oscillator(inputs: TermInputs, shaking: Array, hertz: float) -> Array:
+def simulate_oscillator(inputs: TermInputs, shaking: Array, hertz: float) -> Array:
     """Return position and speed of an oscillator driven by an acceleration, shape (S, n, 2)."""
     omega, dt = 2.0 * math.pi * hertz, float(inputs.time[0, 1] - inputs.time[0, 0])
     # Semi-implicit Euler with damping, written as a second-order filter
@@ -134,7 +134,7 @@ def _simulate_oscillator(inputs: TermInputs, shaking: Array, hertz: float) -> Ar
     return out
 
 
-def _list_axis_terms(
+def list_axis_terms(
     inputs: TermInputs, scene: FlightBoundingBox
 ) -> Iterator[tuple[str, list[str], Array]]:
     """Yield groups for any single axis: name, terms, values of shape (S, n, J)."""
@@ -172,7 +172,7 @@ INPUTS: Final = {0: 'surge thrust', 2: 'heave thrust', 5: 'yaw thrust'}
 USUAL_PUSH: Final = {0: 0.02, 2: 0.05, 5: 0.003}  # N, N m
 
 
-def _thrust_terms(inputs: TermInputs) -> tuple[list[str], Array]:
+def thrust_terms(inputs: TermInputs) -> tuple[list[str], Array]:
     """Return products of rotor wrench and hull motion."""
     names, values = [], []
     for axis, name in INPUTS.items():
@@ -208,7 +208,7 @@ def list_term_groups(
     # Least-squares projection from steps to knots, the same for all terms
     nearest = np.asarray(np.linalg.pinv(shares), dtype=np.float64)
     rotation = rotation_matrix(inputs.states[..., 3:7])
-    names, bumps = _position_terms(inputs, scene)
+    names, bumps = position_terms(inputs, scene)
     level = np.zeros((len(bumps), 2 * len(names), AXES, count))
     for way in range(2):
         for axis in range(3):
@@ -221,9 +221,9 @@ def list_term_groups(
     yield _build_axis_group('place', 2, names, _project_on_knots(bumps, nearest), floor)
     common = [
         (name, terms, _project_on_knots(values, nearest))
-        for name, terms, values in _list_axis_terms(inputs, scene)
+        for name, terms, values in list_axis_terms(inputs, scene)
     ]
-    terms, values = _thrust_terms(inputs)
+    terms, values = thrust_terms(inputs)
     common.append(('thrust x speed', terms, _project_on_knots(values, nearest)))
     for axis in range(AXES):
         for name, terms, knots in common:
@@ -237,7 +237,7 @@ def _build_swing_group(inputs: TermInputs, axis: int, floor: Array, nearest: Arr
     shaken = inputs.felt[..., {0: 0, 1: 1, 2: 2, 3: 1, 4: 0, 5: 1}[axis]]
     usual = 0.1  # m/s2
     swung = [
-        _simulate_oscillator(inputs, (shaken - shaken.mean()) / usual, hertz) for hertz in SWINGS
+        simulate_oscillator(inputs, (shaken - shaken.mean()) / usual, hertz) for hertz in SWINGS
     ]
     names = [f'a load swinging at {hertz} Hz' for hertz in SWINGS for _ in range(2)]
     values = np.concatenate(swung, axis=-1)

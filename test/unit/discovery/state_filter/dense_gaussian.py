@@ -1,12 +1,12 @@
 """A small random linear flight, and its joint normal distribution as one dense matrix."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import math
 from types import SimpleNamespace
 from typing import Any
 
 from lta_discovery.flights.measured_flight import PERIOD
-from lta_discovery.state_filter.kalman import START
+from lta_discovery.state_filter.kalman import PRESSURE, START, WEATHER, WEATHER_TIME
 from lta_discovery.state_filter.linear_flight import LinearFlight
 from lta_discovery.state_filter.noise_model import NoiseModel
 import numpy as np
@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 COUNT, PARAMETERS = 14, 3  # grid points, parameters
 RUN = (1, 13)  # first and end of the part that is filtered
-BODY, WHOLE = 12, 24  # components of a change of state, and of the whole state
+BODY, WHOLE = 12, 25  # components of a change of state, and of the whole state
 
 NOISE = NoiseModel(
     white=np.array([2e-3] * 3 + [3e-3] * 3),
@@ -25,9 +25,10 @@ NOISE = NoiseModel(
     wrench=np.array([0.5, 0.4, 0.3, 0.2, 0.3, 0.4]),
     memory=np.array([0.2] * 3 + [0.5] * 3),
 )
+ALL_SENSORS = replace(NOISE, white=np.concatenate([NOISE.white, np.full(8, 0.2)]))
 
 
-def build_flight(seed: int) -> LinearFlight:
+def build_flight(seed: int, channels: int = 6) -> LinearFlight:
     """Return a random flight: some grid points without a pose, some with four."""
     rng = np.random.default_rng(seed)
 
@@ -37,8 +38,8 @@ def build_flight(seed: int) -> LinearFlight:
     count = np.ones(COUNT)
     count[[4, 9]] = 0.0
     count[[2, 6, 7]] = 4.0
-    left = 0.1 * draw(COUNT, 6)
-    left[count == 0.0] = np.nan
+    left = 0.1 * draw(COUNT, channels)
+    left[count == 0.0, :6] = np.nan
     # A reading may lack a channel
     left[6, 5] = np.nan
     motion: Any = None
@@ -49,9 +50,9 @@ def build_flight(seed: int) -> LinearFlight:
         0.02 * draw(COUNT, BODY, PARAMETERS),
         0.02 * draw(COUNT, BODY),
         left,
-        0.5 * draw(COUNT, 6, BODY),
-        0.1 * draw(COUNT, 6, 6),
-        0.05 * draw(COUNT, 6, PARAMETERS),
+        0.5 * draw(COUNT, channels, BODY),
+        0.1 * draw(COUNT, channels, 6),
+        0.05 * draw(COUNT, channels, PARAMETERS),
         count,
         [RUN],
         SimpleNamespace(mass=0.1),  # type: ignore[arg-type] - enough for the noise
@@ -64,15 +65,15 @@ class DenseFlight:
 
     # Whole states, by grid point of the run: constant, slopes by the parameters, and covariance
     # with all others
-    states: Array  # shape (k, 24)
-    slopes: Array  # shape (k, 24, K)
-    spread: Array  # shape (k, 24, k, 24)
+    states: Array  # shape (k, 25)
+    slopes: Array  # shape (k, 25, K)
+    spread: Array  # shape (k, 25, k, 25)
     # Known readings
     places: list[tuple[int, int]]  # grid point of the run and channel
     values: Array  # measured less the constant part, shape (N,)
     design: Array  # shape (N, K)
     covariance: Array  # shape (N, N)
-    across: Array  # of whole states with readings, shape (k, 24, N)
+    across: Array  # of whole states with readings, shape (k, 25, N)
 
     def select(self, end: int) -> NDArray[np.bool_]:
         """Return which readings are of the grid points before one."""
@@ -91,10 +92,10 @@ def build_dense(flight: LinearFlight, noise: NoiseModel) -> DenseFlight:
     """Build the joint distribution, one grid point after the other, from its definition."""
     begin, end = flight.runs[0]
     count, width = end - begin, flight.moved.shape[2]
-    memory = np.concatenate([noise.memory, np.full(6, noise.correlation)])
-    usual = np.concatenate([noise.wrench, noise.correlated])
+    memory = np.concatenate([noise.memory, np.full(6, noise.correlation), [WEATHER_TIME]])
+    usual = np.concatenate([noise.wrench, noise.correlated, [WEATHER]])
     kept = np.exp(-PERIOD / memory)
-    # State of each grid point by independent numbers of unit variance, 24 each
+    # State of each grid point by independent numbers of unit variance, 25 each
     states, slopes = np.zeros((count, WHOLE)), np.zeros((count, WHOLE, width))
     roots = np.zeros((count, WHOLE, count * WHOLE))
     roots[0, :, :WHOLE] = np.diag(np.concatenate([START, usual]))
@@ -114,19 +115,22 @@ def build_dense(flight: LinearFlight, noise: NoiseModel) -> DenseFlight:
     spread = np.einsum('isn,jtn->isjt', roots, roots)
     places, values, design, rows, own = [], [], [], [], []
     for k in range(count):
-        for c in range(6):
+        for c in range(flight.left.shape[1]):
             value = flight.left[begin + k, c]
             if math.isnan(value):
                 continue
             row = np.zeros(WHOLE)
             row[:BODY] = flight.read[begin + k, c]
             row[BODY:18] = flight.felt[begin + k, c]
-            row[18 + c] = 1.0
+            if c < 6:
+                row[18 + c] = 1.0
+            elif c == PRESSURE:
+                row[-1] = 1.0
             places.append((k, c))
             values.append(value - row @ states[k])
             design.append(flight.read_moved[begin + k, c] + row @ slopes[k])
             rows.append(row)
-            own.append(noise.white[c] ** 2 / flight.count[begin + k])
+            own.append(noise.white[c] ** 2 / (flight.count[begin + k] if c < 6 else 1.0))
     at = [k for k, _ in places]
     both = np.array([row @ roots[k] for row, k in zip(rows, at, strict=True)])
     return DenseFlight(

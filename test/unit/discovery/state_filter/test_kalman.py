@@ -4,24 +4,25 @@ from dataclasses import replace
 
 from lta_discovery.flights.measured_flight import PERIOD
 from lta_discovery.state_filter.kalman import BODY, filter_flight
+from lta_discovery.state_filter.noise_model import NoiseModel
 import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from .dense_gaussian import build_dense, build_flight, NOISE, PARAMETERS, RUN
+from .dense_gaussian import ALL_SENSORS, build_dense, build_flight, NOISE, PARAMETERS, RUN
 
 STARTS = np.array([3, 5, 8])
 HORIZONS = (PERIOD, 3.0 * PERIOD)
 
 
-@pytest.mark.parametrize('seed', [1, 2])
+@pytest.mark.parametrize(('channels', 'noise'), [(6, NOISE), (14, ALL_SENSORS)])
 @pytest.mark.parametrize('parameters', [(0.0, 0.0, 0.0), (0.7, -1.2, 0.4)])
 def test_the_likelihood_is_that_of_the_joint_distribution(
-    seed: int, parameters: tuple[float, ...]
+    channels: int, noise: NoiseModel, parameters: tuple[float, ...]
 ) -> None:
-    flight = build_flight(seed)
-    dense = build_dense(flight, NOISE)
-    told = filter_flight(flight, NOISE)
+    flight = build_flight(1, channels)
+    dense = build_dense(flight, noise)
+    told = filter_flight(flight, noise)
     columns = np.append(parameters, 1.0)
     found = -0.5 * (told.log_determinant + columns @ told.products @ columns)
     found -= 0.5 * len(dense.values) * np.log(2.0 * np.pi)

@@ -1,0 +1,274 @@
+"""
+Find what a vehicle file lacks: fit, linearize, search, and again about what was found.
+
+All flights are linearized about a fit of the most probable model so far. On that linear model
+every other one is compared (`ModelSearch`). The best of them is fitted next, until the flights
+confirm it.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+import math
+from typing import Final, final
+
+from lta_discovery.fit.evidence import wrench_floor
+from lta_discovery.flights.measured_flight import MeasuredFlight
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.parallel import map_parallel
+from lta_discovery.posterior.elements import (
+    Choice,
+    compute_variance,
+    Element,
+    list_elements,
+    NO_ELEMENTS,
+)
+from lta_discovery.posterior.force_columns import list_forces
+from lta_discovery.posterior.linear_evidence import LinearEvidence
+from lta_discovery.posterior.model_search import Assumption, ModelSearch, ScoredModel
+from lta_discovery.posterior.settings import ALIKE, CAPS, CERTAIN, DECISIVE, ROUNDS
+from lta_discovery.state_filter.likelihood import filter_all, linearize_all, ParameterPrior
+from lta_discovery.state_filter.linear_flight import FlightSystem
+from lta_discovery.state_filter.noise_model import NoiseModel
+from lta_discovery.state_filter.parameter_fit import fit_likelihood, ParameterFit
+from lta_discovery.state_filter.smoothing import smooth_flight
+from lta_model.vehicle import Vehicle
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+LINEARIZATIONS: Final = 6  # most of a fit
+LEARNING: Final = (1, 3)  # of these, before which the first fit learns the noise
+LEARNING_AGAIN: Final = (2,)  # the same for a fit that goes on from another
+SMALLEST: Final = 1e-9  # of the largest singular value of columns that move together
+SENSOR_EFFECTS: Final = ('gyro_', 'imu_', 'range_', 'pressure_')  # idle without these sensors
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class PresentElement:
+    """Something that the flights show to be present: one element, or one of a class."""
+
+    names: tuple[str, ...]  # the most probable first; the others cannot be told from it
+    kind: str
+    probability: float  # that one of them is present
+    gain: float  # by which the best model without them is less probable [nats]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class MissingElements:
+    """What the flights tell of the elements that a vehicle file may lack."""
+
+    present: tuple[PresentElement, ...]  # the most decisive first
+    probabilities: Mapping[str, float]  # of each element that any good model has
+    parameters: tuple[FreeParameter, ...]  # shared ones, and those of each flight
+    # Values of the best model, relative to the vehicle file, and their covariance
+    values: Array
+    covariance: Array
+    noise: tuple[NoiseModel, ...]  # of each flight, beside that model
+    trust: float  # factor on the tolerances of the file
+    models: tuple[ScoredModel, ...]  # the most probable first
+    elements: tuple[Element, ...]
+
+
+def list_flight_unknowns(
+    parameters: Sequence[FreeParameter], only_pose: bool
+) -> list[FreeParameter]:
+    """
+    Return the parameters that all flights share, followed by those of each flight.
+
+    What differs between flights may have a mean, too, which is a candidate. `only_pose`: whether
+    no flight has other sensors than a tracker.
+    """
+    acting = [one for one in parameters if not (only_pose and one.name.startswith(SENSOR_EFFECTS))]
+    shared = [
+        replace(one, tolerance=0.0, per_flight=False) if one.per_flight else one for one in acting
+    ]
+    return [*shared, *(replace(one, typical=0.0) for one in acting if one.per_flight)]
+
+
+@final
+class MissingElementSearch:
+    """
+    Search the flights of a vehicle for what its file lacks.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        The vehicle of the file.
+    flights : sequence of MeasuredFlight
+        All flights to learn from.
+    parameters : sequence of FreeParameter
+        What may differ from the file: `list_free_parameters`.
+
+    """
+
+    def __init__(
+        self,
+        vehicle: Vehicle,
+        flights: Sequence[MeasuredFlight],
+        parameters: Sequence[FreeParameter],
+    ) -> None:
+        self._nominal = NominalVehicle.from_vehicle(vehicle)
+        self._floor = wrench_floor(self._nominal)
+        only_pose = all(one.has_only_pose for one in flights)
+        self.parameters = list_flight_unknowns(parameters, only_pose)
+        self._systems = [FlightSystem(vehicle, one, self.parameters) for one in flights]
+        self._noise = [NoiseModel.guess(self._nominal, one) for one in flights]
+        self._values = np.zeros(len(self.parameters))
+        self._elements = list_elements(self.parameters, ())
+        self._wrenches = [np.zeros((len(one.time), 6, 0)) for one in flights]
+
+    def run(self, tell: Callable[[float], None] = lambda part: None) -> MissingElements:
+        """Search, and report an estimate of the progress."""
+        best = ScoredModel(NO_ELEMENTS, 0.0, Assumption(1.0, 0))
+        learning: Sequence[int] = LEARNING
+        for number in range(ROUNDS):
+            tell(1.0 - 0.6**number)
+            covariance = self._fit(best, learning)
+            search = self._look()
+            ranked = search.run(best.model)
+            before, best, learning = best, ranked[0], LEARNING_AGAIN
+            if best.elements == before.elements:
+                break
+        tell(1.0)
+        return self._conclude(search, ranked, covariance)
+
+    def _fit(self, one: ScoredModel, learning: Sequence[int]) -> Array:
+        """Fit a model; return the covariance of the parameters, shape (K, K)."""
+        count = len(self.parameters)
+        tolerance = np.array([each.tolerance for each in self.parameters])
+        own = np.array([each.per_flight for each in self.parameters])
+        tolerance[~own] *= one.assumption.trust
+        tolerance = np.append(tolerance, np.zeros(self._wrenches[0].shape[2]))
+        deviation = np.sqrt(compute_variance(self._elements, one.model, tolerance))
+        free = np.flatnonzero(deviation[:count] > 0.0)
+        acting = np.flatnonzero(deviation[count:] > 0.0)
+        parameters = [replace(self.parameters[k], tolerance=deviation[k]) for k in free]
+        terms = [_build_term(int(k), float(deviation[count + k])) for k in acting]
+        systems = [
+            system.with_parameters(parameters).with_terms(terms, wrenches[..., acting])
+            for system, wrenches in zip(self._systems, self._wrenches, strict=True)
+        ]
+        begin = np.append(self._values[free], np.zeros(len(acting)))
+        fit = fit_likelihood(systems, self._nominal, begin, self._noise, LINEARIZATIONS, learning)
+        self._noise = list(fit.noise)
+        self._values = np.zeros(count)
+        self._values[free] = np.where(own[free], 0.0, fit.values[: len(free)])
+        self._linearize_about(systems, fit)
+        covariance = np.zeros((count, count))
+        covariance[np.ix_(free, free)] = fit.covariance[: len(free), : len(free)]
+        return covariance
+
+    def _linearize_about(self, systems: Sequence[FlightSystem], fit: ParameterFit) -> None:
+        """Linearize from now on about the most probable motion of a fit."""
+        flights = linearize_all(systems, self._nominal, fit.values)
+
+        def smooth(k: int) -> FlightSystem:
+            motion = smooth_flight(flights[k], fit.noise[k], fit.own[k][0]).motion
+            return self._systems[k].with_motion(motion, flights[k].nominal)
+
+        self._systems = map_parallel(smooth, range(len(flights)))
+
+    def _look(self) -> ModelSearch:
+        """Linearize the flights with all columns, and return a search among the models."""
+        flights = linearize_all(self._systems, self._nominal, self._values)
+        groups, self._wrenches = list_forces(self._systems, flights, self._floor)
+        none = np.zeros(self._wrenches[0].shape[2])
+        flights = [
+            one.add_wrenches(wrenches, none)
+            for one, wrenches in zip(flights, self._wrenches, strict=True)
+        ]
+        self._elements = list_elements(self.parameters, groups)
+        own = ParameterPrior(
+            np.array([*(one.tolerance for one in self.parameters), *none]),
+            none,
+            none,
+            np.array([*(one.per_flight for one in self.parameters), *(none > 0.0)]),
+        )
+        values = np.append(self._values, none)
+        evidence = [
+            LinearEvidence.of(filter_all(flights, noise), noise, own, values, self._nominal)
+            for noise in [self._noise, *(self._cap_noise(each) for each in CAPS)]
+        ]
+        return ModelSearch(self.parameters, self._elements, evidence)
+
+    def _cap_noise(self, floors: float) -> list[NoiseModel]:
+        """Return the noise with no more unexplained wrench than some floors."""
+        most = floors * self._floor
+        return [replace(one, wrench=np.minimum(one.wrench, most)) for one in self._noise]
+
+    def _conclude(
+        self, search: ModelSearch, ranked: Sequence[ScoredModel], covariance: Array
+    ) -> MissingElements:
+        """Return what the models that were looked at tell together."""
+        best = ranked[0]
+        weights = np.exp([one.log_posterior - best.log_posterior for one in ranked])
+        weights /= weights.sum()
+        shares = dict[int, float]()
+        for one, weight in zip(ranked, weights, strict=True):
+            for k in one.elements:
+                shares[k] = shares.get(k, 0.0) + float(weight)
+        present = []
+        for choice in best.model:
+            names = [choice.element, *_list_alike(search, best, choice)]
+            among = [not one.elements.isdisjoint(names) for one in ranked]
+            without = max(
+                one.log_posterior for one, some in zip(ranked, among, strict=True) if not some
+            )
+            probability, gain = float(weights[among].sum()), best.log_posterior - without
+            if probability >= CERTAIN and gain >= DECISIVE:
+                names.sort(key=lambda k: -shares.get(k, 0.0))
+                titles = tuple(self._elements[k].name for k in names)
+                kind = self._elements[choice.element].kind
+                present.append(PresentElement(titles, kind, probability, gain))
+        present.sort(key=lambda one: -one.gain)
+        return MissingElements(
+            tuple(present),
+            {self._elements[k].name: shares[k] for k in sorted(shares, key=lambda k: -shares[k])},
+            tuple(self.parameters),
+            self._values,
+            covariance,
+            tuple(self._noise),
+            best.assumption.trust,
+            tuple(ranked),
+            tuple(self._elements),
+        )
+
+
+def _build_term(k: int, deviation: float) -> FreeParameter:
+    """Return the strength of a term of a force."""
+    return FreeParameter(f'term.{k}', '1', {}, 1.0, 1.0, deviation)
+
+
+def _list_alike(search: ModelSearch, best: ScoredModel, choice: Choice) -> list[int]:
+    """
+    Return the effects that do the same as an element of a model, beside the rest of it.
+
+    That is where columns of the effect follow what the element does, as far as the rest of the
+    model cannot.
+    """
+    elements, columns = search.elements, list(search.elements[choice.element].columns)
+    if elements[choice.element].kind == 'force':
+        return []
+    whole = search.restrict(best)
+    direction = whole.posterior()[0][np.searchsorted(whole.free, columns)]
+    rest = search.restrict(replace(best, model=best.model - {choice}))
+    information, across = rest.whole.information, rest.look_beside()[1]
+    own = information[np.ix_(columns, columns)] - across[:, columns].T @ across[:, columns]
+    size = float(direction @ own @ direction)
+    out = []
+    for k, one in enumerate(elements):
+        if one.kind == 'force' or k in best.elements:
+            continue
+        others = list(one.columns)
+        inner = information[np.ix_(others, others)] - across[:, others].T @ across[:, others]
+        both = information[np.ix_(others, columns)] - across[:, others].T @ across[:, columns]
+        both = both @ direction
+        # A column that does nothing follows nothing
+        follows = float(both @ np.linalg.lstsq(inner, both, rcond=SMALLEST)[0])
+        if math.sqrt(max(follows, 0.0)) > ALIKE * math.sqrt(size):
+            out.append(k)
+    return out

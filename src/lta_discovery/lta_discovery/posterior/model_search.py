@@ -1,0 +1,221 @@
+"""
+Search the models of some flights for the most probable ones.
+
+A model is a set of elements, each with one of its sizes. What the flights tell is known under some
+assumptions about the noise; a model may choose among them, and how far the file is trusted, at the
+price of their probability.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+import math
+from typing import Final, final, NamedTuple
+
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.posterior.elements import (
+    Choice,
+    compute_variance,
+    Element,
+    Model,
+    NO_ELEMENTS,
+)
+from lta_discovery.posterior.linear_evidence import LinearEvidence, RestrictedEvidence
+from lta_discovery.posterior.settings import ADDED, BEAM, HOPELESS, LARGEST, SWAPPED, TRUST
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import norm
+
+Array = NDArray[np.float64]
+
+TINY: Final = 1e-12  # least probability of values within their bounds
+
+
+class Assumption(NamedTuple):
+    """Factor on the tolerances of the file, and index of the assumption about the noise."""
+
+    trust: float
+    noise: int
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class ScoredModel:
+    """A model with its best assumption."""
+
+    model: Model
+    log_posterior: float  # without a constant [nats]
+    assumption: Assumption
+
+    @property
+    def elements(self) -> frozenset[int]:
+        """The elements, whatever their sizes."""
+        return frozenset(one.element for one in self.model)
+
+
+@final
+class ModelSearch:
+    """
+    Search for the most probable models.
+
+    Parameters
+    ----------
+    parameters : sequence of FreeParameter
+        Of the first columns; the others are those of forces.
+    elements : sequence of Element
+        What a model may contain.
+    evidence : sequence of LinearEvidence
+        Of all flights, under each assumption about the noise.
+
+    """
+
+    def __init__(
+        self,
+        parameters: Sequence[FreeParameter],
+        elements: Sequence[Element],
+        evidence: Sequence[LinearEvidence],
+    ) -> None:
+        self.elements, self.evidence = elements, evidence
+        more = len(evidence[0].pull) - len(parameters)
+        shared = [0.0 if one.per_flight else one.tolerance for one in parameters]
+        self._tolerance = np.array([*shared, *[0.0] * more])
+        self._low = np.array([*(one.low for one in parameters), *[-math.inf] * more])
+        self._high = np.array([*(one.high for one in parameters), *[math.inf] * more])
+        self._scored: dict[Model, ScoredModel] = {}
+        self._best = -math.inf
+
+    def run(self, begin: Model = NO_ELEMENTS) -> list[ScoredModel]:
+        """Return all models that were looked at, the most probable first."""
+        self.score(NO_ELEMENTS)
+        self.score(begin)
+        extended, exchanged = set[Model](), set[Model]()
+        while True:
+            ranked = sorted(self._scored.values(), key=lambda one: -one.log_posterior)
+            # Of the models that differ in sizes only, the best is extended
+            best = dict[frozenset[int], ScoredModel]()
+            for one in ranked:
+                best.setdefault(one.elements, one)
+            ahead = [one for one in list(best.values())[:BEAM] if one.model not in extended]
+            for one in ahead:
+                extended.add(one.model)
+                self._extend(one)
+            if not ahead:
+                if ranked[0].model in exchanged:
+                    return ranked
+                exchanged.add(ranked[0].model)
+                self._exchange(ranked[0])
+
+    def _extend(self, one: ScoredModel) -> None:
+        """Look at the models with one element more or less."""
+        if len(one.model) < LARGEST:
+            for more in self._list_additions(one, ADDED):
+                self.score(one.model | {more}, one.assumption)
+        for choice in one.model:
+            self.score(one.model - {choice}, one.assumption)
+
+    def _exchange(self, one: ScoredModel) -> None:
+        """Look at the models with another size of an element, or another one in its place."""
+        for choice in one.model:
+            less = one.model - {choice}
+            for size in self.elements[choice.element].sizes:
+                self.score(less | {Choice(choice.element, size)}, one.assumption)
+            for more in self._list_additions(self.score(less, one.assumption), SWAPPED):
+                self.score(less | {more}, one.assumption)
+
+    def score(self, model: Model, hint: Assumption | None = None) -> ScoredModel:
+        """
+        Return a model with its posterior.
+
+        `hint`: assumption of a similar model, with which it is looked at first.
+        """
+        if model in self._scored:
+            return self._scored[model]
+        every = [Assumption(trust, k) for trust in TRUST for k in range(len(self.evidence))]
+        first = every if hint is None else [hint]
+        scores = {one: self._compute_log_posterior(model, one) for one in first}
+        if hint is not None and scores[hint] > self._best - HOPELESS:
+            for one in every:
+                if one.trust == hint.trust or one.noise == hint.noise:
+                    scores.setdefault(one, self._compute_log_posterior(model, one))
+        chosen = max(scores, key=lambda one: scores[one])
+        self._best = max(self._best, scores[chosen])
+        self._scored[model] = ScoredModel(model, scores[chosen], chosen)
+        return self._scored[model]
+
+    def restrict(self, one: ScoredModel) -> RestrictedEvidence:
+        """Return the evidence of a model under its assumption."""
+        variance = self._compute_variance(one.model, one.assumption.trust)
+        return self.evidence[one.assumption.noise].restrict(variance)
+
+    def _compute_variance(self, model: Model, trust: float) -> Array:
+        return compute_variance(self.elements, model, trust * self._tolerance)
+
+    def _compute_log_posterior(self, model: Model, assumption: Assumption) -> float:
+        variance = self._compute_variance(model, assumption.trust)
+        restricted = self.evidence[assumption.noise].restrict(variance)
+        prior = sum(self.elements[one.element].log_prior for one in model)
+        inside = self._log_share_inside(model, restricted)
+        return restricted.log_evidence + prior + inside + math.log(TRUST[assumption.trust])
+
+    def _log_share_inside(self, model: Model, restricted: RestrictedEvidence) -> float:
+        """
+        Return by how much bounds of the elements make a model more probable.
+
+        The logarithm of the posterior probability of values within them by the prior one, for each
+        column alone.
+        """
+        bounded = [
+            column
+            for choice in model
+            for column in self.elements[choice.element].columns
+            if np.isfinite(self._low[column]) or np.isfinite(self._high[column])
+        ]
+        if not bounded:
+            return 0.0
+        mean, covariance = restricted.posterior()
+        at = np.searchsorted(restricted.free, bounded)
+        low, high = self._low[bounded], self._high[bounded]
+        after = _normal_share(low, high, mean[at], np.sqrt(np.diag(covariance)[at]))
+        before = _normal_share(low, high, np.zeros(len(at)), restricted.root[at])
+        return float(np.sum(np.log(after) - np.log(before)))
+
+    def _list_additions(self, one: ScoredModel, count: int) -> list[Choice]:
+        """Return the most promising additions to a model, with their best sizes."""
+        gains = dict[Choice, float]()
+        for noise in range(len(self.evidence)):
+            variance = self._compute_variance(one.model, one.assumption.trust)
+            restricted = self.evidence[noise].restrict(variance)
+            pull, across = restricted.look_beside()
+            for k, element in enumerate(self.elements):
+                if k in one.elements:
+                    continue
+                size, gain = self._choose_size(element, restricted.whole, pull, across)
+                gain += restricted.log_evidence + element.log_prior
+                if gain > gains.get(Choice(k, size), -math.inf):
+                    gains[Choice(k, size)] = gain
+        best = dict[int, Choice]()
+        for choice in sorted(gains, key=lambda choice: -gains[choice]):
+            best.setdefault(choice.element, choice)
+        return list(best.values())[:count]
+
+    @staticmethod
+    def _choose_size(
+        element: Element, whole: LinearEvidence, pull: Array, across: Array
+    ) -> tuple[float, float]:
+        """Return the most probable size of an element beside a model, and its gain. [nats]"""
+        columns, unit = list(element.columns), np.array(element.unit)
+        inner = whole.information[np.ix_(columns, columns)]
+        inner = (inner - across[:, columns].T @ across[:, columns]) * np.outer(unit, unit)
+        strength, turn = np.linalg.eigh(inner)
+        power = (turn.T @ (pull[columns] * unit)) ** 2
+        scale = np.array(element.sizes)[:, None] ** 2
+        spread = 1.0 + scale * np.maximum(strength, 0.0)
+        gains = 0.5 * np.sum(power * scale / spread - np.log(spread), axis=1)
+        k = int(np.argmax(gains))
+        return element.sizes[k], float(gains[k])
+
+
+def _normal_share(low: Array, high: Array, mean: Array, deviation: Array) -> Array:
+    """Return the probability of values within bounds."""
+    inside = norm.cdf((high - mean) / deviation) - norm.cdf((low - mean) / deviation)
+    share: Array = np.maximum(inside, TINY)
+    return share

@@ -1,0 +1,31 @@
+"""Everything that decides in the search for what a vehicle file lacks: priors and limits."""
+
+from typing import Final
+
+# Prior of what may be present. Sizes are standard deviations, each as likely as the others
+EFFECT_SIZES: Final = (0.1, 0.3, 1.0, 3.0, 10.0)  # typical sizes of an effect
+NUMBER_SIZES: Final = (3.0, 10.0, 30.0)  # tolerances of a number of the file that is wrong
+FORCE_SIZES: Final = (3.0, 10.0, 40.0)  # noise floors of a force of another form
+EXPECTED_EFFECTS: Final = 1.0  # effects that are missing, on average
+EXPECTED_NUMBERS: Final = 0.5  # numbers of the file that are wrong, on average
+EXPECTED_FORCES: Final = 0.5  # forces of another form, on average
+# Factor on all tolerances of the file, and its probability
+TRUST: Final = {1.0: 0.7, 3.0: 0.2, 10.0: 0.07, 30.0: 0.03}
+# Noise floors at which the unexplained wrench is capped in further looks: what is missing raises
+# it, and a raised one hides what is missing
+CAPS: Final = (2.5, 1.0)
+
+# Search
+BEAM: Final = 4  # models that are extended
+LARGEST: Final = 8  # elements of a model
+ADDED: Final = 10  # additions to a model that are tried, the most promising first
+SWAPPED: Final = 5  # the same in place of another element
+HOPELESS: Final = 12.0  # nats below the best; such a model is not looked at more closely
+ROUNDS: Final = 6  # most fits of the best model about which the flights are linearized again
+
+# Conclusion
+CERTAIN: Final = 0.95  # probability from which on something is said to be present
+# Nats that a name needs beside the best model without it. The posterior assumes that the forms of
+# all equations are right; their errors favoured effects that were absent by up to 9 nats
+DECISIVE: Final = 10.0
+ALIKE: Final = 0.95  # cosine of two columns beside the rest of the model; beyond it, one class
