@@ -42,24 +42,26 @@ class Force(NamedTuple):
     wrenches: Array
 
 
-def list_forces(
-    systems: Sequence[FlightSystem], flights: Sequence[LinearFlight], floor: Array
-) -> tuple[list[ForceGroup], list[Array]]:
+def build_scene(flights: Sequence[LinearFlight]) -> FlightBoundingBox:
+    """Return the box around some flights, in which forces differ from place to place."""
+    return FlightBoundingBox.from_positions(
+        [np.concatenate([one.motion[a:b, :3] for a, b in one.runs]) for one in flights]
+    )
+
+
+def compute_wrenches(
+    system: FlightSystem, flight: LinearFlight, scene: FlightBoundingBox, floor: Array
+) -> tuple[list[ForceGroup], Array]:
     """
-    Return the forces, and of each flight the wrenches of all terms, shape (n, 6, J).
+    Return the forces, and the wrenches of all their terms, shape (n, 6, J).
 
     `floor`: wrench of a term of usual size, shape (6,). [N, N m]
     """
-    places = [np.concatenate([one.motion[a:b, :3] for a, b in one.runs]) for one in flights]
-    scene = FlightBoundingBox.from_positions(places)
-    groups, wrenches = list[ForceGroup](), []
-    for system, flight in zip(systems, flights, strict=True):
-        forces = list(_list_forces(_compute_inputs(system, flight), scene, floor))
-        groups = [ForceGroup(one.name, one.wrenches.shape[1]) for one in forces]
-        together = np.concatenate([one.wrenches for one in forces], axis=1).transpose(0, 2, 1)
-        # Nothing is known between the runs, where nothing is filtered either
-        wrenches.append(np.where(np.isfinite(together), together, 0.0))
-    return groups, wrenches
+    forces = list(_list_forces(_compute_inputs(system, flight), scene, floor))
+    together = np.concatenate([one.wrenches for one in forces], axis=1).transpose(0, 2, 1)
+    # Nothing is known between the runs, where nothing is filtered either
+    wrenches = np.where(np.isfinite(together), together, 0.0)
+    return [ForceGroup(one.name, one.wrenches.shape[1]) for one in forces], wrenches
 
 
 def _compute_inputs(system: FlightSystem, flight: LinearFlight) -> TermInputs:

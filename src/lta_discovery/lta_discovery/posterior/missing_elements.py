@@ -20,14 +20,16 @@ from lta_discovery.posterior.elements import (
     Choice,
     compute_variance,
     Element,
+    ForceGroup,
     list_elements,
     NO_ELEMENTS,
 )
-from lta_discovery.posterior.force_columns import list_forces
+from lta_discovery.posterior.force_columns import build_scene, compute_wrenches
 from lta_discovery.posterior.linear_evidence import LinearEvidence
 from lta_discovery.posterior.model_search import Assumption, ModelSearch, ScoredModel
 from lta_discovery.posterior.settings import ALIKE, CAPS, CERTAIN, DECISIVE, ROUNDS
-from lta_discovery.state_filter.likelihood import filter_all, linearize_all, ParameterPrior
+from lta_discovery.state_filter.kalman import filter_flight, FilteredFlight
+from lta_discovery.state_filter.likelihood import linearize_all, ParameterPrior
 from lta_discovery.state_filter.linear_flight import FlightSystem
 from lta_discovery.state_filter.noise_model import NoiseModel
 from lta_discovery.state_filter.parameter_fit import fit_likelihood, ParameterFit
@@ -175,13 +177,19 @@ class MissingElementSearch:
     def _look(self) -> ModelSearch:
         """Linearize the flights with all columns, and return a search among the models."""
         flights = linearize_all(self._systems, self._nominal, self._values)
-        groups, self._wrenches = list_forces(self._systems, flights, self._floor)
+        scene = build_scene(flights)
+        assumptions = [self._noise, *(self._cap_noise(each) for each in CAPS)]
+
+        def filter_with_forces(k: int) -> tuple[list[ForceGroup], Array, list[FilteredFlight]]:
+            # The columns of all forces need much memory, so they are not kept
+            groups, wrenches = compute_wrenches(self._systems[k], flights[k], scene, self._floor)
+            whole = flights[k].add_wrenches(wrenches, np.zeros(wrenches.shape[2]))
+            return groups, wrenches, [filter_flight(whole, one[k]) for one in assumptions]
+
+        looks = map_parallel(filter_with_forces, range(len(flights)))
+        self._wrenches = [one[1] for one in looks]
+        self._elements = list_elements(self.parameters, looks[0][0])
         none = np.zeros(self._wrenches[0].shape[2])
-        flights = [
-            one.add_wrenches(wrenches, none)
-            for one, wrenches in zip(flights, self._wrenches, strict=True)
-        ]
-        self._elements = list_elements(self.parameters, groups)
         own = ParameterPrior(
             np.array([*(one.tolerance for one in self.parameters), *none]),
             none,
@@ -190,8 +198,8 @@ class MissingElementSearch:
         )
         values = np.append(self._values, none)
         evidence = [
-            LinearEvidence.of(filter_all(flights, noise), noise, own, values, self._nominal)
-            for noise in [self._noise, *(self._cap_noise(each) for each in CAPS)]
+            LinearEvidence.of([one[2][k] for one in looks], noise, own, values, self._nominal)
+            for k, noise in enumerate(assumptions)
         ]
         return ModelSearch(self.parameters, self._elements, evidence)
 

@@ -17,7 +17,7 @@ CAPS: Final = (2.5, 1.0)
 
 # Search
 BEAM: Final = 4  # models that are extended
-LARGEST: Final = 8  # elements of a model
+LARGEST: Final = 12  # elements of a model
 ADDED: Final = 10  # additions to a model that are tried, the most promising first
 SWAPPED: Final = 5  # the same in place of another element
 HOPELESS: Final = 12.0  # nats below the best; such a model is not looked at more closely

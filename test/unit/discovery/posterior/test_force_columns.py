@@ -4,7 +4,7 @@ from lta_discovery.fit.evidence import wrench_floor
 from lta_discovery.flights.measured_flight import resample_flight
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.posterior.elements import ForceGroup
-from lta_discovery.posterior.force_columns import list_forces
+from lta_discovery.posterior.force_columns import build_scene, compute_wrenches
 from lta_discovery.state_filter.linear_flight import FlightSystem, LinearFlight
 from lta_model.vehicle import load_vehicle
 import numpy as np
@@ -26,10 +26,11 @@ class Columns:
         self.floor = wrench_floor(nominal)
         system = FlightSystem(vehicle, resample_flight(flown({}, 1, 20.0)), [])
         self.flight: LinearFlight = system.linearize(nominal, np.zeros(0))
-        self.groups, wrenches = list_forces([system], [self.flight], self.floor)
+        scene = build_scene([self.flight])
+        self.groups, wrenches = compute_wrenches(system, self.flight, scene, self.floor)
         # Only where the motion is known
         self.rows = np.concatenate([np.arange(a, b) for a, b in self.flight.runs])
-        self.wrenches = wrenches[0][self.rows]
+        self.wrenches = wrenches[self.rows]
 
     def select(self, name: str) -> Array:
         """Return the wrenches of a force, shape (n, 6, J)."""
@@ -99,6 +100,6 @@ def test_columns_of_wrenches_are_what_the_wrenches_do(columns: Columns) -> None:
     np.testing.assert_allclose(more.left, left, rtol=1e-12)
 
 
-def test_groups_are_alike_for_all_flights(columns: Columns) -> None:
+def test_the_columns_are_those_of_the_groups(columns: Columns) -> None:
     assert sum(one.terms for one in columns.groups) == columns.wrenches.shape[2]
     assert all(isinstance(one, ForceGroup) and one.terms > 1 for one in columns.groups)
