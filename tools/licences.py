@@ -1,8 +1,8 @@
 """
 Write docs/licences.md: the licence of every package that LTA is installed with.
 
-`make lock` runs it. What a package says of itself counts, in this order: its licence expression,
-its classifiers, its licence field, ROS's package.xml; for the few that say none of it, `STATED`.
+`make lock` runs it. What a package says of itself counts, in this order: `STATED`, its
+licence expression, its classifiers, its licence field, ROS's package.xml.
 """
 
 from collections.abc import Iterator
@@ -20,9 +20,14 @@ LOCKS: Final = {
     'build': 'What builds the rest',
     'run': 'What flying needs',
     'test': 'What tests need beside it, not installed by `make demo`',
+    'compiler': 'What compiles the messages where the machine has no compiler',
 }
-# Read in the licence file that the package brings, as it says nothing elsewhere.
-STATED: Final = {'ros-fastcdr': 'Apache-2.0', 'ros-fastrtps': 'Apache-2.0', 'setuptools': 'MIT'}
+# Read in the licence file that the package brings, as it says nothing elsewhere, or is seldom
+# installed.
+STATED: Final = {
+    'ros-fastcdr': 'Apache-2.0', 'ros-fastrtps': 'Apache-2.0', 'setuptools': 'MIT',
+    'ziglang': 'MIT',
+}  # fmt: skip
 # Wheels of several ROS packages under one name: that of the package.xml which speaks for them.
 ROS_NAMES: Final = {
     'ros-jazzy-common-interfaces': 'common_interfaces',
@@ -56,6 +61,8 @@ def packages(lock: str) -> Iterator[tuple[str, str]]:
 
 def licence(name: str) -> str:
     """Return what an installed package says of its licence, '' for nothing."""
+    if name in STATED:
+        return STATED[name]
     says = metadata.metadata(name)
     classifiers = [
         one.rsplit(' :: ', 1)[-1]
@@ -68,7 +75,6 @@ def licence(name: str) -> str:
         or ', '.join(classifiers)
         or field
         or of_ros(ROS_NAMES.get(name, name.removeprefix('ros-').replace('-', '_')))
-        or STATED.get(name, '')
     )
 
 

@@ -37,6 +37,7 @@ class Lock(NamedTuple):
 
 LOCKS: Final = {
     'uv': Lock('uv'),
+    'compiler': Lock('ziglang'),
     'build': Lock('setuptools'),
     'run': Lock('requirements.txt', ('build',)),
     'test': Lock('requirements-test.txt', ('build', 'run')),
@@ -74,6 +75,8 @@ def installed(environment: str) -> dict[str, list[Requirement]]:
 
 def closure(lock: Lock, python: str) -> set[str]:
     """Return the normalised names of all that a Python needs for what is asked for."""
+    if not lock.source.endswith('.txt'):
+        return {lock.source}  # one package, which needs no other, and may not be installed
     has = installed(lock.environment)
     world = {'python_version': python, 'python_full_version': f'{python}.0'}
     waiting, seen = asked(lock.source), set[tuple[str, str]]()

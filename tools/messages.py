@@ -4,8 +4,8 @@ Generate and compile messages and actions that no wheel has, and install them in
     .venv/bin/python tools/messages.py FOLDER ...
 
 Each folder has a package.xml and msg/*.msg or action/*.action. The generators are those of ROS 2,
-which come with its wheels; they write C and C++, so a compiler and the headers of Python are
-needed. Exit status 3: one of them is missing; 1: it failed. Then nothing was changed.
+which come with its wheels; they write C and C++. Where the machine has no compiler, that of
+`ziglang` is installed into .venv (100 MB). After a failure nothing was changed.
 """
 
 from collections.abc import Iterator
@@ -15,6 +15,7 @@ import fcntl
 from functools import partial
 from graphlib import TopologicalSorter
 from importlib import metadata
+from importlib.util import find_spec
 import io
 import multiprocessing
 import os
@@ -43,9 +44,10 @@ GENERATORS = (
 )
 # An action is made of services and messages that use these
 USED_BY_ACTIONS = ('action_msgs', 'builtin_interfaces', 'service_msgs', 'unique_identifier_msgs')
-COMPILERS = {'.c': ['cc'], '.cpp': ['c++', '-std=c++17']}
+COMPILERS = (('cc', 'c++'), ('gcc', 'g++'), ('clang', 'clang++'))  # of C and C++
+STANDARDS = {'.c': '-std=gnu17', '.cpp': '-std=c++17'}  # by suffix of the source
+LOCKED_COMPILER = Path(__file__).resolve().parents[1] / 'locked/compiler.txt'
 CORES = len(os.sched_getaffinity(0))
-UNAVAILABLE = 3  # exit status
 
 
 def use_each_entry_point_once() -> None:
@@ -62,12 +64,44 @@ def use_each_entry_point_once() -> None:
     metadata.entry_points = list_entry_points  # type: ignore[assignment]
 
 
-def find_missing() -> str:
-    """Return what the machine lacks to compile, in words; '' if nothing."""
-    words = [f'the compiler {name}' for name in ('cc', 'c++') if shutil.which(name) is None]
+def find_compilers() -> dict[str, list[str]]:
+    """Return the commands that compile C and C++, by suffix: the machine's, or ziglang's."""
+    for pair in COMPILERS:
+        if all(map(shutil.which, pair)):
+            return {suffix: [name] for suffix, name in zip(STANDARDS, pair, strict=True)}
+    if find_spec('ziglang') is None:
+        install_compiler()
+    zig = [sys.executable, '-P', '-m', 'ziglang']
+    # Exceptions of Fast CDR, which is of another C++ library, only pass through the generated code
+    return {'.c': [*zig, 'cc'], '.cpp': [*zig, 'c++', '-fignore-exceptions']}
+
+
+def install_compiler() -> None:
+    """Install the compiler of ziglang into .venv; exit with the remedy if it cannot be had."""
+    sys.stdout.write('messages: no C++ compiler here; fetching ziglang (100 MB) ...\n')
+    sys.stdout.flush()
+    pip = [sys.executable, '-P', '-m', 'pip', 'install', '--disable-pip-version-check',
+           '--no-input', '--no-compile', '--no-deps', '--require-hashes']  # fmt: skip
+    done = subprocess.run(
+        [*pip, '--requirement', str(LOCKED_COMPILER)], capture_output=True, text=True, check=False
+    )
+    if done.returncode:
+        errors = re.findall(r'^ERROR: (.*)', done.stderr, re.MULTILINE)
+        sys.exit(
+            f'messages: this machine has no C++ compiler, and ziglang cannot be installed '
+            f'({errors[0] if errors else "pip failed"}); install one (Debian, Ubuntu: sudo apt '
+            'install g++), or check the network and the pip configuration, and run make again.'
+        )
+
+
+def check_headers() -> None:
+    """Exit with the remedy if the headers of Python are missing."""
     if not Path(sysconfig.get_path('include'), 'Python.h').is_file():
-        words.append('the headers of Python')
-    return ' and '.join(words)
+        sys.exit(
+            'messages: this machine lacks the headers of Python; install them (Debian, Ubuntu: '
+            'sudo apt install python3-dev), or name a Python that has them (make '
+            'PYTHON=/path/to/python3), and run make again.'
+        )
 
 
 class MessagePackage:
@@ -78,11 +112,14 @@ class MessagePackage:
     ----------
     folder : Path
         Folder with package.xml, msg/*.msg and action/*.action.
+    compilers : dict of str to list of str
+        Commands that compile, by suffix of the source.
 
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, compilers: dict[str, list[str]]) -> None:
         self.folder = folder
+        self.compilers = compilers
         self.name = str(ElementTree.parse(folder / 'package.xml').findtext('name'))
         self.files = [
             path.relative_to(folder)
@@ -148,14 +185,15 @@ class MessagePackage:
             f'-I{np.get_include()}',
         ]
         with ThreadPoolExecutor(CORES) as pool:
-            for _ in pool.map(partial(compile_object, includes), self.list_sources('*')):
+            compile_one = partial(compile_object, self.compilers, includes)
+            for _ in pool.map(compile_one, self.list_sources('*')):
                 pass
         self.link_libraries()
 
     def list_sources(self, part: str) -> list[Path]:
         """Return the sources to compile in a part of the generated ones."""
         found = sorted(self.source.glob(f'{part}/**/*.c*'))
-        return [path for path in found if path.suffix in COMPILERS]
+        return [path for path in found if path.suffix in STANDARDS]
 
     def link_libraries(self) -> None:
         """Link the compiled sources, each library after those that it uses."""
@@ -211,7 +249,7 @@ class MessagePackage:
         """Link compiled sources; `search` is where the loader looks for libraries."""
         run(
             [
-                'c++',
+                *self.compilers['.cpp'],
                 '-shared',
                 '-o',
                 out,
@@ -248,10 +286,12 @@ class MessagePackage:
         replace_folder(self.built / 'python', SITE / self.name)
 
 
-def compile_object(includes: list[str], source: Path) -> None:
+def compile_object(compilers: dict[str, list[str]], includes: list[str], source: Path) -> None:
     """Compile one generated source; its code is not ours to warn about."""
-    compiler = COMPILERS[source.suffix]
-    run([*compiler, '-O1', '-fPIC', '-w', *includes, '-c', source, '-o', name_object(source)])
+    command = [*compilers[source.suffix], STANDARDS[source.suffix]]
+    # Zig would add checks of undefined behaviour, which need a library of its own
+    flags = ['-O1', '-fPIC', '-w', '-fno-sanitize=undefined', *includes]
+    run([*command, *flags, '-c', source, '-o', name_object(source)])
 
 
 def name_object(source: Path) -> Path:
@@ -307,15 +347,14 @@ def main() -> None:
     """Build the packages in the given folders."""
     folders = [Path(each).absolute() for each in sys.argv[1:]]
     names = ', '.join(each.name for each in folders)
-    if missing := find_missing():
-        sys.stdout.write(f'messages: {names} not built: this machine lacks {missing}.\n')
-        sys.exit(UNAVAILABLE)
+    check_headers()
+    compilers = find_compilers()
     begun = time.monotonic()
     sys.stdout.write(f'messages: {names} (10 to 30 s) ...\n')
     sys.stdout.flush()
     use_each_entry_point_once()
     try:
-        for package in order_packages([MessagePackage(folder) for folder in folders]):
+        for package in order_packages([MessagePackage(each, compilers) for each in folders]):
             with TemporaryDirectory() as work:
                 package.build(Path(work))
     except OSError as error:

@@ -13,6 +13,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 HERE = f'{sys.version_info.major}.{sys.version_info.minor}'
 NEWEST = sys.version_info[:2] == NEWEST_PYTHON
+LOCKS = ('uv', 'build', 'run', 'test', 'compiler')
 ONE = re.compile(r'(\S+==[^\\]+?)((?: \\\n    --hash=sha256:[0-9a-f]{64})+)\n')
 
 
@@ -37,22 +38,22 @@ def for_this(name):
             if one.marker is None or one.marker.evaluate()}  # fmt: skip
 
 
-@pytest.mark.parametrize('name', ['uv', 'build', 'run', 'test'])
+@pytest.mark.parametrize('name', LOCKS)
 def test_locked_is_what_the_requirements_need_here(name):
-    needed = import_module('lock').locked(('uv', 'build', 'run', 'test'), (HERE,))[name]
+    needed = import_module('lock').locked(LOCKS, (HERE,))[name]
     assert for_this(name) == needed.keys(), 'make lock'
 
 
 @pytest.mark.skipif(NEWEST, reason='the newest Python lacks what older ones alone need')
-@pytest.mark.parametrize('name', ['uv', 'build', 'run', 'test'])
+@pytest.mark.parametrize('name', LOCKS)
 def test_locked_is_what_the_requirements_need_of_each_python(name):
-    marks = import_module('lock').locked(('uv', 'build', 'run', 'test'))[name]
+    marks = import_module('lock').locked(LOCKS)[name]
     wanted = {package: Requirement(f'{package}; {mark}').marker if mark else None
               for package, mark in marks.items()}  # fmt: skip
     assert {package: one.marker for package, one in locked(name).items()} == wanted, 'make lock'
 
 
-@pytest.mark.parametrize('name', ['uv', 'build', 'run', 'test', 'docs'])
+@pytest.mark.parametrize('name', [*LOCKS, 'docs'])
 def test_locked_versions_are_the_pinned_ones(name):
     lock = import_module('lock')
     pins = lock.pins('constraints.txt', lock.LOCKS[name].source)
@@ -62,7 +63,7 @@ def test_locked_versions_are_the_pinned_ones(name):
 
 
 def test_everything_that_is_asked_for_is_pinned_and_nothing_else():
-    needed = {package for name in ('uv', 'build', 'run', 'test') for package in locked(name)}
+    needed = {package for name in LOCKS for package in locked(name)}
     assert needed == import_module('lock').pins('constraints.txt').keys()
 
 
