@@ -31,8 +31,6 @@ MARKED = ('unit', 'property', 'contract', 'integration', 'benchmark')
 sys.path += [str(path.parent) for path in sorted(ROOT.glob('src/*/setup.py'))]
 sys.path.append(str(ROOT / 'config'))
 
-from lta_config import topics  # noqa: E402 - from the path above
-
 # No time counts: a test must pass while other programs use all cores.
 settings.register_profile(
     'lta', deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
@@ -82,20 +80,6 @@ def as_found() -> Iterator[None]:
     yield
     changed = left_behind.changes(before, left_behind.state())
     assert not changed, f'patched, and not put back: {", ".join(changed)}'
-
-
-@pytest.fixture(params=topics.MESSAGE_SETS)
-def message_types(
-    request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
-) -> Iterator[str]:
-    """Use each set of message types in turn, in this process and those that it starts."""
-    if request.param == 'typed' and not topics.is_lta_msgs_built():
-        pytest.skip('lta_msgs was not built: this machine lacks a compiler')
-    monkeypatch.setenv(topics.MESSAGES, request.param)
-    topics.uses_typed_messages.cache_clear()
-    yield request.param
-    monkeypatch.undo()
-    topics.uses_typed_messages.cache_clear()
 
 
 @pytest.fixture

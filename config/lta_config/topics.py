@@ -2,9 +2,6 @@
 
 from collections.abc import Mapping
 from functools import cache, cached_property
-from importlib.util import find_spec
-import os
-from pathlib import Path
 import re
 from typing import Annotated, Final, Literal
 
@@ -14,10 +11,6 @@ from lta_config.quantity import Quantity, si_quantity
 from pydantic import AliasChoices, Field
 
 Qos = Literal['sensor', 'command', 'default', 'latched', 'clock']
-MESSAGES: Final = (
-    'LTA_MESSAGES'  # environment variable: one of `MESSAGE_SETS`; unset: what is built
-)
-MESSAGE_SETS: Final = ('typed', 'standard')
 TYPE_NAME: Final = r'^\w+/msg/\w+$'
 
 
@@ -26,33 +19,10 @@ def to_nanoseconds(time: Quantity) -> int:
     return round(time.si * 1e9)
 
 
-@cache
-def uses_typed_messages() -> bool:
-    """Return whether topics have their types of lta_msgs, not the standard types instead."""
-    chosen = os.environ.get(MESSAGES, '')
-    if chosen and chosen not in MESSAGE_SETS:
-        raise unknown_name_error(f'value of {MESSAGES}', chosen, list(MESSAGE_SETS))
-    return chosen == 'typed' or (not chosen and is_lta_msgs_built())
-
-
-def is_lta_msgs_built() -> bool:
-    """Return whether lta_msgs is usable: its classes and, where nodes run, its type support."""
-    # Found, not imported: this module is also used without ROS, and by every command
-    spec = find_spec('lta_msgs')
-    folders = spec.submodule_search_locations if spec else None
-    if folders and find_spec('rclpy') is None:
-        return True  # the wheel has their classes, which is all that a bag needs
-    # Only the type support sends them
-    return any(
-        any(Path(folder).glob('lta_msgs_s__rosidl_typesupport_c*')) for folder in folders or ()
-    )
-
-
 class Topic(StrictModel):
     """One row of the table; the head of `topics.yaml` explains the columns."""
 
-    declared_type: Annotated[str, Field(pattern=TYPE_NAME, validation_alias=AliasChoices('type'))]
-    standard_type: Annotated[str, Field(pattern=TYPE_NAME)] | None = None
+    type: Annotated[str, Field(pattern=TYPE_NAME)]  # 'sensor_msgs/msg/Imu'
     unit: str
     frame: str
     qos: Qos
@@ -65,26 +35,6 @@ class Topic(StrictModel):
     stamped: bool = True
     recorded: bool = True
     repeatable: bool = True
-
-    @property
-    def type(self) -> str:
-        """The message type in use, `sensor_msgs/msg/Imu`."""
-        return self.declared_type if uses_typed_messages() else self.common_type
-
-    @property
-    def common_type(self) -> str:
-        """The message type of ROS's common interfaces that carries the topic."""
-        return self.standard_type or self.declared_type
-
-    @property
-    def package(self) -> str:
-        """The package of the message type, `sensor_msgs`."""
-        return self.type.split('/')[0]
-
-    @property
-    def message(self) -> str:
-        """The name of the message type, `Imu`."""
-        return self.type.split('/')[2]
 
     @cached_property
     def period_ns(self) -> int:

@@ -6,7 +6,7 @@ A test checks that the page in docs/ is up to date.
 
 import sys
 
-from lta_config.topics import load_topic_table, Topic, TopicTable
+from lta_config.topics import load_topic_table, TopicTable
 
 HEAD = """# Topics
 
@@ -17,12 +17,10 @@ Units and axes follow REP-103: ENU world, FLU body. "After" is the time from a m
 its publication. A subscriber marked *+1* uses a message one control period after its publication.
 A light block has {samples} samples of each diode, taken at {rate:g} kS/s.
 
-The types of `lta_msgs` (`src/lta_msgs`, with units in the comments) need a C++ compiler when the
-workspace is built. Without one, or with `LTA_MESSAGES=standard` in the environment of all nodes,
-these topics have the standard type that stands behind it; the numbers are the same. Every command
-reads both, and gives their channels the same names, such as `motors/effort.up_left` (the field
-`duty` of an `ActuatorDuty`) and `energy/status/power_in`. The nodes of a graph must use the same
-types: set `LTA_MESSAGES=standard` everywhere if one of its machines has not built `lta_msgs`.
+The definitions of `lta_msgs` are in `src/lta_msgs`, with units in the comments; `make build`
+compiles them. Channels name the `duty` of an `ActuatorDuty` as an import does, which may know a
+force instead: `motors/effort.up_left`. Bags of version 1 had standard messages on `photodiodes`,
+`light/peaks`, `motors` and `energy/status`: `lta bag upgrade BAG` converts them.
 
 | topic | type | from | to | period | after | quality of service | unit | what |
 |---|---|---|---|---|---|---|---|---|
@@ -32,12 +30,6 @@ types: set `LTA_MESSAGES=standard` everywhere if one of its machines has not bui
 def format_milliseconds(nanoseconds: int) -> str:
     """Return a time as a table cell, empty for 0."""
     return f'{nanoseconds / 1e6:g} ms' if nanoseconds else ''
-
-
-def format_type(topic: Topic) -> str:
-    """Return the message type as a table cell, with the standard type that may stand in."""
-    types = topic.declared_type, topic.standard_type
-    return ' or '.join(each.replace('/msg/', '/') for each in types if each)
 
 
 def render_page(table: TopicTable) -> str:
@@ -50,7 +42,7 @@ def render_page(table: TopicTable) -> str:
         )
         cells = (
             f'`{name}`',
-            format_type(topic),
+            topic.type.replace('/msg/', '/'),
             topic.source,
             readers or 'users',
             format_milliseconds(topic.period_ns),

@@ -43,7 +43,7 @@ def written(folder: Path, size: int) -> Path:
     rng = np.random.default_rng(1)
     qos = [build_offered_qos('reliable', 'volatile', 10)]
     types = {
-        '/lta1/photodiodes': 'sensor_msgs/msg/Image',
+        '/lta1/photodiodes': 'lta_msgs/msg/LightBlock',
         TOPIC: 'nav_msgs/msg/Odometry',
         '/lta1/imu': 'sensor_msgs/msg/Imu',
         RARE: 'std_msgs/msg/Bool',

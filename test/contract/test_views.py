@@ -14,7 +14,7 @@ from rosbags.typesys.store import Nodetype
 
 ROOT = Path(__file__).resolve().parents[2]
 TABLE = load_topic_table()
-TYPES = {robot_topic('lta1', name): topic.declared_type for name, topic in TABLE.topics.items()}
+TYPES = {robot_topic('lta1', name): topic.type for name, topic in TABLE.topics.items()}
 ROTORS = list(load_vehicle_file('gtmab').rotors)
 LAYOUT = json.loads((ROOT / 'config/foxglove/lta.json').read_text(encoding='utf-8'))
 PLOTS = ET.parse(ROOT / 'config/plotjuggler/lta.xml').getroot()

@@ -5,14 +5,13 @@ import json
 import math
 
 from action_msgs.msg import GoalStatus
+from lta_msgs.action import GoToLamp, Land, TakeOff
 import pytest
 from rclpy.action import ActionClient
 
 from .command import ROOT
 from .peer import Peer
 
-actions = pytest.importorskip('lta_msgs.action', reason='this machine lacks a compiler')
-TakeOff, GoToLamp, Land = actions.TakeOff, actions.GoToLamp, actions.Land
 COMMANDED = ('launch', 'fly', 'commanded:=true', 'strategy:=homing', 'record:=false')
 
 

@@ -11,13 +11,12 @@ import pytest
 from rcl_interfaces.srv import ListParameters
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
+from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 from waiting import PATIENCE
 
-from .good_messages import good
 from .peer import Peer, start
 
-BARE = 'import sys; sys.modules["tf2_msgs"] = None; '  # as if it were not installed
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
@@ -36,7 +35,6 @@ def test_a_viewer_that_comes_late_gets_the_urdf(domain_id):
 
 
 def test_frames_follow_the_vehicle_file_and_odom_if_asked(domain_id):
-    transforms = pytest.importorskip('tf2_msgs.msg', reason='this machine lacks a compiler')
     words = (
         '-p', 'vehicle:=gtmab', '-p', 'scene:=lamp_room', '-p', 'frame_prefix:=lta1/',
         '-p', 'pose:=odom',
@@ -46,8 +44,8 @@ def test_frames_follow_the_vehicle_file_and_odom_if_asked(domain_id):
         scenes = []
         peer.node.create_subscription(MarkerArray, 'scene', scenes.append, LATCHED)
         moving, still = [], []
-        peer.node.create_subscription(transforms.TFMessage, '/tf', moving.append, 100)
-        peer.node.create_subscription(transforms.TFMessage, '/tf_static', still.append, LATCHED)
+        peer.node.create_subscription(TFMessage, '/tf', moving.append, 100)
+        peer.node.create_subscription(TFMessage, '/tf_static', still.append, LATCHED)
         odom = peer.publisher('odom')
         pose = Odometry(child_frame_id='base_link')
         pose.header.frame_id = 'odom'
@@ -76,7 +74,6 @@ def test_frames_follow_the_vehicle_file_and_odom_if_asked(domain_id):
 def test_a_flight_publishes_one_tree_and_nobody_who_flies_reads_truth_or_transforms(
     lta, domain_id, tmp_path
 ):
-    transforms = pytest.importorskip('tf2_msgs.msg', reason='this machine lacks a compiler')
     flight = lta.start('launch', 'fly', f'bag:={tmp_path / "bag"}', 'frame_prefix:=lta1/')
     with Peer(domain_id) as peer:
         frames, odoms = {}, []
@@ -87,8 +84,8 @@ def test_a_flight_publishes_one_tree_and_nobody_who_flies_reads_truth_or_transfo
                 parents.add(item.header.frame_id)
 
         still = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-        peer.node.create_subscription(transforms.TFMessage, '/tf', note, 100)
-        peer.node.create_subscription(transforms.TFMessage, '/tf_static', note, still)
+        peer.node.create_subscription(TFMessage, '/tf', note, 100)
+        peer.node.create_subscription(TFMessage, '/tf_static', note, still)
         peer.hear('odom', odoms.append)
         peer.until(lambda: {'lta1/odom', 'lta1/base_link', 'lta1/imu_link'} <= frames.keys())
         peer.until(lambda: len(odoms) > 20)
@@ -105,35 +102,3 @@ def test_a_flight_publishes_one_tree_and_nobody_who_flies_reads_truth_or_transfo
     assert flight.end() == 130
     found = resolve_all(read_bag(tmp_path / 'bag'), {'lta1': 'lta1/'}, cut=True)
     assert {'map', 'lta1/odom', 'lta1/base_link', 'lta1/imu_link'} < found
-
-
-def test_without_tf2_msgs_all_else_works(domain_id, tmp_path):
-    """A machine without a compiler: the URDF comes, odom is estimated, both are recorded."""
-    words = ('-p', 'scene:=lamp_room')
-    started = [
-        start('lta_bridge.nodes.description', *words, before=BARE),
-        start('lta_control.nodes.estimator', before=BARE),
-        start('lta_bridge.nodes.recorder', '-p', f'bag:={tmp_path / "bag"}', before=BARE),
-    ]
-    with Peer(domain_id) as peer:
-        heard, odoms, facts = [], [], {}
-        peer.node.create_subscription(String, 'robot_description', heard.append, LATCHED)
-        peer.hear('odom', odoms.append)
-        peer.hear(
-            '/diagnostics', lambda array: facts.update({one.name: one for one in array.status})
-        )
-        imu, clock = peer.publisher('imu'), peer.node.get_clock()
-        peer.node.create_timer(0.01, lambda: imu.publish(good('imu', clock.now().nanoseconds)))
-        peer.until(lambda: heard and len(odoms) > 10)
-        peer.until(lambda: {'recorder: left out', 'description: frames'} <= facts.keys())
-        left_out = {item.key for item in facts['recorder: left out'].values}
-        assert left_out == {'/tf', '/tf_static'}
-        assert 'tf2_msgs is missing' in facts['description: frames'].message
-        assert peer.node.count_publishers('/tf') == 0
-    for process in started:
-        process.terminate()
-        process.communicate(timeout=PATIENCE)
-        assert process.returncode == 0
-    counts = {name: topic.count for name, topic in read_bag(tmp_path / 'bag').topics.items()}
-    assert min(counts['/lta1/odom'], counts['/lta1/scene']) > 0
-    assert '/tf' not in counts

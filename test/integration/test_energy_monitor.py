@@ -171,14 +171,8 @@ mostly_lockstep = pytest.mark.parametrize(
 
 
 def read_status(message: Any) -> dict[str, Any]:
-    """Return the fields of an EnergyStatus, also from the statuses of a DiagnosticArray."""
-    if not isinstance(message, DiagnosticArray):
-        return {name: getattr(message, name) for name in message.get_fields_and_field_types()}
-    (energy, meters) = message.status
-    assert (energy.name, meters.name) == ('energy', 'meters')
-    books = {item.key.rpartition('_')[0]: float(item.value) for item in energy.values}
-    words = {'meters_level': meters.level[0], 'meters_message': meters.message}
-    return {**books, **words, 'level': energy.level[0], 'message': energy.message}
+    """Return the fields of an EnergyStatus."""
+    return {name: getattr(message, name) for name in message.get_fields_and_field_types()}
 
 
 @either_mode

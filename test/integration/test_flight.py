@@ -56,11 +56,9 @@ def test_one_seed_is_one_flight_and_another_is_another(fly):
         assert [data for _, data in other[topic]] != [data for _, data in one[topic]], topic
 
 
-def test_a_flight_to_the_lamp_is_whole_and_that_of_one_process(lta, call, tmp_path, message_types):
+def test_a_flight_to_the_lamp_is_whole_and_that_of_one_process(lta, call, tmp_path):
     """
     From rest to the lamp: every repeatable topic has the same messages, bytes and log times.
-
-    With the messages of lta_msgs and with the standard ones.
 
     The flight is longer than what lockstep topics keep, so that the middleware's memory is reused.
     """

@@ -11,7 +11,6 @@ from lta_model.sensors.range import RangeSettings
 from lta_sim.nodes.simulator import Simulator
 import pytest
 import rclpy
-from sensor_msgs.msg import JointState
 
 
 class Kept:
@@ -52,10 +51,7 @@ def paced(simulator, monkeypatch):
         message = find_message_type(simulator.table['motors'])()
         message.header.stamp = to_stamp(simulator._world.stamp_ns + round(1e9 * ahead))
         message.name = names or simulator._world.vehicle.rotor_names
-        if isinstance(message, JointState):
-            message.effort = duties
-        else:
-            message.duty = duties
+        message.duty = duties
         simulator._on_motors(SimpleNamespace(messages={'motors': [message]}))
 
     return passes, command

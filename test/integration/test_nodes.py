@@ -16,7 +16,6 @@ from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.publisher_conflict import OTHERS
 from lta_graph.ros.qos import select_profile
 from lta_graph.ros.stamps import to_stamp
-from lta_model.messages import read_duties
 import pytest
 from rcl_interfaces.msg import Log
 from rcl_interfaces.srv import DescribeParameters
@@ -120,7 +119,7 @@ def estimate(peer, step, **position):
     peer.until(answered)
     assert peer.motors[-1].name == ROTORS
     peer.step = max(peer.step, step)
-    return list(read_duties(peer.motors[-1]))
+    return list(peer.motors[-1].duty)
 
 
 def setpoint(peer, altitude, step, heading=0.0):
@@ -391,7 +390,7 @@ def test_a_flight_in_real_time_is_open_to_people(lta, peer, flying, hear, tmp_pa
     assert peer.ask(Trigger, 'emergency_stop').success
     peer.motors.clear()
     peer.until(lambda: len(peer.motors) > 50)
-    answers = [list(read_duties(item)) for item in peer.motors if item.name == ROTORS]
+    answers = [list(item.duty) for item in peer.motors if item.name == ROTORS]
     assert answers[1:] == [[0.0] * 4] * (len(answers) - 1)  # the first may have been on its way
     flight.interrupt()
     assert flight.end() == 130

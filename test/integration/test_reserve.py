@@ -2,7 +2,6 @@
 
 import signal
 
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from lta_config.topics import load_topic_table
 from lta_graph.ros.message_validation import find_message_type
@@ -41,10 +40,7 @@ class Drone(Peer):
     def energy(self, reserve, level=OK, sentence='90% left'):
         """Say what the energy monitor says."""
         message = find_message_type(load_topic_table()['energy/status'])()
-        if isinstance(message, DiagnosticArray):
-            message.status = [DiagnosticStatus(level=level, name='energy', message=sentence)]
-        else:
-            message.level, message.message = level[0], sentence
+        message.level, message.message = level[0], sentence
         self.publisher('energy/status').publish(message)
         self.publisher('energy/reserve').publish(Bool(data=reserve))
 

@@ -28,7 +28,6 @@ from lta_graph.health import HealthFact, HealthLevel
 from lta_graph.ros.message_validation import find_fault
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.shared.hand_over import CdrPublisher
-from lta_model.messages import read_duties
 from lta_sim.nodes.simulator import Simulator
 from lta_vlc.nodes.demodulator import Demodulator
 import numpy as np
@@ -145,7 +144,7 @@ class Trial:
     @property
     def duties(self) -> list[float]:
         """Return all duties that the node gave out, and those that it flies."""
-        given = [duty for message in self.said.get('motors', ()) for duty in read_duties(message)]
+        given = [duty for message in self.said.get('motors', ()) for duty in message.duty]
         flown = self.node._duties if isinstance(self.node, Simulator) else ()
         return [*given, *flown]
 

@@ -7,7 +7,6 @@ from diagnostic_msgs.msg import DiagnosticArray
 from lta_bridge.teleop.sticks import GamepadLayout
 from lta_control.cascade import Setpoint
 from lta_control.messages import from_setpoint
-from lta_model.messages import read_duties
 from nav_msgs.msg import Odometry
 import pytest
 from sensor_msgs.msg import Joy
@@ -24,7 +23,7 @@ class Cockpit:
     def __init__(self, peer):
         self.peer, self.duties, self.facts = peer, [], {}
         self.axes, self.buttons = [0.0] * 6, [0] * 4
-        peer.hear('motors', lambda motors: self.duties.append(max(map(abs, read_duties(motors)))))
+        peer.hear('motors', lambda motors: self.duties.append(max(map(abs, motors.duty))))
         peer.hear('/diagnostics', self._told)
         self._joy = peer.offering('joy', Joy, 1)
         self._odom = peer.publisher('odom')

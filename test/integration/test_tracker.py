@@ -8,14 +8,10 @@ from lta_graph.ros.stamps import from_stamp, to_stamp
 from nav_msgs.msg import Odometry
 import pytest
 from rclpy.qos import qos_profile_sensor_data
+from tf2_msgs.msg import TFMessage
 from waiting import PATIENCE
 
 from .peer import Peer, start
-
-try:
-    from tf2_msgs import msg as transforms
-except ImportError:
-    transforms = None
 
 AHEAD = 3600 * 10**9
 SPEED = 0.5
@@ -34,7 +30,7 @@ def framed(stamp, x):
     other.header.stamp = message.header.stamp = stamp
     message.child_frame_id = 'drone'
     message.transform.translation.x, message.transform.rotation.w = x, 1.0
-    return (transforms.TFMessage(transforms=[other, message]),)
+    return (TFMessage(transforms=[other, message]),)
 
 
 def check_correction(peer, moved, heard):
@@ -68,13 +64,11 @@ def check_correction(peer, moved, heard):
     [((), 'tracker/pose', posed), (('-p', 'frame:=drone'), '/tf', framed)],
 )
 def test_a_tracker_tells_the_truth_by_our_clock(domain_id, words, topic, told):
-    if topic == '/tf' and transforms is None:
-        pytest.skip('tf2_msgs was not built: this machine lacks a compiler')
     body = ('-p', 'body:=[0.0, 0.0, 0.3, 0.0]')
     process = start('lta_bridge.nodes.tracker', *body, *words)
     offered = {
         'tracker/pose': (PoseStamped, qos_profile_sensor_data),
-        '/tf': (transforms and transforms.TFMessage, 100),
+        '/tf': (TFMessage, 100),
     }[topic]
     with Peer(domain_id) as peer:
         heard, facts, begun = [], {}, []
@@ -85,8 +79,7 @@ def test_a_tracker_tells_the_truth_by_our_clock(domain_id, words, topic, told):
         peer.hear('ground_truth/odom', heard.append)
         peer.hear('/diagnostics', noted)
         moved = []
-        if transforms is not None:
-            peer.node.create_subscription(transforms.TFMessage, '/tf', moved.append, 100)
+        peer.node.create_subscription(TFMessage, '/tf', moved.append, 100)
         estimates = peer.publisher('odom')
         poses = peer.offering(topic, *offered)
         clock = peer.node.get_clock()
@@ -112,8 +105,7 @@ def test_a_tracker_tells_the_truth_by_our_clock(domain_id, words, topic, told):
         true = begun[0] + newest.pose.pose.position.x / SPEED * 1e9
         # Within what the fastest of the messages took, on a machine with other work.
         assert 0 <= from_stamp(newest.header.stamp) - true + 1e5 < 50e6
-        if transforms is not None:
-            check_correction(peer, moved, heard)
+        check_correction(peer, moved, heard)
         peer.until(
             lambda: facts.get('tracker: tracker') and facts['tracker: tracker'].level == b'\0'
         )

@@ -19,7 +19,6 @@ import time
 
 from diagnostic_msgs.msg import DiagnosticArray
 from lta_config.files import find_file
-from lta_config.topics import MESSAGES
 from lta_graph.child_process import build_node_environment as node_environment
 from lta_graph.launch_file import load_plan
 from ports import free_port
@@ -222,11 +221,7 @@ def test_node_starts_and_stops(package, executable, installed, environment, watc
     command += ['--ros-args', '-r', f'__ns:={NAMESPACE}', *NEEDS.get(executable, ())]
     if executable == 'live':  # somebody may be looking at another graph of this machine
         command += ['-p', f'port:={free_port()}']
-    # The bag that the player needs was recorded without lta_msgs
-    environment = environment | {
-        'ROS_DOMAIN_ID': os.environ['ROS_DOMAIN_ID'],
-        MESSAGES: 'standard',
-    }
+    environment = environment | {'ROS_DOMAIN_ID': os.environ['ROS_DOMAIN_ID']}
     log = tmp_path / 'log'
     with log.open('wb') as output:
         process = subprocess.Popen(

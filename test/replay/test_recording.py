@@ -18,7 +18,7 @@ from lta_bridge.bag.qos import build_offered_qos
 from lta_bridge.bag.writer import BagWriter
 from lta_bridge.provenance import collect_provenance
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_config.topics import load_topic_table, MESSAGES, uses_typed_messages
+from lta_config.topics import load_topic_table
 from lta_control.gains_file import load_gains
 from lta_control.messages import (
     from_setpoint,
@@ -67,16 +67,6 @@ START = 4.0, 1.0  # m beside the scenario's start
 STEPS, SEED = 801, 4  # 8 s
 LARGEST = 750_000  # bytes; noise does not compress
 QOS = [build_offered_qos('reliable', 'transient_local', 200)]
-
-
-@pytest.fixture(autouse=True)
-def _as_recorded(monkeypatch):
-    """Use the types of the stored bag, as a replay does."""
-    monkeypatch.setenv(MESSAGES, 'standard')
-    uses_typed_messages.cache_clear()
-    yield
-    monkeypatch.undo()
-    uses_typed_messages.cache_clear()
 
 
 def fly(folder):
@@ -130,13 +120,13 @@ def answered(folder, demodulation=None, mission=None):
     with BagWriter(folder, {}) as writer:
         for name in ANSWERS:
             writer.add_topic(f'/lta1/{name}', TABLE[name].type, QOS)
-        for now, image in recorded('photodiodes'):
-            block = to_block(image)
+        for now, message in recorded('photodiodes'):
+            block = to_block(message)
             hearing = listener.demodulate_next_block(block)
             peaks = hearing.peaks[0]
             towards = estimate_bearing(peaks, DIODES.ring, settings.threshold)
             found = finder.find(peaks, settings.threshold, prior)
-            begun = from_stamp(image.header.stamp)
+            begun = from_stamp(message.header.stamp)
             measured = to_cascade_measurement(
                 max((m for m in odometry if m[0] <= now), key=lambda m: m[0])[1]
             )
@@ -153,15 +143,15 @@ def answered(folder, demodulation=None, mission=None):
             order = FlightPermission.RESERVE if known and known[-1] else FlightPermission.FLY
             asked, state = mission_step(mission, plan, state, sight, altitude, order, 1, land)
             pose, velocity = from_setpoint(to_stamp(begun), asked)
-            for name, message in (
-                ('light/peaks', from_peaks(image.header, hearing.peaks, DIODES.axes)),
-                ('light/bearing', from_bearing(image.header, towards)),
-                ('light/estimate', from_lamp(image.header, lamp)),
+            for name, answer in (
+                ('light/peaks', from_peaks(message.header, hearing.peaks, DIODES.axes)),
+                ('light/bearing', from_bearing(message.header, towards)),
+                ('light/estimate', from_lamp(message.header, lamp)),
                 ('setpoint/pose', pose),
                 ('setpoint/velocity', velocity),
                 ('light/beacon', Float64(data=NO_WISH)),
             ):
-                writer.write(f'/lta1/{name}', encode_cdr(message), now)
+                writer.write(f'/lta1/{name}', encode_cdr(answer), now)
     return folder
 
 

@@ -28,7 +28,6 @@ from commands import COMMANDS, FLIGHTS, ROOT, run_command
 from fingerprint import describe_machine
 from lta_config.errors import BadInput
 from lta_config.machine import count_cores
-from lta_config.topics import MESSAGES
 from lta_report.workers import ItemFailure, LocalWorkers
 from rich.progress import track
 from simulations import list_flights, simulate_flight
@@ -179,8 +178,6 @@ def main() -> int:
     parser.add_argument('--jobs', type=int, default=count_cores())
     parser.add_argument('--out', type=Path, default=FROZEN, help='folder of the tables')
     order = parser.parse_args()
-    # Every machine has these, and they have not changed since the first tables
-    os.environ[MESSAGES] = 'standard'
     tables = order.only or list(TABLES)
     if order.freeze:
         try:

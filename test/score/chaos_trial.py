@@ -93,7 +93,7 @@ def impossible(bag: Any) -> list[str]:
     """Return the first command that no motor must get."""
     for topic, _, data in bag.iterate_messages(['/lta1/motors']):
         command = bag.decode(topic, data)
-        duties = command.duty if hasattr(command, 'duty') else command.effort
+        duties = command.duty
         if not all(-1.0 <= duty <= 1.0 for duty in duties):
             return [f'duties {list(duties)} were commanded']
     return []

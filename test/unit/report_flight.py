@@ -29,12 +29,12 @@ TOPICS = {
     'ground_truth/odom': 'nav_msgs/msg/Odometry',
     'odom': 'nav_msgs/msg/Odometry',
     'range': 'sensor_msgs/msg/Range',
-    'motors': 'sensor_msgs/msg/JointState',
+    'motors': 'lta_msgs/msg/ActuatorDuty',
     'setpoint/pose': 'geometry_msgs/msg/PoseStamped',
     'setpoint/velocity': 'geometry_msgs/msg/TwistStamped',
     'wind': 'geometry_msgs/msg/Vector3Stamped',
-    'photodiodes': 'sensor_msgs/msg/Image',
-    'light/peaks': 'sensor_msgs/msg/PointCloud2',
+    'photodiodes': 'lta_msgs/msg/LightBlock',
+    'light/peaks': 'lta_msgs/msg/LampPeaks',
     'light/bearing': 'geometry_msgs/msg/Vector3Stamped',
     'light/estimate': 'geometry_msgs/msg/PoseWithCovarianceStamped',
     'battery': 'sensor_msgs/msg/BatteryState',
@@ -114,10 +114,10 @@ def motors(time):
     flying = 0.5 if time >= CLIMB else 0.0
     cruising = 0.3 if SEEK <= time < GOAL else 0.0
     return make(
-        'sensor_msgs/msg/JointState',
+        'lta_msgs/msg/ActuatorDuty',
         header=header(time),
         name=list(ROTORS),
-        effort=np.array([flying, flying, cruising, cruising]),
+        duty=np.array([flying, flying, cruising, cruising]),
     )
 
 
@@ -143,35 +143,30 @@ def block(time):
     lamp = np.where(t * 150.0 % 1.0 < 0.5, 1.0, -1.0)[:, None] * amplitudes(time) * math.pi / 4
     counts = 500 + lamp + 20 * np.sin(2 * np.pi * 100 * t)[:, None]
     noise = np.random.default_rng(round(time * 10)).normal(size=counts.shape)
-    data = np.rint(counts + noise).astype('<u2')
+    data = np.rint(counts + noise).astype(np.uint16)
     return make(
-        'sensor_msgs/msg/Image',
+        'lta_msgs/msg/LightBlock',
         header=header(time),
-        height=1000,
-        width=8,
-        encoding='16UC1',
-        step=16,
-        data=np.frombuffer(data.tobytes(), np.uint8),
+        sample_rate=1e4,
+        diodes=8,
+        counts=data.ravel(),
     )
 
 
 def peaks(time):
-    names = ['x', 'y', 'z', 'amplitude', 'snr', 'frequency']
     seen = amplitudes(time)
-    columns = [np.cos(DIODES), np.sin(DIODES), np.zeros(8), seen, 10 * seen, np.full(8, 150.0)]
-    data = np.stack(columns, axis=1).astype('<f4')
     return make(
-        'sensor_msgs/msg/PointCloud2',
+        'lta_msgs/msg/LampPeaks',
         header=header(time),
-        height=1,
-        width=8,
-        fields=[
-            make('sensor_msgs/msg/PointField', name=name, offset=4 * k, datatype=7, count=1)
-            for k, name in enumerate(names)
+        axis=[vector(math.cos(angle), math.sin(angle), 0.0) for angle in DIODES],
+        beacon=[
+            make(
+                'lta_msgs/msg/BeaconPeaks',
+                amplitude=seen.astype(np.float32),
+                snr=(10 * seen).astype(np.float32),
+                frequency=np.full(8, 150.0, np.float32),
+            )
         ],
-        point_step=24,
-        row_step=192,
-        data=np.frombuffer(data.tobytes(), np.uint8),
     )
 
 

@@ -12,7 +12,6 @@ from lta_config.topics import load_topic_table, robot_topic
 from lta_control.messages import from_duties
 from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.stamps import from_stamp
-from lta_model.messages import read_duties
 from lta_model.scenario import load_scenario
 import numpy as np
 import pytest
@@ -50,7 +49,7 @@ def test_what_is_spoilt_is_what_it_says():
     assert math.isnan(spoil('nan', odom).pose.pose.position.z)
     assert np.isnan(spoil('nan', odom).pose.covariance).all()
     motors = from_duties(Time(), ['a', 'b'], (0.1, 0.2))
-    assert len(read_duties(spoil('lengths', motors))) == 3
+    assert len(spoil('lengths', motors).duty) == 3
     assert list(spoil('names', motors).name) != ['a', 'b']
     assert motors.name == ['a', 'b']  # a copy was spoilt
 

@@ -34,11 +34,10 @@ packages = [
     for package in find_packages(str(folder))
     if package.split('.')[0] == name
 ]
-# The classes of our messages, which "make build" generates where there is a compiler
-generated = Path(sysconfig.get_path('purelib')) / 'lta_msgs'
-if generated.is_dir():
-    packages += ['lta_msgs', 'lta_msgs.msg', 'lta_msgs.action']
-    sources['lta_msgs'] = generated.parent
+# The classes of the messages that "make build" generates
+generated = Path(sysconfig.get_path('purelib'))
+packages += ['lta_msgs', 'lta_msgs.msg', 'lta_msgs.action', 'tf2_msgs', 'tf2_msgs.msg']
+sources |= {'lta_msgs': generated, 'tf2_msgs': generated}
 facts = [
     path.relative_to(ROOT / 'config')
     for path in sorted((ROOT / 'config').rglob('*'))

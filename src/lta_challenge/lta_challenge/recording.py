@@ -48,13 +48,13 @@ def _encode_messages(
     """Return the type of a topic and an iterator of its messages (time in ns, name, bytes)."""
     # The wrench command is not a topic of a flight's graph
     entry = load_topic_table()[topic] if topic != PUSHED else None
-    kind, frame = (entry.common_type, entry.frame) if entry else (WRENCH.type_name, WRENCH.frame)
+    kind, frame = (entry.type, entry.frame) if entry else (WRENCH.type_name, WRENCH.frame)
     constants: dict[str, Any] = {'header.frame_id': frame, **SAID.get(topic, {})}
     lengths = {}
     columns = COLUMNS.get(topic, ())
     if topic == 'motors':
-        constants['name'], lengths['effort'] = list(rotors), len(rotors)
-        columns = tuple(f'effort[{k}]' for k in range(len(rotors)))
+        constants['name'], lengths['duty'] = list(rotors), len(rotors)
+        columns = tuple(f'duty[{k}]' for k in range(len(rotors)))
     # All messages of a topic have the same size; fill them in one array operation
     layout = CdrTemplate(kind, constants, lengths)
     stamps = BEGUN + np.round(time * 1e9).astype(np.int64)

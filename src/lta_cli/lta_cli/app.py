@@ -107,6 +107,7 @@ BAG: Final = VerbGroup(
         'check': Verb('bag.check', 'check'),
         'plot': Verb('bag.plot', 'plot'),
         'recover': Verb('bag.recover', 'recover'),
+        'upgrade': Verb('bag.upgrade', 'upgrade'),
         'export': Verb('bag.export', 'export'),
     },
 )

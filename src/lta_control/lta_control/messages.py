@@ -4,7 +4,7 @@ import array
 from collections.abc import Iterable
 from itertools import chain
 import math
-from typing import Any, TYPE_CHECKING
+from typing import Any, Final
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import (
@@ -14,8 +14,6 @@ from geometry_msgs.msg import (
     TwistWithCovarianceStamped,
 )
 from lta_config.covariances import has_estimate, UNKNOWN_VARIANCE
-from lta_config.errors import BadInput
-from lta_config.topics import load_topic_table
 from lta_control import message_rounding
 from lta_control.attitude import Quaternion, up_in_body, Vector, yaw_from_quaternion
 from lta_control.cascade import CascadeMeasurement, Setpoint
@@ -30,16 +28,18 @@ from lta_control.sighting import LampPosition
 from lta_graph.blank_message import create_message
 from lta_graph.health import HealthLevel
 from lta_graph.inbox import InboxStep
-from lta_graph.ros.message_validation import find_message_type
-from lta_model.messages import read_duties
+from lta_msgs.action import GoToLamp, Land, TakeOff
+from lta_msgs.msg import ActuatorDuty, LampPeaks
 from nav_msgs.msg import Odometry
 import numpy as np
 from numpy.typing import NDArray
-from sensor_msgs.msg import FluidPressure, Imu, JointState, PointCloud2, Range
+from sensor_msgs.msg import FluidPressure, Imu, Range
 
-if TYPE_CHECKING:  # not built on every machine; see the type of a topic in the table
-    from lta_msgs.msg import ActuatorDuty, LampPeaks
-
+ACTION_TYPES: Final = {
+    TaskKind.TAKE_OFF: TakeOff,
+    TaskKind.GO_TO_LAMP: GoToLamp,
+    TaskKind.LAND: Land,
+}
 DiodeReadings = tuple[tuple[tuple[float, float], ...], tuple[float, ...]]
 
 MOST_VARIANCE = 0.5 * UNKNOWN_VARIANCE  # of an estimate that is there
@@ -47,7 +47,6 @@ BAROMETER = 30e3, 125e3  # Pa, the range of the BMP388
 FARTHEST = (
     100.0  # m; upper bound for the range finder of a small drone, whatever the message declares
 )
-ROW = ('x', 'y', 'amplitude')  # fields read from a diode's point
 YAW_DRIFT = 1e-3  # of the heading after the calibration [rad/s]: an assumption
 # Of the range finder's constant offset [m]: an assumption, within the 2 cm of the VL53L1x
 RANGE_OFFSET = 0.01
@@ -82,22 +81,19 @@ def to_pressure(message: FluidPressure) -> float:
     return message_rounding.mask_out_of_range(message.fluid_pressure, *BAROMETER)
 
 
-def to_duties(
-    motors: 'ActuatorDuty | JointState | None', names: list[str], before: PerRotor
-) -> PerRotor:
+def to_duties(motors: ActuatorDuty | None, names: list[str], before: PerRotor) -> PerRotor:
     """Return the commanded duties by slot, or `before` without a valid command."""
     return (
         before
         if motors is None or not is_valid_command(motors, names)
-        else pad_to_slots(read_duties(motors))
+        else pad_to_slots(motors.duty)
     )
 
 
-def is_valid_command(motors: 'ActuatorDuty | JointState', names: list[str]) -> bool:
+def is_valid_command(motors: ActuatorDuty, names: list[str]) -> bool:
     """Return whether the duties belong to the vehicle's rotors and are from -1 to 1."""
-    duties = read_duties(motors)
-    ours = list(motors.name) == names and len(duties) == len(names)
-    return ours and all(-1.0 <= duty <= 1.0 for duty in duties)  # NaN compares false
+    ours = list(motors.name) == names and len(motors.duty) == len(names)
+    return ours and all(-1.0 <= duty <= 1.0 for duty in motors.duty)  # NaN compares false
 
 
 def from_estimate(stamp: Time, estimate: MotionEstimate, ground: GroundMotion) -> Odometry:
@@ -265,27 +261,14 @@ def from_setpoint(stamp: Time, setpoint: Setpoint) -> tuple[PoseStamped, TwistSt
     return pose, velocity
 
 
-def from_duties(
-    stamp: Time,
-    names: list[str],
-    duties: tuple[float, ...],
-    kind: Any = None,  # noqa: ANN401 - a class that may not be installed
-) -> 'ActuatorDuty | JointState':
-    """
-    Return the duties by actuator name, -1 to 1; unused slots are left out.
-
-    `kind` is the class of the message; by default that of the topic table.
-    """
-    message = create_message(kind or find_message_type(load_topic_table()['motors']))
+def from_duties(stamp: Time, names: list[str], duties: tuple[float, ...]) -> ActuatorDuty:
+    """Return the duties by actuator name, -1 to 1; unused slots are left out."""
+    message = create_message(ActuatorDuty)
     message.header.stamp = stamp
     message.header.frame_id = 'base_link'
     message.name = names
     # rclpy accepts an array of the type without checking each item
-    numbers = array.array('d', duties[: len(names)])
-    if isinstance(message, JointState):
-        message.effort = numbers
-    else:
-        message.duty = numbers
+    message.duty = array.array('d', duties[: len(names)])
     return message
 
 
@@ -296,19 +279,15 @@ def update_reserve_report(before: ReserveReport | None, step: InboxStep) -> Rese
     They are separate topics, so either may arrive a step after the other, or no longer.
     """
     reserve, status = step.last_message('energy/reserve'), step.last_message('energy/status')
-    level, why = None, ''
-    if status is not None and not hasattr(status, 'status'):
-        level, why = status.level, status.message
-    elif status is not None and status.status:
-        # A DiagnosticArray has the battery as its first status, whose level is a byte
-        level, why = status.status[0].level[0], status.status[0].message
-    if reserve is None and level is None:
+    if reserve is None and status is None:
         return before
     # Until the first reserve message, assume that the reserve is reached: stay on the ground.
     now_ns = step.stamp_ns
     word = ReserveReport(now_ns, True, False, status_ns=now_ns) if before is None else before
-    if level is not None:
-        word = word._replace(urgent=level >= HealthLevel.ERROR, why=why, status_ns=now_ns)
+    if status is not None:
+        word = word._replace(
+            urgent=status.level >= HealthLevel.ERROR, why=status.message, status_ns=now_ns
+        )
     if reserve is not None:
         word = word._replace(reserve_ns=now_ns, reserve=reserve.data)
     return word
@@ -324,13 +303,11 @@ def to_lamp(message: PoseWithCovarianceStamped | None) -> LampPosition | None:
     return LampPosition(place.x, place.y, place.z, spread)
 
 
-def to_diodes(message: 'LampPeaks | PointCloud2 | None') -> DiodeReadings:
+def to_diodes(message: LampPeaks | None) -> DiodeReadings:
     """Return axis and amplitude of each diode for the requested beacon, which is the first."""
-    if message is None:
+    if message is None or not message.beacon:
         return (), ()
-    if isinstance(message, PointCloud2):
-        return _read_first_row(message)
-    if not message.beacon or len(message.beacon[0].amplitude) != len(message.axis):
+    if len(message.beacon[0].amplitude) != len(message.axis):
         return (), ()
     axes = tuple([(axis.x, axis.y) for axis in message.axis])
     if not all(map(math.isfinite, chain.from_iterable(axes))):
@@ -338,25 +315,8 @@ def to_diodes(message: 'LampPeaks | PointCloud2 | None') -> DiodeReadings:
     return axes, tuple(message.beacon[0].amplitude)
 
 
-def _read_first_row(message: PointCloud2) -> DiodeReadings:
-    """Return axis and amplitude of a cloud's first row; without the fields, it has no points."""
-    if message.width == 0 or message.height == 0:
-        return (), ()
-    # All fields are float32: index of each field in a point
-    places = {field.name: field.offset // 4 for field in message.fields}
-    has_fields = all(4 * places.get(name, math.inf) < message.point_step for name in ROW)
-    if not has_fields or message.point_step % 4:
-        return (), ()
-    words = np.frombuffer(message.data, dtype='<f4').reshape(-1, message.point_step // 4)
-    row = words[: message.width]
-    if not np.isfinite(row[:, [places['x'], places['y']]]).all():
-        return (), ()
-    axes = tuple(map(tuple, row[:, [places['x'], places['y']]].tolist()))
-    return axes, tuple(row[:, places['amplitude']].tolist())
-
-
 def to_sighting(
-    lamp: PoseWithCovarianceStamped | None, peaks: 'LampPeaks | PointCloud2 | None', age: float
+    lamp: PoseWithCovarianceStamped | None, peaks: LampPeaks | None, age: float
 ) -> LampSighting | None:
     """Return the lamp as the estimator uses it; `age` is the time since mid-block [s]."""
     if lamp is None or peaks is None:
@@ -365,26 +325,9 @@ def to_sighting(
     return build_sighting(to_lamp(lamp), axes, amplitudes, to_frequencies(peaks), age)
 
 
-def to_frequencies(message: 'LampPeaks | PointCloud2') -> tuple[float, ...]:
+def to_frequencies(message: LampPeaks) -> tuple[float, ...]:
     """Return the frequency of the requested beacon at each diode. [Hz]"""
-    if not isinstance(message, PointCloud2):
-        return tuple(message.beacon[0].frequency) if message.beacon else ()
-    places = {field.name: field.offset // 4 for field in message.fields}
-    if 'frequency' not in places or message.point_step % 4 or message.height == 0:
-        return ()
-    words = np.frombuffer(message.data, dtype='<f4').reshape(-1, message.point_step // 4)
-    return tuple(words[: message.width, places['frequency']].tolist())
-
-
-def load_actions() -> dict[TaskKind, Any]:
-    """Return the type of each action; raise `BadInput` where "make build" could not compile it."""
-    try:
-        from lta_msgs.action import GoToLamp, Land, TakeOff
-    except ImportError:
-        raise BadInput(
-            'commanded:=true needs the package lta_msgs, which is missing; see "lta doctor".'
-        ) from None
-    return {TaskKind.TAKE_OFF: TakeOff, TaskKind.GO_TO_LAMP: GoToLamp, TaskKind.LAND: Land}
+    return tuple(message.beacon[0].frequency) if message.beacon else ()
 
 
 def to_task_value(kind: TaskKind, goal: Any) -> float:  # noqa: ANN401 - one of three types

@@ -1,12 +1,9 @@
 """Convert between energy data and ROS messages."""
 
 import math
-from typing import TYPE_CHECKING
 
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import TwistWithCovarianceStamped
 from lta_config.covariances import has_estimate
-from lta_config.topics import load_topic_table
 from lta_energy.monitoring.estimate import EnergyEstimate
 from lta_energy.monitoring.monitor import MonitorSettings
 from lta_energy.monitoring.power_system import PowerSystem
@@ -14,14 +11,11 @@ from lta_energy.monitoring.reading import MeterReading, TravelState
 from lta_energy.monitoring.report import EnergyReport
 from lta_energy.monitoring.soc_ekf import INVERSE, RESISTANCE
 from lta_energy.monitoring.way_home import reachable_distance
-from lta_graph.ros.message_validation import find_message_type
 from lta_model.electrical.battery import BatteryModel
+from lta_msgs.msg import EnergyStatus
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState, Illuminance
 from std_msgs.msg import Bool
-
-if TYPE_CHECKING:  # not built on every machine; see the type of a topic in the table
-    from lta_msgs.msg import EnergyStatus
 
 SECONDS_PER_HOUR = 3600.0
 
@@ -106,28 +100,28 @@ def _supply_health(estimate: EnergyEstimate) -> int:
 def collect_energy_values(
     settings: MonitorSettings, aboard: PowerSystem, report: EnergyReport, reading: MeterReading
 ) -> dict[str, float]:
-    """Return the energy balance as named numbers; each name ends with its unit."""
+    """Return the energy balance by the fields of its message, whose comments have the units."""
     estimate, empty, full = report.estimate, report.empty, report.full
     books = estimate.books
     return {
-        'power_in_W': reading.panel_power,
+        'power_in': reading.panel_power,
         # Load = charger output minus what charges the cell
-        'power_out_W': aboard.charger_output(reading.panel_power) - reading.cell_power,
-        'power_net_W': reading.cell_power,
-        'harvested_J': books.harvested,
-        'consumed_J': books.consumed,
-        'lost_J': books.lost,
-        'stored_J': books.stored,
-        'imbalance_J': books.imbalance,
-        'state_of_charge_1': estimate.charge,
-        'state_of_charge_sigma_1': estimate.deviation,
-        'time_to_empty_s': empty.mean,
-        'time_to_empty_sigma_s': empty.deviation,
-        'time_to_full_s': full.mean,
-        'time_to_full_sigma_s': full.deviation,
+        'power_out': aboard.charger_output(reading.panel_power) - reading.cell_power,
+        'power_net': reading.cell_power,
+        'harvested': books.harvested,
+        'consumed': books.consumed,
+        'lost': books.lost,
+        'stored': books.stored,
+        'imbalance': books.imbalance,
+        'state_of_charge': estimate.charge,
+        'state_of_charge_sigma': estimate.deviation,
+        'time_to_empty': empty.mean,
+        'time_to_empty_sigma': empty.deviation,
+        'time_to_full': full.mean,
+        'time_to_full_sigma': full.deviation,
         **_collect_cell_values(aboard.cell, estimate),
         **_collect_way_home_values(settings, estimate, reading),
-        'illuminance_lx': reading.illuminance,
+        'illuminance': reading.illuminance,
     }
 
 
@@ -141,9 +135,9 @@ def _collect_cell_values(cell: BatteryModel, estimate: EnergyEstimate) -> dict[s
         capacity = cell.capacity / estimate.belief.mean[INVERSE]
     surprise = estimate.surprise
     return {
-        'resistance_ohm': resistance,
-        'capacity_C': capacity,
-        'innovation_V': math.nan if surprise is None else surprise.innovation,
+        'resistance': resistance,
+        'capacity': capacity,
+        'innovation': math.nan if surprise is None else surprise.innovation,
     }
 
 
@@ -154,9 +148,9 @@ def _collect_way_home_values(
     stock, travel = estimate.stock, estimate.travel
     spare = math.nan if stock is None else stock.spare
     return {
-        'home_m': math.nan if reading.where is None else reading.where.distance,
-        'spare_J': spare,
-        'reach_m': math.nan if travel is None else reachable_distance(settings.way, travel, spare),
+        'home': math.nan if reading.where is None else reading.where.distance,
+        'spare': spare,
+        'reach': math.nan if travel is None else reachable_distance(settings.way, travel, spare),
     }
 
 
@@ -166,36 +160,13 @@ def from_energy_balance(
     report: EnergyReport,
     reading: MeterReading,
     measured: BatteryState,
-) -> 'EnergyStatus | DiagnosticArray':
+) -> EnergyStatus:
     """Return energy balance and faults, with the stamp of the battery message."""
-    numbers = collect_energy_values(settings, aboard, report, reading)
-    message = find_message_type(load_topic_table()['energy/status'])()
+    message = EnergyStatus(**collect_energy_values(settings, aboard, report, reading))
     message.header.stamp = measured.header.stamp
-    if isinstance(message, DiagnosticArray):
-        message.status = _build_statuses(report, numbers)
-        return message
     message.level, message.message = report.battery
     message.meters_level, message.meters_message = report.meters
-    for key, value in numbers.items():
-        # A key is the name of the field and its unit
-        setattr(message, key.rpartition('_')[0], value)
     return message
-
-
-def _build_statuses(report: EnergyReport, numbers: dict[str, float]) -> list[DiagnosticStatus]:
-    """Return energy balance and faults as two statuses."""
-    level, sentence = report.battery
-    trust, faults = report.meters
-    return [
-        DiagnosticStatus(
-            level=bytes([level]),
-            name='energy',
-            message=sentence,
-            # Nine digits round-trip single precision, in which the meters' messages arrive
-            values=[KeyValue(key=key, value=f'{value:.9g}') for key, value in numbers.items()],
-        ),
-        DiagnosticStatus(level=bytes([trust]), name='meters', message=faults),
-    ]
 
 
 def from_reserve(estimate: EnergyEstimate) -> Bool:

@@ -2,31 +2,19 @@
 
 import array
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Vector3Stamped
 from lta_config.topics import load_topic_table
 from lta_graph.blank_message import create_message
-from lta_graph.ros.message_validation import find_message_type
 from lta_model.sensors.range import RangeSettings
 from lta_model.state import POSITION, QUATERNION, RATES, VELOCITY
+from lta_msgs.msg import LightBlock
 from nav_msgs.msg import Odometry
 import numpy as np
 from numpy.typing import NDArray
-from sensor_msgs.msg import (
-    BatteryState,
-    FluidPressure,
-    Illuminance,
-    Image,
-    Imu,
-    JointState,
-    Range,
-)
+from sensor_msgs.msg import BatteryState, FluidPressure, Illuminance, Imu, Range
 from std_msgs.msg import Header
-
-if TYPE_CHECKING:  # not built on every machine; see the type of a topic in the table
-    from lta_msgs.msg import ActuatorDuty, LightBlock
 
 NAN = float('nan')
 
@@ -76,29 +64,15 @@ def build_pressure_message(stamp: Time, value: float, deviation: float) -> Fluid
     return message
 
 
-def build_light_block_message(stamp: Time, block: NDArray[np.uint16]) -> 'LightBlock | Image':
+def build_light_block_message(stamp: Time, block: NDArray[np.uint16]) -> LightBlock:
     """Return an ADC block, shape (samples, diodes). [counts]"""
-    rows, columns = block.shape
-    table = load_topic_table()
-    message = find_message_type(table['photodiodes'])()
-    message.header = _build_header(stamp, 'photodiodes')
-    # rclpy accepts an array of the type as it is, and checks any other sequence item by item
-    if isinstance(message, Image):
-        message.height, message.width = rows, columns
-        # One row a sample, one column a diode, 16 bit unsigned
-        message.encoding = '16UC1'
-        message.step = 2 * columns
-        message.data = array.array('B', block.astype('<u2', copy=False).tobytes())
-        return message
-    message.sample_rate, message.diodes = table.light.sample_rate.si, columns
-    message.counts = array.array('H', block.astype(np.uint16, copy=False).tobytes())
-    return message
-
-
-def read_duties(motors: 'ActuatorDuty | JointState') -> Sequence[float]:
-    """Return the duties of a command, by its names."""
-    duties: Sequence[float] = motors.effort if isinstance(motors, JointState) else motors.duty
-    return duties
+    return LightBlock(
+        header=_build_header(stamp, 'photodiodes'),
+        sample_rate=load_topic_table().light.sample_rate.si,
+        diodes=block.shape[1],
+        # rclpy accepts an array of the type as it is, and checks any other sequence item by item
+        counts=array.array('H', block.astype(np.uint16, copy=False).tobytes()),
+    )
 
 
 def build_illuminance_message(stamp: Time, lux: float) -> Illuminance:

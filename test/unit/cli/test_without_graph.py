@@ -9,7 +9,6 @@ HIDE = "import sys; sys.modules['rclpy'] = sys.modules['rcl_interfaces'] = None;
 COMMAND = f'{HIDE}from lta_cli.command import main; main()'
 LOAD_ALL = f"""{HIDE}
 from lta_cli.app import VERBS, VerbGroup
-from lta_config.topics import is_lta_msgs_built
 from lta_flight.simulate import require_messages
 
 for item in VERBS.values():
@@ -17,7 +16,6 @@ for item in VERBS.values():
         if not verb.needs_graph:
             verb.load()
 require_messages()
-assert is_lta_msgs_built()
 """
 
 

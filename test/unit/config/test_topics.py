@@ -4,6 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from lta_config.errors import BadInput
 from lta_config.files import load_file
+from lta_config.message_files import list_message_files, read_field_units
 from lta_config.topics import is_name, load_topic_table, robot_topic, TopicTable
 import pytest
 
@@ -73,7 +74,7 @@ def test_roles_and_names():
     assert TABLE.read_by('estimator') == [
         'imu', 'range', 'pressure', 'motors', 'light/peaks', 'light/estimate'
     ]  # fmt: skip
-    assert (TABLE['imu'].package, TABLE['imu'].message) == ('sensor_msgs', 'Imu')
+    assert TABLE['imu'].type == 'sensor_msgs/msg/Imu'
     with pytest.raises(BadInput, match=r"^Unknown topic 'imo'; known: /clock, .*/tf_static, air"):
         TABLE['imo']
     assert robot_topic('lta1', 'light/peaks') == '/lta1/light/peaks'
@@ -112,3 +113,17 @@ def test_a_bad_table_is_refused(tmp_path, text, message):
     with pytest.raises(BadInput) as caught:
         load_file(TopicTable, path)
     assert message in str(caught.value)
+
+
+def test_every_number_of_lta_msgs_has_its_unit_in_a_comment():
+    units = read_field_units()
+    assert len(units) == len(list_message_files()) == 5
+    numbers = {
+        (name, line.split()[1])
+        for name, path in list_message_files().items()
+        for line in path.read_text(encoding='utf-8').splitlines()
+        if line.startswith(('float', 'uint16['))
+    }
+    assert len(numbers) > 25
+    assert {(name, field) for name, of in units.items() for field in of} >= numbers
+    assert units['lta_msgs/msg/EnergyStatus']['capacity'] == 'C'

@@ -2,9 +2,7 @@
 
 import math
 
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from lta_config.covariances import UNKNOWN_VARIANCE
-from lta_config.topics import load_topic_table
 from lta_control.altitude import AltitudeEstimate
 from lta_control.attitude import yaw_from_quaternion
 from lta_control.cascade import Setpoint
@@ -44,13 +42,12 @@ from lta_control.reserve import (
     ReserveResponseSettings,
 )
 from lta_graph.inbox import InboxStep
-from lta_graph.ros.message_validation import find_message_type
-from lta_model.messages import read_duties
+from lta_msgs.msg import ActuatorDuty, EnergyStatus
 from lta_vlc.demodulation import Peaks
 from lta_vlc.messages import from_peaks
 import numpy as np
 import pytest
-from sensor_msgs.msg import JointState, Range
+from sensor_msgs.msg import Range
 from std_msgs.msg import Bool, Header
 
 PITCH = 0.3  # nose down
@@ -176,28 +173,27 @@ def test_a_setpoint_survives_the_way_there_and_back():
 
 
 @pytest.mark.parametrize(
-    ('names', 'effort'), [(['a', 'b'], [0.1, 0.2]), (['a', 'b', 'c', 'd'], [0.1] * 3)]
+    ('names', 'duties'), [(['a', 'b'], [0.1, 0.2]), (['a', 'b', 'c', 'd'], [0.1] * 3)]
 )
-def test_duties_that_do_not_fit_leave_those_before(names, effort):
+def test_duties_that_do_not_fit_leave_those_before(names, duties):
     before = pad_to_slots((0.1, 0.2, 0.3, 0.4))
-    motors = JointState(name=names, effort=effort)
+    motors = ActuatorDuty(name=names, duty=duties)
     assert to_duties(motors, ['a', 'b', 'c', 'd'], before) == before
     assert to_duties(None, ['a', 'b', 'c', 'd'], before) == before
 
 
 def test_duties_that_fit_are_taken():
-    motors = JointState(name=['a', 'b', 'c', 'd'], effort=[0.4, 0.3, 0.2, 0.1])
+    motors = ActuatorDuty(name=['a', 'b', 'c', 'd'], duty=[0.4, 0.3, 0.2, 0.1])
     assert to_duties(motors, ['a', 'b', 'c', 'd'], NONE) == pad_to_slots((0.4, 0.3, 0.2, 0.1))
 
 
 @pytest.mark.parametrize('count', [1, 2, 4, 6, 8])
-def test_duties_survive_the_way_there_and_back(message_types, count):
+def test_duties_survive_the_way_there_and_back(count):
     names = [f'rotor{index}' for index in range(count)]
     duties = pad_to_slots(0.1 * index + 0.1 for index in range(count))
     message = from_duties(Range().header.stamp, names, duties)
     assert list(message.name) == names
-    assert list(read_duties(message)) == list(duties[:count])
-    assert hasattr(message, 'duty') == (message_types == 'typed')
+    assert list(message.duty) == list(duties[:count])
     assert to_duties(message, names, NONE) == duties
 
 
@@ -233,13 +229,7 @@ def test_the_climb_rate_of_a_rolled_vehicle_includes_its_sway():
 
 
 def battery_status(level, why):
-    """Return the message of the types in use."""
-    message = find_message_type(load_topic_table()['energy/status'])()
-    if isinstance(message, DiagnosticArray):
-        message.status = [DiagnosticStatus(level=level, message=why)]
-    else:
-        message.level, message.message = level[0], why
-    return message
+    return EnergyStatus(level=level[0], message=why)
 
 
 def energy(stamp, reserve=None, level=None, why=''):
@@ -251,7 +241,7 @@ def energy(stamp, reserve=None, level=None, why=''):
     return InboxStep(stamp, heard, heard, {})
 
 
-def test_reserve_and_status_may_come_in_different_steps(message_types):
+def test_reserve_and_status_may_come_in_different_steps():
     ok = update_reserve_report(None, energy(1, False, b'\x00', 'all is well'))
     assert ok == ReserveReport(1, False, False, 'all is well', 1)
     assert update_reserve_report(ok, energy(2)) == ok
@@ -275,7 +265,7 @@ def test_without_a_reserve_message_the_reserve_counts_as_reached():
 
 
 @pytest.mark.parametrize('lost', ['reserve', 'status'])
-def test_a_report_is_as_old_as_its_older_part(message_types, lost):
+def test_a_report_is_as_old_as_its_older_part(lost):
     settings, second = ReserveResponseSettings(), 1_000_000_000
     report = update_reserve_report(None, energy(0, False, b'\x00'))
     for k in range(1, 16):
@@ -289,7 +279,7 @@ def test_a_report_is_as_old_as_its_older_part(message_types, lost):
     )
 
 
-def test_a_status_of_error_is_urgent_without_a_reserve_message(message_types):
+def test_a_status_of_error_is_urgent_without_a_reserve_message():
     ok = update_reserve_report(None, energy(1, False, b'\x00'))
     assert update_reserve_report(ok, energy(2, level=b'\x01')).urgent is False
     assert update_reserve_report(ok, energy(2, level=b'\x02', why='hot')).urgent is True
@@ -305,14 +295,14 @@ def light_peaks(*first):
     return from_peaks(Header(), tuple(beacons), AXES)
 
 
-def test_diodes_are_those_of_the_first_beacon_in_single_precision(message_types):
+def test_diodes_are_those_of_the_first_beacon_in_single_precision():
     axes, amplitudes = to_diodes(light_peaks(0.1, 20.0))
     assert amplitudes == (round_to_float32(0.1), 20.0)
     assert axes == tuple((round_to_float32(x), round_to_float32(y)) for x, y, _ in AXES)
     assert to_diodes(None) == to_diodes(from_peaks(Header(), (), AXES)) == ((), ())
 
 
-def test_an_axis_that_is_not_a_number_leaves_no_diodes(message_types):
+def test_an_axis_that_is_not_a_number_leaves_no_diodes():
     ones = np.ones(2)
     broken = from_peaks(
         Header(), (Peaks(ones, ones, ones, ones),), ((math.nan, 0.0, 0.0), AXES[1])

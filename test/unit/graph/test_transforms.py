@@ -1,17 +1,11 @@
 """Transforms on /tf, by hand."""
 
-from importlib.util import find_spec, module_from_spec
 import math
-import sys
 
 from builtin_interfaces.msg import Time
-from lta_config.topics import load_topic_table
-from lta_graph.cdr_encoder import encode_cdr
-from lta_graph.ros.message_validation import has_message_type
-from lta_graph.ros.transforms import build_transform, from_odometry, from_start, TFMessage
+from lta_graph.ros.transforms import build_transform, from_odometry, from_start
 from nav_msgs.msg import Odometry
 import pytest
-from rosbags.typesys import get_typestore, Stores
 from scipy.spatial.transform import Rotation
 
 
@@ -43,25 +37,3 @@ def test_odom_is_on_the_floor_below_the_start_with_its_heading():
     assert (place.x, place.y, place.z) == (-2.5, 1.0, 0.0)
     nose = Rotation.from_quat([turn.x, turn.y, turn.z, turn.w]).apply([1.0, 0.0, 0.0])
     assert nose == pytest.approx([math.sqrt(0.75), 0.5, 0.0])
-
-
-def test_it_is_encoded_without_the_package_as_with_it(monkeypatch):
-    """A machine without a compiler writes the same bags; rosbags reads the bytes."""
-    pose = (1.0, 2.0, 0.0, 0.0, 0.0, 0.6, 0.8)
-    data = encode_cdr(from_start(pose))
-    monkeypatch.setitem(sys.modules, 'tf2_msgs.msg', None)  # as if it were not installed
-    found = find_spec('lta_graph.ros.transforms')
-    bare = module_from_spec(found)
-    found.loader.exec_module(bare)
-    assert bare.TFMessage is not TFMessage
-    assert encode_cdr(bare.from_start(pose)) == data
-    types = get_typestore(Stores.ROS2_JAZZY)
-    (one,) = types.deserialize_cdr(data, 'tf2_msgs/msg/TFMessage').transforms
-    assert (one.child_frame_id, one.transform.translation.y) == ('odom', 2.0)
-
-
-def test_whether_a_message_is_installed_is_known_without_importing_it():
-    table = load_topic_table()
-    assert has_message_type(table['odom'])
-    missing = table['/tf'].model_copy(update={'declared_type': 'no_such_msgs/msg/Thing'})
-    assert not has_message_type(missing)

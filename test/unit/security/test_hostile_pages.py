@@ -32,7 +32,7 @@ from ..report_flight import (  # noqa: TID252 - `test` is Python's own
 )
 from .page_reading import ALL, EVIL, inert, MARK, texts
 
-JOINTS = 'sensor_msgs/msg/JointState'
+DUTIES = 'lta_msgs/msg/ActuatorDuty'
 ODOMETRY = 'nav_msgs/msg/Odometry'
 
 
@@ -51,8 +51,8 @@ def lta(monkeypatch, capsys):
 def joints(time):
     """Return duties of rotors with hostile names."""
     return make(
-        JOINTS, header=header(time), name=[f'{evil}{k}' for k, evil in enumerate(EVIL[:4])],
-        effort=np.array([0.5, 0.5, 0.1, 0.1]),
+        DUTIES, header=header(time), name=[f'{evil}{k}' for k, evil in enumerate(EVIL[:4])],
+        duty=np.array([0.5, 0.5, 0.1, 0.1]),
     )  # fmt: skip
 
 
@@ -72,7 +72,7 @@ def test_the_page_of_a_flight_shows_a_stranger_s_words_and_does_nothing_else(tmp
 def write_foreign(folder, evil, step=0.0):
     """Write a recording of topics, frames and joints with hostile names."""
     with BagWriter(folder, {'vehicle': evil, evil: evil}) as bag:
-        for topic, kind in ((f'odom{evil}', ODOMETRY), (f'joints{evil}', JOINTS)):
+        for topic, kind in ((f'odom{evil}', ODOMETRY), (f'joints{evil}', DUTIES)):
             bag.add_topic(f'/lta1/{topic}', kind, [])
         for k in range(200):
             when = 0.05 * k
@@ -80,9 +80,9 @@ def write_foreign(folder, evil, step=0.0):
             moved.header.frame_id = moved.child_frame_id = evil
             moved.pose.pose.position.x += step * np.sin(k)
             message = joints(when)
-            message.effort = message.effort + 0.1 * np.sin(k)
+            message.duty = message.duty + 0.1 * np.sin(k)
             for topic, kind, data in (
-                (f'odom{evil}', ODOMETRY, moved), (f'joints{evil}', JOINTS, message),
+                (f'odom{evil}', ODOMETRY, moved), (f'joints{evil}', DUTIES, message),
             ):  # fmt: skip
                 data = bytes(load_jazzy_types().serialize_cdr(data, kind))
                 bag.write(f'/lta1/{topic}', data, START + round(1e9 * when))

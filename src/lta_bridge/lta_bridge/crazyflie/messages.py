@@ -1,7 +1,6 @@
 """Convert Crazyflie readings to ROS messages, and ROS messages to bridge commands."""
 
 import math
-from typing import TYPE_CHECKING
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import PoseStamped, TwistStamped
@@ -16,11 +15,9 @@ from lta_model import messages
 from lta_model.sensors.imu import error_bounds, ImuSettings
 from lta_model.sensors.pressure import PressureSettings
 from lta_model.sensors.range import RangeSettings
+from lta_msgs.msg import ActuatorDuty
 from nav_msgs.msg import Odometry
-from sensor_msgs.msg import BatteryState, FluidPressure, Imu, JointState, Range
-
-if TYPE_CHECKING:  # not built on every machine; see the type of a topic in the table
-    from lta_msgs.msg import ActuatorDuty
+from sensor_msgs.msg import BatteryState, FluidPressure, Imu, Range
 
 ATTITUDE_SIGMA = 0.05  # rad, assumed for the firmware's attitude: it reports no covariance
 IMU_NOISE = error_bounds(ImuSettings()).noise
@@ -53,13 +50,10 @@ def to_battery(stamp: Time, voltage: float, current: float) -> BatteryState:
     return messages.build_battery_state(stamp, voltage, current, 'battery')
 
 
-def to_duties_command(
-    message: 'ActuatorDuty | JointState', names: list[str], stamp_ns: int
-) -> CrazyflieCommand:
+def to_duties_command(message: ActuatorDuty, names: list[str], stamp_ns: int) -> CrazyflieCommand:
     """Return the duties by rotor; empty if the rotor names differ."""
-    duties = messages.read_duties(message)
-    fits = list(message.name) == names and len(duties) == len(names)
-    return CrazyflieCommand(stamp_ns, duties=tuple(duties) if fits else ())
+    fits = list(message.name) == names and len(message.duty) == len(names)
+    return CrazyflieCommand(stamp_ns, duties=tuple(message.duty) if fits else ())
 
 
 def to_hover_command(

@@ -11,10 +11,11 @@ from builtin_interfaces.msg import Time
 from lta_bridge.live.messages import build_marker_array
 from lta_bridge.live.room_shapes import draw_static_scene
 from lta_bridge.urdf import build_urdf, list_fixed_frames
-from lta_graph.ros.transforms import build_transform, TFMessage
+from lta_graph.ros.transforms import build_transform
 from lta_model.scenario import Scenario
 from lta_model.vehicle import Vehicle
 from std_msgs.msg import String
+from tf2_msgs.msg import TFMessage
 
 
 def iterate_descriptions(

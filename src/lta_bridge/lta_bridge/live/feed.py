@@ -30,10 +30,7 @@ class RateLimiter:
 
 
 FASTEST = 60.0  # Hz of wall time: a usual screen rate
-HEAVY = {  # Hz, limits of large messages; a light block has 16 kB
-    'lta_msgs/msg/LightBlock': 10.0,
-    'sensor_msgs/msg/Image': 10.0,
-}
+HEAVY = {'lta_msgs/msg/LightBlock': 10.0}  # Hz, limits of large messages; this has 16 kB
 
 
 @final

@@ -12,7 +12,7 @@ from typing import Any, Literal
 from lta_bridge.description.messages import iterate_descriptions
 from lta_config.settings import setting, Settings
 from lta_graph.health import HealthLevel
-from lta_graph.ros.message_validation import find_message_type, has_message_type
+from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
@@ -40,26 +40,19 @@ class DescriptionSettings(Settings):
 
 
 class DescriptionNode(GraphNode):
-    """Publish URDF, scene and, if tf2_msgs is installed, transforms."""
+    """Publish URDF, scene and transforms."""
 
     def __init__(self) -> None:
         super().__init__('description')
         outputs = {
-            name: self.create_output(name)
-            for name in self.table.published_by('description')
-            if has_message_type(self.table[name])
+            name: self.create_output(name) for name in self.table.published_by('description')
         }
         settings = NodeParameters(self, DescriptionSettings).value
         self._prefix = settings.frame_prefix
         scenario = load_scenario(settings.scene) if settings.scene else None
         vehicle = load_vehicle(settings.vehicle)
         for name, message in iterate_descriptions(vehicle, scenario, self._prefix):
-            if name in outputs:
-                outputs[name].publish(message)
-        if not has_message_type(self.table['/tf']):
-            text = 'no transforms are published: tf2_msgs is missing (see lta doctor)'
-            self.health.report('frames', HealthLevel.OK, text)
-            return
+            outputs[name].publish(message)
         if settings.pose:
             row = self.table['/tf']
             quality = select_profile(row, self.lockstep)

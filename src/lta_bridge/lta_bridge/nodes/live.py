@@ -30,7 +30,6 @@ from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
 from lta_graph.ros.spin import Pause, Spin
-from lta_model.messages import read_duties
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
 from nav_msgs.msg import Odometry
@@ -145,9 +144,7 @@ class LiveViewNode(GraphNode):
         place, turn = to_pose(pose)
         scene = SceneState(place, turn)
         return scene._replace(
-            duties=dict(zip(motors.name, read_duties(motors), strict=False))
-            if motors
-            else scene.duties,
+            duties=dict(zip(motors.name, motors.duty, strict=False)) if motors else scene.duties,
             seen=to_vector(seen) if seen else scene.seen,
             wind=to_vector(wind) if wind else scene.wind,
         )

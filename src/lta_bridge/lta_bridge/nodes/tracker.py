@@ -15,14 +15,14 @@ from lta_bridge.tracking.pose import build_level_pose, TrackerPose
 from lta_bridge.tracking.tracked_drone import TrackedDrone
 from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
-from lta_graph.ros.message_validation import has_message_type
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
 from lta_graph.ros.stamps import from_stamp, to_stamp
-from lta_graph.ros.transforms import build_transform, TFMessage
+from lta_graph.ros.transforms import build_transform
 from nav_msgs.msg import Odometry
 from rclpy.qos import qos_profile_sensor_data
+from tf2_msgs.msg import TFMessage
 
 # Many publishers share /tf, so a shallow queue would lose the tracker's messages
 DEPTH = 100  # queue depth of /tf, as in tf2
@@ -76,8 +76,7 @@ class TrackerNode(GraphNode):
         if self.lockstep:
             raise BadInput('A real tracker works only in real time; remove time:=lockstep.')
         self._truth = self.create_output('ground_truth/odom')
-        linked = has_message_type(self.table['/tf'])  # tf2_msgs has to be compiled
-        self._tf = self.create_output('/tf') if linked else None
+        self._tf = self.create_output('/tf')
         settings = NodeParameters(self, TrackerSettings).value
         self._tracked = TrackedDrone(
             build_level_pose(*settings.origin),
@@ -86,17 +85,11 @@ class TrackerNode(GraphNode):
         )
         self._correction = MapCorrection()
         self._prefix = settings.frame_prefix
-        if linked:
-            self.subscribe_topic('odom', self._on_estimate)
+        self.subscribe_topic('odom', self._on_estimate)
         self._frame = settings.frame
         if not settings.frame:
             self.create_subscription(
                 PoseStamped, settings.pose, self._on_pose, qos_profile_sensor_data
-            )
-        elif not linked:
-            raise BadInput(
-                'frame:= reads /tf and so needs the package tf2_msgs, which is missing; see "lta '
-                'doctor", or set pose:= to a topic of PoseStamped instead.'
             )
         else:
             self.create_subscription(TFMessage, '/tf', self._on_frames, DEPTH)
@@ -115,7 +108,7 @@ class TrackerNode(GraphNode):
             stamp = to_stamp(motion.stamp_ns)
             self._truth.publish(to_odometry(stamp, frame, motion))
             odom = self._correction.locate_odom(motion.stamp_ns, motion.pose)
-            if odom is not None and self._tf is not None:
+            if odom is not None:
                 moved = build_transform(stamp, (frame, 'odom'), *odom, self._prefix)
                 self._tf.publish(TFMessage(transforms=[moved]))
 

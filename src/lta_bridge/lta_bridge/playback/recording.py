@@ -10,11 +10,12 @@ from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import final, NamedTuple
 
+from lta_bridge.bag.version_1 import refuse_old_bag
 from lta_bridge.log_time_assigner import read_stamp
 from lta_bridge.playback.mcap_reader import ADVICE, iterate_by_time, read_topic_types
 from lta_bridge.provenance import extract_robot_origin
 from lta_config.errors import BadInput, unknown_name_error
-from lta_config.topics import MESSAGES, Topic, TopicTable
+from lta_config.topics import TopicTable
 
 
 class RecordedMessage(NamedTuple):
@@ -51,6 +52,7 @@ class RobotBagRecording:
         self.path = path
         self._files = files
         channels, provenance = read_topic_types(files)
+        refuse_old_bag(path, channels, provenance)
         robots = sorted({parts[0] for parts in split_topic_names(channels, table)})
         self.robot = choose_robot(path, robot or (own if own in robots else ''), robots)
         self.provenance = extract_robot_origin(provenance, self.robot)
@@ -61,7 +63,7 @@ class RobotBagRecording:
         }
         self.strange = tuple(
             f"the topic '{full}' is not played, because its type is '{channels[full]}' instead of "
-            f"'{table[name].type}'{advise_message_types(table[name], channels[full])}"
+            f"'{table[name].type}'"
             for name, full in mine.items()
             if channels[full] != table[name].type
         )
@@ -96,12 +98,6 @@ class RobotBagRecording:
                 # A message is published its latency after its stamp
                 return stamp + table[name].latency_ns - time_ns
         return 0
-
-
-def advise_message_types(topic: Topic, recorded: str) -> str:
-    """Return how to play a topic in its other type; '' if that is not possible."""
-    chosen = {topic.standard_type: 'standard', topic.declared_type: 'typed'}.get(recorded)
-    return f' (play it with {MESSAGES}={chosen} in the environment of all nodes)' if chosen else ''
 
 
 def open_recording(path: Path, robot: str, table: TopicTable, own: str = '') -> RobotBagRecording:

@@ -21,7 +21,6 @@ from lta_cli.doctor.software import (
     check_cache_folder,
     check_dependency_imports,
     check_dependency_versions,
-    check_messages,
     check_workspace_packages,
 )
 from lta_cli.without_ros import is_wheel_without_graph, WITHOUT_GRAPH
@@ -36,7 +35,6 @@ CHECKS: dict[str, Callable[[], HardwareCheck]] = {
     'wheels': check_dependency_imports,
     'versions': check_dependency_versions,
     'packages': check_workspace_packages,
-    'messages': check_messages,
     'cache': check_cache_folder,
     'dds': check_message_exchange,
     'ports': check_ports,
@@ -45,7 +43,7 @@ CHECKS: dict[str, Callable[[], HardwareCheck]] = {
     'memory': check_available_memory,
     'browser': check_browser,
 }
-OF_GRAPH = ('packages', 'messages', 'dds', 'ports')
+OF_GRAPH = ('packages', 'dds', 'ports')
 COLOURS: dict[State, str] = {'ok': 'green', 'warn': 'yellow', 'fail': 'bold red'}
 
 __all__ = [

@@ -1,7 +1,6 @@
 """Check the software: wheels, their versions, the workspace, a browser."""
 
 from importlib import metadata
-from importlib.util import find_spec
 import os
 from pathlib import Path
 import re
@@ -12,15 +11,13 @@ import sys
 from lta_bridge.hardware.check_result import HardwareCheck
 from lta_cli.without_ros import is_wheel_without_graph
 from lta_config.machine import find_cache_folder, list_cache_bases
-from lta_config.topics import MESSAGES, uses_typed_messages
 
-MODULES = ('sensor_msgs', 'numpy', 'scipy', 'numba', 'pydantic', 'yaml', 'mcap', 'plotly')
+MODULES = (
+    'sensor_msgs', 'lta_msgs.msg', 'tf2_msgs.msg', 'numpy', 'scipy', 'numba', 'pydantic', 'yaml',
+    'mcap', 'plotly',
+)  # fmt: skip
 PACKAGES = ('analysis', 'bridge', 'config', 'control', 'energy', 'graph', 'sim', 'vlc')
 BROWSERS = ('chromium', 'chromium-browser', 'google-chrome', 'google-chrome-stable')
-COMPILED = {  # by "make build" -> what is missing without it
-    'tf2_msgs': 'tf2_msgs (no transforms on /tf, so that viewers do not show the drone)',
-    'lta_msgs': 'lta_msgs (topics have standard messages, and no action is served)',
-}
 PATIENCE = 60.0  # s; the first import after an installation reads from a cold disk cache
 MAKE_AGAIN = "Run 'make build'; if the problem remains, 'make clean' and then 'make build'."
 
@@ -100,22 +97,6 @@ def check_workspace_packages() -> HardwareCheck:
         return HardwareCheck('packages', 'fail', text, MAKE_AGAIN)
     return HardwareCheck(
         'packages', 'ok', f'{len(PACKAGES)} of {len(PACKAGES)} LTA packages in the ament index'
-    )
-
-
-def check_messages() -> HardwareCheck:
-    """Check for the messages and actions that "make build" compiles."""
-    missing = [name for name in COMPILED if find_spec(name) is None]
-    if not missing:
-        chosen = '' if uses_typed_messages() else f'; topics have standard messages by {MESSAGES}'
-        text = f'{" and ".join(COMPILED)} are installed{chosen}'
-        return HardwareCheck('messages', 'ok', text)
-    return HardwareCheck(
-        'messages',
-        'warn',
-        f'missing, although flights work without: {"; ".join(COMPILED[name] for name in missing)}',
-        'Install a C++ compiler and the headers of Python (Debian, Ubuntu: sudo apt install g++ '
-        'python3-dev), then run "make build".',
     )
 
 

@@ -40,7 +40,6 @@ from lta_control.vehicle_parameters import build_rotors, surge_drag_coefficients
 from lta_graph.health import HealthLevel, stamp_age
 from lta_graph.inbox import InboxStep
 from lta_graph.ros.command_mux import CommandMux
-from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
@@ -109,7 +108,6 @@ class Controller(GraphNode):
     def __init__(self) -> None:
         super().__init__('controller')
         self._motors = self.create_output('motors')
-        self._kind = find_message_type(self.table['motors'])
         self._settings = NodeParameters(self, ControllerSettings)
         vehicle = load_vehicle(self._settings.value.vehicle)
         self._drag = surge_drag_coefficients(vehicle)
@@ -207,7 +205,7 @@ class Controller(GraphNode):
             # The test signals of the scenario
             duties = self._course.excite_duties(time, duties, self._reversible)
         self._last_ns = step.stamp_ns
-        self._motors.publish(from_duties(odom.header.stamp, self._names, duties, self._kind))
+        self._motors.publish(from_duties(odom.header.stamp, self._names, duties))
 
     def _compute_duties(
         self,

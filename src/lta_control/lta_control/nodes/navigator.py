@@ -18,10 +18,10 @@ from lta_control.commanded_flight import (
 from lta_control.control import has_overturned, TILT_LIMIT
 from lta_control.guidance import Guidance, GuidanceInputs
 from lta_control.messages import (
+    ACTION_TYPES,
     from_setpoint,
     from_task_progress,
     from_task_result,
-    load_actions,
     to_air_motions,
     to_attitude,
     to_cascade_measurement,
@@ -70,7 +70,7 @@ class NavigatorParameters(MissionSettings):
     commanded: bool = setting(
         False,
         'Whether the drone waits on the ground for the actions take_off, go_to_lamp and land. '
-        'Needs the strategy homing and the package lta_msgs.',
+        'Needs the strategy homing.',
         fixed=True,
     )
     limits: TaskLimits = setting(TaskLimits(), 'Time limits of the actions.')
@@ -235,7 +235,7 @@ class FlightCommands:
                 partial(from_task_result, flight),
                 partial(from_task_progress, kind, flight),
             )
-            for kind, action in load_actions().items()
+            for kind, action in ACTION_TYPES.items()
         ]
 
     def check_silence(self, missing: list[str]) -> None:

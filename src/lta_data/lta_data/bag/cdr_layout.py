@@ -193,7 +193,7 @@ class LayoutParser:
         if count:
             self._align(size)
         leaf = CdrLeaf(path, CODES[name], self.at + ENCAPSULATION, count)
-        # uint8 arrays are packed samples (Image, PointCloud2), which become no columns
+        # uint8 arrays are packed, such as pixels, and become no columns
         if leaf.code == 'u1':
             self._layout.packed.append(leaf)
             is_column = False

@@ -15,10 +15,10 @@ from typing import Any, Final, final, NamedTuple
 
 from lta_config.covariances import select_estimates
 from lta_config.errors import BadInput
-from lta_data.bag.packed_samples import BLOCKS, POINTS
+from lta_data.bag.packed_samples import LAMP_PEAKS, LIGHT_BLOCK
 from lta_data.bag.recorded_flight import RecordedFlight
 from lta_data.bag.series import TopicSeries
-from lta_data.bag.units import find_sample_unit, find_unit
+from lta_data.bag.units import find_unit
 from lta_model.attitude import to_euler_angles
 import numpy as np
 from numpy.typing import NDArray
@@ -68,9 +68,9 @@ def iterate_channels(
     Raise `BadInput` if the topic is missing or cannot be decoded.
     """
     kind = flight.message_type(topic)
-    if kind in BLOCKS:
+    if kind == LIGHT_BLOCK:
         yield from _iterate_block_channels(flight, topic)
-    elif kind in POINTS:
+    elif kind == LAMP_PEAKS:
         yield from _iterate_point_channels(flight, topic)
     else:
         yield from _iterate_series_channels(
@@ -82,11 +82,11 @@ def read_topics(flight: RecordedFlight, topics: Collection[str]) -> dict[str, To
     """
     Read all numeric topics in one pass over the bag.
 
-    Blocks, images and points are excluded. The result is empty if one topic cannot be decoded;
+    Light blocks and lamp peaks are excluded. The result is empty if one topic cannot be decoded;
     then `iterate_channels` raises the error for that topic.
     """
     # They have readers of their own
-    packed = {*BLOCKS, *POINTS}
+    packed = {LAMP_PEAKS, LIGHT_BLOCK}
     plain = [topic for topic in topics if flight.message_type(topic) not in packed]
     try:
         return flight.read_topics(plain)
@@ -140,7 +140,7 @@ def _iterate_block_channels(flight: RecordedFlight, topic: str) -> Iterator[Sign
     blocks = flight.read_blocks(topic)
     if not len(blocks.time):  # topic without messages
         return
-    unit = find_sample_unit(flight.message_type(topic), topic)
+    unit = find_unit(LIGHT_BLOCK, 'counts')
     for what, reduced in BLOCK.items():
         # Block by block, to save memory: float64 is four times as large as the ADC samples.
         rows = [reduced(block, axis=0) for block in blocks.samples]
@@ -153,7 +153,7 @@ def _iterate_point_channels(flight: RecordedFlight, topic: str) -> Iterator[Sign
     """Yield each field of each point."""
     points = flight.read_points(topic)
     for field, table in points.fields.items():
-        unit = find_unit(flight.message_type(topic), field, topic)
+        unit = find_unit(LAMP_PEAKS, field, topic)
         for index, column in enumerate(table.T):
             yield SignalChannel(f'{topic}/{field}[{index}]', unit, points.time, column)
 

@@ -14,10 +14,9 @@ from lta_data.bag.merge import Columns
 import numpy as np
 from numpy.typing import NDArray
 
-# Fields of lta_msgs by type: the name of their columns, '' for none. Their standard types, which
-# older bags have, give the same columns.
+# Fields of lta_msgs by type: the name of their columns, '' for none.
 COLUMN_NAMES: Final = {
-    'lta_msgs/msg/ActuatorDuty': {'duty': 'effort'},
+    'lta_msgs/msg/ActuatorDuty': {'duty': 'effort'},  # as an import, which may know a force
     'lta_msgs/msg/LampPeaks': {'axis': '', 'beacon': ''},  # as points, see packed_samples.py
     'lta_msgs/msg/LightBlock': {'counts': ''},  # as blocks
 }
@@ -73,7 +72,7 @@ def collect_scalars(values: list[Any]) -> NDArray[Any]:
 def iterate_leaves(value: object, path: str) -> Iterator[tuple[str, object]]:
     """Yield path and value of all fields of a message; numeric arrays stay whole."""
     if isinstance(value, np.ndarray):
-        # uint8 arrays are packed samples, see packed_samples.py
+        # uint8 arrays are packed, such as pixels
         if value.dtype != np.uint8:
             yield path, value
     elif is_dataclass(value) and not isinstance(value, type):

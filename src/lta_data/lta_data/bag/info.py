@@ -5,6 +5,7 @@ import json
 from pathlib import Path
 from typing import final
 
+from lta_bridge.bag.version_1 import describe_old_topics
 from lta_data.bag.mcap_file.rhythm import MessageIntervals
 from lta_data.bag.reader import Bag, read_bag
 from lta_data.bag.recorded_flight import list_robots
@@ -112,6 +113,7 @@ def summarize_bag(path: Path | str) -> BagInfo:
     """Return the summary of a bag; raise BadInput if there is no recording at `path`."""
     bag = read_bag(path)
     seconds = bag_duration(bag)
+    old = describe_old_topics(bag.path, bag.types, bag.provenance)
     topics = [
         TopicInfo(
             topic.name,
@@ -135,7 +137,7 @@ def summarize_bag(path: Path | str) -> BagInfo:
         provenance=bag.provenance,
         complete=bag.is_complete,
         losses=list(bag.losses),
-        remarks=describe_irregularities(bag),
+        remarks=describe_irregularities(bag) + ([old] if old else []),
     )
 
 

@@ -91,6 +91,11 @@ class Bag:
         self._decoder = MessageDecoder(self._schemas)
 
     @property
+    def types(self) -> dict[str, str]:
+        """The message type of each topic."""
+        return {name: topic.type_name for name, topic in self.topics.items()}
+
+    @property
     def is_complete(self) -> bool:
         """Whether the recording was finished and nothing is known to be missing."""
         return not self.losses

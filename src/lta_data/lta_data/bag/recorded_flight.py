@@ -5,17 +5,17 @@ Time 0 is the stamp of the robot's first stamped message. Messages without a sta
 their log time, relative to the log time of that first message.
 """
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator
 from functools import partial
 from itertools import islice
 from pathlib import Path
 from typing import Any, Final, final, NamedTuple
 
+from lta_bridge.bag.version_1 import refuse_old_bag
 from lta_bridge.provenance import extract_robot_origin
 from lta_config.errors import BadInput, unknown_name_error
 from lta_data.bag.column_builder import ColumnBuilder, MessageType
-from lta_data.bag.energy_columns import ARRAY, rename_energy_columns
-from lta_data.bag.packed_samples import BLOCKS, POINTS, stack_blocks, stack_points
+from lta_data.bag.packed_samples import LAMP_PEAKS, LIGHT_BLOCK, stack_blocks, stack_points
 from lta_data.bag.reader import Bag, read_bag
 from lta_data.bag.series import TopicSeries
 from lta_data.bag.stamps import extract_stamp
@@ -66,6 +66,7 @@ class RecordedFlight:
     """
 
     def __init__(self, bag: Bag, robot: str) -> None:
+        refuse_old_bag(bag.path, bag.types, bag.provenance)
         self.bag = bag
         self.robot = robot
         self.provenance = extract_robot_origin(bag.provenance, robot)
@@ -121,36 +122,36 @@ class RecordedFlight:
 
     def read_blocks(self, topic: str, chosen: Collection[int] | None = None) -> SampleBlocks:
         """
-        Return the samples of a topic of ADC blocks or images; errors as `read_series`.
+        Return the samples of a topic of ADC blocks; errors as `read_series`.
 
         `chosen` are the message numbers to read, counted from 0; the result is in the order of
         recording.
         """
         times: list[float] = []
-        kind = self._require_type(topic, BLOCKS)
+        self._require_type(topic, LIGHT_BLOCK)
         messages = self._iterate_messages(
             topic, times, None if chosen is None else frozenset(chosen)
         )
-        samples = stack_blocks(kind, messages)
+        samples = stack_blocks(messages)
         return SampleBlocks(np.array(times, dtype=np.float64), samples)
 
     def iterate_blocks(self, topic: str, rows: int) -> Iterator[SampleBlocks]:
         """Yield the samples of such a topic, `rows` messages at a time."""
-        kind = self._require_type(topic, BLOCKS)
+        self._require_type(topic, LIGHT_BLOCK)
         for time, messages in self._iterate_message_batches(topic, rows):
-            yield SampleBlocks(time, stack_blocks(kind, messages))
+            yield SampleBlocks(time, stack_blocks(messages))
 
     def iterate_points(self, topic: str, rows: int) -> Iterator[PointSeries]:
-        """Yield the values of a topic of points, `rows` messages at a time."""
-        kind = self._require_type(topic, POINTS)
+        """Yield the readings of a topic of lamp peaks, `rows` messages at a time."""
+        self._require_type(topic, LAMP_PEAKS)
         for time, messages in self._iterate_message_batches(topic, rows):
-            yield PointSeries(time, stack_points(kind, messages))
+            yield PointSeries(time, stack_points(messages))
 
     def read_points(self, topic: str) -> PointSeries:
-        """Return the values of a topic of points; errors as `read_series`."""
+        """Return the readings of a topic of lamp peaks; errors as `read_series`."""
         times: list[float] = []
-        kind = self._require_type(topic, POINTS)
-        fields = stack_points(kind, self._iterate_messages(topic, times))
+        self._require_type(topic, LAMP_PEAKS)
+        fields = stack_points(self._iterate_messages(topic, times))
         return PointSeries(np.array(times, dtype=np.float64), fields)
 
     def absolute_name(self, topic: str) -> str:
@@ -166,16 +167,14 @@ class RecordedFlight:
             raise unknown_name_error('topic', topic, self.topics)
         return self.bag.topics[name].type_name
 
-    def _require_type(self, topic: str, types: Mapping[str, object]) -> str:
-        """Return the type of a topic; raise BadInput unless it is one of some types."""
+    def _require_type(self, topic: str, expected: str) -> None:
+        """Raise `BadInput` unless a topic has messages of one type."""
         actual = self.message_type(topic)
-        if actual not in types:
-            expected = ' or '.join(f"'{name}'" for name in types)
+        if actual != expected:
             raise BadInput(
-                f"Topic '{topic}' has type '{actual}', not {expected}; "
-                'choose a topic of this type.'
+                f"Topic '{topic}' has type '{actual}', not '{expected}'; choose a topic of this "
+                'type.'
             )
-        return actual
 
     def _iterate_message_batches(
         self, topic: str, rows: int
@@ -205,10 +204,7 @@ class RecordedFlight:
             stamps[index] = min(placed, LATEST)
         # Subtract as integers first: float64 does not resolve 1 ns in times since 1970
         time = (stamps - self.start).astype(np.float64) * 1e-9
-        numbers, texts = columns.numbers, columns.texts
-        if maker.type_name == ARRAY:
-            numbers, texts = rename_energy_columns(numbers, texts)
-        return TopicSeries(stamps, time, numbers, texts)
+        return TopicSeries(stamps, time, columns.numbers, columns.texts)
 
     def _iterate_messages(
         self, topic: str, times: list[float], chosen: Collection[int] | None = None

@@ -20,7 +20,7 @@ from typing import Any, Final, final
 from lta_config.errors import BadInput
 from lta_data.bag.align import align_tables, build_even_clock, sort_rows
 from lta_data.bag.bag_folder import find_bag, find_newest_bag
-from lta_data.bag.packed_samples import BLOCKS, POINTS
+from lta_data.bag.packed_samples import LAMP_PEAKS, LIGHT_BLOCK
 from lta_data.bag.recorded_flight import open_flight, RecordedFlight
 from lta_data.bag.series import TopicSeries
 from lta_data.bag.table import RecordingTable
@@ -173,7 +173,7 @@ def read_table(flight: RecordedFlight, topic: str) -> RecordingTable:
     """Return a topic of a flight as a table; errors as `RobotRecording.__getitem__`."""
     kind = flight.message_type(topic)
     unit = partial(find_unit, kind, topic=topic)
-    if kind in POINTS:
+    if kind == LAMP_PEAKS:
         points = flight.read_points(topic)
         stamps = flight.start + np.rint(points.time * 1e9).astype(np.int64)
         data = {
@@ -202,7 +202,7 @@ def build_topic_table(
     data = {joints.get(path, path): values for path, values in series.numbers.items()}
     units = {joints.get(path, path): find_unit(kind, path, topic) for path in series.numbers}
     data |= series.texts
-    samples = partial(read_samples, flight, topic) if kind in BLOCKS else None
+    samples = partial(read_samples, flight, topic) if kind == LIGHT_BLOCK else None
     return RecordingTable(
         topic, series.stamps, flight.start, data, units, kind, samples=samples, also=joints
     )

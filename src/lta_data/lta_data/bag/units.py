@@ -83,10 +83,7 @@ OF_TOPIC: Final = {  # by relative name; overrides the message type
     'light/bearing': {'vector': ONE},
     'light/peaks': {'amplitude': 'ADC counts', 'snr': ONE, 'frequency': 'Hz', 'x': ONE, 'y': ONE}
     | {'z': ONE},
-    'photodiodes': {'data': 'ADC counts'},
-    'energy/status': read_field_units().get('lta_msgs/msg/EnergyStatus', {}),
 }
-SAMPLES: Final = {'lta_msgs/msg/LightBlock': 'counts', 'sensor_msgs/msg/Image': 'data'}
 _INDEX: Final = re.compile(r'\[(\d+)\]$')
 
 
@@ -99,11 +96,6 @@ def find_unit(type_name: str, path: str, topic: str = '') -> str:
     """
     own = OF_TOPIC.get(topic, {}).get(_INDEX.sub('', path.split('.')[0]))
     return _find_type_unit(type_name, path) if own is None else own
-
-
-def find_sample_unit(type_name: str, topic: str) -> str:
-    """Return the unit of the samples of a topic of ADC blocks or images."""
-    return find_unit(type_name, SAMPLES[type_name], topic)
 
 
 @cache

@@ -9,7 +9,7 @@ from typing import Final, final, Protocol
 from lta_bridge.bag.writer import prepare_empty_folder
 from lta_config.atomic_file import replace_atomically
 from lta_config.errors import BadInput, unknown_name_error
-from lta_data.bag.packed_samples import BLOCKS
+from lta_data.bag.packed_samples import LIGHT_BLOCK
 from lta_data.bag.recording import RobotRecording
 from lta_data.bag.table import build_arrow_field
 from lta_data.export.csv_file import write_csv, write_units
@@ -139,12 +139,14 @@ def select_topics(recording: RobotRecording, topics: Sequence[str]) -> list[str]
 def align_export_topics(
     recording: RobotRecording, topics: Sequence[str], order: ExportRequest, done: ExportResult
 ) -> ExportSource:
-    """Align all topics; images and topics that cannot be decoded are left out."""
+    """Align all topics; light blocks and topics that cannot be decoded are left out."""
     usable = []
     for topic in topics:
         try:
-            if recording.flight.message_type(topic) in BLOCKS:
-                raise BadInput('images cannot be resampled; omit --rate to export this topic.')
+            if recording.flight.message_type(topic) == LIGHT_BLOCK:
+                raise BadInput(
+                    'light blocks cannot be resampled; omit --rate to export this topic.'
+                )
             recording[topic]
         except BadInput as fault:
             if order.topics:

@@ -4,8 +4,8 @@ Prepare the columns of a topic for a file, one part at a time.
 A topic larger than one part is read twice: once to collect the columns of all messages, once to
 write them. So memory holds one part, whatever the size of the bag.
 
-Blocks of the photodiodes become one row per sample, readings of the diodes and point clouds one
-row per point. Pixels of other images are left out.
+Light blocks become one row per sample, lamp peaks one row per beacon and diode. The packed bytes
+of other messages, such as pixels, are left out.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -14,18 +14,18 @@ from typing import Any, Final, final, NamedTuple
 
 from lta_config.topics import load_topic_table
 from lta_data.bag.merge import Columns
-from lta_data.bag.packed_samples import BLOCKS, POINTS
+from lta_data.bag.packed_samples import LAMP_PEAKS, LIGHT_BLOCK
 from lta_data.bag.recorded_flight import RecordedFlight
 from lta_data.bag.recording import build_topic_table, map_joint_names
 from lta_data.bag.table import RecordingTable, STAMP, TIME
-from lta_data.bag.units import find_sample_unit, find_unit
+from lta_data.bag.units import find_unit
 import numpy as np
 from numpy.typing import NDArray
 
 ROWS: Final = 16384  # messages per part
 BLOCK_ROWS: Final = 512  # blocks of the photodiodes per part, 16 kB each
 POINT_ROWS: Final = 1024  # messages with points per part
-DIODES: Final = 'photodiodes'
+PACKED: Final = ('sensor_msgs/msg/Image', 'sensor_msgs/msg/PointCloud2')
 FIXED: Final = {STAMP: 'ns', TIME: 's'}  # columns of every file, with their units
 
 
@@ -45,14 +45,13 @@ class ExportSource(NamedTuple):
 def build_topic_source(flight: RecordedFlight, topic: str) -> ExportSource:
     """Return the source of a topic; raise `BadInput` if the topic cannot be decoded."""
     kind = flight.message_type(topic)
-    if kind in POINTS:
+    if kind == LAMP_PEAKS:
         units = partial(find_unit, kind, topic=topic)
         return build_column_source(topic, kind, partial(iterate_point_rows, flight, topic), units)
-    if topic == DIODES and kind in BLOCKS:
-        return build_column_source(
-            topic, kind, partial(iterate_sample_rows, flight), partial(find_column_unit, kind)
-        )
-    remark = f"Of the images on '{topic}', the pixels are not exported." if kind in BLOCKS else ''
+    if kind == LIGHT_BLOCK:
+        rows = partial(iterate_sample_rows, flight, topic)
+        return build_column_source(topic, kind, rows, find_column_unit)
+    remark = f"Of the messages on '{topic}', the data are not exported." if kind in PACKED else ''
     return build_series_source(flight, topic, kind)._replace(remark=remark)
 
 
@@ -143,10 +142,10 @@ def fill_missing_columns(
         }
 
 
-def iterate_sample_rows(flight: RecordedFlight) -> Iterator[Columns]:
-    """Yield the samples of the photodiodes, one row per sample."""
+def iterate_sample_rows(flight: RecordedFlight, topic: str) -> Iterator[Columns]:
+    """Yield the samples of light blocks, one row per sample."""
     period = round(1e9 / load_topic_table().light.sample_rate.si)
-    for time, samples in flight.iterate_blocks(DIODES, BLOCK_ROWS):
+    for time, samples in flight.iterate_blocks(topic, BLOCK_ROWS):
         count = samples.shape[1]
         inside = np.tile(np.arange(count), len(samples))
         # A block's stamp is that of its first sample
@@ -157,22 +156,22 @@ def iterate_sample_rows(flight: RecordedFlight) -> Iterator[Columns]:
         yield build_clock_columns(flight, stamps) | {'sample': inside} | diodes
 
 
-def find_column_unit(kind: str, column: str) -> str:
+def find_column_unit(column: str) -> str:
     """Return the unit of a column of samples."""
-    return find_sample_unit(kind, DIODES) if column.startswith('diode') else ''
+    return find_unit(LIGHT_BLOCK, 'counts') if column.startswith('diode') else ''
 
 
 def iterate_point_rows(flight: RecordedFlight, topic: str) -> Iterator[Columns]:
-    """Yield the points of clouds, one row per point; padding is dropped."""
+    """Yield lamp peaks, one row per beacon and diode; padding is dropped."""
     for time, fields in flight.iterate_points(topic, POINT_ROWS):
         if not fields:
             continue
         table = np.stack(list(fields.values()))
-        _, clouds, most = table.shape
-        # Smaller clouds are padded with NaN points.
+        _, count, most = table.shape
+        # Messages with fewer points are padded with NaN points.
         there = ~np.isnan(table).all(axis=0).ravel()
         stamps = np.repeat(compute_stamps(flight, time), most)[there]
-        index = np.tile(np.arange(most), clouds)[there]
+        index = np.tile(np.arange(most), count)[there]
         columns = {name: values.ravel()[there] for name, values in fields.items()}
         yield build_clock_columns(flight, stamps) | {'point': index} | columns
 

@@ -37,13 +37,15 @@ class ImportTarget(NamedTuple):
 
 
 WRENCH = ImportTarget('geometry_msgs/msg/WrenchStamped', 'base_link')
-EXTRA = {'wrench_command': WRENCH}  # for vehicles driven by body forces
 JOINTS = 'sensor_msgs/msg/JointState'
 JOINT_DIMENSIONS: Mapping[str, tuple[str, ...]] = {
     'effort': ('1', 'N', 'N m'),
     'position': ('m', 'rad'),
     'velocity': ('m/s', 'rad/s'),
 }
+# A command in a log may be a force or a place, which an ActuatorDuty cannot hold; and vehicles may
+# be driven by body forces
+EXTRA = {'motors': ImportTarget(JOINTS, 'base_link'), 'wrench_command': WRENCH}
 CHILD = {'nav_msgs/msg/Odometry': {'child_frame_id': 'base_link'}}
 
 # No covariance: an unknown quantity can only be NaN
@@ -111,12 +113,11 @@ ELSEWHERE = ('light/bearing',)  # a vector, but without a unit of its own
 
 
 def list_targets() -> dict[str, ImportTarget]:
-    """Return the topics that an import can write, by relative name, with standard types."""
-    # A command in a log may be a force or a place, which an ActuatorDuty cannot hold
+    """Return the topics that an import can write, by relative name."""
     listed = {
-        name: ImportTarget(topic.common_type, topic.frame)
+        name: ImportTarget(topic.type, topic.frame)
         for name, topic in load_topic_table().topics.items()
-        if topic.common_type in SHAPES and name not in ELSEWHERE
+        if topic.type in SHAPES and name not in ELSEWHERE
     }
     return listed | EXTRA
 

@@ -14,7 +14,7 @@ from lta_bridge.playback.node_selection import (
 from lta_bridge.playback.settings import FOREVER
 from lta_config.errors import BadInput, unknown_name_error
 from lta_config.files import find_file
-from lta_config.topics import is_lta_msgs_built, load_topic_table, MESSAGES
+from lta_config.topics import load_topic_table
 from lta_control.strategies import find_navigation_strategy
 from lta_data.bag.recorded_flight import RecordedFlight
 from lta_data.recorded_choices import (
@@ -109,24 +109,6 @@ def check_request(order: ReplayRequest, flight: RecordedFlight) -> None:
                 f"'{order.bag}' has no topic '{trigger}', which the node {node} needs as input; "
                 f'{remedy}leave {node} out of --nodes.'
             )
-
-
-def select_message_types(flight: RecordedFlight) -> dict[str, str]:
-    """Return the environment of the nodes, so that they use the message types of the bag."""
-    for name, topic in load_topic_table().topics.items():
-        if topic.standard_type is None or name not in flight.topics:
-            continue
-        kind = flight.message_type(name)
-        if kind == topic.standard_type:
-            return {MESSAGES: 'standard'}
-        if kind == topic.declared_type and is_lta_msgs_built():
-            return {MESSAGES: 'typed'}
-        if kind == topic.declared_type:
-            raise BadInput(
-                f"'{flight.bag.path}' has messages of lta_msgs, as '{kind}' on '{name}', but this "
-                'machine has not built that package; "lta doctor" says what it needs.'
-            )
-    return {}
 
 
 def build_launch_plan(order: ReplayRequest, flight: RecordedFlight, folder: Path) -> LaunchPlan:

@@ -9,12 +9,7 @@ from lta_config.errors import BadInput
 from lta_data.bag.recorded_flight import RecordedFlight
 from lta_flight.domain_lock import DomainLock
 from lta_flight.flight import is_refusal, parse_final_status
-from lta_flight.replay.replay_request import (
-    build_launch_plan,
-    check_request,
-    ReplayRequest,
-    select_message_types,
-)
+from lta_flight.replay.replay_request import build_launch_plan, check_request, ReplayRequest
 from lta_flight.stall_monitor import PLAYBACK, StallMonitor
 from lta_graph.launcher import Launcher
 from lta_graph.ros.listener import DiagnosticsListener
@@ -59,14 +54,13 @@ def run_replay(
     `watcher`: shows the progress. Raise `BadInput` if it cannot be replayed.
     """
     check_request(order, flight)
-    variables = select_message_types(flight)
     prepare_empty_folder(folder)
     plan = build_launch_plan(order, flight, folder)
     robot = plan.namespaces[0]
     with (
         DomainLock(robot),
         DiagnosticsListener(robot) as listener,
-        Launcher(plan, on_line=lambda _name, _line: None, variables=variables) as launcher,
+        Launcher(plan, on_line=lambda _name, _line: None) as launcher,
     ):
         supervise_replay(launcher, listener, watcher)
     return collect_result(folder / 'bag', launcher, watcher)

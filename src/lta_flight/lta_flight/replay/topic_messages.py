@@ -5,7 +5,7 @@ from typing import Any, final, NamedTuple
 
 from lta_config.topics import Topic
 from lta_data.bag.columns import extract_field_columns
-from lta_data.bag.packed_samples import POINTS, stack_points
+from lta_data.bag.packed_samples import LAMP_PEAKS, stack_points
 from lta_data.bag.reader import Bag
 from lta_data.bag.stamps import extract_stamp
 import numpy as np
@@ -48,11 +48,10 @@ def read_topic(bag: Bag, name: str, row: Topic) -> TopicMessages:
         keys.append(log_time if stamp is None else stamp)
         messages.append(message)
     numbers, texts = extract_field_columns(messages)
-    kind = bag.topics[name].type_name
-    if kind in POINTS:
+    if bag.topics[name].type_name == LAMP_PEAKS:
         numbers |= {
             f'{field}[{k}]': column
-            for field, table in stack_points(kind, messages).items()
+            for field, table in stack_points(messages).items()
             for k, column in enumerate(table.T)
         }
     topic_content = TopicMessages(np.array(keys, np.int64), numbers, texts)

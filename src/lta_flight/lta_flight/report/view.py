@@ -178,7 +178,7 @@ class FlightView:
     def duties(self) -> DutyCurves:
         """Commanded duties of the rotors."""
         series = self.read_series('motors')
-        # Fields name[0], name[1], ... of JointState
+        # Fields name[0], name[1], ... of ActuatorDuty
         names = [
             str(series.texts[f'name[{k}]'][-1])
             for k in range(len(series.texts))

@@ -5,11 +5,9 @@ An invalid message is counted for /diagnostics and passed on nevertheless, becau
 node waits for the answer to it. `InboxStep.valid` leaves out messages with invalid content.
 """
 
-import array
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache
 from importlib import import_module
-from importlib.util import find_spec
 import math
 from operator import attrgetter
 import re
@@ -28,7 +26,6 @@ NUMBERS: Final[Mapping[str, tuple[str, ...]]] = {
     'BatteryState': ('voltage', 'current'),
     'Odometry': ('pose.pose', 'twist.twist'),
     'ActuatorDuty': ('duty',),
-    'JointState': ('effort',),
     'Vector3Stamped': ('vector',),
     'PoseWithCovarianceStamped': ('pose.pose', 'pose.covariance'),
     'PoseStamped': ('pose',),
@@ -38,7 +35,6 @@ NUMBERS: Final[Mapping[str, tuple[str, ...]]] = {
     'Joy': ('axes',),
 }
 Numbers = Callable[[Any], Sequence[float]]
-FLOAT32: Final = 7  # sensor_msgs/PointField
 LARGEST: Final = 1e9  # in the unit of any field; no sensor measures more
 JUMP_NS: Final = 2_000_000_000  # largest step between two stamps of a periodic topic
 
@@ -53,11 +49,6 @@ def import_message_type(name: str) -> Any:  # noqa: ANN401 - a generated class
     """Return the Python class of a message type, such as 'sensor_msgs/msg/Imu'."""
     package, _, message = name.split('/')
     return getattr(import_module(f'{package}.msg'), message)
-
-
-def has_message_type(topic: Topic) -> bool:
-    """Return whether the package of a topic's messages is installed; no wheel has tf2_msgs."""
-    return find_spec(topic.package) is not None
 
 
 def _iterate_number_paths(value: object, path: str) -> Iterator[str]:
@@ -102,38 +93,6 @@ def _find_range_fault(message: Any) -> str:  # noqa: ANN401 - a generated class
     return '' if meant else 'its range is not a number, or implausibly large'
 
 
-def _find_image_fault(message: Any) -> str:  # noqa: ANN401 - a generated class
-    return _find_size_fault(len(message.data), message.height * message.step)
-
-
-def _find_cloud_fault(message: Any) -> str:  # noqa: ANN401 - a generated class
-    wrong = _find_size_fault(len(message.data), message.height * message.row_step)
-    if not wrong and message.row_step != message.width * message.point_step:
-        wrong = 'its row_step is not its width times its point_step'
-    if not wrong and len({field.name for field in message.fields}) < len(message.fields):
-        wrong = 'two of its fields have the same name'
-    return wrong or _find_point_fault(message)
-
-
-def _find_point_fault(message: Any) -> str:  # noqa: ANN401 - a generated class
-    """Return which field of a dense cloud has an implausible number; the SNR may be infinite."""
-    step = message.point_step
-    if not message.is_dense or message.is_bigendian or not step or step % 4:
-        return ''
-    words = array.array('f', bytes(message.data))
-    for field in message.fields:
-        if field.datatype != FLOAT32 or field.name == 'snr' or field.offset % 4:
-            continue
-        if not _is_plausible(words[field.offset // 4 :: step // 4]):
-            return f'its {field.name} has a value that is not a number, or implausibly large'
-    return ''
-
-
-def _find_joint_fault(message: Any) -> str:  # noqa: ANN401 - a generated class
-    have, want = len(message.effort), len(message.name)
-    return '' if have == want else f'it has {want} names, but {have} efforts'
-
-
 def _find_duty_fault(message: Any) -> str:  # noqa: ANN401 - a generated class
     have, want = len(message.duty), len(message.name)
     return '' if have == want else f'it has {want} names, but {have} duties'
@@ -160,15 +119,8 @@ def _find_peaks_fault(message: Any) -> str:  # noqa: ANN401 - a generated class
     return ''
 
 
-def _find_size_fault(have: int, want: int) -> str:
-    return '' if have == want else f'it has {have} bytes of data, but its size fields say {want}'
-
-
 LENGTHS: Final[Mapping[str, Callable[[Any], str]]] = {
     'Range': _find_range_fault,
-    'Image': _find_image_fault,
-    'PointCloud2': _find_cloud_fault,
-    'JointState': _find_joint_fault,
     'ActuatorDuty': _find_duty_fault,
     'LampPeaks': _find_peaks_fault,
     'LightBlock': _find_block_fault,

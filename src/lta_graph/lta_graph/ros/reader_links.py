@@ -12,7 +12,6 @@ from typing import final, Self
 
 from diagnostic_msgs.msg import DiagnosticArray
 from lta_config.topics import TopicTable
-from lta_graph.ros.message_validation import has_message_type
 from rclpy.node import Node
 
 LINKS = 'links'  # health task with the number of readers of each output
@@ -28,16 +27,14 @@ class ReaderLinks:
     Use it as `with ReaderLinks(node, table) as links: ...`; the subscription is destroyed on exit.
 
     `node`: the listening node; its namespace is that of the drone. `table`: gives the periodic
-    topics, which have a publisher if their message type is installed.
+    topics.
     """
 
     def __init__(self, node: Node, table: TopicTable) -> None:
         self._node = node
         self._robot = node.get_namespace().strip('/')
         self._table = table
-        self._topics = [
-            name for name, row in table.topics.items() if row.period_ns and has_message_type(row)
-        ]
+        self._topics = [name for name, row in table.topics.items() if row.period_ns]
         self._matched: dict[str, int] = {}
         self._subscription = node.create_subscription(
             DiagnosticArray, '/diagnostics', self._on_diagnostics, DEPTH

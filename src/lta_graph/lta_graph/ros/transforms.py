@@ -1,9 +1,4 @@
-"""
-Build the transforms of /tf and /tf_static.
-
-No wheel has the package tf2_msgs; `make build` compiles it. Without it nothing is published on /tf
-(`has_message_type`), but a message can still be encoded for a bag.
-"""
+"""Build the transforms of /tf and /tf_static."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -12,27 +7,7 @@ from builtin_interfaces.msg import Time
 from geometry_msgs.msg import TransformStamped
 from lta_graph.blank_message import create_message
 from nav_msgs.msg import Odometry
-
-try:
-    from tf2_msgs.msg import TFMessage
-except ImportError:
-
-    class TFMessage:  # type: ignore[no-redef]
-        """The same message for an encoder, which needs only its fields, types and name."""
-
-        __module__ = 'tf2_msgs.msg'
-
-        def __init__(self, transforms: Sequence[TransformStamped]) -> None:
-            # The second as the slot of a generated class
-            self.transforms = self._transforms = transforms
-
-        @staticmethod
-        def get_fields_and_field_types() -> dict[str, str]:
-            """Return the fields as a generated class does."""
-            return {'transforms': 'sequence<geometry_msgs/TransformStamped>'}
-
-
-__all__ = ['TFMessage', 'add_prefix', 'build_transform', 'from_odometry', 'from_start']
+from tf2_msgs.msg import TFMessage
 
 MAP: Final = 'map'
 ODOM: Final = 'odom'

@@ -165,12 +165,3 @@ def test_a_cache_that_is_lost_with_the_temporary_files_is_a_warning(monkeypatch,
     assert check.state == 'warn'
     assert str(tmp_path / 'lta-cache-') in check.found
     assert 'XDG_CACHE_HOME' in check.remedy
-
-
-def test_missing_messages_are_a_warning(monkeypatch):
-    monkeypatch.setattr(software, 'find_spec', lambda name: None if name == 'lta_msgs' else name)
-    check = software.check_messages()
-    assert (check.state, 'make build' in check.remedy) == ('warn', True)
-    assert ('lta_msgs' in check.found, 'tf2_msgs' in check.found) == (True, False)
-    monkeypatch.setattr(software, 'find_spec', lambda name: name)
-    assert software.check_messages().state == 'ok'

@@ -32,12 +32,10 @@ def flight(record):
         twist.twist.linear.x = 0.5
         sent.append(message('odom', 'nav_msgs/msg/Odometry', 0.1 * k, pose=with_pose, twist=twist))
         names, duties = ['left', 'right'], np.array([0.1 * k, 0.2])
-        joints = {'name': names, 'effort': duties}
-        sent.append(message('motors', 'sensor_msgs/msg/JointState', 0.1 * k, **joints))
-        samples = np.array([[1, 10], [3, 10 + k]], dtype='<u2')
-        image = {'height': 2, 'width': 2, 'encoding': '16UC1', 'step': 4}
-        data = samples.view(np.uint8).ravel()
-        sent.append(message('photodiodes', 'sensor_msgs/msg/Image', 0.1 * k, data=data, **image))
+        given = {'name': names, 'duty': duties}
+        sent.append(message('motors', 'lta_msgs/msg/ActuatorDuty', 0.1 * k, **given))
+        block = {'diodes': 2, 'counts': np.array([1, 10, 3, 10 + k], np.uint16)}
+        sent.append(message('photodiodes', 'lta_msgs/msg/LightBlock', 0.1 * k, **block))
     return open_flight(record(sent))
 
 
@@ -63,14 +61,13 @@ def test_what_a_message_declares_unknown_is_not_a_number(flight):
 
 
 def test_a_topic_that_cannot_be_decoded_is_named_and_the_rest_is_there(record):
-    image = {'height': 2, 'width': 2, 'encoding': 'rgb8', 'step': 6}
-    data = np.zeros(12, np.uint8)
-    camera = message('camera', 'sensor_msgs/msg/Image', 0.0, data=data, **image)
+    odd = {'diodes': 2, 'counts': np.zeros(3, np.uint16)}
+    block = message('photodiodes', 'lta_msgs/msg/LightBlock', 0.0, **odd)
     lux = message('illuminance', 'sensor_msgs/msg/Illuminance', 0.0, illuminance=120.0)
-    found, remarks = read_all_channels(open_flight(record([camera, lux])))
+    found, remarks = read_all_channels(open_flight(record([block, lux])))
     assert found['illuminance/illuminance'].values.tolist() == [120.0]
     assert len(remarks) == 1
-    assert remarks[0].startswith("Topic 'camera' is left out: ")
+    assert remarks[0].startswith("Topic 'photodiodes' is left out: ")
 
 
 @pytest.mark.parametrize(
@@ -103,10 +100,9 @@ def test_every_message_type_of_the_table_has_units_for_its_physical_fields():
     plain = {'radiation_type', 'present', 'data', 'level', 'power_supply_status'}
     plain |= {'power_supply_health', 'power_supply_technology'}
     for name, topic in load_topic_table().topics.items():
-        for type_name in {topic.declared_type, topic.common_type}:
-            for path, kind in leaves(type_name):
-                if kind.startswith('float') and path.split('[')[0] not in plain:
-                    assert find_unit(type_name, path, name), (name, path)
+        for path, kind in leaves(topic.type):
+            if kind.startswith('float') and path.split('[')[0] not in plain:
+                assert find_unit(topic.type, path, name), (name, path)
 
 
 def leaves(type_name, before=''):

@@ -107,70 +107,67 @@ def test_constants_and_bytes_are_no_columns(record, types):
     assert battery['voltage'][0] == np.float32(3.9)
 
 
-@pytest.mark.parametrize('big', [0, 1])
-def test_adc_blocks(record, types, big):
+def test_adc_blocks(record, types):
     rng = np.random.default_rng(2)
     sent = rng.integers(0, 4096, (5, 100, 8), dtype=np.uint16)
     rows = []
     for i, block in enumerate(sent):
-        data = np.frombuffer(block.astype('>u2' if big else '<u2').tobytes(), np.uint8)
-        image = types['sensor_msgs/msg/Image'](
-            header(types, START + i * 10**8), 100, 8, '16UC1', big, 16, data
+        message = types['lta_msgs/msg/LightBlock'](
+            header(types, START + i * 10**8), 1e4, 8, block.ravel()
         )
-        rows.append(('/lta1/photodiodes', 'sensor_msgs/msg/Image', image, 0))
+        rows.append(('/lta1/photodiodes', 'lta_msgs/msg/LightBlock', message, 0))
     flight = open_flight(record(rows))
     blocks = flight.read_blocks('photodiodes')
     np.testing.assert_array_equal(blocks.samples, sent)
     assert blocks.samples.dtype == np.uint16
     np.testing.assert_allclose(blocks.time, 0.1 * np.arange(5), rtol=0, atol=1e-12)
-    assert 'data[0]' not in flight.read_series('photodiodes').numbers
+    assert 'counts[0]' not in flight.read_series('photodiodes').numbers
 
 
-def test_padded_rows_and_wrong_blocks(record, types):
-    padded = np.arange(24, dtype=np.uint8)
-    image = types['sensor_msgs/msg/Image']
-    good = image(header(types, START), 3, 2, '16UC1', 0, 8, padded)
-    short = image(header(types, START), 3, 2, '16UC1', 0, 8, padded[:20])
-    colour = image(header(types, START), 3, 2, 'rgb8', 0, 8, padded)
-    other = image(header(types, START), 2, 2, '16UC1', 0, 8, padded)
-    kinds = {'good': [good], 'short': [short], 'colour': [colour], 'mixed': [good, other]}
+def test_wrong_blocks(record, types):
+    kind = types['lta_msgs/msg/LightBlock']
+    counts = np.arange(6, dtype=np.uint16)
+    good = kind(header(types, START), 1e4, 2, counts)
+    odd = kind(header(types, START), 1e4, 4, counts)
+    none = kind(header(types, START), 1e4, 0, counts)
+    other = kind(header(types, START), 1e4, 3, counts)
+    kinds = {'good': [good], 'odd': [odd], 'none': [none], 'mixed': [good, other]}
     rows = [
-        (f'/r/{name}', 'sensor_msgs/msg/Image', message, 0)
+        (f'/r/{name}', 'lta_msgs/msg/LightBlock', message, 0)
         for name, messages in kinds.items()
         for message in messages
     ]
     flight = open_flight(record(rows))
-    rows_of = [[0x0100, 0x0302], [0x0908, 0x0B0A], [0x1110, 0x1312]]
-    np.testing.assert_array_equal(flight.read_blocks('good').samples, [rows_of])
-    with pytest.raises(BadInput, match='in rows of 8 bytes do not match 20 bytes'):
-        flight.read_blocks('short')
-    with pytest.raises(BadInput, match="Unknown image encoding 'rgb8'"):
-        flight.read_blocks('colour')
+    np.testing.assert_array_equal(flight.read_blocks('good').samples, [[[0, 1], [2, 3], [4, 5]]])
+    with pytest.raises(BadInput, match='6 counts are no multiple of 4 diodes'):
+        flight.read_blocks('odd')
+    with pytest.raises(BadInput, match='6 counts are no multiple of 0 diodes'):
+        flight.read_blocks('none')
     with pytest.raises(BadInput, match='different shape'):
         flight.read_blocks('mixed')
-    with pytest.raises(BadInput, match="has type 'sensor_msgs/msg/Image', not"):
+    with pytest.raises(BadInput, match="has type 'lta_msgs/msg/LightBlock', not"):
         flight.read_points('good')
 
 
 def test_point_lists(record, types):
-    field = types['sensor_msgs/msg/PointField']
-    fields = [field('x', 0, 7, 1), field('snr', 8, 8, 1), field('id', 4, 4, 1)]
-    kind = np.dtype({'names': ['x', 'id', 'snr'], 'formats': ['<f4', '<u2', '<f8'],
-                     'offsets': [0, 4, 8], 'itemsize': 16})  # fmt: skip
+    """Two beacons at two diodes, then one at one: points are beacon by beacon."""
     rows = []
-    for i, count in enumerate((8, 3)):
-        points = np.zeros(count, kind)
-        points['x'], points['id'], points['snr'] = 0.5 + i, np.arange(count), -1.25 * i
-        data = np.frombuffer(points.tobytes(), np.uint8)
-        cloud = types['sensor_msgs/msg/PointCloud2'](
-            header(types, START + i * 10**8), 1, count, fields, False, 16, 16 * count, data, True
-        )
-        rows.append(('/lta1/light/peaks', 'sensor_msgs/msg/PointCloud2', cloud, 0))
+    for i, (beacons, diodes) in enumerate(((2, 2), (1, 1))):
+        axes = [types['geometry_msgs/msg/Vector3'](0.5 + i, float(k), 0.0) for k in range(diodes)]
+        peaks = [
+            types['lta_msgs/msg/BeaconPeaks'](
+                *(np.arange(diodes, dtype=np.float32) + 10 * part + beacon for part in range(3))
+            )
+            for beacon in range(beacons)
+        ]
+        message = types['lta_msgs/msg/LampPeaks'](header(types, START + i * 10**8), axes, peaks)
+        rows.append(('/lta1/light/peaks', 'lta_msgs/msg/LampPeaks', message, 0))
     peaks = open_flight(record(rows)).read_points('light/peaks')
-    assert list(peaks.fields) == ['x', 'snr', 'id']
-    np.testing.assert_array_equal(peaks.fields['id'][0], np.arange(8))
-    np.testing.assert_array_equal(peaks.fields['x'][1], [1.5] * 3 + [np.nan] * 5)
-    np.testing.assert_array_equal(peaks.fields['snr'][1, :3], [-1.25] * 3)
+    assert list(peaks.fields) == ['x', 'y', 'z', 'amplitude', 'snr', 'frequency']
+    np.testing.assert_array_equal(peaks.fields['y'][0], [0, 1, 0, 1])
+    np.testing.assert_array_equal(peaks.fields['snr'][0], [10, 11, 11, 12])
+    np.testing.assert_array_equal(peaks.fields['x'][1], [1.5] + [np.nan] * 3)
+    np.testing.assert_array_equal(peaks.fields['frequency'][1, :1], [20])
     np.testing.assert_allclose(peaks.time, [0.0, 0.1], rtol=0, atol=1e-12)
 
 
@@ -215,7 +212,7 @@ def test_topic_without_messages_is_empty(record, tmp_path):
 
     with BagWriter(tmp_path / 'b', {}) as bag:
         bag.add_topic('/lta1/odom', 'nav_msgs/msg/Odometry', [])
-        bag.add_topic('/lta1/photodiodes', 'sensor_msgs/msg/Image', [])
+        bag.add_topic('/lta1/photodiodes', 'lta_msgs/msg/LightBlock', [])
     flight = open_flight(tmp_path / 'b')
     assert len(flight.read_series('odom')) == 0
     assert flight.read_blocks('photodiodes').samples.shape == (0, 0, 0)

@@ -186,25 +186,25 @@ def test_samples_and_points_come_as_arrays(record, types):
     sent = rng.integers(0, 4096, (4, 10, 3), dtype=np.uint16)
     rows = []
     for i, block in enumerate(sent):
-        image = types['sensor_msgs/msg/Image'](
-            header(types, START + i * 10**8), 10, 3, '16UC1', 0, 6,
-            np.frombuffer(block.astype('<u2').tobytes(), np.uint8),
-        )  # fmt: skip
-        rows.append(('/lta1/photodiodes', 'sensor_msgs/msg/Image', image, 0))
-        points = np.array([(1.0 * i, 2.0), (3.0, 4.0 * i)], [('x', '<f4'), ('snr', '<f4')])
-        field = types['sensor_msgs/msg/PointField']
-        fields = [field('x', 0, 7, 1), field('snr', 4, 7, 1)]
-        cloud = types['sensor_msgs/msg/PointCloud2'](
-            header(types, START + i * 10**8), 1, 2, fields,
-            False, 8, 16, np.frombuffer(points.tobytes(), np.uint8), True,
-        )  # fmt: skip
-        rows.append(('/lta1/light/peaks', 'sensor_msgs/msg/PointCloud2', cloud, 0))
+        head = header(types, START + i * 10**8)
+        message = types['lta_msgs/msg/LightBlock'](head, 1e4, 3, block.ravel())
+        rows.append(('/lta1/photodiodes', 'lta_msgs/msg/LightBlock', message, 0))
+        axes = [types['geometry_msgs/msg/Vector3'](float(x), 0.0, 0.0) for x in (i, 3)]
+        ones = np.ones(2, np.float32)
+        beacon = types['lta_msgs/msg/BeaconPeaks'](
+            ones, np.array([2, 4 * i], np.float32), 150 * ones
+        )
+        peaks = types['lta_msgs/msg/LampPeaks'](head, axes, [beacon])
+        rows.append(('/lta1/light/peaks', 'lta_msgs/msg/LampPeaks', peaks, 0))
     flight = lta_analysis.open(record(rows))
     np.testing.assert_array_equal(flight['photodiodes'].samples, sent)
     np.testing.assert_array_equal(flight['photodiodes'].between(0.1, 0.25).samples, sent[1:3])
-    assert flight['photodiodes']['step'].tolist() == [6] * 4
+    assert flight['photodiodes']['diodes'].tolist() == [3] * 4
     peaks = flight['light/peaks']
-    assert peaks.columns == ['x[0]', 'x[1]', 'snr[0]', 'snr[1]']
+    assert peaks.columns == [
+        f'{name}[{k}]' for name in ('x', 'y', 'z', 'amplitude', 'snr', 'frequency') for k in (0, 1)
+    ]
+    np.testing.assert_array_equal(peaks.array('x'), [[0, 3], [1, 3], [2, 3], [3, 3]])
     np.testing.assert_array_equal(peaks.array('snr'), [[2, 0], [2, 4], [2, 8], [2, 12]])
     np.testing.assert_array_equal(peaks.stamp_ns, START + np.arange(4) * 10**8)
     assert peaks.units['snr[1]'] == '1'

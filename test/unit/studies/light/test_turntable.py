@@ -84,16 +84,10 @@ def record_turn(record, types, diodes, bench, turned, odometry=False):
         view.record_pose(pose_for_lamp_direction(bench, ZERO - heading))
         time = START + k * 100_000_000
         block = view.sample_light_block(time, 1e4, 1000, chance)
-        image = types['sensor_msgs/msg/Image'](
-            header(time),
-            1000,
-            8,
-            '16UC1',
-            0,
-            16,
-            np.frombuffer(block.astype('<u2').tobytes(), np.uint8),
+        message = types['lta_msgs/msg/LightBlock'](
+            header(time), 1e4, 8, block.astype(np.uint16).ravel()
         )
-        messages.append(('/lta1/photodiodes', 'sensor_msgs/msg/Image', image, time))
+        messages.append(('/lta1/photodiodes', 'lta_msgs/msg/LightBlock', message, time))
         if odometry:
             messages.append(
                 ('/lta1/odom', 'nav_msgs/msg/Odometry', odom(types, time, heading), time)
