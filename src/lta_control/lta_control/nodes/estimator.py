@@ -31,7 +31,6 @@ from lta_control.odometry.lamp_sighting import LampSighting
 from lta_control.vehicle_parameters import build_estimator_model
 from lta_graph.health import HealthLevel
 from lta_graph.inbox import InboxStep
-from lta_graph.ros.message_validation import has_message_type
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
@@ -56,9 +55,7 @@ class Estimator(GraphNode):
         super().__init__('estimator')
         self._airspeed = self.create_output('airspeed')
         self._odom = self.create_output('odom')
-        self._tf = (
-            self.create_output('/tf') if has_message_type(self.table['/tf']) else None
-        )  # tf2_msgs has to be compiled
+        self._tf = self.create_output('/tf')
         self._settings = NodeParameters(self, EstimatorParameters)
         self._prefix = self._settings.value.frame_prefix
         vehicle = load_vehicle(self._settings.value.vehicle)
@@ -112,8 +109,7 @@ class Estimator(GraphNode):
         self._airspeed.publish(from_airspeed(stamp, self._estimate, self._ground))
         odom = from_estimate(stamp, self._estimate, self._ground)
         self._odom.publish(odom)
-        if self._tf is not None:
-            self._tf.publish(from_odometry(odom, self._prefix))
+        self._tf.publish(from_odometry(odom, self._prefix))
         if learning:
             self.health.report('estimate', *describe_calibration(self._estimate, self._body))
 

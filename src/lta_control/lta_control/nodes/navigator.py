@@ -50,9 +50,9 @@ from lta_graph.ros.message_pairing import MessagePairing
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
-from lta_model.messages import read_duties
 from lta_model.scenario import load_course, load_route
 from lta_model.vehicle import load_vehicle
+from lta_msgs.msg import ActuatorDuty
 from nav_msgs.msg import Odometry
 from std_msgs.msg import Bool, Float64
 
@@ -256,8 +256,8 @@ class FlightCommands:
     def _begin(self, kind: TaskKind, goal: Any) -> FlightTask:  # noqa: ANN401 - a message
         return self.flight.request(kind, to_task_value(kind, goal))
 
-    def _on_motors(self, motors: Any) -> None:  # noqa: ANN401 - one of two types
-        self.flight.motors_turn = any(read_duties(motors))
+    def _on_motors(self, motors: ActuatorDuty) -> None:
+        self.flight.motors_turn = any(motors.duty)
 
     def _on_takeover(self, held: Bool) -> None:
         self._held = held.data

@@ -22,7 +22,6 @@ from lta_config.topic_selection import is_selected
 from lta_graph.health import HealthLevel
 from lta_graph.inbox import InboxStep
 from lta_graph.reach import describe_reach
-from lta_graph.ros.message_validation import has_message_type
 from lta_graph.ros.node import GraphNode, WHOLE
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.peer_listener import OVER, PeerListener, PULSE
@@ -106,9 +105,8 @@ class Simulator(GraphNode):
 
     def _publish_start(self) -> None:
         """Publish where the drone starts in the map; only viewers and recorder read it."""
-        if has_message_type(self.table['/tf_static']):
-            start = from_start(self._world.start_pose, self._settings.frame_prefix)
-            self.create_output('/tf_static').publish(start)
+        start = from_start(self._world.start_pose, self._settings.frame_prefix)
+        self.create_output('/tf_static').publish(start)
 
     def _list_awaited_roles(self) -> set[str]:
         """Return the roles of the nodes to wait for; raise `BadInput` for an unknown one."""
@@ -137,9 +135,7 @@ class Simulator(GraphNode):
             if recorded and not self._is_subscribed('recorder', name):
                 waiting.add('recorder')
         if DESCRIPTION in self._awaited and not all(
-            self.count_publishers(name)
-            for name in self.table.published_by(DESCRIPTION)
-            if has_message_type(self.table[name])
+            self.count_publishers(name) for name in self.table.published_by(DESCRIPTION)
         ):
             waiting.add(DESCRIPTION)
         return sorted(waiting)
@@ -151,7 +147,7 @@ class Simulator(GraphNode):
 
     def _on_motors(self, step: InboxStep) -> None:
         for command in step.messages['motors']:
-            self._accept_command(command.name, list(messages.read_duties(command)))
+            self._accept_command(command.name, list(command.duty))
         stamp_ns = from_stamp(step.messages['motors'][-1].header.stamp)
         # A future stamp would stay fresh for too long
         if stamp_ns <= self._world.stamp_ns + STALE_NS:

@@ -67,8 +67,8 @@ def export(
 
     Each file has stamp_ns and time (seconds since the start of the flight), then the message
     fields by path; quaternions are followed by yaw, pitch and roll. Photodiode blocks give one row
-    per sample, point clouds one row per point. With --rate, all topics are resampled into one
-    table; gaps longer than three periods of a topic stay empty.
+    per sample, lamp peaks one row per beacon and diode. With --rate, all topics are resampled into
+    one table; gaps longer than three periods of a topic stay empty.
 
     Units are stored in the field metadata of Parquet files, in units.csv next to CSV files, and in
     the struct "units" of MATLAB files. In MATLAB each topic is a struct of its message fields.
