@@ -71,7 +71,7 @@ def find_compilers() -> dict[str, list[str]]:
             return {suffix: [name] for suffix, name in zip(STANDARDS, pair, strict=True)}
     if find_spec('ziglang') is None:
         install_compiler()
-    # All that make creates lies in this folder; its C++ library is compiled once, in a minute or two
+    # What make creates lies in this folder; the C++ library is compiled once, in a minute or two
     os.environ['ZIG_GLOBAL_CACHE_DIR'] = str(VENV / 'zig_cache')
     zig = [sys.executable, '-P', '-m', 'ziglang']
     # Exceptions of Fast CDR, which is of another C++ library, only pass through the generated code
