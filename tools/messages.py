@@ -71,8 +71,6 @@ def find_compilers() -> dict[str, list[str]]:
             return {suffix: [name] for suffix, name in zip(STANDARDS, pair, strict=True)}
     if find_spec('ziglang') is None:
         install_compiler()
-    # What make creates lies in this folder; the C++ library is compiled once, in a minute or two
-    os.environ['ZIG_GLOBAL_CACHE_DIR'] = str(VENV / 'zig_cache')
     zig = [sys.executable, '-P', '-m', 'ziglang']
     # Exceptions of Fast CDR, which is of another C++ library, only pass through the generated code
     return {'.c': [*zig, 'cc'], '.cpp': [*zig, 'c++', '-fignore-exceptions']}
@@ -340,7 +338,10 @@ def lock_environment() -> Iterator[None]:
 
 def run(command: list[object]) -> None:
     """Run a command; on failure print its messages and exit."""
-    done = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=False)
+    # Zig compiles its C++ library once, in a minute or two; what make creates lies in .venv
+    variables = {**os.environ, 'ZIG_GLOBAL_CACHE_DIR': str(VENV / 'zig_cache')}
+    words = list(map(str, command))
+    done = subprocess.run(words, env=variables, capture_output=True, text=True, check=False)
     if done.returncode:
         sys.exit(f'{done.stderr}\n{command[0]} failed; see above.')
 
