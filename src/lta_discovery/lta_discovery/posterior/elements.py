@@ -41,14 +41,14 @@ class Element:
     log_prior: float  # of presence with one of the sizes
 
 
-class Choice(NamedTuple):
+class ElementChoice(NamedTuple):
     """An element of a model, by its index, with its size."""
 
     element: int
     size: float
 
 
-Model = frozenset[Choice]
+Model = frozenset[ElementChoice]
 NO_ELEMENTS: Model = frozenset()
 
 

@@ -82,7 +82,7 @@ class RestrictedEvidence(NamedTuple):
         inverse = solve_triangular(self.lower, np.diag(self.root), lower=True, check_finite=False)
         return inverse.T @ self.white, inverse.T @ inverse
 
-    def look_beside(self) -> tuple[Array, Array]:
+    def compute_remainder(self) -> tuple[Array, Array]:
         """
         Return what is left for other unknowns beside the model.
 

@@ -17,9 +17,9 @@ from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.parallel import map_parallel
 from lta_discovery.posterior.elements import (
-    Choice,
     compute_variance,
     Element,
+    ElementChoice,
     ForceGroup,
     list_elements,
     NO_ELEMENTS,
@@ -251,7 +251,7 @@ def _build_term(k: int, deviation: float) -> FreeParameter:
     return FreeParameter(f'term.{k}', '1', {}, 1.0, 1.0, deviation)
 
 
-def _list_alike(search: ModelSearch, best: ScoredModel, choice: Choice) -> list[int]:
+def _list_alike(search: ModelSearch, best: ScoredModel, choice: ElementChoice) -> list[int]:
     """
     Return the effects that do the same as an element of a model, beside the rest of it.
 
@@ -264,7 +264,7 @@ def _list_alike(search: ModelSearch, best: ScoredModel, choice: Choice) -> list[
     whole = search.restrict(best)
     direction = whole.posterior()[0][np.searchsorted(whole.free, columns)]
     rest = search.restrict(replace(best, model=best.model - {choice}))
-    information, across = rest.whole.information, rest.look_beside()[1]
+    information, across = rest.whole.information, rest.compute_remainder()[1]
     own = information[np.ix_(columns, columns)] - across[:, columns].T @ across[:, columns]
     size = float(direction @ own @ direction)
     out = []

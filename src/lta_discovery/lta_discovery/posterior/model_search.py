@@ -13,9 +13,9 @@ from typing import Final, final, NamedTuple
 
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.posterior.elements import (
-    Choice,
     compute_variance,
     Element,
+    ElementChoice,
     Model,
     NO_ELEMENTS,
 )
@@ -117,7 +117,7 @@ class ModelSearch:
         for choice in one.model:
             less = one.model - {choice}
             for size in self.elements[choice.element].sizes:
-                self.score(less | {Choice(choice.element, size)}, one.assumption)
+                self.score(less | {ElementChoice(choice.element, size)}, one.assumption)
             for more in self._list_additions(self.score(less, one.assumption), SWAPPED):
                 self.score(less | {more}, one.assumption)
 
@@ -178,21 +178,21 @@ class ModelSearch:
         before = _normal_share(low, high, np.zeros(len(at)), restricted.root[at])
         return float(np.sum(np.log(after) - np.log(before)))
 
-    def _list_additions(self, one: ScoredModel, count: int) -> list[Choice]:
+    def _list_additions(self, one: ScoredModel, count: int) -> list[ElementChoice]:
         """Return the most promising additions to a model, with their best sizes."""
-        gains = dict[Choice, float]()
+        gains = dict[ElementChoice, float]()
         for noise in range(len(self.evidence)):
             variance = self._compute_variance(one.model, one.assumption.trust)
             restricted = self.evidence[noise].restrict(variance)
-            pull, across = restricted.look_beside()
+            pull, across = restricted.compute_remainder()
             for k, element in enumerate(self.elements):
                 if k in one.elements:
                     continue
                 size, gain = self._choose_size(element, restricted.whole, pull, across)
                 gain += restricted.log_evidence + element.log_prior
-                if gain > gains.get(Choice(k, size), -math.inf):
-                    gains[Choice(k, size)] = gain
-        best = dict[int, Choice]()
+                if gain > gains.get(ElementChoice(k, size), -math.inf):
+                    gains[ElementChoice(k, size)] = gain
+        best = dict[int, ElementChoice]()
         for choice in sorted(gains, key=lambda choice: -gains[choice]):
             best.setdefault(choice.element, choice)
         return list(best.values())[:count]

@@ -5,8 +5,8 @@ import math
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter, list_free_parameters
 from lta_discovery.posterior.elements import (
-    Choice,
     compute_variance,
+    ElementChoice,
     ForceGroup,
     list_elements,
 )
@@ -71,6 +71,6 @@ def test_flights_without_sensors_have_no_errors_of_sensors() -> None:
 
 def test_an_element_adds_its_variance_to_the_tolerance() -> None:
     elements = list_elements([], (ForceGroup('surge by heading', 4),))
-    variance = compute_variance(elements, frozenset({Choice(0, 10.0)}), np.full(4, 3.0))
+    variance = compute_variance(elements, frozenset({ElementChoice(0, 10.0)}), np.full(4, 3.0))
     # 10 floors, shared by four terms: 5 floors each
     np.testing.assert_allclose(variance, 3.0**2 + 5.0**2)

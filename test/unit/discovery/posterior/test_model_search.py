@@ -5,7 +5,7 @@ from itertools import combinations, product
 import math
 
 from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.posterior.elements import Choice, Element, Model
+from lta_discovery.posterior.elements import Element, ElementChoice, Model
 from lta_discovery.posterior.linear_evidence import LinearEvidence
 from lta_discovery.posterior.model_search import ModelSearch
 from lta_discovery.posterior.settings import TRUST
@@ -66,7 +66,7 @@ def list_models() -> list[Model]:
     for count in range(len(COLUMNS) + 1):
         for chosen in combinations(range(len(COLUMNS)), count):
             every = product(SIZES, repeat=count)
-            out += [frozenset(map(Choice, chosen, sizes)) for sizes in every]
+            out += [frozenset(map(ElementChoice, chosen, sizes)) for sizes in every]
     return out
 
 
@@ -95,7 +95,7 @@ def test_the_search_finds_the_most_probable_of_all_models(seed: int) -> None:
 
 
 def test_the_posterior_of_a_model_is_that_of_linear_regression() -> None:
-    problem, model = Problem(1), frozenset({Choice(1, 3.0)})
+    problem, model = Problem(1), frozenset({ElementChoice(1, 3.0)})
     search = ModelSearch(build_parameters(), build_elements(), [problem.evidence])
     scored = search.score(model)
     mean, covariance = search.restrict(scored).posterior()
@@ -109,7 +109,7 @@ def test_the_posterior_of_a_model_is_that_of_linear_regression() -> None:
 def test_beside_a_model_the_rest_is_what_its_unknowns_leave() -> None:
     """The readings, whitened by the covariance that the model gives them."""
     problem, variance = Problem(2), np.array([0.3, 0.0, 2.0, 0.0, 0.0, 0.0, 0.0, 0.5])
-    pull, across = problem.evidence.restrict(variance).look_beside()
+    pull, across = problem.evidence.restrict(variance).compute_remainder()
     weight = np.linalg.inv(np.eye(ROWS) + problem.design * variance @ problem.design.T)
     np.testing.assert_allclose(pull, problem.design.T @ weight @ problem.values, rtol=1e-9)
     wanted = problem.design.T @ weight @ problem.design
@@ -119,7 +119,7 @@ def test_beside_a_model_the_rest_is_what_its_unknowns_leave() -> None:
 
 def test_a_value_beyond_its_bound_makes_a_model_less_probable() -> None:
     """By the share of the posterior that is inside, over that of the prior."""
-    problem, model = Problem(3), frozenset({Choice(1, 3.0)})
+    problem, model = Problem(3), frozenset({ElementChoice(1, 3.0)})
     parameters, elements = build_parameters(), build_elements()
     free = ModelSearch(parameters, elements, [problem.evidence]).score(model)
     parameters[3] = replace(parameters[3], low=-1.0, high=1.4)
@@ -141,4 +141,4 @@ def test_a_model_chooses_the_assumption_under_which_it_is_most_probable() -> Non
     constant = 0.25 * (whole.constant - level) + level - ROWS * math.log(2.0)
     poor = LinearEvidence(0.25 * whole.information, 0.25 * whole.pull, constant)
     search = ModelSearch(build_parameters(), build_elements(), [poor, problem.evidence])
-    assert search.score(frozenset({Choice(1, 1.0), Choice(3, 1.0)})).assumption.noise == 1
+    assert search.score(frozenset({ElementChoice(1, 1.0), ElementChoice(3, 1.0)})).assumption.noise == 1
