@@ -5,11 +5,10 @@ Measure the graph: a whole flight, and the way of one message.
 peer is the same with Fast DDS's own settings in place of `config/fastdds/`. `graph.one_process` is
 that flight with all nodes in one process, and `graph.share` the processor time that this process
 takes in real time, simulator and recorder included.
-`spin.*` sends a message there and back between two processes, with our spin and with rclpy's own
-executor. `message.*` encodes and decodes an Odometry, the peer by rclpy.
+`spin.*` sends a message there and back between two processes, with the executor of our nodes and
+with rclpy's usual one.
 """
 
-from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
 from importlib.metadata import version
@@ -25,14 +24,10 @@ from typing import Any
 
 from bench import Figure
 from lta_flight.flight import FlightRequest, fly_once
-from lta_graph.cdr_encoder import encode_cdr
-from lta_graph.ros.cdr_decoder import decode_cdr
-from lta_graph.ros.spin import spin_node
-from nav_msgs.msg import Odometry
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
+from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
-from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import Imu
 from start import as_it_comes, PLAIN
 
@@ -103,13 +98,11 @@ def share(processes: Any) -> float:
 
 def turn(kind: str, node: Node, done: list[float]) -> None:
     """Run a node with one of the two executors until its work is done."""
-    if kind == 'lean':
-        spin_node(node, lambda: not done, lambda: node.subscriptions, 20_000_000)
-        return
-    executor = SingleThreadedExecutor()
+    executor = EventsExecutor() if kind == 'events' else SingleThreadedExecutor()
     executor.add_node(node)
     while not done:
         executor.spin_once(0.02)
+    executor.shutdown()
 
 
 def echo(kind: str) -> None:
@@ -173,39 +166,10 @@ def round_trip(kind: str) -> float:
         rclpy.shutdown()
 
 
-def call(function: Callable[..., Any], *arguments: Any) -> float:
-    """Return the mean time of a call. [us]"""
-    begin = time.process_time()
-    for _ in range(ROUNDS):
-        function(*arguments)
-    return (time.process_time() - begin) / ROUNDS * 1e6
-
-
-def list_message_figures() -> list[Figure]:
-    """Return how long a message takes to be encoded and decoded."""
-    message = Odometry(child_frame_id='base_link')
-    message.header.frame_id = 'odom'
-    data, peer = encode_cdr(message), f'rclpy {version("rclpy")}'
-    rows = (
-        ('message.encoded', '', partial(call, encode_cdr, message)),
-        ('message.encoded_rclpy', 'message.encoded', partial(call, serialize_message, message)),
-        ('message.decoded', '', partial(call, decode_cdr, data, Odometry)),
-        (
-            'message.decoded_rclpy',
-            'message.decoded',
-            partial(call, deserialize_message, data, Odometry),
-        ),
-    )
-    return [
-        Figure(name, 'us', measure, choose=min, of=of, peer=peer if of else '')
-        for name, of, measure in rows
-    ]
-
-
 def figures() -> list[Figure]:
     """Return what is measured here."""
     median, unit = statistics.median, 'us'
-    lean, plain = partial(round_trip, 'lean'), partial(round_trip, 'rclpy')
+    events, plain = partial(round_trip, 'events'), partial(round_trip, 'rclpy')
     return [
         Figure('graph.realtime', 's/s', partial(flight, dict(os.environ)), 5, median),
         Figure(
@@ -225,9 +189,8 @@ def figures() -> list[Figure]:
             2,
             min,
         ),
-        Figure('spin.lean', unit, lean, 3, median),
-        Figure('spin.rclpy', unit, plain, 3, median, 'spin.lean', f'rclpy {version("rclpy")}'),
-        *list_message_figures(),
+        Figure('spin.events', unit, events, 3, median),
+        Figure('spin.rclpy', unit, plain, 3, median, 'spin.events', f'rclpy {version("rclpy")}'),
     ]
 
 

@@ -72,8 +72,8 @@ def talk() -> None:
     """Be one of the nodes: say when all others are heard, and at the end the longest silence."""
     from threading import Thread
 
-    from lta_graph.ros.spin import spin_node
     import rclpy
+    from rclpy.experimental import EventsExecutor
     from sensor_msgs.msg import Imu
 
     rclpy.init()
@@ -97,7 +97,10 @@ def talk() -> None:
     node.create_timer(PERIOD, tick)
     over = Thread(target=sys.stdin.read)
     over.start()
-    spin_node(node, over.is_alive, lambda: node.subscriptions)
+    executor = EventsExecutor()
+    executor.add_node(node)
+    while over.is_alive():
+        executor.spin_once(0.1)
     sys.stdout.write(f'{longest}\n')
     sys.stdout.flush()
     os._exit(0)  # what is killed beside it must not hold it up

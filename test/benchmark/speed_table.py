@@ -36,9 +36,7 @@ ABOUT: Final = {
     'graph.one_process': 'the same flight with `processes:=one`',
     'graph.share': 'processor time of this process in real time: all nodes, simulator and '
     'recorder',
-    'message.encoded': 'an Odometry from the object of rclpy to its bytes',
-    'message.decoded': 'the same from its bytes to the object of rclpy',
-    'spin.lean': "a message to another process and back; the peer is rclpy's executor",
+    'spin.events': "a message to another process and back; the peer is rclpy's usual executor",
     'start.matched': 'seven nodes until each has found all others; the peer is the same with '
     "Fast DDS's own settings",
     'killed.silence': 'longest silence of a node while others are killed; the peer is the same '

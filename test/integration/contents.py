@@ -1,4 +1,4 @@
-"""What a bag holds, by somebody else's reader: to compare flights byte for byte; its one clock."""
+"""What a bag holds, by somebody else's reader: to compare flights by values; its one clock."""
 
 from collections import defaultdict
 from pathlib import Path
@@ -10,11 +10,17 @@ AROUND_NS = 60 * 10**9  # before and after a flight, in which its nodes load and
 
 
 def contents(bag: Path) -> dict[str, list[tuple[int, bytes]]]:
-    """Return log times and bytes by topic, as the genuine rosbags library reads them."""
+    """
+    Return log times and values by topic, as the genuine rosbags library reads them.
+
+    The values are encoded again, since the middleware leaves old memory between them.
+    """
     found = defaultdict(list)
     with AnyReader([bag]) as reader:
         for connection, log_time, data in reader.messages():
-            found[connection.topic].append((log_time, bytes(data)))
+            message = reader.deserialize(data, connection.msgtype)
+            values = reader.typestore.serialize_cdr(message, connection.msgtype)
+            found[connection.topic].append((log_time, bytes(values)))
     return found
 
 

@@ -8,6 +8,7 @@ from lta_config.topics import load_topic_table
 from lta_graph.ros.reader_links import LINKS, ReaderLinks
 import pytest
 from rclpy.context import Context
+from rclpy.executors import Executor, SingleThreadedExecutor
 from rclpy.node import Node
 from waiting import wait_until
 
@@ -33,30 +34,35 @@ def told(robot: str, **readers: int) -> DiagnosticArray:
     return DiagnosticArray(status=[status])
 
 
-def await_loose(links: ReaderLinks, own: dict[str, int], wanted: list[str]) -> None:
+def await_loose(
+    links: ReaderLinks, own: dict[str, int], wanted: list[str], executor: Executor
+) -> None:
     """Wait until just these topics are loose."""
     wait_until(
         lambda: links.find_unready_topics(own, ROLES) == wanted,
         str(wanted),
         lambda: links.find_unready_topics(own, ROLES),
+        step=lambda: executor.spin_once(0.05),
     )
 
 
 def test_a_topic_is_loose_until_its_writer_has_found_every_reader_of_the_graph(node):
     out = node.create_publisher(DiagnosticArray, '/diagnostics', 10)
     rest = [name for name in TOPICS if name not in ('imu', 'wind')]
+    executor = SingleThreadedExecutor(context=node.context)
+    executor.add_node(node)
     with ReaderLinks(node, load_topic_table()) as links:
-        await_loose(links, {}, TOPICS)
+        await_loose(links, {}, TOPICS, executor)
         wait_until(out.get_subscription_count, 'a reader of /diagnostics')
         out.publish(told('lta2', wind=0))  # another drone's
         out.publish(told('lta1', **dict.fromkeys(rest, 0)))
-        await_loose(links, {'imu': 0}, ['wind'])
+        await_loose(links, {'imu': 0}, ['wind'], executor)
         out.publish(told('lta1', wind=0))
-        await_loose(links, {'imu': 0}, [])
+        await_loose(links, {'imu': 0}, [], executor)
         reader = node.create_subscription(Vector3Stamped, 'wind', lambda _: None, 10)
-        await_loose(links, {'imu': 0}, ['wind'])
+        await_loose(links, {'imu': 0}, ['wind'], executor)
         out.publish(told('lta1', wind=1))
-        await_loose(links, {'imu': 0}, [])
+        await_loose(links, {'imu': 0}, [], executor)
         node.destroy_subscription(reader)
         assert links.find_unready_topics({}, ROLES) == ['imu']
         assert links.find_unready_topics({}, ['estimator']) == []

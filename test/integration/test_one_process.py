@@ -1,14 +1,15 @@
-"""All nodes in one process: the same bytes, one node each for ROS, and every way to its end."""
+"""All nodes in one process: the same values, one node each for ROS, and every way to its end."""
 
+from contextlib import ExitStack
+from pathlib import Path
+
+from lta_config.files import share_folder
 from lta_config.topics import load_topic_table, robot_topic
 from lta_data.bag.reader import read_bag
 from lta_data.bag.recorded_flight import open_flight
-from lta_graph.ros.shared.hand_over import HandOver, place_node, SharingNode
+from lta_graph.reach import PROFILE
+from lta_graph.ros.one_process import deliver_in_memory
 import pytest
-import rclpy
-from rclpy.duration import Duration
-from rclpy.qos import DurabilityPolicy, QoSProfile
-from std_msgs.msg import String
 from std_srvs.srv import SetBool
 
 from .command import ALL_NODES, processes
@@ -35,7 +36,7 @@ STRATEGY = NavigationStrategy('broken', start, steer)
 
 
 def test_a_flight_in_one_process_is_that_of_the_loop(lta, call, scenario, tmp_path):
-    """Byte for byte, which the graph of many processes is as well (test_flight.py)."""
+    """In every value, as the graph of many processes is (test_flight.py)."""
     room = scenario(time_limit='3 s')
     words = ('--seed', '7', '--scenario', room, '--out')
     done = lta.run('fly', '--no-page', '--processes', 'one', *words, tmp_path / 'fly')
@@ -68,7 +69,7 @@ def test_a_shared_process_is_a_graph_for_others_and_ends_by_ctrl_c(
             'odom', lambda odom: stamps.append((odom.header.stamp.sec, odom.header.stamp.nanosec))
         )
         peer.until(lambda: len(stamps) > 20)
-        # Once each, although they are handed over and sent
+        # Once each, in their order
         assert stamps == sorted(set(stamps))
         assert set(peer.node.get_node_names()) >= ALL_NODES
         assert peer.set('controller', 'hold_after', 0.7).successful
@@ -118,24 +119,18 @@ def test_a_node_that_breaks_ends_the_shared_process_and_is_named(lta, tmp_path):
     assert any('enough of it' in text for column in health.values() for text in column)
 
 
-def test_readers_of_the_same_process_owe_no_acknowledgement(domain_id):
-    """A node that ends waited seconds for that of the middleware's copy."""
-    rclpy.init(domain_id=domain_id)
-    try:
-        with place_node(HandOver(), []):
-            node = SharingNode('shared')
-        latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-        publisher = node.create_publisher(String, 'place', latched)
-        node.create_subscription(String, 'place', lambda _: None, latched)
-        publisher.publish(String(data='here'))
-        assert publisher.wait_for_all_acked(Duration(seconds=0))
-        with Peer(domain_id) as peer:
-            places = []
-            peer.node.create_subscription(String, '/place', places.append, latched)
-            peer.until(lambda: places)
-            publisher.publish(String(data='there'))
-            peer.until(lambda: publisher.wait_for_all_acked(Duration(seconds=0)))
-            peer.until(lambda: len(places) == 2)
-        node.destroy_node()
-    finally:
-        rclpy.shutdown()
+def test_our_profile_of_fast_dds_delivers_in_memory_and_that_of_a_user_stays(tmp_path):
+    ours = share_folder() / 'fastdds' / 'this_machine.xml'
+    own = tmp_path / 'own.xml'
+    own.write_text(ours.read_text())
+    with ExitStack() as teardown:
+        changed = {PROFILE: str(ours)}
+        deliver_in_memory(changed, teardown)
+        copy = Path(changed[PROFILE])
+        assert copy.read_text() == ours.read_text().replace('>OFF<', '>FULL<')
+        assert copy.name == ours.name  # by which a node knows that nobody else reaches it
+        for environment in ({PROFILE: str(own)}, {PROFILE: 'nowhere.xml'}, {}):
+            before = dict(environment)
+            deliver_in_memory(environment, teardown)
+            assert environment == before
+    assert not copy.exists()

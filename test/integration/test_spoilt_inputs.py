@@ -27,7 +27,6 @@ from lta_energy.nodes.energy_monitor import EnergyMonitor
 from lta_graph.health import HealthFact, HealthLevel
 from lta_graph.ros.message_validation import find_fault
 from lta_graph.ros.node import GraphNode
-from lta_graph.ros.shared.hand_over import CdrPublisher
 from lta_sim.nodes.simulator import Simulator
 from lta_vlc.nodes.demodulator import Demodulator
 import numpy as np
@@ -106,11 +105,13 @@ class Trial:
     def hear(self, name: str, message: Any) -> None:
         """Let the node hear a message."""
         self.ears[name].callback(serialize_message(message))
+        assert self.node.fault is None, self.node.fault
 
     def hear_cut(self, name: str) -> None:
         """Let the node hear data that end within a message."""
         data = serialize_message(good(name, self.now))
         self.ears[name].callback(data[:-8])
+        assert self.node.fault is None, self.node.fault
 
     def live(self, periods: int) -> None:
         """Go on for some control periods, in which all that is due comes, and comes well."""
@@ -160,7 +161,7 @@ def trial(role: str, domain_id: int, monkeypatch) -> Iterator[Trial]:
         after.callback(rclpy.try_shutdown)
         rclpy.init(args=['node', *words], domain_id=domain_id)
         monkeypatch.setattr(
-            CdrPublisher,
+            Publisher,
             'publish',
             lambda own, message: made[0].says(own, message) if made else None,
         )

@@ -16,6 +16,7 @@ import tempfile
 
 from lta_bridge.bag.qos import build_offered_qos
 from lta_bridge.bag.writer import BagWriter
+from lta_bridge.cdr import encode_message
 from lta_bridge.provenance import collect_provenance
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.topics import load_topic_table
@@ -37,7 +38,6 @@ from lta_flight.closed_loop import ClosedLoop, round_axes, to_lamp_position
 from lta_flight.flight_stack import FlightStack
 from lta_flight.messages import LoopRecorder
 from lta_flight.replay.verdict import compare_with_recording
-from lta_graph.cdr_encoder import encode_cdr
 from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.stamps import from_stamp, to_stamp
 from lta_model.scenario import load_scenario
@@ -151,7 +151,7 @@ def answered(folder, demodulation=None, mission=None):
                 ('setpoint/velocity', velocity),
                 ('light/beacon', Float64(data=NO_WISH)),
             ):
-                writer.write(f'/lta1/{name}', encode_cdr(answer), now)
+                writer.write(f'/lta1/{name}', encode_message(answer, TABLE[name].type), now)
     return folder
 
 

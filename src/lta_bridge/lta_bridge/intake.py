@@ -1,4 +1,4 @@
-"""Receive raw messages for a bag: assign log times, normalize padding, count losses."""
+"""Receive raw messages for a bag: assign log times and count losses."""
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
@@ -10,13 +10,6 @@ from lta_bridge.log_time_assigner import LogTimeAssigner
 from lta_config.topic_selection import absolute_topic
 from lta_config.topics import TopicTable
 from lta_graph.health import HealthLevel
-
-Clean = Callable[[bytes], bytes]
-VARYING = {  # types with strings or lists of varying length
-    'diagnostic_msgs/msg/DiagnosticArray',
-    'lta_msgs/msg/EnergyStatus',
-    'lta_msgs/msg/LampPeaks',
-}
 
 
 @final
@@ -72,27 +65,10 @@ class MessageIntake:
         # Any other namespace belongs to another graph
         return robot is not None or '/' not in relative.lstrip('/')
 
-    def create_topic_callback(
-        self, name: str, type_name: str, clean: Clean
-    ) -> Callable[[bytes], None]:
-        """
-        Return the callback for the messages of an absolute topic.
-
-        `clean` zeroes the padding of a message. It is called only for topics whose recordings must
-        be reproducible and whose padding varies.
-        """
+    def create_topic_callback(self, name: str) -> Callable[[bytes], None]:
+        """Return the callback for the messages of an absolute topic."""
         robot, row = self.find_owner(name)
         topic = self._table.topics.get(row)
-        # What is sent once holds many strings, and the frames of several robots differ on /tf
-        varying = (
-            topic is not None
-            and topic.repeatable
-            and (
-                type_name in VARYING
-                or not topic.period_ns
-                or (robot is None and len(self._robots) > 1)
-            )
-        )
         once = topic is not None and topic.repeatable and not topic.period_ns
         write, clock = self._writer.write, time.monotonic
         log_time = (
@@ -102,8 +78,6 @@ class MessageIntake:
         def receive_message(data: bytes) -> None:
             self.latest = clock()
             when = log_time(row, data)
-            if varying:
-                data = clean(data)
             if not any(books.knows_time for books in self._books.values()):
                 if once:
                     self._early.append((name, data))

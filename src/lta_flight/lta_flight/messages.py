@@ -5,6 +5,7 @@ from typing import Any
 
 from lta_bridge.bag.qos import build_offered_qos
 from lta_bridge.bag.writer import BagWriter
+from lta_bridge.cdr import encode_message
 from lta_bridge.description.messages import iterate_descriptions
 from lta_bridge.log_time_assigner import LogTimeAssigner
 from lta_config.topics import robot_topic, TopicTable
@@ -14,7 +15,6 @@ from lta_energy.messages import from_charge, from_energy_balance, from_reserve
 from lta_energy.monitoring.power_system import PowerSystem
 from lta_energy.monitoring.report import report_energy
 from lta_flight.closed_loop import ClosedLoop, EnergyObservation, LightObservation
-from lta_graph.cdr_encoder import encode_cdr
 from lta_graph.quality import select_quality
 from lta_graph.ros.stamps import to_stamp
 from lta_graph.ros.transforms import from_odometry, from_start
@@ -84,7 +84,7 @@ class LoopRecorder:
 
     def _write_message(self, name: str, message: Any) -> None:  # noqa: ANN401 - of any type
         if name in self._names:
-            data = encode_cdr(message)
+            data = encode_message(message, self._table[name].type)
             self._writer.write(self._names[name], data, self._books.assign_log_time(name, data))
 
     def _write_motion(self, readings: SensorReadings) -> None:

@@ -3,11 +3,10 @@ The live node: it shows a running graph and a 3D scene in Foxglove; the viewer n
 
 It subscribes to the topics of the table, but for those that it draws itself (`REPLACED`), and
 publishes nothing, so it never delays the graph.
-It reads only the newest message of each topic, at the rate of a screen. Messages that a viewer is
-too slow for are dropped and counted in /diagnostics.
+Periodic topics are shown at the rate of a screen; what is left out is counted in /diagnostics.
 """
 
-from collections.abc import Callable, Generator
+from collections.abc import Callable
 import time
 from typing import Any, Final
 
@@ -24,12 +23,10 @@ from lta_bridge.log_time_assigner import read_stamp
 from lta_config.settings import setting, Settings
 from lta_config.topics import robot_topic
 from lta_graph.health import HealthLevel
-from lta_graph.ros.cdr_decoder import decode_cdr
-from lta_graph.ros.message_validation import find_message_type
+from lta_graph.ros.message_validation import decode_message, find_message_type
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
-from lta_graph.ros.spin import Pause, Spin
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
 from nav_msgs.msg import Odometry
@@ -37,7 +34,6 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 import foxglove
 
-NAP_NS: Final = 16_000_000  # between polls: 60 Hz
 MANY: Final = 100  # queue depth of aperiodic topics: each message may be from another node
 DRAWN: Final = ('ground_truth/odom', 'odom', 'motors', 'light/bearing', 'wind')
 REPLACED: Final = ('robot_description', 'scene', '/tf', '/tf_static')
@@ -129,7 +125,7 @@ class LiveViewNode(GraphNode):
         """Return the newest message of a topic; None if there is none or it is invalid."""
         data = self._raw.get(name)
         try:
-            return data and decode_cdr(data, find_message_type(self.table[name]))
+            return data and decode_message(data, find_message_type(self.table[name]))
         except ValueError:  # a truncated message
             self._torn += 1
             del self._raw[name]
@@ -182,11 +178,6 @@ class LiveViewNode(GraphNode):
             **{f'{name} left_out': count for name, count in left_out.items()},
         )
         super().publish_health()
-
-    def run(self) -> Generator[Spin | Pause]:
-        """Run until stopped."""
-        self.health.report('state', HealthLevel.OK, 'running')
-        yield Spin(lambda: self.running, wait_ns=NAP_NS)
 
     def close(self) -> None:
         """Disconnect all viewers."""

@@ -7,7 +7,7 @@ fast as the nodes answer, and never further ahead than their queues hold, so tha
 lost and a replay is reproducible. The nodes' answers do not influence what is played.
 """
 
-from collections.abc import Callable, Generator, Iterable
+from collections.abc import Callable, Iterator
 import json
 import math
 from pathlib import Path
@@ -32,11 +32,9 @@ from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.peer_listener import OVER
 from lta_graph.ros.process import run_node
 from lta_graph.ros.replay_due import from_due
-from lta_graph.ros.spin import Pause, Spin
 from lta_graph.ros.stamps import to_stamp
 from lta_graph.ros.startup import wait_until_complete
 from rclpy.clock import Clock, ClockType
-from rclpy.subscription import Subscription
 from rosgraph_msgs.msg import Clock as ClockMessage
 from std_srvs.srv import SetBool, Trigger
 
@@ -71,10 +69,8 @@ class Player(GraphNode):
         self._pace = PlaybackClock(
             self._reel.begin_ns, None if self.lockstep else settings.rate, settings.paused
         )
-        self._heard_answers = [
+        for name in self._cast.answers:
             self.subscribe_raw(name, self._build_answer_receiver(name))
-            for name in self._cast.answers
-        ]
         self._answer_bag = self._open_answer_bag()
         self._messages = 0
         self._now = self._reel.begin_ns
@@ -112,7 +108,7 @@ class Player(GraphNode):
             Path(self._settings.answers), self._recording, self._cast, self.table, robot, build_qos
         )
 
-    def run(self) -> Generator[Spin | Pause]:
+    def run(self) -> Iterator[None]:
         """Wait for the graph, then play; exit with status 1 if the nodes do not answer."""
         yield from wait_until_complete(self, self._list_missing_nodes, self._settings.patience)
         self._began = self._news = time.monotonic()
@@ -159,10 +155,6 @@ class Player(GraphNode):
             waiting |= {'recorder'} - {each.node_name for each in readers_of_due}
         return sorted(waiting)
 
-    def list_wakeup_subscriptions(self) -> Iterable[Subscription]:
-        """Return the subscriptions to wake up for: the answers."""
-        return self._heard_answers
-
     def list_missing_inputs(self) -> list[str]:
         """Return the answers that the player waits for."""
         if not self.lockstep or not self.begun or self._pace.paused or self._ended:
@@ -190,7 +182,8 @@ class Player(GraphNode):
                 self.health.report('recording', HealthLevel.ERROR, self._answer_bag.fault)
         waited = time.monotonic() - self._news
         if (
-            self._ended
+            not self.begun
+            or self._ended
             or not self.lockstep
             or self._pace.paused
             or waited < self._settings.patience

@@ -1,16 +1,12 @@
 """
 The recorder node: it writes the topic table's recorded topics, given topics or all to a bag.
 
-The middleware leaves uninitialized memory in the padding of CDR messages. If all messages of a
-topic have the same layout, the padding is still reproducible. If strings vary in length it is not,
-so the padding of such topics is zeroed.
-
 Messages older than a second survive even SIGKILL. A separate thread writes the disk, so that a
 slow disk does not fill the middleware's queues. When the disk is nearly full, the bag is closed
 while its index still fits, and the process ends with an error message and status 2.
 """
 
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
@@ -22,7 +18,6 @@ from lta_bridge.bag.qos import has_mixed_durability, OfferedQos
 from lta_bridge.bag.schemas import is_jazzy_type
 from lta_bridge.bag.storage import SplitLimits, StorageFault
 from lta_bridge.bag.writer import BagWriter
-from lta_bridge.cdr import reencode_cdr
 from lta_bridge.crazyflie.safety import LEAVE
 from lta_bridge.intake import MessageIntake
 from lta_bridge.messages import to_offered_qos
@@ -43,11 +38,9 @@ from lta_graph.ros.process import run_node
 from lta_graph.ros.qos import select_profile
 from lta_graph.ros.raw_subscriptions import GENEROUS, load_message_class, RawSubscriptions
 from lta_graph.ros.replay_due import subscribe_due_times
-from lta_graph.ros.spin import Pause, Spin
 from pydantic import create_model
 from rclpy.clock import Clock, ClockType
 from rclpy.qos import QoSProfile
-from rosbags.serde import SerdeError
 
 LOOK_PERIOD = 0.4  # wall seconds between two checks of the graph and of losses
 DISK_PERIOD = 0.1  # wall seconds between two checks of the disk
@@ -55,7 +48,6 @@ QUIET = 15  # polls in a row without a message after which the graph counts as s
 LINGER = 3.0  # wall seconds to wait for that silence at most
 DISK = 'disk'  # diagnostics task for a slow disk
 SLOW = 0.3  # wall seconds of one write that count as slow; a fault must be reported within 1 s
-NAP_NS = 20_000_000  # between polls: waking up for every message would cost half a core
 MB = 1_000_000
 
 
@@ -78,18 +70,6 @@ def declare_origins(node: GraphNode, robots: list[str]) -> dict[str, RobotOrigin
     }
     origins = NodeParameters(node, create_model('Origins', __base__=Settings, **fields)).value
     return {name: getattr(origins, name) for name in robots}
-
-
-def build_reencoder(type_name: str) -> Callable[[bytes], bytes]:
-    """Return a function that re-encodes a message of a type with zero padding."""
-
-    def clean(data: bytes) -> bytes:
-        try:
-            return reencode_cdr(data, type_name)
-        except SerdeError:  # not a valid message of this type: record it unchanged
-            return data
-
-    return clean
 
 
 class Recorder(GraphNode):
@@ -117,6 +97,10 @@ class Recorder(GraphNode):
             self._real = self.get_parameter('source').value == 'crazyflie'
             begun_ns = self.graph_time_ns() if self._real else None
             self._intake = MessageIntake(self.table, whole, robots, self._writer, begun_ns)
+            if self.replayed:  # created first, so that it is matched first
+                subscribe_due_times(
+                    self, self.table, partial(self._intake.set_due_times, robots[0])
+                )
             everything = settings.topics.split() == [EVERYTHING]
             self._taps = RawSubscriptions(
                 self, self._build_tap_receiver, self._accepts_topic if everything else None
@@ -126,10 +110,6 @@ class Recorder(GraphNode):
                     self._left_out[name] = type_name
                 else:
                     self._taps.subscribe(name, type_name, self._expected_profile(name))
-            if self.replayed:  # created last, so that it is served first
-                subscribe_due_times(
-                    self, self.table, partial(self._intake.set_due_times, robots[0])
-                )
             # Graph time may stop or run faster, but disk and graph follow the wall clock
             steady = Clock(clock_type=ClockType.STEADY_TIME)
             self.create_timer(LOOK_PERIOD, self._report_recording, clock=steady)
@@ -179,7 +159,7 @@ class Recorder(GraphNode):
         self._types[name] = type_name
         announced, take = (
             self._announced,
-            self._intake.create_topic_callback(name, type_name, build_reencoder(type_name)),
+            self._intake.create_topic_callback(name),
         )
 
         def receive_message(data: bytes) -> None:
@@ -246,18 +226,17 @@ class Recorder(GraphNode):
             self.health.report('recording', HealthLevel.ERROR, self._fault)
             self.running = False
 
-    def run(self) -> Generator[Spin | Pause]:
+    def run(self) -> Iterator[None]:
         """Record until stopped, then until no more messages arrive."""
-        self.health.report('state', HealthLevel.OK, 'running')
-        yield Spin(lambda: self.running, wait_ns=NAP_NS)
+        yield from super().run()
         landed = time.monotonic() + LEAVE
-        coming_down = lambda: self._has_flight_bridge() and time.monotonic() < landed  # noqa: E731
-        yield Spin(coming_down, wait_ns=NAP_NS)
+        while self._has_flight_bridge() and time.monotonic() < landed:
+            yield
         if not self._fault:
-            yield self._take_late_messages()
+            yield from self._take_late_messages()
 
-    def _take_late_messages(self) -> Spin:
-        """Return the phase that takes what the other nodes still send, until none arrives."""
+    def _take_late_messages(self) -> Iterator[None]:
+        """Take what the other nodes still send, until none arrives."""
         # The last report of its own that the bag holds; a later one would break the silence
         self._report_recording()
         self.publish_health()
@@ -265,15 +244,11 @@ class Recorder(GraphNode):
             timer.cancel()
         deadline = time.monotonic() + LINGER
         latest, silent_polls = self._intake.latest, 0
-
         # Counts polls, not seconds: a busy machine may suspend this process for longer than that
-        def is_receiving() -> bool:
-            nonlocal latest, silent_polls
+        while silent_polls <= QUIET and time.monotonic() < deadline:
+            yield
             silent_polls = silent_polls + 1 if self._intake.latest == latest else 0
             latest = self._intake.latest
-            return silent_polls <= QUIET and time.monotonic() < deadline
-
-        return Spin(is_receiving, wait_ns=NAP_NS)
 
     def _has_flight_bridge(self) -> bool:
         """Return whether the bridge of a real drone still runs; it lands before it exits."""

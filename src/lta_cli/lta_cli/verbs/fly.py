@@ -57,7 +57,7 @@ def fly(
     """
     Fly with the full ROS graph, record to MCAP and write a report page.
 
-    In lockstep the same seed gives the same flight, byte for byte.
+    In lockstep the same seed gives the same flight, every value of it.
 
     With --live, Foxglove can watch without ROS; a slow viewer never blocks the flight.
 

@@ -84,7 +84,7 @@ def simulate(
     """
     Fly in one process: the same algorithms in the same order as the graph, without DDS.
 
-    The bag matches that of "lta fly" with the same seed byte for byte, except for /clock and
+    The bag has the values of that of "lta fly" with the same seed, except for /clock and
     /diagnostics, which depend on the wall clock and are left out.
 
     --set overrides a file's parameter by its path: vehicle.trim.heaviness=4 g,

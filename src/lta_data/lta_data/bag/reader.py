@@ -153,6 +153,12 @@ class Bag:
             )
         return self._decoder.decode(entry.type_name, data)
 
+    def iterate_values(self, topic: str) -> Iterator[bytes]:
+        """Yield the messages of a topic with zeros as padding: equal if their values are."""
+        type_name = self.topics[topic].type_name
+        for _, _, data in self.iterate_messages([topic]):
+            yield self._decoder.encode_again(type_name, data)
+
     def read_rhythm(self) -> MessageIntervals:
         """Return the timing of the messages, from the indexes alone if the bag has them."""
         whole = MessageIntervals()

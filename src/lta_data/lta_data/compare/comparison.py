@@ -19,7 +19,11 @@ from lta_data.compare.channel_pairs import (
     select_topic_pairs,
     TopicPair,
 )
-from lta_data.compare.compared_flight import ComparedFlight, read_compared_flight
+from lta_data.compare.compared_flight import (
+    ComparedFlight,
+    has_equal_messages,
+    read_compared_flight,
+)
 from lta_data.compare.faults import find_topic_faults, SLOWER, TopicFaults
 from lta_data.compare.frame_alignment import align_frames, FrameAlignment, Frames
 from lta_data.compare.sampling import Array, mask_absurd_values
@@ -64,18 +68,18 @@ class ComparisonResult:
     only_b: tuple[str, ...]
     # Compared topics: B's by A's.
     topics: Mapping[str, str]
-    identical_topics: tuple[str, ...]  # topics whose messages are identical byte for byte
+    identical_topics: tuple[str, ...]  # topics whose messages have equal values, to the bit
     remarks: tuple[str, ...]  # further remarks for the user
 
     @property
     def is_identical(self) -> bool:
-        """Whether topics, times, values and, if available, bytes are all equal."""
+        """Whether topics, times, values and, if available, whole messages are all equal."""
         lacking = self.only_a or self.only_b
         digests = any(topic.digest for topic in self.a.topics.values())
         # Flights that come from no bag have no digests; their values must suffice
-        bytes_too = not digests or len(self.identical_topics) == len(self.a.topics)
+        messages_too = not digests or len(self.identical_topics) == len(self.a.topics)
         same = all(each.verdict == 'identical' for each in self.channels)
-        return not lacking and bytes_too and same and not self.request.pairs
+        return not lacking and messages_too and same and not self.request.pairs
 
     @property
     def is_within_bands(self) -> bool:
@@ -191,9 +195,7 @@ def compare_sides(
         only_b=(),
         topics=topics,
         identical_topics=tuple(
-            name
-            for name, other in topics.items()
-            if a.topics[name].digest and a.topics[name].digest == b.topics[other].digest
+            pair[0] for pair in topics.items() if has_equal_messages(a, b, pair)
         ),
         remarks=tuple([*(f'A: {text}' for text in a.remarks)]
             + [f'B: {text}' for text in b.remarks] + remarks + list(when.remarks)),

@@ -239,7 +239,7 @@ def describe_sources(comparison: ComparisonResult) -> dict[str, str]:
             terms[f'{label}, robot'] = side.robot
         if only:
             terms[f'only in {label}'] = ', '.join(only)
-    terms['identical byte for byte'] = ', '.join(comparison.identical_topics) or 'no topic'
+    terms['identical in every value'] = ', '.join(comparison.identical_topics) or 'no topic'
     return terms
 
 

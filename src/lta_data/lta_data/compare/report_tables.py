@@ -98,7 +98,7 @@ def list_alignment_lines(comparison: ComparisonResult) -> list[str]:
         if only:
             lines.append(f'Topics only in {label}: {", ".join(only)}.')
     if comparison.identical_topics and not comparison.is_identical:
-        lines.append(f'Topics identical byte for byte: {", ".join(comparison.identical_topics)}.')
+        lines.append(f'Topics identical in every value: {", ".join(comparison.identical_topics)}.')
     lines += [f'{label}, {topic}: {fault}.' for label, topic, _, fault in list_faults(comparison)]
     rates = [
         f'{name} ({format_rate(a)} and {format_rate(b)})'

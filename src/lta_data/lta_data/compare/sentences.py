@@ -136,8 +136,8 @@ def describe_equality(comparison: ComparisonResult) -> str:
     topics = len(comparison.identical_topics)
     if topics and topics == len(comparison.a.topics):
         if topics == 1:
-            return 'the only topic is identical byte for byte'
-        return f'all {topics} topics are identical byte for byte'
+            return 'the only topic is identical in every value'
+        return f'all {topics} topics are identical in every value'
     return f'all {len(comparison.channels)} channels have the same times and values'
 
 

@@ -12,6 +12,7 @@ from typing import Any, Final
 
 from lta_bridge.bag.qos import build_offered_qos
 from lta_bridge.bag.writer import BagWriter
+from lta_bridge.cdr import encode_message
 from lta_discovery.flights.measured_flight import PERIOD
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.replay.linearized_flight import LinearizationPoint
@@ -19,7 +20,6 @@ from lta_discovery.replay.replay import STEPS
 from lta_discovery.replay.sensing import predict_readings
 from lta_discovery.results.messages import build_offset_message, build_pose_message, SECOND
 from lta_discovery.study import ThreeModelComparison
-from lta_graph.cdr_encoder import encode_cdr
 import numpy as np
 from numpy.typing import NDArray
 
@@ -55,7 +55,8 @@ def write_overlay(
             for name, kind in KINDS.items():
                 writer.add_topic(f'/{word}/{name}', kind, qos)
         for time_ns, topic, message in sorted(rows, key=lambda row: row[:2]):
-            writer.write(topic, encode_cdr(message), time_ns)
+            kind = KINDS[topic.split('/', 2)[2]]
+            writer.write(topic, encode_message(message, kind), time_ns)
     # Viewers open a single .mcap file; the folder and its metadata are not needed.
     (only,) = bag.glob('*.mcap')
     target = only.rename(folder / FILE)

@@ -45,7 +45,6 @@ class CommandMux:
         if node.lockstep:
             return
         self._report_source()
-        # `spin_node` takes the newest subscription first: setpoints arrive before the takeover
         for name, callback in (
             ('teleop/held', self._on_takeover),
             ('teleop/velocity', self._on_velocity),

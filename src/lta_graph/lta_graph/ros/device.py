@@ -1,11 +1,10 @@
 """A lifecycle node that owns a device and releases it on every exit except SIGKILL."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Generator
+from collections.abc import Iterator
 
 from lta_config.errors import BadInput
 from lta_graph.ros.node import GraphNode
-from lta_graph.ros.spin import Pause, Spin
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.lifecycle import LifecycleNodeMixin, LifecycleState, TransitionCallbackReturn
 from rclpy.parameter import Parameter
@@ -49,7 +48,7 @@ class DeviceNode(LifecycleNodeMixin, GraphNode, ABC):
         # rclpy asks the newest callback first, so its own has not switched the clock yet
         self.add_on_set_parameters_callback(self._refuse_simulated_time)
 
-    def run(self) -> Generator[Spin | Pause]:
+    def run(self) -> Iterator[None]:
         """Configure and activate if `autostart` is set, then spin."""
         if self.autostart:
             if self.trigger_configure() != TransitionCallbackReturn.SUCCESS:

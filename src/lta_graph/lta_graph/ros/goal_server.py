@@ -8,9 +8,9 @@ goal has a result, so that everything else happens in the steps, in the node's o
 from collections.abc import Callable
 from typing import Any, final, Generic, TypeVar
 
+from lta_graph.ros.contained_node import ContainedNode
 from rclpy.action import ActionServer, CancelResponse
 from rclpy.action.server import ServerGoalHandle
-from rclpy.node import Node
 from rclpy.task import Future
 
 Task = TypeVar('Task')
@@ -26,7 +26,7 @@ class GoalServer(Generic[Task]):
 
     Parameters
     ----------
-    node : Node
+    node : ContainedNode
         The node; it calls `update` after each step.
     begin : callable
         Return the task of a goal.
@@ -41,7 +41,7 @@ class GoalServer(Generic[Task]):
 
     def __init__(
         self,
-        node: Node,
+        node: ContainedNode,
         action: Any,  # noqa: ANN401 - a generated type
         name: str,
         begin: Callable[[Any], Task],
@@ -57,8 +57,8 @@ class GoalServer(Generic[Task]):
             action,
             name,
             self._execute,
-            handle_accepted_callback=self._on_accepted,
-            cancel_callback=self._on_cancel,
+            handle_accepted_callback=node.contain(self._on_accepted),
+            cancel_callback=node.contain(self._on_cancel),
         )
 
     def update(self) -> None:

@@ -16,6 +16,8 @@ from typing import Any, Final, final
 from builtin_interfaces.msg import Time
 from lta_config.topics import Topic
 from lta_graph.rejections import RejectionCount
+from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.serialization import deserialize_message
 
 MESSAGES: Final = 'messages'  # health task with the number of invalid messages
 # Fields that must hold finite numbers, by message type
@@ -49,6 +51,15 @@ def import_message_type(name: str) -> Any:  # noqa: ANN401 - a generated class
     """Return the Python class of a message type, such as 'sensor_msgs/msg/Imu'."""
     package, _, message = name.split('/')
     return getattr(import_module(f'{package}.msg'), message)
+
+
+def decode_message(data: bytes, kind: Any) -> Any:  # noqa: ANN401 - a generated class
+    """Return the message of a class that the data hold; raise `ValueError` if they hold none."""
+    try:
+        return deserialize_message(data, kind)
+    except rclpy_implementation.RMWError as fault:
+        why = str(fault).partition(', at /')[0]
+        raise ValueError(f'it is no message of type {kind.__name__} ({why})') from fault
 
 
 def _iterate_number_paths(value: object, path: str) -> Iterator[str]:

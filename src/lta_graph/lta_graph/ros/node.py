@@ -7,7 +7,7 @@ topics. `on_step` gets all inputs of one step (see `lta_graph.inbox`). Health is
 logged.
 """
 
-from collections.abc import Callable, Collection, Generator, Iterable
+from collections.abc import Callable, Iterator
 from functools import partial
 import time
 from typing import Any, Literal
@@ -18,14 +18,13 @@ from lta_config.topics import load_topic_table
 from lta_graph.health import Health, HealthLevel
 from lta_graph.health_log import HealthLog
 from lta_graph.inbox import Inbox, InboxStep
+from lta_graph.ros.contained_node import ContainedNode
 from lta_graph.ros.message_validation import find_message_type, MESSAGES, MessageValidator
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.publisher_conflict import PublisherConflict
 from lta_graph.ros.qos import select_profile
 from lta_graph.ros.reader_links import LINKS
 from lta_graph.ros.replay_due import DUE, subscribe_inbox_schedule
-from lta_graph.ros.shared.hand_over import LocalPublisher, SharingNode
-from lta_graph.ros.spin import Pause, Spin
 from lta_graph.ros.stamps import from_stamp, to_stamp
 from rclpy.clock import Clock, ClockType
 from rclpy.duration import Duration
@@ -57,7 +56,7 @@ class GraphSettings(Settings):
     )
 
 
-class GraphNode(SharingNode):
+class GraphNode(ContainedNode):
     """
     A node with a role in the topic table.
 
@@ -129,9 +128,7 @@ class GraphNode(SharingNode):
         inbox = self._inbox = Inbox(
             self.table, self.role, topics, trigger, self.lockstep, self.replayed
         )
-        # Create the trigger first: `spin_node` takes the oldest subscription last, after all
-        # other inputs
-        for name in sorted(topics, key=lambda topic: topic != trigger):
+        for name in topics:
             topic = self.table[name]
             self._inputs[name] = self.create_subscription(
                 find_message_type(topic),
@@ -180,17 +177,6 @@ class GraphNode(SharingNode):
         while (step := inbox.pop()) is not None:
             on_step(step)
             self._waiting_since = time.monotonic()
-
-    def list_wakeup_subscriptions(self) -> Iterable[Subscription]:
-        """Return the subscriptions to wake up for; in lockstep only those still needed."""
-        if not self.lockstep or self._inbox is None:
-            return self.subscriptions
-        # A replay cannot step before its player has sent the due times
-        if self._inbox.turns is None:
-            return [self._inbox_schedule]
-        return [
-            self._inputs[name] for name in self._inbox.list_missing_topics() or [self._trigger]
-        ]
 
     def list_missing_inputs(self) -> list[str]:
         """Return the inputs that this node waits for; a subclass may add its own."""
@@ -308,27 +294,15 @@ class GraphNode(SharingNode):
             else:
                 logger.error(text)
 
-    def publish_due_health(self) -> None:
-        """Publish all facts if none were published for `REPORT_PERIOD`."""
-        if time.monotonic() - self._reported >= REPORT_PERIOD:
-            self.publish_health()
-
-    def keep_for_late_readers(self, roles: Collection[str]) -> None:
+    def run(self) -> Iterator[None]:
         """
-        Let the middleware keep only what readers in other processes may come late for.
+        Process inputs until `running` is False; a subclass may override this.
 
-        `roles` are those of this robot in this process, whose readers need the middleware no more.
+        The callbacks run for `POLL` between two steps of this generator.
         """
-        for name, publisher in self._writers.items():
-            topic = self.table[name]
-            once = not topic.period_ns
-            if isinstance(publisher, LocalPublisher):
-                publisher.latched &= once or not set(roles) >= topic.subscribers.keys()
-
-    def run(self) -> Generator[Spin | Pause]:
-        """Process inputs until `running` is False; a subclass may override this."""
         self.health.report('state', HealthLevel.OK, 'running')
-        yield Spin(lambda: self.running, self.list_wakeup_subscriptions)
+        while self.running:
+            yield
 
     def close(self) -> None:
         """Wait for the acknowledgement of the last messages; called on every exit but SIGKILL."""

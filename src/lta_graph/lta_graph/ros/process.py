@@ -1,12 +1,13 @@
-"""Run one node as a process: the `main` of every executable."""
+"""Run one node as a process, the `main` of every executable, by rclpy's `EventsExecutor`."""
 
-from collections.abc import Callable
-from contextlib import ExitStack
+from collections.abc import Callable, Collection, Iterator
+from contextlib import contextmanager, ExitStack, suppress
 import faulthandler
 import os
 import signal
 import sys
 import threading
+import time
 import traceback
 from typing import Final, NoReturn
 
@@ -16,12 +17,17 @@ from lta_graph.health import HealthLevel
 from lta_graph.interrupts import catch_stops
 from lta_graph.process_exit import exit_process
 from lta_graph.ros.command_line import initialize_ros, reject_unknown_parameters
+from lta_graph.ros.contained_node import ContainedNode
 from lta_graph.ros.help.node_help import asks_for_help, describe_node
 from lta_graph.ros.node import GraphNode
-from lta_graph.ros.spin import spin_phases
 from lta_graph.terminal_streams import guard_streams
 import rclpy
+from rclpy.context import Context
+from rclpy.executors import Executor
+from rclpy.experimental import EventsExecutor
+from rclpy.impl.implementation_singleton import rclpy_implementation
 
+POLL: Final = 0.02  # wall seconds between two steps of a node's `run`
 TEARDOWN: Final = 5.0  # s for DDS to shut down; less than the launcher's grace
 
 
@@ -99,7 +105,7 @@ def run_until_stopped(node_class: type[GraphNode], words: list[str], teardown: E
         catch_stops(stop)
         if held:  # while the node was created
             return 128 + held[0]
-        spin_phases(node, node.run())
+        spin_node(node)
     # Reported by the caller in one sentence; it is not a crash
     except BadInput:
         raise
@@ -114,6 +120,54 @@ def run_until_stopped(node_class: type[GraphNode], words: list[str], teardown: E
         finally:
             teardown.callback(node.destroy_node)
     return 0
+
+
+def spin_node(node: GraphNode) -> None:
+    """Run a node that has the process for itself, until it ends or a callback raises."""
+    with open_executor(node.context) as executor:
+        executor.add_node(node)
+        for _ in node.run():
+            spin_for(executor, [node])
+            if node.fault is not None:
+                raise node.fault
+
+
+@contextmanager
+def open_executor(context: Context) -> Iterator[Executor]:
+    """Yield an executor, and shut it down: one that is destroyed before aborts the process."""
+    executor = EventsExecutor(context=context)
+    try:
+        yield executor
+    finally:
+        executor.shutdown()
+
+
+def spin_for(executor: Executor, nodes: Collection[ContainedNode], duration: float = POLL) -> None:
+    """
+    Run the callbacks of nodes for a while, or until one of them has failed. [wall s]
+
+    Time limits of the executor itself do not hold while events are waiting (rclpy 7.1.5), so each
+    is run by itself.
+    """
+    end = time.monotonic() + duration
+    while (left := end - time.monotonic()) > 0.0 and all(node.fault is None for node in nodes):
+        _run_event(executor, left)
+
+
+def finish_waiting_events(executor: Executor, nodes: Collection[ContainedNode]) -> None:
+    """Run the callbacks of all events that wait now, unless a node fails."""
+    # Events are served in their order, and a task is one of them
+    task = executor.create_task(lambda: None)
+    while not task.done() and all(node.fault is None for node in nodes):
+        _run_event(executor, POLL)
+
+
+def _run_event(executor: Executor, patience: float) -> None:
+    """Run the callback of the next event, if one comes in time. [wall s]"""
+    # A callback may destroy a subscription of which another event waits, such as that of a
+    # publisher with another quality of service. rclpy 7.1.5 raises this then; the event is gone
+    with suppress(rclpy_implementation.InvalidHandle):
+        executor.spin_once(patience)
 
 
 def describe_crash(error: Exception) -> str:

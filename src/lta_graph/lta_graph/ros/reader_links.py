@@ -79,10 +79,6 @@ class ReaderLinks:
 
         `own`: as for `find_unready_topics`.
         """
-        # The node does not spin here, so take the waiting messages directly
-        take = self._subscription.handle.take_message
-        while (taken := take(DiagnosticArray, False)) is not None:
-            self._on_diagnostics(taken[0])
         matched = self._matched | dict(own)
         return [
             name

@@ -7,17 +7,15 @@ from lta_config.errors import BadInput
 from lta_graph.health import HealthLevel
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.reader_links import ReaderLinks
-from lta_graph.ros.spin import Pause
 
-LOOK = 0.02  # wall seconds between two polls
 SETTLED = 1.0  # wall seconds without a new endpoint after which a real-time flight begins
 
 
 def wait_until_complete(
     node: GraphNode, list_missing: Callable[[], Sequence[str]], patience: float
-) -> Iterator[Pause]:
+) -> Iterator[None]:
     """
-    Wait, in pauses of the node, until no subscriber is missing.
+    Wait, in steps of the node's `run`, until no subscriber is missing.
 
     `node`: the waiting node; a stop signal ends the wait. `list_missing`: returns the names of
     those missing. `patience`: longest wait in wall time [s]. Raise `BadInput` if some are still
@@ -30,12 +28,12 @@ def wait_until_complete(
                 f'The node {node.get_name()} has waited {patience:g} s for these nodes: '
                 f'{", ".join(missing)}; start them, or check discovery with "lta doctor".'
             )
-        yield Pause(LOOK)
+        yield
 
 
 def wait_until_settled(
     node: GraphNode, awaited: Collection[str], patience: float
-) -> Iterator[Pause]:
+) -> Iterator[None]:
     """
     Wait until the graph has not changed for `SETTLED`, and the known endpoints have matched.
 
@@ -51,9 +49,7 @@ def wait_until_settled(
     seen, since = count_endpoints(node), time.monotonic()
     with ReaderLinks(node, node.table) as links:
         while node.running and time.monotonic() - since < SETTLED:
-            # In a pause no timer reports, and the launcher would call the node silent
-            node.publish_due_health()
-            yield Pause(LOOK)
+            yield
             loose = links.find_unready_topics(node.count_readers(), awaited)
             now = count_endpoints(node)
             if time.monotonic() > deadline:

@@ -9,7 +9,7 @@ The simulators of one launch stay synchronised (see `lta_graph.peers`), and one 
 /clock for all. A finished vehicle stops and waits until the others have finished.
 """
 
-from collections.abc import Generator, Iterable
+from collections.abc import Iterator
 import json
 import operator
 import os
@@ -26,7 +26,6 @@ from lta_graph.ros.node import GraphNode, WHOLE
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.peer_listener import OVER, PeerListener, PULSE
 from lta_graph.ros.process import run_node
-from lta_graph.ros.spin import Pause, Spin
 from lta_graph.ros.stamps import from_stamp, to_stamp
 from lta_graph.ros.startup import wait_until_complete, wait_until_settled
 from lta_graph.ros.transforms import from_start
@@ -38,7 +37,6 @@ from lta_sim.readings import FlightOutcome, SensorReadings
 from lta_sim.simulator_settings import DEFAULT, DESCRIPTION, SimulatorSettings
 from lta_sim.world import World
 from rclpy.clock import Clock, ClockType
-from rclpy.subscription import Subscription
 from rosgraph_msgs.msg import Clock as ClockMessage
 
 STALE_NS = 300_000_000  # commands older or newer than this stop the motors, as on the real vehicle
@@ -89,7 +87,7 @@ class Simulator(GraphNode):
             # Started in `run`, when all subscribers are there
             self._pacer.cancel()
 
-    def run(self) -> Generator[Spin | Pause]:
+    def run(self) -> Iterator[None]:
         """Wait for the graph, then fly."""
         yield from wait_until_complete(
             self, self._find_missing_subscribers, PATIENCE * (1 + len(self._peers.names))
@@ -164,12 +162,6 @@ class Simulator(GraphNode):
             self._publish_clock(to_stamp(self._peers.common_time(self._world.stamp_ns)))
         else:
             self.running = False
-
-    def list_wakeup_subscriptions(self) -> Iterable[Subscription]:
-        """Return the topics that wake this node while it waits for the other simulators."""
-        if self._peers.is_waiting or self._finished is not None:
-            return self._peers.subscriptions
-        return super().list_wakeup_subscriptions()
 
     def list_missing_inputs(self) -> list[str]:
         """Return the inputs that this node is waiting for; none after its flight has ended."""

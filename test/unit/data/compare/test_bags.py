@@ -1,5 +1,7 @@
 """Comparing bags: offsets, frames, faults and partings that are known by hand."""
 
+from lta_bridge.bag import BagWriter
+from lta_bridge.bag.schemas import load_jazzy_types
 from lta_config.errors import BadInput
 from lta_data.bag import open_flight
 from lta_data.bag.channels import SignalChannel
@@ -92,8 +94,32 @@ def test_a_bag_beside_itself_is_identical(two):
     assert found.is_identical
     assert found.verdict == 'identical'
     assert found.identical_topics == ('odom',)
-    assert format_verdict(found) == 'Identical: the only topic is identical byte for byte.'
+    assert format_verdict(found) == 'Identical: the only topic is identical in every value.'
     assert all(each.measures is None or each.measures.rms == 0.0 for each in found.channels)
+
+
+def test_padding_makes_no_difference_but_a_letter_does(tmp_path):
+    """Seven bytes behind the frame, before the first number; they hold what memory held."""
+    kind = 'geometry_msgs/msg/Vector3Stamped'
+
+    def record(name, changed, to):
+        with BagWriter(tmp_path / name, {}) as bag:
+            bag.add_topic('/lta1/wind', kind, [])
+            for second in range(10):
+                vector = make('geometry_msgs/msg/Vector3', x=1.0, y=2.0, z=3.0)
+                header = stamped(second * 10**9, 'odom')
+                message = make(kind, header=header, vector=vector)
+                data = bytearray(load_jazzy_types().serialize_cdr(message, kind))
+                assert data[12:28] == b'\5\0\0\0odom' + bytes(8)
+                data[changed] = to
+                bag.write('/lta1/wind', bytes(data), second * 10**9)
+        return open_flight(tmp_path / name)
+
+    clean, dirty = record('clean', 27, 0), record('dirty', 27, 0xFF)
+    other = record('other', 19, ord('n'))
+    assert compare_flights(clean, dirty, ComparisonRequest()).is_identical
+    assert compare_flights(clean, dirty, ComparisonRequest()).identical_topics == ('wind',)
+    assert not compare_flights(clean, other, ComparisonRequest()).is_identical
 
 
 def test_gaps_are_named_and_never_bridged(two):

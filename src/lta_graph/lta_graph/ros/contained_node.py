@@ -1,0 +1,117 @@
+"""A node whose callbacks keep their exceptions, for a process that runs several nodes."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from typing import Any
+
+from lta_graph.rejections import RejectionCount
+from lta_graph.ros.message_validation import decode_message
+from rclpy.node import Node
+from rclpy.service import Service
+from rclpy.subscription import Subscription
+from rclpy.timer import Timer
+
+_ARGUMENTS: ContextVar[list[str] | None] = ContextVar('arguments', default=None)
+
+
+@contextmanager
+def give_arguments(arguments: list[str]) -> Iterator[None]:
+    """Give the node that is created meanwhile a command line of its own."""
+    token = _ARGUMENTS.set(arguments)
+    try:
+        yield
+    finally:
+        _ARGUMENTS.reset(token)
+
+
+class ContainedNode(Node):
+    """
+    A node whose callbacks raise nothing: an executor would not say whose exception it is.
+
+    Attributes
+    ----------
+    fault : Exception or None
+        What a callback has raised; no further one is called, and the process ends the node.
+    undecodable : RejectionCount
+        Received data that are no message of their topic, which are dropped.
+
+    """
+
+    def __init__(self, name: str) -> None:
+        # rclpy's constructor creates services already
+        self.fault: Exception | None = None
+        self.undecodable = RejectionCount()
+        own = _ARGUMENTS.get()
+        more: dict[str, Any] = (
+            {} if own is None else {'cli_args': own, 'use_global_arguments': False}
+        )
+        super().__init__(name, **more)
+
+    def create_subscription(
+        self,
+        msg_type: Any,  # noqa: ANN401 - a generated class
+        topic: str,
+        callback: Callable[[Any], None],
+        *arguments: Any,  # noqa: ANN401 - as rclpy
+        raw: bool = False,
+        **more: Any,  # noqa: ANN401 - as rclpy
+    ) -> Subscription:
+        """
+        Return a subscription as `rclpy.node.Node` does.
+
+        Data that are no message are counted; rclpy itself would drop them without a word.
+        """
+
+        def receive_data(data: bytes) -> None:
+            try:
+                message = decode_message(data, msg_type)
+            except ValueError as error:
+                self.undecodable.add(f'{topic}: {error}')
+            else:
+                callback(message)
+
+        receive = self.contain(callback if raw else receive_data)
+        return super().create_subscription(msg_type, topic, receive, *arguments, raw=True, **more)
+
+    def create_timer(
+        self,
+        timer_period_sec: float,
+        callback: Callable[[], None],
+        *arguments: Any,  # noqa: ANN401 - as rclpy
+        **more: Any,  # noqa: ANN401 - as rclpy
+    ) -> Timer:
+        """Return a timer as `rclpy.node.Node` does."""
+        return super().create_timer(timer_period_sec, self.contain(callback), *arguments, **more)
+
+    def create_service(
+        self,
+        srv_type: Any,  # noqa: ANN401 - a generated class
+        srv_name: str,
+        callback: Callable[[Any, Any], Any],
+        **more: Any,  # noqa: ANN401 - as rclpy
+    ) -> Service:
+        """Return a service as `rclpy.node.Node` does."""
+        serve = self.contain(callback)
+
+        def answer(request: Any, response: Any) -> Any:  # noqa: ANN401 - of the type
+            return serve(request, response) or response
+
+        return super().create_service(srv_type, srv_name, answer, **more)
+
+    def contain(self, callback: Callable[..., Any]) -> Callable[..., Any]:
+        """
+        Return a callback whose exception becomes the `fault` of this node.
+
+        An executor raises the exception of any of its nodes and does not say whose it is.
+        """
+
+        def call(*arguments: Any) -> Any:  # noqa: ANN401 - those of the callback
+            if self.fault is None:
+                try:
+                    return callback(*arguments)
+                except Exception as error:
+                    self.fault = error
+            return None
+
+        return call
