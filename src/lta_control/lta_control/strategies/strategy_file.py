@@ -2,15 +2,12 @@
 
 from dataclasses import replace
 from functools import cache
-from importlib.util import module_from_spec, spec_from_file_location
 import math
 from pathlib import Path
-import sys
-import traceback
-from types import ModuleType
 from typing import Any, Final
 
 from lta_config.errors import BadInput
+from lta_config.python_file import describe_python_error, run_python_file
 from lta_control.strategies.protocol import LightMeasurement, NavigationStrategy, SteeringCommand
 from lta_control.strategies.settings import StrategySettings
 
@@ -54,7 +51,7 @@ def load_strategy_file(name: str) -> NavigationStrategy:
 def _load_cached(path: Path, changed_ns: int, size: int) -> NavigationStrategy:
     """Return the strategy of a file; its time and size are only keys of the cache."""
     del changed_ns, size
-    strategy = getattr(_run_file(path), 'STRATEGY', None)
+    strategy = getattr(run_python_file(path, 'a strategy'), 'STRATEGY', None)
     if not isinstance(strategy, NavigationStrategy):
         raise BadInput(
             f"'{path}' defines no strategy; end it with STRATEGY = NavigationStrategy("
@@ -66,48 +63,16 @@ def _load_cached(path: Path, changed_ns: int, size: int) -> NavigationStrategy:
         raise BadInput(f"The strategy '{path}' {error}") from None
     except Exception as error:
         raise BadInput(
-            f"The strategy '{path}' fails on a trial: {_describe_error(error, path)}; correct it."
+            f"The strategy '{path}' fails on a trial: {describe_python_error(error, path)}; "
+            'correct it.'
         ) from error
     return replace(strategy, name=path.stem, file=f'{path}')
 
 
 def explain_failure(strategy: NavigationStrategy, error: BaseException) -> BadInput:
     """Return the sentence about an error of a strategy from a file in flight."""
-    reason = _describe_error(error, Path(strategy.file))
+    reason = describe_python_error(error, Path(strategy.file))
     return BadInput(f"The strategy '{strategy.file}' fails in flight: {reason}; correct it.")
-
-
-def _run_file(path: Path) -> ModuleType:
-    """Return the module of a file."""
-    # A name of its own, which no installed module has: the file may be called math.py
-    spec = spec_from_file_location(f'lta_strategy_{path.stem}', path)
-    if spec is None or spec.loader is None:
-        raise BadInput(f"'{path}' cannot be imported as Python; name a file that ends in .py.")
-    module = module_from_spec(spec)
-    # Dataclasses of the file look their module up
-    sys.modules[spec.name] = module
-    try:
-        # As a bag stores it
-        path.read_text(encoding='utf-8')
-        spec.loader.exec_module(module)
-    except (Exception, SystemExit) as error:
-        raise BadInput(
-            f"'{path}' cannot be run as a strategy: {_describe_error(error, path)}; correct it."
-        ) from error
-    return module
-
-
-def _describe_error(error: BaseException, path: Path) -> str:
-    """Return kind, text and line of an error in a file."""
-    frames = [
-        each for each in traceback.extract_tb(error.__traceback__) if each.filename == f'{path}'
-    ]
-    line = (
-        error.lineno if isinstance(error, SyntaxError) else frames[-1].lineno if frames else None
-    )
-    text = error.msg if isinstance(error, SyntaxError) else ' '.join(f'{error}'.split())
-    where = '' if line is None else f' in line {line}'
-    return f'{type(error).__name__}{where}' + (f' ({text})' if text else '')
 
 
 def _try_strategy(strategy: NavigationStrategy) -> None:
