@@ -13,7 +13,6 @@ FOLDERS = (
     'crazyflies',
     'floor_plans',
     'imports',
-    'launch',
     'light_days',
     'missions',
     'manoeuvres',
@@ -39,6 +38,7 @@ setup(
         ('share/lta_config/foxglove', ['foxglove/lta.json']),
         ('share/lta_config/plotjuggler', ['plotjuggler/lta.xml']),
         ('share/lta_config/aero', sorted(map(str, Path('aero').glob('*.json')))),
+        ('share/lta_config/launch', sorted(map(str, Path('launch').glob('*.launch.py')))),
         *(
             (f'share/lta_config/{folder}', sorted(map(str, Path(folder).glob('*.yaml'))))
             for folder in FOLDERS

@@ -117,7 +117,7 @@ def find_file(kind: str, name: str, suffix: str = '.yaml') -> Path:
     a slash or ends in `.yaml`). Raise `BadInput` if there is no such file; the message lists the
     shipped names.
     """
-    if '/' in name or name.endswith(('.yaml', '.yml')):
+    if '/' in name or name.endswith((suffix, '.yaml', '.yml')):
         path = Path(os.path.expanduser(name))  # noqa: PTH111 - Path's own fails for ~nobody
         if not path.is_file():
             raise BadInput(

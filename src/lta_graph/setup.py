@@ -20,7 +20,5 @@ setup(
     license='Apache-2.0',
     entry_points={
         'console_scripts': ['one_process = lta_graph.ros.one_process:main'],
-        # Not imported here: `ros2 launch` of a full ROS 2 adds the action `supervise`
-        'launch.frontend.launch_extension': ['lta_graph = lta_graph.ros.launch_extension'],
     },
 )

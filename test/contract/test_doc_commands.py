@@ -5,15 +5,14 @@ import re
 
 from doc_blocks import blocks, PAGES, pieces, ROOT, run, settings_spoken, simple, spoken, stage
 from lta_cli.app import build_app, join_verb, repeat_options
-from lta_config.files import find_file, list_shipped_names
-from lta_graph.launch_file import list_arguments
+from lta_config.files import list_shipped_names
+from lta_graph.launch_table import find_launch, SUFFIX
 import pytest
 from typer.main import get_command
 
 BLOCKS = blocks()
 TARGETS = set(re.findall(r'^([a-z0-9-]+):', (ROOT / 'Makefile').read_text(), re.MULTILINE))
 LEFT_OUT = re.compile(r'\.\.\.|\$')
-SUFFIX = '.launch.yaml'
 
 
 def parse(words):
@@ -36,9 +35,7 @@ def parse(words):
 
 def launch_arguments(words):
     """Ask the launch file whether it has the arguments that it is given."""
-    known = {
-        argument.name for argument in list_arguments(find_file('launch file', words[0], SUFFIX))
-    }
+    known = {argument.name for argument in find_launch(words[0]).list_arguments()}
     given = {word.partition(':=')[0] for word in words[1:] if ':=' in word}
     assert given <= known, f'{given - known} are no arguments of {words[0]}'
 
@@ -84,8 +81,8 @@ def test_a_setting_in_running_text_is_one_of_a_launch_file_or_of_a_node(page, of
     if of_node:
         assert f'`{name}`' in (ROOT / 'docs/parameters.md').read_text()
         return
-    files = [find_file('launch file', one, SUFFIX) for one in list_shipped_names('launch', SUFFIX)]
-    assert name in {argument.name for file in files for argument in list_arguments(file)}
+    launches = map(find_launch, list_shipped_names('launch', SUFFIX))
+    assert name in {argument.name for launch in launches for argument in launch.list_arguments()}
 
 
 def spoken_words(words):

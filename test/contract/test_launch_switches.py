@@ -1,19 +1,14 @@
 """Each node can be left out for somebody's own, and the simulator waits for the rest."""
 
-from pathlib import Path
-
-from lta_flight.preflight import parse_parameters
-from lta_graph.launch_file import load_plan
+from lta_graph.launches import FLY
 import pytest
 
-FLY = Path(__file__).resolve().parents[2] / 'config/launch/fly.launch.yaml'
 AWAITED = ['estimator', 'controller', 'demodulator', 'navigator', 'energy_monitor']
-pytestmark = pytest.mark.usefixtures('installed')
 
 
 def flown(**given):
     """Return the parameters of each process by its name."""
-    return {p.name: parse_parameters(p.arguments) for p in load_plan(FLY, given).processes}
+    return {process.name: process.parameters for process in FLY.build_plan(given).processes}
 
 
 def test_in_real_time_the_simulator_waits_for_what_is_started():

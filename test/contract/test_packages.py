@@ -74,7 +74,7 @@ ROSDEP = {
     'zstandard': 'python3-zstandard-pip',
 }
 ROS = re.compile(
-    r'(rclpy|launch|ament_index_python|builtin_interfaces|rcl_interfaces|\w+_msgs|std_srvs)$'
+    r'(rclpy|launch|launch_ros|ament_index_python|builtin_interfaces|rcl_interfaces|\w+_msgs|std_srvs)$'
 )
 FENCED = re.compile(r'(rclpy|builtin_interfaces|rcl_interfaces|\w+_msgs|std_srvs)(\.|$)')
 BEYOND = re.compile(r'lta_graph\.ros(\.|$)|lta_\w+\.(nodes|messages)(\.|$)')

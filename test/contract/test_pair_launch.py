@@ -4,23 +4,20 @@ from pathlib import Path
 
 from lta_bridge.nodes.recorder import RecorderSettings, RobotOrigin
 from lta_config.errors import BadInput
-from lta_flight.preflight import check_plan, parse_parameters
-from lta_graph.launch_file import list_arguments, load_plan
+from lta_flight.preflight import check_plan
+from lta_graph.launches import FLY, PAIR
 from lta_graph.ros.node import GraphSettings
 from lta_graph.ros.parameters import iterate_fields
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-FLY = ROOT / 'config/launch/fly.launch.yaml'
-PAIR = ROOT / 'config/launch/pair.launch.yaml'
 ROBOTS = ('lta1', 'lta2')
-pytestmark = pytest.mark.usefixtures('installed')
 
 
-def nodes(path, **given):
+def nodes(launch, **given):
     """Return the parameters of each process by the plan's name for it."""
-    plan = load_plan(path, given)
-    return {plan.label(process): parse_parameters(process.arguments) for process in plan.processes}
+    plan = launch.build_plan(given)
+    return {plan.label(process): dict(process.parameters) for process in plan.processes}
 
 
 def test_each_drone_is_the_graph_of_one_but_for_recorder_clock_and_peers():
@@ -42,11 +39,11 @@ def test_each_drone_is_the_graph_of_one_but_for_recorder_clock_and_peers():
 def test_the_gains_of_each_go_to_its_controller_and_into_the_bag(tmp_path):
     gains = tmp_path / 'gains.yaml'
     gains.write_bytes((ROOT / 'config/control/gtmab.yaml').read_bytes())
-    plan = load_plan(PAIR, {'gains2': str(gains)})
-    words = {plan.label(process): process.arguments for process in plan.processes}
-    assert str(gains) in words['lta2/controller']
-    assert str(gains) not in words['lta1/controller']
-    assert parse_parameters(words['recorder'])['lta2.gains'] == str(gains)
+    plan = PAIR.build_plan({'gains2': str(gains)})
+    processes = {plan.label(process): process for process in plan.processes}
+    assert processes['lta2/controller'].parameter_file == str(gains)
+    assert processes['lta1/controller'].parameter_file.endswith('control/gtmab.yaml')
+    assert processes['recorder'].parameters['lta2.gains'] == str(gains)
 
 
 def test_the_recorder_is_told_all_of_both_and_knows_every_word():
@@ -79,7 +76,7 @@ def test_each_has_a_live_view_of_its_own_where_one_is_asked_for():
     alone = nodes(FLY, live='true')['live']
     assert found['lta1/live'] == alone
     assert found['lta2/live'] == {**alone, 'port': 9000}
-    ports = {item.name: item.default for item in list_arguments(PAIR) if 'port' in item.name}
+    ports = {item.name: item.default for item in PAIR.list_arguments() if 'port' in item.name}
     assert ports['live_port1'] != ports['live_port2']
 
 
@@ -91,7 +88,7 @@ def test_the_frames_of_each_have_its_name():
 
 
 def test_the_end_of_either_simulator_ends_the_launch_for_each_waits_for_the_other():
-    plan = load_plan(PAIR, {})
+    plan = PAIR.build_plan({})
     assert {item.name for item in plan.processes if not item.on_exit_shutdown} == {'description'}
     ending = [item for item in plan.processes if item.planned]
     assert [(item.namespace, item.name) for item in ending] == [
@@ -101,16 +98,16 @@ def test_the_end_of_either_simulator_ends_the_launch_for_each_waits_for_the_othe
 
 
 def test_the_first_is_the_flight_that_people_know_and_both_are_checked_beforehand():
-    given = {item.name: item for item in list_arguments(PAIR)}
-    alone = {item.name: item for item in list_arguments(FLY)}
+    given = {item.name: item for item in PAIR.list_arguments()}
+    alone = {item.name: item for item in FLY.list_arguments()}
     for name in ('vehicle', 'gains', 'strategy', 'seed', 'offset_x', 'offset_y', 'robot'):
         assert given[f'{name}1'].default == alone[name].default, name
     assert all(item.description.endswith('.') for item in given.values())
-    check_plan(load_plan(PAIR, {}))
+    check_plan(PAIR.build_plan({}))
     for words, sentence in (
         ({'vehicle2': 'nope'}, "Unknown vehicle 'nope'"),
         ({'seed2': '-1'}, 'The seed is -1'),
         ({'offset_y1': '9'}, 'outside the room'),
     ):
         with pytest.raises(BadInput, match=sentence):
-            check_plan(load_plan(PAIR, words))
+            check_plan(PAIR.build_plan(words))

@@ -6,32 +6,28 @@ import re
 from lta_bridge.bag.background_writer import FLUSH_PERIOD, REFRESH_PERIOD
 from lta_bridge.nodes.recorder import LOOK_PERIOD
 from lta_bridge.recorder_settings import RecorderSettings, RobotOrigin
-from lta_flight.preflight import parse_parameters
-from lta_graph.launch_file import list_arguments, load_plan
+from lta_graph.launches import FLY, PAIR
 from lta_graph.ros.parameters import iterate_fields
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-LAUNCH = ROOT / 'config/launch'
 PAGE = ROOT / 'docs/recording.md'
 SETTINGS = {
     name: default
     for name, _, default in iterate_fields(RecorderSettings())
     if name not in {*RobotOrigin.model_fields, 'robots', 'replay'}
 }
-pytestmark = pytest.mark.usefixtures('installed')
 
 
-@pytest.mark.parametrize('name', ['fly', 'pair'])
-def test_every_setting_is_a_launch_argument_that_reaches_the_recorder(name):
-    path = LAUNCH / f'{name}.launch.yaml'
-    declared = {item.name: item for item in list_arguments(path)}
+@pytest.mark.parametrize('launch', [FLY, PAIR], ids=['fly', 'pair'])
+def test_every_setting_is_a_launch_argument_that_reaches_the_recorder(launch):
+    declared = {item.name: item for item in launch.list_arguments()}
     given = {
         key: {'bag': 'b', 'topics': 'imu /rosout'}.get(key, str(3.5 + number))
         for number, key in enumerate(SETTINGS)
     }
-    plan = load_plan(path, given)
-    told = {plan.label(item): parse_parameters(item.arguments) for item in plan.processes}
+    plan = launch.build_plan(given)
+    told = {plan.label(item): item.parameters for item in plan.processes}
     for key, default in SETTINGS.items():
         assert declared[key].default == str(default), key
         assert declared[key].description.endswith('.'), key

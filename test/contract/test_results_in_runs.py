@@ -4,8 +4,7 @@ from pathlib import Path
 import re
 
 from lta_cli.app import build_app
-from lta_config.files import list_shipped_names, share_folder
-from lta_graph.launch_file import list_arguments
+from lta_graph.launches import EMULATED, FLY, PAIR
 import pytest
 from typer.main import get_command
 
@@ -36,14 +35,9 @@ def test_what_commands_write_by_default_is_in_runs():
     assert [name for name, path in found.items() if path.parts[0] != 'runs'] == []
 
 
-@pytest.mark.parametrize('name', list_shipped_names('launch', '.launch.yaml'))
-def test_launch_files_record_into_runs(name):
-    (bag,) = (
-        argument.default
-        for argument in list_arguments(share_folder() / 'launch' / f'{name}.launch.yaml')
-        if argument.name == 'bag'
-    )
-    assert bag == 'runs/bag'
+@pytest.mark.parametrize('launch', [FLY, PAIR, EMULATED], ids=['fly', 'pair', 'emulated'])
+def test_launches_record_into_runs(launch):
+    assert launch.arguments().bag == 'runs/bag'
 
 
 def test_pages_write_into_runs():

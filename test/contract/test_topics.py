@@ -3,7 +3,6 @@
 import ast
 from importlib import import_module
 from pathlib import Path
-import re
 from xml.etree import ElementTree
 
 from lta_bridge.crazyflie.settings import CrazyflieBridgeSettings
@@ -21,8 +20,8 @@ from lta_control.nodes.controller import ControllerSettings
 from lta_control.nodes.estimator import EstimatorParameters
 from lta_control.nodes.navigator import NavigatorParameters
 from lta_energy.nodes.energy_monitor import EnergyMonitorParameters
-from lta_flight.preflight import parse_parameters
-from lta_graph.launch_file import list_arguments, load_plan
+from lta_graph.launch_arguments import FlyArguments
+from lta_graph.launches import DRONE_NODES, FLY
 from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.node import FAREWELL, GraphSettings
 from lta_graph.ros.parameters import build_descriptor, iterate_fields
@@ -38,7 +37,6 @@ import yaml
 ROOT = Path(__file__).resolve().parents[2]
 TABLE = load_topic_table()
 FAST_DDS = ROOT / 'config/fastdds'
-LAUNCH = ROOT / 'config/launch/fly.launch.yaml'
 ROLES = {
     'simulator': 'vehicle',
     'crazyflie_bridge': 'vehicle',
@@ -273,21 +271,9 @@ def test_structure_is_fixed_and_figures_are_not(name):
     assert fixed == texts | BEGUN_WITH.get(name, set())
 
 
-def nodes_of_launch():
-    """Return the parameters that the launch file gives each node by itself."""
-    (group,) = [
-        item['group'] for item in yaml.safe_load(LAUNCH.read_text())['launch'] if 'group' in item
-    ]
-    nodes = [item['node'] for item in group if 'node' in item]
-    return {
-        node['name']: {item['name'] for item in node['param'] if 'name' in item} for node in nodes
-    }
-
-
-@pytest.mark.usefixtures('installed')
 @pytest.mark.parametrize('source', SOURCES)
 def test_the_launch_file_starts_every_node_under_its_name(source):
-    plan = load_plan(LAUNCH, {'source': source, 'live': 'true', 'description': 'false'})
+    plan = FLY.build_plan({'source': source, 'live': 'true', 'description': 'false'})
     others = {name for key, name in SOURCES.items() if key != source}
     assert [process.name for process in plan.processes] == [n for n in NODES if n not in others]
     for process in plan.processes:
@@ -298,13 +284,12 @@ def test_the_launch_file_starts_every_node_under_its_name(source):
     assert [p.name for p in plan.processes if p.planned] == [SOURCES[source]]
 
 
-@pytest.mark.usefixtures('installed')
 def test_the_description_is_published_and_does_not_end_a_flight():
     def described(**given):
-        plan = load_plan(LAUNCH, given)
+        plan = FLY.build_plan(given)
         found = [process for process in plan.processes if process.name == 'description']
         assert not any(process.on_exit_shutdown for process in found)
-        return [parse_parameters(process.arguments) for process in found]
+        return [process.parameters for process in found]
 
     (given,) = described(frame_prefix='lta1/')
     assert set(given) <= {
@@ -323,13 +308,11 @@ def test_the_description_is_published_and_does_not_end_a_flight():
     assert described(estimator='false')[0]['pose'] == 'odom'
 
 
-@pytest.mark.usefixtures('installed')
 def test_the_light_board_is_started_where_there_is_one():
-    assert 'teensy_bridge' not in [process.name for process in load_plan(LAUNCH, {}).processes]
-    plan = load_plan(LAUNCH, {'light_board': 'true', 'light_port': 'udp://0.0.0.0:14550'})
+    assert 'teensy_bridge' not in [process.name for process in FLY.build_plan({}).processes]
+    plan = FLY.build_plan({'light_board': 'true', 'light_port': 'udp://0.0.0.0:14550'})
     (bridge,) = [process for process in plan.processes if process.name == 'teensy_bridge']
     assert (bridge.executable, bridge.package) == ('teensy_bridge', 'lta_bridge')
-    words = dict(word.split(':=', 1) for word in bridge.arguments if re.match(r'\w+:=', word))
     own = {
         key
         for key, _, _ in [
@@ -337,28 +320,25 @@ def test_the_light_board_is_started_where_there_is_one():
             *iterate_fields(TeensyBridgeSettings()),
         ]
     }
-    assert words.keys() <= own | {'__node', '__ns'}
-    assert yaml.safe_load(words['port']) == 'udp://0.0.0.0:14550'
-    given = {item.name: item.default for item in list_arguments(LAUNCH)}
+    assert bridge.parameters.keys() <= own
+    assert bridge.parameters['port'] == 'udp://0.0.0.0:14550'
+    given = {item.name: item.default for item in FLY.list_arguments()}
     assert given['light_port'] == TeensyBridgeSettings().port
 
 
-@pytest.mark.usefixtures('installed')
 def test_every_text_of_the_launch_file_stays_a_text():
     """Names may look like numbers, dates or truths; only what is meant as such becomes one."""
     texts = {'vehicle': '1', 'scenario': 'yes', 'bag': '2026-11-20'}
     found = set()
-    for process in load_plan(LAUNCH, {**texts, 'seed': '7', 'live': 'true'}).processes:
+    for process in FLY.build_plan({**texts, 'seed': '7', 'live': 'true'}).processes:
         defaults = {
             key: value for key, _, value in iterate_fields({**NODES, **BESIDE}[process.name]())
         }
-        values = [word for word in process.arguments if re.match(r'\w+:=', word)]
-        for key, value in (word.split(':=', 1) for word in values):
-            read = yaml.safe_load(value)
+        for key, value in process.parameters.items():
             if key in defaults:
-                assert type(read) is type(defaults[key]), (process.name, key, value)
+                assert type(value) is type(defaults[key]), (process.name, key, value)
             if key in texts:
-                assert read == texts[key], (process.name, key)
+                assert value == texts[key], (process.name, key)
                 found.add((process.name, key))
     assert {('simulator', 'vehicle'), ('energy_monitor', 'vehicle'), ('recorder', 'bag')} <= found
 
@@ -366,7 +346,8 @@ def test_every_text_of_the_launch_file_stays_a_text():
 @each_node
 def test_the_launch_file_gives_only_parameters_that_are_declared(name):
     own = {key for key, _, _ in [*iterate_fields(GraphSettings()), *iterate_fields(NODES[name]())]}
-    given = nodes_of_launch()[name]
+    (entry,) = (each for each in DRONE_NODES if each.executable == name)
+    given = set(entry.build_process(FlyArguments()).parameters)
     assert given - {'use_sim_time'} <= own
     # Who plays the vehicle makes the time that all others use.
     assert ('use_sim_time' in given) == (name not in SOURCES.values())
@@ -374,19 +355,16 @@ def test_the_launch_file_gives_only_parameters_that_are_declared(name):
     assert 'time' in given
 
 
-@pytest.mark.usefixtures('installed')
 def test_the_recorder_is_told_the_gains_that_the_controller_gets(tmp_path):
     gains = tmp_path / 'gains.yaml'
     gains.write_bytes((ROOT / 'config/control/gtmab.yaml').read_bytes())
-    words = {p.name: p.arguments for p in load_plan(LAUNCH, {'gains': str(gains)}).processes}
-    assert str(gains) in words['controller']
-    given = [word.partition(':=')[2] for word in words['recorder'] if word.startswith('gains:=')]
-    assert [yaml.safe_load(value) for value in given] == [str(gains)]
+    processes = {each.name: each for each in FLY.build_plan({'gains': str(gains)}).processes}
+    assert processes['controller'].parameter_file == str(gains)
+    assert processes['recorder'].parameters['gains'] == str(gains)
 
 
-@pytest.mark.usefixtures('installed')
 def test_launch_arguments_are_documented_and_default_to_what_is_shipped():
-    given = {item.name: item for item in list_arguments(LAUNCH)}
+    given = {item.name: item for item in FLY.list_arguments()}
     assert all(item.description.endswith('.') for item in given.values())
     load_vehicle(given['vehicle'].default)
     load_scenario(given['scenario'].default)
@@ -394,7 +372,7 @@ def test_launch_arguments_are_documented_and_default_to_what_is_shipped():
         assert str(getattr(RecorderSettings(), name)) == given[name].default
     for name in ('host', 'port'):
         assert str(getattr(LiveSettings(), name)) == given[f'live_{name}'].default
-    assert 'live' not in [process.name for process in load_plan(LAUNCH, {}).processes]
+    assert 'live' not in [process.name for process in FLY.build_plan({}).processes]
     assert given['time'].choices == ('realtime', 'lockstep')
     assert given['time'].default == GraphSettings().time
 

@@ -14,9 +14,9 @@ from lta_cli.doctor import CHECKS
 from lta_config.compilation.kernel_cache import cache_root
 from lta_config.files import list_shipped_names
 from lta_control.strategies import STRATEGIES
+from lta_graph.launches import FLY
 import pytest
 from waiting import PATIENCE
-import yaml
 
 ROOT = Path(__file__).resolve().parents[2]
 GTMAB = (ROOT / 'config/vehicles/gtmab.yaml').read_text()
@@ -39,10 +39,10 @@ COMMANDS = {
     'option': (['fly', '--sped', '2'], 'No such option: --sped'),
     'verb': (['flie'], "No such command 'flie'"),
     'launch file': (['launch', 'soar'], "Unknown launch file 'soar'; known: emulated, fly, pair."),
-    'launch path': (['launch', './x.launch.yaml'], 'x.launch.yaml; check the path.'),
+    'launch path': (['launch', './x.launch.py'], 'x.launch.py; check the path.'),
     'launch argument': (['launch', 'fly', 'sed:=2'], "Unknown launch argument 'sed'"),
     'launch pair': (['launch', 'fly', 'seed=2'], "'seed=2' is not a launch argument"),
-    'launch choice': (['launch', 'fly', 'time:=slow'], "The launch argument 'time' is 'slow'"),
+    'launch choice': (['launch', 'fly', 'time:=slow'], "The launch argument time is 'slow'"),
     'package': (
         ['run', 'lta_nothing', 'x'],
         "Unknown package 'lta_nothing'; known: lta_analysis, ",
@@ -242,10 +242,8 @@ def test_every_verb_explains_itself(call, verb):
 def test_launch_shows_the_arguments_of_a_file(call):
     status, said = call('launch', 'fly', '--show-args')
     assert (status, said.err) == (0, '')
-    shipped = yaml.safe_load((ROOT / 'config/launch/fly.launch.yaml').read_text())['launch']
-    for item in shipped:
-        if 'arg' in item:
-            assert item['arg']['name'] in said.out
+    for argument in FLY.list_arguments():
+        assert argument.name in said.out
 
 
 def test_the_doctor_ends_well_or_says_what_to_do(lta):

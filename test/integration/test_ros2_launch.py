@@ -14,7 +14,7 @@ import pytest
 from .command import NODES, ROOT
 from .ros_checkouts import CHECKOUTS, WITHOUT
 
-FLY = ROOT / 'config/launch/fly.launch.yaml'
+FLY = ROOT / 'config/launch/fly.launch.py'
 # What `ros2 launch FILE NAME:=VALUE ...` does once it has parsed its command line
 LAUNCH = """
 import sys
@@ -70,7 +70,7 @@ def test_an_early_stop_leaves_no_traceback_no_node_and_no_file(
 ):
     """As long as launch starts processes, it waits without end for one that is killed."""
     monkeypatch.setenv('TMPDIR', str(tmp_path))
-    run = ros2_launch(ROOT / f'config/launch/{name}.launch.yaml', f'bag:={tmp_path / "bag"}')
+    run = ros2_launch(ROOT / f'config/launch/{name}.launch.py', f'bag:={tmp_path / "bag"}')
     run.said(f'[{last}-')
     if number == signal.SIGINT:
         run.interrupt()
@@ -87,7 +87,7 @@ def test_a_flight_to_its_end_is_status_0(ros2_launch, scenario, tmp_path, monkey
     monkeypatch.setenv('TMPDIR', str(tmp_path))
     room = scenario(time_limit='2 s')
     words = ('time:=lockstep', f'scenario:={room}', f'bag:={tmp_path / "bag"}')
-    run = ros2_launch(ROOT / f'config/launch/{name}.launch.yaml', *words)
+    run = ros2_launch(ROOT / f'config/launch/{name}.launch.py', *words)
     assert run.end() == 0, run.text
     assert (tmp_path / 'bag/metadata.yaml').exists()
     assert list(tmp_path.rglob('*launch_*')) == []
@@ -97,7 +97,8 @@ def test_a_flight_to_its_end_is_status_0(ros2_launch, scenario, tmp_path, monkey
     ('word', 'sentence'),
     [
         ('vehicle:=nope', "Unknown vehicle 'nope'; known: beavis"),
-        ('seed:=x', 'The seed is x, but must be a whole number'),
+        ('seed:=x', "The launch argument seed is 'x', but must be a whole number."),
+        ('seed:=-1', 'The seed is -1, but must be a whole number'),
         ('strateg:=bag', "Unknown launch argument 'strateg'"),
         ('strategy:=up', "Unknown strategy 'up'; known: bag, des, dga, homing."),
     ],

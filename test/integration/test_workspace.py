@@ -18,9 +18,8 @@ import sys
 import time
 
 from diagnostic_msgs.msg import DiagnosticArray
-from lta_config.files import find_file
 from lta_graph.child_process import build_node_environment as node_environment
-from lta_graph.launch_file import load_plan
+from lta_graph.launches import FLY
 from ports import free_port
 import pytest
 import rclpy
@@ -50,14 +49,13 @@ DRONE = """
 from dataclasses import replace
 from importlib.util import find_spec
 import json
-from pathlib import Path
 import sys
 
-from lta_graph.launch_file import load_plan
 from lta_graph.launcher import Launcher
+from lta_graph.launches import FLY
 
 assert find_spec('lta_sim') is None
-plan = load_plan(Path(sys.argv[1]), json.loads(sys.argv[2]))
+plan = FLY.build_plan(json.loads(sys.argv[1]))
 aboard = tuple(process for process in plan.processes if process.package != 'lta_sim')
 with Launcher(replace(plan, processes=aboard), lambda _name, _line: None) as launcher:
     sys.stdin.read()
@@ -211,6 +209,9 @@ def test_data_is_installed_with_lta_config(installed):
         if path.suffix in kinds and path.name != 'package.xml'
     }
     assert Path('topics.yaml') in expected
+    expected |= {
+        path.relative_to(ROOT / 'config') for path in (ROOT / 'config/launch').glob('*.launch.py')
+    }
     missing = {str(path) for path in expected if not (share / path).is_file()}
     assert not missing, 'config/setup.py does not install these'
 
@@ -334,12 +335,11 @@ def carried(environment: dict[str, str], installed: Path) -> dict[str, str]:
 
 
 def test_a_drone_s_computer_needs_no_simulator(installed, environment, domain_id, tmp_path):
-    launch_file = find_file('launch file', 'fly', '.launch.yaml')
     given = {'time': 'lockstep', 'bag': str(tmp_path / 'bag'), 'seed': '2'}
-    (world,) = (one for one in load_plan(launch_file, given).processes if one.package == 'lta_sim')
+    (world,) = (one for one in FLY.build_plan(given).processes if one.package == 'lta_sim')
     executable = installed / world.package / 'lib' / world.package / world.executable
     everywhere = {'ROS_DOMAIN_ID': str(domain_id), **node_environment()} | environment
-    words = [sys.executable, '-c', DRONE, launch_file, json.dumps(given)]
+    words = [sys.executable, '-c', DRONE, json.dumps(given)]
     with subprocess.Popen(
         words, cwd=tmp_path, env=carried(everywhere, installed), text=True,
         stdin=subprocess.PIPE, stdout=subprocess.PIPE,

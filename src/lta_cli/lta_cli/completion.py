@@ -26,7 +26,7 @@ PACKAGES: Final = (
     'lta_cli', 'lta_config', 'lta_control', 'lta_data', 'lta_energy', 'lta_flight', 'lta_model',
     'lta_studies', 'lta_vlc',
 )  # fmt: skip
-SUFFIXES: Final = {'launch file': '.launch.yaml'}
+SUFFIXES: Final = {'launch file': '.launch.py'}
 # Vehicle and scenario of a command line that names none
 DEFAULTS: Final = {'vehicle': 'gtmab', 'scenario': 'lamp_room'}
 Values = Iterator[tuple[str, str]]  # with a description, or ''
@@ -242,10 +242,10 @@ def list_topics(line: Line, table: Mapping[str, Any]) -> Values:
 def list_launch_arguments(line: Line, table: Mapping[str, Any]) -> Values:
     """Yield the arguments of a launch file."""
     del table
-    path = find_file('launch file', str(line.get('file', '')), '.launch.yaml')
-    for item in load_yaml(path).get('launch', []):
-        if 'arg' in item:
-            yield f'{item["arg"]["name"]}:=', item['arg'].get('description', '')
+    from lta_graph.launch_table import find_launch  # no shell asks for it but here
+
+    for item in find_launch(str(line.get('file', ''))).list_arguments():
+        yield f'{item.name}:=', item.description
 
 
 LISTS: Final[dict[str, Callable[[Line, Mapping[str, Any]], Values]]] = {

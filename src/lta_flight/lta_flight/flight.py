@@ -15,7 +15,6 @@ from typing import final, Literal, TYPE_CHECKING
 from lta_bridge.bag.writer import prepare_empty_folder
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
-from lta_config.files import find_file
 from lta_control.strategies import find_navigation_strategy
 from lta_flight.domain_lock import DomainLock
 from lta_flight.flight_run import FlightObserver, FlightRun, ROBOT
@@ -25,8 +24,9 @@ from lta_flight.unflown_bag import remove_unflown_bags
 from lta_flight.viewers import find_viewers, report_live_views, require_free_live_ports
 from lta_graph.child_process import ProcessExit
 from lta_graph.health import HealthFact, HealthLevel
-from lta_graph.launch_file import load_plan, ONE_PROCESS
+from lta_graph.launch_plan import ONE_PROCESS
 from lta_graph.launcher import Launcher
+from lta_graph.launches import FLY
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
 from lta_report.results_folder import resolve_folder
@@ -63,10 +63,7 @@ def fly_once(order: FlightRequest, watcher: FlightObserver) -> FlightRun:
     scenario = load_scenario(order.scenario)
     find_navigation_strategy(order.strategy)
     folder = resolve_folder(order.out, f'{scenario.name}-{order.seed}')
-    plan = load_plan(
-        find_file('launch file', 'fly', '.launch.yaml'),
-        build_launch_arguments(order, folder / 'bag'),
-    )
+    plan = FLY.build_plan(build_launch_arguments(order, folder / 'bag'))
     check_plan(plan)
     spare = find_viewers(plan)
     # Imported late: flights in one process do not need ROS
@@ -106,7 +103,7 @@ def build_launch_arguments(order: FlightRequest, bag: Path) -> dict[str, str]:
     named = control.gains if control else None
     return {
         'robot': ROBOT,
-        **({'gains': str(find_file('gains', named))} if named else {}),
+        **({'gains': named} if named else {}),
         'vehicle': order.vehicle,
         'scenario': order.scenario,
         'strategy': order.strategy,

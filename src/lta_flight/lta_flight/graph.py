@@ -6,12 +6,11 @@ from pathlib import Path
 
 from lta_flight.domain_lock import DomainLock
 from lta_flight.flight import is_refusal
-from lta_flight.preflight import parse_parameters
 from lta_flight.stall_monitor import StallMonitor
 from lta_flight.unflown_bag import remove_unflown_bags
 from lta_flight.viewers import find_viewers, report_live_views, require_free_live_ports
 from lta_graph.child_process import ProcessExit
-from lta_graph.launch_file import LaunchPlan
+from lta_graph.launch_plan import LaunchPlan
 from lta_graph.launcher import Launcher
 from lta_graph.process_watch import OnLine
 from lta_graph.ros.listener import DiagnosticsListener
@@ -75,7 +74,7 @@ def supervise_graph(plan: LaunchPlan, on_line: OnLine, say: Callable[[str], None
 def list_bags(plan: LaunchPlan) -> list[Path]:
     """Return the folders to which the recorders of a plan write."""
     values = [
-        parse_parameters(process.arguments)
+        process.parameters
         for process in plan.processes
         if (process.package, process.executable) == RECORDER
     ]

@@ -1,20 +1,19 @@
 """Check the nodes of a launch plan before any of them starts."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
-from itertools import pairwise
+from collections.abc import Mapping
 
 from lta_bridge.crazyflie.safety import LEAVE
 from lta_bridge.crazyflie.settings import CrazyflieBridgeSettings
 from lta_config.constants import AIR_DENSITY
 from lta_config.errors import BadInput
-from lta_config.files import parse_yaml, validate_content
+from lta_config.files import validate_content
 from lta_config.schema.crazyflie_file import find_crazyflie
 from lta_control.laws.onboard_law import check_onboard_law
 from lta_control.strategies import check_route, find_navigation_strategy
 from lta_flight.lamp_frequency import check_lamp_frequency
 from lta_flight.node_checks import check_node, validate_settings
-from lta_graph.launch_file import LaunchPlan
+from lta_graph.launch_plan import LaunchPlan
 from lta_model.scenario import load_scenario
 from lta_model.start_offset import offset_start
 from lta_model.vehicle import load_vehicle
@@ -25,7 +24,6 @@ OURS = 'lta_'
 CONTROLLER, DEMODULATOR, NAVIGATOR = 'controller', 'demodulator', 'navigator'
 BRIDGE = ('lta_bridge', 'crazyflie_bridge')
 LANDING = LEAVE + 5.0  # s to land and then to close the link
-FILE_OPTION = '--params-file'
 SEEDS = range(2**31)  # non-negative int32
 
 
@@ -46,12 +44,12 @@ def check_plan(plan: LaunchPlan) -> None:
     check_controllers(plan)
     for process in plan.processes:
         if process.package.startswith(OURS):
-            values = parse_parameters(process.arguments)
-            for parameters in split_by_robot(values):
+            for parameters in split_by_robot(process.parameters):
                 check_parameters(parameters, controls=process.executable == CONTROLLER)
             # A parameter file, which is not read here, may set others
-            if FILE_OPTION not in process.arguments:
-                check_node(process.executable, process.namespace.strip('/'), values)
+            if not process.parameter_file:
+                robot = process.namespace.strip('/')
+                check_node(process.executable, robot, process.parameters)
     check_names(plan)
     check_launched_demodulators(plan)
     check_landing_time(plan)
@@ -78,7 +76,7 @@ def check_landing_time(plan: LaunchPlan) -> None:
             )
             raise BadInput(
                 f'The node {plan.label(process)} has {setting}, but lands its drone for up to '
-                f'{LANDING:g} s after Ctrl-C; give it at least "sigterm_timeout: {LANDING:.1f}" '
+                f'{LANDING:g} s after Ctrl-C; give it at least sigterm_timeout={LANDING:.1f} '
                 'in the launch file.'
             )
 
@@ -94,9 +92,10 @@ def check_controllers(plan: LaunchPlan) -> None:
         # The controller would never be armed, and a take-off would end as a fault
         if (process.package, process.executable) != BRIDGE or process.namespace not in controllers:
             continue
-        if FILE_OPTION not in process.arguments:  # a parameter file is not read here
-            parameters = parse_parameters(process.arguments)
-            settings = validate_settings(CrazyflieBridgeSettings, process.executable, parameters)
+        if not process.parameter_file:  # which is not read here
+            settings = validate_settings(
+                CrazyflieBridgeSettings, process.executable, process.parameters
+            )
             name = load_vehicle(settings.vehicle).file.name
             file = find_crazyflie(settings.vehicle, name, settings.crazyflie)
             if (settings.command or file.command) == 'setpoint':
@@ -139,30 +138,24 @@ def check_parameters(values: Mapping[str, object], controls: bool) -> None:
 def check_launched_demodulators(plan: LaunchPlan) -> None:
     """Reject a scene whose lamp the demodulator of the same robot does not search for."""
     ours = {
-        (process.namespace, process.executable): process.arguments
+        (process.namespace, process.executable): process
         for process in plan.processes
         if process.package.startswith(OURS)
     }
-    for (namespace, executable), arguments in ours.items():
+    for (namespace, executable), process in ours.items():
         listener = ours.get((namespace, DEMODULATOR))
-        scenario = parse_parameters(arguments).get('scenario')
+        scenario = process.parameters.get('scenario')
         # Only a navigator with its own demodulator can be checked
         if executable != NAVIGATOR or listener is None or not isinstance(scenario, str):
             continue
-        if FILE_OPTION in listener:  # its settings are in a parameter file, which is not read here
+        if listener.parameter_file:  # its settings are in the file, which is not read here
             continue
-        own = parse_parameters(listener)
+        own = listener.parameters
         parameters = {name: own[name] for name in DemodulationSettings.model_fields if name in own}
         check_lamp_frequency(
             load_scenario(scenario),
             validate_content(DemodulationSettings, parameters, 'the settings of demodulator'),
         )
-
-
-def parse_parameters(arguments: Sequence[str]) -> dict[str, object]:
-    """Return the parameters that a command line sets one by one."""
-    rules = (rule.partition(':=') for word, rule in pairwise(arguments) if word == '-p')
-    return {name: parse_yaml(value, name) for name, _, value in rules}
 
 
 def split_by_robot(values: Mapping[str, object]) -> list[dict[str, object]]:

@@ -6,9 +6,7 @@ from lta_bridge.live.address import build_app_url, check_port_available, LOCAL, 
 from lta_config.command_line import relative_path
 from lta_config.errors import BadInput
 from lta_config.files import share_folder
-from lta_flight.preflight import FILE_OPTION, parse_parameters
-from lta_graph.launch_file import LaunchPlan
-from lta_graph.launch_node import LaunchProcess
+from lta_graph.launch_plan import LaunchPlan, LaunchProcess
 
 LIVE = ('lta_bridge', 'live')
 DESCRIPTION = ('lta_bridge', 'description')
@@ -21,11 +19,11 @@ def _is_live_view(process: LaunchProcess) -> bool:
 
 def _list_live_views(plan: LaunchPlan) -> list[tuple[LaunchProcess, object, object]]:
     """Return the live views with host and port, except those configured by a file."""
-    views = []
+    views: list[tuple[LaunchProcess, object, object]] = []
     for process in filter(_is_live_view, plan.processes):
-        parameters = parse_parameters(process.arguments)
+        parameters = process.parameters
         # A parameter file may set another port, which is not known here
-        if 'port' in parameters or FILE_OPTION not in process.arguments:
+        if 'port' in parameters or not process.parameter_file:
             views.append((process, parameters.get('host', LOCAL), parameters.get('port', PORT)))
     return views
 

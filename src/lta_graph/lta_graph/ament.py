@@ -54,11 +54,6 @@ def list_middlewares() -> list[str]:
     return [name for name in list_resources(MIDDLEWARES, 'rmw_') if name != 'rmw_implementation']
 
 
-def find_package_share(package: str) -> Path:
-    """Return the folder with a package's data."""
-    return find_package_prefix(package) / 'share' / package
-
-
 def find_executable(package: str, executable: str) -> Path:
     """
     Return the path of a package's executable, as `ros2 run` finds it.

@@ -13,7 +13,7 @@ from typing import final
 
 from lta_config.errors import BadInput
 from lta_graph.ament import find_executable, OURS
-from lta_graph.launch_node import LaunchProcess
+from lta_graph.launch_plan import LaunchProcess
 
 KEPT_LINES = 20  # last lines of each stream, for error messages
 PR_SET_PDEATHSIG = 1  # linux/prctl.h
@@ -32,7 +32,7 @@ class ProcessExit:
     # Last lines of output
     stdout: tuple[str, ...]
     stderr: tuple[str, ...]
-    ends_run: bool  # whether it ends the run (`on_exit: shutdown`)
+    ends_run: bool  # whether it ends the run (`on_exit_shutdown`)
     success: bool  # whether it is a planned end of the run, with status 0
     stopped: bool  # whether the launcher stopped it
 

@@ -24,8 +24,7 @@ from lta_graph.child_process import (
     spawn_process,
 )
 from lta_graph.interrupts import hold_interrupts
-from lta_graph.launch_file import LaunchPlan
-from lta_graph.launch_node import LaunchProcess
+from lta_graph.launch_plan import LaunchPlan, LaunchProcess
 from lta_graph.process_watch import OnLine, ProcessWatch
 from lta_graph.watchdog import ProcessGuard
 
@@ -102,7 +101,7 @@ class Launcher:
         """
         The exit that ended the run; None while it continues.
 
-        As under `ros2 launch`, this is the exit of an `on_exit: shutdown` process, or of the last
+        This is the exit of a process with `on_exit_shutdown`, or of the last
         process of all. `success` is whether it was planned.
         """
         unasked = [item for item in self.ended if not item.stopped]

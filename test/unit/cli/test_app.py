@@ -42,7 +42,7 @@ def test_an_empty_folder_is_refused(call):
 )
 def test_a_place_that_cannot_be_used_is_one_sentence(call, words):
     """A name that is too long; a folder that may not be entered ends so too, but not for root."""
-    status, said = call(*words, f'./{"long" * 80}.launch.yaml')
+    status, said = call(*words, f'./{"long" * 80}.launch.py')
     assert status == 2
     assert 'long' in said.err
     assert said.err.endswith('.\n')

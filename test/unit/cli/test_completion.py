@@ -100,7 +100,7 @@ def test_the_topics_are_those_of_the_bag(ask, bag):
     ('line', 'name', 'content'),
     [
         ('lta launch {} ', 'a.launch.py', b'text'),
-        ('lta launch {} ', 'a.launch.yaml', b'[1, 2]'),
+        ('lta launch {} ', 'a.launch.py', b'LAUNCH = 5'),
         ('lta bag plot {} ', 'a.mcap', b'\x89MCAP0\r\n' + b'\xff' * 60),
         ('lta vehicle set {} ', 'a.yaml', b'\xff'),
     ],

@@ -2,13 +2,18 @@
 
 from lta_bridge.crazyflie.safety import LEAVE
 from lta_cli.verbs import launch
-from lta_config.files import find_file
 from lta_flight import stall_monitor
 from lta_flight.domain_lock import format_holders
 from lta_flight.stall_monitor import FLIGHT, StallMonitor
 from lta_graph.health import HealthFact, HealthLevel
-from lta_graph.launch_file import load_plan
+from lta_graph.launches import FLY
 import pytest
+
+NOTHING = """
+from lta_config.settings import Settings
+from lta_graph.launch_table import Launch
+LAUNCH = Launch('none', Settings, lambda _: [])
+"""
 
 
 class Handed(Exception):
@@ -28,8 +33,8 @@ def handed(monkeypatch, tmp_path):
     monkeypatch.setattr(launch.os, 'execvp', execute)
     monkeypatch.setattr(launch.shutil, 'which', lambda name: f'/opt/ros/bin/{name}')
     monkeypatch.setattr(launch, 'run_graph', run)
-    path = tmp_path / 'none.launch.yaml'
-    path.write_text('launch: []\n')
+    path = tmp_path / 'none.launch.py'
+    path.write_text(NOTHING)
     return path
 
 
@@ -142,8 +147,7 @@ def test_faults_of_nodes_are_said_but_for_those_with_sentences_of_their_own():
 
 
 def test_a_real_drone_gets_the_time_to_land_and_the_recorder_sees_it():
-    path = find_file('launch file', 'fly', '.launch.yaml')
-    plan = load_plan(path, {'source': 'crazyflie'})
+    plan = FLY.build_plan({'source': 'crazyflie'})
     times = {item.name: item.sigterm_timeout for item in plan.processes}
     # It lands, then the keeper of its link has 5 s to close it.
     assert min(times.pop('crazyflie_bridge'), times.pop('recorder')) > LEAVE + 5.0

@@ -5,42 +5,40 @@ from dataclasses import replace
 from lta_config.errors import BadInput
 from lta_config.files import find_file, list_shipped_names
 from lta_control.strategies import STRATEGIES
-from lta_flight.preflight import check_plan, parse_parameters
-from lta_graph.launch_file import LaunchPlan, load_plan
-from lta_graph.launch_node import LaunchProcess
+from lta_flight.preflight import check_plan
+from lta_graph.launch_plan import LaunchPlan, LaunchProcess
+from lta_graph.launches import EMULATED, FLY, PAIR
 import pytest
 
 
-def plan(*words, package='lta_sim'):
-    arguments = ['--ros-args', *(part for word in words for part in ('-p', word))]
-    return LaunchPlan((LaunchProcess(package, 'node', 'node', '/', tuple(arguments), False),))
+def plan(package='lta_sim', **parameters):
+    return LaunchPlan((LaunchProcess(package, 'node', 'node', parameters=parameters),))
 
 
 @pytest.mark.parametrize(
-    ('word', 'sentence'),
+    ('parameters', 'sentence'),
     [
         (
-            'vehicle:="nope"',
+            {'vehicle': 'nope'},
             f"Unknown vehicle 'nope'; known: {', '.join(list_shipped_names('vehicles'))}.",
         ),
         (
-            'scenario:="moon"',
+            {'scenario': 'moon'},
             f"Unknown scenario 'moon'; known: {', '.join(list_shipped_names('scenarios'))}.",
         ),
-        ('strategy:="luck"', f"Unknown strategy 'luck'; known: {', '.join(STRATEGIES)}."),
-        ('seed:=-1', 'The seed is -1, but must be a whole number from 0 to 2147483647.'),
-        ('seed:="1"', 'The seed is 1, but must be a whole number from 0 to 2147483647.'),
-        ('seed:=true', 'The seed is True, but must be a whole number from 0 to 2147483647.'),
+        ({'strategy': 'luck'}, f"Unknown strategy 'luck'; known: {', '.join(STRATEGIES)}."),
+        ({'seed': -1}, 'The seed is -1, but must be a whole number from 0 to 2147483647.'),
+        ({'seed': '1'}, 'The seed is 1, but must be a whole number from 0 to 2147483647.'),
+        ({'seed': True}, 'The seed is True, but must be a whole number from 0 to 2147483647.'),
     ],
 )
-def test_what_a_node_would_refuse_is_refused_before(word, sentence):
+def test_what_a_node_would_refuse_is_refused_before(parameters, sentence):
     with pytest.raises(BadInput) as caught:
-        check_plan(plan(word))
+        check_plan(plan(**parameters))
     assert str(caught.value) == sentence
-    check_plan(plan(word, package='their_sim'))
+    check_plan(plan('their_sim', **parameters))
 
 
-FLY = find_file('launch file', 'fly', '.launch.yaml')
 REPLAY = {'source': 'replay'}
 REAL = {'source': 'crazyflie', 'robot': 'lta1'}
 
@@ -107,7 +105,7 @@ def test_a_bag_or_a_device_is_refused_before(words, sentence, tmp_path, monkeypa
     (tmp_path / 'file').touch()
     given = {name: value.replace('{}', str(tmp_path)) for name, value in words.items()}
     with pytest.raises(BadInput) as caught:
-        check_plan(load_plan(FLY, {'bag': str(tmp_path / 'bag'), **given}))
+        check_plan(FLY.build_plan({'bag': str(tmp_path / 'bag'), **given}))
     assert str(caught.value) == sentence.replace('{}', str(tmp_path))
     assert [path.name for path in tmp_path.iterdir()] == ['file']
 
@@ -115,33 +113,31 @@ def test_a_bag_or_a_device_is_refused_before(words, sentence, tmp_path, monkeypa
 def test_a_topic_that_no_bag_can_have_is_refused_before(tmp_path):
     given = {'bag': str(tmp_path / 'bag'), 'topics': 'odom nonsense'}
     with pytest.raises(BadInput, match=r"^Unknown topic 'nonsense'; known: /clock, "):
-        check_plan(load_plan(FLY, given))
+        check_plan(FLY.build_plan(given))
 
 
 def test_a_board_that_is_awaited_and_a_joystick_of_another_machine_need_not_be_there(tmp_path):
     waiting = {'light_board': 'true', 'light_port': '/dev/none', 'light_patience': '60.0'}
     listening = {'light_board': 'true', 'light_port': 'udp://127.0.0.1:5'}
     for words in (waiting, listening, {'teleop': 'true', 'teleop_device': 'joy'}):
-        check_plan(load_plan(FLY, {**REAL, 'bag': str(tmp_path / 'bag'), **words}))
+        check_plan(FLY.build_plan({**REAL, 'bag': str(tmp_path / 'bag'), **words}))
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_good_plan_passes():
-    check_plan(plan('vehicle:="gtmab"', 'scenario:="lamp_room"', 'strategy:="bag"', 'seed:=0'))
+    check_plan(plan(vehicle='gtmab', scenario='lamp_room', strategy='bag', seed=0))
 
 
 @pytest.mark.parametrize(
     ('seconds', 'found'), [(None, 'no sigterm_timeout'), (8.0, 'a sigterm_timeout of 8 s')]
 )
 def test_a_bridge_that_would_be_stopped_before_it_lands_its_drone_is_refused(seconds, found):
-    bridge = LaunchProcess('lta_bridge', 'crazyflie_bridge', 'bridge', '/', (), True)
+    bridge = LaunchProcess('lta_bridge', 'crazyflie_bridge', 'bridge')
     with pytest.raises(BadInput, match=f'^The node bridge has {found}, but lands .* 20 s after'):
         check_plan(LaunchPlan((replace(bridge, sigterm_timeout=seconds),)))
     check_plan(LaunchPlan((replace(bridge, sigterm_timeout=20.0),)))
-    for name in ('fly', 'emulated'):
-        path = find_file('launch file', name, '.launch.yaml')
-        given = {'source': 'crazyflie'} if name == 'fly' else {}
-        check_plan(load_plan(path, given))
+    check_plan(FLY.build_plan({'source': 'crazyflie'}))
+    check_plan(EMULATED.build_plan({}))
 
 
 def test_two_controllers_of_one_drone_are_refused(tmp_path):
@@ -153,18 +149,18 @@ def test_two_controllers_of_one_drone_are_refused(tmp_path):
     mine = {**REAL, 'vehicle': str(tmp_path / 'mine.yaml'), 'bag': str(tmp_path / 'bag')}
     for name, words in (('gtmab', mine), ('multirotor', {**mine, 'vehicle': 'multirotor'})):
         with pytest.raises(BadInput) as caught:
-            check_plan(load_plan(FLY, words))
+            check_plan(FLY.build_plan(words))
         assert str(caught.value) == (
             f'The Crazyflie of {name} is commanded by setpoints, which its own firmware follows, '
             'but controller is to start too; add command:=setpoint or controller:=false.'
         )
         for way_out in ({'command': 'setpoint'}, {'controller': 'false'}):
-            check_plan(load_plan(FLY, words | way_out))
+            check_plan(FLY.build_plan(words | way_out))
     # Duties on request, and a drone that only exists in the simulator
-    check_plan(load_plan(FLY, mine | {'command': 'motors'}))
-    check_plan(load_plan(FLY, mine | {'source': 'sim'}))
+    check_plan(FLY.build_plan(mine | {'command': 'motors'}))
+    check_plan(FLY.build_plan(mine | {'source': 'sim'}))
     beside.write_text(text)
-    check_plan(load_plan(FLY, mine))
+    check_plan(FLY.build_plan(mine))
 
 
 @pytest.mark.parametrize(
@@ -177,9 +173,9 @@ def test_two_controllers_of_one_drone_are_refused(tmp_path):
     ],
 )
 def test_only_a_simulated_drone_starts_armed(words, armed):
-    processes = load_plan(FLY, words).processes
+    processes = FLY.build_plan(words).processes
     (controller,) = [each for each in processes if each.executable == 'controller']
-    assert parse_parameters(controller.arguments)['armed'] is armed
+    assert controller.parameters['armed'] is armed
 
 
 @pytest.fixture
@@ -190,24 +186,24 @@ def other(tmp_path):
     return path
 
 
-@pytest.mark.parametrize('name', ['fly', 'pair'])
-def test_a_lamp_that_nobody_listens_for_is_refused_for_every_drone(name, other):
-    path = find_file('launch file', name, '.launch.yaml')
-    check_plan(load_plan(path, {}))
+@pytest.mark.parametrize('launch', [FLY, PAIR], ids=['fly', 'pair'])
+def test_a_lamp_that_nobody_listens_for_is_refused_for_every_drone(launch, other):
+    check_plan(launch.build_plan({}))
     with pytest.raises(BadInput, match='flickers at 230 Hz, but the demodulator listens at 150'):
-        check_plan(load_plan(path, {'scenario': str(other)}))
+        check_plan(launch.build_plan({'scenario': str(other)}))
 
 
 def test_a_demodulator_that_is_set_to_the_lamp_hears_it(other):
-    navigator = ('--ros-args', '-p', f'scenario:="{other}"')
+    navigator = LaunchProcess(
+        'lta_control', 'navigator', 'navigator', '/a', parameters={'scenario': str(other)}
+    )
     for own, heard in [
-        (('-p', 'frequency:=230.0'), True), (('--params-file', 'own.yaml'), True), ((), False),
-    ]:  # fmt: skip
-        plan = LaunchPlan((
-            LaunchProcess('lta_control', 'navigator', 'navigator', '/a', navigator, False),
-            LaunchProcess('lta_vlc', 'demodulator', 'demodulator', '/a',
-                          ('--ros-args', *own), False),
-        ))  # fmt: skip
+        ({'parameters': {'frequency': 230.0}}, True),
+        ({'parameter_file': 'own.yaml'}, True),
+        ({}, False),
+    ]:
+        listener = LaunchProcess('lta_vlc', 'demodulator', 'demodulator', '/a', **own)
+        plan = LaunchPlan((navigator, listener))
         if heard:
             check_plan(plan)
             continue
@@ -216,8 +212,7 @@ def test_a_demodulator_that_is_set_to_the_lamp_hears_it(other):
 
 
 def test_two_nodes_of_one_name_are_refused():
-    pair = find_file('launch file', 'pair', '.launch.yaml')
-    check_plan(load_plan(pair, {}))
+    check_plan(PAIR.build_plan({}))
     with pytest.raises(BadInput) as caught:
-        check_plan(load_plan(pair, {'robot2': 'lta1'}))
+        check_plan(PAIR.build_plan({'robot2': 'lta1'}))
     assert str(caught.value).startswith("2 nodes have the name '/lta1/simulator'; give each robot")

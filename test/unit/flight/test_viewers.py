@@ -1,19 +1,20 @@
 """Who only looks at a graph, where people can look on, and `lta fly --live`."""
 
+from dataclasses import replace
+
 from lta_cli.verbs import fly as verb
 from lta_config.errors import BadInput
 from lta_flight.viewers import find_viewers, report_live_views, require_free_live_ports
-from lta_graph.launch_file import LaunchPlan
-from lta_graph.launch_node import LaunchProcess
+from lta_graph.launch_plan import LaunchPlan, LaunchProcess
 import pytest
 
 
-def plan(port='8765', namespaces=('/lta1',)):
+def plan(port=8765, namespaces=('/lta1',)):
     """Return a plan with a recorder and a live view in each namespace."""
-    words = ('--ros-args', '-p', "host:='127.0.0.1'", '-p', f'port:={port}')
+    parameters = {'host': '127.0.0.1', 'port': port}
     return LaunchPlan(
         tuple(
-            LaunchProcess('lta_bridge', name, name, namespace, words, False)
+            LaunchProcess('lta_bridge', name, name, namespace, parameters=parameters)
             for namespace in namespaces
             for name in ('recorder', 'live')
         )
@@ -24,13 +25,13 @@ def test_the_live_view_and_the_description_serve_viewers_only():
     assert find_viewers(plan()) == {'live'}
     assert find_viewers(plan(namespaces=('/a', '/b'))) == {'a/live', 'b/live'}
     assert find_viewers(LaunchPlan(plan().processes[:1])) == frozenset()
-    describing = LaunchProcess('lta_bridge', 'description', 'description', '/lta1', (), False)
+    describing = LaunchProcess('lta_bridge', 'description', 'description', '/lta1')
     assert find_viewers(LaunchPlan((describing,))) == {'description'}
 
 
 def test_people_are_told_where_to_look():
     said = []
-    report_live_views(plan('9000'), said.append)
+    report_live_views(plan(9000), said.append)
     live, layout = said
     assert 'https://app.foxglove.dev/?ds=foxglove-websocket&ds.url=ws://localhost:9000 ' in live
     assert 'foxglove/lta.json ' in layout
@@ -39,22 +40,19 @@ def test_people_are_told_where_to_look():
 
 
 def test_a_view_of_another_s_launch_file_may_keep_its_defaults_or_have_them_in_a_file():
-    alone, filed = (
-        LaunchProcess('lta_bridge', 'live', 'live', f'/{name}', ('--ros-args', *words), False)
-        for name, words in (('a', ()), ('b', ('--params-file', 'live.yaml')))
-    )
+    alone = LaunchProcess('lta_bridge', 'live', 'live', '/a')
+    filed = LaunchProcess('lta_bridge', 'live', 'live', '/b', parameter_file='live.yaml')
     said = []
     report_live_views(LaunchPlan((alone, filed)), said.append)
     assert 'ws://localhost:8765 ' in said[0]
     assert len(said) == 2
     require_free_live_ports(LaunchPlan((filed, filed)))
-    words = ('--ros-args', '--params-file', 'live.yaml', '-p', 'port:=9000')
-    told = LaunchProcess('lta_bridge', 'live', 'live', '/b', words, False)
+    told = replace(filed, parameters={'port': 9000})
     with pytest.raises(BadInput, match='Two live views were given port 9000'):
         require_free_live_ports(LaunchPlan((told, told)))
 
 
-@pytest.mark.parametrize('port', ['0', '65536', "'8765'", '80.5', 'true'])
+@pytest.mark.parametrize('port', [0, 65536, '8765', 80.5, True])
 def test_what_is_no_port_is_refused(port):
     with pytest.raises(BadInput, match='whole number from 1 to 65535'):
         require_free_live_ports(plan(port))
@@ -90,7 +88,7 @@ def test_of_several_views_each_has_its_own_port_and_says_whose_it_is():
     with pytest.raises(BadInput, match='Two live views were given port 8765; give each a port'):
         require_free_live_ports(plan(namespaces=('/a', '/b')))
     said = []
-    report_live_views(LaunchPlan(on('9000', '/a') + on('9001', '/b')), said.append)
+    report_live_views(LaunchPlan(on(9000, '/a') + on(9001, '/b')), said.append)
     first, second, layout = said
     assert ':9000  (a; open it in a browser, or' in first
     assert ':9001  (b; open it in a browser, or' in second

@@ -5,7 +5,7 @@ from pathlib import Path
 import signal
 
 from lta_config.errors import BadInput
-from lta_graph.launch_file import LaunchPlan, LaunchProcess
+from lta_graph.launch_plan import LaunchPlan, LaunchProcess
 from lta_graph.launcher import Launcher
 import pytest
 from waiting import PATIENCE
@@ -133,11 +133,14 @@ def test_a_process_gets_its_arguments_and_environment(fleet):
         'import os, sys\nprint(sys.argv[1:], os.environ["PYTHONUNBUFFERED"],\n'
         '      os.environ["OPENBLAS_NUM_THREADS"], os.getsid(0) == os.getpid(),\n'
         '      os.getpgid(0) == os.getpid(), sys.stdin.read() == "")',
-        args=('--ros-args', '-p', 'text:="a b"'),
+        args=('--word', 'a b'),
+        parameters={'text': 'a b'},
+        namespace='/r1',
     )
     with fleet.launcher() as launcher:
         run_to_end(launcher)
-    shown = "['--ros-args', '-p', 'text:=\"a b\"'] 1 1 True True True"
+    ros = "'--ros-args', '-r', '__node:=show', '-r', '__ns:=/r1', '-p', 'text:=\"a b\"'"
+    shown = f"['--word', 'a b', {ros}] 1 1 True True True"
     assert fleet.lines == [('show', shown)]
 
 
@@ -153,7 +156,7 @@ def test_what_cannot_be_executed_starts_nothing(fleet):
     (fleet.folder / 'bad').chmod(0o644)
     with pytest.raises(BadInput, match=r"^Unknown executable of fleet 'bad'; known: good\.$"):
         fleet.launcher().start()
-    fleet.processes = [LaunchProcess('nowhere', 'x', 'x', '/', (), False)]
+    fleet.processes = [LaunchProcess('nowhere', 'x', 'x')]
     with pytest.raises(
         BadInput,
         match=r"^(Unknown package 'nowhere'; known: lta_|The package 'nowhere' is not in .*build)",

@@ -5,7 +5,7 @@ from queue import Empty
 import signal
 from types import SimpleNamespace
 
-from lta_graph.launch_file import LaunchPlan
+from lta_graph.launch_plan import LaunchPlan
 from lta_graph.launcher import Launcher
 import pytest
 

@@ -16,11 +16,11 @@ from .tiny_processes import fleet as fleet
 
 LAUNCH = """
 import os, signal, sys
-from lta_graph.launch_file import LaunchPlan, LaunchProcess
+from lta_graph.launch_plan import LaunchPlan, LaunchProcess
 from lta_graph import launcher
 
 grace, launcher.TERM_GRACE, last = map(float, sys.argv[1:4])
-plan = LaunchPlan(tuple(LaunchProcess('fleet', n, n, '/', (), True) for n in sys.argv[4:]))
+plan = LaunchPlan(tuple(LaunchProcess('fleet', n, n) for n in sys.argv[4:]))
 def say(*words):  # one write a line: two threads speak here
     os.write(1, (' '.join(words) + '\\n').encode())
 spawned, spawn = [], launcher.spawn_process

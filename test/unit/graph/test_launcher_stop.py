@@ -6,7 +6,7 @@ import threading
 import time
 
 from lta_graph.child_process import ChildProcess
-from lta_graph.launch_file import LaunchPlan
+from lta_graph.launch_plan import LaunchPlan
 from lta_graph.launcher import GRACE, Launcher, PERIOD, TERM_GRACE
 import pytest
 from waiting import PATIENCE, wait_until

@@ -6,7 +6,7 @@ from pathlib import Path
 import signal
 import sys
 
-from lta_graph.launch_file import LaunchPlan, LaunchProcess
+from lta_graph.launch_plan import LaunchPlan, LaunchProcess
 from lta_graph.launcher import Launcher
 import pytest
 from waiting import PATIENCE, wait_until
@@ -56,7 +56,7 @@ class Fleet:
         path = self.folder / name
         path.write_text(f'#!{sys.executable} -IS\n{code}', encoding='utf-8')
         path.chmod(0o755)
-        process = LaunchProcess('fleet', name, name, '/', args, on_exit_shutdown=True)
+        process = LaunchProcess('fleet', name, name, words=args, planned=True)
         self.processes.append(replace(process, **more))
 
     def launcher(self, grace: float = PATIENCE) -> Launcher:

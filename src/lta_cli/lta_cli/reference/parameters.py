@@ -1,4 +1,4 @@
-"""Generate the page of all node parameters from the models that declare them."""
+"""Generate the page of all node parameters and launch arguments from their models."""
 
 from collections.abc import Iterator
 from importlib import import_module, resources
@@ -6,6 +6,7 @@ import pkgutil
 from typing import Any
 
 from lta_config.settings import format_bounds
+from lta_graph.launches import FLY
 from lta_graph.ros.help.declarations import find_settings_models, parse_module
 from lta_graph.ros.help.node_help import format_default
 from lta_graph.ros.node import GraphSettings
@@ -26,12 +27,13 @@ These are ROS parameters: `./lta run PACKAGE NODE --ros-args -p name:=value`, a 
 `ros2 param set` with an installed ROS 2. A value of a wrong type or outside the bounds is
 rejected with an error message. *Fixed* parameters can only be set at start. `lta simulate --set`
 accepts those of estimator, demodulator, navigator (`mission`) and energy monitor. Gains of a
-vehicle are files in `config/control`.
+vehicle are files in `config/control`. The [launch arguments](#lta-launch-fly) set many of them:
+`./lta launch fly seed:=2`.
 """
 
 
 def render_page() -> str:
-    """Return the page: the common parameters, then a section for each node."""
+    """Return the page: the common parameters, a section for each node, and the launch."""
     tables = [
         format_model_section(
             'Every node', GraphSettings, 'Parameters that all ROS nodes of LTA have.'
@@ -41,6 +43,8 @@ def render_page() -> str:
         format_model_section(f'{package} {node}', model)
         for package, node, model in iterate_settings_models()
     ]
+    about = 'Arguments as `NAME:=VALUE`. `--show-args` lists those of `pair` and `emulated`.'
+    tables.append(format_model_section('lta launch fly', FLY.arguments, about))
     return HEAD + ''.join(tables)
 
 

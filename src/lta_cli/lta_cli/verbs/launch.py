@@ -19,12 +19,12 @@ from lta_flight.flight_run import EXIT_STATUSES
 from lta_flight.graph import list_bags, run_graph
 from lta_flight.preflight import check_plan
 from lta_flight.report.page import write_page
-from lta_graph.launch_file import LaunchPlan, list_arguments, load_plan, parse_arguments
+from lta_graph.launch_plan import LaunchPlan
+from lta_graph.launch_table import find_launch, Launch, parse_arguments, SUFFIX
 from lta_report.results_folder import format_page_line
 from rich.table import Table
 import typer
 
-SUFFIX = '.launch.yaml'
 WHEELS = 'wheels'  # tools/workspace.sh: the underlay is pip wheels, without a ros2 command
 
 
@@ -32,7 +32,7 @@ def launch(
     file: Annotated[
         str,
         typer.Argument(
-            help='Launch file (*.launch.yaml), or the name fly, pair or emulated for a shipped '
+            help='Launch file (./*.launch.py), or the name fly, pair or emulated for a shipped '
             'file.'
         ),
     ],
@@ -44,11 +44,10 @@ def launch(
     ] = False,
 ) -> None:
     """
-    Start a graph from a ROS 2 YAML launch file and monitor it.
+    Start a graph from a launch file and monitor it.
 
-    Reports nodes that exit or hang. If an essential node (on_exit: shutdown) exits unexpectedly,
-    all others are stopped. Only the part of ROS 2's launch format that the files of LTA use is
-    supported. With an installed ROS 2 (ros2 run lta_cli lta launch ...) this runs the real
+    Reports nodes that exit or hang. If an essential node exits unexpectedly, all others are
+    stopped. With an installed ROS 2 (ros2 run lta_cli lta launch ...) this runs the real
     "ros2 launch", which has its own exit status; ./lta never does. Without bag:=FOLDER, the bag is
     runs/bag, or runs/bag-2, runs/bag-3 ... where there is one.
 
@@ -58,16 +57,16 @@ def launch(
 
     Example: lta launch fly seed:=2 time:=lockstep bag:=/tmp/flight
     """
-    path = find_file('launch file', file, SUFFIX)
+    chosen = find_launch(file)
     if show_args:
-        print_arguments(path)
+        print_arguments(chosen)
         return
     pairs = parse_arguments(arguments or [])
     # Validate the arguments first, also for the real ros2 launch
-    plan = load_plan(path, pairs)
-    if bag := reserve_bag(path, pairs, plan):
+    plan = chosen.build_plan(pairs)
+    if bag := reserve_bag(chosen, pairs, plan):
         pairs |= bag
-        plan = load_plan(path, pairs)
+        plan = chosen.build_plan(pairs)
     check_plan(plan)
     # Another environment may have a ros2 command that does not belong to the wheels
     # `ros2 launch` gives every node a process of its own
@@ -75,6 +74,7 @@ def launch(
     if alone and os.environ.get('LTA_UNDERLAY') != WHEELS and shutil.which('ros2'):
         # Replaces this process, so signals and the exit status are those of ros2 launch
         words = [f'{name}:={value}' for name, value in pairs.items()]
+        path = find_file('launch file', file, SUFFIX)
         os.execvp('ros2', ['ros2', 'launch', str(path), *words])
     outcomes: list[str] = []  # of the simulated flights
 
@@ -95,9 +95,9 @@ def launch(
         raise typer.Exit(status)
 
 
-def reserve_bag(path: Path, pairs: Mapping[str, str], plan: LaunchPlan) -> dict[str, str]:
+def reserve_bag(chosen: Launch, pairs: Mapping[str, str], plan: LaunchPlan) -> dict[str, str]:
     """Return the argument `bag` with a new folder where the plan records into the default one."""
-    default = next((each.default for each in list_arguments(path) if each.name == 'bag'), None)
+    default = next((each.default for each in chosen.list_arguments() if each.name == 'bag'), None)
     if 'bag' in pairs or default is None or Path(default) not in list_bags(plan):
         return {}
     return {'bag': str(reserve_folder(Path(default)))}
@@ -134,10 +134,9 @@ def print_node_line(node: str, line: str) -> None:
     sys.stdout.write(f'[{node}] {text}\n')
 
 
-def print_arguments(path: Path) -> None:
-    """Print the arguments of a launch file as a table."""
-    table = Table('argument', 'default', 'choices', 'meaning', title=path.name)
-    for item in list_arguments(path):
-        default = 'required' if item.default is None else item.default
-        table.add_row(item.name, default, ' '.join(item.choices), item.description)
+def print_arguments(chosen: Launch) -> None:
+    """Print the arguments of a launch as a table."""
+    table = Table('argument', 'default', 'choices', 'meaning', title=chosen.name)
+    for item in chosen.list_arguments():
+        table.add_row(item.name, item.default, ' '.join(item.choices), item.description)
     plain_console().print(table)

@@ -22,8 +22,8 @@ from lta_data.recorded_choices import (
     read_recorded_file,
     read_recorded_settings,
 )
-from lta_graph.launch_file import LaunchPlan, load_plan
-from lta_graph.launch_node import format_ros_yaml, LaunchProcess
+from lta_graph.launch_plan import LaunchPlan
+from lta_graph.launches import FLY
 from lta_model.vehicle import load_vehicle
 import yaml
 
@@ -113,7 +113,7 @@ def check_request(order: ReplayRequest, flight: RecordedFlight) -> None:
 
 def build_launch_plan(order: ReplayRequest, flight: RecordedFlight, folder: Path) -> LaunchPlan:
     """
-    Return the processes of a replay: player and nodes, as in `fly.launch.yaml`.
+    Return the processes of a replay: player and nodes, as in the launch `fly`.
 
     `flight`: the recording. `folder`: results folder; files from the recording are extracted to
     it.
@@ -133,11 +133,11 @@ def build_launch_plan(order: ReplayRequest, flight: RecordedFlight, folder: Path
     for settings in (recorded, order.settings):
         changed |= {node: {**changed.get(node, {}), **own} for node, own in settings.items()}
     arguments = build_launch_arguments(order, flight, folder)
-    plan = load_plan(find_file('launch file', 'fly', '.launch.yaml'), arguments)
+    plan = FLY.build_plan(arguments)
     roles = ('player', *selection.nodes)
     return LaunchPlan(
         tuple(
-            with_parameters(process, changed.get(process.name, {}))
+            replace(process, parameters={**process.parameters, **changed.get(process.name, {})})
             for process in plan.processes
             if process.name in roles
         )
@@ -147,7 +147,7 @@ def build_launch_plan(order: ReplayRequest, flight: RecordedFlight, folder: Path
 def build_launch_arguments(
     order: ReplayRequest, flight: RecordedFlight, folder: Path
 ) -> dict[str, str]:
-    """Return a replay as arguments of `fly.launch.yaml`; extract files to the folder."""
+    """Return a replay as arguments of the launch `fly`; extract files to the folder."""
     provenance = flight.provenance
     return {
         'robot': flight.robot or ROBOT,
@@ -160,17 +160,6 @@ def build_launch_arguments(
         'strategy': select_strategy(order, provenance),
         **select_files(order, provenance, folder),
     }
-
-
-def with_parameters(process: LaunchProcess, parameters: Mapping[str, Any]) -> LaunchProcess:
-    """Return a process with more parameters; later ones override earlier ones."""
-    # Later -p options override earlier ones in ROS
-    words = [
-        word
-        for name, value in parameters.items()
-        for word in ('-p', f'{name}:={format_ros_yaml(value)}')
-    ]
-    return replace(process, arguments=(*process.arguments, *words))
 
 
 def select_files(

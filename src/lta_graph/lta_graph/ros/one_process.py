@@ -21,11 +21,11 @@ import traceback
 from typing import Final, final
 
 from lta_config.errors import BadInput
-from lta_config.files import find_file, share_folder
+from lta_config.files import share_folder
 from lta_graph.health import ENDS_RUN, HealthLevel
 from lta_graph.interrupts import catch_stops
-from lta_graph.launch_file import load_plan, ONE, parse_arguments
-from lta_graph.launch_node import LaunchProcess
+from lta_graph.launch_plan import LaunchProcess
+from lta_graph.launch_table import find_launch, parse_arguments
 from lta_graph.reach import PROFILE
 from lta_graph.ros.command_line import initialize_ros, reject_unknown_parameters
 from lta_graph.ros.contained_node import give_arguments
@@ -58,7 +58,7 @@ class RunningNode:
 USAGE = """Usage: ros2 run lta_graph one_process FILE [NAME:=VALUE] ...
 
 Run the nodes of a launch file that share a process, such as one_process fly seed:=2. The arguments
-are those of the launch file: ros2 launch lta_config fly.launch.yaml --show-args.
+are those of the launch file: ros2 launch lta_config fly.launch.py --show-args.
 """
 
 
@@ -80,11 +80,11 @@ def run_launch_file(words: Sequence[str], teardown: ExitStack) -> int:
     program, *arguments = words
     if not arguments:
         raise BadInput('Give a launch file, such as fly, and its arguments as NAME:=VALUE.')
-    path = find_file('launch file', arguments[0], '.launch.yaml')
-    plan = load_plan(path, {**parse_arguments(arguments[1:]), 'processes': ONE})
+    launch = find_launch(arguments[0])
+    plan = launch.build_plan({**parse_arguments(arguments[1:]), 'processes': 'one'})
     shared = [process for process in plan.processes if process.shared]
     if not shared:
-        raise BadInput(f'{path} starts no node that can share a process; use lta launch.')
+        raise BadInput(f'{launch.name} starts no node that can share a process; use lta launch.')
     return run_nodes(shared, program, teardown)
 
 

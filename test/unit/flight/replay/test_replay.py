@@ -9,7 +9,7 @@ from types import SimpleNamespace
 
 from lta_bridge.playback.node_selection import list_replayable_roles
 from lta_config.errors import BadInput
-from lta_config.files import find_file, parse_yaml
+from lta_config.files import find_file
 from lta_config.topics import load_topic_table
 from lta_flight.replay.comparison import (
     channel_tolerance,
@@ -202,20 +202,11 @@ def test_nodes_are_those_of_the_graph():
         parse_nodes(',')
 
 
-def given_to(process):
-    """Return the parameters on a process's command line; the last of a name counts."""
-    words = [word.partition(':=') for word in process.arguments]
-    return {
-        name: parse_yaml(value, name) for name, mark, value in words if mark and name[0] != '_'
-    }
-
-
 def flight(**told):
     topics = ['photodiodes', 'odom', 'energy/reserve', 'imu']
     return SimpleNamespace(provenance=told, robot='lta2', topics=topics)
 
 
-@pytest.mark.usefixtures('installed')
 def test_a_replay_starts_the_player_and_the_nodes_with_what_the_bag_carries(tmp_path):
     text = find_file('vehicle', 'gtmab').read_text(encoding='utf-8')
     gains = find_file('gains', 'gtmab').read_text(encoding='utf-8')
@@ -223,7 +214,7 @@ def test_a_replay_starts_the_player_and_the_nodes_with_what_the_bag_carries(tmp_
     settings = {'navigator': {'speed': 0.3}}
     order = ReplayRequest(tmp_path / 'bag', ('navigator', 'controller'), settings)
     plan = build_launch_plan(order, flight(**told), tmp_path)
-    by_name = {process.name: given_to(process) for process in plan.processes}
+    by_name = {process.name: process.parameters for process in plan.processes}
     assert list(by_name) == ['player', 'controller', 'navigator']
     assert plan.namespaces == ['lta2']
     player = by_name['player']
@@ -236,17 +227,15 @@ def test_a_replay_starts_the_player_and_the_nodes_with_what_the_bag_carries(tmp_
     carried = Path(by_name['controller']['vehicle'])
     assert yaml.safe_load(carried.read_text(encoding='utf-8')) == yaml.safe_load(text)
     assert load_vehicle(str(carried)).rotor_names == load_vehicle('gtmab').rotor_names
-    words = next(p.arguments for p in plan.processes if p.name == 'controller')
-    passed = Path(words[words.index('--params-file') + 1])
+    passed = Path(next(p.parameter_file for p in plan.processes if p.name == 'controller'))
     assert yaml.safe_load(passed.read_text(encoding='utf-8')) == yaml.safe_load(gains)
 
 
-@pytest.mark.usefixtures('installed')
 def test_what_is_asked_for_replaces_what_the_bag_carries(tmp_path):
     told = {'vehicle_file': 'none of it is read', 'gains_file': 'neither is this'}
     order = ReplayRequest(tmp_path, ('controller',), vehicle='gtmab', gains='gtmab', rate=2)
     plan = build_launch_plan(order, flight(**told), tmp_path)
-    by_name = {process.name: given_to(process) for process in plan.processes}
+    by_name = {process.name: process.parameters for process in plan.processes}
     assert by_name['controller']['vehicle'] == 'gtmab'
     assert (by_name['player']['time'], by_name['player']['rate']) == ('realtime', 2.0)
     assert order.changes == ['vehicle gtmab', 'gains gtmab']

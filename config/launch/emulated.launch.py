@@ -1,0 +1,17 @@
+"""
+The graph of a real drone on emulated hardware; `lta call crazyflie_bridge/arm true` flies.
+
+ros2 launch lta_config emulated.launch.py vehicle:=multirotor  where ROS 2 Jazzy is installed
+lta launch emulated vehicle:=multirotor  where it is not
+"""
+
+from lta_graph.launches import EMULATED
+
+LAUNCH = EMULATED
+
+
+def generate_launch_description() -> object:
+    """Return the launch for `ros2 launch`; the package launch is only where that is."""
+    from lta_graph.ros.launch_description import describe_launch
+
+    return describe_launch(LAUNCH)

@@ -1,0 +1,17 @@
+"""
+One flight of a drone.
+
+ros2 launch lta_config fly.launch.py seed:=2  where ROS 2 Jazzy is installed
+lta launch fly seed:=2  where it is not
+"""
+
+from lta_graph.launches import FLY
+
+LAUNCH = FLY
+
+
+def generate_launch_description() -> object:
+    """Return the launch for `ros2 launch`; the package launch is only where that is."""
+    from lta_graph.ros.launch_description import describe_launch
+
+    return describe_launch(LAUNCH)

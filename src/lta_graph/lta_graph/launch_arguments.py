@@ -1,0 +1,225 @@
+"""Arguments of the shipped launches, for `lta launch`, `ros2 launch` and the generated page."""
+
+from typing import Literal
+
+from lta_config.files import find_file
+from lta_config.settings import setting, Settings
+
+
+class GraphArguments(Settings):
+    """Arguments of every launch."""
+
+    scenario: str = setting('lamp_room', 'Scenario: a shipped name, or the path of a file.')
+    processes: Literal['many', 'one'] = setting(
+        'many',
+        'Whether every node has a process of its own (many), or all nodes share one that needs '
+        'less computing (one); nodes that drive a device, and the live view, keep their own.',
+    )
+    record: bool = setting(True, 'Whether to record a bag.')
+    bag: str = setting('runs/bag', 'Folder of the bag; it must not exist yet.')
+    topics: str = setting(
+        '',
+        'Topics to record, separated by spaces, or all. Empty: those that topics.yaml marks.',
+    )
+    split_size: float = setting(
+        0.0, 'Size in MB at which the next file of the bag begins; 0: never.'
+    )
+    split_duration: float = setting(
+        0.0, 'Seconds of flight after which the next file of the bag begins; 0: never.'
+    )
+    queue_size: float = setting(64.0, 'Memory for messages that wait for a slow disk, in MB.')
+    live: bool = setting(False, 'Whether to show the flight live in Foxglove.')
+    live_host: str = setting(
+        '127.0.0.1', 'Address of the live view; 0.0.0.0 accepts connections from other machines.'
+    )
+
+
+class PacedArguments(GraphArguments):
+    """Arguments of a launch whose pace can be chosen."""
+
+    time: Literal['realtime', 'lockstep'] = setting(
+        'realtime',
+        'Time mode: realtime runs at the pace of the wall clock, lockstep as fast as the nodes '
+        'answer.',
+    )
+
+
+class DroneArguments(GraphArguments):
+    """Arguments of a launch of one drone."""
+
+    vehicle: str = setting('gtmab', 'Vehicle: a shipped name, or the path of a file.')
+    strategy: str = setting(
+        'bag', 'Navigation strategy: bag, des, dga, homing, or a file such as ./mine.py.'
+    )
+    commanded: bool = setting(
+        False,
+        'Whether the drone waits on the ground for the actions take_off, go_to_lamp and land; '
+        'needs strategy:=homing. The flight ends by Ctrl-C.',
+    )
+    seed: int = setting(1, 'Random seed.')
+    command: str = setting(
+        '', 'Commands for a Crazyflie: setpoint or motors. Empty: as in its Crazyflie file.'
+    )
+    light_peaks: bool = setting(
+        False,
+        'Whether the light board demodulates the lamp itself; then no demodulator node runs.',
+    )
+    live_port: int = setting(8765, 'Port of the live view.')
+
+
+class EmulatedArguments(DroneArguments):
+    """Arguments of `emulated`."""
+
+    port: int = setting(19850, 'UDP port of the emulated Crazyflie.')
+    light_port: str = setting('lta_light_board', "Name of the light board's pseudo terminal.")
+    beacon: float = setting(0.0, "With light_peaks:=true, the lamp's frequency in Hz.")
+
+
+class FlyArguments(DroneArguments, PacedArguments):
+    """Arguments of `fly`, and what follows from them."""
+
+    robot: str = setting('lta1', 'Namespace of the drone.')
+    source: Literal['sim', 'replay', 'crazyflie'] = setting(
+        'sim',
+        'Where the vehicle comes from: the simulator, a recording or a real Crazyflie.',
+    )
+    uri: str = setting(
+        'radio://0/80/2M/E7E7E7E7E7', 'With source:=crazyflie, its URI: radio, usb or udp.'
+    )
+    uri_patience: float = setting(
+        0.0, 'With source:=crazyflie and a udp URI, seconds to wait until a program listens there.'
+    )
+    watchdog: Literal['setpoint', 'always', 'never'] = setting(
+        'setpoint',
+        'With source:=crazyflie, when its firmware stops the motors until a restart if it '
+        'receives nothing for 1 s: only with command setpoint, always or never.',
+    )
+    blind: bool = setting(
+        False,
+        'With source:=crazyflie, whether it may be armed without a position estimate; then no '
+        'limit of height and distance ends its flight.',
+    )
+    allow_other_commanders: bool = setting(
+        False,
+        'With source:=crazyflie, whether nodes of other names than in the topic table may command '
+        'the drone, such as your own controller; otherwise they refuse arming and end the flight.',
+    )
+    replay: str = setting('', 'With source:=replay, the bag to replay.')
+    rate: float = setting(
+        1.0, 'With source:=replay in real time, the speed: seconds of the bag per second.'
+    )
+    loop: bool = setting(
+        False, 'With source:=replay in real time, whether to start again at the end of the bag.'
+    )
+    paused: bool = setting(False, 'With source:=replay, whether to start paused.')
+    offset_x: float = setting(
+        0.0, "Offset of the start position from the scenario's along map x, in metres."
+    )
+    offset_y: float = setting(
+        0.0, "Offset of the start position from the scenario's along map y, in metres."
+    )
+    gains: str = setting('gtmab', 'Gains of the controller: a shipped name, or a file.')
+    light_board: bool = setting(
+        False, 'Whether the light comes from a real light board; not with source:=sim.'
+    )
+    light_port: str = setting(
+        '/dev/ttyACM0', 'With light_board:=true, its serial port, or udp://HOST:PORT to listen on.'
+    )
+    light_patience: float = setting(
+        0.0, 'With light_board:=true, seconds to wait until the port exists.'
+    )
+    teleop: bool = setting(False, 'Whether a person can take control with a gamepad.')
+    teleop_device: str = setting(
+        'joy', 'With teleop:=true, the gamepad: /dev/input/js0, or joy for Joy messages.'
+    )
+    tracker: bool = setting(
+        False,
+        'Whether an external tracking system provides ground_truth/odom and map -> odom; not with '
+        'source:=sim.',
+    )
+    tracker_pose: str = setting(
+        'tracker/pose', 'With tracker:=true, the topic with its poses (PoseStamped).'
+    )
+    simulator: bool = setting(True, 'With source:=sim, whether to start the simulator.')
+    estimator: bool = setting(True, 'Whether to start the estimator; false for one of your own.')
+    controller: bool = setting(True, 'Whether to start the controller; false for one of your own.')
+    demodulator: bool = setting(
+        True, 'Whether to start the demodulator; false for one of your own.'
+    )
+    navigator: bool = setting(True, 'Whether to start the navigator; false for one of your own.')
+    energy_monitor: bool = setting(
+        True, 'Whether to start the energy monitor; false for one of your own.'
+    )
+    description: bool = setting(
+        True, 'Whether to publish robot_description, /tf_static and the scene for RViz.'
+    )
+    frame_prefix: str = setting(
+        '', 'Prefix of the frames on /tf, such as lta1/, for several drones.'
+    )
+    # For launches of several drones
+    recorder: bool = setting(True, 'Whether a recorder of its own records this drone.')
+    clock: bool = setting(
+        True, "Whether this drone's simulator publishes /clock; exactly one simulator must."
+    )
+    peers: str = setting(
+        '', 'Namespaces of the drones to stay synchronised with, separated by spaces.'
+    )
+
+    @property
+    def is_simulated(self) -> bool:
+        """Whether this launch simulates the drone."""
+        return self.source == 'sim' and self.simulator
+
+    @property
+    def use_sim_time(self) -> bool:
+        """A real drone flies by the time of day; whoever else plays the vehicle tells /clock."""
+        return self.source != 'crazyflie'
+
+    @property
+    def armed(self) -> bool:
+        """Whatever else plays the vehicle arms the controller when its drone is armed."""
+        return self.is_simulated or self.source == 'replay'
+
+    @property
+    def starts_controller(self) -> bool:
+        """A drone that flies its own controller by setpoints needs none of ours."""
+        return self.controller and self.command != 'setpoint'
+
+    @property
+    def starts_demodulator(self) -> bool:
+        """A light board that demodulates needs no demodulator."""
+        return self.demodulator and not self.light_peaks
+
+    @property
+    def wait_for(self) -> str:
+        """
+        The nodes that the simulator waits for, separated by spaces.
+
+        In real time they are those that start here, in lockstep all of the topic table. What the
+        description publishes once has to be in the bag of a short flight as well.
+        """
+        nodes = {
+            'estimator': self.estimator,
+            'controller': self.starts_controller,
+            'demodulator': self.starts_demodulator,
+            'navigator': self.navigator,
+            'energy_monitor': self.energy_monitor,
+        }
+        started = [name for name, starts in nodes.items() if starts]
+        names = ['default'] if self.time == 'lockstep' else started
+        return ' '.join([*names, 'description'] if self.description else names)
+
+    @property
+    def pose(self) -> str:
+        """The pose to publish on /tf where our estimator, which does it, does not run."""
+        return '' if self.estimator else 'odom'
+
+    @property
+    def scene(self) -> str:
+        """Only of a simulated drone it is known that it flies in the room of its scenario."""
+        return self.scenario if self.is_simulated else ''
+
+    @property
+    def gains_file(self) -> str:
+        """The path of the gains."""
+        return str(find_file('gains', self.gains))

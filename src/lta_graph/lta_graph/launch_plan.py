@@ -1,0 +1,126 @@
+"""The processes that a launch starts, and the command line of each."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+import json
+import math
+from typing import final
+
+from lta_config.errors import BadInput
+from lta_config.topics import is_name
+
+Parameter = bool | int | float | str | list[bool] | list[int] | list[float] | list[str]
+
+ONE_PROCESS = ('lta_graph', 'one_process')  # package and executable that runs several nodes
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class LaunchProcess:
+    """One node of a launch; its process, unless it shares one."""
+
+    # As in `ros2 run PACKAGE EXECUTABLE`
+    package: str
+    executable: str
+    name: str  # the node's
+    namespace: str = '/'  # absolute
+    parameters: Mapping[str, Parameter] = field(default_factory=dict)
+    parameter_file: str = ''  # path; `parameters` come after it
+    words: tuple[str, ...] = ()  # of the command line, before those for ROS
+    on_exit_shutdown: bool = True  # whether the exit of this process ends the run
+    planned: bool = False  # whether its exit with status 0 is a planned end of the run
+    # Time to exit after SIGINT; None for the launcher's own [s]
+    sigterm_timeout: float | None = None
+    shared: bool = False  # whether the node runs in one process with the others
+    takes_ros_arguments: bool = True
+
+    def __post_init__(self) -> None:
+        """Reject a name or a namespace that ROS would reject."""
+        if not is_name(self.name):
+            raise BadInput(f"'{self.name}' is not a valid node name; use letters, digits and _.")
+        if self.namespace != '/' and not all(map(is_name, self.namespace.split('/')[1:])):
+            raise BadInput(
+                f"'{self.namespace}' is not a valid namespace; use letters, digits, _ and /."
+            )
+
+    @property
+    def ros_arguments(self) -> list[str]:
+        """The parameters as `--ros-args`, after which ROS reads them."""
+        # ROS lets the file win over parameters that stand before it
+        words = ['--params-file', self.parameter_file] if self.parameter_file else []
+        for name, value in self.parameters.items():
+            words += ['-p', f'{name}:={format_ros_yaml(value)}']
+        return words
+
+    @property
+    def arguments(self) -> tuple[str, ...]:
+        """The command line after the executable."""
+        if not self.takes_ros_arguments:
+            return self.words
+        # `__node` and `__ns` are the special remapping rules of rcl
+        names = ['-r', f'__node:={self.name}']
+        if self.namespace != '/':
+            names += ['-r', f'__ns:={self.namespace}']
+        return (*self.words, '--ros-args', *names, *self.ros_arguments)
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class LaunchPlan:
+    """The processes that a launch starts; those that are `shared` are nodes of one."""
+
+    processes: tuple[LaunchProcess, ...]
+    # The launch file and its arguments, as words of a command line
+    words: tuple[str, ...] = ()
+
+    @property
+    def namespaces(self) -> list[str]:
+        """The namespaces of the nodes, without leading slash, in order of appearance."""
+        return list(dict.fromkeys(item.namespace.strip('/') for item in self.processes))
+
+    def label(self, process: LaunchProcess) -> str:
+        """Return the label of a process: `estimator`, or `lta2/estimator` with several robots."""
+        several = len(self.namespaces) > 1
+        return f'{process.namespace}/{process.name}'.strip('/') if several else process.name
+
+    @property
+    def started(self) -> list[LaunchProcess]:
+        """The processes to start: one for all nodes that share it, and one for each other."""
+        shared = [process for process in self.processes if process.shared]
+        if not shared:
+            return list(self.processes)
+        common = LaunchProcess(
+            *ONE_PROCESS,
+            name=ONE_PROCESS[1],
+            words=self.words,
+            takes_ros_arguments=False,
+            on_exit_shutdown=any(process.on_exit_shutdown for process in shared),
+            # Which of its nodes may end is its own business
+            planned=True,
+            sigterm_timeout=max(
+                (each.sigterm_timeout for each in shared if each.sigterm_timeout), default=None
+            ),
+        )
+        return [common, *(process for process in self.processes if not process.shared)]
+
+    def list_nodes(self, process: LaunchProcess) -> list[str]:
+        """Return the labels of the nodes that run in one of the started processes."""
+        if (process.package, process.executable) != ONE_PROCESS:
+            return [self.label(process)]
+        return [self.label(node) for node in self.processes if node.shared]
+
+
+def format_ros_yaml(value: Parameter) -> str:
+    """
+    Format a value as YAML that ROS's parser reads back with the same type.
+
+    Text is always quoted: ROS reads a bare `y` as true and a bare `nan` as a number.
+    """
+    if isinstance(value, list):
+        return f'[{", ".join(format_ros_yaml(item) for item in value)}]'
+    # Before the numbers, since repr(True) would be 'True'
+    if isinstance(value, bool):
+        return 'true' if value else 'false'
+    if isinstance(value, float) and not math.isfinite(value):
+        return '.nan' if math.isnan(value) else f'{"-" if value < 0 else ""}.inf'
+    return json.dumps(value, ensure_ascii=False) if isinstance(value, str) else repr(value)
