@@ -240,12 +240,14 @@ def list_topics(line: Line, table: Mapping[str, Any]) -> Values:
 
 
 def list_launch_arguments(line: Line, table: Mapping[str, Any]) -> Values:
-    """Yield the arguments of a launch file."""
-    del table
-    from lta_graph.launch_table import find_launch  # no shell asks for it but here
+    """Yield the arguments of a shipped launch; a file of the user is not run for a prompt."""
+    from lta_graph.launch_table import find_launch
 
-    for item in find_launch(str(line.get('file', ''))).list_arguments():
-        yield f'{item.name}:=', item.description
+    del table
+    name = str(line.get('file', ''))
+    if name in list_shipped_names(FOLDERS['launch file'], SUFFIXES['launch file']):
+        for item in find_launch(name).list_arguments():
+            yield f'{item.name}:=', item.description
 
 
 LISTS: Final[dict[str, Callable[[Line, Mapping[str, Any]], Values]]] = {

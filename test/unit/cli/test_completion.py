@@ -99,17 +99,19 @@ def test_the_topics_are_those_of_the_bag(ask, bag):
 @pytest.mark.parametrize(
     ('line', 'name', 'content'),
     [
-        ('lta launch {} ', 'a.launch.py', b'text'),
-        ('lta launch {} ', 'a.launch.py', b'LAUNCH = 5'),
+        ('lta launch {} ', 'a.launch.py', b"open(__file__ + '.run', 'w')"),
         ('lta bag plot {} ', 'a.mcap', b'\x89MCAP0\r\n' + b'\xff' * 60),
         ('lta vehicle set {} ', 'a.yaml', b'\xff'),
     ],
 )
-def test_a_file_with_other_contents_gives_nothing(line, name, content, ask, tmp_path):
+def test_a_file_with_other_contents_gives_nothing_and_is_not_run(
+    line, name, content, ask, tmp_path
+):
     path = tmp_path / name
     path.write_bytes(content)
     words = [word for word in ask(line.format(path)) if not word.startswith('effects.')]
     assert words == ['']
+    assert list(tmp_path.iterdir()) == [path]
 
 
 def test_zsh_and_fish_show_what_it_is(ask):
