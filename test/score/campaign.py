@@ -35,7 +35,7 @@ FLIES: Final = (
     'lta_config', 'lta_graph', 'lta_model', 'lta_vlc', 'lta_energy', 'lta_sim', 'lta_control',
     'lta_bridge', 'lta_emulation',
 )  # fmt: skip
-SETTINGS: Final = ('control', 'crazyflies', 'launch', 'scenarios', 'vehicles')
+SETTINGS: Final = ('control', 'crazyflies', 'scenarios', 'vehicles')
 Row = dict[str, Any]
 
 
