@@ -56,9 +56,12 @@ def start_nodes(context: LaunchContext, launch: Launch) -> list[Action]:
         )
     for check in entry_points(group=CHECKS):
         check.load()(plan)
-    # Without a handler of Python, that of launch is never called: SIGTERM kills the launch
-    if signal.getsignal(signal.SIGTERM) == signal.SIG_DFL:
-        signal.signal(signal.SIGTERM, lambda *_: None)
+    # launch hears a signal besides the handler of Python, which would print a traceback where an
+    # interrupt meets a destructor; without any, SIGTERM kills the launch
+    defaults = {signal.SIGINT: signal.default_int_handler, signal.SIGTERM: signal.SIG_DFL}
+    for number, handler in defaults.items():
+        if signal.getsignal(number) == handler:
+            signal.signal(number, lambda *_: None)
     return list(map(build_node, plan.processes))
 
 
