@@ -141,4 +141,5 @@ def test_a_model_chooses_the_assumption_under_which_it_is_most_probable() -> Non
     constant = 0.25 * (whole.constant - level) + level - ROWS * math.log(2.0)
     poor = LinearEvidence(0.25 * whole.information, 0.25 * whole.pull, constant)
     search = ModelSearch(build_parameters(), build_elements(), [poor, problem.evidence])
-    assert search.score(frozenset({ElementChoice(1, 1.0), ElementChoice(3, 1.0)})).assumption.noise == 1
+    model = frozenset({ElementChoice(1, 1.0), ElementChoice(3, 1.0)})
+    assert search.score(model).assumption.noise == 1
