@@ -1,7 +1,10 @@
 """All nodes in one process: the same values, one node each for ROS, and every way to its end."""
 
 from contextlib import ExitStack
+import os
 from pathlib import Path
+import signal
+import time
 
 from lta_config.files import share_folder
 from lta_config.topics import load_topic_table, robot_topic
@@ -9,6 +12,7 @@ from lta_data.bag.reader import read_bag
 from lta_data.bag.recorded_flight import open_flight
 from lta_graph.reach import PROFILE
 from lta_graph.ros.one_process import deliver_in_memory
+import numpy as np
 import pytest
 from std_srvs.srv import SetBool
 
@@ -79,6 +83,25 @@ def test_a_shared_process_is_a_graph_for_others_and_ends_by_ctrl_c(
     assert launch.end() == 130
     assert 'Traceback' not in launch.text
     assert read_bag(tmp_path / 'bag').is_complete
+
+
+def test_what_is_caught_up_after_a_pause_reaches_every_node(lta, flying, scenario, tmp_path):
+    """In real time: of more readings at once than a queue of sensors holds, none is lost."""
+    room = scenario(radius='0.01 m', time_limit='600 s')
+    words = (f'scenario:={room}', f'bag:={tmp_path / "bag"}', 'processes:=one')
+    launch = lta.start('launch', 'fly', *words, 'time:=realtime')
+    flying(2.0)
+    (number,) = [n for n, line in processes(lta.mark).items() if 'one_process' in line]
+    os.kill(number, signal.SIGSTOP)
+    time.sleep(0.3)  # the pause itself: 30 readings of the inertial unit
+    os.kill(number, signal.SIGCONT)
+    flying(3.0)
+    launch.interrupt()
+    assert launch.end() == 130
+    flight = open_flight(tmp_path / 'bag', 'lta1')
+    read, answered = (flight.read_series(name).stamps for name in ('imu', 'odom'))
+    within = (read >= answered[0]) & (read <= answered[-1])
+    assert np.array_equal(read[within], answered)
 
 
 @pytest.mark.parametrize('processes', ['many', 'one'])

@@ -42,7 +42,10 @@ from rosgraph_msgs.msg import Clock as ClockMessage
 STALE_NS = 300_000_000  # commands older or newer than this stop the motors, as on the real vehicle
 LAW = 'law'  # task of its reports, of which there is one in a flight
 MOST = 100  # characters of a refused command that are reported
-SLIP = 50  # control periods of delay that are caught up at once
+SLIP = 50  # control periods of delay that are caught up
+# Control periods that are caught up without a pause: fewer than the queue of a sensor topic holds,
+# as readers in the same process are called only afterwards
+BURST = 4
 SLOW = 0.05  # share of the wall clock that may be lost before a report
 CLOCK_PERIOD = 0.02  # wall seconds between two /clock
 PATIENCE = 20.0  # wall seconds for the graph of one drone to come up
@@ -203,6 +206,7 @@ class Simulator(GraphNode):
         if due - self._world.steps > SLIP:
             self._skip_delay((due - self._world.steps - 1) * period)
             due = self._world.steps + 1
+        due = min(due, self._world.steps + BURST)
         while self._world.steps < due and self.running:
             # Without fresh commands the motors stop, as on the real vehicle
             if self._world.stamp_ns - self._commanded_ns > STALE_NS:
