@@ -11,7 +11,7 @@ LAUNCH = EMULATED
 
 
 def generate_launch_description() -> object:
-    """Return the launch for `ros2 launch`; the package launch is only where that is."""
+    """Return the description for `ros2 launch`, whose package only an installed ROS 2 has."""
     from lta_graph.ros.launch_description import describe_launch
 
     return describe_launch(LAUNCH)

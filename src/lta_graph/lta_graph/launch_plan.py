@@ -85,7 +85,7 @@ class LaunchPlan:
 
     @property
     def started(self) -> list[LaunchProcess]:
-        """The processes to start: one for all nodes that share it, and one for each other."""
+        """The processes to start: one for the nodes that share it, one for each of the others."""
         shared = [process for process in self.processes if process.shared]
         if not shared:
             return list(self.processes)

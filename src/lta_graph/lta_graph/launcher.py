@@ -8,7 +8,6 @@ it.
 """
 
 from collections import deque
-from collections.abc import Mapping
 from contextlib import suppress
 from queue import Empty
 import signal
@@ -48,8 +47,6 @@ class Launcher:
         Called from another thread with the label of a process and each line of its output.
     grace : float
         Time from SIGINT to SIGTERM of a process without `sigterm_timeout`. [s]
-    variables : mapping of str to str, optional
-        Added to the environment of the processes.
 
     Attributes
     ----------
@@ -64,9 +61,7 @@ class Launcher:
         on_line: OnLine,
         *,
         grace: float = GRACE,
-        variables: Mapping[str, str] | None = None,
     ) -> None:
-        self._variables = variables or {}
         self.ended: list[ProcessExit] = []
         self._plan = plan
         self._on_line = on_line
@@ -125,7 +120,7 @@ class Launcher:
         # Before the first start, so that a missing executable starts nothing
         started = self._plan.started
         commands = [build_command_line(process) for process in started]
-        variables = {**build_node_environment(), **self._variables}
+        variables = build_node_environment()
         try:
             with hold_interrupts() as presses:
                 # The guard waits as long as an orderly stop may take

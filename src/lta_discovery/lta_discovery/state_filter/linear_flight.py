@@ -105,15 +105,6 @@ class LinearFlight:
             left=self.left - read_moved @ strengths,
         )
 
-    def select(self, which: Sequence[int]) -> 'LinearFlight':
-        """Return the flight with the columns of some parameters only."""
-        picked = list(which)
-        return replace(
-            self,
-            moved=np.ascontiguousarray(self.moved[..., picked]),
-            read_moved=np.ascontiguousarray(self.read_moved[..., picked]),
-        )
-
 
 @final
 class FlightSystem:

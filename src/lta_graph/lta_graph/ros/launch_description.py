@@ -101,7 +101,7 @@ def build_node(process: LaunchProcess) -> Node:
 def end_run(
     event: ProcessExited, context: LaunchContext, process: LaunchProcess
 ) -> list[Action] | None:
-    """End the run with a process; raise `BadInput` if that is not planned: the status is 1."""
+    """End the run as a process has ended; raise `BadInput`, for status 1, if unplanned."""
     if context.is_shutdown:
         return None
     status = event.returncode
