@@ -35,22 +35,24 @@ def learn_noise(
     prior: ParameterPrior,
     values: Array,
     noise: Sequence[NoiseModel],
+    is_near: bool = False,
 ) -> list[NoiseModel]:
     """
     Return the noise under which the readings are most probable, whatever the parameters.
 
+    `is_near`: whether the parameters are near their values, beyond which the model is not linear.
     Unexplained forces are those of all flights. Each flight has sensor errors of its own. The
     first part of each flight is enough.
     """
     parts = _shorten(flights)
-    together = _maximize(parts, prior, values, noise, np.arange(len(SPREAD)))
+    together = _maximize(parts, prior, values, noise, np.arange(len(SPREAD)), is_near)
     forces = together[0].logarithms[SENSOR:]
     models = [
         one.with_logarithms(np.concatenate([one.logarithms[:SENSOR], forces])) for one in together
     ]
 
     def refine(one: tuple[LinearFlight, NoiseModel]) -> NoiseModel:
-        return _maximize([one[0]], prior, values, [one[1]], np.arange(SENSOR))[0]
+        return _maximize([one[0]], prior, values, [one[1]], np.arange(SENSOR), is_near)[0]
 
     return map_parallel(refine, list(zip(parts, models, strict=True)))
 
@@ -69,7 +71,11 @@ def _guess(nominal: NominalVehicle) -> Array:
 def _shorten(flights: Sequence[LinearFlight]) -> list[LinearFlight]:
     """Return the first part of each flight, which is enough to learn the noise."""
     most = max(LEARNED // len(flights), SHORTEST)
-    return [replace(one, runs=_limit_runs(one.runs, most)) for one in flights]
+    parts = [_limit_runs(one.runs, most) for one in flights]
+    return [
+        replace(one, runs=runs, begun=one.begun[: len(runs)])
+        for one, runs in zip(flights, parts, strict=True)
+    ]
 
 
 def _limit_runs(runs: Sequence[tuple[int, int]], most: int) -> list[tuple[int, int]]:
@@ -88,6 +94,7 @@ def _maximize(
     values: Array,
     noise: Sequence[NoiseModel],
     which: NDArray[np.int64],
+    is_near: bool,
 ) -> list[NoiseModel]:
     """Return the most probable noise, of which some numbers are changed alike in all flights."""
     first = _guess(flights[0].nominal)
@@ -102,7 +109,8 @@ def _maximize(
         filtered = filter_all(flights, build(change))
         off = (begin[0] - first)[which] + change
         doubt = 0.5 * float(np.sum((off / SPREAD[which]) ** 2))
-        return doubt - sum_likelihoods(filtered, prior, values).evidence
+        sums = sum_likelihoods(filtered, prior, values)
+        return doubt - (sums.near_evidence if is_near else sums.evidence)
 
     limit = FURTHEST * SPREAD[which]
     bounds = np.stack([-limit, limit]) - (begin[0] - first)[which]

@@ -36,7 +36,7 @@ Sums = TypeVar('Sums', LikelihoodSum, ForecastSum)
 
 ROUNDS: Final = 10  # most linearizations
 LEARNING: Final = (1, 4)  # rounds before which the noise is learned
-HALVED: Final = 6  # most times that a step is halved until it helps
+DAMPINGS: Final = (0.0, 0.1, 1.0, 10.0, 100.0)  # of a step, until it helps
 MISFIT_RISE: Final = 0.5  # nats; tolerated increase of the misfit in a step
 ERROR_RISE: Final = 0.01  # of the mean logarithm of the errors; the same for forecasts
 SETTLED: Final = 0.02  # prior deviations; a fit ends with a shorter step
@@ -85,15 +85,14 @@ class _Search(Generic[Sums]):
 
     def step(self, at: _Point[Sums], limit: float) -> _Point[Sums] | None:
         """Return a point whose cost is below a limit, after a step; None if no step gets there."""
-        after = self.prior.step(at.values, at.sums.inner, at.sums.pull)
-        for _ in range(HALVED):
+        for damping in DAMPINGS:
+            after = self.prior.step(at.values, at.sums.inner, at.sums.pull, damping)
             try:
                 there = self.look(after)
             except BadInput:
-                there = None
-            if there is not None and there.sums.cost < limit:
+                continue
+            if there.sums.cost < limit:
                 return there
-            after = 0.5 * (at.values + after)
             if self.has_settled(at.values, after):
                 break
         return None
@@ -111,12 +110,14 @@ def fit_likelihood(
     noise: Sequence[NoiseModel],
     rounds: int = ROUNDS,
     learning: Sequence[int] = LEARNING,
+    is_near: bool = False,
 ) -> ParameterFit:
     """
     Fit parameters to all readings; the noise is learned on the way.
 
-    `learning`: rounds before which the noise is learned. Raise `BadInput` if the model diverges
-    with the values to begin with.
+    `learning`: rounds before which the noise is learned. `is_near`: whether the values are near
+    the best ones, so that every step lowers the misfit, and the noise is that near the values.
+    Raise `BadInput` if the model diverges with the values to begin with.
     """
     prior, last = ParameterPrior.of(systems[0].parameters), max(learning, default=0)
 
@@ -127,17 +128,16 @@ def fit_likelihood(
     point = search.look(begin)
     for number in range(rounds):
         if number in learning:
-            noise = learn_noise(point.flights, prior, point.values, noise)
+            noise = learn_noise(point.flights, prior, point.values, noise, is_near)
             point = point._replace(sums=evaluate(point.flights, point.values))
-        # From afar, bounded steps need not lower the misfit one by one
-        is_near = bool(learning) and number > last
-        after = search.step(point, point.sums.cost + MISFIT_RISE if is_near else math.inf)
+        lower = is_near or (bool(learning) and number > last)
+        after = search.step(point, point.sums.cost + MISFIT_RISE if lower else math.inf)
         if after is None:
             break
         before, point = point, after
         if number >= last and search.has_settled(before.values, point.values):
             break
-    return _complete(point, prior, noise, np.linalg.inv, point.sums.evidence)
+    return _complete(point, prior, noise, np.linalg.inv, point.sums.near_evidence)
 
 
 def fit_forecasts(

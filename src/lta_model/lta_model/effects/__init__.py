@@ -60,6 +60,7 @@ FILES = (  # folder and file of each; its name is that of the file
     'contact.floor_contact',
     'rotors.command_delay',
     'rotors.wrench_gain',
+    'sensors.imu_scale',
     'sensors.imu_bias',
     'sensors.gyro_scale',
     'sensors.gyro_bias',
