@@ -56,7 +56,7 @@ class Area(NamedTuple):
 AREAS: Final = {
     'effects': Area(
         'src',
-        ('lta_model/lta_model/effects/*/[!_]*.py', 'lta_model/lta_model/rigid_body.py',
+        ('lta_model/lta_model/effects/[!_]*.py', 'lta_model/lta_model/rigid_body.py',
          'lta_model/lta_model/mass_matrix.py', 'lta_model/lta_model/hull.py',
          'lta_model/lta_model/rotor_forces.py',
          'lta_sim/lta_sim/supply_step.py'),

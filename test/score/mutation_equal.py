@@ -56,7 +56,7 @@ EQUAL: Final[dict[Line, str]] = {
         'return -1.0 if beyond else abs(surprise.innovation) / surprise.deviation',
     ): 'The value is only compared with 5: 0 and -1 are both below.',
     (
-        'src/lta_model/lta_model/effects/sensors/tracker_delay.py',
+        'src/lta_model/lta_model/effects/sensors.py',
         'return (values[0] - delay,)',
         'return (values[ -1] - delay,)',
     ): '`values` has one element here, the time of the pose: its first is its last.',

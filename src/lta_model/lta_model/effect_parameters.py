@@ -9,8 +9,7 @@ from lta_config.quantity import describe_misfit, Quantity, UNSOURCED
 from lta_config.schema.vehicle_body import MovingMassBlock, PartBlock
 from lta_config.schema.vehicle_file import VehicleFile
 from lta_model import effects, propulsion
-from lta_model.effects.law import EFFECT as LAW
-from lta_model.effects.law import list_law_parameters
+from lta_model.effects.law import LAW, list_law_parameters
 from lta_model.effects.protocol import AXES
 from lta_model.stiffness import RK4_LIMIT
 from lta_model.strip_geometry import build_strips, DragBox

@@ -18,7 +18,7 @@ import math
 from typing import final
 
 from lta_config.errors import BadInput
-from lta_model.effects.aerodynamics.strip_damping import PARAMETERS, STRIPS
+from lta_model.effects.drag import STRIP_DAMPING, STRIPS
 from lta_model.effects.protocol import Vector
 
 # Drag coefficient; same source as in the module docstring
@@ -72,6 +72,6 @@ def build_strips(boxes: Sequence[DragBox], density: float) -> dict[str, float]:
     # The first parameter is `translation`, 0
     numbers = [0.0, *(number for strip in strips for number in strip)]
     # Unused strips
-    numbers += [0.0] * (len(PARAMETERS) - len(numbers))
-    names = (parameter.name for parameter in PARAMETERS)
+    numbers += [0.0] * (len(STRIP_DAMPING.parameters) - len(numbers))
+    names = (parameter.name for parameter in STRIP_DAMPING.parameters)
     return dict(zip(names, numbers, strict=True))

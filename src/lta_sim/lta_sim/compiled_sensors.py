@@ -9,7 +9,7 @@ but not identical to the single flight of the same seed.
 import math
 from typing import NamedTuple
 
-from lta_model.effects.air.turbulence import stationary_memory
+from lta_model.effects.air import stationary_memory
 from lta_model.sensors.pressure import air_pressure
 from lta_model.sensors.range import height_and_tilt, noise_deviation, RESOLUTION
 from lta_sim.counter_rng import draw_normals, draw_uniforms

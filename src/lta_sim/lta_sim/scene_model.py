@@ -11,8 +11,8 @@ from lta_config.errors import BadInput
 from lta_model import hull
 from lta_model.effect_parameters import Effects
 from lta_model.effects import EFFECTS
+from lta_model.effects.gas import IN_SUN, SUPERHEAT
 from lta_model.effects.protocol import AirEffect
-from lta_model.effects.weight import superheat
 from lta_model.hover import hover_duty
 from lta_model.model import VehicleModel
 from lta_model.scenario import Scenario
@@ -26,7 +26,7 @@ import numpy as np
 STIFFNESS = 100.0  # N/m
 RELAXATION = 0.05  # s
 FRICTION = 0.3
-WARMED = superheat.EFFECT.name
+WARMED = SUPERHEAT.name
 
 
 def vehicle_reach(vehicle: Vehicle) -> tuple[float, float]:
@@ -71,7 +71,7 @@ def collect_scene_effects(vehicle: Vehicle, scenario: Scenario) -> Effects:
     sun = scenario.sun
     # A vehicle file may have measured values; a bare frame has no gas
     if sun is not None and sun.warms_gas and vehicle.file.hull.shape != 'none':
-        effects |= {} if WARMED in vehicle.file.effects else {WARMED: dict(superheat.IN_SUN)}
+        effects |= {} if WARMED in vehicle.file.effects else {WARMED: dict(IN_SUN)}
     return effects
 
 

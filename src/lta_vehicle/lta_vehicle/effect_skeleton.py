@@ -63,11 +63,7 @@ EXAMPLE: Final = Law(
     ],
     region={'u': [-1e3, 1e3]},
 )
-FILE: Final = Template('''"""
-$title.
-
-$about
-"""
+FILE: Final = Template('''"""An effect of one's own: $name."""
 
 import math
 
@@ -102,7 +98,11 @@ def fade(x: float, low: float, high: float) -> float:
 
 
 def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
-    """Return force and moment about the hull centre, body frame. [N, N m]"""
+    """
+    $title.
+
+$about
+    """
     $unpack = p
     turn = motion.rotation
 $quantities
@@ -255,7 +255,7 @@ class _SkeletonWriter:
             '\n    rate=compute_memory_rate,'
         )
         return {
-            'about': '\n'.join(f'    {line}' for line in describe_law(law)),
+            'about': '\n'.join(f'        {line}' for line in describe_law(law)),
             'parameters': '\n'.join(self._list_parameters()),
             'unpack': self._unpack,
             'quantities': '\n'.join(self._list_quantities()),

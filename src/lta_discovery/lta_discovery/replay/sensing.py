@@ -13,7 +13,7 @@ from lta_discovery.model.quaternions import (
     rotate_vectors,
     rotation_matrix,
 )
-from lta_model.effects.sensors import marker_offset
+from lta_model.effects.sensors import MARKER_OFFSET
 from lta_model.measurement_chain import apply_chain, Chain
 from lta_model.sensors.imu import imu_specific_force
 from lta_model.sensors.pressure import air_pressure, EXPONENT, LAPSE, SEA_TEMPERATURE
@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
-MARKER: Final = marker_offset.compute_reading
+MARKER: Final = MARKER_OFFSET.reading
 IDENTITY: Final = np.array([0.0, 0.0, 0.0, 1.0])  # quaternion x y z w
 # Readings that each channel of effects acts on.
 PARTS: Final = {

@@ -159,7 +159,7 @@ def list_law_quantities(
 
 
 def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
-    """Return the sum of the terms, in the body frame. [N, N m]"""
+    """Force or moment without a name: a sum of products, which a vehicle file holds as data."""
     values = list_law_quantities(p, memory, motion, thrust)
     fade = compute_fade(p, values, False)
     # Six body axes, then three of the map
@@ -208,7 +208,7 @@ def compute_memory_rate(
     return (memory[1], lag * lag * off - 2.0 * damping * lag * memory[1], clock)
 
 
-EFFECT = WrenchEffect(
+LAW = WrenchEffect(
     'law',
     PARAMETERS,
     compute_wrench,
