@@ -84,9 +84,9 @@ AREAS: Final = {
     ),
     'energy': Area(
         'src',
-        ('lta_energy/lta_energy/[bcghilr]*.py', 'lta_energy/lta_energy/mission.py',
+        ('lta_energy/lta_energy/[chi]*.py', 'lta_energy/lta_energy/mission.py',
          'lta_energy/lta_energy/schedule.py', 'lta_energy/lta_energy/monitoring/[!_]*.py',
-         'lta_energy/lta_energy/faults/*.py', 'lta_model/lta_model/electrical/[!_]*.py'),
+         'lta_model/lta_model/electrical/[!_]*.py'),
         'test/unit/energy',
     ),
     'discovery': Area(

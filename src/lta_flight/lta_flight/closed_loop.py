@@ -26,10 +26,9 @@ from lta_control.phases import Mission
 from lta_control.reserve import ReserveReport
 from lta_control.sighting import build_sight, DeadReckonedMotion, LampPosition
 from lta_control.vehicle_parameters import build_estimator_model
-from lta_energy.monitoring.estimate import EnergyEstimate as Known
+from lta_energy.monitoring.meters import MeterReading, PowerSystem, TravelState
+from lta_energy.monitoring.monitor import EnergyEstimate as Known
 from lta_energy.monitoring.monitor import update_estimate
-from lta_energy.monitoring.power_system import PowerSystem
-from lta_energy.monitoring.reading import MeterReading, TravelState
 from lta_flight.flight_stack import build_autopilot, FlightStack
 from lta_model.sensors.photodiode import DiodeRing
 from lta_model.vehicle import Vehicle

@@ -16,28 +16,20 @@ OFF_AXIS_DEVIATION = 0.15  # relative, of a range by strength: the beam's angle 
 class LampPrior(Settings):
     """Prior on the lamp: one direction does not determine its range."""
 
-    distance: float = setting(4.0, 'Expected distance to the lamp.', unit='m', low=0.1, high=100.0)
+    distance: float = setting(4.0, 'Expected distance to the lamp.', 'm', 0.1, 100.0)
     distance_deviation: float = setting(
-        3.0,
-        'Standard deviation of the expected distance to the lamp.',
-        unit='m',
-        low=0.0,
-        high=100.0,
+        3.0, 'Standard deviation of the expected distance to the lamp.', 'm', 0.0, 100.0
     )
     height_deviation: float = setting(
-        1.0,
-        'Standard deviation of the height difference between lamp and drone.',
-        unit='m',
-        low=0.0,
-        high=100.0,
+        1.0, 'Standard deviation of the height difference between lamp and drone.', 'm', 0.0, 100.0
     )
     intensity: float = setting(
         0.0,
         "Reading of a nominal photodiode that faces the lamp from 1 m away on the lamp's "
         'axis; 0: not measured.',
-        unit='counts',
-        low=0.0,
-        high=1e9,
+        'counts',
+        0.0,
+        1e9,
     )
 
 

@@ -31,17 +31,17 @@ class ImuSettings(Settings):
     """Data sheet values of the sensor; offsets and scale errors bound uniform draws."""
 
     acceleration_noise: Vector = setting(
-        (160e-6, 160e-6, 190e-6), 'Noise density of the accelerometer.', unit='g/sqrt(Hz)'
+        (160e-6, 160e-6, 190e-6), 'Noise density of the accelerometer.', 'g/sqrt(Hz)'
     )
     acceleration_bandwidth: float = setting(
         40.0,
         'Bandwidth of the accelerometer at a sample rate of 100 Hz, normal mode.',
-        unit='Hz',
-        low=0.0,
-        high=280.0,
+        'Hz',
+        0.0,
+        280.0,
     )
     acceleration_offset: float = setting(
-        0.020, 'Largest zero offset of an accelerometer axis.', unit='g', low=0.0, high=1.0
+        0.020, 'Largest zero offset of an accelerometer axis.', 'g', 0.0, 1.0
     )
     acceleration_scale: float = setting(
         0.01,
@@ -50,28 +50,20 @@ class ImuSettings(Settings):
         low=0.0,
         high=0.5,
     )
-    acceleration_range: float = setting(
-        6.0, 'Full scale of the accelerometer.', unit='g', low=3.0, high=24.0
-    )
+    acceleration_range: float = setting(6.0, 'Full scale of the accelerometer.', 'g', 3.0, 24.0)
     rate_noise: float = setting(
-        0.014, 'Noise density of the gyroscope.', unit='deg/s/sqrt(Hz)', low=0.0, high=1.0
+        0.014, 'Noise density of the gyroscope.', 'deg/s/sqrt(Hz)', 0.0, 1.0
     )
     rate_bandwidth: float = setting(
-        32.0,
-        'Bandwidth of the gyroscope at a sample rate of 100 Hz.',
-        unit='Hz',
-        low=0.0,
-        high=532.0,
+        32.0, 'Bandwidth of the gyroscope at a sample rate of 100 Hz.', 'Hz', 0.0, 532.0
     )
     rate_offset: float = setting(
-        1.0, 'Largest zero offset of a gyroscope axis.', unit='deg/s', low=0.0, high=20.0
+        1.0, 'Largest zero offset of a gyroscope axis.', 'deg/s', 0.0, 20.0
     )
     rate_scale: float = setting(
         0.01, 'Largest relative scale error of a gyroscope axis.', low=0.0, high=0.5
     )
-    rate_range: float = setting(
-        500.0, 'Full scale of the gyroscope.', unit='deg/s', low=125.0, high=2000.0
-    )
+    rate_range: float = setting(500.0, 'Full scale of the gyroscope.', 'deg/s', 125.0, 2000.0)
 
 
 @final

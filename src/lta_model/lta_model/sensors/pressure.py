@@ -25,32 +25,26 @@ EXPONENT = STANDARD_GRAVITY * 0.0289644 / (8.31446 * LAPSE)
 class PressureSettings(Settings):
     """The air at the floor, and the errors of the sensor."""
 
-    floor: float = setting(
-        101325.0, 'Air pressure at the floor.', unit='Pa', low=30000.0, high=110000.0
-    )
+    floor: float = setting(101325.0, 'Air pressure at the floor.', 'Pa', 30000.0, 110000.0)
     noise: float = setting(
-        1.2,
-        'Standard deviation of the noise of a pressure sample.',
-        unit='Pa',
-        low=0.0,
-        high=100.0,
+        1.2, 'Standard deviation of the noise of a pressure sample.', 'Pa', 0.0, 100.0
     )
     offset: float = setting(
         8.0,
         'Largest offset of the pressure; a random one is drawn for each flight (uniform).',
-        unit='Pa',
-        low=0.0,
-        high=500.0,
+        'Pa',
+        0.0,
+        500.0,
     )
     drift: float = setting(
         0.006,
         'Largest drift of the pressure; a random one is drawn for each flight (uniform).',
-        unit='Pa/s',
-        low=0.0,
-        high=10.0,
+        'Pa/s',
+        0.0,
+        10.0,
     )
     resolution: float = setting(
-        0.33, 'Resolution of the sensor: pressure per count.', unit='Pa', low=0.001, high=10.0
+        0.33, 'Resolution of the sensor: pressure per count.', 'Pa', 0.001, 10.0
     )
 
 

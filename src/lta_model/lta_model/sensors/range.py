@@ -26,34 +26,26 @@ GROWTH = math.log(0.2 / 0.0025) / 1.5  # 1/m; 0.2 m more of noise at 4 m
 class RangeSettings(Settings):
     """Limits and errors of the sensor."""
 
-    minimum: float = setting(
-        0.04, 'Shortest distance that the sensor can measure.', unit='m', low=0.0, high=1.0
-    )
+    minimum: float = setting(0.04, 'Shortest distance that the sensor can measure.', 'm', 0.0, 1.0)
     maximum: float = setting(
         4.0,
         'Largest distance that the sensor can measure: 4 m in the dark, 0.7 m in strong '
         'light (long mode).',
-        unit='m',
-        low=0.1,
-        high=5.0,
+        'm',
+        0.1,
+        5.0,
     )
     noise: float = setting(
-        0.0025,
-        'Standard deviation of a measured distance near the floor.',
-        unit='m',
-        low=0.0,
-        high=0.1,
+        0.0025, 'Standard deviation of a measured distance near the floor.', 'm', 0.0, 0.1
     )
     offset: float = setting(
         0.020,
         'Largest offset of the distance; a random one is drawn for each flight (uniform).',
-        unit='m',
-        low=0.0,
-        high=0.5,
+        'm',
+        0.0,
+        0.5,
     )
-    field_of_view: float = setting(
-        27.0, 'Full angle of the field of view.', unit='deg', low=1.0, high=90.0
-    )
+    field_of_view: float = setting(27.0, 'Full angle of the field of view.', 'deg', 1.0, 90.0)
 
 
 @final

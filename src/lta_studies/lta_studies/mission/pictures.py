@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from lta_energy.irradiance import IrradianceSeries, MINUTE
-from lta_energy.mission_log import ALOFT, ASLEEP, AWAY, OUT, PERCHED
+from lta_energy.mission import ALOFT, ASLEEP, AWAY, OUT, PERCHED
 from lta_report.drawing import add_legend, create_figure
 from lta_report.palette import ESTIMATE, GOOD, LAMP, SETPOINT, SOFT, TRUTH, WALL
 from lta_studies.mission.figures import flight_minutes_by_hour

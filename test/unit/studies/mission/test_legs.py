@@ -2,9 +2,8 @@
 
 from leg_validation import compare_leg_with_loop
 from lta_config.schema.mission_file import load_mission
-from lta_energy.circuit import total_stored_energy
 from lta_energy.irradiance import DARK
-from lta_model.electrical.charger import resting_flow
+from lta_model.electrical.charger import resting_flow, total_stored_energy
 from lta_model.light.ray_bundles import LAMPS, scratch_size
 from lta_sim import light_link as heard
 from lta_studies.mission.leg_state import (
