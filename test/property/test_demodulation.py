@@ -6,8 +6,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from lta_config.errors import BadInput
-from lta_vlc.demodulation import demodulate_block
-from lta_vlc.faults import DiodeFault, SPOILT
+from lta_vlc.demodulation import demodulate_block, DiodeFault, SPOILT
 from lta_vlc.receiver import BeaconReceiver
 from lta_vlc.settings import DemodulationSettings
 import numpy as np

@@ -68,9 +68,9 @@ AREAS: Final = {
     ),
     'vlc': Area(
         'src',
-        ('lta_vlc/lta_vlc/bearing.py', 'lta_vlc/lta_vlc/[df]*.py', 'lta_vlc/lta_vlc/lamp*.py',
-         'lta_vlc/lta_vlc/se*.py',
-         'lta_vlc/lta_vlc/spectral/[!_]*.py', 'lta_vlc/lta_vlc/tracker.py',
+        ('lta_vlc/lta_vlc/bearing.py', 'lta_vlc/lta_vlc/d*.py', 'lta_vlc/lta_vlc/lamp.py',
+         'lta_vlc/lta_vlc/receiver.py', 'lta_vlc/lta_vlc/settings.py',
+         'lta_vlc/lta_vlc/spectral/[!_]*.py',
          'lta_model/lta_model/light/modulation.py'),
         'test/unit/vlc',
         ('test/unit/vlc/test_lamp.py',),

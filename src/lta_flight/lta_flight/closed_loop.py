@@ -37,8 +37,7 @@ from lta_sim.world import World
 from lta_vlc.bearing import Bearing, estimate_bearing
 from lta_vlc.demodulation import DemodulatedBlock, Peaks
 from lta_vlc.diodes import build_diode_array
-from lta_vlc.direction import Direction
-from lta_vlc.gain_tracking import build_direction_finder
+from lta_vlc.direction import Direction, DirectionFinder
 from lta_vlc.lamp import estimate_lamp_position, LampEstimate
 from lta_vlc.receiver import BeaconReceiver
 import numpy as np
@@ -139,7 +138,7 @@ class ClosedLoop:
         self._aboard = PowerSystem.from_entry(vehicle.file.energy)
         diodes = build_diode_array(vehicle.file.sensors.diodes)
         self._ring = diodes.ring
-        self._finder = build_direction_finder(diodes, learns=policy.demodulation.learn_gains)
+        self._finder = DirectionFinder(diodes, learns=policy.demodulation.learn_gains)
         self._axes = round_axes(self._ring)
         self._listener = BeaconReceiver(
             policy.demodulation,

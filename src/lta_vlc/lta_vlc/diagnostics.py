@@ -4,9 +4,8 @@ from collections.abc import Iterator
 import math
 
 from lta_graph.health import HealthFact, HealthLevel
-from lta_vlc.demodulation import DemodulatedBlock
-from lta_vlc.faults import DiodeFault
-from lta_vlc.tracker import BeaconPresence
+from lta_vlc.demodulation import DemodulatedBlock, DiodeFault
+from lta_vlc.receiver import BeaconPresence
 
 WANTED = 'light'  # diagnostics task of the wanted beacon
 

@@ -2,9 +2,14 @@
 
 import math
 
-from lta_vlc.faults import detect_sample_faults, detect_tone_faults, DiodeFault, FAULTS, SPOILT
-from lta_vlc.spectral.samples import center_samples, SampleStatistics
-from lta_vlc.spectral.spectrum_scan import scan_spectrum, SpectrumScan
+from lta_vlc.demodulation import (
+    detect_sample_faults,
+    detect_tone_faults,
+    DiodeFault,
+    FAULTS,
+    SPOILT,
+)
+from lta_vlc.spectral.spectrum import center_samples, SampleStatistics, scan_spectrum, SpectrumScan
 import numpy as np
 import pytest
 

@@ -10,8 +10,7 @@ from lta_bridge.teensy.light_board import LightBlock, LightBoard, LightPeaks
 from lta_bridge.teensy.reader import BoardReader
 from lta_config.schema.vehicle_diodes import PhotodiodesBlock
 from lta_config.topics import AdcBlockShape
-from lta_vlc.demodulation import demodulate_block
-from lta_vlc.faults import SPOILT
+from lta_vlc.demodulation import demodulate_block, SPOILT
 from lta_vlc.spectral.bins import BeaconBins
 import numpy as np
 

@@ -42,7 +42,7 @@ from lta_sim.termination import (
     GoalProgress,
     LIFT_OFF,
 )
-from lta_vlc.direction import PART
+from lta_vlc.direction import RAYLEIGH_SHARE
 from lta_vlc.direction_fit import DirectionFit
 
 State = tuple[float, ...]
@@ -192,7 +192,7 @@ def initial_tally(constants: FlightConstants) -> FlightTally:
 
 def amplitude_error(amplitude: float, snr: float) -> float:
     """Return the standard deviation of a reading due to noise, as `lta_vlc.direction`. [counts]"""
-    return PART * amplitude / snr if snr > 0.0 else math.inf
+    return RAYLEIGH_SHARE * amplitude / snr if snr > 0.0 else math.inf
 
 
 def is_lamp_detected(snrs: tuple[float, ...], threshold: float) -> bool:
