@@ -57,7 +57,7 @@ AREAS: Final = {
     'effects': Area(
         'src',
         ('lta_model/lta_model/effects/[!_]*.py', 'lta_model/lta_model/rigid_body.py',
-         'lta_model/lta_model/mass_matrix.py', 'lta_model/lta_model/hull.py',
+         'lta_model/lta_model/mass_properties.py',
          'lta_model/lta_model/rotor_forces.py',
          'lta_sim/lta_sim/supply_step.py'),
         'test/unit/sim',
@@ -71,7 +71,7 @@ AREAS: Final = {
         ('lta_vlc/lta_vlc/bearing.py', 'lta_vlc/lta_vlc/d*.py', 'lta_vlc/lta_vlc/lamp.py',
          'lta_vlc/lta_vlc/receiver.py', 'lta_vlc/lta_vlc/settings.py',
          'lta_vlc/lta_vlc/spectral/[!_]*.py',
-         'lta_model/lta_model/light/modulation.py'),
+         'lta_model/lta_model/light/lamp.py'),
         'test/unit/vlc',
         ('test/unit/vlc/test_lamp.py',),
         compiled=True,

@@ -61,7 +61,7 @@ EQUAL: Final[dict[Line, str]] = {
         'return (values[ -1] - delay,)',
     ): '`values` has one element here, the time of the pose: its first is its last.',
     (
-        'src/lta_model/lta_model/light/modulation.py',
+        'src/lta_model/lta_model/light/lamp.py',
         'phase: float = 0.0',
         'phase: float = -1.0',
     ): 'A phase is a part of a cycle: a whole cycle earlier the wave is the same.',

@@ -4,9 +4,9 @@ from itertools import pairwise
 import math
 
 from lta_config.errors import BadInput
+from lta_model.effect_parameters import build_strips, DragBox
 from lta_model.effects.drag import STRIP_DAMPING, STRIPS
 from lta_model.effects.weight import MOVING_MASS
-from lta_model.strip_geometry import build_strips, DragBox
 import numpy as np
 import pytest
 from scipy.integrate import quad

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from lta_config.errors import BadInput
 from lta_model.effects.air import GUSTS, TURBULENCE, WIND_GRADIENT, WIND_PROFILE
 from lta_model.effects.protocol import AirEffectInput
-from lta_model.military_turbulence import low_altitude_turbulence, sheared_turbulence
+from lta_model.scenario_air import low_altitude_turbulence, sheared_turbulence
 import numpy as np
 import pytest
 from scipy.integrate import quad

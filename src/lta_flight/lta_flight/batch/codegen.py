@@ -26,7 +26,7 @@ from lta_flight.batch.flight_step import (
 from lta_flight.batch.kernel_access import VehicleAccess
 from lta_flight.batch.targets import BatchSchedule, CompileTarget, MODEL
 from lta_model.effects import initial_memory, MODEL_EFFECTS
-from lta_model.light.ray_bundles import DAY, LAMPS, scratch_size
+from lta_model.light.ray_integration import DAYLIGHT_ROW, LAMP_ROWS, scratch_size
 from lta_model.state import RIGID
 from lta_sim.compiled_sensors import draw_turbulence_memory
 from lta_sim.kernels.compose import KernelTarget, render_kernel_source
@@ -87,7 +87,7 @@ def build_source(
         fly=name,
         work=extract.add_named_tuple(WorkArrays),
         diodes=diodes,
-        rows=LAMPS + lamps,
+        rows=LAMP_ROWS + lamps,
         pencils=scratch_size(lamps),
         constants=constants.render_expression('constants[i]'),
     )
@@ -154,7 +154,7 @@ def _write_diode_functions(diodes: int, extract: SourceExtract) -> tuple[str, st
     lines = [
         # One scalar variable per diode, because GPU code has no dynamic arrays
         f'a_{k}, s_{k} = {sample}('
-        f'link, lamp, {k}, lights, lights[{DAY}, {k}] - before[{k}], seed, step)'
+        f'link, lamp, {k}, lights, lights[{DAYLIGHT_ROW}, {k}] - before[{k}], seed, step)'
         for k in range(diodes)
     ]
     readings = (
@@ -163,7 +163,7 @@ def _write_diode_functions(diodes: int, extract: SourceExtract) -> tuple[str, st
         format_tuple(f'{error}(a_{k}, s_{k})' for k in range(diodes)),
     )
     lines.append(f'return {", ".join(readings)}')
-    daylight = format_tuple(f'lights[{DAY}, {k}]' for k in range(diodes))
+    daylight = format_tuple(f'lights[{DAYLIGHT_ROW}, {k}]' for k in range(diodes))
     return (
         f'def read_diodes(link, lamp, lights, before, seed, step):\n{indent_lines(lines)}',
         f'def daylight_of(lights):\n    return {daylight}',

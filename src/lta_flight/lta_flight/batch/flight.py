@@ -21,12 +21,12 @@ from lta_flight.batch.constants_and_tally import (
     Vector,
 )
 from lta_model.electrical.charger import PowerFlow
-from lta_model.light.lambertian import direct_light
-from lta_model.light.panel_light import daylight_on_panel, lamp_light_on_panel
+from lta_model.light.direct_light import direct_light
+from lta_model.light.readings import daylight_on_panel, lamp_light_on_panel
 from lta_model.light.scene_geometry import daylight_illuminance, is_in_room
+from lta_model.model import has_diverged
 from lta_model.sensors.imu import specific_force_at
 from lta_model.state import RIGID
-from lta_model.stiffness import has_diverged
 from lta_sim.compiled_sensors import (
     SensorErrors,
     simulate_imu_reading,

@@ -6,7 +6,7 @@ from typing import final
 
 from lta_config.compilation.compiler import ENTRY, INLINE
 from lta_control import allocation
-from lta_model.stiffness import STEP_NS
+from lta_model.model import STEP_NS
 from lta_sim.kernels.gpu import STATES
 from lta_vlc.reading_model import FIT_SCRATCH
 

@@ -30,8 +30,7 @@ from lta_graph.ros.stamps import from_stamp, to_stamp
 from lta_graph.ros.startup import wait_until_complete, wait_until_settled
 from lta_graph.ros.transforms import from_start
 from lta_model import messages
-from lta_model.scenario import load_scenario
-from lta_model.start_offset import offset_start
+from lta_model.scenario import load_scenario, offset_start
 from lta_model.vehicle import load_vehicle
 from lta_sim.readings import FlightOutcome, SensorReadings
 from lta_sim.simulator_settings import DEFAULT, DESCRIPTION, SimulatorSettings

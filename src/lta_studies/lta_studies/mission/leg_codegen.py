@@ -16,7 +16,7 @@ from lta_control.strategies.homing import STRATEGY
 from lta_flight.batch.codegen import build_kernel, write_flight_source
 from lta_flight.batch.flight_step import WorkArrays
 from lta_flight.batch.targets import BatchSchedule, CPU, SCRATCH, STEP
-from lta_model.light.ray_bundles import LAMPS, scratch_size
+from lta_model.light.ray_integration import LAMP_ROWS, scratch_size
 from lta_studies.mission.leg_state import fly_leg
 
 COARSE = 2  # steps of the full loop per step here; a Runge-Kutta step of 5 ms is as accurate
@@ -70,7 +70,7 @@ def generate_leg_source(
     kernel = build_kernel(names, diodes, closed=True)
     extract = SourceExtract(kernel=kernel, strategy=STRATEGY, schedule=coarse_schedule(schedule))
     name, work = extract.add_function(fly_leg, PREFIX), extract.add_named_tuple(WorkArrays)
-    light = f'np.empty(({LAMPS + 1}, {diodes}))'
+    light = f'np.empty(({LAMP_ROWS + 1}, {diodes}))'
     lines = [
         ENTRY.replace('cache=True', 'nogil=True, cache=True'),
         'def fly_leg(fixed, c, g, m, seed):',
