@@ -14,7 +14,7 @@ from typing import final
 from lta_config.compilation.compiler import compile_functions
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.settings import setting, Settings
-from lta_model.measurement_chain import apply_chain, Chain
+from lta_model.measurement_chain import apply_chain, Chain, round_to_step
 from lta_model.rigid_body import rotation_matrix
 import numpy as np
 from numpy.random import Generator
@@ -140,34 +140,31 @@ def imu_specific_force(
     )
 
 
-def measure_imu(
-    errors: ImuErrors, force: Vector, rates: Vector, rng: Generator
-) -> tuple[Vector, Vector]:
-    """
-    Return one sample of specific force [m/s^2] and angular rate [rad/s] from the true values.
-
-    At the sensor, in the body frame; rounded to counts, clipped at full scale.
-    """
-    chance = rng.standard_normal(6)
-    _apply_errors((*force, *rates), _pack_errors(errors), chance)
-    x, y, z, a, b, c = chance.tolist()
-    return (x, y, z), (a, b, c)
+def read_axis(
+    truth: float, normal: float, gain: float, offset: float, noise: float, step: float, end: float
+) -> float:
+    """Return the reading of one axis, rounded to counts and then clipped at full scale."""
+    return min(max(round_to_step(gain * truth + offset + noise * normal, step), -end), end)
 
 
-def _pack_errors(errors: ImuErrors) -> Array:
+def pack_errors(errors: ImuErrors) -> Array:
     """Return the errors as an array for compiled code, a row for each kind."""
     kinds = (errors.gain, errors.offset, errors.noise, errors.step, errors.full_scale)
     return np.array(kinds)
 
 
-def _apply_errors(truth: Sequence[float] | Array, errors: Array, chance: Array) -> None:
+def apply_errors(truth: Sequence[float] | Array, errors: Array, chance: Array) -> None:
     """Replace the normal deviates in `chance` by readings of the truth."""
     for i in range(6):
-        step, end = errors[3, i], errors[4, i]
-        raw = errors[0, i] * truth[i] + errors[1, i] + errors[2, i] * chance[i]
-        # Quantise first, then saturate
-        value = round(raw / step) * step
-        chance[i] = end if value > end else -end if value < -end else value
+        chance[i] = read_axis(
+            truth[i],
+            chance[i],
+            errors[0, i],
+            errors[1, i],
+            errors[2, i],
+            errors[3, i],
+            errors[4, i],
+        )
 
 
 def specific_force_at(
@@ -201,7 +198,7 @@ def _write_reading(
 ) -> None:
     """Write the truth and apply the errors, where no effect comes between them."""
     _write_truth(state, rate, place, truth)
-    _apply_errors(truth, errors, chance)
+    apply_errors(truth, errors, chance)
 
 
 @final
@@ -231,11 +228,11 @@ class Imu:
         on_force: Chain = (),
         on_rates: Chain = (),
     ) -> None:
-        self._errors, self._rng = _pack_errors(errors), rng
+        self._errors, self._rng = pack_errors(errors), rng
         self._place, self._truth = np.array([*position, gravity]), np.empty(6)
         self._on_force, self._on_rates = on_force, on_rates
         self._feel, self._tell, self._sample = compile_functions(
-            _write_truth, _apply_errors, _write_reading
+            _write_truth, apply_errors, _write_reading
         )
 
     def prepare(self, state: Array, rate: Array) -> None:

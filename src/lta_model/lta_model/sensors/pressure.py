@@ -11,7 +11,7 @@ from typing import final
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.settings import setting, Settings
-from lta_model.measurement_chain import apply_chain, Chain
+from lta_model.measurement_chain import apply_chain, Chain, round_to_step
 from numpy.random import Generator
 
 # ICAO standard atmosphere (Doc 7488) below 11 km.
@@ -73,6 +73,13 @@ def air_pressure(floor: float, height: float) -> float:
     return floor * float((1.0 - LAPSE * height / SEA_TEMPERATURE) ** EXPONENT)
 
 
+def read_pressure(
+    truth: float, offset: float, drift: float, noise: float, resolution: float
+) -> float:
+    """Return the reading of a pressure with its errors, rounded to counts; all in Pa."""
+    return round_to_step(truth + offset + drift + noise, resolution)
+
+
 def measure_pressure(
     settings: PressureSettings,
     errors: PressureErrors,
@@ -86,5 +93,4 @@ def measure_pressure(
     if chain:
         truth = apply_chain(chain, (truth,), elapsed)[0]
     noise = settings.noise * float(rng.standard_normal())
-    reading = truth + errors.offset + errors.drift * elapsed + noise
-    return round(reading / settings.resolution) * settings.resolution
+    return read_pressure(truth, errors.offset, errors.drift * elapsed, noise, settings.resolution)

@@ -12,7 +12,7 @@ import math
 from typing import final
 
 from lta_config.settings import setting, Settings
-from lta_model.measurement_chain import apply_chain, Chain
+from lta_model.measurement_chain import apply_chain, Chain, round_to_step
 from lta_model.rigid_body import rotation_matrix
 from numpy.random import Generator
 
@@ -74,6 +74,25 @@ def height_and_tilt(state: Sequence[float], position: Vector) -> tuple[float, fl
     return state[2] + (a * position[0] + b * position[1] + c * position[2]), c
 
 
+def slant_range(height: float, up: float, maximum: float) -> float:
+    """Return the length of the one ray; infinite if it looks up or is beyond the reach. [m]"""
+    if up <= 0.0 or height > maximum * up:
+        return math.inf
+    return max(height, 0.0) / up
+
+
+def read_range(
+    distance: float, offset: float, noise: float, minimum: float, maximum: float
+) -> float:
+    """Return a distance with its errors, in whole mm; +-Inf beyond the limits (REP-117). [m]"""
+    reading = distance + offset + noise
+    if reading > maximum:
+        return math.inf
+    if reading < minimum:
+        return -math.inf
+    return round_to_step(reading, RESOLUTION)
+
+
 def measure_range(
     settings: RangeSettings,
     errors: RangeErrors,
@@ -91,17 +110,10 @@ def measure_range(
     the reading, not whether there is a return.
     """
     chance = float(rng.standard_normal())
-    # Looking up, or the slant range height / up is beyond the reach
-    if up <= 0.0 or height > settings.maximum * up:
-        return math.inf
-    # Slant range of a single ray
-    distance = max(height, 0.0) / up
+    distance = slant_range(height, up, settings.maximum)
+    if distance == math.inf:
+        return distance
     noise = noise_deviation(settings.noise, distance) * chance
     if chain:
         distance = apply_chain(chain, (distance,), elapsed)[0]
-    reading = distance + errors.offset + noise
-    if reading > settings.maximum:
-        return math.inf
-    if reading < settings.minimum:
-        return -math.inf
-    return round(reading / RESOLUTION) * RESOLUTION
+    return read_range(distance, errors.offset, noise, settings.minimum, settings.maximum)
