@@ -1,7 +1,6 @@
 """The topic table, the nodes, the launch files and the parameters say one and the same."""
 
 import ast
-from importlib import import_module
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -405,11 +404,6 @@ def test_a_setting_beyond_its_bounds_is_refused(model):
         with pytest.raises(ValueError, match=last):
             model.model_validate(tree)
     assert issubclass(model, Settings)
-
-
-def test_the_page_of_topics_is_fresh():
-    page = import_module('lta_config.topics_page')
-    assert (ROOT / 'docs/topics.md').read_text(encoding='utf-8') == page.render_page(TABLE)
 
 
 @pytest.mark.parametrize('name', ['this_machine.xml', 'network.xml'])

@@ -9,11 +9,12 @@ from lta_config.files import (
     FOLDERS,
     list_shipped_names,
     load_yaml,
+    SchemaVersion,
     StrictModel,
     validate_content,
 )
 from lta_config.quantity import Quantity, si_quantity
-from pydantic import AliasChoices, Field, model_validator
+from pydantic import Field, model_validator
 
 MOTORS = ('m1', 'm2', 'm3', 'm4')
 BESIDE = '.crazyflie.yaml'  # replaces the suffix of the vehicle file
@@ -67,7 +68,7 @@ class CrazyflieFile(StrictModel):
     `parameters` excludes `REQUIRED`; `expected` includes it.
     """
 
-    schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
+    schema_version: SchemaVersion
     vehicle: str
     command: Literal['setpoint', 'motors']
     motors: Mapping[str, str]

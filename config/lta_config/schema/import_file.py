@@ -8,11 +8,17 @@ nothing is smoothed, resampled or invented.
 import math
 from typing import Annotated, Literal, Self
 
-from lta_config.files import find_file, load_file, StrictModel
+from lta_config.files import (
+    check_exactly_one,
+    find_file,
+    load_file,
+    Name,
+    SchemaVersion,
+    StrictModel,
+)
 from lta_config.quantity import Quantity, UNITS
-from pydantic import AliasChoices, ConfigDict, Field, field_validator, model_validator
+from pydantic import ConfigDict, Field, field_validator, model_validator
 
-Name = Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
 Column = Annotated[str, Field(min_length=1)]
 Format = Literal['csv', 'usd', 'ulog', 'bag', 'mat', 'numpy', 'parquet', 'dataflash', 'folder']
 # Formats whose tables have no time of their own
@@ -101,8 +107,7 @@ class ScalarField(_InUnit):
 
     @model_validator(mode='after')
     def _check_source(self) -> Self:
-        if (self.column is None) == (self.value is None):
-            raise ValueError('needs exactly one of "column" and "value"')
+        check_exactly_one(self, 'column', 'value')
         return self
 
 
@@ -131,8 +136,7 @@ class VectorField(_InUnit):
 
     @model_validator(mode='after')
     def _check_source(self) -> Self:
-        if (self.columns is None) == (self.value is None):
-            raise ValueError('needs exactly one of "columns" and "value"')
+        check_exactly_one(self, 'columns', 'value')
         if self.columns == [None, None, None]:
             raise ValueError('has no column at all; give one, or leave the vector out')
         if self.value is not None and len(self.value.vector) != 3:
@@ -164,10 +168,7 @@ class OrientationField(StrictModel):
 
     @model_validator(mode='after')
     def _check_form(self) -> Self:
-        if len([form for form in self.forms if form is not None]) != 1:
-            raise ValueError(
-                'needs exactly one of "quaternion", "euler", "rotation_vector" and "matrix"'
-            )
+        check_exactly_one(self, 'quaternion', 'euler', 'rotation_vector', 'matrix')
         if self.euler is None:
             return self
         if len(self.euler) != len(self.sequence):
@@ -257,8 +258,7 @@ class TimeColumn(StrictModel):
 
     @model_validator(mode='after')
     def _check_source(self) -> Self:
-        if [self.column, self.rate, self.step].count(None) != 2:
-            raise ValueError('needs exactly one of "column", "rate" and "step"')
+        check_exactly_one(self, 'column', 'rate', 'step')
         if self.align is not None and self.start is not None:
             raise ValueError('has both "align" and "start"; give one of them')
         if UNITS.get(self.unit, ('', 0.0))[0] != 's':
@@ -373,7 +373,7 @@ class TextFormat(StrictModel):
 class ImportMapping(_WithAxes):
     """A mapping file."""
 
-    schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
+    schema_version: SchemaVersion
     name: Name
     about: str
     format: Format

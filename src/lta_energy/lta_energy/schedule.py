@@ -9,7 +9,7 @@ from collections.abc import Callable
 import math
 from typing import NamedTuple
 
-from lta_config.schema.light_day_file import DAY
+from lta_config.schema.mission_file import DAY
 from lta_energy.circuit import ChargeGauge
 from lta_energy.irradiance import IrradianceSeries, PanelIrradiance
 from lta_model.electrical.battery import BatteryModel, stored_energy

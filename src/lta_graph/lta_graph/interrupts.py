@@ -47,7 +47,7 @@ def _explain_failed_start(
 ) -> None:
     """Report an error that nothing has caught, as `sys.excepthook`."""
     # Not above: Ctrl-C during that import would come too early to be guarded
-    from lta_config.process_limits import describe_shortage
+    from lta_config.limits import describe_shortage
 
     shortage = describe_shortage(error)
     if shortage is None:

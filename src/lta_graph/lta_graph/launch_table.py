@@ -11,10 +11,9 @@ from dataclasses import dataclass, replace
 from typing import Any, final, get_args
 
 from lta_config.errors import BadInput, unknown_name_error
-from lta_config.files import find_file
+from lta_config.files import find_file, format_error
 from lta_config.python_file import run_python_file
 from lta_config.settings import Settings
-from lta_config.validation_errors import format_error
 from lta_graph.launch_plan import LaunchPlan, LaunchProcess
 from pydantic import ValidationError
 

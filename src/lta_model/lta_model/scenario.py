@@ -9,11 +9,18 @@ Map frame: origin on the floor at the centre of the room, ENU, z up.
 from collections.abc import Mapping
 import math
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple, Self
+from typing import Annotated, Any, NamedTuple, Self
 
 from lta_config.course import Course
 from lta_config.errors import BadInput
-from lta_config.files import find_file, load_yaml, StrictModel, validate_content
+from lta_config.files import (
+    find_file,
+    load_yaml,
+    Name,
+    SchemaVersion,
+    StrictModel,
+    validate_content,
+)
 from lta_config.quantity import Quantity, si_quantity
 from lta_model.light.field import LightField
 from lta_model.scenario_air import ScenarioAir
@@ -24,7 +31,7 @@ from lta_model.scenario_light import (
     OutsideScene,
     RoomShape,
 )
-from pydantic import AliasChoices, Field, model_validator, ValidationError
+from pydantic import Field, model_validator, ValidationError
 
 When = Annotated[Quantity, si_quantity('s', low=0.0, high=86400.0)]
 
@@ -67,7 +74,6 @@ def is_cut_off(faults: FaultTimes, before: float, elapsed: float) -> bool:
 
 
 Fraction = Annotated[Quantity, si_quantity('1', low=0.0, high=1.0)]
-Name = Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
 NOT_HELD = Quantity(value=0.0, unit='s')
 # Scenes with one lamp are flown up to 0.5 m below it, and altitude is held to 0.1 m; half a hull
 # of 1 m on top makes 1 m. Scenes that are flown higher above their lamps say so.
@@ -105,8 +111,8 @@ class Scenario(StrictModel):
     its lamps in turn, by name.
     """
 
-    schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
-    name: Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
+    schema_version: SchemaVersion
+    name: Name
     about: str
     room: RoomShape
     air: ScenarioAir

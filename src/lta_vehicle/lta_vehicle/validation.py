@@ -12,9 +12,8 @@ from typing import Final, final, NamedTuple
 
 from lta_config.constants import AIR_DENSITY
 from lta_config.errors import BadInput
-from lta_config.files import find_file, FOLDERS, list_shipped_names
+from lta_config.files import find_file, FOLDERS, format_errors, list_shipped_names
 from lta_config.schema.vehicle_file import load_vehicle_content, VehicleFile
-from lta_config.validation_errors import format_errors
 from lta_model import effect_parameters, mass_properties, propulsion
 from lta_model.model import STEP_NS
 from lta_model.vehicle import load_vehicle, Vehicle

@@ -5,7 +5,7 @@ from functools import partial
 from itertools import pairwise
 import math
 
-from lta_config.schema.light_day_file import DAY, load_light_day
+from lta_config.schema.mission_file import DAY, load_light_day
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_energy import mission
 from lta_energy.circuit import ChargeGauge, NO_ENERGY, step_circuit

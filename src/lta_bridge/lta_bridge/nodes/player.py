@@ -24,7 +24,7 @@ from lta_bridge.playback.playback_clock import PlaybackClock
 from lta_bridge.playback.recording import open_recording
 from lta_bridge.playback.settings import check_playback, FOREVER, PlayerSettings
 from lta_config.errors import BadInput
-from lta_config.process_limits import limit_memory
+from lta_config.limits import limit_memory
 from lta_graph.health import HealthLevel
 from lta_graph.quality import select_quality
 from lta_graph.ros.node import GraphNode, WHOLE

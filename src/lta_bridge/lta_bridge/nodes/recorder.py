@@ -26,10 +26,9 @@ from lta_bridge.playback.recording import open_recording
 from lta_bridge.provenance import merge_provenance
 from lta_bridge.recorder_settings import RecorderSettings, RobotOrigin
 from lta_config.errors import BadInput
-from lta_config.process_limits import limit_memory
+from lta_config.limits import limit_memory
 from lta_config.settings import setting, Settings
-from lta_config.topic_selection import EVERYTHING, select_topics
-from lta_config.topics import is_name
+from lta_config.topics import EVERYTHING, is_name, select_topics
 from lta_graph.health import HealthLevel
 from lta_graph.interrupts import hold_interrupts
 from lta_graph.ros.node import GraphNode

@@ -12,7 +12,7 @@ import traceback
 from typing import Final, NoReturn
 
 from lta_config.errors import BadInput
-from lta_config.process_limits import describe_shortage
+from lta_config.limits import describe_shortage
 from lta_graph.health import HealthLevel
 from lta_graph.interrupts import catch_stops
 from lta_graph.process_exit import exit_process

@@ -18,7 +18,7 @@ import time
 
 from builtin_interfaces.msg import Time
 from lta_config.errors import unknown_name_error
-from lta_config.topic_selection import is_selected
+from lta_config.topics import is_selected
 from lta_graph.health import HealthLevel
 from lta_graph.inbox import InboxStep
 from lta_graph.reach import describe_reach

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from typing import Final, final
 
 from lta_config.constants import AIR_TEMPERATURE, STANDARD_GRAVITY
-from lta_config.schema.light_day_file import DAY
+from lta_config.schema.mission_file import DAY
 from lta_energy.irradiance import IrradianceSeries, MINUTE, MINUTES
 from lta_model.effects.gas import IN_SUN
 from lta_model.vehicle import Vehicle

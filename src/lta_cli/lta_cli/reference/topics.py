@@ -1,16 +1,14 @@
 """
-Write the topic table as a page: `python -m lta_config.topics_page > docs/topics.md`.
+Write the topic table as a page: `python -m lta_cli.reference topics > docs/topics.md`.
 
 A test checks that the page in docs/ is up to date.
 """
 
-import sys
-
-from lta_config.topics import load_topic_table, TopicTable
+from lta_config.topics import load_topic_table
 
 HEAD = """# Topics
 
-Generated from `config/topics.yaml` by `python -m lta_config.topics_page > docs/topics.md`.
+Generated from `config/topics.yaml` by `python -m lta_cli.reference topics > docs/topics.md`.
 
 Names are relative to the robot's namespace (default `lta1`), except those with a leading slash.
 Units and axes follow REP-103: ENU world, FLU body. "After" is the time from a message's stamp to
@@ -32,8 +30,9 @@ def format_milliseconds(nanoseconds: int) -> str:
     return f'{nanoseconds / 1e6:g} ms' if nanoseconds else ''
 
 
-def render_page(table: TopicTable) -> str:
+def render_page() -> str:
     """Return the page, with one row per topic."""
+    table = load_topic_table()
     rows = []
     for name, topic in table.topics.items():
         # A lag of control periods is appended to the role, as in 'controller *+1*'
@@ -55,7 +54,3 @@ def render_page(table: TopicTable) -> str:
     # kS/s
     rate = table.light.sample_rate.si / 1e3
     return HEAD.format(samples=table.light.samples, rate=rate) + ''.join(rows)
-
-
-if __name__ == '__main__':
-    sys.stdout.write(render_page(load_topic_table()))
