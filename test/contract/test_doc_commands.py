@@ -6,7 +6,7 @@ import re
 from doc_blocks import blocks, PAGES, pieces, ROOT, run, settings_spoken, simple, spoken, stage
 from lta_cli.app import build_app, join_verb, repeat_options
 from lta_config.files import list_shipped_names
-from lta_graph.launch_table import find_launch, SUFFIX
+from lta_graph.launch_plan import find_launch, SUFFIX
 import pytest
 from typer.main import get_command
 

@@ -16,8 +16,7 @@ from lta_graph.launch_arguments import (
     FlyArguments,
     PacedArguments,
 )
-from lta_graph.launch_plan import LaunchProcess, Parameter
-from lta_graph.launch_table import Launch
+from lta_graph.launch_plan import Launch, LaunchProcess, Parameter
 from pydantic import create_model
 
 LANDING_GRACE = 23.0  # s from SIGINT to SIGTERM: a real drone lands first, which is recorded

@@ -19,8 +19,7 @@ from lta_flight.flight_run import EXIT_STATUSES
 from lta_flight.graph import list_bags, run_graph
 from lta_flight.preflight import check_plan
 from lta_flight.report.page import write_page
-from lta_graph.launch_plan import LaunchPlan
-from lta_graph.launch_table import find_launch, Launch, parse_arguments, SUFFIX
+from lta_graph.launch_plan import find_launch, Launch, LaunchPlan, parse_arguments, SUFFIX
 from lta_report.results_folder import format_page_line
 from rich.table import Table
 import typer

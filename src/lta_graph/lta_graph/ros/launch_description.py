@@ -19,8 +19,7 @@ from launch.events.process import ProcessExited
 from launch_ros.actions import Node
 from lta_config.errors import BadInput
 from lta_graph.child_process import signal_name
-from lta_graph.launch_plan import LaunchProcess
-from lta_graph.launch_table import Launch
+from lta_graph.launch_plan import Launch, LaunchProcess
 
 CHECKS = 'lta.launch_checks'  # entry points: functions that take a LaunchPlan and raise BadInput
 # Nodes end with `ros2 launch`, however it ends, and Ctrl-C waits until Python has started, which

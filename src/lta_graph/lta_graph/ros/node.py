@@ -15,8 +15,7 @@ from typing import Any, Literal
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from lta_config.settings import setting, Settings
 from lta_config.topics import load_topic_table
-from lta_graph.health import Health, HealthLevel
-from lta_graph.health_log import HealthLog
+from lta_graph.health import Health, HealthLevel, HealthLog
 from lta_graph.inbox import Inbox, InboxStep
 from lta_graph.ros.contained_node import ContainedNode
 from lta_graph.ros.message_validation import find_message_type, MESSAGES, MessageValidator

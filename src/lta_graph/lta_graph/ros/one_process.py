@@ -24,13 +24,12 @@ from lta_config.errors import BadInput
 from lta_config.files import share_folder
 from lta_graph.health import ENDS_RUN, HealthLevel
 from lta_graph.interrupts import catch_stops
-from lta_graph.launch_plan import LaunchProcess
-from lta_graph.launch_table import find_launch, parse_arguments
+from lta_graph.launch_plan import find_launch, LaunchProcess, parse_arguments
 from lta_graph.reach import PROFILE
 from lta_graph.ros.command_line import initialize_ros, reject_unknown_parameters
 from lta_graph.ros.contained_node import give_arguments
-from lta_graph.ros.help.node_help import asks_for_help
 from lta_graph.ros.node import GraphNode
+from lta_graph.ros.node_help import asks_for_help
 from lta_graph.ros.process import (
     describe_crash,
     finish_waiting_events,
