@@ -141,8 +141,8 @@ def load_topic_table() -> TopicTable:
     return load_file(TopicTable, share_folder() / 'topics.yaml')
 
 
-EVERYTHING = 'all'
-ROS_OWN: Mapping[str, str] = {  # topics that every ROS node has, and their types
+ALL_TOPICS = 'all'
+ROS_TOPICS: Mapping[str, str] = {  # topics that every ROS node has, and their types
     '/parameter_events': 'rcl_interfaces/msg/ParameterEvent',
     '/rosout': 'rcl_interfaces/msg/Log',
 }
@@ -172,7 +172,7 @@ def is_selected(words: str, robot: str, name: str, topic: Topic) -> bool:
     chosen = words.split()
     if not chosen:
         return topic.recorded
-    return chosen == [EVERYTHING] or name in chosen or absolute_topic(robot, name) in chosen
+    return chosen == [ALL_TOPICS] or name in chosen or absolute_topic(robot, name) in chosen
 
 
 def select_topics(words: str, robots: Sequence[str], table: TopicTable) -> dict[str, str]:
@@ -185,12 +185,12 @@ def select_topics(words: str, robots: Sequence[str], table: TopicTable) -> dict[
     """
     rows = [(robot, *row) for robot in robots for row in table.topics.items()]
     named = {absolute_topic(robot, name): topic.type for robot, name, topic in rows} | dict(
-        ROS_OWN
+        ROS_TOPICS
     )
-    for word in words.split() if words.split() != [EVERYTHING] else []:
+    for word in words.split() if words.split() != [ALL_TOPICS] else []:
         if word not in named and word not in table.topics:
-            raise unknown_name_error('topic', word, [*table.topics, *ROS_OWN, EVERYTHING])
+            raise unknown_name_error('topic', word, [*table.topics, *ROS_TOPICS, ALL_TOPICS])
     topics = [absolute_topic(row[0], row[1]) for row in rows if is_selected(words, *row)]
     # With 'all' these are discovered on the graph, like any other topic
-    topics += [name for name in ROS_OWN if name in words.split()]
+    topics += [name for name in ROS_TOPICS if name in words.split()]
     return {name: named[name] for name in topics}

@@ -137,7 +137,7 @@ def test_an_effect_with_the_test_of_its_tutorial(tmp_path, titled, plain):
     more = {'NUMBA_DISABLE_JIT': plain}
     folder = with_copy(tmp_path, 'lta_model') / 'effects'
     source = 'src/lta_model/lta_model/effects'
-    surfaces, before = folder / 'surfaces.py', 'BELOW = '
+    surfaces, before = folder / 'surfaces.py', 'NO_FLOOR = '
     text, rope = surfaces.read_text(encoding='utf-8'), titled[f'{source}/surfaces.py', 'above']
     assert text.count(f'\n{before}') == 1
     surfaces.write_text(text.replace(f'\n{before}', f'\n{rope}{before}'), encoding='utf-8')

@@ -16,7 +16,7 @@ from lta_config.quantity import format_quantity, Quantity, si_quantity
 from pydantic import AliasChoices, Field, model_validator
 
 # Unit of the tolerance band, by what is judged
-BAND = {'altitude': 'm', 'heading': 'rad', 'speed': 'm/s'}
+BAND_UNITS = {'altitude': 'm', 'heading': 'rad', 'speed': 'm/s'}
 
 
 class ManeuverRow(StrictModel):
@@ -58,7 +58,7 @@ class ManeuverFile(StrictModel):
                 f'has "from" at {self.judged_from.si:g} s and "until" at {self.until.si:g} s; '
                 '"until" must be later'
             )
-        unit = BAND[self.judge]
+        unit = BAND_UNITS[self.judge]
         if self.band.si <= 0.0 or self.band.dimension != unit:
             raise ValueError(
                 f'has a tolerance band of {format_quantity(self.band)}; give one above 0 in {unit}'

@@ -17,7 +17,7 @@ from lta_config.quantity import Quantity, si_quantity
 from pydantic import Field, model_validator
 
 MOTORS = ('m1', 'm2', 'm3', 'm4')
-BESIDE = '.crazyflie.yaml'  # replaces the suffix of the vehicle file
+CRAZYFLIE_SUFFIX = '.crazyflie.yaml'  # replaces the suffix of the vehicle file
 
 
 class ExpectedParameter(StrictModel):
@@ -154,7 +154,7 @@ def find_crazyflie(vehicle: str, name: str, other: str = '') -> CrazyflieFile:
         If there is none, it cannot be read, or it is for another vehicle.
 
     """
-    beside = find_file('vehicle', vehicle).with_suffix(BESIDE)
+    beside = find_file('vehicle', vehicle).with_suffix(CRAZYFLIE_SUFFIX)
     # An explicit file has priority over the one next to the vehicle
     if other:
         return load_crazyflie(other, name)

@@ -27,7 +27,7 @@ Bound = Annotated[float, Field(ge=-math.inf, allow_inf_nan=True)]  # any number 
 Three = Annotated[list[Column], Field(min_length=3, max_length=3)]
 
 # Our x, y, z in terms of the log's. We use ENU for the world and FLU for the body
-AXES: dict[str, tuple[str, str, str]] = {
+FIELD_AXES: dict[str, tuple[str, str, str]] = {
     'ENU': ('x', 'y', 'z'),
     'FLU': ('x', 'y', 'z'),
     'NED': ('y', 'x', '-z'),
@@ -36,22 +36,22 @@ AXES: dict[str, tuple[str, str, str]] = {
     'Y_UP': ('x', '-z', 'y'),  # OptiTrack, right-handed
     'OPTICAL': ('z', '-x', '-y'),  # a camera: x right, y down, z forward; to FLU
 }
-LATEST = 2.0**31  # s; the first time after those that a ROS time stamp can hold
+LATEST_STAMP = 2.0**31  # s; the first time after those that a ROS time stamp can hold
 NANOSECOND = 1e-9  # s; the resolution of a ROS time stamp
-SIGNED = ('x', 'y', 'z', '-x', '-y', '-z')
+SIGNED_AXES = ('x', 'y', 'z', '-x', '-y', '-z')
 
 
 def _parse_axes(value: object) -> tuple[str, ...]:
     """Return axes as our x, y, z in terms of the log's."""
     if isinstance(value, str):
-        if value not in AXES:
+        if value not in FIELD_AXES:
             raise ValueError(
-                f'is "{value}", but must be one of {", ".join(AXES)}, or a list such as [x, -y, '
-                '-z]'
+                f'is "{value}", but must be one of {", ".join(FIELD_AXES)}, or a list such as '
+                '[x, -y, -z]'
             )
-        return AXES[value]
+        return FIELD_AXES[value]
     listed = tuple(value) if isinstance(value, list | tuple) else ()
-    fits = len(listed) == 3 and all(axis in SIGNED for axis in listed)
+    fits = len(listed) == 3 and all(axis in SIGNED_AXES for axis in listed)
     # The last character is the axis without its sign
     if not fits or len({str(axis)[-1] for axis in listed}) != 3:
         raise ValueError(
@@ -268,18 +268,18 @@ class TimeColumn(StrictModel):
                 raise ValueError(f'has an invalid {name}; give a positive number in {unit}')
             # Of a rate, the time between two rows
             period = None if quantity is None else quantity.si if unit == 's' else 1 / quantity.si
-            if period is not None and not NANOSECOND <= period < LATEST:
+            if period is not None and not NANOSECOND <= period < LATEST_STAMP:
                 raise ValueError(
                     f'has rows that are {period:g} s apart; give a {name} with {NANOSECOND:g} s '
-                    f'to {LATEST:g} s between two rows'
+                    f'to {LATEST_STAMP:g} s between two rows'
                 )
         if self.start is not None and self.start.dimension != 's':
             raise ValueError(
                 f'has a start in {self.start.unit}, but it must be a time, as in "1 s"'
             )
-        if self.start is not None and abs(self.start.si) >= LATEST:
+        if self.start is not None and abs(self.start.si) >= LATEST_STAMP:
             raise ValueError(
-                f'has a start at {self.start.si:g} s; a ROS time stamp is below {LATEST:g} s'
+                f'has a start at {self.start.si:g} s; a ROS time stamp is below {LATEST_STAMP:g} s'
             )
         return self
 

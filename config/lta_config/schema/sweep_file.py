@@ -24,7 +24,7 @@ from pydantic import AliasChoices, Discriminator, Field, model_validator, Tag
 
 Value = Any  # '4 g', '[0, 0, 1] m/s', {value: 4, unit: g}, 0.5, true, a name
 Values = Annotated[list[Value], Field(min_length=1, max_length=10_000)]
-CASE = 'case'  # column of the cases' names in results
+CASE_COLUMN = 'case'  # column of the cases' names in results
 
 
 class NormalDistribution(StrictModel):

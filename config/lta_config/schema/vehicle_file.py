@@ -29,7 +29,7 @@ from lta_config.schema.vehicle_law import Law
 from pydantic import AliasChoices, Field, field_validator, model_validator
 
 Vector = tuple[float, float, float]
-UP = (0.0, 0.0, 1.0)
+UPWARD_AXIS = (0.0, 0.0, 1.0)
 ROTORS = 8  # the model's arrays have this size
 # Quantities of a motion that a region of validity limits
 MOTION = ('speed', 'roll', 'pitch', 'roll_rate', 'pitch_rate', 'yaw_rate')
@@ -154,7 +154,7 @@ class VehicleFile(StrictModel):
     def panel_normal(self) -> Vector:
         """The direction that the panel faces, unit length, body frame."""
         if self.energy.array is None:
-            return UP
+            return UPWARD_AXIS
         x, y, z = self.energy.array.normal.vector
         length = math.hypot(x, y, z)
         return x / length, y / length, z / length

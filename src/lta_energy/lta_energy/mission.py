@@ -30,8 +30,8 @@ from lta_model.electrical.charger import (
     total_stored_energy,
 )
 
-# AWAY: landed elsewhere and waiting for pickup; OUT: on the perch with an empty cell
-PERCHED, ASLEEP, ALOFT, AWAY, OUT = range(5)
+# AWAY: landed elsewhere and waiting for pickup; EMPTY: on the perch with an empty cell
+PERCHED, ASLEEP, ALOFT, AWAY, EMPTY = range(5)
 
 
 class MissionFlight(NamedTuple):
@@ -63,7 +63,9 @@ class MissionLog:
     charge: list[float] = field(default_factory=list)
     told: list[float] = field(default_factory=list)
     deviation: list[float] = field(default_factory=list)
-    state: list[int] = field(default_factory=list)  # `PERCHED`, `ASLEEP`, `ALOFT`, `AWAY` or `OUT`
+    state: list[int] = field(
+        default_factory=list
+    )  # `PERCHED`, `ASLEEP`, `ALOFT`, `AWAY` or `EMPTY`
     # Mean powers since the sample before; times the time between, they add up to `spent` [W]
     harvested: list[float] = field(default_factory=list)
     consumed: list[float] = field(default_factory=list)
@@ -168,7 +170,7 @@ class MissionSimulation:
         while self.now < self._light.end:
             wish = self._schedule(self._collect_schedule_inputs())
             if self._out:
-                self._charge_until(self.now + PERCH_STEP, 0.0, OUT)
+                self._charge_until(self.now + PERCH_STEP, 0.0, EMPTY)
             elif wish.fly:
                 self._fly_once()
             else:

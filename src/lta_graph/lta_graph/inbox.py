@@ -75,7 +75,7 @@ class RecordedSchedule:
 
 
 BACKLOG_NS = 2_000_000_000  # graph time; queue length in real time while the trigger is silent
-BACKLOG = 100  # messages; queue length of an aperiodic topic
+APERIODIC_QUEUE = 100  # messages; queue length of an aperiodic topic
 
 
 @final
@@ -164,7 +164,7 @@ class Inbox:
     def _backlog_limit(self, name: str) -> int:
         """Return the queue length of a topic in real time."""
         period = self._table[name].period_ns
-        return max(1, BACKLOG_NS // period) if period else BACKLOG
+        return max(1, BACKLOG_NS // period) if period else APERIODIC_QUEUE
 
     def put(self, topic: str, stamp_ns: int, message: Any, valid: bool = True) -> None:  # noqa: ANN401
         """Add a message; `stamp_ns` is ignored for topics without a header."""

@@ -135,7 +135,7 @@ def format_ros_yaml(value: Parameter) -> str:
     return json.dumps(value, ensure_ascii=False) if isinstance(value, str) else repr(value)
 
 
-SUFFIX = '.launch.py'
+LAUNCH_SUFFIX = '.launch.py'
 
 
 @final
@@ -196,7 +196,7 @@ def find_launch(name: str) -> Launch:
 
     Raise `BadInput` if there is no such file, or it cannot be run or defines no launch.
     """
-    path = find_file('launch file', name, SUFFIX)
+    path = find_file('launch file', name, LAUNCH_SUFFIX)
     launch = getattr(run_python_file(path, 'a launch file'), 'LAUNCH', None)
     if not isinstance(launch, Launch):
         raise BadInput(

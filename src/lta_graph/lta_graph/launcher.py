@@ -180,10 +180,10 @@ class ProcessWatch(threading.Thread):
         self.events.put(child.build_exit_record(stopped))
 
 
-GRACE = 8.0  # seconds from SIGINT to SIGTERM: the recorder must close its bag
+STOP_GRACE = 8.0  # seconds from SIGINT to SIGTERM: the recorder must close its bag
 TERM_GRACE = 2.0  # seconds from SIGTERM to SIGKILL
 GROUP_PATIENCE = 1.0  # seconds; without an init that reaps orphans (containers) groups never empty
-PERIOD = 0.02  # seconds between checks while stopping
+STOP_POLL = 0.02  # seconds between checks while stopping
 
 
 @final
@@ -213,7 +213,7 @@ class Launcher:
         plan: LaunchPlan,
         on_line: OnLine,
         *,
-        grace: float = GRACE,
+        grace: float = STOP_GRACE,
     ) -> None:
         self.ended: list[ProcessExit] = []
         self._plan = plan
@@ -342,7 +342,7 @@ class Launcher:
                         _, number = signals.popleft()
                         child.send_signal(number)
                         since[child] = now
-                time.sleep(PERIOD)
+                time.sleep(STOP_POLL)
             self._reap_processes()
 
     def _list_stop_signals(self, child: ChildProcess) -> list[tuple[float, signal.Signals]]:
@@ -370,7 +370,7 @@ class Launcher:
             any(child.has_group_members() for child in self._children)
             and time.monotonic() < deadline
         ):
-            time.sleep(PERIOD)
+            time.sleep(STOP_POLL)
         if self._guard is not None:
             self._guard.dismiss()
             self._guard = None

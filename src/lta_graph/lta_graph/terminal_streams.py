@@ -17,7 +17,7 @@ from lta_config.errors import strip_control_codes
 
 if TYPE_CHECKING:
     from _typeshed import ReadableBuffer
-GONE = (errno.EPIPE, errno.EIO)  # the reader of a pipe left; a terminal was closed
+READER_GONE = (errno.EPIPE, errno.EIO)  # the reader of a pipe left; a terminal was closed
 
 
 @final
@@ -29,7 +29,7 @@ class BrokenPipeFile(io.FileIO):
         try:
             return super().write(data)
         except OSError as error:
-            if error.errno not in GONE:
+            if error.errno not in READER_GONE:
                 raise
             # Report all bytes as written, so that the buffer is emptied
             return len(memoryview(data))

@@ -95,9 +95,9 @@ TIME_CONSTANTS = (
     ('a moving mass', 'moving_mass', 'lag'),
 )
 # Hulls round seen from above or from anywhere: drag per axis needs the correction `cross_flow`.
-ROUND = {'balloon': {'horizontal': 1.0}, 'sphere': {'horizontal': 1.0, 'total': 1.0}}
+ROUND_HULLS = {'balloon': {'horizontal': 1.0}, 'sphere': {'horizontal': 1.0, 'total': 1.0}}
 # Parameters of such an effect that a file may still set: the measured roundness.
-SHARES = {'cross_flow': ('horizontal', 'total')}
+SETTABLE_SHARES = {'cross_flow': ('horizontal', 'total')}
 # Effects that convert duties to newtons instead of the thrust curve.
 OTHER_CURVES = ('thrust_polynomial',)
 
@@ -124,14 +124,14 @@ def collect_effects(
                 'parameters; write it as the block law of the vehicle file.'
             )
         # A second value for a derived parameter would contradict the blocks that it follows from
-        if name in derived and set(values) - set(SHARES.get(name, ())):
+        if name in derived and set(values) - set(SETTABLE_SHARES.get(name, ())):
             raise BadInput(
                 f'The parameters of the effect {name} in {file.name} are computed from the '
                 'blocks hull, parts, rotors or aero of this vehicle file; remove them from its '
                 'block effects, and change those blocks instead.'
             )
     own = {name: _check_parameters(name, values) for name, values in file.effects.items()}
-    # Own values win only where `SHARES` allows them
+    # Own values win only where `SETTABLE_SHARES` allows them
     return derived | {name: derived.get(name, {}) | values for name, values in own.items()}
 
 
@@ -172,7 +172,7 @@ def _derive_effects(
         },
     }
     # Without drag there is nothing to correct for oblique flow
-    if any(forces) and (round_ := ROUND.get(file.hull.shape)):
+    if any(forces) and (round_ := ROUND_HULLS.get(file.hull.shape)):
         derived['cross_flow'] = round_ | _zip_names_values(AXES[:3], forces)
     # A second curve would take newtons for duties
     if not any(name in file.effects for name in OTHER_CURVES):

@@ -74,7 +74,7 @@ def is_cut_off(faults: FaultTimes, before: float, elapsed: float) -> bool:
 
 
 Fraction = Annotated[Quantity, si_quantity('1', low=0.0, high=1.0)]
-NOT_HELD = Quantity(value=0.0, unit='s')
+NO_HOLD = Quantity(value=0.0, unit='s')
 # Scenes with one lamp are flown up to 0.5 m below it, and altitude is held to 0.1 m; half a hull
 # of 1 m on top makes 1 m. Scenes that are flown higher above their lamps say so.
 VERTICAL_TOLERANCE = Quantity(value=1.0, unit='m')
@@ -87,7 +87,7 @@ class ScenarioStart(StrictModel):
     heading: Annotated[Quantity, si_quantity('rad')]
     heading_spread: Annotated[Quantity, si_quantity('rad', low=0.0, high=math.pi)]
     charge: Fraction
-    held: Annotated[Quantity, si_quantity('s', low=0.0, high=3600.0)] = NOT_HELD
+    held: Annotated[Quantity, si_quantity('s', low=0.0, high=3600.0)] = NO_HOLD
 
 
 class ScenarioGoal(StrictModel):

@@ -27,9 +27,9 @@ from lta_config.quantity import describe_misfit, Quantity, si_quantity
 from pydantic import AfterValidator, Field, model_validator
 
 # m
-FOOT = 0.3048
-LOWEST_STANDARD, HIGHEST_STANDARD = 10.0 * FOOT, 1000.0 * FOOT
-WIND_HEIGHT = 20.0 * FOOT  # height of the mean wind
+METRES_PER_FOOT = 0.3048
+LOWEST_STANDARD, HIGHEST_STANDARD = 10.0 * METRES_PER_FOOT, 1000.0 * METRES_PER_FOOT
+WIND_HEIGHT = 20.0 * METRES_PER_FOOT  # height of the mean wind
 
 
 def low_altitude_turbulence(height: float, wind: float) -> dict[str, float]:
@@ -50,7 +50,7 @@ def low_altitude_turbulence(height: float, wind: float) -> dict[str, float]:
     if not wind >= 0.0:
         raise BadInput(f'The mean wind speed at 20 ft is {wind:g} m/s; it must be 0 or more.')
     # The specification has the height in feet
-    factor = 0.177 + 0.000823 * height / FOOT
+    factor = 0.177 + 0.000823 * height / METRES_PER_FOOT
     up, level = 0.1 * wind, 0.1 * wind / factor**0.4
     length = height / factor**1.2
     return {

@@ -30,7 +30,7 @@ from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.recorded_flight import open_flight
 from lta_data.scene import read_scene
 from lta_model.effects import MODEL_EFFECTS
-from lta_model.effects.law import LARGEST
+from lta_model.effects.law import LARGEST_EXPONENT
 from lta_model.law_text import describe_law
 
 SPREAD: Final = 0.2  # relative, of a coefficient without an interval
@@ -398,7 +398,7 @@ def format_factor_source(factor: LawFactor) -> str:
         'negative': f'max({threshold!r} - {x}, 0.0)',
         'above': f'0.5 * (1.0 + math.tanh(({x} - {threshold!r}) / {scale!r}))',
         'sign': f'math.tanh({x} / {scale!r})',
-        'decay': f'math.exp(min(-{x} / {scale!r}, {LARGEST!r}))',
+        'decay': f'math.exp(min(-{x} / {scale!r}, {LARGEST_EXPONENT!r}))',
         'sin': f'math.sin({angle})',
         'cos': f'math.cos({angle})',
     }[factor.form]

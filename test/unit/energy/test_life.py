@@ -9,10 +9,10 @@ from lta_energy.mission import (
     ALOFT,
     ASLEEP,
     AWAY,
+    EMPTY,
     Landing,
     MissionFlight,
     MissionSimulation,
-    OUT,
     PerchConfig,
     PERCHED,
 )
@@ -193,7 +193,7 @@ def test_a_cell_that_goes_out_is_counted_once_and_draws_nothing_until_light_has_
     hungry = [rest(600.0, asleep=False)]
     diary, seen, _ = lived(hungry, upkeep=upkeep)
     assert diary.outages == 1
-    assert diary.state[-1] == OUT
+    assert diary.state[-1] == EMPTY
     assert diary.spent.consumed < 0.002 * 900.0 * 4.2
     assert seen[1].time < 600.0  # it did not rest on as it had wished
     diary, seen, _ = lived(hungry * 100, upkeep=upkeep, sun=1000.0)

@@ -29,7 +29,7 @@ from lta_graph.health import HealthLevel
 from lta_graph.quality import select_quality
 from lta_graph.ros.node import GraphNode, WHOLE
 from lta_graph.ros.parameters import NodeParameters
-from lta_graph.ros.peer_listener import OVER
+from lta_graph.ros.peer_listener import OVER_VALUE
 from lta_graph.ros.process import run_node
 from lta_graph.ros.replay_due import from_due
 from lta_graph.ros.stamps import to_stamp
@@ -275,7 +275,7 @@ class Player(GraphNode):
 
     def _monitor_inputs(self) -> None:
         """Report the progress of the replay."""
-        over = {OVER: self._ended == 'played'}
+        over = {OVER_VALUE: self._ended == 'played'}
         self.health.report(
             'playback', HealthLevel.OK, self._format_position(), **self._collect_progress(), **over
         )

@@ -11,7 +11,7 @@ from string import Template
 from typing import Any
 
 from lta_config.compilation.extract import SourceExtract
-from lta_config.compilation.flat import PREFIX, settings_to_tuples, TupleLayout
+from lta_config.compilation.flat import CORE_PREFIX, settings_to_tuples, TupleLayout
 from lta_control.onboard import OnboardMemory
 from lta_control.strategies.protocol import NavigationStrategy
 from lta_flight.batch.flight import amplitude_error
@@ -36,7 +36,7 @@ from lta_sim.light_link import sample_magnitude
 
 # Merged into their caller, because passing the memory of a flight takes a quarter of the time
 MERGED = {
-    f'{PREFIX}_{function.__name__}'
+    f'{CORE_PREFIX}_{function.__name__}'
     for function in (flight_step, sense_and_control, advance_vehicle)
 }
 
@@ -82,7 +82,7 @@ def build_source(
     """
     kernel = build_kernel(names, diodes, closed=closed)
     extract = SourceExtract(kernel=kernel, strategy=strategy, schedule=schedule)
-    name = extract.add_function(fly, PREFIX)
+    name = extract.add_function(fly, CORE_PREFIX)
     entry = Template(target.entry).substitute(
         fly=name,
         work=extract.add_named_tuple(WorkArrays),
@@ -131,7 +131,7 @@ def _write_add_effects(names: Sequence[str], extract: SourceExtract) -> str:
     """Return the source of `FlightKernel.add_effects`."""
     memories = [
         # Turbulence starts in its stationary state instead of at zero
-        f'{extract.add_function(draw_turbulence_memory, PREFIX)}(seed)'
+        f'{extract.add_function(draw_turbulence_memory, CORE_PREFIX)}(seed)'
         if name == 'turbulence'
         else format_tuple(map(repr, initial_effect_memory(name)))
         for name in names
@@ -149,8 +149,8 @@ def initial_effect_memory(name: str) -> tuple[float, ...]:
 
 def _write_diode_functions(diodes: int, extract: SourceExtract) -> tuple[str, str]:
     """Return the source of `FlightKernel.read_diodes` and `FlightKernel.daylight_of`."""
-    sample = extract.add_function(sample_magnitude, PREFIX)
-    error = extract.add_function(amplitude_error, PREFIX)
+    sample = extract.add_function(sample_magnitude, CORE_PREFIX)
+    error = extract.add_function(amplitude_error, CORE_PREFIX)
     lines = [
         # One scalar variable per diode, because GPU code has no dynamic arrays
         f'a_{k}, s_{k} = {sample}('

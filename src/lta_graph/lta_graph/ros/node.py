@@ -22,7 +22,7 @@ from lta_graph.ros.message_validation import find_message_type, MESSAGES, Messag
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.publisher_conflict import PublisherConflict
 from lta_graph.ros.qos import select_profile
-from lta_graph.ros.reader_links import LINKS
+from lta_graph.ros.reader_links import LINKS_TASK
 from lta_graph.ros.replay_due import DUE, subscribe_inbox_schedule
 from lta_graph.ros.stamps import from_stamp, to_stamp
 from rclpy.clock import Clock, ClockType
@@ -236,7 +236,7 @@ class GraphNode(ContainedNode):
         if self.health.changed or now - self._reported >= REPORT_PERIOD:
             # Asking the middleware takes longer than all the rest
             self.health.report(
-                LINKS,
+                LINKS_TASK,
                 HealthLevel.OK,
                 'number of subscribers of each topic',
                 **self.count_readers(),

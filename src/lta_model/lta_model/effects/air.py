@@ -165,7 +165,7 @@ WIND_GRADIENT = AirEffect(
 
 # Zero of the transverse Dryden filter
 ROOT_3 = math.sqrt(3.0)
-SHORTEST = 0.05  # share of the length below which no height reduces it
+LEAST_LENGTH_SHARE = 0.05  # share of the length below which no height reduces it
 STILL_AIR = 1e-6  # square of the mean wind below which it has no direction [m2/s2]
 
 
@@ -231,7 +231,7 @@ def shear_shares(mean: float, height: float, place: AirEffectInput) -> tuple[flo
     speed = math.sqrt(wind[0] * wind[0] + wind[1] * wind[1])
     strong = min(speed / mean, 1.0) if mean > 0.0 else 1.0
     # No eddy has a length of zero, wherever the hull is
-    long = min(max(place.position[2] / height, SHORTEST), 1.0) if height > 0.0 else 1.0
+    long = min(max(place.position[2] / height, LEAST_LENGTH_SHARE), 1.0) if height > 0.0 else 1.0
     return strong, long
 
 

@@ -173,7 +173,7 @@ CROSS_FLOW = WrenchEffect(
 
 # Two wide panels, or four slim frame parts
 STRIPS = 4
-GAUSS = 0.7745966692414834  # sqrt(3 / 5), of the outer two points; weights 5/18, 8/18, 5/18
+GAUSS_POINT = 0.7745966692414834  # sqrt(3 / 5), of the outer two points; weights 5/18, 8/18, 5/18
 
 
 def strip_damping(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
@@ -277,7 +277,7 @@ def strip_wrench(u: Vector, w: Vector, centre: Vector, half: Vector, drag: Vecto
     if drag[0] == 0.0 and drag[1] == 0.0 and drag[2] == 0.0:
         return (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     # Outer Gauss points at +-sqrt(3/5) of the half length
-    g = (GAUSS * half[0], GAUSS * half[1], GAUSS * half[2])
+    g = (GAUSS_POINT * half[0], GAUSS_POINT * half[1], GAUSS_POINT * half[2])
     # Velocity by rotation: at the middle, and its change out to a Gauss point
     c, d = _cross_product(w, centre), _cross_product(w, g)
     m = (u[0] + c[0], u[1] + c[1], u[2] + c[2])

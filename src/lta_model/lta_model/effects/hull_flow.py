@@ -112,7 +112,7 @@ MUNK_MOMENT = WrenchEffect(
 
 
 # Keeps angles and slopes finite in still air; far below flight speeds of 0.3 m/s
-SLOW = 1e-3  # [m/s]
+SLOW_SPEED = 1e-3  # [m/s]
 
 
 def hull_lift(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
@@ -134,22 +134,22 @@ def hull_lift(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) 
     Moments use a reference length of 1 m, damping the body rates p, q, r. The published model was
     fitted to forward flight at moderate angles (|alpha| below 24 degrees in 99.9 % of the data).
     Outside that range it is discontinuous, its damping adds energy, and its lift acts downwards on
-    a hull that sinks backwards. So it is extended here, with SLOW = 1 mm/s:
+    a hull that sinks backwards. So it is extended here, with s = SLOW_SPEED = 1 mm/s:
 
-        alpha = atan2(v_z, |v_x, SLOW|),     beta = atan2(v_y, |v_x, v_z, SLOW|)
-        cos a = v_x / |v_x, v_z, SLOW|,      sin a = v_z / |v_x, v_z, SLOW|
-        cos b = |v_x, v_z, SLOW| / |v, SLOW|,    sin b = v_y / |v, SLOW|
+        alpha = atan2(v_z, |v_x, s|),     beta = atan2(v_y, |v_x, v_z, s|)
+        cos a = v_x / |v_x, v_z, s|,      sin a = v_z / |v_x, v_z, s|
+        cos b = |v_x, v_z, s| / |v, s|,    sin b = v_y / |v, s|
 
     in R; alpha is measured from the leading end of the hull. Flying backwards, the hull behaves as
     its mirror image: L, M1 and M2 are multiplied by e, and the damping blends into body axes
     between:
 
         e = t (3 - t^2) / 2,   t = 2 f |f| within -1 and 1,   f = cos a cos b
-        k = |e| (v_x^2 + v_z^2) / |v_x, v_z, SLOW|^2,  d = -(roll_rate p, pitch_rate q, yaw_rate r)
-        N_damping = k R (s d_1, d_2, s d_3) + (1 - k) d,   s the sign of e
+        k = |e| (v_x^2 + v_z^2) / |v_x, v_z, s|^2,  d = -(roll_rate p, pitch_rate q, yaw_rate r)
+        N_damping = k R (o d_1, d_2, o d_3) + (1 - k) d,   o the sign of e
 
     e is 1 within 45 degrees of straight ahead. The wrench has a continuous slope, and in that
-    range it differs from the published one by a few (SLOW / V)^2.
+    range it differs from the published one by a few (s / V)^2.
 
     The flow is taken, and the force acts, at (x, 0, z) from the hull centre in body axes (forward
     and up); the published model has 0. A wing 10 cm behind the tracked point meets another
@@ -172,10 +172,13 @@ def hull_lift(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) 
     w = -(motion.airspeed[2] - turn_q * x)
     level = u * u + w * w
     square = level + v * v
-    # |v_x, v_z, SLOW| and 1 / |v, SLOW|
-    flat, scale = math.sqrt(level + SLOW * SLOW), 1.0 / math.sqrt(square + SLOW * SLOW)
+    # |v_x, v_z, s| and 1 / |v, s|
+    flat, scale = (
+        math.sqrt(level + SLOW_SPEED * SLOW_SPEED),
+        1.0 / math.sqrt(square + SLOW_SPEED * SLOW_SPEED),
+    )
     ca, sa, cb, sb = u / flat, w / flat, flat * scale, v * scale
-    alpha, beta = math.atan2(w, math.sqrt(u * u + SLOW * SLOW)), math.atan2(v, flat)
+    alpha, beta = math.atan2(w, math.sqrt(u * u + SLOW_SPEED * SLOW_SPEED)), math.atan2(v, flat)
     a2, b2 = alpha * alpha, beta * beta
     # Cosine between the flow and the hull axis, f in the equations
     along = ca * cb

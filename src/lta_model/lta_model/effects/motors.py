@@ -5,9 +5,9 @@ from collections.abc import Mapping
 from lta_model.effects.protocol import ActuatorEffect, EffectParameter, Values
 from lta_model.state import VOLTAGE
 
-BROKEN = 2.0  # V: below it the firmware stops the motors
-NEWTON = 24  # steps; from 60 V down to 1 V takes 17
-FLAT = 1e-9  # N/V: less slope than any motor has, against a division by zero
+BROKEN_VOLTAGE = 2.0  # V: below it the firmware stops the motors
+NEWTON_STEPS = 24  # steps; from 60 V down to 1 V takes 17
+LEAST_SLOPE = 1e-9  # N/V: less slope than any motor has, against a division by zero
 
 
 def battery_compensation(p: Values, memory: Values, value: float, surroundings: Values) -> float:
@@ -46,18 +46,18 @@ def battery_compensation(p: Values, memory: Values, value: float, surroundings: 
     supply = surroundings[VOLTAGE] if surroundings[VOLTAGE] > 0.0 else voltage
     thrust = full * value
     # As in the firmware: nothing below the least thrust, and none in reverse
-    if supply < BROKEN or thrust < least or thrust <= 0.0:
+    if supply < BROKEN_VOLTAGE or thrust < least or thrust <= 0.0:
         return 0.0
     # Even the full battery voltage does not reach the thrust
     if c_0 + supply * (c_1 + supply * (c_2 + supply * c_3)) <= thrust:
         return 1.0
     # Newton's method starts at the supply voltage, right of the root
     mean = supply
-    for _ in range(NEWTON):
+    for _ in range(NEWTON_STEPS):
         excess = c_0 + mean * (c_1 + mean * (c_2 + mean * c_3)) - thrust
         slope = c_1 + mean * (2.0 * c_2 + mean * (3.0 * c_3))
         # Clipped to 0 and the supply, where the root is known to be
-        mean = min(max(mean - excess / max(slope, FLAT), 0.0), supply)
+        mean = min(max(mean - excess / max(slope, LEAST_SLOPE), 0.0), supply)
     return mean / supply
 
 
@@ -94,7 +94,7 @@ _BATTERY_COMPENSATION_CUBIC = (
 BATTERY_COMPENSATION = ActuatorEffect(
     'battery_compensation',
     (
-        EffectParameter('voltage', 'V', 0.0, BROKEN, 60.0, 0.1, _NOMINAL),
+        EffectParameter('voltage', 'V', 0.0, BROKEN_VOLTAGE, 60.0, 0.1, _NOMINAL),
         EffectParameter('full', 'N', 0.0, 0.0, 50.0, 0.01, _THRUST),
         EffectParameter('least', 'N', 0.0, 0.0, 50.0, 0.003, _LEAST),
         EffectParameter('c_0', 'N', 0.0, -10.0, 10.0, 0.01, _BATTERY_COMPENSATION_CUBIC),

@@ -74,7 +74,7 @@ FLOOR_CONTACT = WrenchEffect(
 )
 
 
-BELOW = -1e6  # lower face of the vertical pair: the floor belongs to `floor_contact`
+NO_FLOOR = -1e6  # lower face of the vertical pair: the floor belongs to `floor_contact`
 
 
 def walls(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
@@ -105,7 +105,7 @@ def walls(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> W
     # Row i of R is the map axis i in the body frame, the normal of that pair of faces
     a = contact_wrench(x_low, x_high, place[0], (r[0], r[1], r[2]), hull, soft, motion)
     b = contact_wrench(y_low, y_high, place[1], (r[3], r[4], r[5]), hull, soft, motion)
-    c = contact_wrench(BELOW, ceiling, place[2], (r[6], r[7], r[8]), hull, soft, motion)
+    c = contact_wrench(NO_FLOOR, ceiling, place[2], (r[6], r[7], r[8]), hull, soft, motion)
     return (
         a[0] + b[0] + c[0],
         a[1] + b[1] + c[1],

@@ -112,7 +112,7 @@ STANDARD_IRRADIANCE = 1000.0  # W/m2
 STANDARD_TEMPERATURE = 298.15  # K
 BOLTZMANN = 8.617333262e-5  # eV/K
 AIR_TEMPERATURE = 293.15  # K
-STEPS = 60  # of bisection: more than the bits of a voltage
+VOLTAGE_STEPS = 60  # of bisection: more than the bits of a voltage
 POSITIVE = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 NOT_NEGATIVE = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 # The five parameters of the single-diode equation
@@ -237,7 +237,7 @@ def find_max_power_point(panel: SolarArrayModel, irradiance: float) -> tuple[flo
         return 0.0, 0.0
     numbers = compute_curve_parameters(panel, irradiance)
     low, high = 0.0, voltage_bound(numbers)
-    for _ in range(STEPS):
+    for _ in range(VOLTAGE_STEPS):
         u = 0.5 * (low + high)
         # Below the maximum the power still rises
         if power_slope(numbers, u) > 0.0:
@@ -259,7 +259,7 @@ def current_at_voltage(panel: SolarArrayModel, irradiance: float, voltage: float
         return 0.0
     numbers = compute_curve_parameters(panel, irradiance)
     low, high = 0.0, voltage_bound(numbers)
-    for _ in range(STEPS):
+    for _ in range(VOLTAGE_STEPS):
         u = 0.5 * (low + high)
         if u - numbers[3] * junction_current(numbers, u) < voltage:
             low = u

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Vector = tuple[float, float, float]
 # rad
-DEGREE = math.pi / 180.0
+RADIANS_PER_DEGREE = math.pi / 180.0
 
 
 @final
@@ -96,7 +96,7 @@ def draw_errors(settings: ImuSettings, rng: Generator) -> ImuErrors:
 
 def error_bounds(settings: ImuSettings) -> ImuErrors:
     """Return the largest errors: `gain` is the largest deviation of the factor from 1."""
-    g, deg = STANDARD_GRAVITY, DEGREE
+    g, deg = STANDARD_GRAVITY, RADIANS_PER_DEGREE
     density = (*(n * g for n in settings.acceleration_noise), *(settings.rate_noise * deg,) * 3)
     width = (settings.acceleration_bandwidth,) * 3 + (settings.rate_bandwidth,) * 3
     full_scale = (settings.acceleration_range * g,) * 3 + (settings.rate_range * deg,) * 3

@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 # Numbers above this have no fraction: adding and taking it rounds, halves to even.
-WHOLE = 2.0**52
+ROUNDING_TERM = 2.0**52
 
 
 @final
@@ -190,4 +190,4 @@ def convert_to_counts(
             noise = math.sqrt(amplifier + shot * level[i]) * fresh
             volts[i] = keep * volts[i] + (rise[i] + noise * chance[n, i])
             counts = min(max((volts[i] + dark) * scale, 0.0), top)
-            block[n, i] = int((counts + WHOLE) - WHOLE)
+            block[n, i] = int((counts + ROUNDING_TERM) - ROUNDING_TERM)

@@ -17,9 +17,9 @@ from lta_model.rigid_body import rotation_matrix
 from numpy.random import Generator
 
 Vector = tuple[float, float, float]
-RESOLUTION = 1e-3  # m; the sensor counts millimetres
-KNEE = 2.5  # m; where the noise has doubled
-GROWTH = math.log(0.2 / 0.0025) / 1.5  # 1/m; 0.2 m more of noise at 4 m
+RANGE_RESOLUTION = 1e-3  # m; the sensor counts millimetres
+NOISE_KNEE = 2.5  # m; where the noise has doubled
+NOISE_GROWTH = math.log(0.2 / 0.0025) / 1.5  # 1/m; 0.2 m more of noise at 4 m
 
 
 @final
@@ -63,7 +63,7 @@ def draw_errors(settings: RangeSettings, rng: Generator) -> RangeErrors:
 
 def noise_deviation(noise: float, distance: float) -> float:
     """Return the standard deviation of a reading at a distance; twice `noise` at 2.5 m. [m]"""
-    return noise * (1.0 + math.exp(GROWTH * (distance - KNEE)))
+    return noise * (1.0 + math.exp(NOISE_GROWTH * (distance - NOISE_KNEE)))
 
 
 def height_and_tilt(state: Sequence[float], position: Vector) -> tuple[float, float]:
@@ -90,7 +90,7 @@ def read_range(
         return math.inf
     if reading < minimum:
         return -math.inf
-    return round_to_step(reading, RESOLUTION)
+    return round_to_step(reading, RANGE_RESOLUTION)
 
 
 def measure_range(

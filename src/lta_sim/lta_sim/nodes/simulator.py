@@ -24,7 +24,7 @@ from lta_graph.inbox import InboxStep
 from lta_graph.reach import describe_reach
 from lta_graph.ros.node import GraphNode, WHOLE
 from lta_graph.ros.parameters import NodeParameters
-from lta_graph.ros.peer_listener import OVER, PeerListener, PULSE
+from lta_graph.ros.peer_listener import OVER_VALUE, PeerListener, PULSE_TOPIC
 from lta_graph.ros.process import run_node
 from lta_graph.ros.stamps import from_stamp, to_stamp
 from lta_graph.ros.startup import wait_until_complete, wait_until_settled
@@ -127,7 +127,7 @@ class Simulator(GraphNode):
         for name, publisher in self._outputs.items():
             readers = self._awaited & set(self.table[name].subscribers)
             # Every other simulator of the launch listens to this one's pulse
-            if name == PULSE:
+            if name == PULSE_TOPIC:
                 readers |= {f'{peer}/vehicle' for peer in self._peers.names}
             if publisher.get_subscription_count() < len(readers):
                 waiting |= readers
@@ -345,7 +345,7 @@ class Simulator(GraphNode):
         """Report the state of the flight."""
         standing = self._summarize_flight()
         text = f'{standing["sentence"]}, {standing["distance_m"]} m from the lamp'
-        over = {OVER: self._finished is not None}
+        over = {OVER_VALUE: self._finished is not None}
         self.health.report('flight', HealthLevel.OK, text, **standing, **over)
         super()._monitor_inputs()
 

@@ -8,9 +8,9 @@ own state for the next.
 from collections.abc import Sequence
 from typing import Any
 
-from lta_config.compilation.compiler import ENTRY
+from lta_config.compilation.compiler import ENTRY_DECORATOR
 from lta_config.compilation.extract import SourceExtract
-from lta_config.compilation.flat import PREFIX, TupleLayout
+from lta_config.compilation.flat import CORE_PREFIX, TupleLayout
 from lta_config.errors import BadInput
 from lta_control.strategies.homing import STRATEGY
 from lta_flight.batch.codegen import build_kernel, write_flight_source
@@ -69,10 +69,10 @@ def generate_leg_source(
     """
     kernel = build_kernel(names, diodes, closed=True)
     extract = SourceExtract(kernel=kernel, strategy=STRATEGY, schedule=coarse_schedule(schedule))
-    name, work = extract.add_function(fly_leg, PREFIX), extract.add_named_tuple(WorkArrays)
+    name, work = extract.add_function(fly_leg, CORE_PREFIX), extract.add_named_tuple(WorkArrays)
     light = f'np.empty(({LAMP_ROWS + 1}, {diodes}))'
     lines = [
-        ENTRY.replace('cache=True', 'nogil=True, cache=True'),
+        ENTRY_DECORATOR.replace('cache=True', 'nogil=True, cache=True'),
         'def fly_leg(fixed, c, g, m, seed):',
         f'    work = {work}(np.empty({SCRATCH}), {light}, {light}, np.empty({scratch_size(1)}))',
         f'    constants = {constants.render_expression("c")}',
