@@ -197,10 +197,22 @@ class MissionSimulation:
         last = self.diary.flights[-1] if self.diary.flights else None
         up = self._upkeep
         return ScheduleInputs(
-            self.now, self._gauge, up.cell, self._charger_output, self._light, self._seen,
-            up.awake, up.asleep, up.work, up.reserve, need, spread, lasts,
-            last.start + last.duration if last else -math.inf, last.duration if last else 0.0,
-        )  # fmt: skip
+            self.now,
+            self._gauge,
+            up.cell,
+            self._charger_output,
+            self._light,
+            self._seen,
+            up.awake,
+            up.asleep,
+            up.work,
+            up.reserve,
+            need,
+            spread,
+            lasts,
+            last.start + last.duration if last else -math.inf,
+            last.duration if last else 0.0,
+        )
 
     def _fly_once(self) -> None:
         """Simulate one flight, and the pickup if the drone does not come home."""

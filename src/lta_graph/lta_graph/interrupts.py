@@ -18,7 +18,7 @@ STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 def catch_stops(stop: Callable[[int, FrameType | None], object]) -> None:
-    """Call `stop` at every signal in STOP_SIGNALS, except SIGHUP under `nohup`, which stays ignored."""
+    """Call `stop` at every signal in STOP_SIGNALS; under `nohup`, SIGHUP stays ignored."""
     for number in STOP_SIGNALS:
         if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:
             signal.signal(number, stop)
@@ -60,7 +60,7 @@ def _explain_failed_start(
 
 @contextmanager
 def hold_interrupts() -> Iterator[list[int]]:
-    """Record the signals in STOP_SIGNALS instead of acting on them; deliver the first one at the end."""
+    """Record STOP_SIGNALS instead of acting on them; deliver the first one at the end."""
     presses: list[int] = []
 
     def record_signal(number: int, _: FrameType | None) -> None:

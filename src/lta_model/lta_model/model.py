@@ -265,10 +265,13 @@ def has_diverged(state: Sequence[float]) -> bool:
     # Velocity is state[7:10] and rates are state[10:13]; NaN compares false. Written out, because
     # compiled code has no generic tuples.
     return not (
-        abs(state[7]) < SPEED_LIMIT and abs(state[8]) < SPEED_LIMIT
-        and abs(state[9]) < SPEED_LIMIT and abs(state[10]) < SPEED_LIMIT
-        and abs(state[11]) < SPEED_LIMIT and abs(state[12]) < SPEED_LIMIT
-    )  # fmt: skip
+        abs(state[7]) < SPEED_LIMIT
+        and abs(state[8]) < SPEED_LIMIT
+        and abs(state[9]) < SPEED_LIMIT
+        and abs(state[10]) < SPEED_LIMIT
+        and abs(state[11]) < SPEED_LIMIT
+        and abs(state[12]) < SPEED_LIMIT
+    )
 
 
 def build_divergence_error(name: str, elapsed: float) -> BadInput:

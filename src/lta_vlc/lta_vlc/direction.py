@@ -248,9 +248,7 @@ def build_fit_inputs(
     rx, ry, rz = (numbers(column) for column in zip(*diodes.places, strict=True))
     gains = numbers(diodes.gains)
     deviation = max(diodes.response_deviation, LEAST_DEVIATION)
-    return DiodeFitInputs(
-        nx, ny, nz, rx, ry, rz, gains, diodes.response, deviation, diodes.spread
-    )  # fmt: skip
+    return DiodeFitInputs(nx, ny, nz, rx, ry, rz, gains, diodes.response, deviation, diodes.spread)
 
 
 def build_direction_prior(prior: LampPrior) -> DirectionPrior:

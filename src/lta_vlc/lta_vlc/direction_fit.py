@@ -149,12 +149,17 @@ def build_direction_fit(
     turned = -(scratch[last + STRENGTH] * strong + scratch[last + ELEVATION] * lifted) * side
     turn = side / level  # multiplied by itself below: a power differs in the last bit
     return DirectionFit(
-        True, x, y, z,
-        strange * turn * turn, strange * both * side / level,
-        strange * (upward * upward + both * both), scratch[VALUES + STRENGTH],
+        True,
+        x,
+        y,
+        z,
+        strange * turn * turn,
+        strange * both * side / level,
+        strange * (upward * upward + both * both),
+        scratch[VALUES + STRENGTH],
         strange * (strong * strong + lifted * lifted + turned * turned),
         scratch[VALUES + PEDESTAL],
-    )  # fmt: skip
+    )
 
 
 def guess_direction(

@@ -84,11 +84,13 @@ def estimate_lamp_position(direction: 'Direction', prior: LampPrior) -> LampEsti
     up = square * direction.elevation_variance
     both = square * direction.cross_variance * level
     return LampEstimate(
-        distance * x, distance * y, distance * z,
+        distance * x,
+        distance * y,
+        distance * z,
         along * x * x + left * a * a + up * d * d + 2.0 * both * a * d,
         along * x * y + left * a * b + up * d * e + both * (a * e + b * d),
         along * x * z + up * d * level + both * a * level,
         along * y * y + left * b * b + up * e * e + 2.0 * both * b * e,
         along * y * z + up * e * level + both * b * level,
         along * z * z + up * level * level,
-    )  # fmt: skip
+    )

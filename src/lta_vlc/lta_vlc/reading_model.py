@@ -201,9 +201,11 @@ def add_harmonic_prior(
     """Add the prior of c h1 + s h2 - per_fall t for the two unknowns h from `first`."""
     weight = 1.0 / (deviation * deviation)
     off = (
-        c * scratch[VALUES + first] + s * scratch[VALUES + first + 1]
-        - per_fall * scratch[VALUES + FALL] - mean
-    )  # fmt: skip
+        c * scratch[VALUES + first]
+        + s * scratch[VALUES + first + 1]
+        - per_fall * scratch[VALUES + FALL]
+        - mean
+    )
     scratch[RIGHT_SIDE + first] -= weight * off * c
     scratch[RIGHT_SIDE + first + 1] -= weight * off * s
     scratch[RIGHT_SIDE + FALL] += weight * off * per_fall

@@ -2,8 +2,8 @@
 
 import math
 
+from lta_model.effects.commands import find_command, WRENCH_GAIN
 from lta_model.effects.protocol import CHANNELS, MeasurementEffect
-from lta_model.effects.rotors import find_command, WRENCH_GAIN
 from lta_model.effects.sensors import (
     CLOCK_OFFSET,
     CLOCK_SKEW,

@@ -1,5 +1,6 @@
 """What becomes of a duty on its way to newtons, by hand and against published benches."""
 
+from lta_model.effects.commands import COMMAND_DELAY
 from lta_model.effects.motors import (
     BATTERY_SAG,
     MOTOR_DEADBAND,
@@ -9,7 +10,6 @@ from lta_model.effects.motors import (
     THRUST_SCALE,
 )
 from lta_model.effects.protocol import CHANNELS
-from lta_model.effects.sensors import COMMAND_DELAY
 from lta_model.state import SURROUNDINGS, VOLTAGE
 import numpy as np
 import pytest

@@ -22,7 +22,7 @@ from lta_discovery.replay.sensing import estimate_floor_pressure, SensorPlaces
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_spec import FlightSpec
 from lta_flight.flight_stack import FlightStack
-from lta_model.effects.rotors import find_command, WRENCH_GAIN
+from lta_model.effects.commands import find_command, WRENCH_GAIN
 from lta_model.scenario import Scenario
 from lta_model.vehicle import Vehicle
 from lta_sim.readings import FlightOutcome

@@ -166,9 +166,14 @@ def update_estimate(
     if (belief is None and not watch.is_unusable) or (another and reading.is_usable):
         belief = initialize_from_reading(settings.belief, cell, reading.voltage, reading.current)
     after = before._replace(
-        belief=belief, watch=watch, surprise=surprise, gap=dt, last=reading, behind=(),
+        belief=belief,
+        watch=watch,
+        surprise=surprise,
+        gap=dt,
+        last=reading,
+        behind=(),
         critical=_update_voltage_alarm(before.critical, reading, dt),
-    )  # fmt: skip
+    )
     if belief is not None and not watch.is_unusable:
         after = _apply_usable_reading(settings, aboard, after, belief, reading, dt)
     return _decide_reserve(settings, cell, after)

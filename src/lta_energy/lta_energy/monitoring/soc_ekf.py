@@ -185,17 +185,23 @@ def correct_state(
     slope = chord_slope(at, half)
     drop = cell.resistance * current
     expected = (
-        open_circuit_voltage(at) + slope * (mean[CHARGE] - at)
-        + mean[CHART] + mean[RELAXATION] + mean[RESISTANCE] * drop
-    )  # fmt: skip
+        open_circuit_voltage(at)
+        + slope * (mean[CHARGE] - at)
+        + mean[CHART]
+        + mean[RELAXATION]
+        + mean[RESISTANCE] * drop
+    )
     # P H^T with H = (slope, 1, drop, 0, 1)
     column = [
         slope * row[CHARGE] + row[RELAXATION] + drop * row[RESISTANCE] + row[CHART] for row in p
     ]
     variance = (
-        slope * column[CHARGE] + column[RELAXATION] + drop * column[RESISTANCE] + column[CHART]
+        slope * column[CHARGE]
+        + column[RELAXATION]
+        + drop * column[RESISTANCE]
+        + column[CHART]
         + settings.voltage_noise**2
-    )  # fmt: skip
+    )
     innovation = voltage - expected
     after, rows = list(mean), list(map(list, p))
     for i in range(STATES):

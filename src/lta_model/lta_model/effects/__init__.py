@@ -10,7 +10,18 @@ from importlib.metadata import entry_points
 
 from lta_config.errors import BadInput, unknown_name_error
 from lta_config.quantity import UNITS
-from lta_model.effects import air, drag, gas, hull_flow, motors, rotors, sensors, surfaces, weight
+from lta_model.effects import (
+    air,
+    commands,
+    drag,
+    gas,
+    hull_flow,
+    motors,
+    rotors,
+    sensors,
+    surfaces,
+    weight,
+)
 from lta_model.effects.law import LAW
 from lta_model.effects.protocol import ActuatorEffect, Effect, KernelEffect
 from lta_model.state import ACTUATORS
@@ -59,8 +70,8 @@ BUILT_IN_EFFECTS: tuple[Effect, ...] = (
     surfaces.CEILING_EFFECT,
     surfaces.WALLS,
     surfaces.FLOOR_CONTACT,
-    sensors.COMMAND_DELAY,
-    rotors.WRENCH_GAIN,
+    commands.COMMAND_DELAY,
+    commands.WRENCH_GAIN,
     sensors.IMU_SCALE,
     sensors.IMU_BIAS,
     sensors.GYRO_SCALE,

@@ -160,11 +160,32 @@ def hull_lift(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) 
     with `munk_moment`, `lost` = 1.
     """
     (
-        density, area, drag, drag_alpha2, drag_beta2, side, side_alpha2, side_beta,
-        lift, lift_alpha, lift_beta2, roll, roll_alpha, roll_beta,
-        pitch, pitch_alpha, pitch_beta4, yaw, yaw_alpha, yaw_beta,
-        roll_rate, pitch_rate, yaw_rate, x, z,
-    ) = p  # fmt: skip
+        density,
+        area,
+        drag,
+        drag_alpha2,
+        drag_beta2,
+        side,
+        side_alpha2,
+        side_beta,
+        lift,
+        lift_alpha,
+        lift_beta2,
+        roll,
+        roll_alpha,
+        roll_beta,
+        pitch,
+        pitch_alpha,
+        pitch_beta4,
+        yaw,
+        yaw_alpha,
+        yaw_beta,
+        roll_rate,
+        pitch_rate,
+        yaw_rate,
+        x,
+        z,
+    ) = p
     turn_p, turn_q, turn_r = motion.rates
     # Velocity at (x, 0, z), v + w x r, turned from forward-left-up to forward-right-down
     u = motion.airspeed[0] + turn_q * z

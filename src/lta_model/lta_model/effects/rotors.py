@@ -1,4 +1,4 @@
-"""From the thrusts of the rotors to force and moment, and of a command to a wrench."""
+"""From the thrusts of the rotors to force and moment, with the jets that meet the hull."""
 
 from collections.abc import Mapping
 import math
@@ -6,7 +6,6 @@ import math
 from lta_model.effects.protocol import (
     AXES,
     EffectParameter,
-    MeasurementEffect,
     Values,
     VehicleMotion,
     Wrench,
@@ -26,34 +25,76 @@ def rotor_thrust(p: Values, memory: Values, motion: VehicleMotion, thrust: Value
     different effect of a reversed jet and the interaction of jets.
     """
     (
-        surge_1, surge_2, surge_3, surge_4,
-        surge_5, surge_6, surge_7, surge_8,
-        sway_1, sway_2, sway_3, sway_4,
-        sway_5, sway_6, sway_7, sway_8,
-        heave_1, heave_2, heave_3, heave_4,
-        heave_5, heave_6, heave_7, heave_8,
-        roll_1, roll_2, roll_3, roll_4,
-        roll_5, roll_6, roll_7, roll_8,
-        pitch_1, pitch_2, pitch_3, pitch_4,
-        pitch_5, pitch_6, pitch_7, pitch_8,
-        yaw_1, yaw_2, yaw_3, yaw_4,
-        yaw_5, yaw_6, yaw_7, yaw_8,
-    ) = p  # fmt: skip
-    t_1, t_2, t_3, t_4, t_5, t_6, t_7, t_8 = thrust
+        surge_1,
+        surge_2,
+        surge_3,
+        surge_4,
+        surge_5,
+        surge_6,
+        surge_7,
+        surge_8,
+        sway_1,
+        sway_2,
+        sway_3,
+        sway_4,
+        sway_5,
+        sway_6,
+        sway_7,
+        sway_8,
+        heave_1,
+        heave_2,
+        heave_3,
+        heave_4,
+        heave_5,
+        heave_6,
+        heave_7,
+        heave_8,
+        roll_1,
+        roll_2,
+        roll_3,
+        roll_4,
+        roll_5,
+        roll_6,
+        roll_7,
+        roll_8,
+        pitch_1,
+        pitch_2,
+        pitch_3,
+        pitch_4,
+        pitch_5,
+        pitch_6,
+        pitch_7,
+        pitch_8,
+        yaw_1,
+        yaw_2,
+        yaw_3,
+        yaw_4,
+        yaw_5,
+        yaw_6,
+        yaw_7,
+        yaw_8,
+    ) = p
     return (
-        surge_1 * t_1 + surge_2 * t_2 + surge_3 * t_3 + surge_4 * t_4
-        + surge_5 * t_5 + surge_6 * t_6 + surge_7 * t_7 + surge_8 * t_8,
-        sway_1 * t_1 + sway_2 * t_2 + sway_3 * t_3 + sway_4 * t_4
-        + sway_5 * t_5 + sway_6 * t_6 + sway_7 * t_7 + sway_8 * t_8,
-        heave_1 * t_1 + heave_2 * t_2 + heave_3 * t_3 + heave_4 * t_4
-        + heave_5 * t_5 + heave_6 * t_6 + heave_7 * t_7 + heave_8 * t_8,
-        roll_1 * t_1 + roll_2 * t_2 + roll_3 * t_3 + roll_4 * t_4
-        + roll_5 * t_5 + roll_6 * t_6 + roll_7 * t_7 + roll_8 * t_8,
-        pitch_1 * t_1 + pitch_2 * t_2 + pitch_3 * t_3 + pitch_4 * t_4
-        + pitch_5 * t_5 + pitch_6 * t_6 + pitch_7 * t_7 + pitch_8 * t_8,
-        yaw_1 * t_1 + yaw_2 * t_2 + yaw_3 * t_3 + yaw_4 * t_4
-        + yaw_5 * t_5 + yaw_6 * t_6 + yaw_7 * t_7 + yaw_8 * t_8,
-    )  # fmt: skip
+        sum_thrusts(
+            (surge_1, surge_2, surge_3, surge_4, surge_5, surge_6, surge_7, surge_8), thrust
+        ),
+        sum_thrusts((sway_1, sway_2, sway_3, sway_4, sway_5, sway_6, sway_7, sway_8), thrust),
+        sum_thrusts(
+            (heave_1, heave_2, heave_3, heave_4, heave_5, heave_6, heave_7, heave_8), thrust
+        ),
+        sum_thrusts((roll_1, roll_2, roll_3, roll_4, roll_5, roll_6, roll_7, roll_8), thrust),
+        sum_thrusts(
+            (pitch_1, pitch_2, pitch_3, pitch_4, pitch_5, pitch_6, pitch_7, pitch_8), thrust
+        ),
+        sum_thrusts((yaw_1, yaw_2, yaw_3, yaw_4, yaw_5, yaw_6, yaw_7, yaw_8), thrust),
+    )
+
+
+def sum_thrusts(gains: Values, thrust: Values) -> float:
+    """Return the sum of the thrusts of eight rotors, each times its gain."""
+    front = gains[0] * thrust[0] + gains[1] * thrust[1] + gains[2] * thrust[2]
+    middle = front + gains[3] * thrust[3] + gains[4] * thrust[4] + gains[5] * thrust[5]
+    return middle + gains[6] * thrust[6] + gains[7] * thrust[7]
 
 
 _ROTOR_THRUST_FORCE = 'spread: 3 % of the thrust, the suction of the jet on a hull in CFD'
@@ -94,9 +135,23 @@ def rotor_misalignment(p: Values, memory: Values, motion: VehicleMotion, thrust:
     and 0.4 % for both; correct larger deviations in the vehicle file.
     """
     (
-        first_1, first_2, first_3, first_4, first_5, first_6, first_7, first_8,
-        second_1, second_2, second_3, second_4, second_5, second_6, second_7, second_8,
-    ) = p  # fmt: skip
+        first_1,
+        first_2,
+        first_3,
+        first_4,
+        first_5,
+        first_6,
+        first_7,
+        first_8,
+        second_1,
+        second_2,
+        second_3,
+        second_4,
+        second_5,
+        second_6,
+        second_7,
+        second_8,
+    ) = p
     body = motion.body
     front = add_wrenches(
         add_wrenches(
@@ -189,16 +244,69 @@ def rotor_envelope_interaction(
     itself, from `thrust_curve.reverse` of the vehicle file or from a calibration.
     """
     (
-        surge_1, surge_2, surge_3, surge_4, surge_5, surge_6, surge_7, surge_8,
-        sway_1, sway_2, sway_3, sway_4, sway_5, sway_6, sway_7, sway_8,
-        heave_1, heave_2, heave_3, heave_4, heave_5, heave_6, heave_7, heave_8,
-        roll_1, roll_2, roll_3, roll_4, roll_5, roll_6, roll_7, roll_8,
-        pitch_1, pitch_2, pitch_3, pitch_4, pitch_5, pitch_6, pitch_7, pitch_8,
-        yaw_1, yaw_2, yaw_3, yaw_4, yaw_5, yaw_6, yaw_7, yaw_8,
-        together_surge, together_sway, together_heave,
-        together_roll, together_pitch, together_yaw,
-        share_1, share_2, share_3, share_4, share_5, share_6, share_7, share_8,
-    ) = p  # fmt: skip
+        surge_1,
+        surge_2,
+        surge_3,
+        surge_4,
+        surge_5,
+        surge_6,
+        surge_7,
+        surge_8,
+        sway_1,
+        sway_2,
+        sway_3,
+        sway_4,
+        sway_5,
+        sway_6,
+        sway_7,
+        sway_8,
+        heave_1,
+        heave_2,
+        heave_3,
+        heave_4,
+        heave_5,
+        heave_6,
+        heave_7,
+        heave_8,
+        roll_1,
+        roll_2,
+        roll_3,
+        roll_4,
+        roll_5,
+        roll_6,
+        roll_7,
+        roll_8,
+        pitch_1,
+        pitch_2,
+        pitch_3,
+        pitch_4,
+        pitch_5,
+        pitch_6,
+        pitch_7,
+        pitch_8,
+        yaw_1,
+        yaw_2,
+        yaw_3,
+        yaw_4,
+        yaw_5,
+        yaw_6,
+        yaw_7,
+        yaw_8,
+        together_surge,
+        together_sway,
+        together_heave,
+        together_roll,
+        together_pitch,
+        together_yaw,
+        share_1,
+        share_2,
+        share_3,
+        share_4,
+        share_5,
+        share_6,
+        share_7,
+        share_8,
+    ) = p
     # Thrust of the weakest participating rotor; _NONE where none takes part
     weakest = min(
         min(participating_thrust(share_1, thrust[0]), participating_thrust(share_2, thrust[1])),
@@ -209,22 +317,30 @@ def rotor_envelope_interaction(
     # No rotor takes part, or one pushes the other way: no collision
     m = max(0.0, weakest) if weakest < _NONE else 0.0
     # Reversed part of each thrust
-    a, b, c, d = min(thrust[0], 0.0), min(thrust[1], 0.0), min(thrust[2], 0.0), min(thrust[3], 0.0)
-    e, f, g, h = min(thrust[4], 0.0), min(thrust[5], 0.0), min(thrust[6], 0.0), min(thrust[7], 0.0)
+    back = (
+        min(thrust[0], 0.0),
+        min(thrust[1], 0.0),
+        min(thrust[2], 0.0),
+        min(thrust[3], 0.0),
+        min(thrust[4], 0.0),
+        min(thrust[5], 0.0),
+        min(thrust[6], 0.0),
+        min(thrust[7], 0.0),
+    )
     return (
-        surge_1 * a + surge_2 * b + surge_3 * c + surge_4 * d
-        + surge_5 * e + surge_6 * f + surge_7 * g + surge_8 * h + together_surge * m,
-        sway_1 * a + sway_2 * b + sway_3 * c + sway_4 * d
-        + sway_5 * e + sway_6 * f + sway_7 * g + sway_8 * h + together_sway * m,
-        heave_1 * a + heave_2 * b + heave_3 * c + heave_4 * d
-        + heave_5 * e + heave_6 * f + heave_7 * g + heave_8 * h + together_heave * m,
-        roll_1 * a + roll_2 * b + roll_3 * c + roll_4 * d
-        + roll_5 * e + roll_6 * f + roll_7 * g + roll_8 * h + together_roll * m,
-        pitch_1 * a + pitch_2 * b + pitch_3 * c + pitch_4 * d
-        + pitch_5 * e + pitch_6 * f + pitch_7 * g + pitch_8 * h + together_pitch * m,
-        yaw_1 * a + yaw_2 * b + yaw_3 * c + yaw_4 * d
-        + yaw_5 * e + yaw_6 * f + yaw_7 * g + yaw_8 * h + together_yaw * m,
-    )  # fmt: skip
+        sum_thrusts((surge_1, surge_2, surge_3, surge_4, surge_5, surge_6, surge_7, surge_8), back)
+        + together_surge * m,
+        sum_thrusts((sway_1, sway_2, sway_3, sway_4, sway_5, sway_6, sway_7, sway_8), back)
+        + together_sway * m,
+        sum_thrusts((heave_1, heave_2, heave_3, heave_4, heave_5, heave_6, heave_7, heave_8), back)
+        + together_heave * m,
+        sum_thrusts((roll_1, roll_2, roll_3, roll_4, roll_5, roll_6, roll_7, roll_8), back)
+        + together_roll * m,
+        sum_thrusts((pitch_1, pitch_2, pitch_3, pitch_4, pitch_5, pitch_6, pitch_7, pitch_8), back)
+        + together_pitch * m,
+        sum_thrusts((yaw_1, yaw_2, yaw_3, yaw_4, yaw_5, yaw_6, yaw_7, yaw_8), back)
+        + together_yaw * m,
+    )
 
 
 def _gain_parameter(name: str) -> EffectParameter:
@@ -279,118 +395,4 @@ ROTOR_ENVELOPE_INTERACTION = WrenchEffect(
     rotor_envelope_interaction,
     (*_REVERSE, *_TOGETHER),
     check=check_rotor_envelope_interaction,
-)
-
-
-def wrench_gain(p: Values, values: Values, time: float) -> Values:
-    """
-    Force and moment that act on the vehicle for a commanded wrench, on each axis.
-
-        F = gain F_r sign(F_c) |F_c / F_r| ^ exponent, times `reverse` for F_c < 0
-
-    F_c is the command and F_r (`reference`) the size of the command at which the gain holds. Of
-    vehicles whose record has commanded forces and moments in place of duties (`wrench_command`). A
-    gain below 1 is a loss between command and air, such as a weak battery or a wrong thrust law; a
-    negative one is a command in other axes than those of the body. The exponent is 1 where thrust
-    follows the command, and up to 2 where the command sets the rate of a propeller. Propellers
-    push weaker in reverse. In simulation the rotors obey duties, and it has no influence.
-
-    A command also acts on other axes: rotors below the hull push at a lever arm
-    (`pitch_from_surge`, `roll_from_sway`), and their jets lift or press the hull.
-    `heave_from_sway` times the command is a heave force that changes sign with it;
-    `heave_from_sway_size` times its size is one that does not.
-    """
-    (
-        surge, sway, heave, roll, pitch, yaw,
-        exponent_surge, exponent_sway, exponent_heave,
-        exponent_roll, exponent_pitch, exponent_yaw,
-        reverse_surge, reverse_sway, reverse_heave,
-        reverse_roll, reverse_pitch, reverse_yaw,
-        reference_surge, reference_sway, reference_heave,
-        reference_roll, reference_pitch, reference_yaw,
-        heave_from_surge, heave_from_sway, heave_from_yaw,
-        heave_from_surge_size, heave_from_sway_size, heave_from_yaw_size,
-        pitch_from_surge, roll_from_sway,
-    ) = p  # fmt: skip
-    x, y, z, k, m, n = values
-    jets = heave_from_surge * x + heave_from_sway * y + heave_from_yaw * n
-    jets += (
-        heave_from_surge_size * abs(x) + heave_from_sway_size * abs(y)
-        + heave_from_yaw_size * abs(n)
-    )  # fmt: skip
-    return (
-        surge * _act(x, exponent_surge, reverse_surge, reference_surge),
-        sway * _act(y, exponent_sway, reverse_sway, reference_sway),
-        heave * _act(z, exponent_heave, reverse_heave, reference_heave) + jets,
-        roll * _act(k, exponent_roll, reverse_roll, reference_roll) + roll_from_sway * y,
-        pitch * _act(m, exponent_pitch, reverse_pitch, reference_pitch) + pitch_from_surge * x,
-        yaw * _act(n, exponent_yaw, reverse_yaw, reference_yaw),
-    )
-
-
-def find_command(p: Values, wrench: Values) -> Values:
-    """
-    Return the command that causes a wrench; a gain of 0, which causes none, counts as 1.
-
-    Without what a command does on other axes.
-    """
-    out = []
-    for i, force in enumerate(wrench):
-        gain, exponent, reverse, reference = p[i : 4 * len(AXES) : len(AXES)]
-        full = _weaken(force / (gain or 1.0), 1.0 / (reverse or 1.0))
-        out.append(_raise_to(full, 1.0 / exponent, reference))
-    return tuple(out)
-
-
-# All for numbers and arrays alike: a replay computes the commands of a flight at once
-def _act(command: float, exponent: float, reverse: float, reference: float) -> float:
-    return _weaken(_raise_to(command, exponent, reference), reverse)
-
-
-def _raise_to(command: float, exponent: float, reference: float) -> float:
-    if exponent == 1.0:  # exact
-        return command
-    sign = (command > 0.0) * 1.0 - (command < 0.0) * 1.0
-    size: float = abs(command / reference) ** exponent
-    return reference * sign * size
-
-
-def _weaken(force: float, reverse: float) -> float:
-    return force * (1.0 + (reverse - 1.0) * (force < 0.0))
-
-
-_WRENCH_GAIN_SOURCE = 'spread (assumed): the thrust law of a lab that never measured its rotors'
-_JETS = 'spread (assumed): half of what a command does on its own axis'
-_ARMS = 'spread (assumed): rotors a hull radius below the centre'
-
-WRENCH_GAIN = MeasurementEffect(
-    'wrench_gain',
-    (
-        *(EffectParameter(axis, '1', 1.0, -20.0, 20.0, 0.2, _WRENCH_GAIN_SOURCE) for axis in AXES),
-        *(
-            EffectParameter(f'exponent_{axis}', '1', 1.0, 0.3, 4.0, 0.2, _WRENCH_GAIN_SOURCE)
-            for axis in AXES
-        ),
-        *(
-            EffectParameter(f'reverse_{axis}', '1', 1.0, 0.0, 5.0, 0.2, _WRENCH_GAIN_SOURCE)
-            for axis in AXES
-        ),
-        *(
-            EffectParameter(f'reference_{axis}', unit, 1.0, 1e-6, 1e3, 0.1, _WRENCH_GAIN_SOURCE)
-            for axis, unit in zip(AXES, 3 * ('N',) + 3 * ('N m',), strict=True)
-        ),
-        *(
-            EffectParameter(f'heave_from_{source}{end}', unit, 0.0, -1e5, 1e5, 0.5 * size, _JETS)
-            for end in ('', '_size')
-            for source, unit, size in (
-                ('surge', '1', 1.0),
-                ('sway', '1', 1.0),
-                ('yaw', '1/m', 100.0),
-            )
-        ),
-        EffectParameter('pitch_from_surge', 'm', 0.0, -10.0, 10.0, 0.3, _ARMS),
-        EffectParameter('roll_from_sway', 'm', 0.0, -10.0, 10.0, 0.3, _ARMS),
-    ),
-    'command_wrench',
-    wrench_gain,
 )

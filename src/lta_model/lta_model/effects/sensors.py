@@ -1,4 +1,4 @@
-"""Errors of sensors, of the tracker and of clocks, and the delay of commands."""
+"""Errors of sensors, of the tracker and of clocks."""
 
 import math
 
@@ -340,29 +340,4 @@ CLOCK_SKEW = MeasurementEffect(
     (EffectParameter('skew', '1', 0.0, -1e-3, 1e-3, 3e-5, _CLOCK_SKEW_SOURCE),),
     'clock',
     clock_skew,
-)
-
-
-def command_delay(p: Values, values: Values, time: float) -> Values:
-    """
-    Dead time between a command and the rotors.
-
-        t' = t - delay
-
-    Radio, scheduler and motor driver together: at flight time t the rotors execute the command for
-    t - delay. `motor_lag`, a first-order lag, comes after it.
-    """
-    (delay,) = p
-    return (values[0] - delay,)
-
-
-_COMMAND_DELAY_SOURCE = (
-    'spread (assumed): one control period at 100 Hz; limit: a second is a lost link'
-)
-
-COMMAND_DELAY = MeasurementEffect(
-    'command_delay',
-    (EffectParameter('delay', 's', 0.0, 0.0, 1.0, 0.01, _COMMAND_DELAY_SOURCE),),
-    'command_time',
-    command_delay,
 )

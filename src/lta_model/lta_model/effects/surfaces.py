@@ -96,9 +96,17 @@ def walls(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> W
     modelled: parts below the hull, corners, rolling friction.
     """
     (
-        x_low, x_high, y_low, y_high, ceiling,
-        radius, half_height, stiffness, relaxation, friction,
-    ) = p  # fmt: skip
+        x_low,
+        x_high,
+        y_low,
+        y_high,
+        ceiling,
+        radius,
+        half_height,
+        stiffness,
+        relaxation,
+        friction,
+    ) = p
     r, place = motion.rotation, motion.position
     hull = (radius * radius, radius * radius, half_height * half_height)
     soft = (stiffness, relaxation, friction)

@@ -19,9 +19,28 @@ from pydantic import Field
 # Resting voltage in steps of 5 % from empty to full: the chart that hobby LiPo cells are sold with
 # (ampow.com, "LiPo voltage chart"). Assumed for this cell, not measured on it. [V]
 OPEN_CIRCUIT = (
-    3.27, 3.61, 3.69, 3.71, 3.73, 3.75, 3.77, 3.79, 3.80, 3.82,
-    3.84, 3.85, 3.87, 3.91, 3.95, 3.98, 4.02, 4.08, 4.11, 4.15, 4.20,
-)  # fmt: skip
+    3.27,
+    3.61,
+    3.69,
+    3.71,
+    3.73,
+    3.75,
+    3.77,
+    3.79,
+    3.80,
+    3.82,
+    3.84,
+    3.85,
+    3.87,
+    3.91,
+    3.95,
+    3.98,
+    4.02,
+    4.08,
+    4.11,
+    4.15,
+    4.20,
+)
 CHARGE_INTERVALS = len(OPEN_CIRCUIT) - 1
 
 WORN_LOSS = (

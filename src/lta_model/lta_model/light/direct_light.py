@@ -159,7 +159,7 @@ def unpack_beam(row: Row) -> LampBeam:
     """Return a lamp from its numbers in a row."""
     return LampBeam(
         row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8], row[9], row[10]
-    )  # fmt: skip
+    )
 
 
 def transform_to_map(

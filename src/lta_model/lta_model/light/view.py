@@ -209,9 +209,16 @@ class LightView:
             np.empty((len(self._beams), *shape)), np.empty(shape), np.empty(shape)
         )
         self._on_the_way(
-            *self._scene, np.array(poses), self._diodes.planes, before, after, self._ambient,
-            light.modulated, light.steady, light.mains,
-        )  # fmt: skip
+            *self._scene,
+            np.array(poses),
+            self._diodes.planes,
+            before,
+            after,
+            self._ambient,
+            light.modulated,
+            light.steady,
+            light.mains,
+        )
         return light
 
     @property
@@ -265,9 +272,12 @@ class LightView:
         facing = [direct_light(each, (x, y, z))[0] + each.diffuse for each in self._beams]
         s = self._surround
         return self._average_flicker(
-            pose, facing, daylight_illuminance(s, (x, y, z), (s.sun_x, s.sun_y, s.sun_z)),
-            1.0, LightWeights.even(len(self._beams)),
-        )[1]  # fmt: skip
+            pose,
+            facing,
+            daylight_illuminance(s, (x, y, z), (s.sun_x, s.sun_y, s.sun_z)),
+            1.0,
+            LightWeights.even(len(self._beams)),
+        )[1]
 
     def _average_flicker(
         self,

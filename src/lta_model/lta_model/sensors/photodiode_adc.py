@@ -115,9 +115,17 @@ class PhotodiodeBoard:
         generator.standard_normal(out=self._chance)
         block = np.empty(self._chance.shape, dtype=np.uint16)
         self._count(
-            modulated, steady, crest, wave, flicker, self._chance, self._numbers, volts, block,
+            modulated,
+            steady,
+            crest,
+            wave,
+            flicker,
+            self._chance,
+            self._numbers,
+            volts,
+            block,
             self._scratch,
-        )  # fmt: skip
+        )
         if self._dead:
             # Dead diodes have no noise and no dark offset either
             block[:, self._dead] = 0

@@ -39,7 +39,7 @@ from lta_discovery.model.calibration_parameters import list_calibration_paramete
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import list_free_parameters
 from lta_discovery.run import DiscoveryRequest, study_usable_flights
-from lta_model.effects.rotors import WRENCH_GAIN
+from lta_model.effects.commands import WRENCH_GAIN
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
