@@ -276,9 +276,7 @@ class MissingElementSearch:
             np.array([*(one.per_flight for one in self.parameters), *(none > 0.0)]),
         )
         values = np.append(about.values, none)
-        evidence = LinearEvidence.of(
-            [one[2] for one in looks], noise, own, values, self._nominal
-        )
+        evidence = LinearEvidence.of([one[2] for one in looks], noise, own, values, self._nominal)
         return ModelSearch(self.parameters, self._elements, evidence)
 
     def _conclude(self, fitted: '_FittedModel') -> MissingElements:

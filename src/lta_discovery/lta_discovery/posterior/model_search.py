@@ -7,7 +7,7 @@ A model is a set of elements, each with one of its sizes, and how far the file i
 from collections.abc import Sequence
 from dataclasses import dataclass
 import math
-from typing import Final, final, NamedTuple
+from typing import Final, final
 
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.posterior.elements import (

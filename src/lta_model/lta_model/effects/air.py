@@ -3,7 +3,14 @@
 from collections.abc import Mapping
 import math
 
-from lta_model.effects.protocol import AirEffect, AirEffectInput, EffectParameter, Values, Wrench
+from lta_model.effects.protocol import (
+    AirEffect,
+    AirEffectInput,
+    declare_each,
+    EffectParameter,
+    Values,
+    Wrench,
+)
 from lta_model.state import NOISE
 
 
@@ -23,10 +30,7 @@ _STEADY_WIND_SOURCE = 'spread: an indoor draught (assumed); limits: stronger tha
 
 STEADY_WIND = AirEffect(
     'steady_wind',
-    tuple(
-        EffectParameter(axis, 'm/s', 0.0, -60.0, 60.0, 0.1, _STEADY_WIND_SOURCE)
-        for axis in ('x', 'y', 'z')
-    ),
+    declare_each(('x', 'y', 'z'), 'm/s', 0.0, -60.0, 60.0, 0.1, _STEADY_WIND_SOURCE),
     steady_wind,
 )
 
@@ -98,8 +102,7 @@ _HULL = 'half the height of the hull, from its shape; spread: 1 cm'
 WIND_PROFILE = AirEffect(
     'wind_profile',
     (
-        EffectParameter('x', 'm/s', 0.0, -60.0, 60.0, 0.5, _WIND_PROFILE_WIND),
-        EffectParameter('y', 'm/s', 0.0, -60.0, 60.0, 0.5, _WIND_PROFILE_WIND),
+        *declare_each(('x', 'y'), 'm/s', 0.0, -60.0, 60.0, 0.5, _WIND_PROFILE_WIND),
         EffectParameter('height', 'm', 10.0, 0.1, 300.0, 1.0, _HEIGHT),
         EffectParameter('roughness', 'm', 0.0, 1e-5, 5.0, 0.1, _ROUGHNESS),
         EffectParameter('half_height', 'm', 0.0, 0.01, 10.0, 0.01, _HULL),
@@ -153,10 +156,15 @@ _PLACE = 'spread: 1 m (assumed); limits: a large hall'
 WIND_GRADIENT = AirEffect(
     'wind_gradient',
     (
-        *(EffectParameter(axis, 'm', 0.0, -1e3, 1e3, 1.0, _PLACE) for axis in ('x', 'y', 'z')),
-        *(
-            EffectParameter(name, '1/s', 0.0, -10.0, 10.0, 0.05, _WIND_GRADIENT_SOURCE)
-            for name in ('x_x', 'x_y', 'x_z', 'y_x', 'y_y', 'y_z', 'z_x', 'z_y')
+        *declare_each(('x', 'y', 'z'), 'm', 0.0, -1e3, 1e3, 1.0, _PLACE),
+        *declare_each(
+            ('x_x', 'x_y', 'x_z', 'y_x', 'y_y', 'y_z', 'z_x', 'z_y'),
+            '1/s',
+            0.0,
+            -10.0,
+            10.0,
+            0.05,
+            _WIND_GRADIENT_SOURCE,
         ),
     ),
     wind_gradient,
@@ -294,10 +302,7 @@ _LENGTH = 'MIL-F-8785C: up to 533 m, near the ground about the height; spread: 0
 TURBULENCE = AirEffect(
     'turbulence',
     (
-        *(
-            EffectParameter(name, 'm/s', 0.0, 0.0, 30.0, 0.1, _TURBULENCE_WIND)
-            for name in ('along', 'across', 'up')
-        ),
+        *declare_each(('along', 'across', 'up'), 'm/s', 0.0, 0.0, 30.0, 0.1, _TURBULENCE_WIND),
         *(
             EffectParameter(f'{name}_length', 'm', 0.0, 0.1, 1e3, 0.5, _LENGTH)
             for name in ('along', 'across', 'up')
@@ -374,10 +379,7 @@ _TIME = 'spread: 0.5 s, about a metre at the speed of a small blimp (assumed)'
 GUSTS = AirEffect(
     'gusts',
     (
-        *(
-            EffectParameter(axis, 'm/s', 0.0, -60.0, 60.0, 0.3, _GUSTS_WIND)
-            for axis in ('x', 'y', 'z')
-        ),
+        *declare_each(('x', 'y', 'z'), 'm/s', 0.0, -60.0, 60.0, 0.3, _GUSTS_WIND),
         EffectParameter('begin', 's', 0.0, 0.0, 1e5, 0.5, _TIME),
         EffectParameter('length', 's', 0.0, 0.01, 1e4, 0.5, _TIME),
         EffectParameter('hold', 's', 0.0, 0.0, 1e6, 0.5, _TIME),

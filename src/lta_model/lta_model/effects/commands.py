@@ -1,6 +1,12 @@
 """What becomes of a command: its delay, and the force and moment that act for it."""
 
-from lta_model.effects.protocol import AXES, EffectParameter, MeasurementEffect, Values
+from lta_model.effects.protocol import (
+    AXES,
+    declare_each,
+    EffectParameter,
+    MeasurementEffect,
+    Values,
+)
 
 
 def command_delay(p: Values, values: Values, time: float) -> Values:
@@ -133,7 +139,7 @@ _ARMS = 'spread (assumed): rotors a hull radius below the centre'
 WRENCH_GAIN = MeasurementEffect(
     'wrench_gain',
     (
-        *(EffectParameter(axis, '1', 1.0, -20.0, 20.0, 0.2, _WRENCH_GAIN_SOURCE) for axis in AXES),
+        *declare_each(AXES, '1', 1.0, -20.0, 20.0, 0.2, _WRENCH_GAIN_SOURCE),
         *(
             EffectParameter(f'exponent_{axis}', '1', 1.0, 0.3, 4.0, 0.2, _WRENCH_GAIN_SOURCE)
             for axis in AXES
@@ -155,8 +161,7 @@ WRENCH_GAIN = MeasurementEffect(
                 ('yaw', '1/m', 100.0),
             )
         ),
-        EffectParameter('pitch_from_surge', 'm', 0.0, -10.0, 10.0, 0.3, _ARMS),
-        EffectParameter('roll_from_sway', 'm', 0.0, -10.0, 10.0, 0.3, _ARMS),
+        *declare_each(('pitch_from_surge', 'roll_from_sway'), 'm', 0.0, -10.0, 10.0, 0.3, _ARMS),
     ),
     'command_wrench',
     wrench_gain,

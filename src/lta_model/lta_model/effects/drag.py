@@ -4,6 +4,7 @@ import math
 
 from lta_model.effects.protocol import (
     AXES,
+    declare_each,
     EffectParameter,
     Values,
     Vector,
@@ -31,10 +32,7 @@ _LINEAR_DRAG_SOURCE = 'Fossen 2011 sec. 6.4; spread: scatter of published indoor
 
 LINEAR_DRAG = WrenchEffect(
     'linear_drag',
-    tuple(
-        EffectParameter(axis, 'N s/m', 0.0, 0.0, 100.0, 0.01, _LINEAR_DRAG_SOURCE)
-        for axis in AXES[:3]
-    ),
+    declare_each(AXES[:3], 'N s/m', 0.0, 0.0, 100.0, 0.01, _LINEAR_DRAG_SOURCE),
     linear_drag,
     AXES[:3],
 )
@@ -66,10 +64,7 @@ _QUADRATIC_DRAG_SOURCE = 'Fossen 2011 sec. 6.4; spread: 20 % of that of a 1 m ob
 
 QUADRATIC_DRAG = WrenchEffect(
     'quadratic_drag',
-    tuple(
-        EffectParameter(axis, 'N s2/m2', 0.0, 0.0, 100.0, 0.03, _QUADRATIC_DRAG_SOURCE)
-        for axis in AXES[:3]
-    ),
+    declare_each(AXES[:3], 'N s2/m2', 0.0, 0.0, 100.0, 0.03, _QUADRATIC_DRAG_SOURCE),
     quadratic_drag,
     AXES[:3],
 )
@@ -101,10 +96,7 @@ def rotational_drag(p: Values, memory: Values, motion: VehicleMotion, thrust: Va
 
 _ROTATIONAL_DRAG_SOURCE = 'Fossen 2011 sec. 6.4; spread: 20 % of that of a 1 m oblate hull'
 _ROTATIONAL_DRAG_PARAMETERS = (
-    *(
-        EffectParameter(axis, 'N m s', 0.0, 0.0, 100.0, 5e-4, _ROTATIONAL_DRAG_SOURCE)
-        for axis in AXES[3:]
-    ),
+    *declare_each(AXES[3:], 'N m s', 0.0, 0.0, 100.0, 5e-4, _ROTATIONAL_DRAG_SOURCE),
     *(
         EffectParameter(f'{axis}_2', 'N m s2', 0.0, 0.0, 100.0, 5e-4, _ROTATIONAL_DRAG_SOURCE)
         for axis in AXES[3:]
@@ -159,11 +151,9 @@ _CROSS_FLOW_DRAG = (
 CROSS_FLOW = WrenchEffect(
     'cross_flow',
     (
-        EffectParameter('horizontal', '1', 0.0, 0.0, 1.0, 0.2, _SHARE),
-        EffectParameter('total', '1', 0.0, 0.0, 1.0, 0.2, _SHARE),
-        *(
-            EffectParameter(axis, 'N s2/m2', 0.0, 0.0, 100.0, 0.03, _CROSS_FLOW_DRAG)
-            for axis in ('surge', 'sway', 'heave')
+        *declare_each(('horizontal', 'total'), '1', 0.0, 0.0, 1.0, 0.2, _SHARE),
+        *declare_each(
+            ('surge', 'sway', 'heave'), 'N s2/m2', 0.0, 0.0, 100.0, 0.03, _CROSS_FLOW_DRAG
         ),
     ),
     cross_flow,

@@ -4,6 +4,7 @@ import math
 
 from lta_model.effects.protocol import (
     AXES,
+    declare_each,
     EffectParameter,
     InertiaEffect,
     Values,
@@ -36,9 +37,7 @@ _ADDED_MASS_SOURCE = (
 
 ADDED_MASS = InertiaEffect(
     'added_mass',
-    tuple(
-        EffectParameter(axis, 'kg', 0.0, 0.0, 100.0, 0.03, _ADDED_MASS_SOURCE) for axis in AXES[:3]
-    ),
+    declare_each(AXES[:3], 'kg', 0.0, 0.0, 100.0, 0.03, _ADDED_MASS_SOURCE),
     added_mass,
 )
 
@@ -63,10 +62,7 @@ _ADDED_INERTIA_SOURCE = (
 
 ADDED_INERTIA = InertiaEffect(
     'added_inertia',
-    tuple(
-        EffectParameter(axis, 'kg m2', 0.0, 0.0, 100.0, 5e-4, _ADDED_INERTIA_SOURCE)
-        for axis in AXES[3:]
-    ),
+    declare_each(AXES[3:], 'kg m2', 0.0, 0.0, 100.0, 5e-4, _ADDED_INERTIA_SOURCE),
     added_inertia,
 )
 
@@ -270,8 +266,7 @@ _HULL_LIFT_PARAMETERS = (
     EffectParameter('density', 'kg/m3', 0.0, 0.0, 2.0, 0.02, _AIR),
     EffectParameter('area', 'm2', 0.0, 0.0, 100.0, 0.02, _AREA),
     EffectParameter('drag', '1', 0.0, 0.0, 10.0, 0.03, _BASE),
-    EffectParameter('drag_alpha2', '1', 0.0, 0.0, 100.0, 0.5, _SLOPE),
-    EffectParameter('drag_beta2', '1', 0.0, 0.0, 100.0, 0.5, _SLOPE),
+    *declare_each(('drag_alpha2', 'drag_beta2'), '1', 0.0, 0.0, 100.0, 0.5, _SLOPE),
     _straight_flow_parameter('side'),
     _slope_parameter('side_alpha2'),
     _slope_parameter('side_beta'),
@@ -287,11 +282,8 @@ _HULL_LIFT_PARAMETERS = (
     _straight_flow_parameter('yaw'),
     _slope_parameter('yaw_alpha'),
     _slope_parameter('yaw_beta'),
-    *(
-        EffectParameter(name, 'N m s', 0.0, 0.0, 10.0, 0.01, _RATE)
-        for name in ('roll_rate', 'pitch_rate', 'yaw_rate')
-    ),
-    *(EffectParameter(name, 'm', 0.0, -5.0, 5.0, 0.05, _PLACE) for name in ('x', 'z')),
+    *declare_each(('roll_rate', 'pitch_rate', 'yaw_rate'), 'N m s', 0.0, 0.0, 10.0, 0.01, _RATE),
+    *declare_each(('x', 'z'), 'm', 0.0, -5.0, 5.0, 0.05, _PLACE),
 )
 
 HULL_LIFT = WrenchEffect(

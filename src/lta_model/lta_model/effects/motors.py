@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from lta_model.effects.protocol import ActuatorEffect, EffectParameter, Values
+from lta_model.effects.protocol import ActuatorEffect, declare_each, EffectParameter, Values
 from lta_model.state import VOLTAGE
 
 BROKEN_VOLTAGE = 2.0  # V: below it the firmware stops the motors
@@ -214,10 +214,7 @@ _MOTOR_LAG_SOURCE = 'Eschmann 2024: 72 ms for a 7 mm motor; spread: scatter of p
 
 MOTOR_LAG = ActuatorEffect(
     'motor_lag',
-    (
-        EffectParameter('up', 's', 0.0, 1e-3, 10.0, 0.03, _MOTOR_LAG_SOURCE),
-        EffectParameter('down', 's', 0.0, 1e-3, 10.0, 0.03, _MOTOR_LAG_SOURCE),
-    ),
+    declare_each(('up', 'down'), 's', 0.0, 1e-3, 10.0, 0.03, _MOTOR_LAG_SOURCE),
     (),
     motor_lag,
     (('duty', 0.0),),

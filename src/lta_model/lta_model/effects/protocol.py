@@ -17,7 +17,7 @@ The kinds follow the path of a command through the vehicle:
     MeasurementEffect: errors of a sensor, a tracker or a clock
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 import inspect
@@ -90,6 +90,19 @@ class EffectParameter:
     # Value held while identification tries other parameters of an effect that a vehicle lacks and
     # that alone would do nothing; this one is then not tried itself
     beside: float | None = None
+
+
+def declare_each(
+    names: Iterable[str],
+    unit: str,
+    null: float,
+    low: float,
+    high: float,
+    spread: float,
+    source: str,
+) -> tuple[EffectParameter, ...]:
+    """Return parameters that differ in their names only."""
+    return tuple(EffectParameter(name, unit, null, low, high, spread, source) for name in names)
 
 
 def no_check(values: Mapping[str, float]) -> str:

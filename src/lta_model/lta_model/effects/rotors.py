@@ -5,6 +5,7 @@ import math
 
 from lta_model.effects.protocol import (
     AXES,
+    declare_each,
     EffectParameter,
     Values,
     VehicleMotion,
@@ -207,10 +208,7 @@ _NAMES = tuple(f'{turn}_{i}' for turn in ('first', 'second') for i in range(1, A
 
 ROTOR_MISALIGNMENT = WrenchEffect(
     'rotor_misalignment',
-    tuple(
-        EffectParameter(name, 'rad', 0.0, -0.2, 0.2, 0.009, _ROTOR_MISALIGNMENT_SOURCE)
-        for name in _NAMES
-    ),
+    declare_each(_NAMES, 'rad', 0.0, -0.2, 0.2, 0.009, _ROTOR_MISALIGNMENT_SOURCE),
     rotor_misalignment,
     _NAMES,
 )

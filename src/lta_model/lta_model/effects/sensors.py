@@ -2,7 +2,13 @@
 
 import math
 
-from lta_model.effects.protocol import EffectParameter, MeasurementEffect, Quaternion, Values
+from lta_model.effects.protocol import (
+    declare_each,
+    EffectParameter,
+    MeasurementEffect,
+    Quaternion,
+    Values,
+)
 
 
 def imu_scale(p: Values, values: Values, time: float) -> Values:
@@ -20,11 +26,7 @@ _IMU_SCALE_SOURCE = 'assumed: as the gyroscope, Bosch BMI088 data sheet: sensiti
 
 IMU_SCALE = MeasurementEffect(
     'imu_scale',
-    (
-        EffectParameter('x', '1', 1.0, 0.8, 1.2, 0.006, _IMU_SCALE_SOURCE),
-        EffectParameter('y', '1', 1.0, 0.8, 1.2, 0.006, _IMU_SCALE_SOURCE),
-        EffectParameter('z', '1', 1.0, 0.8, 1.2, 0.006, _IMU_SCALE_SOURCE),
-    ),
+    declare_each(('x', 'y', 'z'), '1', 1.0, 0.8, 1.2, 0.006, _IMU_SCALE_SOURCE),
     'force',
     imu_scale,
 )
@@ -50,11 +52,7 @@ _IMU_BIAS_SOURCE = (
 
 IMU_BIAS = MeasurementEffect(
     'imu_bias',
-    (
-        EffectParameter('x', 'm/s2', 0.0, -2.0, 2.0, 0.11, _IMU_BIAS_SOURCE),
-        EffectParameter('y', 'm/s2', 0.0, -2.0, 2.0, 0.11, _IMU_BIAS_SOURCE),
-        EffectParameter('z', 'm/s2', 0.0, -2.0, 2.0, 0.11, _IMU_BIAS_SOURCE),
-    ),
+    declare_each(('x', 'y', 'z'), 'm/s2', 0.0, -2.0, 2.0, 0.11, _IMU_BIAS_SOURCE),
     'force',
     imu_bias,
 )
@@ -77,11 +75,7 @@ _GYRO_SCALE_SOURCE = 'Bosch BMI088 data sheet: sensitivity within +-1 %; limits:
 
 GYRO_SCALE = MeasurementEffect(
     'gyro_scale',
-    (
-        EffectParameter('x', '1', 1.0, 0.8, 1.2, 0.006, _GYRO_SCALE_SOURCE),
-        EffectParameter('y', '1', 1.0, 0.8, 1.2, 0.006, _GYRO_SCALE_SOURCE),
-        EffectParameter('z', '1', 1.0, 0.8, 1.2, 0.006, _GYRO_SCALE_SOURCE),
-    ),
+    declare_each(('x', 'y', 'z'), '1', 1.0, 0.8, 1.2, 0.006, _GYRO_SCALE_SOURCE),
     'rates',
     gyro_scale,
 )
@@ -104,11 +98,7 @@ _GYRO_BIAS_SOURCE = 'Bosch BMI088 data sheet: offset of +-1 deg/s; limits: 20 de
 
 GYRO_BIAS = MeasurementEffect(
     'gyro_bias',
-    (
-        EffectParameter('x', 'rad/s', 0.0, -0.35, 0.35, 0.01, _GYRO_BIAS_SOURCE),
-        EffectParameter('y', 'rad/s', 0.0, -0.35, 0.35, 0.01, _GYRO_BIAS_SOURCE),
-        EffectParameter('z', 'rad/s', 0.0, -0.35, 0.35, 0.01, _GYRO_BIAS_SOURCE),
-    ),
+    declare_each(('x', 'y', 'z'), 'rad/s', 0.0, -0.35, 0.35, 0.01, _GYRO_BIAS_SOURCE),
     'rates',
     gyro_bias,
 )
@@ -214,8 +204,7 @@ TRACKER_MISALIGNMENT = MeasurementEffect(
     'tracker_misalignment',
     (
         EffectParameter('yaw', 'rad', 0.0, -math.pi, math.pi, 0.09, _YAW),
-        EffectParameter('pitch', 'rad', 0.0, -0.5, 0.5, 0.009, _TILT),
-        EffectParameter('roll', 'rad', 0.0, -0.5, 0.5, 0.009, _TILT),
+        *declare_each(('pitch', 'roll'), 'rad', 0.0, -0.5, 0.5, 0.009, _TILT),
     ),
     'pose',
     tracker_misalignment,
@@ -256,11 +245,8 @@ _TURN = 'assumed: the axes are drawn by eye while the vehicle is held level; lim
 MARKER_OFFSET = MeasurementEffect(
     'marker_offset',
     (
-        *(EffectParameter(axis, 'm', 0.0, -10.0, 10.0, 0.03, _ARM) for axis in 'xyz'),
-        *(
-            EffectParameter(angle, 'rad', 0.0, -math.pi, math.pi, 0.05, _TURN)
-            for angle in ('yaw', 'pitch', 'roll')
-        ),
+        *declare_each('xyz', 'm', 0.0, -10.0, 10.0, 0.03, _ARM),
+        *declare_each(('yaw', 'pitch', 'roll'), 'rad', 0.0, -math.pi, math.pi, 0.05, _TURN),
     ),
     'pose',
     marker_offset,

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 import math
 
 from lta_model.effects.protocol import (
+    declare_each,
     EffectParameter,
     Values,
     Vector,
@@ -65,9 +66,7 @@ FLOOR_CONTACT = WrenchEffect(
         EffectParameter('stiffness', 'N/m', 0.0, 0.0, 1e4, 50.0, _FLOOR_CONTACT_SOURCE),
         EffectParameter('relaxation', 's', 0.0, 0.0, 10.0, 0.05, _FLOOR_CONTACT_SOURCE),
         EffectParameter('friction', '1', 0.0, 0.0, 3.0, 0.2, _FLOOR_CONTACT_SOURCE),
-        EffectParameter('x', 'm', 0.0, -5.0, 5.0, 0.005, _PLACE),
-        EffectParameter('y', 'm', 0.0, -5.0, 5.0, 0.005, _PLACE),
-        EffectParameter('z', 'm', 0.0, -5.0, 5.0, 0.005, _PLACE),
+        *declare_each(('x', 'y', 'z'), 'm', 0.0, -5.0, 5.0, 0.005, _PLACE),
     ),
     floor_contact,
     ('stiffness',),
@@ -197,8 +196,7 @@ WALLS = WrenchEffect(
         EffectParameter('y_low', 'm', 0.0, -1e3, 0.0, 0.05, _ROOM),
         EffectParameter('y_high', 'm', 0.0, 0.0, 1e3, 0.05, _ROOM),
         EffectParameter('ceiling', 'm', 0.0, 0.1, 1e3, 0.05, _ROOM),
-        EffectParameter('radius', 'm', 0.0, 0.01, 2.7, 0.01, _HULL),
-        EffectParameter('half_height', 'm', 0.0, 0.01, 2.7, 0.01, _HULL),
+        *declare_each(('radius', 'half_height'), 'm', 0.0, 0.01, 2.7, 0.01, _HULL),
         EffectParameter('stiffness', 'N/m', 0.0, 0.0, 1e4, 50.0, _WALLS_SOURCE),
         EffectParameter('relaxation', 's', 0.0, 0.0, 10.0, 0.05, _WALLS_SOURCE),
         EffectParameter('friction', '1', 0.0, 0.0, 3.0, 0.2, _WALLS_SOURCE),

@@ -6,6 +6,7 @@ import math
 from lta_config.constants import STANDARD_GRAVITY
 from lta_model.effects.protocol import (
     BodyEffect,
+    declare_each,
     EffectParameter,
     RigidBody,
     Values,
@@ -153,9 +154,7 @@ BALLAST = BodyEffect(
     'ballast',
     (
         EffectParameter('mass', 'kg', 0.0, -1.0, 1.0, 0.002, _BALLAST_MASS),
-        EffectParameter('x', 'm', 0.0, -5.0, 5.0, 0.05, _BALLAST_PLACE),
-        EffectParameter('y', 'm', 0.0, -5.0, 5.0, 0.05, _BALLAST_PLACE),
-        EffectParameter('z', 'm', 0.0, -5.0, 5.0, 0.05, _BALLAST_PLACE),
+        *declare_each(('x', 'y', 'z'), 'm', 0.0, -5.0, 5.0, 0.05, _BALLAST_PLACE),
     ),
     ballast,
 )
@@ -185,9 +184,7 @@ PAYLOAD = BodyEffect(
     'payload',
     (
         EffectParameter('mass', 'kg', 0.0, 0.0, 50.0, 0.002, _PAYLOAD_MASS),
-        EffectParameter('x', 'm', 0.0, -5.0, 5.0, 0.05, _PAYLOAD_PLACE),
-        EffectParameter('y', 'm', 0.0, -5.0, 5.0, 0.05, _PAYLOAD_PLACE),
-        EffectParameter('z', 'm', 0.0, -5.0, 5.0, 0.05, _PAYLOAD_PLACE),
+        *declare_each(('x', 'y', 'z'), 'm', 0.0, -5.0, 5.0, 0.05, _PAYLOAD_PLACE),
     ),
     payload,
 )
@@ -265,10 +262,7 @@ _CG_OFFSET_SOURCE = (
 
 CG_OFFSET = BodyEffect(
     'cg_offset',
-    (
-        EffectParameter('x', 'm', 0.0, -3.0, 3.0, 0.005, _CG_OFFSET_SOURCE),
-        EffectParameter('y', 'm', 0.0, -3.0, 3.0, 0.005, _CG_OFFSET_SOURCE),
-    ),
+    declare_each(('x', 'y'), 'm', 0.0, -3.0, 3.0, 0.005, _CG_OFFSET_SOURCE),
     cg_offset,
 )
 
@@ -346,9 +340,7 @@ MOVING_MASS = WrenchEffect(
             5e-4,
             'spread: 1 % of the 54.07 g of RGBlimp (zhu-yj/ABNODE@138a1de), weighed',
         ),
-        EffectParameter('x', 'm', 0.0, -5.0, 5.0, 0.005, _MOVING_MASS_PLACE),
-        EffectParameter('y', 'm', 0.0, -5.0, 5.0, 0.005, _MOVING_MASS_PLACE),
-        EffectParameter('z', 'm', 0.0, -5.0, 5.0, 0.005, _MOVING_MASS_PLACE),
+        *declare_each(('x', 'y', 'z'), 'm', 0.0, -5.0, 5.0, 0.005, _MOVING_MASS_PLACE),
         EffectParameter(
             'lag',
             's',
