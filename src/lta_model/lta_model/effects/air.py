@@ -298,6 +298,7 @@ _TURBULENCE_WIND = (
     'spread: 10 % of a wind of 1 m/s, as the vertical part in MIL-F-8785C; limit: a storm'
 )
 _LENGTH = 'MIL-F-8785C: up to 533 m, near the ground about the height; spread: 0.5 m (assumed)'
+_TURBULENCE_HEIGHT = 'MIL-F-8785C: 10 to 1000 ft; spread: 0.5 m (assumed)'
 
 TURBULENCE = AirEffect(
     'turbulence',
@@ -310,15 +311,7 @@ TURBULENCE = AirEffect(
         EffectParameter(
             'mean', 'm/s', 0.0, 0.0, 60.0, 0.5, 'spread: as of a steady wind; limit: a storm'
         ),
-        EffectParameter(
-            'height',
-            'm',
-            0.0,
-            0.0,
-            300.0,
-            0.5,
-            'MIL-F-8785C: 10 to 1000 ft; spread: 0.5 m (assumed)',
-        ),
+        EffectParameter('height', 'm', 0.0, 0.0, 300.0, 0.5, _TURBULENCE_HEIGHT),
     ),
     turbulence,
     (('along', 0.0), ('across_1', 0.0), ('across_2', 0.0), ('up_1', 0.0), ('up_2', 0.0)),

@@ -321,19 +321,14 @@ _REACH = 'spread: 1 cm for the length of a part (assumed)'
 _STRIP_DAMPING_DRAG = 'spread: error of 30 % of the C_D of a square plate of 0.03 m2 (assumed)'
 _STRIPS = range(1, STRIPS + 1)
 _DRAGS = tuple(f'{axis}_{i}' for i in _STRIPS for axis in ('surge', 'sway', 'heave'))
+_STRIP_DAMPING_TRANSLATION = (
+    'by definition from none (0) to all (1) of the airspeed; spread: assumed'
+)
 
 STRIP_DAMPING = WrenchEffect(
     'strip_damping',
     (
-        EffectParameter(
-            'translation',
-            '1',
-            0.0,
-            0.0,
-            1.0,
-            0.3,
-            'by definition from none (0) to all (1) of the airspeed; spread: assumed',
-        ),
+        EffectParameter('translation', '1', 0.0, 0.0, 1.0, 0.3, _STRIP_DAMPING_TRANSLATION),
         *(parameter for i in _STRIPS for parameter in _strip_parameters(i)),
     ),
     strip_damping,

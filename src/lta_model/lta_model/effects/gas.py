@@ -34,20 +34,14 @@ def gas_purity(p: Values, rigid: RigidBody) -> RigidBody:
     return RigidBody(mass, rigid.moment, rigid.inertia, rigid.displaced)
 
 
+_GAS_PURITY_PURITY = (
+    'spread: lift of 329 to 332 g instead of 356 g stated for the 1 m balloon, 112 '
+    'instead of 163 g measured on a GT-MAB; 3 % around a given purity (assumed)'
+)
+
 GAS_PURITY = BodyEffect(
     'gas_purity',
-    (
-        EffectParameter(
-            'purity',
-            '1',
-            0.0,
-            -1.0,
-            1.0,
-            0.03,
-            'spread: lift of 329 to 332 g instead of 356 g stated for the 1 m balloon, 112 '
-            'instead of 163 g measured on a GT-MAB; 3 % around a given purity (assumed)',
-        ),
-    ),
+    (EffectParameter('purity', '1', 0.0, -1.0, 1.0, 0.03, _GAS_PURITY_PURITY),),
     gas_purity,
 )
 
@@ -75,37 +69,19 @@ def gas_state(p: Values, rigid: RigidBody) -> RigidBody:
     return RigidBody(rigid.mass + gas * more, rigid.moment, rigid.inertia, rigid.displaced)
 
 
+_GAS_STATE_GAS = 'follows from hull and purity; spread: 3 % of purity for 0.4 kg of displaced air'
+_GAS_STATE_TEMPERATURE = 'spread: gas fresh from the bottle, or warmed by lamps (assumed)'
+_GAS_STATE_OVERPRESSURE = (
+    'spread: a foil balloon filled until taut (assumed); a limp film cannot hold a '
+    'negative pressure'
+)
+
 GAS_STATE = BodyEffect(
     'gas_state',
     (
-        EffectParameter(
-            'gas',
-            'kg',
-            0.0,
-            0.0,
-            100.0,
-            0.01,
-            'follows from hull and purity; spread: 3 % of purity for 0.4 kg of displaced air',
-        ),
-        EffectParameter(
-            'temperature',
-            'K',
-            0.0,
-            -80.0,
-            80.0,
-            3.0,
-            'spread: gas fresh from the bottle, or warmed by lamps (assumed)',
-        ),
-        EffectParameter(
-            'overpressure',
-            'Pa',
-            0.0,
-            -100.0,
-            1e4,
-            300.0,
-            'spread: a foil balloon filled until taut (assumed); a limp film cannot hold a '
-            'negative pressure',
-        ),
+        EffectParameter('gas', 'kg', 0.0, 0.0, 100.0, 0.01, _GAS_STATE_GAS),
+        EffectParameter('temperature', 'K', 0.0, -80.0, 80.0, 3.0, _GAS_STATE_TEMPERATURE),
+        EffectParameter('overpressure', 'Pa', 0.0, -100.0, 1e4, 300.0, _GAS_STATE_OVERPRESSURE),
     ),
     gas_state,
 )
@@ -132,39 +108,23 @@ def air_state(p: Values, rigid: RigidBody) -> RigidBody:
     return RigidBody(rigid.mass, rigid.moment, rigid.inertia, displaced)
 
 
+_AIR_STATE_PRESSURE = (
+    'spread: 10 hPa, from the weather (unverified, from memory); limits: 10 km '
+    'altitude, a deep mine'
+)
+_AIR_STATE_TEMPERATURE = (
+    'spread: rooms between 15 and 25 C (assumed); limits: temperatures in which people fly'
+)
+_AIR_STATE_SLACK = (
+    'by definition from taut (0) to slack (1); spread: not known for a foil balloon (assumed)'
+)
+
 AIR_STATE = BodyEffect(
     'air_state',
     (
-        EffectParameter(
-            'pressure',
-            'Pa',
-            0.0,
-            -8e4,
-            2e4,
-            1e3,
-            'spread: 10 hPa, from the weather (unverified, from memory); limits: 10 km '
-            'altitude, a deep mine',
-        ),
-        EffectParameter(
-            'temperature',
-            'K',
-            0.0,
-            -80.0,
-            60.0,
-            5.0,
-            'spread: rooms between 15 and 25 C (assumed); limits: temperatures in which '
-            'people fly',
-        ),
-        EffectParameter(
-            'slack',
-            '1',
-            0.0,
-            0.0,
-            1.0,
-            0.3,
-            'by definition from taut (0) to slack (1); spread: not known for a foil balloon '
-            '(assumed)',
-        ),
+        EffectParameter('pressure', 'Pa', 0.0, -8e4, 2e4, 1e3, _AIR_STATE_PRESSURE),
+        EffectParameter('temperature', 'K', 0.0, -80.0, 60.0, 5.0, _AIR_STATE_TEMPERATURE),
+        EffectParameter('slack', '1', 0.0, 0.0, 1.0, 0.3, _AIR_STATE_SLACK),
     ),
     air_state,
 )
@@ -204,21 +164,15 @@ def helium_leak_rate(p: Values, memory: Values, motion: VehicleMotion) -> Values
     return (rate,)
 
 
+_HELIUM_LEAK_RATE = (
+    'airship laminates with 0.2 to 0.9 L/(m2 day) (Frontiers Mater. 2022, 992984) '
+    'lose 2.6e-7 N/s at most; spread: a hole of 1 mm2 at 30 Pa (Bernoulli); limit: 10 '
+    'g/s'
+)
+
 HELIUM_LEAK = WrenchEffect(
     'helium_leak',
-    (
-        EffectParameter(
-            'rate',
-            'N/s',
-            0.0,
-            -0.1,
-            0.1,
-            1e-4,
-            'airship laminates with 0.2 to 0.9 L/(m2 day) (Frontiers Mater. 2022, 992984) '
-            'lose 2.6e-7 N/s at most; spread: a hole of 1 mm2 at 30 Pa (Bernoulli); limit: 10 '
-            'g/s',
-        ),
-    ),
+    (EffectParameter('rate', 'N/s', 0.0, -0.1, 0.1, 1e-4, _HELIUM_LEAK_RATE),),
     helium_leak,
     memory=(('lost', 0.0),),
     rate=helium_leak_rate,
@@ -273,40 +227,22 @@ def superheat_rate(p: Values, memory: Values, motion: VehicleMotion) -> Values:
     return ((steady - memory[0]) / lag if lag > 0.0 else 0.0,)
 
 
+_SUPERHEAT_WARMING = (
+    'spread: from the heat balance; limit: ten times a black film with little convection'
+)
+_SUPERHEAT_LAG = (
+    'spread: from the heat balance; limits: a thin film alone, a stratospheric balloon (assumed)'
+)
+_SUPERHEAT_SLACK = (
+    'by definition from taut (0) to slack (1); spread: not known for a foil balloon (assumed)'
+)
+
 SUPERHEAT = WrenchEffect(
     'superheat',
     (
-        EffectParameter(
-            'warming',
-            'K m2/W',
-            0.0,
-            0.0,
-            1.0,
-            0.01,
-            'spread: from the heat balance; limit: ten times a black film with little convection',
-        ),
-        EffectParameter(
-            'lag',
-            's',
-            0.0,
-            1.0,
-            1e4,
-            40.0,
-            'spread: from the heat balance; limits: a thin film alone, a stratospheric '
-            'balloon (assumed)',
-            beside=40.0,
-        ),
-        EffectParameter(
-            'slack',
-            '1',
-            0.0,
-            0.0,
-            1.0,
-            0.3,
-            'by definition from taut (0) to slack (1); spread: not known for a foil balloon '
-            '(assumed)',
-            beside=0.3,
-        ),
+        EffectParameter('warming', 'K m2/W', 0.0, 0.0, 1.0, 0.01, _SUPERHEAT_WARMING),
+        EffectParameter('lag', 's', 0.0, 1.0, 1e4, 40.0, _SUPERHEAT_LAG, beside=40.0),
+        EffectParameter('slack', '1', 0.0, 0.0, 1.0, 0.3, _SUPERHEAT_SLACK, beside=0.3),
     ),
     superheat,
     ('slack',),

@@ -53,19 +53,11 @@ def weight_and_buoyancy(
     )
 
 
+_WEIGHT_AND_BUOYANCY_GRAVITY = 'standard gravity; spread: 0.5 %, the difference between latitudes'
+
 WEIGHT_AND_BUOYANCY = WrenchEffect(
     'weight_and_buoyancy',
-    (
-        EffectParameter(
-            'gravity',
-            'm/s2',
-            0.0,
-            0.0,
-            30.0,
-            0.005,
-            'standard gravity; spread: 0.5 %, the difference between latitudes',
-        ),
-    ),
+    (EffectParameter('gravity', 'm/s2', 0.0, 0.0, 30.0, 0.005, _WEIGHT_AND_BUOYANCY_GRAVITY),),
     weight_and_buoyancy,
     ('gravity',),
 )
@@ -87,19 +79,11 @@ def net_lift(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -
     return (force * r[6], force * r[7], force * r[8], 0.0, 0.0, 0.0)
 
 
+_NET_LIFT_FORCE = 'spread: 2 g for a weighed and trimmed balloon (assumed)'
+
 NET_LIFT = WrenchEffect(
     'net_lift',
-    (
-        EffectParameter(
-            'force',
-            'N',
-            0.0,
-            -50.0,
-            50.0,
-            0.02,
-            'spread: 2 g for a weighed and trimmed balloon (assumed)',
-        ),
-    ),
+    (EffectParameter('force', 'N', 0.0, -50.0, 50.0, 0.02, _NET_LIFT_FORCE),),
     net_lift,
     ('force',),
 )
@@ -327,38 +311,17 @@ def check_moving_mass(values: Mapping[str, float]) -> str:
 
 
 _MOVING_MASS_PLACE = 'spread: 5 mm for a measured position (assumed); limits: a hull of 10 m'
+_MOVING_MASS_MASS = 'spread: 1 % of the 54.07 g of RGBlimp (zhu-yj/ABNODE@138a1de), weighed'
+_MOVING_MASS_LAG = 'spread: small servos settle within tenths of a second (assumed)'
+_MOVING_MASS_SPEED = 'spread: small servos move by centimetres in tenths of a second (assumed)'
 
 MOVING_MASS = WrenchEffect(
     'moving_mass',
     (
-        EffectParameter(
-            'mass',
-            'kg',
-            0.0,
-            0.0,
-            50.0,
-            5e-4,
-            'spread: 1 % of the 54.07 g of RGBlimp (zhu-yj/ABNODE@138a1de), weighed',
-        ),
+        EffectParameter('mass', 'kg', 0.0, 0.0, 50.0, 5e-4, _MOVING_MASS_MASS),
         *declare_each(('x', 'y', 'z'), 'm', 0.0, -5.0, 5.0, 0.005, _MOVING_MASS_PLACE),
-        EffectParameter(
-            'lag',
-            's',
-            0.0,
-            0.01,
-            100.0,
-            0.1,
-            'spread: small servos settle within tenths of a second (assumed)',
-        ),
-        EffectParameter(
-            'speed',
-            'm/s',
-            0.0,
-            1e-4,
-            10.0,
-            0.05,
-            'spread: small servos move by centimetres in tenths of a second (assumed)',
-        ),
+        EffectParameter('lag', 's', 0.0, 0.01, 100.0, 0.1, _MOVING_MASS_LAG),
+        EffectParameter('speed', 'm/s', 0.0, 1e-4, 10.0, 0.05, _MOVING_MASS_SPEED),
     ),
     moving_mass,
     ('mass',),
