@@ -3,7 +3,7 @@
 import math
 from typing import NamedTuple
 
-from lta_vlc.jit import compile_kernel
+from lta_config.compilation.compiler import compile_kernel
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 

@@ -37,7 +37,7 @@ light leaves falls from 4 % of the weaker one's amplitude to 0.3 %.
 import math
 from typing import NamedTuple
 
-from lta_vlc.jit import compile_kernel
+from lta_config.compilation.compiler import compile_kernel
 import numpy as np
 from numpy.typing import NDArray
 
