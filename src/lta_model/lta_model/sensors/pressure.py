@@ -7,12 +7,16 @@ not checked against the original; the resolution is that of eightfold oversampli
 """
 
 from dataclasses import dataclass
-from typing import final
+from typing import final, TypeVar
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.settings import setting, Settings
 from lta_model.measurement_chain import apply_chain, Chain, round_to_step
+import numpy as np
 from numpy.random import Generator
+from numpy.typing import NDArray
+
+Height = TypeVar('Height', float, NDArray[np.float64])
 
 # ICAO standard atmosphere (Doc 7488) below 11 km.
 LAPSE = 0.0065  # K/m
@@ -64,13 +68,14 @@ def draw_errors(settings: PressureSettings, rng: Generator) -> PressureErrors:
     return PressureErrors(offset=settings.offset * offset, drift=settings.drift * drift)
 
 
-def air_pressure(floor: float, height: float) -> float:
+def air_pressure(floor: float, height: Height) -> Height:
     """
-    Return the pressure [Pa] at a height above the floor [m] in the standard atmosphere.
+    Return the pressure [Pa] at heights above the floor [m] in the standard atmosphere.
 
     p = p_floor (1 - L h / T0)^(g M / (R L)), with the floor at the standard's 288.15 K.
     """
-    return floor * float((1.0 - LAPSE * height / SEA_TEMPERATURE) ** EXPONENT)
+    pressure: Height = floor * (1.0 - LAPSE * height / SEA_TEMPERATURE) ** EXPONENT
+    return pressure
 
 
 def read_pressure(
