@@ -60,7 +60,7 @@ class DiodeFault(Flag):
     ALIASED = 8
 
 
-SPOILT = (
+UNUSABLE_FAULTS = (
     DiodeFault.SATURATED | DiodeFault.FLAT | DiodeFault.NOT_A_NUMBER
 )  # the diode cannot be used for any beacon
 FAULTS = tuple(map(DiodeFault, range(16)))  # by value
@@ -143,7 +143,7 @@ def demodulate_block(
     looked = center_samples(waves, full_scale)
     faults = detect_sample_faults(looked)
     # Spoilt diodes must not influence the common frequency
-    sound = (faults & SPOILT.value) == 0
+    sound = (faults & UNUSABLE_FAULTS.value) == 0
     weight = sound.astype(np.float64)
     spectrum = fourier_transform(waves)
     size = amplitudes_from_transform(spectrum, bins.samples)

@@ -27,7 +27,7 @@ from lta_config.errors import BadInput
 from lta_config.limits import limit_memory
 from lta_graph.health import HealthLevel
 from lta_graph.quality import select_quality
-from lta_graph.ros.node import GraphNode, WHOLE
+from lta_graph.ros.node import GraphNode, LONG_ACKNOWLEDGE_TIME
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.peer_listener import OVER_VALUE
 from lta_graph.ros.process import run_node
@@ -206,7 +206,7 @@ class Player(GraphNode):
         # In real time the number of answers is unknown: wait until they cease
         late = not self.lockstep and time.monotonic() - self._news < QUIET
         if self._reel.next_ns is None and not self._owed.total_pending and not late:
-            self._ended, self.running, self.farewell = 'played', False, WHOLE
+            self._ended, self.running, self.farewell = 'played', False, LONG_ACKNOWLEDGE_TIME
 
     def _publish_next(self) -> None:
         """Publish the next message."""

@@ -9,7 +9,7 @@ from lta_config.errors import BadInput
 from lta_config.topics import is_name, robot_topic
 from lta_graph.peers import Peers
 from lta_graph.ros.message_validation import find_message_type
-from lta_graph.ros.node import GraphNode, PATIENCE
+from lta_graph.ros.node import GraphNode, REPORTED_WAIT
 from lta_graph.ros.qos import select_profile
 from lta_graph.ros.stamps import from_stamp
 
@@ -80,7 +80,7 @@ class PeerListener:
 
     def list_missing_pulses(self) -> list[str]:
         """Return the pulses that the node has been waiting for longer than `PATIENCE`."""
-        if not self._held or time.monotonic() - self._since < PATIENCE:
+        if not self._held or time.monotonic() - self._since < REPORTED_WAIT:
             return []
         # A robot without a pulse may still load; the launcher reports it if it is silent
         return [

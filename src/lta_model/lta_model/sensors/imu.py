@@ -231,28 +231,28 @@ class Imu:
         self._errors, self._rng = pack_errors(errors), rng
         self._place, self._truth = np.array([*position, gravity]), np.empty(6)
         self._on_force, self._on_rates = on_force, on_rates
-        self._feel, self._tell, self._sample = compile_functions(
+        self._write_truth, self._apply_errors, self._write_reading = compile_functions(
             _write_truth, apply_errors, _write_reading
         )
 
     def prepare(self, state: Array, rate: Array) -> None:
         """Compile the reading or load it from disk, without drawing random numbers."""
         truth, reading = np.empty(6), np.zeros(6)
-        self._feel(state, rate, self._place, truth)
-        self._tell(truth, self._errors, reading)
-        self._sample(state, rate, self._place, truth, self._errors, reading)
+        self._write_truth(state, rate, self._place, truth)
+        self._apply_errors(truth, self._errors, reading)
+        self._write_reading(state, rate, self._place, truth, self._errors, reading)
 
     def read(self, state: Array, rate: Array, elapsed: float) -> tuple[Vector, Vector]:
         """Return measured specific force [m/s^2] and angular rate [rad/s]."""
         truth, reading = self._truth, self._rng.standard_normal(6)
         # Measurement effects are Python functions, so the compiled path is split around them
         if self._on_force or self._on_rates:
-            self._feel(state, rate, self._place, truth)
+            self._write_truth(state, rate, self._place, truth)
             numbers = truth.tolist()
             truth[:3] = apply_chain(self._on_force, tuple(numbers[:3]), elapsed)
             truth[3:] = apply_chain(self._on_rates, tuple(numbers[3:]), elapsed)
-            self._tell(truth, self._errors, reading)
+            self._apply_errors(truth, self._errors, reading)
         else:
-            self._sample(state, rate, self._place, truth, self._errors, reading)
+            self._write_reading(state, rate, self._place, truth, self._errors, reading)
         x, y, z, a, b, c = reading.tolist()
         return (x, y, z), (a, b, c)

@@ -22,7 +22,7 @@ from lta_config.topics import is_selected
 from lta_graph.health import HealthLevel
 from lta_graph.inbox import InboxStep
 from lta_graph.reach import describe_reach
-from lta_graph.ros.node import GraphNode, WHOLE
+from lta_graph.ros.node import GraphNode, LONG_ACKNOWLEDGE_TIME
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.peer_listener import OVER_VALUE, PeerListener, PULSE_TOPIC
 from lta_graph.ros.process import run_node
@@ -235,7 +235,7 @@ class Simulator(GraphNode):
         if self._finished is not None:
             return False
         if self._is_flight_over():
-            self._finished, self.farewell = time.monotonic(), WHOLE
+            self._finished, self.farewell = time.monotonic(), LONG_ACKNOWLEDGE_TIME
             self.health.changed = True  # the others may be waiting for this
             self._monitor_inputs()
             self._on_peer_update()
