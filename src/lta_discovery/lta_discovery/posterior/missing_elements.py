@@ -49,9 +49,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-LINEARIZATIONS: Final = 6  # most of a fit
-LEARNING: Final = (1, 3)  # of these, before which the first fit learns the noise
-LEARNING_AGAIN: Final = (2,)  # the same for a fit that goes on from another
+LINEARIZATIONS: Final = 10  # most of a fit
+LEARNING: Final = (0, 0)  # twice; a fit that goes on from another learns the noise once
 SMALLEST: Final = 1e-9  # of the largest singular value of columns that move together
 SENSOR_EFFECTS: Final = ('gyro_', 'imu_', 'range_', 'pressure_')  # idle without these sensors
 
@@ -190,7 +189,7 @@ class MissingElementSearch:
     def _try_to_fit(self, begin: '_FittedModel', one: ScoredModel) -> '_FittedModel | None':
         """Fit a model; None if the vehicle becomes impossible on the way."""
         try:
-            return self._fit(begin, one, LEARNING_AGAIN)
+            return self._fit(begin, one, LEARNING[:1])
         except BadInput:
             return None
 

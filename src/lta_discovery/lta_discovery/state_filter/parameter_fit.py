@@ -116,26 +116,28 @@ def fit_likelihood(
     Fit parameters to all readings; the noise is learned on the way.
 
     `learning`: rounds before which the noise is learned. `is_near`: whether the values are near
-    the best ones, so that every step lowers the misfit, and the noise is that near the values.
+    the best ones, so that every step lowers the misfit, and the noise is learned where the values
+    have settled, as often as `learning` has rounds.
     Raise `BadInput` if the model diverges with the values to begin with.
     """
-    prior, last = ParameterPrior.of(systems[0].parameters), max(learning, default=0)
+    prior = ParameterPrior.of(systems[0].parameters)
 
     def evaluate(flights: Sequence[LinearFlight], values: Array) -> LikelihoodSum:
         return sum_likelihoods(filter_all(flights, noise), prior, values)
 
     search = _Search(systems, nominal, prior, evaluate)
-    point = search.look(begin)
+    point, left, has_settled = search.look(begin), list(learning), False
     for number in range(rounds):
-        if number in learning:
+        if left and (has_settled or (number >= left[0] and not is_near)):
             noise = learn_noise(point.flights, prior, point.values, noise, is_near)
             point = point._replace(sums=evaluate(point.flights, point.values))
-        lower = is_near or (bool(learning) and number > last)
+            left, has_settled = left[1:], False
+        # From afar, bounded steps need not lower the misfit one by one
+        lower = is_near or (bool(learning) and not left)
         after = search.step(point, point.sums.cost + MISFIT_RISE if lower else math.inf)
-        if after is None:
-            break
-        before, point = point, after
-        if number >= last and search.has_settled(before.values, point.values):
+        has_settled = after is None or search.has_settled(point.values, after.values)
+        point = point if after is None else after
+        if has_settled and not left:
             break
     return _complete(point, prior, noise, np.linalg.inv, point.sums.near_evidence)
 
