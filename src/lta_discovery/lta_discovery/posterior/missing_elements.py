@@ -3,11 +3,11 @@ Find what a vehicle file lacks: fit, linearize, search, and again about what was
 
 All flights are linearized about a fit of the most probable model so far. On that linear model
 every other one is compared (`ModelSearch`). The best of them is fitted, with the noise learned
-beside it, and takes the place of the first if the flights then are more probable. What a name gains
-is judged in the same way: against a fit of the best model without it.
+beside it, and takes the place of the first if the flights then are more probable. What a name
+gains is judged in the same way: against a fit of the best model without it.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 import math
 from typing import Final, final, NamedTuple
@@ -33,8 +33,7 @@ from lta_discovery.posterior.settings import (
     ALIKE,
     CAPS,
     CERTAIN,
-    DECISIVE,
-    FITS,
+    STEPS,
 )
 from lta_discovery.state_filter.kalman import filter_flight, FilteredFlight
 from lta_discovery.state_filter.likelihood import linearize_all, ParameterPrior
@@ -50,7 +49,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 LINEARIZATIONS: Final = 10  # most of a fit
-LEARNING: Final = (0, 0)  # twice; a fit that goes on from another learns the noise once
+LEARNING: Final = (0,)  # a fit learns the noise once
+EVEN: Final = 1.01  # of a wrench; a cap that it exceeds by less changes nothing
 SMALLEST: Final = 1e-9  # of the largest singular value of columns that move together
 SENSOR_EFFECTS: Final = ('gyro_', 'imu_', 'range_', 'pressure_')  # idle without these sensors
 
@@ -154,48 +154,55 @@ class MissingElementSearch:
 
     def run(self, tell: Callable[[float], None] = lambda part: None) -> MissingElements:
         """Search, and report an estimate of the progress."""
-        best, count = self._fit(self._begin, self._begin.scored, LEARNING), 1
-        while True:
-            for proposal in self._propose(best):
-                tell(1.0 - 0.8**count)
-                fitted, count = self._try_to_fit(best, proposal), count + 1
-                if fitted is not None and fitted.log_posterior > best.log_posterior:
-                    best = fitted
-                    break
-                if count > FITS:
-                    break
-            else:
+        # Once more about the motion that the first fit shows
+        rough = self._fit(self._begin, self._begin.scored)
+        best = self._fit(rough, rough.scored)
+        for number in range(STEPS):
+            tell(1.0 - 0.8 ** (number + 1))
+            search = self._look(best, best.noise)
+            ranked = search.run(best.scored.model)
+            better = self._find_better(best, ranked[0])
+            if better is None:
                 break
-            if count > FITS:
-                break
-        result = self._conclude(best)
+            best = better
+        result = self._conclude(best, search, ranked)
         tell(1.0)
         return result
 
-    def _propose(self, best: '_FittedModel') -> Iterator[ScoredModel]:
-        """Yield models that may be more probable than a fitted one."""
-        proposed = {best.scored.elements}
-        # What is missing raises the unexplained wrench, and a raised one hides what is missing
+    def _find_better(self, best: '_FittedModel', first: ScoredModel) -> '_FittedModel | None':
+        """
+        Return a fitted model that is more probable than the best one so far, or None.
+
+        `first`: the model to try first.
+        """
+        tried = {best.scored.elements}
         for floors in (math.inf, *CAPS):
             most = floors * self._floor
-            if floors < math.inf and all(bool(np.all(one.wrench <= most)) for one in best.noise):
+            one = first
+            if floors < math.inf:
+                if all(bool(np.all(each.wrench <= EVEN * most)) for each in best.noise):
+                    continue
+                # What is missing raises the unexplained wrench, which then hides it
+                noise = [
+                    replace(each, wrench=np.minimum(each.wrench, most)) for each in best.noise
+                ]
+                one = self._look(best, noise).run(best.scored.model)[0]
+            if one.elements in tried:
                 continue
-            noise = [replace(one, wrench=np.minimum(one.wrench, most)) for one in best.noise]
-            one = self._look(best, noise).run(best.scored.model)[0]
-            if one.elements not in proposed:
-                proposed.add(one.elements)
-                yield one
+            tried.add(one.elements)
+            after = self._try_to_fit(best, one)
+            if after is not None and after.log_posterior > best.log_posterior:
+                return after
+        return None
 
     def _try_to_fit(self, begin: '_FittedModel', one: ScoredModel) -> '_FittedModel | None':
         """Fit a model; None if the vehicle becomes impossible on the way."""
         try:
-            return self._fit(begin, one, LEARNING[:1])
+            return self._fit(begin, one)
         except BadInput:
             return None
 
-    def _fit(
-        self, begin: '_FittedModel', one: ScoredModel, learning: Sequence[int]
-    ) -> '_FittedModel':
+    def _fit(self, begin: '_FittedModel', one: ScoredModel) -> '_FittedModel':
         """Fit a model, from another one that is fitted."""
         count = len(self.parameters)
         tolerance = np.array([each.tolerance for each in self.parameters])
@@ -213,7 +220,7 @@ class MissingElementSearch:
         ]
         start = np.append(begin.values[free], np.zeros(len(acting)))
         fit = fit_likelihood(
-            systems, self._nominal, start, begin.noise, LINEARIZATIONS, learning, is_near=True
+            systems, self._nominal, start, begin.noise, LINEARIZATIONS, LEARNING, is_near=True
         )
         values, covariance = np.zeros(count), np.zeros((count, count))
         values[free] = np.where(own[free], 0.0, fit.values[: len(free)])
@@ -278,11 +285,11 @@ class MissingElementSearch:
         evidence = LinearEvidence.of([one[2] for one in looks], noise, own, values, self._nominal)
         return ModelSearch(self.parameters, self._elements, evidence)
 
-    def _conclude(self, fitted: '_FittedModel') -> MissingElements:
+    def _conclude(
+        self, final: '_FittedModel', search: ModelSearch, ranked: Sequence[ScoredModel]
+    ) -> MissingElements:
         """Return what a fitted model and those beside it tell together."""
-        search = self._look(fitted, fitted.noise)
-        ranked = search.run(fitted.scored.model)
-        best = next(one for one in ranked if one.elements == fitted.scored.elements)
+        best = next(one for one in ranked if one.elements == final.scored.elements)
         # Models that are more probable were refuted when they were fitted
         ranked = ranked[ranked.index(best) :]
         weights = np.exp([one.log_posterior - best.log_posterior for one in ranked])
@@ -299,9 +306,9 @@ class MissingElementSearch:
             if probability < CERTAIN:
                 continue
             rival = next(one for one, some in zip(ranked, among, strict=True) if not some)
-            without = self._try_to_fit(fitted, rival)
-            gain = fitted.log_posterior - (without.log_posterior if without else -math.inf)
-            if gain >= DECISIVE:
+            without = self._try_to_fit(final, rival)
+            gain = final.log_posterior - (without.log_posterior if without else -math.inf)
+            if gain >= math.log(CERTAIN / (1.0 - CERTAIN)):
                 names.sort(key=lambda k: (self._elements[k].kind, -shares.get(k, 0.0)))
                 titles = tuple(self._elements[k].name for k in names)
                 kind = self._elements[names[0]].kind
@@ -311,9 +318,9 @@ class MissingElementSearch:
             tuple(present),
             {self._elements[k].name: shares[k] for k in sorted(shares, key=lambda k: -shares[k])},
             tuple(self.parameters),
-            fitted.values,
-            fitted.covariance,
-            tuple(fitted.noise),
+            final.values,
+            final.covariance,
+            tuple(final.noise),
             best.trust,
             tuple(ranked),
             tuple(self._elements),

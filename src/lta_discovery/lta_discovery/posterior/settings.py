@@ -25,11 +25,10 @@ GROWTH: Final = 2
 ADDED: Final = 10  # additions to a model that are tried, the most promising first
 SWAPPED: Final = 5  # the same in place of another element
 HOPELESS: Final = 12.0  # nats below the best; such a model is not looked at more closely
-FITS: Final = 12  # of models, most
+STEPS: Final = 12  # from one model to a better one, most
 
 # Conclusion
-CERTAIN: Final = 0.95  # probability from which on something is said to be present
-# Nats that a name needs beside the best model without it. The posterior assumes that the forms of
-# all equations are right; their errors favoured effects that were absent by up to 9 nats
-DECISIVE: Final = 10.0
+# Probability from which on something is said to be present, among the linear models and by the
+# fits with it and without it
+CERTAIN: Final = 0.95
 ALIKE: Final = 0.95  # cosine of two columns beside the rest of the model; beyond it, one class

@@ -249,15 +249,12 @@ def ideal_readings(
     height = begin[..., 2] + vertical @ np.array(places.imu)
     pressure = places.floor * (1.0 - LAPSE * height / SEA_TEMPERATURE) ** EXPONENT
     change = (end - begin) / PERIOD
-    weights = {1.0 / 6.0: (begin, end), 4.0 / 6.0: (middle,)}
-    if middle is None:
-        weights = {0.5: (begin, end)}
-    rates = sum(part * state[..., 10:13] for part, some in weights.items() for state in some)
-    force = sum(
-        part * _specific_force(state, change, places.imu)
-        for part, some in weights.items()
-        for state in some
-    )
+    states, weights = [begin, end], [0.5, 0.5]
+    if middle is not None:
+        states, weights = [begin, middle, end], [1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0]
+    rates = np.tensordot(weights, [one[..., 10:13] for one in states], axes=1)
+    forces = [_specific_force(one, change, places.imu) for one in states]
+    force = np.tensordot(weights, forces, axes=1)
     return np.concatenate([rates, force, distance[..., None], pressure[..., None]], axis=-1)
 
 

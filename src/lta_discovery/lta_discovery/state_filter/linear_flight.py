@@ -180,9 +180,9 @@ class FlightSystem:
         Return the flight with a better estimate of its motion, about which it is linearized.
 
         `motion`: of the body in the map, NaN where unknown, shape (n, 13). `wrench`: what acts
-        beside the model, shape (n, 6) [N, N m]; without it the model would leave the motion in each
-        period, and turn what should turn with the motion by another angle. `nominal`: the vehicle
-        with which both were estimated.
+        beside the model, shape (n, 6) [N, N m]; without it the model would leave the motion in
+        each period, and turn what should turn with the motion by another angle. `nominal`: the
+        vehicle with which both were estimated.
         """
         out = copy(self)
         acting = self.replay.build_replay_rows(nominal).acting

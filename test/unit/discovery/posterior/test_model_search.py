@@ -131,4 +131,3 @@ def test_a_value_beyond_its_bound_makes_a_model_less_probable() -> None:
     share = (after.cdf(1.4) - after.cdf(-1.0)) / (before.cdf(1.4) - before.cdf(-1.0))
     wanted = free.log_posterior + math.log(share)
     assert bounded.log_posterior == pytest.approx(wanted, rel=1e-9)
-

@@ -50,9 +50,7 @@ def test_points_outside_of_the_runs_have_no_motion() -> None:
 
 
 @pytest.mark.parametrize(('channels', 'noise'), [(6, NOISE), (14, ALL_SENSORS)])
-def test_slopes_by_the_noise_are_those_of_the_likelihood(
-    channels: int, noise: NoiseModel
-) -> None:
+def test_slopes_by_the_noise_are_those_of_the_likelihood(channels: int, noise: NoiseModel) -> None:
     """The mean over two values of the parameters, by differences of what the filter gives."""
     flight, mix = build_flight(3, channels), np.stack([VALUES, -VALUES], axis=1)
     both = np.vstack([mix, np.ones(2)]) / np.sqrt(2.0)
