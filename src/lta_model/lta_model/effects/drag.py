@@ -177,8 +177,8 @@ def strip_damping(p: Values, memory: Values, motion: VehicleMotion, thrust: Valu
 
     with D = rho C_D A / 2 of the whole strip along each body axis, as in `quadratic_drag`; v_r is
     the airspeed of the hull. The integral uses three Gauss points: exact where u keeps its sign
-    along the strip, 3.3 % high where the strip turns about its middle. `strip_geometry` computes
-    the numbers from the boxes of a vehicle.
+    along the strip, 3.3 % high where the strip turns about its middle. `effect_parameters`
+    computes the numbers from the boxes of a vehicle.
 
     The drag of the whole vehicle already covers translation, so a strip sees only the rotation:
     `translation` k = 0. Use k = 1 for parts that the vehicle's drag excludes. Force and moment
@@ -193,7 +193,7 @@ def strip_damping(p: Values, memory: Values, motion: VehicleMotion, thrust: Valu
     Not modelled: shielding by other parts and the hull's wake; air still moving from the previous
     oscillation (C_D at small amplitudes is larger); flow along a strip. Source: strip theory with
     the cross-flow principle (Fossen 2011, section 6.4, there for hulls; from memory); C_D as in
-    `strip_geometry`.
+    `effect_parameters`.
     """
     (
         translation,

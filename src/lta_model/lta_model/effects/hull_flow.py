@@ -23,7 +23,7 @@ def added_mass(p: Values) -> Wrench:
         A_1 = diag(surge, sway, heave)
 
     about the hull centre. Its momentum follows the air-relative velocity (`rigid_body`), which
-    includes the Munk moment. `mass_matrix.spheroid_added_mass` has Lamb's closed forms for
+    includes the Munk moment. `mass_properties.spheroid_added_mass` has Lamb's closed forms for
     spheroids. Not modelled: coupling terms of hulls without three planes of symmetry, nearby walls
     and floor.
     """
@@ -49,8 +49,8 @@ def added_inertia(p: Values) -> Wrench:
         A_2 = diag(roll, pitch, yaw)
 
     about the hull centre. It is zero for a sphere and about an axis of revolution in an ideal
-    fluid; `mass_matrix.spheroid_added_mass` has Lamb's closed forms for spheroids. Not modelled:
-    coupling terms and the boundary layer.
+    fluid; `mass_properties.spheroid_added_mass` has Lamb's closed forms for spheroids. Not
+    modelled: coupling terms and the boundary layer.
     """
     roll, pitch, yaw = p
     return (0.0, 0.0, 0.0, roll, pitch, yaw)
