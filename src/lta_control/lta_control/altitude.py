@@ -70,6 +70,11 @@ class HeightSensors(NamedTuple):
     pressure: SensorWatch = SensorWatch()
 
 
+def mask_out_of_range(reading: float, lowest: float, highest: float) -> float:
+    """Return a reading, or NaN outside the sensor's range (REP-117)."""
+    return reading if lowest <= reading <= highest else math.nan
+
+
 def watch_sensor(watch: SensorWatch, reading: float, turning: bool, dt: float) -> SensorWatch:
     """
     Return what is known about a sensor `dt` seconds later.

@@ -17,8 +17,8 @@ from typing import final, NamedTuple
 
 from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
-from lta_control.cascade import CascadeMeasurement, Setpoint
-from lta_control.control import FOOT, has_landed, LandingWatch, watch_landing
+from lta_control.cascade import CascadeMeasurement, FLOOR, Setpoint
+from lta_control.flight_step import FOOT, has_landed, LandingWatch, watch_landing
 from lta_control.guidance import GuidanceInputs, refuse_failures
 from lta_control.mission import MissionSettings, remove_light
 from lta_control.phases import Mission, Phase, SWITCHING
@@ -29,7 +29,6 @@ from lta_vlc.settings import NO_WISH
 
 HIGHEST = 100.0  # m, of a take-off
 FASTEST_BEACON = 100e3  # Hz
-FLOOR = Setpoint(0.0, 0.0, 0.0)
 # s without sinking after which a landing is reported: later than the controller ends it, as its
 # wrong end in the air would pass and a wrong report would not
 LANDED = 15.0
@@ -228,9 +227,10 @@ class CommandedFlight:
             self._hold(now)
 
     def _is_airborne(self, now: GuidanceInputs) -> bool:
-        return now.measured is not None and not has_landed(
-            now.measured, FLOOR, self._ground_height
-        )
+        return now.measured is not None and not self._stands(now.measured)
+
+    def _stands(self, measured: CascadeMeasurement) -> bool:
+        return has_landed(measured.altitude, measured.climb, FLOOR, self._ground_height)
 
     @refuse_failures
     def choose_setpoint(self, inputs: GuidanceInputs) -> Setpoint:
@@ -312,7 +312,7 @@ class CommandedFlight:
         self._landing = watch_landing(
             self._landing, measured.altitude, phase is Phase.LAND, interval
         )
-        stands = has_landed(measured, FLOOR, self._ground_height) or self._landing.still > LANDED
+        stands = self._stands(measured) or self._landing.still > LANDED
         if phase is Phase.CLIMB or not stands:
             return
         if self._task is not None:

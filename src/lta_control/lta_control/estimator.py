@@ -42,6 +42,7 @@ from lta_control.per_rotor import NONE, PerRotor
 
 FASTEST_TURN = math.radians(3000.0)  # rad/s; the BMI088 measures 2000 deg/s
 HARDEST_PULL = 400.0  # m/s2; it measures 24 g
+LEVEL = 0.1  # cosine of the tilt below which climb and heave are not separated
 PATIENCE = 5.0  # rest times without motion, after which a tilt is accepted and a turn refused
 
 
@@ -140,6 +141,15 @@ class EstimatorInputs(NamedTuple):
 def has_height(estimate: MotionEstimate) -> bool:
     """Return whether range finder or barometer still measure the height."""
     return not (is_stuck(estimate.sensors.range) and is_stuck(estimate.sensors.pressure))
+
+
+def air_relative_velocity(estimate: MotionEstimate) -> Vector:
+    """Return the air-relative body velocity that matches the estimated climb rate. [m/s]"""
+    ux, uy, uz = up_in_body(estimate.attitude)
+    surge, sway = estimate.airspeed.surge, estimate.airspeed.sway
+    climb = estimate.altitude.climb
+    # Solve climb = up . velocity for the heave
+    return surge, sway, (climb - (ux * surge + uy * sway)) / uz if uz > LEVEL else climb
 
 
 def is_any_motor_turning(duties: PerRotor) -> bool:

@@ -18,7 +18,7 @@ from lta_bridge.crazyflie.safety import SafetyStage
 from lta_bridge.crazyflie.supervisor_word import SupervisorBit
 from lta_config.schema.crazyflie_file import CrazyflieFile
 from lta_control.altitude import HeightSensors, is_stuck, SensorWatch, watch_sensor
-from lta_control.control import LandingWatch, watch_landing
+from lta_control.flight_step import LandingWatch, watch_landing
 from lta_graph.health import stamp_age
 from lta_graph.rejections import RejectionCount
 from lta_model.vehicle import Vehicle

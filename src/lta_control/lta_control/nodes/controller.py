@@ -1,43 +1,31 @@
 """
 Controller node: convert estimate and setpoint to duties.
 
-The node fails safe. The duties are zero until it is armed and the estimate is known. When
-setpoints go stale it holds level and then descends. After an emergency stop, or when the vehicle
-has overturned, the duties stay zero.
+`lta_control.flight_step` has the rules of a flight, with all that keeps the motors off. The node
+converts messages to its inputs and its duties to a message. The drone lands while two nodes steer
+it, and when the airspeed that it had is missing.
 """
 
 import math
-from typing import NamedTuple
 
-from geometry_msgs.msg import PoseStamped, TwistStamped, TwistWithCovarianceStamped
+from geometry_msgs.msg import TwistWithCovarianceStamped
 from lta_config.settings import setting, Settings
 from lta_control.allocation import create_working_array
-from lta_control.altitude import is_stuck, SensorWatch, watch_sensor
-from lta_control.cascade import CascadeGains, CascadeMeasurement, Setpoint
-from lta_control.control import (
-    control_step,
-    ControlMemory,
-    has_landed,
-    has_overturned,
-    is_control_input_finite,
-    LandingWatch,
-    STANDSTILL,
-    step_duration,
+from lta_control.cascade import CascadeGains
+from lta_control.flight_step import (
+    control_motors,
+    ControlInputs,
+    FlightRules,
+    FlightState,
+    is_stopped,
+    PilotMemory,
     TILT_LIMIT,
-    watch_landing,
 )
 from lta_control.gains_file import load_gains
-from lta_control.laws.onboard_law import CASCADE, OnboardLaw, vehicle_law_name
-from lta_control.messages import (
-    from_duties,
-    is_height_lost,
-    to_attitude,
-    to_cascade_measurement,
-    to_motion,
-    to_setpoint,
-)
-from lta_control.vehicle_parameters import build_rotors, surge_drag_coefficients
-from lta_graph.health import HealthLevel, stamp_age
+from lta_control.laws.onboard_law import load_onboard_law, vehicle_law_name
+from lta_control.messages import from_duties, to_control_inputs
+from lta_control.odometry.air_reckoning import step_duration
+from lta_graph.health import HealthLevel
 from lta_graph.inbox import InboxStep
 from lta_graph.ros.command_mux import CommandMux
 from lta_graph.ros.node import GraphNode
@@ -49,7 +37,18 @@ from lta_model.vehicle import load_vehicle
 from std_srvs.srv import SetBool, Trigger
 
 AIRSPEED_AGE_NS = 250_000_000  # ns; an airspeed further from the odometry is not used
-DESCENT = 0.2  # m below the current altitude: the setpoint of a slow automatic descent
+RESTING = {
+    FlightState.OFF: 'off',
+    FlightState.WAITING: 'armed; waits for a setpoint above the floor',
+    FlightState.ON_GROUND: 'on the ground',
+    FlightState.LANDED: 'on the ground, as it no longer sinks',
+}
+STOPPED = {
+    FlightState.OVERTURNED: 'the drone turned over',
+    FlightState.BLIND: 'the height is unknown, as its sensors repeat their readings or send none',
+    FlightState.NOT_FINITE: 'the estimate or the setpoint contains NaN or infinity',
+    FlightState.EMERGENCY_STOP: 'emergency stop',
+}
 
 
 class ControllerSettings(Settings):
@@ -92,16 +91,6 @@ class ControllerSettings(Settings):
     )
 
 
-class TimedSetpoint(NamedTuple):
-    """The messages of a setpoint, the setpoint, and the stamps of the messages. [ns]"""
-
-    pose: PoseStamped
-    velocity: TwistStamped
-    setpoint: Setpoint
-    pose_ns: int
-    velocity_ns: int
-
-
 class Controller(GraphNode):
     """Publish duties for each estimate."""
 
@@ -110,25 +99,16 @@ class Controller(GraphNode):
         self._motors = self.create_output('motors')
         self._settings = NodeParameters(self, ControllerSettings)
         vehicle = load_vehicle(self._settings.value.vehicle)
-        self._drag = surge_drag_coefficients(vehicle)
-        self._rotors = build_rotors(vehicle)
-        self._names, self._reversible = vehicle.rotor_names, vehicle.reversible
+        self._vehicle, self._scratch = vehicle, create_working_array()
         self._course = load_course(self._settings.value.scenario)
-        self._begun_ns: int | None = None
-        self._standing = vehicle.hull_height_on_floor
         name = self._settings.value.law or vehicle_law_name(vehicle)
-        self._law = None if name == CASCADE else OnboardLaw(name, vehicle)
-        self._memory = ControlMemory()
-        self._landing, self._height = LandingWatch(), SensorWatch()
-        self._turning = False  # whether a motor was commanded to turn
-        self._scratch = create_working_array()
-        self._airspeed_lost = False
-        self._setpoint: TimedSetpoint | None = None
-        self._last_ns: int | None = None
+        self._law, self._constants = load_onboard_law(name, vehicle, self._settings.value.gains)
+        self._memory = PilotMemory(law=self._law.start)
         self._armed = self._settings.value.armed
-        self._flies = False  # whether a setpoint above the floor was followed since arming
         self._contested = False  # whether two nodes have sent setpoints since arming
-        self._stopped = ''
+        self._airspeed_lost = False
+        self._begun_ns: int | None = None
+        self._last_ns: int | None = None
         self.create_service(SetBool, 'arm', self._on_arm)
         self.create_service(Trigger, 'emergency_stop', self._on_emergency_stop)
         self.subscribe_inputs(
@@ -136,16 +116,102 @@ class Controller(GraphNode):
         )
         self._helm = CommandMux(self)
 
+    def _on_step(self, step: InboxStep) -> None:
+        odom = step.messages['odom'][-1]
+        inputs = to_control_inputs(
+            odom,
+            self._select_airspeed(step),
+            self._helm.select_setpoint(
+                step.latest['setpoint/pose'], step.latest['setpoint/velocity']
+            ),
+            self._armed,
+            self._contested or self._airspeed_lost,
+            step.stamp_ns,
+            step_duration(self._last_ns, step.stamp_ns, self.table.control_ns),
+        )
+        self._last_ns = step.stamp_ns
+        constants, settings = self._constants, self._settings.value
+        if isinstance(constants.gains, CascadeGains):
+            constants = constants._replace(gains=settings.gains)
+        rules = FlightRules(
+            math.cos(settings.tilt_limit),
+            self._vehicle.hull_height_on_floor,
+            settings.hold_after,
+            settings.land_after,
+        )
+        self._memory = control_motors(
+            self._law, constants, rules, self._memory, inputs, self._scratch
+        )
+        self._report_flight(inputs)
+        duties = self._add_test_signals(self._memory.law.command.duties, step.stamp_ns)
+        self._motors.publish(from_duties(odom.header.stamp, self._vehicle.rotor_names, duties))
+
+    def _select_airspeed(self, step: InboxStep) -> TwistWithCovarianceStamped | None:
+        """Return the airspeed if it belongs to this time, and report where it is missing."""
+        latest = step.latest['airspeed']
+        near = latest and abs(from_stamp(latest.header.stamp) - step.stamp_ns) <= AIRSPEED_AGE_NS
+        # Recordings of earlier versions have none
+        lost = latest is not None and not near
+        if lost is not self._airspeed_lost:
+            self._airspeed_lost = lost
+            level = HealthLevel.ERROR if lost else HealthLevel.OK
+            self.health.report('airspeed', level, 'missing: landing' if lost else 'received again')
+        return latest if near else None
+
+    def _add_test_signals(self, duties: tuple[float, ...], now_ns: int) -> tuple[float, ...]:
+        """Return the duties with the test signals of the scenario."""
+        if self._course is None:
+            return duties
+        self._begun_ns = now_ns if self._begun_ns is None else self._begun_ns
+        time = (now_ns - self._begun_ns) * 1e-9
+        return self._course.excite_duties(time, duties, self._vehicle.reversible)
+
+    def _report_flight(self, inputs: ControlInputs) -> None:
+        """Report what the motors do, and why."""
+        state = FlightState(self._memory.watch.state)
+        if is_stopped(state):
+            level, text = HealthLevel.ERROR, describe_stop(state)
+            self._armed = False
+        elif state in RESTING:
+            level, text = HealthLevel.OK, RESTING[state]
+        elif state is FlightState.FLYING:
+            steers = 'a person' if self._helm.held else 'the setpoint'
+            level, text = HealthLevel.OK, f'flying by {steers}'
+        else:
+            level, text = HealthLevel.WARN, self._describe_descent(state, inputs.age)
+        self.health.report('motors', level, text)
+
+    def _describe_descent(self, state: FlightState, age: float) -> str:
+        settings = self._settings.value
+        doing = 'holding' if state is FlightState.HOLDING else 'landing'
+        limit = settings.hold_after if state is FlightState.HOLDING else settings.land_after
+        if age <= limit:
+            return doing
+        if math.isinf(age):
+            return f'the time stamp of the setpoint is in the future: {doing}'
+        return f'no setpoint for {limit} s: {doing}'
+
     def _on_arm(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
-        count = self._helm.count_commanders()
-        rivals = f'{count} nodes send setpoints: stop all but one' if count > 1 else ''
-        refusal = (self._stopped or rivals) if request.data else ''
-        response.success, response.message = not refusal, refusal
-        if not refusal:
+        count, watch = self._helm.count_commanders(), self._memory.watch
+        refusal = f'{count} nodes send setpoints: stop all but one' if count > 1 else ''
+        if is_stopped(watch.state):
+            refusal = describe_stop(watch.state)
+        response.success = not (request.data and refusal)
+        response.message = refusal or 'armed'
+        if response.success:
             # Arming starts with empty integrals
-            self._memory, self._flies, self._contested = ControlMemory(), False, False
-            self._armed = request.data
+            self._memory = PilotMemory(watch._replace(flies=False), self._law.start)
+            self._armed, self._contested = request.data, False
             response.message = 'armed' if self._armed else 'disarmed'
+        return response
+
+    def _on_emergency_stop(
+        self, _: Trigger.Request, response: Trigger.Response
+    ) -> Trigger.Response:
+        watch = self._memory.watch._replace(state=FlightState.EMERGENCY_STOP)
+        self._memory, self._armed = PilotMemory(watch, self._law.start), False
+        response.success, response.message = True, describe_stop(watch.state)
+        self.health.report('motors', HealthLevel.ERROR, response.message)
         return response
 
     def publish_health(self) -> None:
@@ -162,147 +228,12 @@ class Controller(GraphNode):
             self.health.report('commanders', HealthLevel.OK, 'one node sends setpoints')
         super().publish_health()
 
-    def _on_emergency_stop(
-        self, _: Trigger.Request, response: Trigger.Response
-    ) -> Trigger.Response:
-        self._stop_motors(
-            'emergency stop: the motors are off; restart the controller to fly again'
-        )
-        response.success, response.message = True, self._stopped
-        return response
 
-    def _stop_motors(self, reason: str) -> None:
-        self._armed, self._stopped = False, reason
-        self.health.report('motors', HealthLevel.ERROR, reason)
-
-    def _on_step(self, step: InboxStep) -> None:
-        odom = step.messages['odom'][-1]
-        latest = step.latest['airspeed']
-        # Not used if it belongs to another time
-        near = latest and abs(from_stamp(latest.header.stamp) - step.stamp_ns) <= AIRSPEED_AGE_NS
-        airspeed = latest if near else None
-        measured = to_cascade_measurement(odom, airspeed)
-        dt = step_duration(self._last_ns, step.stamp_ns, self.table.control_ns)
-        upright = math.cos(self._settings.value.tilt_limit)
-        is_controlled = self._armed and measured is not None
-        if is_controlled and has_overturned(to_attitude(odom), upright):
-            self._stop_motors(
-                'the drone turned over: the motors are off; restart the controller to fly again'
-            )
-        self._height = watch_sensor(self._height, odom.pose.pose.position.z, self._turning, dt)
-        # Before the first estimate no motor turns
-        is_lost = self._turning and measured is None and is_height_lost(odom)
-        if self._armed and (is_lost or is_stuck(self._height)):
-            self._stop_motors(
-                'the height is unknown, as its sensors repeat their readings or send none: the '
-                'motors are off; restart the controller to fly again'
-            )
-        duties = self._compute_duties(step, airspeed, measured, dt)
-        self._turning = any(duties)
-        if self._course is not None:
-            self._begun_ns = step.stamp_ns if self._begun_ns is None else self._begun_ns
-            time = (step.stamp_ns - self._begun_ns) * 1e-9
-            # The test signals of the scenario
-            duties = self._course.excite_duties(time, duties, self._reversible)
-        self._last_ns = step.stamp_ns
-        self._motors.publish(from_duties(odom.header.stamp, self._names, duties))
-
-    def _compute_duties(
-        self,
-        step: InboxStep,
-        airspeed: TwistWithCovarianceStamped | None,
-        measured: CascadeMeasurement | None,
-        dt: float,
-    ) -> tuple[float, ...]:
-        pose, velocity = self._helm.select_setpoint(
-            step.latest['setpoint/pose'], step.latest['setpoint/velocity']
-        )
-        if not self._armed or measured is None or pose is None or velocity is None:
-            return self._reset_to_zero('' if self._stopped else 'off')
-        setpoint, descends = self._current_setpoint(step.stamp_ns, measured, pose, velocity)
-        # Recordings of earlier versions have none
-        lost = airspeed is None and step.latest['airspeed'] is not None
-        if lost is not self._airspeed_lost:
-            self._airspeed_lost = lost
-            level = HealthLevel.ERROR if lost else HealthLevel.OK
-            self.health.report('airspeed', level, 'missing: landing' if lost else 'received again')
-        if lost:
-            descends = True
-            setpoint = Setpoint(measured.altitude - DESCENT, setpoint.heading, 0.0)
-        if not is_control_input_finite(measured, setpoint):
-            self._stop_motors(
-                f'the estimate {measured} or the setpoint {setpoint} contains NaN or infinity: '
-                'the motors are off; restart the controller to fly again'
-            )
-            return self._reset_to_zero()
-        if self._contested:
-            descends = True
-            setpoint = Setpoint(measured.altitude - DESCENT, measured.heading, 0.0)
-        descends = descends or setpoint.altitude <= self._standing
-        # Arming must not start the motors in the hands of a person, at rest or without a setpoint
-        self._flies = self._flies or not descends
-        if not self._flies:
-            return self._reset_to_zero('armed; waits for a setpoint above the floor')
-        self._landing = watch_landing(self._landing, measured.altitude, descends, dt)
-        if has_landed(measured, setpoint, self._standing):
-            return self._reset_to_zero('on the ground')
-        if self._landing.still > STANDSTILL:
-            return self._reset_to_zero('on the ground, as it no longer sinks')
-        if self._law is not None:
-            motion = to_motion(step.messages['odom'][-1], airspeed)
-            return self._law.step(motion, setpoint, dt).duties
-        duties, self._memory = control_step(
-            self._settings.value.gains,
-            self._rotors,
-            self._drag,
-            self._memory,
-            measured,
-            setpoint,
-            dt,
-            self._scratch,
-        )
-        return duties
-
-    def _reset_to_zero(self, text: str = '') -> tuple[float, ...]:
-        """Return zero duties, and reset the integrals."""
-        self._memory = ControlMemory()
-        if self._law is not None:
-            self._law.reset()
-        if text:
-            self.health.report('motors', HealthLevel.OK, text)
-        return (0.0,) * len(self._names)
-
-    def _current_setpoint(
-        self, now_ns: int, measured: CascadeMeasurement, pose: PoseStamped, velocity: TwistStamped
-    ) -> tuple[Setpoint, bool]:
-        """Return the setpoint, and whether it was replaced by a descent as it is too old."""
-        request, settings = self._setpoint, self._settings.value
-        # Most setpoints hold for several steps
-        if request is None or request.pose is not pose or request.velocity is not velocity:
-            stamps = from_stamp(pose.header.stamp), from_stamp(velocity.header.stamp)
-            request = TimedSetpoint(pose, velocity, to_setpoint(pose, velocity), *stamps)
-            self._setpoint = request
-        setpoint = request.setpoint
-        # The older of the two messages counts; a stamp far in the future is infinitely old
-        oldest = max(stamp_age(request.pose_ns, now_ns), stamp_age(request.velocity_ns, now_ns))
-        if oldest <= settings.hold_after:
-            steers = 'a person' if self._helm.held else 'the setpoint'
-            self.health.report('motors', HealthLevel.OK, f'flying by {steers}')
-            return setpoint, False
-        landing = oldest > settings.land_after
-        limit = settings.land_after if landing else settings.hold_after
-        future = math.isinf(oldest)
-        text = (
-            'the time stamp of the setpoint is in the future: '
-            if future
-            else f'no setpoint for {limit} s: '
-        )
-        self.health.report(
-            'motors', HealthLevel.WARN, text + ('landing' if landing else 'holding')
-        )
-        # Below the current altitude, so the descent goes on until the floor
-        altitude = measured.altitude - DESCENT if landing else setpoint.altitude
-        return Setpoint(altitude, setpoint.heading, 0.0), landing
+def describe_stop(state: int) -> str:
+    """Return why the motors have stopped for good, and what to do."""
+    return (
+        f'{STOPPED[FlightState(state)]}: the motors are off; restart the controller to fly again'
+    )
 
 
 def main(args: list[str] | None = None) -> None:

@@ -9,7 +9,6 @@ from typing import Any
 
 from lta_config.settings import setting
 from lta_control.bias_calibration import is_tilted, is_turning, largest_deviation, MOST_RATE
-from lta_control.control import step_duration
 from lta_control.estimator import (
     estimator_step,
     EstimatorModel,
@@ -25,6 +24,7 @@ from lta_control.messages import (
     to_inputs,
     to_sighting,
 )
+from lta_control.odometry.air_reckoning import step_duration
 from lta_control.odometry.ground_motion import ground_step, read_modelled_motion
 from lta_control.odometry.ground_state import GroundMotion
 from lta_control.odometry.lamp_sighting import LampSighting

@@ -15,7 +15,7 @@ from lta_control.commanded_flight import (
     TaskKind,
     TaskLimits,
 )
-from lta_control.control import has_overturned, TILT_LIMIT
+from lta_control.flight_step import has_overturned, TILT_LIMIT
 from lta_control.guidance import Guidance, GuidanceInputs
 from lta_control.messages import (
     ACTION_TYPES,
