@@ -166,8 +166,8 @@ BARRIERS = {
     ),
     'two navigators before arming': Barrier(
         f'{CONTROL}/nodes/controller.py',
-        'stop all but one\' if count > 1 else', 'stop all but one\' if False else',
-        'test/integration/test_nodes.py',
+        'refusal = (describe_stop(watch.state) or rivals) if request.data',
+        'refusal = describe_stop(watch.state) if request.data', 'test/integration/test_nodes.py',
     ),
     'two navigators in flight': Barrier(
         f'{CONTROL}/nodes/controller.py',

@@ -34,9 +34,9 @@ def rule(homes: str, fields: str, least: int = 2) -> Rule:
 CONTROL, FLIGHT = 'lta_control/lta_control', 'lta_flight/lta_flight'
 STUDIES = 'lta_studies/lta_studies'
 RULES = {
-    # The navigator node names the lamp of a leg in its health report.
+    # The navigator node reports the lamp of a leg.
     'guidance': rule(
-        f'{CONTROL}/mission.py {CONTROL}/nodes/navigator.py',
+        f'{CONTROL}/mission.py {CONTROL}/flight_report.py',
         'leg target turns refused receptions', 3
     ),
     'climb and landing': rule(f'{CONTROL}/mission.py', 'reached landing'),
@@ -66,7 +66,7 @@ CALLERS = {
     'permission_at_reserve': {f'{CONTROL}/reserve.py', f'{FLIGHT}/batch/control_period.py'},
     'allocate': {f'{CONTROL}/allocation.py'},
     'is_plausible_imu_sample': {
-        f'{CONTROL}/nodes/estimator.py', f'{CONTROL}/flight_step.py', f'{FLIGHT}/closed_loop.py',
+        f'{CONTROL}/flight_step.py', f'{FLIGHT}/closed_loop.py',
     },
     'advance_position': {f'{CONTROL}/estimator.py', f'{CONTROL}/odometry/air_reckoning.py'},
     'is_control_input_finite': {f'{CONTROL}/flight_step.py'},

@@ -4,7 +4,7 @@ import array
 from collections.abc import Iterable
 from itertools import chain
 import math
-from typing import Any, Final
+from typing import Final
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import (
@@ -22,7 +22,7 @@ from lta_control.attitude import (
     Vector,
     yaw_from_quaternion,
 )
-from lta_control.cascade import build_measurement, CascadeMeasurement, FLOOR, Setpoint
+from lta_control.cascade import CascadeMeasurement, FLOOR, Setpoint
 from lta_control.commanded_flight import CommandedFlight, FlightTask, TaskKind, TaskOutcome
 from lta_control.estimator import (
     air_relative_velocity,
@@ -30,7 +30,7 @@ from lta_control.estimator import (
     has_height,
     MotionEstimate,
 )
-from lta_control.flight_step import ControlInputs
+from lta_control.flight_step import ControlInputs, measure_motion
 from lta_control.laws.protocol import ControlMotion
 from lta_control.odometry.ground_motion import ground_velocity
 from lta_control.odometry.ground_state import GroundMotion, rotate_covariance
@@ -231,12 +231,9 @@ def to_cascade_measurement(
     odom: Odometry, airspeed: TwistWithCovarianceStamped | None = None
 ) -> CascadeMeasurement | None:
     """Return the input of the cascade, or None while the estimate or its height is unknown."""
-    covariance = odom.pose.covariance
-    if not has_estimate(covariance[0]) or not has_estimate(covariance[14]):
+    if not has_estimate(odom.pose.covariance[0]) or is_height_lost(odom):
         return None
-    p, q, w = odom.pose.pose.position, odom.pose.pose.orientation, odom.twist.twist.angular
-    v = (airspeed or odom).twist.twist.linear
-    return build_measurement((q.x, q.y, q.z, q.w), p.z, (v.x, v.y, v.z), (w.x, w.y, w.z))
+    return measure_motion(to_motion(odom, airspeed))
 
 
 def to_control_inputs(
@@ -369,11 +366,15 @@ def to_frequencies(message: LampPeaks) -> tuple[float, ...]:
     return tuple(message.beacon[0].frequency) if message.beacon else ()
 
 
-def to_task_value(kind: TaskKind, goal: Any) -> float:  # noqa: ANN401 - one of three types
-    """Return the height [m] or frequency [Hz] of a goal; 0 for a landing."""
-    if kind is TaskKind.LAND:
-        return 0.0
-    return float(goal.height if kind is TaskKind.TAKE_OFF else goal.frequency)
+def request_task(
+    flight: CommandedFlight, kind: TaskKind, goal: TakeOff.Goal | GoToLamp.Goal | Land.Goal
+) -> FlightTask:
+    """Request the task of a goal: a height [m], the frequency of a lamp [Hz], or none."""
+    if isinstance(goal, TakeOff.Goal):
+        return flight.request(kind, float(goal.height))
+    if isinstance(goal, GoToLamp.Goal):
+        return flight.request(kind, float(goal.frequency))
+    return flight.request(kind)
 
 
 def from_task_progress(kind: TaskKind, flight: CommandedFlight) -> dict[str, float | bool]:

@@ -9,13 +9,8 @@ from typing import Any
 
 from lta_config.settings import setting
 from lta_control.bias_calibration import is_tilted, is_turning, largest_deviation, MOST_RATE
-from lta_control.estimator import (
-    estimator_step,
-    EstimatorModel,
-    EstimatorSettings,
-    is_plausible_imu_sample,
-    MotionEstimate,
-)
+from lta_control.estimator import EstimatorModel, EstimatorSettings, MotionEstimate
+from lta_control.flight_step import estimate_motion
 from lta_control.messages import (
     from_airspeed,
     from_estimate,
@@ -81,12 +76,12 @@ class Estimator(GraphNode):
             self.soundness.unsound.add(
                 'motors: rotor names or duties do not match the vehicle file'
             )
-        inputs = to_inputs(step, self._commanded)
-        if is_plausible_imu_sample(inputs.rates, inputs.force):
-            dt = step_duration(self._last_ns, step.stamp_ns, self.table.control_ns)
+        inputs, settings = to_inputs(step, self._commanded), self._settings.value
+        dt = step_duration(self._last_ns, step.stamp_ns, self.table.control_ns)
+        before = self._estimate
+        self._estimate = estimate_motion(settings, self._body, before, inputs, dt)
+        if self._estimate is not before:
             self._last_ns = step.stamp_ns
-            settings = self._settings.value
-            self._estimate = estimator_step(settings, self._body, self._estimate, inputs, dt)
             self._ground = ground_step(
                 settings.ground,
                 self._body.hull,
