@@ -13,7 +13,6 @@ The received light belongs to the beacon requested one step earlier (`topics.yam
 """
 
 import math
-from typing import final
 
 from lta_config.course import Course
 from lta_config.settings import setting
@@ -25,7 +24,6 @@ from lta_control.strategies.protocol import LightMeasurement, NavigationStrategy
 from lta_control.strategies.settings import StrategySettings
 
 
-@final
 class MissionSettings(StrategySettings):
     """Settings of the mission; altitudes are of the hull centre above the floor."""
 

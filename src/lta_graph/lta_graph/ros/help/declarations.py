@@ -48,8 +48,8 @@ def find_topics(tree: ast.AST) -> tuple[list[str], list[str], bool]:
     for function in (node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)):
         # Some subscribe in a loop over names
         if any(iterate_calls(function, *SUBSCRIBE)):
-            texts = {node.value for node in ast.walk(function) if isinstance(node, ast.Constant)}
-            read |= texts & table.topics.keys() - outward
+            values = {node.value for node in ast.walk(function) if isinstance(node, ast.Constant)}
+            read |= {name for name in table.topics.keys() - outward if name in values}
     open_ended = any(not isinstance(call.args[0], ast.Constant) for call in outputs) or any(
         iterate_calls(tree, 'create_subscription', 'subscribe', '_subscribe_topic')
     )

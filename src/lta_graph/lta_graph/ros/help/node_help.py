@@ -11,6 +11,7 @@ from lta_config.topics import load_topic_table
 from lta_graph.ros.help.declarations import find_settings_models, find_topics, parse_module
 from lta_graph.ros.node import GraphNode, GraphSettings
 from lta_graph.ros.parameters import iterate_fields
+from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 HELP = ('-h', '--help')
@@ -31,17 +32,14 @@ def describe_node(node_class: type[GraphNode], program: str) -> str:
     tree = parse_module(module)
     package, name = Path(program).parts[-2:] if len(Path(program).parts) > 1 else ('', program)
     published, read, more = find_topics(tree)
+    models: list[type[BaseModel]] = [GraphSettings, *find_settings_models(module, tree)]
     lines = [
         f'Usage: ros2 run {package} {name} --ros-args [-p PARAMETER:=VALUE] [-r FROM:=TO] ...',
         '',
         inspect.cleandoc(module.__doc__ or node_class.__doc__ or ''),
         '',
         'Parameters:',
-        *(
-            format_parameter(*leaf)
-            for model in (GraphSettings, *find_settings_models(module, tree))
-            for leaf in iterate_fields(model())
-        ),
+        *(format_parameter(*leaf) for model in models for leaf in iterate_fields(model())),
         '',
         'Topics, relative to the namespace of the node:',
         *(format_topic('publishes', each) for each in published),
