@@ -5,7 +5,6 @@ Each estimate is published twice: on `odom`, and as the transform odom -> base_l
 """
 
 import math
-from typing import Any
 
 from lta_config.settings import setting
 from lta_control.bias_calibration import is_tilted, is_turning, largest_deviation, MOST_RATE
@@ -32,6 +31,7 @@ from lta_graph.ros.process import run_node
 from lta_graph.ros.stamps import from_stamp
 from lta_graph.ros.transforms import from_odometry
 from lta_model.vehicle import load_vehicle
+from lta_msgs.msg import LampPeaks
 
 
 class EstimatorParameters(EstimatorSettings):
@@ -59,7 +59,7 @@ class Estimator(GraphNode):
         self._estimate = MotionEstimate()
         self._ground = GroundMotion()
         self._restarts = 0
-        self._peaks: Any = None
+        self._peaks: LampPeaks | None = None
         self._half_block_ns = self.table['photodiodes'].period_ns // 2
         self._commanded = self._estimate.duties
         self._last_ns: int | None = None
