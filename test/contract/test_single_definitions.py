@@ -39,7 +39,6 @@ RULES = {
         f'{CONTROL}/mission.py {CONTROL}/flight_report.py',
         'leg target turns refused receptions', 3
     ),
-    'climb and landing': rule(f'{CONTROL}/mission.py', 'reached landing'),
     'change of lamps': rule(f'{CONTROL}/mission.py', 'reception_time patience again'),
     # The settings give their numbers to the rule.
     'action at the reserve': rule(
@@ -60,6 +59,7 @@ RULES = {
 CALLERS = {
     'mission_step': {f'{CONTROL}/guidance.py', f'{FLIGHT}/batch/control_period.py'},
     'course_step': {f'{CONTROL}/guidance.py'},
+    'fly_phase': {f'{CONTROL}/mission.py', f'{CONTROL}/commanded_flight.py'},
     'choose_setpoint': {f'{CONTROL}/nodes/navigator.py', f'{FLIGHT}/closed_loop.py'},
     'decide_permission': {f'{CONTROL}/guidance.py', f'{CONTROL}/commanded_flight.py'},
     'apply_reserve': {f'{CONTROL}/mission.py', f'{CONTROL}/commanded_flight.py'},
