@@ -88,6 +88,16 @@ def watch_sensor(watch: SensorWatch, reading: float, turning: bool, dt: float) -
     return SensorWatch(watch.reading, watch.age + dt if turning else watch.age)
 
 
+def watch_height_sensors(
+    sensors: HeightSensors, distance: float, pressure: float, turning: bool, dt: float
+) -> HeightSensors:
+    """Return what is known about both sensors after readings [m, Pa]; see `watch_sensor`."""
+    return HeightSensors(
+        watch_sensor(sensors.range, distance, turning, dt),
+        watch_sensor(sensors.pressure, pressure, turning, dt),
+    )
+
+
 def is_stuck(watch: SensorWatch) -> bool:
     """Return whether a sensor has given no new reading for too long."""
     return watch.age > STUCK

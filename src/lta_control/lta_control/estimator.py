@@ -23,7 +23,7 @@ from lta_control.altitude import (
     HeightSensors,
     is_stuck,
     predict_altitude,
-    watch_sensor,
+    watch_height_sensors,
 )
 from lta_control.attitude import attitude_step, Quaternion, up_in_body, Vector, yaw_from_quaternion
 from lta_control.bias_calibration import (
@@ -195,10 +195,7 @@ def estimator_step(
     turning = is_any_motor_turning(inputs.duties)
     # Beyond 60 degrees of tilt the beam no longer points at the floor
     distance = inputs.range if up[2] > 0.5 else math.nan
-    sensors = HeightSensors(
-        watch_sensor(state.sensors.range, distance, turning, dt),
-        watch_sensor(state.sensors.pressure, inputs.pressure, turning, dt),
-    )
+    sensors = watch_height_sensors(state.sensors, distance, inputs.pressure, turning, dt)
     # The drag model needs the thrust now, not the commanded one
     duties = _lag_duties(body, state.duties, inputs.duties, dt)
     airspeed = airspeed_step(
