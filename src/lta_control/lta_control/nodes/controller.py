@@ -77,7 +77,8 @@ class Controller(GraphNode):
         self._motors = self.create_output('motors')
         self._settings = NodeParameters(self, ControllerSettings)
         vehicle = load_vehicle(self._settings.value.vehicle)
-        self._vehicle, self._scratch = vehicle, create_working_array()
+        self._names, self._reversible = vehicle.rotor_names, vehicle.reversible
+        self._standing_height, self._scratch = vehicle.hull_height_on_floor, create_working_array()
         self._course = load_course(self._settings.value.scenario)
         name = self._settings.value.law or vehicle_law_name(vehicle)
         self._law, self._constants = load_onboard_law(name, vehicle, self._settings.value.gains)
@@ -103,9 +104,12 @@ class Controller(GraphNode):
         if isinstance(constants.gains, CascadeGains):
             # They may change in flight
             constants = constants._replace(gains=settings.gains)
-        standing_height = self._vehicle.hull_height_on_floor
-        upright = math.cos(settings.tilt_limit)
-        rules = FlightRules(upright, standing_height, settings.hold_after, settings.land_after)
+        rules = FlightRules(
+            math.cos(settings.tilt_limit),
+            self._standing_height,
+            settings.hold_after,
+            settings.land_after,
+        )
         airspeed = self._select_airspeed(step)
         inputs = to_control_inputs(
             odom,
@@ -126,7 +130,7 @@ class Controller(GraphNode):
         steers = 'a person' if self._helm.held else 'the setpoint'
         self.health.set_fact(describe_motors(state, inputs, rules, steers))
         duties = self._add_test_signals(self._memory.law.command.duties, step.stamp_ns)
-        self._motors.publish(from_duties(odom.header.stamp, self._vehicle.rotor_names, duties))
+        self._motors.publish(from_duties(odom.header.stamp, self._names, duties))
 
     def _select_airspeed(self, step: InboxStep) -> TwistWithCovarianceStamped | None:
         """Return the airspeed if it belongs to this time, and report where it is missing."""
@@ -145,7 +149,7 @@ class Controller(GraphNode):
             return duties
         self._begun_ns = now_ns if self._begun_ns is None else self._begun_ns
         time = (now_ns - self._begun_ns) * 1e-9
-        return self._course.excite_duties(time, duties, self._vehicle.reversible)
+        return self._course.excite_duties(time, duties, self._reversible)
 
     def _on_arm(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
         count, watch = self._helm.count_commanders(), self._memory.watch
