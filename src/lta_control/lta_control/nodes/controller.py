@@ -75,15 +75,16 @@ class Controller(GraphNode):
     def __init__(self) -> None:
         super().__init__('controller')
         self._motors = self.create_output('motors')
-        self._settings = NodeParameters(self, ControllerSettings)
-        vehicle = load_vehicle(self._settings.value.vehicle)
+        settings = NodeParameters(self, ControllerSettings, self._apply_settings).value
+        vehicle = load_vehicle(settings.vehicle)
         self._names, self._reversible = vehicle.rotor_names, vehicle.reversible
         self._standing_height, self._scratch = vehicle.hull_height_on_floor, create_working_array()
-        self._course = load_course(self._settings.value.scenario)
-        name = self._settings.value.law or vehicle_law_name(vehicle)
-        self._law, self._constants = load_onboard_law(name, vehicle, self._settings.value.gains)
+        self._course = load_course(settings.scenario)
+        name = settings.law or vehicle_law_name(vehicle)
+        self._law, self._constants = load_onboard_law(name, vehicle, settings.gains)
         self._memory = PilotMemory(law=self._law.start)
-        self._armed = self._settings.value.armed
+        self._apply_settings(settings)
+        self._armed = settings.armed
         self._contested = False  # whether two nodes have sent setpoints since arming
         self._airspeed_lost = False
         self._begun_ns: int | None = None
@@ -95,40 +96,30 @@ class Controller(GraphNode):
         )
         self._helm = CommandMux(self)
 
+    def _apply_settings(self, settings: ControllerSettings) -> None:
+        """Take the limits and gains, which may change in flight."""
+        upright, floor = math.cos(settings.tilt_limit), self._standing_height
+        self._rules = FlightRules(upright, floor, settings.hold_after, settings.land_after)
+        if isinstance(self._constants.gains, CascadeGains):
+            self._constants = self._constants._replace(gains=settings.gains)
+
     def _on_step(self, step: InboxStep) -> None:
-        odom, settings, constants = (
-            step.messages['odom'][-1],
-            self._settings.value,
-            self._constants,
+        odom, airspeed = step.messages['odom'][-1], self._select_airspeed(step)
+        setpoint = self._helm.select_setpoint(
+            step.latest['setpoint/pose'], step.latest['setpoint/velocity']
         )
-        if isinstance(constants.gains, CascadeGains):
-            # They may change in flight
-            constants = constants._replace(gains=settings.gains)
-        rules = FlightRules(
-            math.cos(settings.tilt_limit),
-            self._standing_height,
-            settings.hold_after,
-            settings.land_after,
-        )
-        airspeed = self._select_airspeed(step)
+        must_land = self._contested or self._airspeed_lost
+        dt = step_duration(self._last_ns, step.stamp_ns, self.table.control_ns)
         inputs = to_control_inputs(
-            odom,
-            airspeed,
-            self._helm.select_setpoint(
-                step.latest['setpoint/pose'], step.latest['setpoint/velocity']
-            ),
-            self._armed,
-            self._contested or self._airspeed_lost,
-            step.stamp_ns,
-            step_duration(self._last_ns, step.stamp_ns, self.table.control_ns),
+            odom, airspeed, setpoint, self._armed, must_land, step.stamp_ns, dt
         )
         self._memory = control_motors(
-            self._law, constants, rules, self._memory, inputs, self._scratch
+            self._law, self._constants, self._rules, self._memory, inputs, self._scratch
         )
         self._last_ns, state = step.stamp_ns, self._memory.watch.state
         self._armed = self._armed and not is_stopped(state)
         steers = 'a person' if self._helm.held else 'the setpoint'
-        self.health.set_fact(describe_motors(state, inputs, rules, steers))
+        self.health.set_fact(describe_motors(state, inputs, self._rules, steers))
         duties = self._add_test_signals(self._memory.law.command.duties, step.stamp_ns)
         self._motors.publish(from_duties(odom.header.stamp, self._names, duties))
 
