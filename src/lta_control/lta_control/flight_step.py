@@ -7,9 +7,9 @@ in one process and batches call it, compiled. In the graph the estimator node ca
 `estimate_motion` and the controller node `control_motors`, with messages between them. Nobody else
 turns a motor; the safety state machine of a bridge, below, may only stop one.
 
-The motors stay off while nothing is known, asked or armed, in the hands of a person, and on the
-ground. They stop for good when the drone has overturned, when nobody knows its height, and when a
-number that steers it is not finite. The integrals of the law begin anew whenever they are off.
+The motors stay off on the ground, and until the drone is armed and has an estimate and a setpoint
+above the floor. They stop for good when the drone has overturned, when nobody knows its height, and
+when a number of estimate or setpoint is not finite. Whenever they are off, the law begins anew.
 
 Plain scalars and tuples with memory in and out, so that all of it compiles
 (`lta_config.compilation.flat`).
@@ -175,7 +175,15 @@ def flight_step(
         # A tracker measures the height too
         ready, blind = ready and sensed.is_tracked, False
     inputs = ControlInputs(
-        motion, ready, blind, memory.guided, memory.setpoint, 0.0, True, False, drone.dt
+        motion=motion,
+        ready=ready,
+        blind=blind,
+        guided=memory.guided,
+        setpoint=memory.setpoint,
+        age=0.0,
+        armed=True,
+        must_land=False,
+        dt=drone.dt,
     )
     pilot = control_motors(law, drone.law, drone.rules, memory.pilot, inputs, scratch)
     return DroneMemory(estimate, measured, memory.guided, memory.setpoint, pilot)
