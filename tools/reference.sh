@@ -11,7 +11,7 @@ write() {
     "$@" >"$new"
     cat "$new" >"docs/$page"
 }
-write topics.md python -P -m lta_config.topics_page
+write topics.md python -P -m lta_cli.reference topics
 write effects.md ./lta effects --markdown
 write verbs.md python -P -m lta_cli.reference verbs
 write parameters.md python -P -m lta_cli.reference parameters

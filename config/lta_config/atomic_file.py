@@ -17,7 +17,9 @@ from typing import Final
 
 from lta_config.errors import BadInput
 
-PART: Final = '.lta.part'  # name of a staging folder, and how a file ends that is being written
+PART_SUFFIX: Final = (
+    '.lta.part'  # name of a staging folder, and how a file ends that is being written
+)
 _reserved: dict[Path, bool] = {}  # new folders, and whether their parent was made for them
 
 
@@ -71,7 +73,7 @@ def replace_atomically(path: Path) -> Iterator[Path]:
         return
     target = path.resolve()  # replace the file that a link points to, not the link
     # In the same folder, because a rename is atomic only within one file system
-    part = target.with_name(f'.{target.name}{PART}')
+    part = target.with_name(f'.{target.name}{PART_SUFFIX}')
     lock = os.open(part, os.O_RDWR | os.O_CREAT, 0o666)
     try:
         with suppress(OSError):  # a file system without locks
@@ -93,7 +95,7 @@ def create_part_folder(folder: Path) -> Iterator[Path]:
     It is inside because the parent of the folder may not be writable. Raise `BadInput` if another
     command is writing to the folder, and OSError if it cannot be created.
     """
-    part = folder / PART
+    part = folder / PART_SUFFIX
     remove_dead_parts(folder)
     part.mkdir()
     lock = os.open(part, os.O_RDONLY)
@@ -112,7 +114,7 @@ def remove_dead_parts(folder: Path) -> None:
 
     Raise `BadInput` if a living one is writing to it, and OSError if it cannot be read.
     """
-    for part in folder.glob(f'.*{PART[1:]}'):
+    for part in folder.glob(f'.*{PART_SUFFIX[1:]}'):
         if not _is_dead(part):
             raise BadInput(
                 f"Another command is writing to '{folder}'; wait until it has ended, or choose "

@@ -4,12 +4,12 @@ import os
 from pathlib import Path
 import shlex
 
-CALLED = 'LTA_CALLED'  # set by the script ./lta to how it was called
+CALLED_VARIABLE = 'LTA_CALLED'  # set by the script ./lta to how it was called
 
 
 def format_lta_command(*words: str | Path) -> str:
     """Return a command line of `lta` for the current folder, quoted for a shell."""
-    return shlex.join([os.environ.get(CALLED) or 'lta', *map(str, words)])
+    return shlex.join([os.environ.get(CALLED_VARIABLE) or 'lta', *map(str, words)])
 
 
 def relative_path(path: Path) -> Path:

@@ -18,10 +18,10 @@ from pydantic import Field, model_validator
 Time = Annotated[Quantity, si_quantity('s', low=0.0, high=3600.0)]
 Between = Literal['step', 'ramp']
 # Shift of the changes from rotor to rotor, in holds. The golden ratio keeps them apart
-APART: Final = 0.618034
-WORD: Final = (1 << 64) - 1  # mask of 64 bits
+ROTOR_SHIFT: Final = 0.618034
+WORD_MASK: Final = (1 << 64) - 1  # mask of 64 bits
 # Constants of splitmix64, Steele, Lea and Flood (2014), doi:10.1145/2714064.2660195
-GAMMA, MIX, MIX_AGAIN = 0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB
+GAMMA, FIRST_MIX, SECOND_MIX = 0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB
 
 
 @final
@@ -94,7 +94,7 @@ class Course(StrictModel):
         out = list(duties)
         for k, back in enumerate(reversible):
             # The index of the hold is the only random state, so no seed is needed
-            more = size * hashed_uniform(int(time / hold + APART * k), k)
+            more = size * hashed_uniform(int(time / hold + ROTOR_SHIFT * k), k)
             out[k] = min(max(out[k] + more, -1.0 if back else 0.0), 1.0)
         return tuple(out)
 
@@ -146,8 +146,8 @@ def interpolate_rows(
 def hashed_uniform(index: int, rotor: int) -> float:
     """Return a uniform number from [-1, 1) for one hold of one rotor, by splitmix64."""
     # 64 rotors per hold; + 1 because 0 would map to itself
-    word = (GAMMA * (index * 64 + rotor + 1)) & WORD
-    word = ((word ^ (word >> 30)) * MIX) & WORD
-    word = ((word ^ (word >> 27)) * MIX_AGAIN) & WORD
+    word = (GAMMA * (index * 64 + rotor + 1)) & WORD_MASK
+    word = ((word ^ (word >> 30)) * FIRST_MIX) & WORD_MASK
+    word = ((word ^ (word >> 27)) * SECOND_MIX) & WORD_MASK
     # The upper 53 bits fill the mantissa of a double: [0, 2^53) to [-1, 1)
     return float((word ^ (word >> 31)) >> 11) * 2.0**-52 - 1.0

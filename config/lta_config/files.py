@@ -1,30 +1,118 @@
 """
-Find the project's files by name and read them strictly.
+Find the project's files by name, read them strictly, and say in one sentence what is wrong.
 
 A name (`gtmab`) refers to a file that LTA ships; anything with a suffix or a slash is a path.
 Every file is validated as a whole against its pydantic model before anything starts.
 """
 
-from collections.abc import Hashable, Iterable
+from collections.abc import Hashable, Iterable, Mapping, Sequence
 import copy
 from functools import cache, lru_cache
 import io
 import os
 from pathlib import Path
 import re
-from typing import Any, TypeVar
+from typing import Annotated, Any, Literal, TypeVar
 
 from lta_config.errors import BadInput, unknown_name_error
 from lta_config.limits import YAML_BYTES, YAML_DEPTH, YAML_DIGITS
-from lta_config.validation_errors import format_error
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import AliasChoices, BaseModel, ConfigDict, Field, ValidationError
 import yaml
 
-# The YAML reader also raises these, for example for an invalid date or tag
-MISFITS = (ValueError, ArithmeticError, LookupError, TypeError, AttributeError)
-YAML_KEPT = 50_000  # characters; larger texts are not cached
-NUMERAL = re.compile('[-+.:_0-9A-Fa-fxXoO]+')  # text that YAML may read as a number
+# Messages by pydantic's type of error; braces are filled from the error's context
+PROBLEM_TEXTS = {
+    'int_type': 'must be a whole number',
+    'int_parsing': 'must be a whole number',
+    'int_from_float': 'must be a whole number',
+    'float_type': 'must be a number',
+    'float_parsing': 'must be a number',
+    'finite_number': 'must be finite',
+    'bool_type': 'must be true or false',
+    'bool_parsing': 'must be true or false',
+    'string_type': 'must be text',
+    'literal_error': 'must be {expected}',
+    'enum': 'must be {expected}',
+    'greater_than': 'must be above {gt}',
+    'greater_than_equal': 'must be at least {ge}',
+    'less_than': 'must be below {lt}',
+    'less_than_equal': 'must be at most {le}',
+    'string_pattern_mismatch': 'must match {pattern}',
+    'too_short': 'must have {min_length} or more entries',
+    'too_long': 'must have {max_length} or fewer entries',
+    'model_type': 'must be a mapping (key: value)',
+    'mapping_type': 'must be a mapping (key: value)',
+    'dict_type': 'must be a mapping (key: value)',
+    'list_type': 'must be a list',
+    'tuple_type': 'must be a list',
+}
 
+
+def format_error(error: ValidationError) -> str:
+    """Return the first problem of a pydantic error as one sentence."""
+    problems = error.errors()
+    return _format_problem(problems[0], problems)
+
+
+def format_errors(error: ValidationError) -> list[str]:
+    """Return every problem as a sentence; a misspelt key gives only one."""
+    problems = error.errors()
+    missing = [problem for problem in problems if problem['type'] == 'missing']
+    lines = []
+    for problem in problems:
+        if problem['type'] == 'extra_forbidden' and any(
+            problem['loc'][:-1] == other['loc'][:-1] for other in missing
+        ):
+            continue
+        lines.append(_format_problem(problem, problems))
+    return lines
+
+
+def _format_problem(first: Mapping[str, Any], problems: Sequence[Mapping[str, Any]]) -> str:
+    """Return one problem as a sentence, taking the others into account."""
+    where = locate_problem(first) or 'the file'
+    if first['type'] == 'extra_forbidden':
+        return f"the key '{where}' is not known; remove it or correct its spelling."
+    if first['type'] == 'missing':
+        # A misspelt key causes two errors at the same place: a missing and an unknown key
+        for other in problems:
+            if other['type'] == 'extra_forbidden' and other['loc'][:-1] == first['loc'][:-1]:
+                return (
+                    f"the key '{where}' is missing and '{locate_problem(other)}' is not known; "
+                    f'correct its '
+                    'spelling.'
+                )
+        return f"the key '{where}' is missing; add it."
+    if first['type'] == 'value_error':
+        # Our validators write the predicate; pydantic adds the prefix
+        return f'{where} {first["msg"].removeprefix("Value error, ")}.'
+    value: Any = first.get('input')
+    # Do not print a whole block as the value
+    if isinstance(value, Mapping | list | tuple):
+        return f'{where} {describe_problem(first)}.'
+    return f'{where} is {value!r}, but {describe_problem(first)}.'
+
+
+def locate_problem(problem: Mapping[str, Any]) -> str:
+    """Return the place of a problem as a dotted name."""
+    return '.'.join(str(part) for part in problem['loc'])
+
+
+def describe_problem(problem: Mapping[str, Any]) -> str:
+    """Return what is wrong as a predicate."""
+    plain = PROBLEM_TEXTS.get(problem['type'])
+    if plain is None:
+        return f'is not valid: {problem["msg"]}'
+    numbers = {
+        key: f'{value:g}' if isinstance(value, float) else value
+        for key, value in problem.get('ctx', {}).items()
+    }
+    return plain.format(**numbers)
+
+
+# The YAML reader also raises these, for example for an invalid date or tag
+READER_ERRORS = (ValueError, ArithmeticError, LookupError, TypeError, AttributeError)
+CACHED_LENGTH = 50_000  # characters; larger texts are not cached
+NUMERAL = re.compile('[-+.:_0-9A-Fa-fxXoO]+')  # text that YAML may read as a number
 # Folders of the shipped files, by kind as error messages name it
 FOLDERS = {
     'aero': 'aero',
@@ -57,6 +145,16 @@ class StrictModel(BaseModel):
 
 
 Model = TypeVar('Model', bound=BaseModel)
+# Of every file: the version of its schema, and its name
+SchemaVersion = Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
+Name = Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
+
+
+def check_exactly_one(model: BaseModel, *names: str) -> None:
+    """Raise `ValueError` unless exactly one of some keys is given."""
+    if sum(getattr(model, name) is not None for name in names) != 1:
+        *others, last = (f'"{name}"' for name in names)
+        raise ValueError(f'needs exactly one of {", ".join(others)} and {last}')
 
 
 class _UniqueKeys(yaml.CSafeLoader):
@@ -162,7 +260,7 @@ def parse_yaml(text: str | bytes, where: str) -> Any:  # noqa: ANN401 - YAML hol
         raise BadInput(
             f'{where} is larger than {YAML_BYTES} bytes, the limit for YAML files; shorten it.'
         )
-    if len(text) > YAML_KEPT:
+    if len(text) > CACHED_LENGTH:
         return _parse_strict(text, where)
     return copy.deepcopy(_parse_cached(text, where))  # callers may modify the result
 
@@ -174,7 +272,7 @@ def _parse_strict(text: str | bytes, where: str) -> Any:  # noqa: ANN401 - YAML 
         return yaml.load(_open_named(text, where), Loader=_UniqueKeys)
     except BadInput:
         raise
-    except (yaml.YAMLError, *MISFITS) as error:
+    except (yaml.YAMLError, *READER_ERRORS) as error:
         # PyYAML's messages have several lines
         reason = ' '.join(str(error).split())
         raise BadInput(f'{where} is not valid YAML: {reason}.') from None

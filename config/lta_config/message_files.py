@@ -9,8 +9,8 @@ from typing import Final
 
 from lta_config.files import share_folder
 
-PACKAGE: Final = 'lta_msgs'
-FIELD: Final = re.compile(r'^\w[\w/]*(?:\[\])? +(\w+) *# \[([^]]+)\]', re.MULTILINE)
+MESSAGE_PACKAGE: Final = 'lta_msgs'
+FIELD_UNIT: Final = re.compile(r'^\w[\w/]*(?:\[\])? +(\w+) *# \[([^]]+)\]', re.MULTILINE)
 
 
 @cache
@@ -20,12 +20,12 @@ def list_message_files() -> Mapping[str, Path]:
     prefixes = os.environ.get('AMENT_PREFIX_PATH', '').split(os.pathsep)
     # The source tree has them in src/, a wheel beside the share of lta_config, ROS in its prefixes
     for folder in (
-        share.parent / 'src' / PACKAGE / 'msg',
-        share.parent / PACKAGE / 'msg',
-        *(Path(prefix, 'share', PACKAGE, 'msg') for prefix in prefixes if prefix),
+        share.parent / 'src' / MESSAGE_PACKAGE / 'msg',
+        share.parent / MESSAGE_PACKAGE / 'msg',
+        *(Path(prefix, 'share', MESSAGE_PACKAGE, 'msg') for prefix in prefixes if prefix),
     ):
         if paths := sorted(folder.glob('*.msg')):
-            return {f'{PACKAGE}/msg/{path.stem}': path for path in paths}
+            return {f'{MESSAGE_PACKAGE}/msg/{path.stem}': path for path in paths}
     return {}
 
 
@@ -33,6 +33,6 @@ def list_message_files() -> Mapping[str, Path]:
 def read_field_units() -> Mapping[str, Mapping[str, str]]:
     """Return the unit of each number by type name and field, from the comments."""
     return {
-        name: dict(FIELD.findall(path.read_text('utf-8')))
+        name: dict(FIELD_UNIT.findall(path.read_text('utf-8')))
         for name, path in list_message_files().items()
     }

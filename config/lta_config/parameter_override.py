@@ -15,9 +15,9 @@ from lta_config.quantity import Quantity, UNITS
 from pydantic import ValidationError
 import yaml
 
-OPEN = 'effects'  # the only block below which a path may add keys that the file omits
-NAMED = 'vehicle.aero'  # a group that may be replaced by the name of an aero file
-SOURCE = 'set for this flight'  # recorded as the source of a replaced quantity
+OPEN_BLOCK = 'effects'  # the only block below which a path may add keys that the file omits
+NAMED_GROUP = 'vehicle.aero'  # a group that may be replaced by the name of an aero file
+OVERRIDE_SOURCE = 'set for this flight'  # recorded as the source of a replaced quantity
 # A bracketed list, then its unit
 _VECTOR = re.compile(r'^\s*(\[[^\]]*\])\s*(\S.*?)\s*$')
 
@@ -121,13 +121,13 @@ def _get_child(content: Any, key: str, where: str) -> Any:  # noqa: ANN401 - wha
     quantity = parse_quantity(content)
     if quantity is not None:
         return _select_element(quantity, key, where)
-    if content is None and OPEN in where.split('.'):  # a parameter of an omitted effect
+    if content is None and OPEN_BLOCK in where.split('.'):  # a parameter of an omitted effect
         return None
     if not isinstance(content, Mapping):
         raise BadInput(
             f"{where} is a single value without keys; remove '.{key}' from the parameter path."
         )
-    if key not in content and OPEN not in where.split('.'):
+    if key not in content and OPEN_BLOCK not in where.split('.'):
         raise unknown_name_error(f'key of {where}', key, [str(name) for name in content])
     return content.get(key)
 
@@ -168,7 +168,7 @@ def _copy_with_element(
     numbers = list(quantity['value'])
     # Not multiplied for an equal unit, to avoid a rounding error
     numbers[index] = new['value'] if new['unit'] == quantity['unit'] else new['value'] * factor
-    return {'value': numbers, 'unit': quantity['unit'], 'source': SOURCE}
+    return {'value': numbers, 'unit': quantity['unit'], 'source': OVERRIDE_SOURCE}
 
 
 def _validate_replacement(old: Any, value: Any, where: str) -> Any:  # noqa: ANN401 - what YAML holds
@@ -177,7 +177,7 @@ def _validate_replacement(old: Any, value: Any, where: str) -> Any:  # noqa: ANN
     if before is not None:
         return _mark_source(_check_same_unit(before, now, value, where))
     # An aero block may be replaced by the name of a file
-    if where == NAMED and isinstance(value, str):
+    if where == NAMED_GROUP and isinstance(value, str):
         return value
     if isinstance(old, Mapping):
         names = ', '.join(map(str, old))
@@ -215,7 +215,7 @@ def _check_same_unit(
 
 def _mark_source(value: Any) -> Any:  # noqa: ANN401 - what YAML holds
     quantity = parse_quantity(value)
-    return value if quantity is None else {**quantity, 'source': SOURCE}
+    return value if quantity is None else {**quantity, 'source': OVERRIDE_SOURCE}
 
 
 def format_value(value: Any) -> str:  # noqa: ANN401 - what YAML holds

@@ -18,10 +18,10 @@ class Settings(StrictModel):
 def setting(
     default: Any,  # noqa: ANN401 - of the field's own type
     about: str,
-    *,
     unit: str = '',
     low: float | None = None,
     high: float | None = None,
+    *,
     fixed: bool = False,
 ) -> Any:  # noqa: ANN401 - pydantic's own idiom for a field
     """

@@ -1,12 +1,12 @@
-"""The topic table of `topics.yaml`, and the rule for which messages are due when."""
+"""The topic table of `topics.yaml`: which messages are due when, and which are recorded."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache, cached_property
 import re
 from typing import Annotated, Final, Literal
 
 from lta_config.errors import unknown_name_error
-from lta_config.files import load_file, share_folder, StrictModel
+from lta_config.files import load_file, SchemaVersion, share_folder, StrictModel
 from lta_config.quantity import Quantity, si_quantity
 from pydantic import AliasChoices, Field
 
@@ -57,7 +57,7 @@ class AdcBlockShape(StrictModel):
 class TopicTable(StrictModel):
     """All topics of the graph, and the times that they share."""
 
-    schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
+    schema_version: SchemaVersion
     start: Annotated[Quantity, si_quantity('s', above=0.0)]
     control_period: Annotated[Quantity, si_quantity('s', above=0.0)]
     light: AdcBlockShape
@@ -139,3 +139,58 @@ def is_name(text: str) -> bool:
 def load_topic_table() -> TopicTable:
     """Return the table that LTA ships."""
     return load_file(TopicTable, share_folder() / 'topics.yaml')
+
+
+ALL_TOPICS = 'all'
+ROS_TOPICS: Mapping[str, str] = {  # topics that every ROS node has, and their types
+    '/parameter_events': 'rcl_interfaces/msg/ParameterEvent',
+    '/rosout': 'rcl_interfaces/msg/Log',
+}
+
+
+def absolute_topic(robot: str, name: str) -> str:
+    """Return the absolute name of a topic; the robot may have no namespace."""
+    return robot_topic(robot, name) if robot else f'/{name.lstrip("/")}'
+
+
+def is_selected(words: str, robot: str, name: str, topic: Topic) -> bool:
+    """
+    Return whether to record a topic of the table.
+
+    Parameters
+    ----------
+    words : str
+        Relative or absolute names separated by spaces; 'all'; or '' for those the table marks.
+    robot : str
+        Namespace of the robot.
+    name : str
+        Name in the table.
+    topic : Topic
+        Its row.
+
+    """
+    chosen = words.split()
+    if not chosen:
+        return topic.recorded
+    return chosen == [ALL_TOPICS] or name in chosen or absolute_topic(robot, name) in chosen
+
+
+def select_topics(words: str, robots: Sequence[str], table: TopicTable) -> dict[str, str]:
+    """
+    Return the types of the topics to record that are known in advance, by absolute name.
+
+    `words`: as for `is_selected`. `robots`: namespaces of the robots to record. `table`: the
+    topics of each. Raise `BadInput` if a name is neither a topic of the table nor one that every
+    ROS node has.
+    """
+    rows = [(robot, *row) for robot in robots for row in table.topics.items()]
+    named = {absolute_topic(robot, name): topic.type for robot, name, topic in rows} | dict(
+        ROS_TOPICS
+    )
+    for word in words.split() if words.split() != [ALL_TOPICS] else []:
+        if word not in named and word not in table.topics:
+            raise unknown_name_error('topic', word, [*table.topics, *ROS_TOPICS, ALL_TOPICS])
+    topics = [absolute_topic(row[0], row[1]) for row in rows if is_selected(words, *row)]
+    # With 'all' these are discovered on the graph, like any other topic
+    topics += [name for name in ROS_TOPICS if name in words.split()]
+    return {name: named[name] for name in topics}

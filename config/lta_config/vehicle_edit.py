@@ -18,7 +18,7 @@ from ruamel.yaml.resolver import VersionedResolver
 from ruamel.yaml.tokens import CommentToken
 import yaml
 
-WIDE: Final = 10**6  # characters per line, so that no value is folded
+LINE_WIDTH: Final = 10**6  # characters per line, so that no value is folded
 KEPT_TAGS: Final = (':null', ':merge')  # of plain scalars that mean more than their text
 
 
@@ -47,7 +47,9 @@ def _holds_mapping(value: Any) -> bool:  # noqa: ANN401 - as YAML has it
 
 def format_yaml(value: Any) -> str:  # noqa: ANN401 - as YAML has it
     """Return a value as YAML: quantities on one line each, mappings of them as blocks."""
-    return yaml.dump(value, Dumper=_LeafDumper, sort_keys=False, width=WIDE, allow_unicode=True)
+    return yaml.dump(
+        value, Dumper=_LeafDumper, sort_keys=False, width=LINE_WIDTH, allow_unicode=True
+    )
 
 
 class _KeepScalars(VersionedResolver):
@@ -72,7 +74,7 @@ def set_yaml_values(text: str, values: Mapping[str, Any]) -> str:
     editor = YAML()
     editor.Resolver = _KeepScalars
     editor.preserve_quotes = True
-    editor.width = WIDE
+    editor.width = LINE_WIDTH
     content = editor.load(text)
     for place, value in values.items():
         node, way = content, place.split('.')

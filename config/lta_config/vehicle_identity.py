@@ -14,7 +14,7 @@ from lta_config.quantity import Quantity
 from lta_config.schema.crazyflie_file import CrazyflieFile
 from lta_config.schema.vehicle_file import VehicleFile
 
-DIGITS = 6  # decimals of a number in SI units
+HASHED_DECIMALS = 6  # decimals of a number in SI units
 
 
 def hash_airframe(vehicle: VehicleFile, file: CrazyflieFile) -> int:
@@ -34,7 +34,7 @@ def hash_diodes(vehicle: VehicleFile) -> int:
 
 
 def _to_numbers(quantity: Quantity) -> list[float]:
-    return [round(number, DIGITS) + 0.0 for number in quantity.vector]
+    return [round(number, HASHED_DECIMALS) + 0.0 for number in quantity.vector]
 
 
 def _hash(content: Mapping[str, Any]) -> int:

@@ -8,7 +8,7 @@ the inertia of the air says F / m, nearly twice as much.
 
 from bench import Figure
 from lta_model.effects import initial_memory
-from lta_model.mass_matrix import spheroid_added_mass
+from lta_model.mass_properties import spheroid_added_mass
 from lta_model.model import VehicleModel
 from lta_model.state import pack_state, VELOCITY
 from lta_sim.kernels.kernel import state_derivative

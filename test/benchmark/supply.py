@@ -9,7 +9,7 @@ from functools import partial
 import time
 
 from bench import Figure
-from lta_model.scenario_faults import SupplyFaults
+from lta_model.scenario import SupplyFaults
 from lta_model.vehicle import load_vehicle
 from lta_sim.supply import Supply
 import numpy as np

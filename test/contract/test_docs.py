@@ -8,7 +8,7 @@ import lta_analysis
 from lta_cli.reference.effects_page import render_page
 from lta_data.bag.recording import RobotRecording
 from lta_data.bag.table import RecordingTable
-from lta_graph.ros.node import PATIENCE, REPORT_PERIOD
+from lta_graph.ros.node import REPORT_PERIOD, REPORTED_WAIT
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -68,7 +68,7 @@ def test_a_page_has_links_to_look_at():
 def test_rates_of_health_are_those_of_the_nodes():
     text = ' '.join((ROOT / 'docs/inside.md').read_text(encoding='utf-8').split())
     assert f'reports in `/diagnostics` every {REPORT_PERIOD} s of wall time' in text
-    assert f'one that waits longer than {PATIENCE} s names its missing inputs' in text
+    assert f'one that waits longer than {REPORTED_WAIT} s names its missing inputs' in text
 
 
 def test_the_page_of_the_effects_is_that_of_the_registry():

@@ -215,7 +215,8 @@ BARRIERS = {
         f'{UNIT}/test_safety.py',
     ),
     'command of the future': Barrier(
-        'src/lta_graph/lta_graph/health.py', 'return passed if passed >= -AHEAD else math.inf',
+        'src/lta_graph/lta_graph/health.py',
+        'return passed if passed >= -CLOCK_TOLERANCE else math.inf',
         'return passed', f'{UNIT}/test_crazyflie_cores.py',
     ),
     'low cell': Barrier(

@@ -5,9 +5,8 @@ from importlib import import_module
 from lta_cli.reference.parameters import iterate_settings_models
 from lta_config.topics import load_topic_table
 from lta_control.nodes.controller import Controller
-from lta_graph.ros.help.declarations import find_topics, parse_module
-from lta_graph.ros.help.node_help import asks_for_help, describe_node
 from lta_graph.ros.node import GraphNode
+from lta_graph.ros.node_help import asks_for_help, describe_node, find_topics, parse_module
 from lta_graph.ros.parameters import iterate_fields
 import pytest
 

@@ -72,8 +72,8 @@ print(link.events.get(timeout=PATIENCE), manager.attempts, link.uri)
 SECOND = """
 from types import SimpleNamespace
 
-from lta_model.effects.contact.guide_rope import compute_wrench
 from lta_model.effects.protocol import VehicleMotion
+from lta_model.effects.surfaces import guide_rope as rope
 import numpy as np
 from oracle.parameters import Given
 from scipy.spatial.transform import Rotation
@@ -84,7 +84,7 @@ for height in (-1.0, 0.5, 9.0):
     scene = SimpleNamespace(position=np.array([1.0, 2.0, height]), up=turn[2])
     told, _ = guide_rope(Given({'line': 0.03, 'length': 2.0}), None, scene, None)
     motion = VehicleMotion((1.0, 2.0, height), tuple(turn.ravel()), *3 * (nothing,), (), (), ())
-    wrench = compute_wrench((0.03, 2.0), (), motion, ())
+    wrench = rope((0.03, 2.0), (), motion, ())
     assert np.allclose(wrench, told, rtol=1e-12, atol=0.0), height
 """
 PAGE = """
@@ -137,9 +137,12 @@ def test_an_effect_with_the_test_of_its_tutorial(tmp_path, titled, plain):
     more = {'NUMBA_DISABLE_JIT': plain}
     folder = with_copy(tmp_path, 'lta_model') / 'effects'
     source = 'src/lta_model/lta_model/effects'
-    (folder / 'contact/guide_rope.py').write_text(titled[f'{source}/contact/guide_rope.py', ''])
+    surfaces, before = folder / 'surfaces.py', 'NO_FLOOR = '
+    text, rope = surfaces.read_text(encoding='utf-8'), titled[f'{source}/surfaces.py', 'above']
+    assert text.count(f'\n{before}') == 1
+    surfaces.write_text(text.replace(f'\n{before}', f'\n{rope}{before}'), encoding='utf-8')
     line = titled[f'{source}/__init__.py', 'below']
-    with_line(folder / '__init__.py', "    'contact.floor_contact',", line)
+    with_line(folder / '__init__.py', '    surfaces.FLOOR_CONTACT,', line)
     its_test = tmp_path / 'test_guide_rope.py'
     its_test.write_text(titled['test/unit/sim/test_guide_rope.py', ''])
     once = ('-m', 'pytest', '-q', '-p', 'no:cacheprovider')

@@ -49,7 +49,7 @@ RULES = {
         'lta_sim/lta_sim/termination.py', 'limit half_length half_width door along'
     ),
     'reaching a lamp': rule('lta_sim/lta_sim/termination.py', 'radius vertical_tolerance'),
-    'faults': rule('lta_model/lta_model/scenario_faults.py', 'panel_short brown_out'),
+    'faults': rule('lta_model/lta_model/scenario.py', 'panel_short brown_out'),
     'anti-windup': rule(f'{CONTROL}/laws/cascade.py', 'shortfall', 1),
     'overturned drone': rule(f'{CONTROL}/flight_step.py', 'uprightness', 1),
     # What a flight in one process records; the graph's recorder takes the topics of its launch.

@@ -1,7 +1,6 @@
 """The topic table, the nodes, the launch files and the parameters say one and the same."""
 
 import ast
-from importlib import import_module
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -23,7 +22,7 @@ from lta_energy.nodes.energy_monitor import EnergyMonitorParameters
 from lta_graph.launch_arguments import FlyArguments
 from lta_graph.launches import DRONE_NODES, FLY
 from lta_graph.ros.message_validation import find_message_type
-from lta_graph.ros.node import FAREWELL, GraphSettings
+from lta_graph.ros.node import ACKNOWLEDGE_TIME, GraphSettings
 from lta_graph.ros.parameters import build_descriptor, iterate_fields
 from lta_graph.ros.qos import select_profile
 from lta_model.scenario import load_scenario
@@ -407,15 +406,10 @@ def test_a_setting_beyond_its_bounds_is_refused(model):
     assert issubclass(model, Settings)
 
 
-def test_the_page_of_topics_is_fresh():
-    page = import_module('lta_config.topics_page')
-    assert (ROOT / 'docs/topics.md').read_text(encoding='utf-8') == page.render_page(TABLE)
-
-
 @pytest.mark.parametrize('name', ['this_machine.xml', 'network.xml'])
 def test_a_node_that_ends_waits_for_a_heartbeat(name):
     """Acknowledgements come after one: without it, the last report would leave unconfirmed."""
     form = '{http://www.eprosima.com/XMLSchemas/fastRTPS_Profiles}'
     (period,) = ElementTree.parse(FAST_DDS / name).iter(f'{form}heartbeatPeriod')
     parts = [int(period.find(f'{form}{part}').text) for part in ('sec', 'nanosec')]
-    assert 0.0 < parts[0] + 1e-9 * parts[1] < FAREWELL
+    assert 0.0 < parts[0] + 1e-9 * parts[1] < ACKNOWLEDGE_TIME

@@ -9,7 +9,7 @@ import time
 
 from lta_config.topics import load_topic_table
 from lta_data.bag.reader import read_bag
-from lta_graph.stall_attribution import find_stalling_roles
+from lta_graph.health import find_stalling_roles
 import pytest
 
 NODES = ('estimator', 'controller', 'demodulator', 'navigator', 'energy_monitor', 'recorder')

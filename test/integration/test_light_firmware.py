@@ -14,7 +14,7 @@ from lta_bridge.teensy.frame_parser import FrameParser
 from lta_bridge.teensy.light_board import LightBoard
 from lta_config.topics import load_topic_table
 from lta_emulation.teensy.emulated_board import Cable
-from lta_model.light.modulation import SquareWave
+from lta_model.light.lamp import SquareWave
 import numpy as np
 import pytest
 from waiting import PATIENCE

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import Vector3Stamped
 from lta_config.topics import load_topic_table
-from lta_graph.ros.reader_links import LINKS, ReaderLinks
+from lta_graph.ros.reader_links import LINKS_TASK, ReaderLinks
 import pytest
 from rclpy.context import Context
 from rclpy.executors import Executor, SingleThreadedExecutor
@@ -30,7 +30,7 @@ def node() -> Iterator[Node]:
 def told(robot: str, **readers: int) -> DiagnosticArray:
     """Return what a node tells of the readers of its topics."""
     values = [KeyValue(key=name, value=str(count)) for name, count in readers.items()]
-    status = DiagnosticStatus(name=f'x: {LINKS}', hardware_id=robot, values=values)
+    status = DiagnosticStatus(name=f'x: {LINKS_TASK}', hardware_id=robot, values=values)
     return DiagnosticArray(status=[status])
 
 

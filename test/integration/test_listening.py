@@ -11,7 +11,7 @@ from pathlib import Path
 import subprocess
 import sys
 
-from lta_graph.stall_attribution import find_role
+from lta_graph.health import find_role
 from ports import free_port, UDP
 import pytest
 from waiting import PATIENCE

@@ -13,7 +13,7 @@ from lta_config.covariances import UNKNOWN_VARIANCE
 from lta_control.messages import from_duties
 from lta_graph.health import HealthLevel
 from lta_graph.ros.message_validation import find_message_type
-from lta_graph.ros.publisher_conflict import OTHERS
+from lta_graph.ros.publisher_conflict import CONFLICT_TASK
 from lta_graph.ros.qos import select_profile
 from lta_graph.ros.stamps import to_stamp
 import pytest
@@ -385,7 +385,7 @@ def test_a_flight_in_real_time_is_open_to_people(lta, peer, flying, hear, tmp_pa
 
     hear(refused)
     hear(lambda facts: facts['simulator: command'].message == 'accepted')
-    hear(lambda facts: f'controller: {OTHERS}' in facts)
+    hear(lambda facts: f'controller: {CONFLICT_TASK}' in facts)
 
     assert peer.ask(Trigger, 'emergency_stop').success
     peer.motors.clear()

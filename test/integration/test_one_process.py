@@ -10,7 +10,7 @@ from lta_config.files import share_folder
 from lta_config.topics import load_topic_table, robot_topic
 from lta_data.bag.reader import read_bag
 from lta_data.bag.recorded_flight import open_flight
-from lta_graph.reach import PROFILE
+from lta_graph.reach import PROFILE_VARIABLE
 from lta_graph.ros.one_process import deliver_in_memory
 import numpy as np
 import pytest
@@ -147,12 +147,12 @@ def test_our_profile_of_fast_dds_delivers_in_memory_and_that_of_a_user_stays(tmp
     own = tmp_path / 'own.xml'
     own.write_text(ours.read_text())
     with ExitStack() as teardown:
-        changed = {PROFILE: str(ours)}
+        changed = {PROFILE_VARIABLE: str(ours)}
         deliver_in_memory(changed, teardown)
-        copy = Path(changed[PROFILE])
+        copy = Path(changed[PROFILE_VARIABLE])
         assert copy.read_text() == ours.read_text().replace('>OFF<', '>FULL<')
         assert copy.name == ours.name  # by which a node knows that nobody else reaches it
-        for environment in ({PROFILE: str(own)}, {PROFILE: 'nowhere.xml'}, {}):
+        for environment in ({PROFILE_VARIABLE: str(own)}, {PROFILE_VARIABLE: 'nowhere.xml'}, {}):
             before = dict(environment)
             deliver_in_memory(environment, teardown)
             assert environment == before

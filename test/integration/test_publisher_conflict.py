@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 import os
 
 from lta_graph.health import Health, HealthLevel
-from lta_graph.ros.publisher_conflict import OTHERS, PublisherConflict
+from lta_graph.ros.publisher_conflict import CONFLICT_TASK, PublisherConflict
 import pytest
 from rclpy.context import Context
 from rclpy.node import Node
@@ -45,7 +45,7 @@ def test_a_stranger_is_named_until_it_is_gone(node):
 
     stranger.create_publisher(Header, '/diagnostics', 10)  # of every node
     conflict.report(health)
-    assert OTHERS not in health
+    assert CONFLICT_TASK not in health
     rival = stranger.create_publisher(Header, 'imu', 10)
     expected = f'other nodes also publish imu (/{ROBOT}/stranger); stop all but one'
     assert told(HealthLevel.ERROR) == expected

@@ -6,8 +6,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from lta_config.errors import BadInput
-from lta_vlc.demodulation import demodulate_block
-from lta_vlc.faults import DiodeFault, SPOILT
+from lta_vlc.demodulation import demodulate_block, DiodeFault, UNUSABLE_FAULTS
 from lta_vlc.receiver import BeaconReceiver
 from lta_vlc.settings import DemodulationSettings
 import numpy as np
@@ -65,7 +64,7 @@ def test_any_block_is_refused_at_the_start_or_answered_with_numbers(chosen, bloc
         heard = ears.demodulate_next_block(block)
     assert len(heard.peaks) == len(chosen.beacons)
     assert len(heard.faults) == block.shape[1]
-    sound = np.array([not fault & SPOILT for fault in heard.faults])
+    sound = np.array([not fault & UNUSABLE_FAULTS for fault in heard.faults])
     for peaks, frequency in zip(heard.peaks, heard.frequencies, strict=True):
         assert 0.0 < frequency < 500.0
         for numbers in (peaks.amplitude, peaks.noise, peaks.frequency):

@@ -4,10 +4,8 @@ import math
 
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from lta_model.light.ambient import Ambient
-from lta_model.light.field import LightField, PlaneIlluminance
-from lta_model.light.lamp import BeaconLamp, direct_illuminance
-from lta_model.light.modulation import phase_in_cycles, SquareWave
+from lta_model.light.field import Ambient, LightField, PlaneIlluminance
+from lta_model.light.lamp import BeaconLamp, direct_illuminance, phase_in_cycles, SquareWave
 from lta_model.sensors.photodiode import DiodeRing, PhotodiodeArray, spread_azimuths
 from lta_model.sensors.photodiode_adc import PhotodiodeBoard
 from lta_vlc.bearing import estimate_bearing

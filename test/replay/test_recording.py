@@ -40,8 +40,7 @@ from lta_flight.messages import LoopRecorder
 from lta_flight.replay.verdict import compare_with_recording
 from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.stamps import from_stamp, to_stamp
-from lta_model.scenario import load_scenario
-from lta_model.start_offset import offset_start
+from lta_model.scenario import load_scenario, offset_start
 from lta_model.vehicle import load_vehicle
 from lta_sim.world import World
 from lta_vlc.bearing import estimate_bearing

@@ -20,8 +20,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / 'unit'))
 
 from energy import metered
 from energy.metered import ABOARD, CELL, follow, Metered, SETTINGS
-from lta_energy.monitoring.estimate import EnergyEstimate
-from lta_energy.monitoring.monitor import update_estimate
+from lta_energy.monitoring.monitor import EnergyEstimate, update_estimate
 from lta_energy.monitoring.report import report_energy
 from lta_report.drawing import build_line_trace, create_figure
 from lta_report.page_frame import write_file

@@ -56,8 +56,8 @@ class Area(NamedTuple):
 AREAS: Final = {
     'effects': Area(
         'src',
-        ('lta_model/lta_model/effects/*/[!_]*.py', 'lta_model/lta_model/rigid_body.py',
-         'lta_model/lta_model/mass_matrix.py', 'lta_model/lta_model/hull.py',
+        ('lta_model/lta_model/effects/[!_]*.py', 'lta_model/lta_model/rigid_body.py',
+         'lta_model/lta_model/mass_properties.py',
          'lta_model/lta_model/rotor_forces.py',
          'lta_sim/lta_sim/supply_step.py'),
         'test/unit/sim',
@@ -68,10 +68,10 @@ AREAS: Final = {
     ),
     'vlc': Area(
         'src',
-        ('lta_vlc/lta_vlc/bearing.py', 'lta_vlc/lta_vlc/[df]*.py', 'lta_vlc/lta_vlc/lamp*.py',
-         'lta_vlc/lta_vlc/se*.py',
-         'lta_vlc/lta_vlc/spectral/[!_]*.py', 'lta_vlc/lta_vlc/tracker.py',
-         'lta_model/lta_model/light/modulation.py'),
+        ('lta_vlc/lta_vlc/bearing.py', 'lta_vlc/lta_vlc/d*.py', 'lta_vlc/lta_vlc/lamp.py',
+         'lta_vlc/lta_vlc/receiver.py', 'lta_vlc/lta_vlc/settings.py',
+         'lta_vlc/lta_vlc/spectral/[!_]*.py',
+         'lta_model/lta_model/light/lamp.py'),
         'test/unit/vlc',
         ('test/unit/vlc/test_lamp.py',),
         compiled=True,
@@ -84,9 +84,9 @@ AREAS: Final = {
     ),
     'energy': Area(
         'src',
-        ('lta_energy/lta_energy/[bcghilr]*.py', 'lta_energy/lta_energy/mission.py',
+        ('lta_energy/lta_energy/[chi]*.py', 'lta_energy/lta_energy/mission.py',
          'lta_energy/lta_energy/schedule.py', 'lta_energy/lta_energy/monitoring/[!_]*.py',
-         'lta_energy/lta_energy/faults/*.py', 'lta_model/lta_model/electrical/[!_]*.py'),
+         'lta_model/lta_model/electrical/[!_]*.py'),
         'test/unit/energy',
     ),
     'discovery': Area(

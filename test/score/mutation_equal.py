@@ -56,12 +56,12 @@ EQUAL: Final[dict[Line, str]] = {
         'return -1.0 if beyond else abs(surprise.innovation) / surprise.deviation',
     ): 'The value is only compared with 5: 0 and -1 are both below.',
     (
-        'src/lta_model/lta_model/effects/sensors/tracker_delay.py',
+        'src/lta_model/lta_model/effects/sensors.py',
         'return (values[0] - delay,)',
         'return (values[ -1] - delay,)',
     ): '`values` has one element here, the time of the pose: its first is its last.',
     (
-        'src/lta_model/lta_model/light/modulation.py',
+        'src/lta_model/lta_model/light/lamp.py',
         'phase: float = 0.0',
         'phase: float = -1.0',
     ): 'A phase is a part of a cycle: a whole cycle earlier the wave is the same.',

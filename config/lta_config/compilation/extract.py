@@ -30,8 +30,8 @@ from typing import Any, final, NamedTuple, TypeGuard
 from lta_config.compilation.source_file import SourceFile, store_results
 from lta_config.errors import BadInput
 
-TUPLES = 'core'  # prefix of the named tuples
-REPLACE = '_replace'
+TUPLE_PREFIX = 'core'  # prefix of the named tuples
+REPLACE_METHOD = '_replace'
 
 
 @cache
@@ -64,12 +64,14 @@ class _MarkReplace(ast.NodeTransformer):
         called = node.func
         if (
             isinstance(called, ast.Attribute)
-            and called.attr == REPLACE
+            and called.attr == REPLACE_METHOD
             and isinstance(called.value, ast.Name)
             and called.value.id in self._kinds
         ):
             kind = ast.Name(self._kinds[called.value.id], ast.Load())
-            return ast.Call(kind, [ast.Name(REPLACE, ast.Load()), called.value], node.keywords)
+            return ast.Call(
+                kind, [ast.Name(REPLACE_METHOD, ast.Load()), called.value], node.keywords
+            )
         return node
 
 
@@ -138,7 +140,7 @@ class _Rewriter(NamedTuple):
 def _is_marked(call: ast.Call) -> bool:
     """Return whether a call stands for `_replace`, see `_MarkReplace`."""
     first = call.args[0] if call.args else None
-    return isinstance(first, ast.Name) and first.id == REPLACE
+    return isinstance(first, ast.Name) and first.id == REPLACE_METHOD
 
 
 @final
@@ -190,7 +192,7 @@ def _list_globals(source: _FunctionSource, variables: tuple[str, ...]) -> list[s
         names = [item for item in ast.walk(source.node) if isinstance(item, ast.Name)]
         # Variables of a comprehension are not in co_varnames
         bound = {item.id for item in names if isinstance(item.ctx, ast.Store)}
-        return sorted({item.id for item in names} - bound - {*variables, REPLACE})
+        return sorted({item.id for item in names} - bound - {*variables, REPLACE_METHOD})
 
     return source.file.recall(find_names, 'globals', source.name, *variables)
 
@@ -318,7 +320,7 @@ class SourceExtract:
     def add_named_tuple(self, kind: type[Any]) -> str:
         """Add a named tuple type and return its name in the text."""
         # One type for all prefixes: values pass between functions of different prefixes.
-        own = f'{TUPLES}_{kind.__name__}'
+        own = f'{TUPLE_PREFIX}_{kind.__name__}'
         return self._add_piece(own, f'{own} = namedtuple({kind.__name__!r}, {kind._fields!r})')
 
     def _add_global(self, function: FunctionType, name: str, prefix: str) -> str:

@@ -23,7 +23,7 @@ from typing import Any
 from lta_config.machine import find_cache_folder
 
 # Modification time of all kernels [s]: numba takes a changed time for a changed source
-EPOCH = 1_000_000_000
+KERNEL_TIME = 1_000_000_000
 
 
 def cache_root() -> Path:
@@ -73,7 +73,7 @@ def store_kernel(source: str, root: Path) -> Path:
     with tempfile.NamedTemporaryFile('w', dir=folder, suffix='.tmp', delete=False) as file:
         file.write(source)
     temporary = Path(file.name)
-    os.utime(temporary, (EPOCH, EPOCH))
+    os.utime(temporary, (KERNEL_TIME, KERNEL_TIME))
     # Atomic: another process sees the whole file or none
     temporary.replace(path)
     return path

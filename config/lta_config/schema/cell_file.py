@@ -1,16 +1,18 @@
 """
-The cell file: a commercial solar panel with its data-sheet values at standard conditions.
+Cell files, and published tables of measured cells with the arrays built from them.
 
-Standard conditions are 1000 W/m2 of sunlight (AM 1.5) and a cell temperature of 25 degC.
-`lta_energy` derives the single-diode model from these numbers.
+A cell file is a commercial solar panel with its data-sheet values at standard conditions:
+1000 W/m2 of sunlight (AM 1.5) and a cell temperature of 25 degC. `lta_model.electrical.panel`
+derives the single-diode model from these numbers. A table of cells is as printed.
 """
 
+from collections.abc import Mapping
 from functools import cache
 from typing import Annotated, Literal
 
-from lta_config.files import find_file, load_file, StrictModel
+from lta_config.files import find_file, load_file, Name, SchemaVersion, StrictModel
 from lta_config.quantity import Quantity, si_quantity
-from pydantic import AliasChoices, Field, model_validator
+from pydantic import Field, model_validator
 
 Volts = Annotated[Quantity, si_quantity('V', above=0.0, high=1000.0, sourced=True)]
 Amperes = Annotated[Quantity, si_quantity('A', above=0.0, high=100.0, sourced=True)]
@@ -55,8 +57,8 @@ class CellRatings(StrictModel):
 class CellFile(StrictModel):
     """A cell file."""
 
-    schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
-    name: Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
+    schema_version: SchemaVersion
+    name: Name
     about: str
     technology: Literal['crystalline', 'amorphous', 'organic']
     size: Annotated[Quantity, si_quantity('m', above=0.0, high=10.0, length=3, sourced=True)]
@@ -79,3 +81,62 @@ class CellFile(StrictModel):
 def load_cell_file(name: str) -> CellFile:
     """Return a cell file by shipped name or path; raise `BadInput` if it is invalid."""
     return load_file(CellFile, find_file('cell', name))
+
+
+Cells = Annotated[list[str], Field(min_length=1)]
+Mass = Annotated[Quantity, si_quantity('kg', above=0.0, sourced=True)]
+Sign = Literal['deficit', 'surplus']
+
+
+class CellTableRow(StrictModel):
+    """One row as printed; each entry of `cells` is a cell file that it may refer to."""
+
+    maker: str
+    model: str
+    cells: Cells
+    dimensions: str
+    mass: Mass
+    areal_mass: Annotated[Quantity, si_quantity('kg/m2', above=0.0, sourced=True)]
+    # Time to charge the same depleted supercapacitor from 0 to 4 V; only ratios are meaningful
+    charge: Annotated[Quantity, si_quantity('s', above=0.0, sourced=True)]
+    areal_charge: Annotated[Quantity, si_quantity('s/m2', above=0.0, sourced=True)]
+    defects: list[str]
+
+
+class BuiltArray(StrictModel):
+    """An array that was built, and the sign of its net power as printed."""
+
+    cells: Cells
+    series: Annotated[int, Field(ge=1)]
+    parallel: Annotated[int, Field(ge=1)]
+    mass: Mass
+    area: Annotated[Quantity, si_quantity('m2', above=0.0, sourced=True)]
+    standby: Sign
+    transmitting: Sign
+    defects: list[str]
+
+
+class BuiltArrays(StrictModel):
+    """The arrays that were built, and the illuminance of their test."""
+
+    illuminance: Annotated[Quantity, si_quantity('lx', above=0.0, sourced=True)]
+    built: Mapping[Name, BuiltArray]
+
+
+class CellTable(StrictModel):
+    """A table of cells; `lights` are kinds of light by their luminous efficacy."""
+
+    schema_version: SchemaVersion
+    name: Name
+    about: str
+    rows: Annotated[Mapping[Name, CellTableRow], Field(min_length=1)]
+    arrays: BuiltArrays
+    lights: Annotated[
+        Mapping[Name, Annotated[Quantity, si_quantity('lm/W', above=0.0, sourced=True)]],
+        Field(min_length=1),
+    ]
+
+
+def load_cell_table(name: str) -> CellTable:
+    """Return a table by shipped name or path; raise `BadInput` if it is invalid."""
+    return load_file(CellTable, find_file('cell table', name))

@@ -9,14 +9,15 @@ from lta_config.files import (
     FOLDERS,
     list_shipped_names,
     load_yaml,
+    SchemaVersion,
     StrictModel,
     validate_content,
 )
 from lta_config.quantity import Quantity, si_quantity
-from pydantic import AliasChoices, Field, model_validator
+from pydantic import Field, model_validator
 
 MOTORS = ('m1', 'm2', 'm3', 'm4')
-BESIDE = '.crazyflie.yaml'  # replaces the suffix of the vehicle file
+CRAZYFLIE_SUFFIX = '.crazyflie.yaml'  # replaces the suffix of the vehicle file
 
 
 class ExpectedParameter(StrictModel):
@@ -67,7 +68,7 @@ class CrazyflieFile(StrictModel):
     `parameters` excludes `REQUIRED`; `expected` includes it.
     """
 
-    schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
+    schema_version: SchemaVersion
     vehicle: str
     command: Literal['setpoint', 'motors']
     motors: Mapping[str, str]
@@ -153,7 +154,7 @@ def find_crazyflie(vehicle: str, name: str, other: str = '') -> CrazyflieFile:
         If there is none, it cannot be read, or it is for another vehicle.
 
     """
-    beside = find_file('vehicle', vehicle).with_suffix(BESIDE)
+    beside = find_file('vehicle', vehicle).with_suffix(CRAZYFLIE_SUFFIX)
     # An explicit file has priority over the one next to the vehicle
     if other:
         return load_crazyflie(other, name)

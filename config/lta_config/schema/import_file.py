@@ -8,11 +8,17 @@ nothing is smoothed, resampled or invented.
 import math
 from typing import Annotated, Literal, Self
 
-from lta_config.files import find_file, load_file, StrictModel
+from lta_config.files import (
+    check_exactly_one,
+    find_file,
+    load_file,
+    Name,
+    SchemaVersion,
+    StrictModel,
+)
 from lta_config.quantity import Quantity, UNITS
-from pydantic import AliasChoices, ConfigDict, Field, field_validator, model_validator
+from pydantic import ConfigDict, Field, field_validator, model_validator
 
-Name = Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
 Column = Annotated[str, Field(min_length=1)]
 Format = Literal['csv', 'usd', 'ulog', 'bag', 'mat', 'numpy', 'parquet', 'dataflash', 'folder']
 # Formats whose tables have no time of their own
@@ -21,7 +27,7 @@ Bound = Annotated[float, Field(ge=-math.inf, allow_inf_nan=True)]  # any number 
 Three = Annotated[list[Column], Field(min_length=3, max_length=3)]
 
 # Our x, y, z in terms of the log's. We use ENU for the world and FLU for the body
-AXES: dict[str, tuple[str, str, str]] = {
+FIELD_AXES: dict[str, tuple[str, str, str]] = {
     'ENU': ('x', 'y', 'z'),
     'FLU': ('x', 'y', 'z'),
     'NED': ('y', 'x', '-z'),
@@ -30,22 +36,22 @@ AXES: dict[str, tuple[str, str, str]] = {
     'Y_UP': ('x', '-z', 'y'),  # OptiTrack, right-handed
     'OPTICAL': ('z', '-x', '-y'),  # a camera: x right, y down, z forward; to FLU
 }
-LATEST = 2.0**31  # s; the first time after those that a ROS time stamp can hold
+LATEST_STAMP = 2.0**31  # s; the first time after those that a ROS time stamp can hold
 NANOSECOND = 1e-9  # s; the resolution of a ROS time stamp
-SIGNED = ('x', 'y', 'z', '-x', '-y', '-z')
+SIGNED_AXES = ('x', 'y', 'z', '-x', '-y', '-z')
 
 
 def _parse_axes(value: object) -> tuple[str, ...]:
     """Return axes as our x, y, z in terms of the log's."""
     if isinstance(value, str):
-        if value not in AXES:
+        if value not in FIELD_AXES:
             raise ValueError(
-                f'is "{value}", but must be one of {", ".join(AXES)}, or a list such as [x, -y, '
-                '-z]'
+                f'is "{value}", but must be one of {", ".join(FIELD_AXES)}, or a list such as '
+                '[x, -y, -z]'
             )
-        return AXES[value]
+        return FIELD_AXES[value]
     listed = tuple(value) if isinstance(value, list | tuple) else ()
-    fits = len(listed) == 3 and all(axis in SIGNED for axis in listed)
+    fits = len(listed) == 3 and all(axis in SIGNED_AXES for axis in listed)
     # The last character is the axis without its sign
     if not fits or len({str(axis)[-1] for axis in listed}) != 3:
         raise ValueError(
@@ -101,8 +107,7 @@ class ScalarField(_InUnit):
 
     @model_validator(mode='after')
     def _check_source(self) -> Self:
-        if (self.column is None) == (self.value is None):
-            raise ValueError('needs exactly one of "column" and "value"')
+        check_exactly_one(self, 'column', 'value')
         return self
 
 
@@ -131,8 +136,7 @@ class VectorField(_InUnit):
 
     @model_validator(mode='after')
     def _check_source(self) -> Self:
-        if (self.columns is None) == (self.value is None):
-            raise ValueError('needs exactly one of "columns" and "value"')
+        check_exactly_one(self, 'columns', 'value')
         if self.columns == [None, None, None]:
             raise ValueError('has no column at all; give one, or leave the vector out')
         if self.value is not None and len(self.value.vector) != 3:
@@ -164,10 +168,7 @@ class OrientationField(StrictModel):
 
     @model_validator(mode='after')
     def _check_form(self) -> Self:
-        if len([form for form in self.forms if form is not None]) != 1:
-            raise ValueError(
-                'needs exactly one of "quaternion", "euler", "rotation_vector" and "matrix"'
-            )
+        check_exactly_one(self, 'quaternion', 'euler', 'rotation_vector', 'matrix')
         if self.euler is None:
             return self
         if len(self.euler) != len(self.sequence):
@@ -257,8 +258,7 @@ class TimeColumn(StrictModel):
 
     @model_validator(mode='after')
     def _check_source(self) -> Self:
-        if [self.column, self.rate, self.step].count(None) != 2:
-            raise ValueError('needs exactly one of "column", "rate" and "step"')
+        check_exactly_one(self, 'column', 'rate', 'step')
         if self.align is not None and self.start is not None:
             raise ValueError('has both "align" and "start"; give one of them')
         if UNITS.get(self.unit, ('', 0.0))[0] != 's':
@@ -268,18 +268,18 @@ class TimeColumn(StrictModel):
                 raise ValueError(f'has an invalid {name}; give a positive number in {unit}')
             # Of a rate, the time between two rows
             period = None if quantity is None else quantity.si if unit == 's' else 1 / quantity.si
-            if period is not None and not NANOSECOND <= period < LATEST:
+            if period is not None and not NANOSECOND <= period < LATEST_STAMP:
                 raise ValueError(
                     f'has rows that are {period:g} s apart; give a {name} with {NANOSECOND:g} s '
-                    f'to {LATEST:g} s between two rows'
+                    f'to {LATEST_STAMP:g} s between two rows'
                 )
         if self.start is not None and self.start.dimension != 's':
             raise ValueError(
                 f'has a start in {self.start.unit}, but it must be a time, as in "1 s"'
             )
-        if self.start is not None and abs(self.start.si) >= LATEST:
+        if self.start is not None and abs(self.start.si) >= LATEST_STAMP:
             raise ValueError(
-                f'has a start at {self.start.si:g} s; a ROS time stamp is below {LATEST:g} s'
+                f'has a start at {self.start.si:g} s; a ROS time stamp is below {LATEST_STAMP:g} s'
             )
         return self
 
@@ -373,7 +373,7 @@ class TextFormat(StrictModel):
 class ImportMapping(_WithAxes):
     """A mapping file."""
 
-    schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
+    schema_version: SchemaVersion
     name: Name
     about: str
     format: Format

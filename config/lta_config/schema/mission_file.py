@@ -1,15 +1,105 @@
-"""The mission file: vehicle, route of beacons, light, payload and reserve of a patrol."""
+"""
+The mission file: vehicle, route of beacons, payload and reserve of a patrol, and its light.
 
-from typing import Annotated, Literal, Self
+The light of a day on the perch is a file of its own: sun through glass with clouds, and lamps with
+timers. Times are local solar time from midnight. The illuminance of a lamp is that on the panel of
+the perched drone; for a beacon it is that during an on phase.
+"""
 
-from lta_config.files import find_file, load_file, StrictModel
+from collections.abc import Mapping
+import math
+from typing import Annotated, Self
+
+from lta_config.files import find_file, load_file, Name, SchemaVersion, StrictModel
 from lta_config.quantity import Quantity, si_quantity
-from lta_config.schema.light_day_file import DAY, Share
-from pydantic import AliasChoices, Field, model_validator
+from pydantic import Field, model_validator
+
+DAY = 86400.0  # s
+Share = Annotated[Quantity, si_quantity('1', low=0.0, high=1.0, sourced=True)]
+Shares = Annotated[Quantity, si_quantity('1', low=0.0, high=1.0, length=2, sourced=True)]
+Efficacy = Annotated[Quantity, si_quantity('lm/W', above=0.0, high=683.0, sourced=True)]
+Lux = Annotated[Quantity, si_quantity('lx', low=0.0, high=2e5, sourced=True)]
+STEADY_LIGHT = Quantity(value=1.0, unit='1', source='not flickering')
+
+
+class CloudSequence(StrictModel):
+    """
+    A sequence of passing clouds.
+
+    `cover` bounds the clouded share of a day, uniform per day. `through` bounds the transmission
+    of a cloud, uniform per cloud. `length` is the mean duration of a shadow, exponentially
+    distributed.
+    """
+
+    cover: Shares
+    through: Shares
+    length: Annotated[Quantity, si_quantity('s', above=0.0, high=DAY, sourced=True)]
+
+    @model_validator(mode='after')
+    def _check_rising(self) -> Self:
+        for name in ('cover', 'through'):
+            low, high = getattr(self, name).vector
+            if low > high:
+                raise ValueError(
+                    f'has a lower bound of "{name}" that is above its upper bound; swap the two '
+                    'numbers'
+                )
+        return self
+
+
+class SunModel(StrictModel):
+    """Sun and sky on the horizontal panel: a clear day by latitude and date, glass, clouds."""
+
+    latitude: Annotated[
+        Quantity, si_quantity('rad', low=-math.pi / 2, high=math.pi / 2, sourced=True)
+    ]
+    day: Annotated[int, Field(ge=1, le=366)]
+    through: Share
+    efficacy: Efficacy
+    clouds: CloudSequence
+
+
+class TimedLamp(StrictModel):
+    """A lamp over the perch, on between two times of day; past midnight if the first is later."""
+
+    light: Lux
+    efficacy: Efficacy
+    duty: Share = STEADY_LIGHT
+    hours: Annotated[Quantity, si_quantity('s', low=0.0, high=DAY, length=2, sourced=True)]
+
+
+class LightDay(StrictModel):
+    """A file with the light of a day."""
+
+    schema_version: SchemaVersion
+    name: Name
+    about: str
+    sun: SunModel | None = None
+    lamps: Mapping[Name, TimedLamp] = {}
+
+    @model_validator(mode='after')
+    def _check_light(self) -> Self:
+        if self.sun is None and not self.lamps:
+            raise ValueError(
+                'has neither "sun" nor "lamps", so the battery would never charge; add one of them'
+            )
+        flickering = [name for name, lamp in self.lamps.items() if lamp.duty.si < 1.0]
+        if len(flickering) > 1:
+            raise ValueError(
+                f'has several flickering lamps ({", ".join(flickering)}: "duty" is below 1), but '
+                'only one is supported; set "duty" to 1 for the others'
+            )
+        return self
+
+
+def load_light_day(name: str) -> LightDay:
+    """Return the light of a day by shipped name or path; raise `BadInput` if it is invalid."""
+    return load_file(LightDay, find_file('light of the day', name))
+
 
 Power = Annotated[Quantity, si_quantity('W', low=0.0, high=100.0, sourced=True)]
 Time = Annotated[Quantity, si_quantity('s', low=0.0, high=DAY, sourced=True)]
-Beacon = Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
+Beacon = Name
 
 
 class InspectionPayload(StrictModel):
@@ -30,8 +120,8 @@ class DutyCycle(StrictModel):
 class MissionFile(StrictModel):
     """A mission file."""
 
-    schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
-    name: Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
+    schema_version: SchemaVersion
+    name: Name
     about: str
     vehicle: str
     scene: str

@@ -7,15 +7,20 @@ its parts as from any others.
 
 from collections.abc import Mapping
 import math
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from lta_config.errors import unknown_name_error
-from lta_config.files import find_file, load_yaml, StrictModel, validate_content
+from lta_config.files import (
+    find_file,
+    load_yaml,
+    Name,
+    SchemaVersion,
+    StrictModel,
+    validate_content,
+)
 from lta_config.quantity import Quantity, si_quantity
 from lta_config.schema.vehicle_body import Layer, PartBlock
-from pydantic import AliasChoices, Field, model_validator
-
-Name = Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
+from pydantic import Field, model_validator
 
 
 class PanelFacing(StrictModel):
@@ -38,7 +43,7 @@ class PanelFacing(StrictModel):
 class MountFile(StrictModel):
     """A mount file: the layer that it replaces, its parts, and which of them are panels."""
 
-    schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
+    schema_version: SchemaVersion
     name: Name
     about: str
     layer: Name

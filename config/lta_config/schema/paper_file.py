@@ -7,16 +7,59 @@ contradictions within the paper, with the arithmetic. A row never contains our r
 name a measure in braces, and a defect names its expressions.
 """
 
-from collections.abc import Mapping, Sequence
+import ast
+from collections.abc import Callable, Mapping, Sequence
+import math
+import operator
 from string import Formatter
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Final, Literal, Self
 
-from lta_config.arithmetic import evaluate_expression
-from lta_config.files import find_file, list_shipped_names, load_file, StrictModel
+from lta_config.files import (
+    find_file,
+    list_shipped_names,
+    load_file,
+    Name,
+    SchemaVersion,
+    StrictModel,
+)
 from lta_config.quantity import Quantity, UNITS
 from pydantic import AliasChoices, Field, model_validator
 
-Name = Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
+BINARY_OPERATORS: Final[dict[type[ast.operator], Callable[[float, float], float]]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.Pow: operator.pow,
+}
+
+
+def evaluate_expression(text: str) -> float:
+    """Return the value of an arithmetic expression; raise `ValueError` if the text is not one."""
+    try:
+        # Only the node types below are evaluated, so a file cannot run code as with `eval`
+        return _evaluate_node(ast.parse(text, mode='eval').body)
+    except (SyntaxError, ZeroDivisionError, OverflowError):
+        raise ValueError(_describe_misfit(text)) from None
+
+
+def _evaluate_node(node: ast.expr) -> float:
+    match node:
+        case ast.Constant(value=int() | float() as number):
+            return float(number)
+        case ast.Name(id='pi'):
+            return math.pi
+        case ast.UnaryOp(op=ast.USub(), operand=inner):
+            return -_evaluate_node(inner)
+        case ast.BinOp(left=left, op=op, right=right) if type(op) in BINARY_OPERATORS:
+            return BINARY_OPERATORS[type(op)](_evaluate_node(left), _evaluate_node(right))
+    raise ValueError(_describe_misfit(ast.unparse(node)))
+
+
+def _describe_misfit(text: str) -> str:
+    return f'cannot evaluate "{text}"; use only numbers, pi, + - * / ** and brackets'
+
+
 # A printed number, our reading of words, a LaTeX comment, or planned future work
 Source = Literal['printed', 'read', 'comment', 'future']
 
@@ -163,7 +206,7 @@ class SceneRange(StrictModel):
 class PaperRow(StrictModel):
     """A row of the reproduction."""
 
-    schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
+    schema_version: SchemaVersion
     name: Name
     number: Annotated[int, Field(ge=1)]
     title: str

@@ -12,7 +12,7 @@ import zlib
 from lta_config.parameter_override import replace_parameter
 import numpy as np
 
-SOURCE: Final = 'drawn from its range'
+RANGE_SOURCE: Final = 'drawn from its range'
 
 
 class AssumedNumber(NamedTuple):
@@ -60,7 +60,7 @@ def draw_values(content: Any, seed: int, path: str = '') -> dict[str, dict[str, 
         entry.path: {
             'value': draw_between(entry.quantity['range'], entry.quantity['range_source'], seed),
             'unit': entry.quantity['unit'],
-            'source': SOURCE,
+            'source': RANGE_SOURCE,
         }
         for entry in list_ranges(content, path)
     }

@@ -7,12 +7,18 @@ Wavelengths are in nanometres and increase.
 from collections.abc import Sequence
 from functools import cache
 from itertools import pairwise
-from typing import Annotated, Literal
+from typing import Annotated
 
-from lta_config.files import find_file, load_file, StrictModel
-from pydantic import AfterValidator, AliasChoices, Field, model_validator
+from lta_config.files import (
+    check_exactly_one,
+    find_file,
+    load_file,
+    Name,
+    SchemaVersion,
+    StrictModel,
+)
+from pydantic import AfterValidator, Field, model_validator
 
-Name = Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
 Wavelength = Annotated[float, Field(ge=100.0, le=10_000.0, strict=False)]
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False, strict=False)]
 Ordinate = Annotated[float, Field(ge=0.0, allow_inf_nan=False, strict=False)]
@@ -44,7 +50,7 @@ class LightSpectrum(StrictModel):
     `total` is the integral of a table over all wavelengths, also those that it leaves out.
     """
 
-    schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
+    schema_version: SchemaVersion
     name: Name
     about: str
     source: str
@@ -55,9 +61,7 @@ class LightSpectrum(StrictModel):
 
     @model_validator(mode='after')
     def _check_kind(self) -> 'LightSpectrum':
-        kinds = (self.points, self.peaks, self.temperature)
-        if sum(kind is not None for kind in kinds) != 1:
-            raise ValueError('needs exactly one of "points", "peaks" and "temperature"')
+        check_exactly_one(self, 'points', 'peaks', 'temperature')
         if (self.points is None) != (self.total is None):
             raise ValueError('needs "total" with "points", and only with them')
         return self
@@ -66,7 +70,7 @@ class LightSpectrum(StrictModel):
 class SpectralResponse(StrictModel):
     """Current of a detector by the power of light on it; zero outside its points."""
 
-    schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
+    schema_version: SchemaVersion
     name: Name
     about: str
     source: str

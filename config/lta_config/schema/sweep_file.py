@@ -10,14 +10,21 @@ values. A path of one word is a whole file or the strategy: `scenario: [lamp_roo
 """
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Self
 
-from lta_config.files import find_file, load_file, StrictModel
+from lta_config.files import (
+    check_exactly_one,
+    find_file,
+    load_file,
+    Name,
+    SchemaVersion,
+    StrictModel,
+)
 from pydantic import AliasChoices, Discriminator, Field, model_validator, Tag
 
 Value = Any  # '4 g', '[0, 0, 1] m/s', {value: 4, unit: g}, 0.5, true, a name
 Values = Annotated[list[Value], Field(min_length=1, max_length=10_000)]
-CASE = 'case'  # column of the cases' names in results
+CASE_COLUMN = 'case'  # column of the cases' names in results
 
 
 class NormalDistribution(StrictModel):
@@ -46,10 +53,7 @@ class Distribution(StrictModel):
 
     @model_validator(mode='after')
     def _check_one_kind(self) -> Self:
-        kinds = [name for name in type(self).model_fields if getattr(self, name) is not None]
-        if len(kinds) != 1:
-            names = ', '.join(type(self).model_fields)
-            raise ValueError(f'has {len(kinds)} distributions; give exactly one of {names}')
+        check_exactly_one(self, *type(self).model_fields)
         return self
 
 
@@ -71,8 +75,8 @@ class SweepSeeds(StrictModel):
 class SweepFile(StrictModel):
     """A sweep file."""
 
-    schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
-    name: Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
+    schema_version: SchemaVersion
+    name: Name
     about: str
     vehicle: str
     scenario: str
@@ -81,7 +85,7 @@ class SweepFile(StrictModel):
     seeds: SweepSeeds = SweepSeeds()
     samples: Annotated[int, Field(ge=1, le=10_000_000)] | None = None
     settings: Annotated[Mapping[str, Value], Field(validation_alias=AliasChoices('set'))] = {}
-    cases: Mapping[Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')], Case] = {}
+    cases: Mapping[Name, Case] = {}
     vary: Mapping[
         str,
         Annotated[

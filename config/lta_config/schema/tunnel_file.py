@@ -10,12 +10,11 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 from lta_config.errors import BadInput
-from lta_config.files import find_file, load_file, load_yaml, StrictModel
+from lta_config.files import find_file, load_file, load_yaml, Name, SchemaVersion, StrictModel
 from lta_config.quantity import Quantity, si_quantity
 from lta_config.schema.vehicle_body import Length, Place
-from pydantic import AliasChoices, Field, model_validator
+from pydantic import Field, model_validator
 
-Name = Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
 Duty = Annotated[float, Field(ge=-1.0, le=1.0)]
 
 
@@ -47,7 +46,7 @@ class TunnelRotorDisk(StrictModel):
 class TunnelFile(StrictModel):
     """A tunnel file; bodies by name, of which `envelope` replaces the hull's surface."""
 
-    schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
+    schema_version: SchemaVersion
     name: Name
     about: str
     vehicle: str

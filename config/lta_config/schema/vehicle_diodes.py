@@ -11,8 +11,8 @@ from lta_config.files import StrictModel
 from lta_config.quantity import Quantity, si_quantity
 from pydantic import Field, model_validator
 
-MOST = 64  # diodes
-UNIT = 1e-3  # tolerance of the length of an axis
+MAX_DIODES = 64  # diodes
+LENGTH_TOLERANCE = 1e-3  # tolerance of the length of an axis
 Axis = Annotated[list[float], Field(min_length=3, max_length=3)]
 DATA_SHEET = 'OPT101 data sheet, SBBS002'
 
@@ -30,14 +30,14 @@ def largest_reading(bits: int, full_scale: float, output_limit: float) -> float:
 class DiodeAxes(StrictModel):
     """Unit axes of the diodes in the body frame, one per diode."""
 
-    value: Annotated[list[Axis], Field(max_length=MOST)]
+    value: Annotated[list[Axis], Field(max_length=MAX_DIODES)]
     source: str
 
     @model_validator(mode='after')
     def _check_axes(self) -> Self:
         for index, axis in enumerate(self.value):
             length = math.hypot(*axis)
-            if not abs(length - 1.0) <= UNIT:  # also true for NaN
+            if not abs(length - 1.0) <= LENGTH_TOLERANCE:  # also true for NaN
                 raise ValueError(
                     f'has an axis of length {length:.3g} for the diode {index}, but needs a unit '
                     'vector; divide it by its length'
@@ -49,7 +49,7 @@ class DiodeGains(StrictModel):
     """Gain of each diode, relative to the nominal diode, and where it comes from."""
 
     value: Annotated[
-        list[Annotated[float, Field(gt=0.0, le=10.0)]], Field(min_length=1, max_length=MOST)
+        list[Annotated[float, Field(gt=0.0, le=10.0)]], Field(min_length=1, max_length=MAX_DIODES)
     ]
     source: str
 
@@ -66,7 +66,7 @@ class PhotodiodesBlock(StrictModel):
     deviation `gain_spread` about them.
     """
 
-    count: Annotated[int, Field(ge=1, le=MOST)]
+    count: Annotated[int, Field(ge=1, le=MAX_DIODES)]
     radius: Annotated[Quantity, si_quantity('m', low=0.0, high=20.0, sourced=True)]
     height: Annotated[Quantity, si_quantity('m', low=-5.0, high=5.0, sourced=True)]
     feedback: Annotated[Quantity, si_quantity('ohm', above=0.0, sourced=True)]
@@ -90,7 +90,7 @@ class PhotodiodesBlock(StrictModel):
         _default_quantity(0.0, '1', 'equal diodes')
     )
     gains: DiodeGains | None = None
-    dead: Annotated[list[Annotated[int, Field(ge=0)]], Field(max_length=MOST)] = Field(
+    dead: Annotated[list[Annotated[int, Field(ge=0)]], Field(max_length=MAX_DIODES)] = Field(
         default_factory=list
     )
     bandwidth: Annotated[Quantity, si_quantity('Hz', above=0.0, sourced=True)] = _default_quantity(

@@ -11,10 +11,9 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from lta_config.errors import BadInput
-from lta_config.files import find_file, load_yaml, StrictModel, validate_content
+from lta_config.files import find_file, load_yaml, Name, StrictModel, validate_content
 from lta_config.quantity import Quantity, si_quantity
-from lta_config.schema.aero_file import load_aero_file
-from lta_config.schema.vehicle_aero import AeroCoefficients
+from lta_config.schema.vehicle_aero import AeroCoefficients, load_aero_file
 from lta_config.schema.vehicle_body import (
     HullBlock,
     Layer,
@@ -30,7 +29,7 @@ from lta_config.schema.vehicle_law import Law
 from pydantic import AliasChoices, Field, field_validator, model_validator
 
 Vector = tuple[float, float, float]
-UP = (0.0, 0.0, 1.0)
+UPWARD_AXIS = (0.0, 0.0, 1.0)
 ROTORS = 8  # the model's arrays have this size
 # Quantities of a motion that a region of validity limits
 MOTION = ('speed', 'roll', 'pitch', 'roll_rate', 'pitch_rate', 'yaw_rate')
@@ -39,7 +38,7 @@ MOTION = ('speed', 'roll', 'pitch', 'roll_rate', 'pitch_rate', 'yaw_rate')
 class ControlBlock(StrictModel):
     """The control law of the vehicle, and its gains: a name in `config/control`, or a file."""
 
-    law: Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
+    law: Name
     # A path is relative to the vehicle file
     gains: Annotated[str, Field(pattern=r'^([a-z][a-z0-9_]*|.*/.*|.*\.ya?ml)$')] | None = None
     source: str
@@ -119,7 +118,7 @@ class VehicleFile(StrictModel):
     """A vehicle file."""
 
     schema_version: Annotated[Literal[3], Field(validation_alias=AliasChoices('schema'))]
-    name: Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
+    name: Name
     about: str
     control: ControlBlock | None = None
     hull: HullBlock
@@ -155,7 +154,7 @@ class VehicleFile(StrictModel):
     def panel_normal(self) -> Vector:
         """The direction that the panel faces, unit length, body frame."""
         if self.energy.array is None:
-            return UP
+            return UPWARD_AXIS
         x, y, z = self.energy.array.normal.vector
         length = math.hypot(x, y, z)
         return x / length, y / length, z / length

@@ -7,8 +7,7 @@ from typing import final
 
 from lta_bridge.bag.background_writer import BackgroundWriter
 from lta_bridge.log_time_assigner import LogTimeAssigner
-from lta_config.topic_selection import absolute_topic
-from lta_config.topics import TopicTable
+from lta_config.topics import absolute_topic, TopicTable
 from lta_graph.health import HealthLevel
 
 

@@ -8,7 +8,7 @@ from typing import Final, final
 from lta_challenge.truth_equations import TruthConstants, TruthKernel, TruthWork
 from lta_challenge.truth_flight import fly_truth, PilotConstants, PilotInputs
 from lta_config.compilation.extract import SourceExtract
-from lta_config.compilation.flat import PREFIX
+from lta_config.compilation.flat import CORE_PREFIX
 from lta_model.effects import EFFECTS
 from lta_model.effects.protocol import (
     ActuatorEffect,
@@ -174,7 +174,7 @@ class TruthModel:
         `rotors`: number of rotors.
         """
         extract = SourceExtract(kernel=TruthKernel(rotors, self.state_size))
-        name = extract.add_function(fly_truth, PREFIX)
+        name = extract.add_function(fly_truth, CORE_PREFIX)
         # Python passes these in; in the text, their fields are part of the key of the cache
         for kind in (TruthConstants, TruthWork, PilotConstants, PilotInputs):
             extract.add_named_tuple(kind)

@@ -25,7 +25,7 @@ from lta_cli.without_ros import (
 )
 from lta_config.atomic_file import release_folders
 from lta_config.errors import BadInput, check_printable, to_one_line
-from lta_config.process_limits import describe_shortage
+from lta_config.limits import describe_shortage
 from lta_config.version import VERSION
 import typer
 from typer.core import TyperGroup

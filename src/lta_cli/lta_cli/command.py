@@ -15,8 +15,7 @@ from typing import Final, NoReturn
 import warnings
 
 from lta_graph.ament import list_middlewares
-from lta_graph.process_exit import exit_process
-from lta_graph.terminal_streams import guard_streams
+from lta_graph.terminal_streams import exit_process, guard_streams
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 COMPLETION = '_LTA_COMPLETE'  # a shell asks how the line may go on

@@ -241,7 +241,7 @@ def list_topics(line: Line, table: Mapping[str, Any]) -> Values:
 
 def list_launch_arguments(line: Line, table: Mapping[str, Any]) -> Values:
     """Yield the arguments of a shipped launch; a file of the user is not run for a prompt."""
-    from lta_graph.launch_table import find_launch
+    from lta_graph.launch_plan import find_launch
 
     del table
     name = str(line.get('file', ''))

@@ -8,8 +8,8 @@ in one process and batches call it, compiled. In the graph the estimator node ca
 turns a motor; the safety state machine of a bridge, below, may only stop one.
 
 The motors stay off on the ground, and until the drone is armed and has an estimate and a setpoint
-above the floor. They stop for good when the drone has overturned, when nobody knows its height, and
-when a number of estimate or setpoint is not finite. Whenever they are off, the law begins anew.
+above the floor. They stop for good when it has overturned, when nobody knows its height, and when
+a number of estimate or setpoint is not finite. Whenever they are off, the law begins anew.
 
 Plain scalars and tuples with memory in and out, so that all of it compiles
 (`lta_config.compilation.flat`).

@@ -3,9 +3,8 @@
 from typing import TypeVar
 
 from lta_config.errors import BadInput
-from lta_config.files import find_file, load_yaml
+from lta_config.files import find_file, format_error, load_yaml
 from lta_config.settings import Settings
-from lta_config.validation_errors import format_error
 from lta_control.cascade import CascadeGains
 from pydantic import ValidationError
 

@@ -6,8 +6,8 @@ from functools import lru_cache
 from typing import Any, final, NamedTuple, TypeVar
 
 from lta_config.errors import BadInput
+from lta_config.files import format_error
 from lta_config.schema.vehicle_file import VehicleFile
-from lta_config.validation_errors import format_error
 from lta_data.recorded_choices import read_recorded_file
 from lta_model.scenario import Scenario
 from pydantic import BaseModel, ValidationError

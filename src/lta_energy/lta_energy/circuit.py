@@ -1,20 +1,26 @@
 """
-Advance cell, charger and loads over one time step and keep the energy totals.
+The cell on the perch over a time step: power path, energy totals, and the gauge of its charge.
 
-Used on the perch; in flight, `lta_sim.supply_step` calls the same power path
-(`lta_model.electrical.charger`).
+In flight, `lta_sim.supply_step` calls the same power path (`lta_model.electrical.charger`).
+
+The gauge is a scalar Kalman filter. Coulomb counting drifts with the errors of the current meter;
+the voltage of a cell at low current gives the charge through the slope of the open-circuit
+voltage. The gauge never uses the true charge.
 """
 
 from typing import NamedTuple
 
-from lta_model.electrical.battery import BatteryModel
+from lta_model.electrical.battery import (
+    BatteryModel,
+    integrate_charge,
+    open_circuit_voltage,
+    state_of_charge,
+)
 from lta_model.electrical.charger import (
     advance_power_path,
     charger_output,
     ChargerModel,
     PowerFlow,
-    resting_flow,
-    total_stored_energy,
 )
 
 
@@ -27,19 +33,7 @@ class EnergyTotals(NamedTuple):
     lost: float
 
 
-NOTHING = EnergyTotals(0.0, 0.0, 0.0, 0.0)
-
-__all__ = [
-    'NOTHING',
-    'ChargerModel',
-    'EnergyTotals',
-    'PowerFlow',
-    'add_totals',
-    'charger_output',
-    'resting_flow',
-    'step_circuit',
-    'total_stored_energy',
-]
+NO_ENERGY = EnergyTotals(0.0, 0.0, 0.0, 0.0)
 
 
 def add_totals(one: EnergyTotals, other: EnergyTotals) -> EnergyTotals:
@@ -71,4 +65,54 @@ def step_circuit(
         spent.curtailed + (tracked - store.harvested) * dt,
         spent.consumed + store.consumed * dt,
         spent.lost + store.lost * dt,
+    )
+
+
+METER_GAIN_ERROR = 0.002  # of the current: INA219 data sheet, as `lta_sim.sensors.power`
+METER_OFFSET = 4e-4  # A: the same
+RESTING_VOLTAGE_ERROR = (
+    0.01  # V, error of a resting voltage: meter, chart and relaxation (assumed)
+)
+RESTING_CURRENT = 0.1  # A; below this current the cell counts as resting
+SLOPE_REACH = 0.02  # state of charge to either side over which the slope is taken
+
+
+class ChargeGauge(NamedTuple):
+    """Estimated state of charge and its standard deviation. [1]"""
+
+    charge: float
+    deviation: float
+
+
+def update_gauge(
+    cell: BatteryModel, gauge: ChargeGauge, voltage: float, current: float, dt: float
+) -> ChargeGauge:
+    """Update the gauge with a measured voltage [V] and current [A] after a time step [s]."""
+    gauge = propagate_gauge(cell, gauge, current, dt)
+    if abs(current) > RESTING_CURRENT:
+        return gauge
+    # Remove the steady-state drop: on the perch the RC pair has settled
+    resting = voltage - (cell.resistance + cell.relaxation_resistance) * current
+    indicated = state_of_charge(resting)
+    span = open_circuit_voltage(indicated + SLOPE_REACH) - open_circuit_voltage(
+        indicated - SLOPE_REACH
+    )
+    # Voltage noise divided by the slope dV/dcharge; the chart's flat parts give little information
+    noise = RESTING_VOLTAGE_ERROR * 2.0 * SLOPE_REACH / max(span, 1e-3)
+    # Kalman gain. The voltage error stays the same for about an hour, so each of the many
+    # updates within an hour gets only its share of the information.
+    weight = gauge.deviation**2 / (gauge.deviation**2 + noise**2 * max(3600.0 / dt, 1.0))
+    return ChargeGauge(
+        gauge.charge + weight * (indicated - gauge.charge), gauge.deviation * (1.0 - weight) ** 0.5
+    )
+
+
+def propagate_gauge(
+    cell: BatteryModel, gauge: ChargeGauge, current: float, dt: float
+) -> ChargeGauge:
+    """Count a current [A] over a time step [s], and grow the deviation by the meter's errors."""
+    # Systematic meter errors add up linearly, not as the root of the sum of squares
+    error = (METER_GAIN_ERROR * abs(current) + METER_OFFSET) * dt / cell.capacity
+    return ChargeGauge(
+        integrate_charge(gauge.charge, current, cell.capacity, dt), gauge.deviation + error
     )

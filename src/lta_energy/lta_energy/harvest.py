@@ -1,15 +1,23 @@
 """
-Compute the maximum power of a solar array under steady and flickering light.
+Maximum power of a solar array under steady and flickering light, and the light that feeds a load.
 
 Solar cells respond within microseconds, far faster than a beacon flickers. The mean power is
 therefore the mean of the powers with the lamp on and off, not the power in the mean light.
 Neglected: the charger holds one voltage through both phases. All lamps are white LEDs.
+
+At the break-even illuminance the harvest equals the load. Illuminance alone does not fix the
+radiant power: a white LED emits about 300 lm per radiant watt and the sun 110, so the same
+illuminance from the sun carries 2.7 times the power. A beacon with a duty cycle of one half
+carries half the power of a steady lamp.
 """
 
-from typing import final, Self
+from collections.abc import Mapping
+import math
+from typing import Final, final, NamedTuple, Self
 
 from lta_config.schema.vehicle_energy import EnergyBlock
-from lta_energy.irradiance import PanelIrradiance
+from lta_energy.irradiance import DARK, PanelIrradiance
+from lta_model.electrical.charger import charger_output, ChargerModel
 from lta_model.electrical.panel import (
     array_spectral_factor,
     cell_spectral_factor,
@@ -19,7 +27,11 @@ from lta_model.electrical.panel import (
 import numpy as np
 
 WHITE_LED = 300.0  # lm/W, of the lamps of a day
-LEAST, MOST, POINTS = 1e-2, 2000.0, 256  # W/m2; linear interpolation between the points
+LOWEST_IRRADIANCE, HIGHEST_IRRADIANCE, TABLE_POINTS = (
+    1e-2,
+    2000.0,
+    256,
+)  # W/m2; linear interpolation between the points
 
 
 @final
@@ -33,7 +45,9 @@ class HarvestCurve:
     def __init__(self, panel: SolarArrayModel, led_factor: float) -> None:
         self.led_factor = led_factor
         # Geometric spacing resolves the five decades from twilight to noon evenly
-        self._light = np.concatenate([[0.0], np.geomspace(LEAST, MOST, POINTS)])
+        self._light = np.concatenate(
+            [[0.0], np.geomspace(LOWEST_IRRADIANCE, HIGHEST_IRRADIANCE, TABLE_POINTS)]
+        )
         points = [find_max_power_point(panel, float(light)) for light in self._light]
         self._power = np.array([voltage * current for voltage, current in points])
 
@@ -61,3 +75,58 @@ class HarvestCurve:
             return self.steady_light_power(always)
         bright = self.steady_light_power(always + self.led_factor * light.beacon)
         return light.duty * bright + (1.0 - light.duty) * self.steady_light_power(always)
+
+
+LOWEST_ILLUMINANCE, HIGHEST_ILLUMINANCE = 300.0, 100e3  # lx: from a warehouse to the sun
+# 60 halvings of 100 klx leave an interval below the resolution of a double
+BISECTIONS = 60  # of bisection
+
+
+class LightSource(NamedTuple):
+    """Luminous efficacy [lm per radiant watt] and duty cycle of a kind of light."""
+
+    efficacy: float
+    duty: float
+    sun: bool = False
+
+
+LAMPS: Final[Mapping[str, LightSource]] = {
+    # [lm per radiant watt], duty cycle
+    'white LED': LightSource(300.0, 1.0),
+    'flickering LED': LightSource(300.0, 0.5),
+    'sun': LightSource(110.0, 1.0, sun=True),
+}
+
+
+def irradiance_from_lux(lamp: LightSource, lux: float) -> PanelIrradiance:
+    """Return the irradiance of a lamp whose illuminance [lx] is given for its on phase."""
+    # Flickering light goes into the beacon term, because harvest is averaged over its phases
+    if lamp.duty < 1.0:
+        return DARK._replace(beacon=lux / lamp.efficacy, duty=lamp.duty)
+    if lamp.sun:
+        return DARK._replace(sun=lux / lamp.efficacy)
+    return DARK._replace(lamps=lux / lamp.efficacy)
+
+
+def charging_power(
+    harvest: HarvestCurve, charger: ChargerModel, lamp: LightSource, lux: float
+) -> float:
+    """Return the charger's output power at an illuminance. [W]"""
+    return charger_output(charger, harvest(irradiance_from_lux(lamp, lux)))
+
+
+def break_even_illuminance(
+    harvest: HarvestCurve, charger: ChargerModel, lamp: LightSource, load: float
+) -> float:
+    """Return the illuminance at which the charger supplies a load [W]; inf above 100 klx. [lx]"""
+    low, high = 0.0, HIGHEST_ILLUMINANCE
+    if charging_power(harvest, charger, lamp, high) < load:
+        return math.inf
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        if charging_power(harvest, charger, lamp, middle) < load:
+            low = middle
+        else:
+            high = middle
+    # The upper end, so that the load is certainly covered
+    return high

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import math
 from typing import final, NamedTuple
 
-from lta_config.schema.light_day_file import CloudSequence, DAY, LightDay, SunModel, TimedLamp
+from lta_config.schema.mission_file import CloudSequence, DAY, LightDay, SunModel, TimedLamp
 import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray

@@ -4,13 +4,11 @@ import math
 
 from geometry_msgs.msg import TwistWithCovarianceStamped
 from lta_config.covariances import has_estimate
-from lta_energy.monitoring.estimate import EnergyEstimate
-from lta_energy.monitoring.monitor import MonitorSettings
-from lta_energy.monitoring.power_system import PowerSystem
-from lta_energy.monitoring.reading import MeterReading, TravelState
+from lta_energy.monitoring.meters import MeterReading, PowerSystem, TravelState
+from lta_energy.monitoring.monitor import EnergyEstimate, MonitorSettings
+from lta_energy.monitoring.outlook import reachable_distance
 from lta_energy.monitoring.report import EnergyReport
 from lta_energy.monitoring.soc_ekf import INVERSE, RESISTANCE
-from lta_energy.monitoring.way_home import reachable_distance
 from lta_model.electrical.battery import BatteryModel
 from lta_msgs.msg import EnergyStatus
 from nav_msgs.msg import Odometry

@@ -6,30 +6,94 @@ the same cell (`lta_energy.circuit`).
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 import math
 from typing import final, NamedTuple
 
 from lta_energy.circuit import (
     add_totals,
-    charger_output,
+    ChargeGauge,
     EnergyTotals,
-    NOTHING,
-    resting_flow,
+    NO_ENERGY,
     step_circuit,
-    total_stored_energy,
+    update_gauge,
 )
-from lta_energy.gauge import ChargeGauge, update_gauge
 from lta_energy.harvest import HarvestCurve
 from lta_energy.irradiance import IrradianceSeries, PanelIrradiance
-from lta_energy.mission_log import ALOFT, ASLEEP, AWAY, MissionFlight, MissionLog, OUT, PERCHED
 from lta_energy.schedule import Schedule, ScheduleDecision, ScheduleInputs
 from lta_model.electrical.battery import BatteryModel
-from lta_model.electrical.charger import ChargerModel, PowerFlow
+from lta_model.electrical.charger import (
+    charger_output,
+    ChargerModel,
+    PowerFlow,
+    resting_flow,
+    total_stored_energy,
+)
 
-STEP = 30.0  # s on the perch
+# AWAY: landed elsewhere and waiting for pickup; EMPTY: on the perch with an empty cell
+PERCHED, ASLEEP, ALOFT, AWAY, EMPTY = range(5)
+
+
+class MissionFlight(NamedTuple):
+    """Log entry of one flight."""
+
+    start: float  # since the first midnight [s]
+    duration: float  # time in the air [s]
+    visits: int  # number of beacons of the round that were reached
+    path: float  # horizontal length [m]
+    spent: EnergyTotals
+    # True state of charge [1]
+    before: float
+    after: float
+    told: float  # estimated state of charge after the flight [1]
+    lowest: float  # minimum voltage [V]
+    # 'home', or how the flight failed: 'empty', 'away' (landed elsewhere at the reserve), 'lost'
+    # (did not find the next beacon in time), 'escaped', 'stopped'
+    ending: str
+
+
+@final
+@dataclass(slots=True)
+class MissionLog:
+    """Log of a mission."""
+
+    flights: list[MissionFlight] = field(default_factory=list)
+    time: list[float] = field(default_factory=list)  # sample times, about one per minute [s]
+    # True state of charge, its estimate and the estimate's standard deviation [1]
+    charge: list[float] = field(default_factory=list)
+    told: list[float] = field(default_factory=list)
+    deviation: list[float] = field(default_factory=list)
+    state: list[int] = field(
+        default_factory=list
+    )  # `PERCHED`, `ASLEEP`, `ALOFT`, `AWAY` or `EMPTY`
+    # Mean powers since the sample before; times the time between, they add up to `spent` [W]
+    harvested: list[float] = field(default_factory=list)
+    consumed: list[float] = field(default_factory=list)
+    lost: list[float] = field(default_factory=list)
+    spent: EnergyTotals = NO_ENERGY  # energy totals, flights included [J]
+    # Energy stored in the cell at start and end [J]
+    begun: float = 0.0
+    ended: float = 0.0
+    outages: int = 0  # number of times that the cell ran empty on the perch
+    dark: int = 0  # number of flights that ended without light on the panel
+
+    @property
+    def imbalance(self) -> float:
+        """Residual of the energy balance, relative to the harvested or consumed energy. [1]"""
+        spent = self.spent
+        rest = spent.harvested - spent.consumed - spent.lost - (self.ended - self.begun)
+        # The bound [J] avoids 0 / 0 in a mission without light and loads
+        return rest / max(spent.harvested, spent.consumed, 1e-9)
+
+    @property
+    def failure_count(self) -> int:
+        """Number of flights that failed or came home in the dark, plus outages on the perch."""
+        return sum(each.ending != 'home' for each in self.flights) + self.dark + self.outages
+
+
+PERCH_STEP = 30.0  # s on the perch
 HOUR = 3600.0
-BLIND = 0.05  # initial standard deviation of the estimated charge
+FIRST_DEVIATION = 0.05  # initial standard deviation of the estimated charge
 
 
 class Departure(NamedTuple):
@@ -94,10 +158,10 @@ class MissionSimulation:
         self.now = 0.0
         # The true state of the cell; the schedule only ever receives the gauge
         self._store = resting_flow(upkeep.charge)
-        self._gauge = ChargeGauge(upkeep.charge, BLIND)
+        self._gauge = ChargeGauge(upkeep.charge, FIRST_DEVIATION)
         self._seen = 1.0
         self._out = False
-        self._logged = NOTHING
+        self._logged = NO_ENERGY
         self.diary = MissionLog(begun=total_stored_energy(upkeep.cell, self._store))
         self.diary.ended = self.diary.begun
 
@@ -106,7 +170,7 @@ class MissionSimulation:
         while self.now < self._light.end:
             wish = self._schedule(self._collect_schedule_inputs())
             if self._out:
-                self._charge_until(self.now + STEP, 0.0, OUT)
+                self._charge_until(self.now + PERCH_STEP, 0.0, EMPTY)
             elif wish.fly:
                 self._fly_once()
             else:
@@ -133,10 +197,22 @@ class MissionSimulation:
         last = self.diary.flights[-1] if self.diary.flights else None
         up = self._upkeep
         return ScheduleInputs(
-            self.now, self._gauge, up.cell, self._charger_output, self._light, self._seen,
-            up.awake, up.asleep, up.work, up.reserve, need, spread, lasts,
-            last.start + last.duration if last else -math.inf, last.duration if last else 0.0,
-        )  # fmt: skip
+            self.now,
+            self._gauge,
+            up.cell,
+            self._charger_output,
+            self._light,
+            self._seen,
+            up.awake,
+            up.asleep,
+            up.work,
+            up.reserve,
+            need,
+            spread,
+            lasts,
+            last.start + last.duration if last else -math.inf,
+            last.duration if last else 0.0,
+        )
 
     def _fly_once(self) -> None:
         """Simulate one flight, and the pickup if the drone does not come home."""
@@ -170,7 +246,7 @@ class MissionSimulation:
         """Stay on the perch as long as the schedule asks, but at least one minute."""
         up = self._upkeep
         # A schedule that asks for no rest must not stop the time
-        until = max(wish.until, self.now + 2 * STEP)
+        until = max(wish.until, self.now + 2 * PERCH_STEP)
         load = up.asleep if wish.asleep else up.awake
         self._charge_until(min(until, self._light.end), load, ASLEEP if wish.asleep else PERCHED)
 
@@ -179,7 +255,7 @@ class MissionSimulation:
         up = self._upkeep
         # The tolerance absorbs the rounding of a sum of steps [s]
         while self.now < until - 1e-6:
-            dt = min(STEP, until - self.now)
+            dt = min(PERCH_STEP, until - self.now)
             light, before = self._light.at(self.now), self.diary.spent
             self._store, self.diary.spent = step_circuit(
                 up.cell, up.charger, self._store, before, up.harvest(light), load, dt

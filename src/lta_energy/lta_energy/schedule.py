@@ -9,15 +9,17 @@ from collections.abc import Callable
 import math
 from typing import NamedTuple
 
-from lta_config.schema.light_day_file import DAY
-from lta_energy.gauge import ChargeGauge
+from lta_config.schema.mission_file import DAY
+from lta_energy.circuit import ChargeGauge
 from lta_energy.irradiance import IrradianceSeries, PanelIrradiance
 from lta_model.electrical.battery import BatteryModel, stored_energy
 
-SURE = 2.0  # margin at take-off, in standard deviations of charge and of a flight's energy
-LOOK = 300.0  # s between two decisions while waiting
-STEP = 600.0  # s; time step of the forecast
-NIGHT = 1.3  # safety factor on the predicted energy for the night
+MARGIN_DEVIATIONS = (
+    2.0  # margin at take-off, in standard deviations of charge and of a flight's energy
+)
+DECISION_PERIOD = 300.0  # s between two decisions while waiting
+FORECAST_STEP = 600.0  # s; time step of the forecast
+NIGHT_FACTOR = 1.3  # safety factor on the predicted energy for the night
 
 
 class ScheduleInputs(NamedTuple):
@@ -79,7 +81,7 @@ def next_work_end(inputs: ScheduleInputs) -> float:
 
 def reserve_energy(inputs: ScheduleInputs) -> float:
     """Return the energy of the reserve plus the margin for the uncertain charge. [J]"""
-    sure = inputs.reserve + SURE * inputs.gauge.deviation
+    sure = inputs.reserve + MARGIN_DEVIATIONS * inputs.gauge.deviation
     return stored_energy(min(sure, 1.0), inputs.cell.capacity)
 
 
@@ -90,9 +92,9 @@ def estimate_cell_energy(inputs: ScheduleInputs) -> float:
 
 def is_flight_safe(inputs: ScheduleInputs) -> bool:
     """Return whether the charge suffices for a flight, with margins."""
-    return estimate_cell_energy(inputs) - inputs.need - SURE * inputs.spread >= reserve_energy(
+    return estimate_cell_energy(
         inputs
-    )
+    ) - inputs.need - MARGIN_DEVIATIONS * inputs.spread >= reserve_energy(inputs)
 
 
 def build_fixed_schedule(rest: float, *, asleep: bool = False) -> Schedule:
@@ -107,7 +109,7 @@ def build_fixed_schedule(rest: float, *, asleep: bool = False) -> Schedule:
         return (
             ScheduleDecision(True)
             if is_flight_safe(inputs)
-            else ScheduleDecision(False, inputs.time + LOOK, asleep)
+            else ScheduleDecision(False, inputs.time + DECISION_PERIOD, asleep)
         )
 
     return decide_next_flight
@@ -123,11 +125,11 @@ def schedule_by_light(inputs: ScheduleInputs) -> ScheduleDecision:
     if not is_within_working_hours(inputs):
         return ScheduleDecision(False, next_work_start(inputs), True)
     if not is_flight_safe(inputs):
-        return ScheduleDecision(False, inputs.time + LOOK, True)
+        return ScheduleDecision(False, inputs.time + DECISION_PERIOD, True)
     full, dusk = forecast_charge(inputs)
     if full or dusk - inputs.need >= night_energy(inputs):
         return ScheduleDecision(True)
-    return ScheduleDecision(False, inputs.time + LOOK, True)
+    return ScheduleDecision(False, inputs.time + DECISION_PERIOD, True)
 
 
 def forecast_charge(inputs: ScheduleInputs) -> tuple[bool, float]:
@@ -139,10 +141,10 @@ def forecast_charge(inputs: ScheduleInputs) -> tuple[bool, float]:
     last = next_work_end(inputs) - 1.5 * inputs.flight
     while time <= last:
         # Assume that the drone sleeps until then
-        energy += (forecast_harvest(inputs, time) - inputs.asleep) * STEP
+        energy += (forecast_harvest(inputs, time) - inputs.asleep) * FORECAST_STEP
         if energy >= most:
             full, energy = True, most
-        time += STEP
+        time += FORECAST_STEP
     return full, energy
 
 
@@ -152,11 +154,11 @@ def night_energy(inputs: ScheduleInputs) -> float:
     end, needed, used = time + DAY, 0.0, 0.0
     # Until the morning light covers the load of the sleeping drone; a day at most
     while time < end and forecast_harvest(inputs, time) < inputs.asleep:
-        used += (inputs.asleep - forecast_harvest(inputs, time)) * STEP
+        used += (inputs.asleep - forecast_harvest(inputs, time)) * FORECAST_STEP
         needed = max(needed, used)
-        time += STEP
+        time += FORECAST_STEP
     # The factor covers a forecast that is too optimistic about the next morning
-    return reserve_energy(inputs) + NIGHT * needed
+    return reserve_energy(inputs) + NIGHT_FACTOR * needed
 
 
 def forecast_harvest(inputs: ScheduleInputs, time: float) -> float:

@@ -26,10 +26,9 @@ from lta_control.phases import Mission
 from lta_control.reserve import ReserveReport
 from lta_control.sighting import build_sight, DeadReckonedMotion, LampPosition
 from lta_control.vehicle_parameters import build_estimator_model
-from lta_energy.monitoring.estimate import EnergyEstimate as Known
+from lta_energy.monitoring.meters import MeterReading, PowerSystem, TravelState
+from lta_energy.monitoring.monitor import EnergyEstimate as Known
 from lta_energy.monitoring.monitor import update_estimate
-from lta_energy.monitoring.power_system import PowerSystem
-from lta_energy.monitoring.reading import MeterReading, TravelState
 from lta_flight.flight_stack import build_autopilot, FlightStack
 from lta_model.sensors.photodiode import DiodeRing
 from lta_model.vehicle import Vehicle
@@ -38,8 +37,7 @@ from lta_sim.world import World
 from lta_vlc.bearing import Bearing, estimate_bearing
 from lta_vlc.demodulation import DemodulatedBlock, Peaks
 from lta_vlc.diodes import build_diode_array
-from lta_vlc.direction import Direction
-from lta_vlc.gain_tracking import build_direction_finder
+from lta_vlc.direction import Direction, DirectionFinder
 from lta_vlc.lamp import estimate_lamp_position, LampEstimate
 from lta_vlc.receiver import BeaconReceiver
 import numpy as np
@@ -141,7 +139,7 @@ class ClosedLoop:
         self._aboard = PowerSystem.from_entry(vehicle.file.energy)
         diodes = build_diode_array(vehicle.file.sensors.diodes)
         self._ring = diodes.ring
-        self._finder = build_direction_finder(diodes, learns=policy.demodulation.learn_gains)
+        self._finder = DirectionFinder(diodes, learns=policy.demodulation.learn_gains)
         self._axes = round_axes(self._ring)
         self._listener = BeaconReceiver(
             policy.demodulation,

@@ -12,7 +12,7 @@ from lta_config.topics import robot_topic, TopicTable
 from lta_control.cascade import Setpoint
 from lta_control.messages import from_airspeed, from_duties, from_estimate, from_setpoint
 from lta_energy.messages import from_charge, from_energy_balance, from_reserve
-from lta_energy.monitoring.power_system import PowerSystem
+from lta_energy.monitoring.meters import PowerSystem
 from lta_energy.monitoring.report import report_energy
 from lta_flight.closed_loop import ClosedLoop, EnergyObservation, LightObservation
 from lta_graph.quality import select_quality

@@ -13,12 +13,10 @@ from lta_bridge.teensy.port import require_port
 from lta_bridge.teleop.gamepad import require_gamepad
 from lta_bridge.teleop.steering import check_time_mode
 from lta_config.errors import BadInput
-from lta_config.files import find_file
-from lta_config.process_limits import limit_memory
+from lta_config.files import find_file, format_error
+from lta_config.limits import limit_memory
 from lta_config.settings import Settings
-from lta_config.topic_selection import select_topics
-from lta_config.topics import load_topic_table
-from lta_config.validation_errors import format_error
+from lta_config.topics import load_topic_table, select_topics
 from lta_report.results_folder import check_creatable
 from pydantic import ValidationError
 

@@ -14,8 +14,7 @@ from lta_control.strategies import check_route, find_navigation_strategy
 from lta_flight.lamp_frequency import check_lamp_frequency
 from lta_flight.node_checks import check_node, validate_settings
 from lta_graph.launch_plan import LaunchPlan
-from lta_model.scenario import load_scenario
-from lta_model.start_offset import offset_start
+from lta_model.scenario import load_scenario, offset_start
 from lta_model.vehicle import load_vehicle
 from lta_sim import scene_model
 from lta_vlc.settings import DemodulationSettings

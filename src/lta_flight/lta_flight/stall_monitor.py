@@ -4,16 +4,21 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 import time
 from typing import final
 
-from lta_graph.health import ENDS_RUN, HealthFact
-from lta_graph.health_log import HealthLog
-from lta_graph.stall_attribution import find_role, find_stalling_roles, INPUTS
+from lta_graph.health import (
+    ENDS_RUN,
+    find_role,
+    find_stalling_roles,
+    HealthFact,
+    HealthLog,
+    INPUT_TASK,
+)
 
 FLIGHT = 'simulator: flight'  # task with the state of a simulated flight
 PLAYBACK = 'player: playback'  # task with the state of a replay
 GOING = {FLIGHT: 'flying', PLAYBACK: 'playing'}  # their outcomes until they end
 SETTLE = 0.5  # wall seconds; nodes check their inputs at different times
 DISCOVERY = 4.0  # wall seconds to wait instead while some nodes are not discovered yet
-ELSEWHERE = (INPUTS, 'processes')  # tasks whose errors are reported elsewhere
+ELSEWHERE = (INPUT_TASK, 'processes')  # tasks whose errors are reported elsewhere
 START = 8.0  # wall seconds that nodes take to load on a busy machine; report if it takes longer
 
 

@@ -14,7 +14,7 @@ from lta_config.errors import BadInput, unknown_name_error
 INDEX = Path('share/ament_index/resource_index')
 MARKERS = INDEX / 'packages'
 MIDDLEWARES = INDEX / 'rmw_typesupport'
-OURS = 'lta_'
+OUR_PREFIX = 'lta_'
 
 
 def list_prefixes() -> list[Path]:
@@ -32,7 +32,7 @@ def find_package_prefix(package: str) -> Path:
     for prefix in list_prefixes():
         if (prefix / MARKERS / package).is_file():
             return prefix
-    ours = list_resources(MARKERS, OURS)
+    ours = list_resources(MARKERS, OUR_PREFIX)
     # Offer only our packages: a ROS installation has hundreds
     if ours:
         raise unknown_name_error('package', package, ours)

@@ -12,7 +12,7 @@ import threading
 from typing import final
 
 from lta_config.errors import BadInput
-from lta_graph.ament import find_executable, OURS
+from lta_graph.ament import find_executable, OUR_PREFIX
 from lta_graph.launch_plan import LaunchProcess
 
 KEPT_LINES = 20  # last lines of each stream, for error messages
@@ -151,7 +151,7 @@ def spawn_process(
             bufsize=0,
             # Keeps the terminal's Ctrl-C from reaching the node directly
             start_new_session=True,
-            preexec_fn=_bind_to_parent(os.getpid(), process.package.startswith(OURS)),
+            preexec_fn=_bind_to_parent(os.getpid(), process.package.startswith(OUR_PREFIX)),
         )
     except OSError as error:
         raise BadInput(

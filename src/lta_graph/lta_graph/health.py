@@ -1,15 +1,24 @@
-"""Collect the health of a node, one status per task, for /diagnostics; the age of its data."""
+"""
+The health of nodes: one status per task for /diagnostics, the lines it calls for, and its cause.
 
-from collections import deque
-from collections.abc import Mapping
+Each fault and its end deserve a line, but no flapping. When one node dies in lockstep, every node
+downstream waits for the one before it: the culprit is the node that others wait for and that does
+not itself report waiting.
+"""
+
+from collections import Counter, deque
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
 import math
-from typing import Final, final
+import re
+from typing import Final, final, NamedTuple
+
+from lta_config.errors import to_one_line
 
 ENDS_RUN: Final = 'ends_run'  # value in `state`: whether the node's fault ends the others, too
-NEWS: Final = 100  # changes of level that are kept until the next report
-AHEAD: Final = 0.3  # s; a stamp further ahead of our clock means that a clock was changed
+MAX_NEWS: Final = 100  # changes of level that are kept until the next report
+CLOCK_TOLERANCE: Final = 0.3  # s; a stamp further ahead of ours means a changed clock
 
 
 class HealthLevel(IntEnum):
@@ -47,7 +56,7 @@ class Health:
 
     def __init__(self) -> None:
         self._facts: dict[str, HealthFact] = {}
-        self._news: deque[HealthFact] = deque(maxlen=NEWS)
+        self._news: deque[HealthFact] = deque(maxlen=MAX_NEWS)
         self.changed = False
 
     def report(self, task: str, level: HealthLevel, message: str, **values: object) -> None:
@@ -92,4 +101,116 @@ def stamp_age(stamp_ns: int | None, now_ns: int) -> float:
         return math.inf
     # Small negative ages come from the delay between clocks
     passed = 1e-9 * (now_ns - stamp_ns)
-    return passed if passed >= -AHEAD else math.inf
+    return passed if passed >= -CLOCK_TOLERANCE else math.inf
+
+
+NUMBERS = re.compile(r'[0-9.]+')  # numbers, which may differ between reports of one fault
+LOG_WINDOW = 10.0  # wall s in which one status of a task gets two lines, and is then counted
+LINES_PER_STATUS = (
+    2  # the first recurrence gets one, so that a brief fault does not hide a later one
+)
+MAX_STATUSES = 8  # of one task that get lines in a window: messages may quote what others send
+
+
+class HealthLine(NamedTuple):
+    """A line to log, at the level of the fact that it reports."""
+
+    level: HealthLevel
+    text: str
+
+
+@final
+@dataclass(slots=True)
+class TaskLog:
+    """What was logged of one task, by status: level and message without numbers; '' for OK."""
+
+    since: float  # begin of the window [wall s]
+    status: str = ''
+    lines: Counter[str] = field(default_factory=Counter)
+    left_out: int = 0  # changes without a line in this window
+
+    def takes(self, status: str) -> bool:
+        """Count a change to a status, and return whether it gets a line."""
+        self.status = status
+        is_new = status not in self.lines
+        has_line = (
+            len(self.lines) < MAX_STATUSES if is_new else self.lines[status] < LINES_PER_STATUS
+        )
+        if has_line:
+            self.lines[status] += 1
+        else:
+            self.left_out += 1
+        return has_line
+
+
+@final
+class HealthLog:
+    """
+    The lines of some tasks: each change to WARN or ERROR once, and the return to OK.
+
+    A status that comes and goes gets `LINES` lines in a `WINDOW`; its other changes are counted,
+    and one line a window says how many there were.
+    """
+
+    def __init__(self) -> None:
+        self._tasks: dict[str, TaskLog] = {}
+
+    def update(self, facts: Iterable[HealthFact], now: float) -> list[HealthLine]:
+        """Return the lines that facts call for at a time [s], in the order of the facts."""
+        lines = []
+        for fact in facts:
+            status = ''
+            if fact.level > HealthLevel.OK:
+                # The same fault with other numbers is not a new one
+                status = f'{fact.level}: {NUMBERS.sub("#", fact.message)}'
+            task = self._tasks.get(fact.task)
+            if task is None:
+                if not status:
+                    continue  # nothing was ever wrong
+                task = self._tasks[fact.task] = TaskLog(now)
+            again = '' if status else 'OK again, '
+            text = f'{fact.task}: {again}{to_one_line(fact.message)}'
+            if now - task.since > LOG_WINDOW:
+                if task.left_out:
+                    times = f'changed {task.left_out} more times in {now - task.since:.0f} s'
+                    lines.append(HealthLine(fact.level, f'{text} ({times})'))
+                    task.status = status
+                else:
+                    task.lines.clear()
+                    task.lines[task.status] = 1
+                task.since, task.left_out = now, 0
+            if status != task.status and task.takes(status):
+                lines.append(HealthLine(fact.level, text))
+        return lines
+
+
+INPUT_TASK = 'inputs'
+OTHER_ROLES = {'simulator': 'vehicle', 'player': 'vehicle'}  # nodes whose role has another name
+
+
+def find_stalling_roles(facts: Iterable[HealthFact]) -> list[str]:
+    """
+    Return the roles that keep others waiting, in alphabetical order.
+
+    `facts`: the newest facts of all nodes, with tasks named 'NODE: TASK' as on /diagnostics. With
+    several robots the robot's name comes first (`lta2/estimator: inputs`).
+    """
+    # `waiting` are roles that report missing inputs, `suspects` the roles they wait for
+    waiting, suspects = set(), set()
+    for fact in facts:
+        node, _, task = fact.task.partition(': ')
+        if task == INPUT_TASK and fact.level == HealthLevel.ERROR:
+            robot, slash, _ = node.rpartition('/')
+            waiting.add(find_role(node))
+            roles = set(fact.values.get('suspects', '').split(',')) - {''}
+            # An absolute suspect (`/lta2/vehicle`) names its robot; a relative one belongs to the
+            # same robot
+            suspects |= {item[1:] if item[0] == '/' else robot + slash + item for item in roles}
+    # A suspect that waits as well is only a link of the chain
+    return sorted(suspects - waiting)
+
+
+def find_role(node: str) -> str:
+    """Return the role of a node, with the same robot prefix as the node's name."""
+    robot, slash, name = node.rpartition('/')
+    return robot + slash + OTHER_ROLES.get(name, name)

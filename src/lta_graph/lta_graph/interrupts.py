@@ -14,12 +14,12 @@ import sys
 import threading
 from types import FrameType, TracebackType
 
-STOPS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 def catch_stops(stop: Callable[[int, FrameType | None], object]) -> None:
-    """Call `stop` at every signal in STOPS, except SIGHUP under `nohup`, which stays ignored."""
-    for number in STOPS:
+    """Call `stop` at every signal in STOP_SIGNALS; under `nohup`, SIGHUP stays ignored."""
+    for number in STOP_SIGNALS:
         if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:
             signal.signal(number, stop)
 
@@ -47,7 +47,7 @@ def _explain_failed_start(
 ) -> None:
     """Report an error that nothing has caught, as `sys.excepthook`."""
     # Not above: Ctrl-C during that import would come too early to be guarded
-    from lta_config.process_limits import describe_shortage
+    from lta_config.limits import describe_shortage
 
     shortage = describe_shortage(error)
     if shortage is None:
@@ -60,13 +60,13 @@ def _explain_failed_start(
 
 @contextmanager
 def hold_interrupts() -> Iterator[list[int]]:
-    """Record the signals in STOPS instead of acting on them; deliver the first one at the end."""
+    """Record STOP_SIGNALS instead of acting on them; deliver the first one at the end."""
     presses: list[int] = []
 
     def record_signal(number: int, _: FrameType | None) -> None:
         presses.append(number)
 
-    before = {number: signal.getsignal(number) for number in STOPS}
+    before = {number: signal.getsignal(number) for number in STOP_SIGNALS}
     # Signals that are ignored or have the default action stay as they are.
     handlers = {number: handler for number, handler in before.items() if callable(handler)}
     if threading.current_thread() is not threading.main_thread():

@@ -18,8 +18,7 @@ class GraphArguments(Settings):
     record: bool = setting(True, 'Whether to record a bag.')
     bag: str = setting('runs/bag', 'Folder of the bag; it must not exist yet.')
     topics: str = setting(
-        '',
-        'Topics to record, separated by spaces, or all. Empty: those that topics.yaml marks.',
+        '', 'Topics to record, separated by spaces, or all. Empty: those that topics.yaml marks.'
     )
     split_size: float = setting(
         0.0, 'Size in MB at which the next file of the bag begins; 0: never.'
@@ -80,8 +79,7 @@ class FlyArguments(DroneArguments, PacedArguments):
 
     robot: str = setting('lta1', 'Namespace of the drone.')
     source: Literal['sim', 'replay', 'crazyflie'] = setting(
-        'sim',
-        'Where the vehicle comes from: the simulator, a recording or a real Crazyflie.',
+        'sim', 'Where the vehicle comes from: the simulator, a recording or a real Crazyflie.'
     )
     uri: str = setting(
         'radio://0/80/2M/E7E7E7E7E7', 'With source:=crazyflie, its URI: radio, usb or udp.'

@@ -2,15 +2,21 @@
 Start the processes of a launch plan, monitor them and stop them all.
 
 A thread reads their output and detects exits; events are queued for the caller. Every process
-leads its own session, so Ctrl-C reaches only the launcher, which then stops the others. If the
-launcher is killed, the kernel sends SIGINT to its processes, and a guard kills those that ignore
-it.
+leads its own session, so Ctrl-C reaches only the launcher, which then stops the others.
+
+If the launcher is killed, the kernel sends SIGINT to its processes, but one that ignores it or
+hangs would remain. The guard is a small shell that knows the process groups. A closed pipe shows
+that the launcher is gone; then the guard waits for the grace time and kills what is left.
 """
 
 from collections import deque
+from collections.abc import Callable
 from contextlib import suppress
-from queue import Empty
+import os
+from queue import Empty, SimpleQueue
+import selectors
 import signal
+import subprocess
 import threading
 import time
 from typing import final, Self
@@ -24,13 +30,160 @@ from lta_graph.child_process import (
 )
 from lta_graph.interrupts import hold_interrupts
 from lta_graph.launch_plan import LaunchPlan, LaunchProcess
-from lta_graph.process_watch import OnLine, ProcessWatch
-from lta_graph.watchdog import ProcessGuard
 
-GRACE = 8.0  # seconds from SIGINT to SIGTERM: the recorder must close its bag
+# `read` fails once the launcher's end of the pipe is closed. `turns` are tenths of a second
+GUARD_SCRIPT = """
+trap '' INT TERM HUP
+groups=
+while read -r group; do groups="$groups $group"; done
+turns=$1
+while [ "$turns" -gt 0 ]; do
+  alive=
+  for group in $groups; do kill -0 "-$group" && alive=yes; done
+  [ "$alive" ] || exit 0
+  sleep 0.1
+  turns=$((turns - 1))
+done
+for group in $groups; do kill -9 "-$group"; done
+"""
+
+
+@final
+class ProcessGuard:
+    """
+    A guard over the processes of one launcher.
+
+    `grace`: time between the death of the launcher and SIGKILL to its processes [s].
+    """
+
+    def __init__(self, grace: float) -> None:
+        self._popen = subprocess.Popen(
+            # A shell starts faster and needs less memory than Python
+            ['/bin/sh', '-c', GUARD_SCRIPT, 'sh', str(round(10 * grace))],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            # A signal to the launcher's group must not reach the guard
+            start_new_session=True,
+        )
+
+    def add_group(self, group: int) -> None:
+        """Add a process group to the guarded ones."""
+        assert self._popen.stdin is not None
+        # The guard may have been killed; the launcher works without it
+        with suppress(BrokenPipeError):
+            self._popen.stdin.write(f'{group}\n'.encode())
+            self._popen.stdin.flush()
+
+    def dismiss(self) -> None:
+        """End the guard once every process has ended."""
+        # SIGKILL, because the script ignores the other signals
+        self._popen.kill()
+        with suppress(BrokenPipeError):
+            self._popen.communicate()
+
+
+CHECK_PERIOD = 0.05  # seconds between checks of silent processes
+PIPE_CHUNK = 65536  # bytes read at once; a longer line is cut
+LAST_CHUNKS = 16  # chunks read after an exit: 1 MiB, the largest pipe buffer
+OnLine = Callable[[str, str], None]
+
+
+@final
+class ProcessWatch(threading.Thread):
+    """
+    Watch processes until all have ended.
+
+    `children`: the processes; this thread owns their pipes. `on_line`: called in this thread with
+    the label of a process and each line of its output. `stopping`: set when the launcher stops its
+    processes.
+    """
+
+    def __init__(
+        self, children: list[ChildProcess], on_line: OnLine, stopping: threading.Event
+    ) -> None:
+        super().__init__(name='watch', daemon=True)
+        self.events: SimpleQueue[ProcessExit] = SimpleQueue()
+        self.fault: Exception | None = None
+        self._living = list(children)
+        self._on_line = on_line
+        self._stopping = stopping
+        self._selector = selectors.DefaultSelector()
+        self._partial: dict[int, bytes] = {}
+        for child in children:
+            for stream in ('stdout', 'stderr'):
+                pipe = getattr(child.popen, stream)
+                # A grandchild may hold the pipe open, so a read must never block the thread
+                os.set_blocking(pipe.fileno(), False)
+                self._partial[pipe.fileno()] = b''
+                self._selector.register(pipe, selectors.EVENT_READ, (child, stream))
+
+    def run(self) -> None:
+        """Read output until the last process has ended."""
+        while self._living:
+            for key, _ in self._selector.select(CHECK_PERIOD):
+                self._read_chunk(key)
+            for child in [item for item in self._living if item.has_exited()]:
+                self._finish_process(child)
+        self._selector.close()
+
+    def _read_chunk(self, key: selectors.SelectorKey) -> bool:
+        """Read a chunk from a pipe; return False if there was none."""
+        try:
+            chunk = os.read(key.fd, PIPE_CHUNK)
+        except BlockingIOError:
+            return False
+        if not chunk:
+            self._close_pipe(key)
+            return False
+        # The last piece has no newline yet and waits for the next chunk
+        *lines, rest = (self._partial[key.fd] + chunk).split(b'\n')
+        # Bounds the memory if a process never prints a newline
+        if len(rest) > PIPE_CHUNK:
+            lines, rest = [*lines, rest], b''
+        self._partial[key.fd] = rest
+        for line in lines:
+            self._forward_line(key, line)
+        return True
+
+    def _forward_line(self, key: selectors.SelectorKey, line: bytes) -> None:
+        child, stream = key.data
+        text = line.decode(errors='replace').rstrip('\r')
+        child.kept[stream].append(text)
+        # After a fault keep draining the pipes, so that processes do not block on a full one
+        if self.fault is None:
+            try:
+                self._on_line(child.name, text)
+            except Exception as error:
+                self.fault = error  # reraised in `Launcher.poll`
+
+    def _close_pipe(self, key: selectors.SelectorKey) -> None:
+        if self._partial[key.fd]:
+            self._forward_line(key, self._partial[key.fd])
+        self._selector.unregister(key.fileobj)
+        key.fileobj.close()  # type: ignore[union-attr]
+
+    def _finish_process(self, child: ChildProcess) -> None:
+        """Reap an ended process, read its remaining output and queue its exit."""
+        # Read before reaping: a stop that begins meanwhile is not the cause of this exit
+        stopped = self._stopping.is_set()
+        child.reap()
+        keys = [key for key in self._selector.get_map().values() if key.data[0] is child]
+        for key in keys:
+            # Bounded, because a surviving grandchild could print without end
+            for _ in range(LAST_CHUNKS):
+                if not self._read_chunk(key):
+                    break
+            if not key.fileobj.closed:  # type: ignore[union-attr]
+                self._close_pipe(key)
+        self._living.remove(child)
+        self.events.put(child.build_exit_record(stopped))
+
+
+STOP_GRACE = 8.0  # seconds from SIGINT to SIGTERM: the recorder must close its bag
 TERM_GRACE = 2.0  # seconds from SIGTERM to SIGKILL
 GROUP_PATIENCE = 1.0  # seconds; without an init that reaps orphans (containers) groups never empty
-PERIOD = 0.02  # seconds between checks while stopping
+STOP_POLL = 0.02  # seconds between checks while stopping
 
 
 @final
@@ -60,7 +213,7 @@ class Launcher:
         plan: LaunchPlan,
         on_line: OnLine,
         *,
-        grace: float = GRACE,
+        grace: float = STOP_GRACE,
     ) -> None:
         self.ended: list[ProcessExit] = []
         self._plan = plan
@@ -189,7 +342,7 @@ class Launcher:
                         _, number = signals.popleft()
                         child.send_signal(number)
                         since[child] = now
-                time.sleep(PERIOD)
+                time.sleep(STOP_POLL)
             self._reap_processes()
 
     def _list_stop_signals(self, child: ChildProcess) -> list[tuple[float, signal.Signals]]:
@@ -217,7 +370,7 @@ class Launcher:
             any(child.has_group_members() for child in self._children)
             and time.monotonic() < deadline
         ):
-            time.sleep(PERIOD)
+            time.sleep(STOP_POLL)
         if self._guard is not None:
             self._guard.dismiss()
             self._guard = None

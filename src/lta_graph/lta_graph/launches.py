@@ -16,14 +16,13 @@ from lta_graph.launch_arguments import (
     FlyArguments,
     PacedArguments,
 )
-from lta_graph.launch_plan import LaunchProcess, Parameter
-from lta_graph.launch_table import Launch
+from lta_graph.launch_plan import Launch, LaunchProcess, Parameter
 from pydantic import create_model
 
 LANDING_GRACE = 23.0  # s from SIGINT to SIGTERM: a real drone lands first, which is recorded
 VIEWER_GRACE = 1.0  # s from SIGINT to SIGTERM: nothing is lost with a live view
 EMULATION_PATIENCE = 60.0  # s that a bridge waits for the emulated hardware, which loads a model
-SPACING = 2.0  # m between the starts of two drones of a fleet
+FLEET_SPACING = 2.0  # m between the starts of two drones of a fleet
 # Arguments that each drone of a fleet has for itself
 PER_DRONE = ('robot', 'vehicle', 'gains', 'strategy', 'seed', 'offset_x', 'offset_y', 'live_port')
 
@@ -234,7 +233,7 @@ def build_fleet(name: str, count: int) -> Launch:
         defaults = {
             'robot': f'lta{k + 1}',
             'seed': first.seed + k,
-            'offset_y': first.offset_y - SPACING * k,
+            'offset_y': first.offset_y - FLEET_SPACING * k,
             'live_port': first.live_port + k,
         }
         for each in PER_DRONE:

@@ -8,29 +8,31 @@ from lta_graph.health import HealthFact, HealthLevel
 OWN_PROFILE: Final = 'this_machine.xml'  # of config/fastdds: sockets on 127.0.0.1 alone
 # As rmw reads them (docs.ros.org, "Improved Dynamic Discovery"): the first comes before the others
 LOCALHOST_ONLY: Final = 'ROS_LOCALHOST_ONLY'
-PEERS: Final = 'ROS_STATIC_PEERS'
-RANGE: Final = 'ROS_AUTOMATIC_DISCOVERY_RANGE'
-PROFILE: Final = 'FASTRTPS_DEFAULT_PROFILES_FILE'
-TASK: Final = 'network'
+PEERS_VARIABLE: Final = 'ROS_STATIC_PEERS'
+RANGE_VARIABLE: Final = 'ROS_AUTOMATIC_DISCOVERY_RANGE'
+PROFILE_VARIABLE: Final = 'FASTRTPS_DEFAULT_PROFILES_FILE'
+NETWORK_TASK: Final = 'network'
 
 
 def describe_reach(environment: Mapping[str, str]) -> HealthFact:
     """Return who can command the drone, as health; `environment`: the variables of a node."""
     cause = _find_opening(environment)
     if not cause:
-        return HealthFact(TASK, HealthLevel.OK, 'only programs on this computer reach the graph')
+        return HealthFact(
+            NETWORK_TASK, HealthLevel.OK, 'only programs on this computer reach the graph'
+        )
     words = f'anyone on the network can command the drone ({cause}); see docs/security.md'
-    return HealthFact(TASK, HealthLevel.WARN, words)
+    return HealthFact(NETWORK_TASK, HealthLevel.WARN, words)
 
 
 def _find_opening(environment: Mapping[str, str]) -> str:
     """Return the setting that opens the graph; empty if none does."""
     if environment.get(LOCALHOST_ONLY) == '1':
         return ''
-    if peers := environment.get(PEERS):
-        return f'{PEERS}={peers}'
-    scope = environment.get(RANGE) or 'SUBNET'  # the default of ROS 2
-    own = environment.get(PROFILE, '').endswith(OWN_PROFILE)
+    if peers := environment.get(PEERS_VARIABLE):
+        return f'{PEERS_VARIABLE}={peers}'
+    scope = environment.get(RANGE_VARIABLE) or 'SUBNET'  # the default of ROS 2
+    own = environment.get(PROFILE_VARIABLE, '').endswith(OWN_PROFILE)
     if scope == 'SUBNET' or (scope == 'SYSTEM_DEFAULT' and not own):
-        return f'{RANGE}={scope}'
+        return f'{RANGE_VARIABLE}={scope}'
     return ''

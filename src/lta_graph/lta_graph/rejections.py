@@ -4,7 +4,7 @@ from typing import Final, final
 
 from lta_graph.health import HealthFact, HealthLevel
 
-LONGEST: Final = 200  # characters of a reason, whose length the faulty sender controls
+LONGEST_REASON: Final = 200  # characters of a reason, whose length the faulty sender controls
 
 
 @final
@@ -23,7 +23,7 @@ class RejectionCount:
     def add(self, why: str) -> None:
         """Count one invalid input."""
         self.count += 1
-        self.why = why if len(why) <= LONGEST else f'{why[:LONGEST]} ...'
+        self.why = why if len(why) <= LONGEST_REASON else f'{why[:LONGEST_REASON]} ...'
 
     def build_fact(self, task: str, fine: str = 'all valid') -> HealthFact:
         """Return the count as the fact of a task, with the message `fine` if it is 0."""

@@ -5,17 +5,19 @@ All text passes here: control characters of foreign names are replaced, characte
 encoding lacks become '?', and output is dropped once its reader is gone, as in `lta fly | head`.
 """
 
+import atexit
+from contextlib import suppress
 import errno
 import io
+import os
 import sys
-from typing import final, TextIO, TYPE_CHECKING
+from typing import final, NoReturn, TextIO, TYPE_CHECKING
 
 from lta_config.errors import strip_control_codes
 
 if TYPE_CHECKING:
     from _typeshed import ReadableBuffer
-
-GONE = (errno.EPIPE, errno.EIO)  # the reader of a pipe left; a terminal was closed
+READER_GONE = (errno.EPIPE, errno.EIO)  # the reader of a pipe left; a terminal was closed
 
 
 @final
@@ -27,7 +29,7 @@ class BrokenPipeFile(io.FileIO):
         try:
             return super().write(data)
         except OSError as error:
-            if error.errno not in GONE:
+            if error.errno not in READER_GONE:
                 raise
             # Report all bytes as written, so that the buffer is emptied
             return len(memoryview(data))
@@ -65,3 +67,22 @@ def wrap_stream(stream: TextIO) -> TerminalStream:
     # Do not close the descriptor: the original stream still owns it
     file = BrokenPipeFile(stream.fileno(), 'w', closefd=False)
     return TerminalStream(io.BufferedWriter(file), stream.encoding)
+
+
+def exit_process(status: int) -> NoReturn:
+    """
+    Run the exit handlers, flush the standard streams and exit immediately.
+
+    Modules and compiled code are not torn down: that takes up to a second per node, and the kernel
+    frees them anyway. Threads are not joined; join them before. Under a profiler or a debugger the
+    process exits normally.
+    """
+    # `__spec__` is set when Python was started with -m, as profilers and debuggers are
+    if sys.modules['__main__'].__spec__ is not None:
+        sys.exit(status)
+    # os._exit runs neither these handlers nor the flush of the streams
+    atexit._run_exitfuncs()
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(OSError, ValueError):  # the reader has closed the pipe
+            stream.flush()
+    os._exit(status)

@@ -6,7 +6,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-LOCKED = 1e-7  # rad from straight up or down: only the sum or difference of yaw and roll is known
+GIMBAL_LOCK = (
+    1e-7  # rad from straight up or down: only the sum or difference of yaw and roll is known
+)
 # numpy's own arctan2 differs in the last bit from processor to processor
 _atan2 = np.frompyfunc(math.atan2, 2, 1)
 
@@ -36,7 +38,7 @@ def to_euler_angles(quaternions: ArrayLike) -> EulerAngles:
     half_sum = _atan2(x + z, w - y).astype(np.float64)
     half_difference = _atan2(z - x, w + y).astype(np.float64)
     from_top = 2.0 * _atan2(np.hypot(y + w, z - x), np.hypot(w - y, x + z)).astype(np.float64)
-    up, down = from_top <= LOCKED, np.abs(from_top - np.pi) <= LOCKED
+    up, down = from_top <= GIMBAL_LOCK, np.abs(from_top - np.pi) <= GIMBAL_LOCK
     yaw = np.where(up, 2.0 * half_sum, half_sum + half_difference)
     yaw = np.where(down, 2.0 * half_difference, yaw)
     roll = np.where(up | down, 0.0, half_sum - half_difference)

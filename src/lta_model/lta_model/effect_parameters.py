@@ -1,7 +1,23 @@
-"""Collect a vehicle's effects: those derived from its file, and those that it switches on."""
+"""
+Compute the strips of `strip_damping` from the boxes of a vehicle's frame and panels.
+
+A slim box is one strip along its longest side. A box whose second side is more than half of the
+longest is two strips, at the two Gauss points across it (b / sqrt(12) either side of the middle),
+each with half of the drag, so a panel is also damped about its long axis. The third side only adds
+area.
+
+    D_x = rho C_D (size_y size_z) / 2,   and so on
+
+C_D is 1.17 for a square plate across the flow, 1.98 for a long one (Aeronautical Engineer's Data
+Book, figure 5.13(b)). For a box drawn around an open frame, reduce C_D by the solid share.
+
+Collect a vehicle's effects: those derived from its file, and those that it switches on.
+"""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 import math
+from typing import final
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.errors import BadInput
@@ -9,15 +25,69 @@ from lta_config.quantity import describe_misfit, Quantity, UNSOURCED
 from lta_config.schema.vehicle_body import MovingMassBlock, PartBlock
 from lta_config.schema.vehicle_file import VehicleFile
 from lta_model import effects, propulsion
-from lta_model.effects.law import EFFECT as LAW
-from lta_model.effects.law import list_law_parameters
-from lta_model.effects.protocol import AXES
-from lta_model.stiffness import RK4_LIMIT
-from lta_model.strip_geometry import build_strips, DragBox
+from lta_model.effects.drag import STRIP_DAMPING, STRIPS
+from lta_model.effects.law import LAW, list_law_parameters
+from lta_model.effects.protocol import AXES, Vector
+from lta_model.model import RK4_LIMIT
+
+# Drag coefficient; same source as in the module docstring
+SQUARE_PLATE = 1.17
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class DragBox:
+    """A part in the flow, its sides along the body axes."""
+
+    # Centre from the hull centre, and full lengths of the sides, body frame [m]
+    place: Vector
+    size: Vector
+    coefficient: float = SQUARE_PLATE  # drag coefficient on the area of each side [1]
+
+
+def _split_box(box: DragBox, density: float) -> list[tuple[float, ...]]:
+    """Return the strips of a box, each in the order of the parameters of a strip."""
+    x, y, z = box.size
+    short, across, along = sorted(range(3), key=lambda axis: box.size[axis])
+    del short
+    wide = box.size[across] > 0.5 * box.size[along]
+    # Gauss points of a uniform width: the same second moment of area
+    offset = box.size[across] / math.sqrt(12.0)
+    half = [0.0, 0.0, 0.0]
+    half[along] = 0.5 * box.size[along]
+    sides = (-1.0, 1.0) if wide else (0.0,)
+    scale = 0.5 * density * box.coefficient / len(sides)
+    strips = []
+    for side in sides:
+        centre = list(box.place)
+        centre[across] += side * offset
+        strips.append((*centre, *half, scale * y * z, scale * x * z, scale * x * y))
+    return strips
+
+
+def build_strips(boxes: Sequence[DragBox], density: float) -> dict[str, float]:
+    """
+    Return all parameters of `strip_damping` for boxes (not the hull), unused strips at zero.
+
+    Raise `BadInput` if they need more strips than the effect has.
+    """
+    strips = [strip for box in boxes for strip in _split_box(box, density)]
+    if len(strips) > STRIPS:
+        raise BadInput(
+            f'The {len(boxes)} parts with drag need {len(strips)} strips for their rotational '
+            f'damping (a wide part needs two), but the model has only {STRIPS}; in the vehicle '
+            'file, remove drag from some parts, or combine several into one box.'
+        )
+    # The first parameter is `translation`, 0
+    numbers = [0.0, *(number for strip in strips for number in strip)]
+    # Unused strips
+    numbers += [0.0] * (len(STRIP_DAMPING.parameters) - len(numbers))
+    names = (parameter.name for parameter in STRIP_DAMPING.parameters)
+    return dict(zip(names, numbers, strict=True))
+
 
 Effects = dict[str, dict[str, float]]
-Vector = tuple[float, ...]
-
+Numbers = tuple[float, ...]
 # Effects with a lag, and the parameter with its time constant.
 TIME_CONSTANTS = (
     ('motors', 'motor_lag', 'up'),
@@ -25,9 +95,9 @@ TIME_CONSTANTS = (
     ('a moving mass', 'moving_mass', 'lag'),
 )
 # Hulls round seen from above or from anywhere: drag per axis needs the correction `cross_flow`.
-ROUND = {'balloon': {'horizontal': 1.0}, 'sphere': {'horizontal': 1.0, 'total': 1.0}}
+ROUND_HULLS = {'balloon': {'horizontal': 1.0}, 'sphere': {'horizontal': 1.0, 'total': 1.0}}
 # Parameters of such an effect that a file may still set: the measured roundness.
-SHARES = {'cross_flow': ('horizontal', 'total')}
+SETTABLE_SHARES = {'cross_flow': ('horizontal', 'total')}
 # Effects that convert duties to newtons instead of the thrust curve.
 OTHER_CURVES = ('thrust_polynomial',)
 
@@ -35,7 +105,7 @@ OTHER_CURVES = ('thrust_polynomial',)
 def collect_effects(
     file: VehicleFile,
     rotors: tuple[propulsion.RotorModel, ...],
-    added_mass: Vector,
+    added_mass: Numbers,
     air_density: float,
 ) -> Effects:
     """
@@ -54,14 +124,14 @@ def collect_effects(
                 'parameters; write it as the block law of the vehicle file.'
             )
         # A second value for a derived parameter would contradict the blocks that it follows from
-        if name in derived and set(values) - set(SHARES.get(name, ())):
+        if name in derived and set(values) - set(SETTABLE_SHARES.get(name, ())):
             raise BadInput(
                 f'The parameters of the effect {name} in {file.name} are computed from the '
                 'blocks hull, parts, rotors or aero of this vehicle file; remove them from its '
                 'block effects, and change those blocks instead.'
             )
     own = {name: _check_parameters(name, values) for name, values in file.effects.items()}
-    # Own values win only where `SHARES` allows them
+    # Own values win only where `SETTABLE_SHARES` allows them
     return derived | {name: derived.get(name, {}) | values for name, values in own.items()}
 
 
@@ -80,7 +150,7 @@ def check_step(name: str, parameters: Effects, step: float) -> None:
 def _derive_effects(
     file: VehicleFile,
     rotors: tuple[propulsion.RotorModel, ...],
-    added_mass: Vector,
+    added_mass: Numbers,
     air_density: float,
 ) -> Effects:
     linear, quadratic = file.aero.linear_drag, file.aero.quadratic_drag
@@ -102,7 +172,7 @@ def _derive_effects(
         },
     }
     # Without drag there is nothing to correct for oblique flow
-    if any(forces) and (round_ := ROUND.get(file.hull.shape)):
+    if any(forces) and (round_ := ROUND_HULLS.get(file.hull.shape)):
         derived['cross_flow'] = round_ | _zip_names_values(AXES[:3], forces)
     # A second curve would take newtons for duties
     if not any(name in file.effects for name in OTHER_CURVES):
@@ -125,7 +195,7 @@ def _derive_effects(
     return derived
 
 
-def parts_drag(file: VehicleFile, air_density: float) -> Vector:
+def parts_drag(file: VehicleFile, air_density: float) -> Numbers:
     """
     Return D = rho Cd A / 2 along x, y, z of the parts that are not in the aero block.
 
@@ -156,7 +226,7 @@ def _moving_mass_parameters(moving: MovingMassBlock) -> dict[str, float]:
     return parameters | {'mass': moving.mass.si, 'lag': moving.time_constant.si}
 
 
-def _zip_names_values(names: Sequence[str], values: Vector) -> dict[str, float]:
+def _zip_names_values(names: Sequence[str], values: Numbers) -> dict[str, float]:
     return dict(zip(names, values, strict=True))
 
 

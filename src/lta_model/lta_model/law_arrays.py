@@ -8,14 +8,14 @@ from collections.abc import Iterable, Mapping
 from typing import Final
 
 from lta_config.schema.vehicle_law import AXES, HIDDEN, HIDDEN_RATE, Law, LawFactor, PERIOD
-from lta_model.effects.law import LARGEST
+from lta_model.effects.law import LARGEST_EXPONENT
 from lta_model.effects.protocol import AXES as BODY
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Columns = Mapping[str, Array]
-OWN: Final = (HIDDEN, HIDDEN_RATE)
+HIDDEN_QUANTITIES: Final = (HIDDEN, HIDDEN_RATE)
 
 
 def evaluate_factor(factor: LawFactor, x: Array) -> Array:
@@ -33,7 +33,7 @@ def evaluate_factor(factor: LawFactor, x: Array) -> Array:
         case 'sign':
             return np.tanh(x / (factor.scale or 1.0))
         case 'decay':
-            return np.exp(np.minimum(-x / (factor.scale or 1.0), LARGEST))
+            return np.exp(np.minimum(-x / (factor.scale or 1.0), LARGEST_EXPONENT))
         case 'sin' | 'cos':
             angle = 2.0 * np.pi * x / (factor.scale or PERIOD) - (factor.phase or 0.0)
             return np.sin(angle) if factor.form == 'sin' else np.cos(angle)
@@ -79,7 +79,7 @@ def _create_ones(columns: Columns) -> Array:
 
 def evaluate_drive_fade(law: Law, columns: Columns) -> Array:
     """Return the fade of the hidden state's drive: its own range does not count."""
-    ranges = {name: ends for name, ends in law.region.items() if name not in OWN}
+    ranges = {name: ends for name, ends in law.region.items() if name not in HIDDEN_QUANTITIES}
     return evaluate_fade(law.model_copy(update={'region': ranges}), columns)
 
 

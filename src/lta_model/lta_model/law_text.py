@@ -16,7 +16,7 @@ from lta_config.schema.vehicle_law import (
     quantity_unit,
 )
 
-WORDS: Final[Mapping[str, str]] = {
+QUANTITY_WORDS: Final[Mapping[str, str]] = {
     'u': 'forward airspeed',
     'v': 'sideways airspeed',
     'w': 'upward airspeed',
@@ -146,7 +146,7 @@ def describe_term(term: LawTerm) -> str:
         if one.degree and one.quantity not in (HIDDEN, HIDDEN_RATE)
     )
     words = ' times '.join(
-        WORDS.get(one.quantity, one.quantity.replace('_', ' '))
+        QUANTITY_WORDS.get(one.quantity, one.quantity.replace('_', ' '))
         if one.form == 'linear'
         else format_factor(one)
         for one in term.factors

@@ -28,7 +28,7 @@ from lta_model.vehicle import Vehicle
 import numpy as np
 from scipy.optimize import linprog
 
-AXES = (0, 1, 2, 5)  # surge, sway, heave and yaw of a column
+LEVEL_AXES = (0, 1, 2, 5)  # surge, sway, heave and yaw of a column
 
 
 def level_force(vehicle: Vehicle, heading: float = 0.0) -> float:
@@ -41,11 +41,11 @@ def level_force(vehicle: Vehicle, heading: float = 0.0) -> float:
     """
     columns, tops = [], []
     for rotor in vehicle.rotors:
-        columns.append([rotor.column[axis] for axis in AXES])
+        columns.append([rotor.column[axis] for axis in LEVEL_AXES])
         tops.append(rotor.full_thrust)
     # Reversed thrust as further non-negative unknowns
     for rotor in vehicle.rotors:
-        columns.append([-rotor.reverse[axis] for axis in AXES])
+        columns.append([-rotor.reverse[axis] for axis in LEVEL_AXES])
         tops.append(rotor.full_thrust if rotor.reversible else 0.0)
     together, below = _jet_constraints(vehicle)
     wrench = np.array([*columns, together]).T
@@ -76,7 +76,7 @@ def _jet_constraints(vehicle: Vehicle) -> tuple[list[float], np.ndarray]:
     coupling = vehicle.file.aero.coupling
     count = len(vehicle.rotors)
     if coupling is None:
-        return [0.0] * len(AXES), np.zeros((0, 2 * count + 1))
+        return [0.0] * len(LEVEL_AXES), np.zeros((0, 2 * count + 1))
     rows = []
     for i, rotor in enumerate(vehicle.rotors):
         if rotor.name in coupling.rotors:
@@ -85,7 +85,7 @@ def _jet_constraints(vehicle: Vehicle) -> tuple[list[float], np.ndarray]:
             row[i + (count if coupling.reversed else 0)], row[-1] = -1.0, 1.0
             rows.append(row)
     numbers = coupling.force.vector + coupling.moment.vector
-    return [numbers[axis] for axis in AXES], np.array(rows)
+    return [numbers[axis] for axis in LEVEL_AXES], np.array(rows)
 
 
 def steady_speed(force: float, linear: float, quadratic: float) -> float:

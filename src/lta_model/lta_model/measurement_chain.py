@@ -1,5 +1,5 @@
 """
-Apply a vehicle's measurement effects to the true values of sensors, tracker and clocks.
+What stands between a true value and a reading: measurement effects, and rounding to counts.
 
 The effects of a channel act on the true value in registry order; noise, quantisation and limits
 of the sensor come after them. An effect at its null values is not called, so that a vehicle
@@ -13,6 +13,13 @@ from lta_model.effects.protocol import CHANNELS, Effect, MeasurementEffect, Valu
 Reading = Callable[[Values, Values, float], Values]
 # The readings of a channel in their order, each with its parameters.
 Chain = tuple[tuple[Reading, Values], ...]
+# Adding and subtracting it rounds a number below 2^51 to an integer, halves to even
+ROUNDING_OFFSET = 6755399441055744.0
+
+
+def round_to_step(value: float, step: float) -> float:
+    """Round to the nearest multiple of a step, halves to even; compiles."""
+    return ((value / step + ROUNDING_OFFSET) - ROUNDING_OFFSET) * step
 
 
 def build_chains(

@@ -47,10 +47,16 @@ def rotation_matrix(q: Quaternion) -> Matrix3:
     # Normalises the quaternion, which drifts during integration
     s = 2.0 / (x * x + y * y + z * z + w * w)
     return (
-        1.0 - s * (y * y + z * z), s * (x * y - z * w), s * (x * z + y * w),
-        s * (x * y + z * w), 1.0 - s * (x * x + z * z), s * (y * z - x * w),
-        s * (x * z - y * w), s * (y * z + x * w), 1.0 - s * (x * x + y * y),
-    )  # fmt: skip
+        1.0 - s * (y * y + z * z),
+        s * (x * y - z * w),
+        s * (x * z + y * w),
+        s * (x * y + z * w),
+        1.0 - s * (x * x + z * z),
+        s * (y * z - x * w),
+        s * (x * z - y * w),
+        s * (y * z + x * w),
+        1.0 - s * (x * x + y * y),
+    )
 
 
 def to_map(r: Matrix3, v: Vector) -> Vector:
@@ -162,9 +168,13 @@ def multiply_row(inverse: Sequence[float], i: int, rate: Wrench) -> float:
     """Return row i of the inverse mass matrix (36 numbers, row by row) times a 6-tuple."""
     k = 6 * i
     return (
-        inverse[k] * rate[0] + inverse[k + 1] * rate[1] + inverse[k + 2] * rate[2]
-        + inverse[k + 3] * rate[3] + inverse[k + 4] * rate[4] + inverse[k + 5] * rate[5]
-    )  # fmt: skip
+        inverse[k] * rate[0]
+        + inverse[k + 1] * rate[1]
+        + inverse[k + 2] * rate[2]
+        + inverse[k + 3] * rate[3]
+        + inverse[k + 4] * rate[4]
+        + inverse[k + 5] * rate[5]
+    )
 
 
 def body_acceleration(
@@ -179,10 +189,13 @@ def body_acceleration(
     """
     rate = momentum_rate(wrench, m, flow)
     return (
-        multiply_row(inverse, 0, rate), multiply_row(inverse, 1, rate),
-        multiply_row(inverse, 2, rate), multiply_row(inverse, 3, rate),
-        multiply_row(inverse, 4, rate), multiply_row(inverse, 5, rate),
-    )  # fmt: skip
+        multiply_row(inverse, 0, rate),
+        multiply_row(inverse, 1, rate),
+        multiply_row(inverse, 2, rate),
+        multiply_row(inverse, 3, rate),
+        multiply_row(inverse, 4, rate),
+        multiply_row(inverse, 5, rate),
+    )
 
 
 # Functions that the kernel consists of, besides the effects.

@@ -9,14 +9,21 @@ Map frame: origin on the floor at the centre of the room, ENU, z up.
 from collections.abc import Mapping
 import math
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, NamedTuple, Self
 
 from lta_config.course import Course
-from lta_config.files import find_file, load_yaml, StrictModel, validate_content
+from lta_config.errors import BadInput
+from lta_config.files import (
+    find_file,
+    load_yaml,
+    Name,
+    SchemaVersion,
+    StrictModel,
+    validate_content,
+)
 from lta_config.quantity import Quantity, si_quantity
 from lta_model.light.field import LightField
 from lta_model.scenario_air import ScenarioAir
-from lta_model.scenario_faults import SupplyFaults
 from lta_model.scenario_light import (
     AmbientScene,
     DaylightScene,
@@ -24,11 +31,50 @@ from lta_model.scenario_light import (
     OutsideScene,
     RoomShape,
 )
-from pydantic import AliasChoices, Field, model_validator
+from pydantic import Field, model_validator, ValidationError
+
+When = Annotated[Quantity, si_quantity('s', low=0.0, high=86400.0)]
+
+
+class FaultTimes(NamedTuple):
+    """`SupplyFaults` as numbers, for compiled code: times after the start, inf for never. [s]"""
+
+    panel_short: float
+    brown_out: float
+
+
+class SupplyFaults(StrictModel):
+    """
+    Faults of the supply, each from a time after the start on.
+
+    `panel_short`: the array is shorted and gives current without voltage. `brown_out`: the supply
+    fails once, and recovers when light has charged the cell a little.
+    """
+
+    panel_short: When | None = None
+    brown_out: When | None = None
+
+    @property
+    def times(self) -> FaultTimes:
+        """The times of the faults."""
+        return FaultTimes(
+            math.inf if self.panel_short is None else self.panel_short.si,
+            math.inf if self.brown_out is None else self.brown_out.si,
+        )
+
+
+def is_shorted(faults: FaultTimes, elapsed: float) -> bool:
+    """Return whether the array is shorted at a time after the start. [s]"""
+    return elapsed >= faults.panel_short
+
+
+def is_cut_off(faults: FaultTimes, before: float, elapsed: float) -> bool:
+    """Return whether the supply is cut off between two times after the start. [s]"""
+    return before <= faults.brown_out < elapsed
+
 
 Fraction = Annotated[Quantity, si_quantity('1', low=0.0, high=1.0)]
-Name = Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
-NOT_HELD = Quantity(value=0.0, unit='s')
+NO_HOLD = Quantity(value=0.0, unit='s')
 # Scenes with one lamp are flown up to 0.5 m below it, and altitude is held to 0.1 m; half a hull
 # of 1 m on top makes 1 m. Scenes that are flown higher above their lamps say so.
 VERTICAL_TOLERANCE = Quantity(value=1.0, unit='m')
@@ -41,7 +87,7 @@ class ScenarioStart(StrictModel):
     heading: Annotated[Quantity, si_quantity('rad')]
     heading_spread: Annotated[Quantity, si_quantity('rad', low=0.0, high=math.pi)]
     charge: Fraction
-    held: Annotated[Quantity, si_quantity('s', low=0.0, high=3600.0)] = NOT_HELD
+    held: Annotated[Quantity, si_quantity('s', low=0.0, high=3600.0)] = NO_HOLD
 
 
 class ScenarioGoal(StrictModel):
@@ -65,8 +111,8 @@ class Scenario(StrictModel):
     its lamps in turn, by name.
     """
 
-    schema_version: Annotated[Literal[1], Field(validation_alias=AliasChoices('schema'))]
-    name: Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$')]
+    schema_version: SchemaVersion
+    name: Name
     about: str
     room: RoomShape
     air: ScenarioAir
@@ -230,3 +276,40 @@ def resolve_wind_file(content: Any, folder: Path) -> Any:  # noqa: ANN401 - what
         return content
     place = str((folder / wind_file).absolute())
     return {**content, 'air': {**content['air'], 'recorded': place}}
+
+
+LARGEST_OFFSET = 1000.0  # m; no scene is larger
+
+
+def offset_start(scenario: Scenario, x: float, y: float) -> Scenario:
+    """
+    Return a scenario with the start moved; the same object for a zero offset.
+
+    Raise `BadInput` if the drone would start outside of the room or within its goal.
+    """
+    if x == 0.0 and y == 0.0:
+        return scenario
+    if not (abs(x) <= LARGEST_OFFSET and abs(y) <= LARGEST_OFFSET):  # false for NaN too
+        raise BadInput(
+            f'The start offset is {x:g}, {y:g} m; give an offset_x and an offset_y from '
+            f'{-LARGEST_OFFSET:g} to {LARGEST_OFFSET:g}.'
+        )
+    before = scenario.start.position.vector
+    place = before[0] + x, before[1] + y
+    start = scenario.start.model_copy(
+        update={'position': Quantity(value=place, unit='m', source=scenario.start.position.source)}
+    )
+    # Validate anew: model_copy alone does not run the validators
+    fields = {name: getattr(scenario, name) for name in Scenario.model_fields}
+    for name, key in (('schema_version', 'schema'), ('alone', 'lamp'), ('several', 'lamps')):
+        fields[key] = fields.pop(name)  # as the file has it
+    try:
+        return Scenario.model_validate({**fields, 'start': start})
+    except ValidationError as error:
+        # The scene without the offset was valid, so the only error is that of the start.
+        fault = error.errors()[0]['msg'].removeprefix('Value error, ')
+        fault = fault.partition(';')[0]  # the remedy after it is for the scenario file
+        raise BadInput(
+            f"With a start offset of {x:g}, {y:g} m the scenario '{scenario.name}' {fault}; "
+            'give another offset_x or offset_y.'
+        ) from None

@@ -1,4 +1,16 @@
 """
+Compute turbulence intensity and length near the ground by MIL-F-8785C, for scenarios.
+
+    sigma_w = 0.1 U_20,    sigma_u = sigma_v = sigma_w / (0.177 + 0.000823 h)^0.4
+    L_w = h,               L_u = L_v = h / (0.177 + 0.000823 h)^1.2
+
+with h in feet, from 10 ft to 1000 ft (MIL-F-8785C, section 3.7.3.4), U_20 the mean wind at 20 ft:
+15, 30 and 45 knots there for light, moderate and severe. Continued to the height at which a small
+blimp flies, 0.5 m, it would say that the wind there has 1.4 m/s rms when 8 m/s blow at 10 m, more
+than the wind itself: below 10 ft it is refused. `sheared_turbulence` continues it with the mean
+wind of a profile: at 10 ft it has the values of the standard, and below, rms by mean wind and
+length by height stay the same (effect `turbulence`).
+
 The air section of a scenario file, and the effects that follow from it.
 
 Uniform wind (`wind`) and recorded wind (`recorded`) are surroundings of the kernel; the rest are
@@ -9,14 +21,56 @@ from collections.abc import Callable
 import math
 from typing import Annotated, Literal, Self
 
+from lta_config.errors import BadInput
 from lta_config.files import StrictModel
 from lta_config.quantity import describe_misfit, Quantity, si_quantity
-from lta_model import military_turbulence
 from pydantic import AfterValidator, Field, model_validator
 
-GAS_CONSTANT_OF_AIR = 287.05  # J/(kg K), dry
-AXES = ('along', 'across', 'up')
+# m
+METRES_PER_FOOT = 0.3048
+LOWEST_STANDARD, HIGHEST_STANDARD = 10.0 * METRES_PER_FOOT, 1000.0 * METRES_PER_FOOT
+WIND_HEIGHT = 20.0 * METRES_PER_FOOT  # height of the mean wind
 
+
+def low_altitude_turbulence(height: float, wind: float) -> dict[str, float]:
+    """
+    Return the parameters of the effect `turbulence`: intensities [m/s] and lengths [m].
+
+    From the height above the ground, 3.05 to 305 m, and the mean wind at 20 ft (6.1 m) [m/s].
+
+    Raise `BadInput` if the height is out of range, or the wind is negative.
+    """
+    if not LOWEST_STANDARD <= height <= HIGHEST_STANDARD:
+        raise BadInput(
+            f'MIL-F-8785C defines no low-altitude turbulence at a height of {height:g} m, '
+            f'only from {LOWEST_STANDARD:.2f} to {HIGHEST_STANDARD:.0f} m; under '
+            'air.turbulence in the scenario, give intensity and length instead of "by", '
+            '"wind" and "height".'
+        )
+    if not wind >= 0.0:
+        raise BadInput(f'The mean wind speed at 20 ft is {wind:g} m/s; it must be 0 or more.')
+    # The specification has the height in feet
+    factor = 0.177 + 0.000823 * height / METRES_PER_FOOT
+    up, level = 0.1 * wind, 0.1 * wind / factor**0.4
+    length = height / factor**1.2
+    return {
+        'along': level,
+        'across': level,
+        'up': up,
+        'along_length': length,
+        'across_length': length,
+        'up_length': height,
+    }
+
+
+def sheared_turbulence(mean_wind: Callable[[float], float]) -> dict[str, float]:
+    """Return parameters that follow the height, from the mean wind [m/s] by height [m]."""
+    turbulence = low_altitude_turbulence(LOWEST_STANDARD, mean_wind(WIND_HEIGHT))
+    return turbulence | {'mean': mean_wind(LOWEST_STANDARD), 'height': LOWEST_STANDARD}
+
+
+GAS_CONSTANT_OF_AIR = 287.05  # J/(kg K), dry
+WIND_AXES = ('along', 'across', 'up')
 Parameters = dict[str, float]
 
 
@@ -133,22 +187,22 @@ class Turbulence(StrictModel):
     def effect_parameters(self, mean_wind: Callable[[float], float] | None = None) -> Parameters:
         """Return the parameters of `turbulence`; sheared, from the mean wind by height."""
         parameters = self._full_parameters(mean_wind)
-        return parameters | {axis: self.strength.si * parameters[axis] for axis in AXES}
+        return parameters | {axis: self.strength.si * parameters[axis] for axis in WIND_AXES}
 
     def _full_parameters(self, mean_wind: Callable[[float], float] | None) -> Parameters:
         """Return the parameters at a strength of 1."""
         if self.sheared and mean_wind is not None:
-            return military_turbulence.sheared_turbulence(mean_wind)
+            return sheared_turbulence(mean_wind)
         if self.wind is not None and self.height is not None:
-            return military_turbulence.low_altitude_turbulence(self.height.si, self.wind.si)
+            return low_altitude_turbulence(self.height.si, self.wind.si)
         strong, long = (
             # One value stands for all three axes
             quantity.vector * 3 if len(quantity.vector) == 1 else quantity.vector
             for quantity in (self.intensity, self.length)
             if quantity is not None
         )
-        return dict(zip(AXES, strong, strict=True)) | {
-            f'{axis}_length': length for axis, length in zip(AXES, long, strict=True)
+        return dict(zip(WIND_AXES, strong, strict=True)) | {
+            f'{axis}_length': length for axis, length in zip(WIND_AXES, long, strict=True)
         }
 
 
@@ -209,7 +263,7 @@ class ScenarioAir(StrictModel):
     @model_validator(mode='after')
     def _check_roughness(self) -> Self:
         rough = 0.0 if self.profile is None else self.profile.roughness.si
-        lowest, eddies = military_turbulence.LOWEST, self.turbulence
+        lowest, eddies = LOWEST_STANDARD, self.turbulence
         if eddies and eddies.sheared and eddies.strength.si > 0.0 and rough >= lowest:
             raise ValueError(
                 f'has sheared turbulence over a roughness length of {rough:g} m, but the mean '

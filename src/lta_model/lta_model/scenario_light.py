@@ -9,22 +9,23 @@ from typing import Annotated, Any, Literal
 
 from lta_config.files import StrictModel
 from lta_config.quantity import describe_misfit, Quantity, si_quantity
-from lta_model.light.ambient import Ambient
-from lta_model.light.clock_error import DriftingClock, MOST_OFFSET
-from lta_model.light.daylight import Daylight
-from lta_model.light.lamp import BeaconLamp, lambertian_order
-from lta_model.light.light_checks import MOST_EFFICACY
-from lta_model.light.modulation import SquareWave
-from lta_model.light.outdoors import OutdoorArea
-from lta_model.light.room import Albedo, Room
+from lta_model.light.field import Albedo, Ambient, Daylight, OutdoorArea, Room
+from lta_model.light.lamp import (
+    BeaconLamp,
+    DriftingClock,
+    lambertian_order,
+    MAX_CLOCK_OFFSET,
+    MAX_EFFICACY,
+    SquareWave,
+)
 from pydantic import AfterValidator, BeforeValidator, Field
 
 Point = Annotated[Quantity, si_quantity('m', low=-1000.0, high=1000.0, length=3)]
-Efficacy = Annotated[Quantity, si_quantity('lm/W', above=0.0, high=MOST_EFFICACY)]
+Efficacy = Annotated[Quantity, si_quantity('lm/W', above=0.0, high=MAX_EFFICACY)]
 Share = Annotated[float, Field(ge=0.0, lt=1.0)]
-NOTHING = Quantity(value=0.0, unit='1')
-HALF_POWER = Quantity(value=60.0, unit='deg')
-RADIUS = Quantity(value=15.0, unit='mm')
+NO_SHARE = Quantity(value=0.0, unit='1')
+HALF_POWER_ANGLE = Quantity(value=60.0, unit='deg')
+LAMP_RADIUS = Quantity(value=15.0, unit='mm')
 
 
 class Surfaces(StrictModel):
@@ -74,12 +75,12 @@ class LampScene(StrictModel):
     frequency: Annotated[Quantity, si_quantity('Hz', above=0.0, high=1e5)]
     duty: Annotated[Quantity, si_quantity('1', above=0.0, high=0.999)]
     efficacy: Efficacy
-    half_power: Annotated[Quantity, si_quantity('rad', low=0.05, high=1.55)] = HALF_POWER
-    radius: Annotated[Quantity, si_quantity('m', above=0.0, high=10.0)] = RADIUS
+    half_power: Annotated[Quantity, si_quantity('rad', low=0.05, high=1.55)] = HALF_POWER_ANGLE
+    radius: Annotated[Quantity, si_quantity('m', above=0.0, high=10.0)] = LAMP_RADIUS
     rise: Annotated[Quantity, si_quantity('s', low=0.0, high=1.0)] = Quantity(value=0.0, unit='s')
-    clock_error: Annotated[Quantity, si_quantity('1', low=-MOST_OFFSET, high=MOST_OFFSET)] = (
-        NOTHING
-    )
+    clock_error: Annotated[
+        Quantity, si_quantity('1', low=-MAX_CLOCK_OFFSET, high=MAX_CLOCK_OFFSET)
+    ] = NO_SHARE
     clock_drift: Annotated[Quantity, si_quantity('1/s', low=-1e-3, high=1e-3)] = Quantity(
         value=0.0, unit='1/s'
     )

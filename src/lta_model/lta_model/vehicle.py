@@ -15,7 +15,7 @@ from lta_config.constants import AIR_DENSITY, STANDARD_GRAVITY
 from lta_config.errors import BadInput
 from lta_config.files import find_file, parse_yaml, validate_content
 from lta_config.schema.vehicle_file import load_vehicle_file, VehicleFile
-from lta_model import effect_parameters, hover, hull, propulsion, stiffness
+from lta_model import effect_parameters, mass_properties, propulsion
 from lta_model.electrical.battery import BatteryModel
 from lta_model.electrical.charger import ChargerModel
 from lta_model.electrical.loads import LoadModel
@@ -27,7 +27,7 @@ from lta_model.mass_properties import (
     MassElement,
     MassProperties,
 )
-from lta_model.model import VehicleModel
+from lta_model.model import check_time_step, VehicleModel
 from lta_model.sensors.photodiode import PhotodiodeArray
 from lta_model.state import COMMAND, MASS_PLACE
 import numpy as np
@@ -75,7 +75,7 @@ class Vehicle:
     @property
     def volume(self) -> float:
         """Volume of the hull. [m3]."""
-        return hull.hull_volume(self.file.hull)
+        return mass_properties.hull_volume(self.file.hull)
 
     @property
     def gas_mass(self) -> float:
@@ -120,7 +120,9 @@ class Vehicle:
         if place := self.file.trim.ballast_position:
             lumps.append(MassElement(self.ballast_mass, np.array(place.vector), np.zeros(3)))
         if self.file.hull.shape != 'none':
-            lumps.append(build_gas_element(self.gas_mass, hull.half_axes(self.file.hull)))
+            lumps.append(
+                build_gas_element(self.gas_mass, mass_properties.half_axes(self.file.hull))
+            )
         return lumps
 
     @cached_property
@@ -155,7 +157,7 @@ class Vehicle:
     @property
     def added_mass(self) -> Vector:
         """Added mass and inertia: as published, or of the hull as a spheroid. [kg, kg m2]."""
-        return hull.added_mass(self.file.hull, self.air_density)
+        return mass_properties.added_mass(self.file.hull, self.air_density)
 
     @cached_property
     def rotors(self) -> tuple[propulsion.RotorModel, ...]:
@@ -277,14 +279,14 @@ class Vehicle:
     def check_step(self, step: float, model: VehicleModel | None = None) -> None:
         """Raise `BadInput` for a time step [s] too long for the model's fastest dynamics."""
         effect_parameters.check_step(self.file.name, self.collect_effects(), step)
-        stiffness.check_time_step(self.file.name, model or self.build_model(), step)
+        check_time_step(self.file.name, model or self.build_model(), step)
 
     @property
     def hull_height_on_floor(self) -> float:
         """Height of the hull centre when the vehicle stands on the floor. [m]."""
         foot = self.collect_effects().get('floor_contact')
         if foot is None:
-            return hull.half_axes(self.file.hull)[2]
+            return mass_properties.half_axes(self.file.hull)[2]
         # The soft foot sinks in by weight over stiffness
         sink = self.heaviness * STANDARD_GRAVITY / foot['stiffness']
         return -foot['z'] - max(sink, 0.0)
@@ -292,7 +294,7 @@ class Vehicle:
     @property
     def hover_duty(self) -> float:
         """Duty of each vertical rotor that carries the heaviness. [1]."""
-        return hover.hover_duty(
+        return propulsion.hover_duty(
             self.file.name,
             self.rotors,
             self.file.aero.coupling,

@@ -16,7 +16,7 @@ from lta_bridge.live.shapes import EllipsoidShape, ORIGIN, Shape, ShapeEntity
 from lta_bridge.live.vehicle_shapes import BASE, draw_body, ENVELOPE, vehicle_reach
 from lta_config.errors import BadInput
 from lta_config.schema.vehicle_file import VehicleFile
-from lta_model.hull import half_axes
+from lta_model.mass_properties import half_axes
 from lta_model.vehicle import Vehicle
 from lta_report.html_elements import embed_data
 import numpy as np

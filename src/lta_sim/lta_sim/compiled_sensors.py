@@ -1,17 +1,18 @@
 """
 Compiled sensor models with counter-based random numbers, for batches of closed loops.
 
-Each reading has the error model of the sensor's own file in `lta_model.sensors`, constant errors
-and noise alike. Only the random numbers differ (`counter_rng`), so a flight in a batch is similar
-but not identical to the single flight of the same seed.
+Each reading is that of the sensor's own file in `lta_model.sensors`. Only the random numbers
+differ (`counter_rng`), so a flight in a batch is similar but not identical to the single flight of
+the same seed.
 """
 
 import math
 from typing import NamedTuple
 
-from lta_model.effects.air.turbulence import stationary_memory
-from lta_model.sensors.pressure import air_pressure
-from lta_model.sensors.range import height_and_tilt, noise_deviation, RESOLUTION
+from lta_model.effects.air import stationary_memory
+from lta_model.sensors.imu import read_axis
+from lta_model.sensors.pressure import air_pressure, read_pressure
+from lta_model.sensors.range import height_and_tilt, noise_deviation, read_range, slant_range
 from lta_sim.counter_rng import draw_normals, draw_uniforms
 
 Vector = tuple[float, float, float]
@@ -19,8 +20,6 @@ Six = tuple[float, float, float, float, float, float]
 
 # Random streams.
 START, ERRORS, IMU, RANGE, PRESSURE, LIGHT, TURBULENCE, EDDIES, GAINS, SWEEP = range(10)
-# Adding and subtracting it rounds a number below 2^51 to an integer, halves to even.
-WHOLE = 6755399441055744.0
 
 
 class ImuAxes(NamedTuple):
@@ -59,11 +58,6 @@ class SensorErrors(NamedTuple):
     drift: float
 
 
-def round_to_step(value: float, step: float) -> float:
-    """Round to the nearest multiple of a step, halves to even."""
-    return ((value / step + WHOLE) - WHOLE) * step
-
-
 def draw_symmetric_pair(seed: int, lane: int) -> tuple[float, float]:
     """Return two numbers uniform between -1 and 1, constant during a flight."""
     # From 0..1 to -1..1
@@ -98,10 +92,16 @@ def draw_errors(sensors: SensorDatasheets, seed: int) -> SensorErrors:
 
 
 def simulate_axis_reading(imu: ImuAxes, axis: int, truth: float, normal: float) -> float:
-    """Return the reading of one axis, quantised and clipped at full scale. [m/s2 or rad/s]"""
-    value = imu.gain[axis] * truth + imu.offset[axis] + imu.noise[axis] * normal
-    reading, end = round_to_step(value, imu.step[axis]), imu.full_scale[axis]
-    return min(max(reading, -end), end)
+    """Return the reading of one axis. [m/s2 or rad/s]"""
+    return read_axis(
+        truth,
+        normal,
+        imu.gain[axis],
+        imu.offset[axis],
+        imu.noise[axis],
+        imu.step[axis],
+        imu.full_scale[axis],
+    )
 
 
 def simulate_imu_reading(
@@ -132,16 +132,12 @@ def simulate_range_reading(
 ) -> float:
     """Return range reading number `tick` in whole millimetres, NaN out of range. [m]"""
     height, up = height_and_tilt(state, sensors.range_place)
-    # Tilted over, or the slant range to the floor exceeds the sensor's reach
-    if up <= 0.0 or height > sensors.farthest * up:
+    distance = slant_range(height, up, sensors.farthest)
+    if distance == math.inf:
         return math.nan
-    # Slant range along the tilted beam
-    distance = max(height, 0.0) / up
     noise = noise_deviation(sensors.range_noise, distance) * draw_normals(seed, RANGE, tick, 0)[0]
-    reading = distance + errors.range_offset + noise
-    if reading > sensors.farthest or reading < sensors.nearest:
-        return math.nan
-    return round_to_step(reading, RESOLUTION)
+    reading = read_range(distance, errors.range_offset, noise, sensors.nearest, sensors.farthest)
+    return reading if math.isfinite(reading) else math.nan
 
 
 def simulate_pressure_reading(
@@ -155,8 +151,9 @@ def simulate_pressure_reading(
     """Return the pressure reading at a height of the hull centre and a flight time. [Pa]"""
     truth = air_pressure(sensors.floor, height + sensors.imu_place[2])
     noise = sensors.pressure_noise * draw_normals(seed, PRESSURE, step, 0)[0]
-    reading = truth + errors.pressure_offset + errors.drift * elapsed + noise
-    return round_to_step(reading, sensors.resolution)
+    return read_pressure(
+        truth, errors.pressure_offset, errors.drift * elapsed, noise, sensors.resolution
+    )
 
 
 def draw_white_noise(seed: int, step: int, period: float) -> Vector:

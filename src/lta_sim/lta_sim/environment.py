@@ -5,7 +5,7 @@ import math
 from typing import final, NamedTuple
 
 from lta_model.effects import initial_memory
-from lta_model.effects.air import turbulence
+from lta_model.effects.air import stationary_memory, TURBULENCE
 from lta_model.light.view import LightView, Pose
 from lta_model.scenario import Scenario
 from lta_model.state import IRRADIANCE, NOISE, RIGID, SURROUNDINGS, VOLTAGE, WIND, WIND_RATE
@@ -26,10 +26,8 @@ def draw_initial_memory(
     if 'turbulence' in parameters:
         # The layout counts from the start of the state, the memory begins after the rigid body
         first = LAYOUT.remembers['turbulence'] - RIGID
-        normals = chance.standard_normal(len(turbulence.MEMORY))
-        memory[first : first + len(normals)] = turbulence.stationary_memory(
-            tuple(normals.tolist())
-        )
+        normals = chance.standard_normal(len(TURBULENCE.memory))
+        memory[first : first + len(normals)] = stationary_memory(tuple(normals.tolist()))
     return memory
 
 

@@ -22,14 +22,18 @@ itself (about 3 % with 400 quiet bins).
 import math
 from typing import NamedTuple
 
-from lta_model.light.block_readings import add_direct_readings
+from lta_model.light.direct_light import DiodeResponse, LampBeam
 from lta_model.light.field import LightField
 from lta_model.light.flicker import BlockSampling, sample_lamp_wave, sample_mains_wave
-from lta_model.light.lambertian import DiodeResponse, LampBeam
-from lta_model.light.ray_bundles import DAY, LAMPS, SHARE
-from lta_model.light.ray_integration import gather_indirect_light
-from lta_model.light.reflections import build_field_geometry, build_reflecting_beam
+from lta_model.light.ray_integration import (
+    DAYLIGHT_ROW,
+    gather_indirect_light,
+    LAMP_ROWS,
+    UNIFORM_ROW,
+)
+from lta_model.light.readings import add_direct_readings
 from lta_model.light.scene_geometry import is_in_room, SceneGeometry
+from lta_model.light.view import build_field_geometry, build_reflecting_beam
 from lta_model.sensors.photodiode import noise_variances, PhotodiodeArray, voltage_sensitivity
 from lta_sim.compiled_sensors import GAINS, LIGHT, SWEEP
 from lta_sim.counter_rng import draw_normals, draw_uniforms
@@ -175,14 +179,14 @@ def write_reflections(
     x, y, z = position
     if listening.door and not is_in_room(listening.around, x, y, z):
         for diode in range(len(listening.planes)):
-            out[SHARE, diode] = 0.0
+            out[UNIFORM_ROW, diode] = 0.0
 
 
 def add_direct_light(listening: LightLink, position: Vector, q: Quaternion, out: Array) -> None:
     """Add the lamps' direct light at the diodes; arguments as in `write_ring_light`."""
     lamps, eye, hull = listening.lamps, listening.eye, listening.hull
     add_direct_readings(
-        listening.around, lamps, eye, hull, position, q, listening.planes, out, LAMPS
+        listening.around, lamps, eye, hull, position, q, listening.planes, out, LAMP_ROWS
     )
 
 
@@ -212,17 +216,17 @@ def sample_magnitude(
     factor = listening.alive[diode] * max(1.0 + listening.spread * own, 0.0)
     if factor == 0.0:
         return 0.0, 0.0
-    share = factor * read[SHARE, diode]
-    steady = share * listening.steady + factor * read[DAY, diode] * listening.day
+    share = factor * read[UNIFORM_ROW, diode]
+    steady = share * listening.steady + factor * read[DAYLIGHT_ROW, diode] * listening.day
     leakage = 0.0
     for other in range(len(listening.signals)):
         if other != lamp:
             of_other = listening.signals[other]
-            counts = factor * of_other.counts * read[LAMPS + other, diode]
+            counts = factor * of_other.counts * read[LAMP_ROWS + other, diode]
             steady += of_other.duty * counts
             leakage += of_other.leak * counts
     signal = listening.signals[lamp]
-    light = factor * signal.counts * read[LAMPS + lamp, diode]
+    light = factor * signal.counts * read[LAMP_ROWS + lamp, diode]
     swing, quiet, noise = expected_magnitude(listening, signal, light, steady)
     a, b = draw_normals(seed, LIGHT, step, diode)
     # The sweep of daylight adds at the phase of the lamp in a block: the same at all diodes, and

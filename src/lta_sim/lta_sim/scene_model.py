@@ -8,16 +8,15 @@ import math
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.errors import BadInput
-from lta_model import hull
+from lta_model import mass_properties
 from lta_model.effect_parameters import Effects
 from lta_model.effects import EFFECTS
+from lta_model.effects.gas import IN_SUN, SUPERHEAT
 from lta_model.effects.protocol import AirEffect
-from lta_model.effects.weight import superheat
-from lta_model.hover import hover_duty
-from lta_model.model import VehicleModel
+from lta_model.model import STEP_NS, VehicleModel
+from lta_model.propulsion import hover_duty
 from lta_model.scenario import Scenario
 from lta_model.state import DISPLACED, MASS, MASS_MOMENT
-from lta_model.stiffness import STEP_NS
 from lta_model.vehicle import Vehicle
 from lta_sim.wind_record import WindRecord
 import numpy as np
@@ -26,7 +25,7 @@ import numpy as np
 STIFFNESS = 100.0  # N/m
 RELAXATION = 0.05  # s
 FRICTION = 0.3
-WARMED = superheat.EFFECT.name
+WARMED = SUPERHEAT.name
 
 
 def vehicle_reach(vehicle: Vehicle) -> tuple[float, float]:
@@ -36,7 +35,7 @@ def vehicle_reach(vehicle: Vehicle) -> tuple[float, float]:
     A hull that is not rotationally symmetric counts as the enclosing symmetric one.
     """
     if vehicle.file.hull.shape != 'none':
-        a, b, c = hull.half_axes(vehicle.file.hull)
+        a, b, c = mass_properties.half_axes(vehicle.file.hull)
         return max(a, b), c
     ends = [
         (np.abs(part.position.vector) + 0.5 * np.array(part.size.vector)).tolist()
@@ -71,7 +70,7 @@ def collect_scene_effects(vehicle: Vehicle, scenario: Scenario) -> Effects:
     sun = scenario.sun
     # A vehicle file may have measured values; a bare frame has no gas
     if sun is not None and sun.warms_gas and vehicle.file.hull.shape != 'none':
-        effects |= {} if WARMED in vehicle.file.effects else {WARMED: dict(superheat.IN_SUN)}
+        effects |= {} if WARMED in vehicle.file.effects else {WARMED: dict(IN_SUN)}
     return effects
 
 

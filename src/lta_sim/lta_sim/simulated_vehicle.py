@@ -6,7 +6,7 @@ from typing import final
 
 from lta_config.compilation.kernel_cache import is_cached, load_kernel
 from lta_model.effects import MODEL_EFFECTS
-from lta_model.effects.law import EFFECT as LAW
+from lta_model.effects.law import LAW
 from lta_model.effects.protocol import (
     AXES,
     EffectParameter,

@@ -1,7 +1,7 @@
 """Settings of the simulator node."""
 
 from lta_config.settings import setting, Settings
-from lta_model.start_offset import FAR
+from lta_model.scenario import LARGEST_OFFSET
 
 DEFAULT = 'default'  # value of `wait_for`
 DESCRIPTION = 'description'  # another: a node that publishes once, so that nobody waits for more
@@ -23,16 +23,16 @@ class SimulatorSettings(Settings):
         0.0,
         'Offset of the start position along x (east) from that of the scenario.',
         unit='m',
-        low=-FAR,
-        high=FAR,
+        low=-LARGEST_OFFSET,
+        high=LARGEST_OFFSET,
         fixed=True,
     )
     offset_y: float = setting(
         0.0,
         'Offset of the start position along y (north) from that of the scenario.',
         unit='m',
-        low=-FAR,
-        high=FAR,
+        low=-LARGEST_OFFSET,
+        high=LARGEST_OFFSET,
         fixed=True,
     )
     frame_prefix: str = setting(

@@ -5,10 +5,10 @@ import struct
 from typing import final
 
 from lta_config.compilation.flat import compile_core, TupleLayout
-from lta_energy.monitoring.energy_balance import EnergyBalance
+from lta_energy.monitoring.meters import EnergyBalance
 from lta_model.electrical.charger import PowerFlow, resting_flow, total_stored_energy
 from lta_model.electrical.panel import current_at_voltage
-from lta_model.scenario_faults import FaultTimes, is_shorted
+from lta_model.scenario import FaultTimes, is_shorted
 from lta_model.vehicle import Vehicle
 from lta_sim.sensors import power
 from lta_sim.supply_step import (

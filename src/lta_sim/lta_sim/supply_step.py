@@ -6,7 +6,7 @@ from lta_model.electrical.battery import BatteryModel
 from lta_model.electrical.charger import advance_power_path, ChargerModel, PowerFlow
 from lta_model.electrical.loads import LoadModel, power_demand
 from lta_model.electrical.panel import find_max_power_point, SolarArrayModel
-from lta_model.scenario_faults import FaultTimes, is_cut_off, is_shorted
+from lta_model.scenario import FaultTimes, is_cut_off, is_shorted
 
 Thrusts = tuple[float, float, float, float, float, float, float, float]  # zero in unused slots
 

@@ -22,7 +22,7 @@ from lta_config.constants import STANDARD_GRAVITY
 from lta_config.errors import BadInput
 from lta_model import limits
 from lta_model.effects import initial_memory
-from lta_model.effects.air import wind_profile
+from lta_model.effects.air import WIND_PROFILE
 from lta_model.effects.protocol import AirEffectInput, Wrench
 from lta_model.model import VehicleModel
 from lta_model.state import pack_state, QUATERNION, SURROUNDINGS
@@ -253,7 +253,7 @@ def wind_share_at_hull(
     half = vehicle_reach(vehicle)[1] if vehicle.file.hull.shape != 'none' else 0.0
     still = (0.0, 0.0, 0.0)
     place = AirEffectInput((0.0, 0.0, height), still, still, (0.0,) * SURROUNDINGS)
-    wind: Wrench = wind_profile.compute_air_motion(
+    wind: Wrench = WIND_PROFILE.air(
         # Unit reference wind along x, so that the result is the ratio
         (1.0, 0.0, reference, roughness, half),
         (),

@@ -12,7 +12,7 @@ from typing import final
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.topics import TopicTable
-from lta_model import stiffness
+from lta_model import model
 from lta_model.effects import EFFECTS
 from lta_model.electrical.loads import navigation_power
 from lta_model.light.view import LightView, Pose
@@ -94,7 +94,7 @@ class World:
             for index, name in enumerate(STREAMS)
         }
         self._model = build_scene_model(vehicle, scenario)
-        vehicle.check_step(stiffness.STEP_NS * 1e-9, self._model)
+        vehicle.check_step(model.STEP_NS * 1e-9, self._model)
         self._store_constants(table)
         self._draw_errors()
         self._craft = SimulatedVehicle(self._model, commanded=wrench_commanded)
@@ -366,8 +366,8 @@ class World:
         pose = tuple(rigid[:7])
         if 'illuminance' in self._due:
             self.supply.set_irradiance(self._light.panel_light(pose)[1])
-        if stiffness.has_diverged(rigid):
-            raise stiffness.build_divergence_error(self.vehicle.file.name, self.elapsed)
+        if model.has_diverged(rigid):
+            raise model.build_divergence_error(self.vehicle.file.name, self.elapsed)
         self._craft.evaluate_state()
         self._law_region.check_state(self._craft)
         self.supply.feed_loads(self._craft.thrusts.tolist(), self._period)
@@ -398,7 +398,7 @@ class World:
     def _integrate_for_duration(self, span_ns: int) -> None:
         """Integrate for a duration under the present command. [ns]"""
         # Rounded up, so that no integration step exceeds the stable one.
-        steps = -(-span_ns // stiffness.STEP_NS)
+        steps = -(-span_ns // model.STEP_NS)
         place = self.state[:RIGID].copy()
         self._craft.advance(span_ns * 1e-9 / steps, steps)
         if self.is_held:  # motors, gas and turbulence continue while the drone is held

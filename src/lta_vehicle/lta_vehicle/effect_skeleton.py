@@ -30,7 +30,7 @@ from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.recorded_flight import open_flight
 from lta_data.scene import read_scene
 from lta_model.effects import MODEL_EFFECTS
-from lta_model.effects.law import LARGEST
+from lta_model.effects.law import LARGEST_EXPONENT
 from lta_model.law_text import describe_law
 
 SPREAD: Final = 0.2  # relative, of a coefficient without an interval
@@ -63,11 +63,7 @@ EXAMPLE: Final = Law(
     ],
     region={'u': [-1e3, 1e3]},
 )
-FILE: Final = Template('''"""
-$title.
-
-$about
-"""
+FILE: Final = Template('''"""An effect of one's own: $name."""
 
 import math
 
@@ -102,7 +98,11 @@ def fade(x: float, low: float, high: float) -> float:
 
 
 def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
-    """Return force and moment about the hull centre, body frame. [N, N m]"""
+    """
+    $title.
+
+$about
+    """
     $unpack = p
     turn = motion.rotation
 $quantities
@@ -255,7 +255,7 @@ class _SkeletonWriter:
             '\n    rate=compute_memory_rate,'
         )
         return {
-            'about': '\n'.join(f'    {line}' for line in describe_law(law)),
+            'about': '\n'.join(f'        {line}' for line in describe_law(law)),
             'parameters': '\n'.join(self._list_parameters()),
             'unpack': self._unpack,
             'quantities': '\n'.join(self._list_quantities()),
@@ -398,7 +398,7 @@ def format_factor_source(factor: LawFactor) -> str:
         'negative': f'max({threshold!r} - {x}, 0.0)',
         'above': f'0.5 * (1.0 + math.tanh(({x} - {threshold!r}) / {scale!r}))',
         'sign': f'math.tanh({x} / {scale!r})',
-        'decay': f'math.exp(min(-{x} / {scale!r}, {LARGEST!r}))',
+        'decay': f'math.exp(min(-{x} / {scale!r}, {LARGEST_EXPONENT!r}))',
         'sin': f'math.sin({angle})',
         'cos': f'math.cos({angle})',
     }[factor.form]

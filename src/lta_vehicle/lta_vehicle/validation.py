@@ -12,11 +12,10 @@ from typing import Final, final, NamedTuple
 
 from lta_config.constants import AIR_DENSITY
 from lta_config.errors import BadInput
-from lta_config.files import find_file, FOLDERS, list_shipped_names
+from lta_config.files import find_file, FOLDERS, format_errors, list_shipped_names
 from lta_config.schema.vehicle_file import load_vehicle_content, VehicleFile
-from lta_config.validation_errors import format_errors
-from lta_model import effect_parameters, hull, propulsion
-from lta_model.stiffness import STEP_NS
+from lta_model import effect_parameters, mass_properties, propulsion
+from lta_model.model import STEP_NS
 from lta_model.vehicle import load_vehicle, Vehicle
 from lta_vehicle.figures.entries import list_numbers
 from lta_vehicle.figures.sheet import build_sheet, VehicleSheet
@@ -100,7 +99,7 @@ def _find_effect_fault(file: VehicleFile, flies: bool, name: str) -> str:
     """Return the fault of one effect, '' if there is none."""
     alone = file.model_copy(update={'effects': {name: file.effects[name]}})
     try:
-        added = hull.added_mass(file.hull, AIR_DENSITY)
+        added = mass_properties.added_mass(file.hull, AIR_DENSITY)
         effect_parameters.collect_effects(alone, propulsion.build_rotors(file), added, AIR_DENSITY)
         if flies:  # some bounds are checked only by the complete model
             Vehicle(alone)
@@ -195,7 +194,7 @@ def _find_hull_warnings(sheet: VehicleSheet) -> Iterator[str]:
     if file.hull.purity and file.hull.purity.si < IMPURE:
         yield f'The helium purity of {100 * file.hull.purity.si:.0f} % is low; refill the hull.'
     # A shell part is the film of the hull, so both must have the same size
-    sizes = [2.0 * half for half in hull.half_axes(file.hull)]
+    sizes = [2.0 * half for half in mass_properties.half_axes(file.hull)]
     for name, part in file.parts.items():
         if part.shape == 'shell' and any(
             abs(own / size - 1.0) > DISAGREE

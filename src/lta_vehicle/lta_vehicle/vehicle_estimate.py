@@ -12,7 +12,7 @@ from lta_config.constants import AIR_DENSITY
 from lta_config.errors import BadInput
 from lta_config.files import find_file, load_yaml
 from lta_config.schema.vehicle_body import HullBlock
-from lta_model import hull
+from lta_model import mass_properties
 from lta_model.vehicle import HELIUM_TO_AIR
 from lta_vehicle.vehicle_size import MOTORS, VehicleSize
 
@@ -29,10 +29,12 @@ def build_blocks(name: str, size: VehicleSize, gains: str) -> dict[str, Any]:
     """Return the content of the vehicle file; raise `BadInput` for an impossible size."""
     envelope = _build_hull(size)
     shape = HullBlock.model_validate(envelope)
-    across, depth = (2.0 * hull.half_axes(shape)[axis] for axis in (1, 2))
+    across, depth = (2.0 * mass_properties.half_axes(shape)[axis] for axis in (1, 2))
     hang = 0.5 * depth + CLEARANCE if size.hang is None else size.hang
-    film = _find_envelope_mass(size, hull.half_axes(shape))
-    lift = hull.hull_volume(shape) * AIR_DENSITY * PURITY / 100.0 * (1.0 - HELIUM_TO_AIR)
+    film = _find_envelope_mass(size, mass_properties.half_axes(shape))
+    lift = (
+        mass_properties.hull_volume(shape) * AIR_DENSITY * PURITY / 100.0 * (1.0 - HELIUM_TO_AIR)
+    )
     gondola = [0.1, 2.0 * size.arm, 0.03]
     return {
         'schema': 3,
@@ -52,7 +54,9 @@ def build_blocks(name: str, size: VehicleSize, gains: str) -> dict[str, Any]:
                     'mass': film,
                     'position': _cite([0, 0, 0], 'm', 'definition of the origin'),
                     'size': _cite(
-                        [2.0 * half for half in hull.half_axes(shape)], 'm', 'as the hull'
+                        [2.0 * half for half in mass_properties.half_axes(shape)],
+                        'm',
+                        'as the hull',
                     ),
                 }
             },

@@ -25,7 +25,7 @@ from lta_model.sensors.photodiode import DiodeRing
 from lta_vlc.demodulation import Peaks
 
 # Sensor noise is far above this; a shorter vector is rounding around a perfectly even ring.
-SHORTEST = 1e-9
+SHORTEST_VECTOR = 1e-9
 
 
 @final
@@ -90,7 +90,7 @@ def weighted_mean_bearing(
             left += amplitudes[i] * sines[i]
     length = math.hypot(forward, left)
     # Also true for NaN: evenly lit, or no diode above the threshold
-    if not length > SHORTEST * total:
+    if not length > SHORTEST_VECTOR * total:
         return False, 0.0, 0.0, 0.0, 0.0
     variance = 0.0
     for i in range(len(amplitudes)):

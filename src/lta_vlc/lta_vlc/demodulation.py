@@ -9,20 +9,76 @@ and frequency and amplitude between the bins (`lta_vlc.spectral.tone`).
 """
 
 from dataclasses import dataclass
+from enum import Flag
 import math
 from typing import final
 
 from lta_config.errors import BadInput
-from lta_vlc.faults import detect_sample_faults, detect_tone_faults, DiodeFault, FAULTS, SPOILT
 from lta_vlc.settings import DemodulationSettings
-from lta_vlc.spectral.bins import BeaconBins, plan_beacon_bins
-from lta_vlc.spectral.samples import center_samples
-from lta_vlc.spectral.snr import signal_to_noise
-from lta_vlc.spectral.spectrum import amplitudes_from_transform, fourier_transform
-from lta_vlc.spectral.spectrum_scan import scan_spectrum
+from lta_vlc.spectral.bins import BeaconBins, plan_beacon_bins, signal_to_noise
+from lta_vlc.spectral.spectrum import (
+    amplitudes_from_transform,
+    center_samples,
+    fourier_transform,
+    SampleStatistics,
+    scan_spectrum,
+    SpectrumScan,
+)
 from lta_vlc.spectral.tone import estimate_tones
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+CLIPPED_SHARE = 0.01  # part of the samples at the end of the scale that spoils a diode
+UNKNOWN_TONE = (
+    6.0  # times the mean of the quiet bins: a tone, not noise (5e-13 a bin in white noise)
+)
+
+
+class DiodeFault(Flag):
+    """
+    Faults of one diode in one block; several may hold at once.
+
+    Attributes
+    ----------
+    SATURATED
+        More than `CLIPPED` of the samples are at the upper end of the ADC's scale: peaks are cut,
+        and the amplitude is too low by an unknown amount.
+    FLAT
+        All samples are equal: a dead diode or a broken wire.
+    NOT_A_NUMBER
+        A sample is NaN or infinite.
+    ALIASED
+        An unknown tone is stronger than every beacon: a lamp of another frequency, or one beyond
+        the Nyquist frequency, folded back. The beacons can still be read.
+
+    """
+
+    NONE = 0
+    SATURATED = 1
+    FLAT = 2
+    NOT_A_NUMBER = 4
+    ALIASED = 8
+
+
+UNUSABLE_FAULTS = (
+    DiodeFault.SATURATED | DiodeFault.FLAT | DiodeFault.NOT_A_NUMBER
+)  # the diode cannot be used for any beacon
+FAULTS = tuple(map(DiodeFault, range(16)))  # by value
+
+
+def detect_sample_faults(looked: SampleStatistics) -> NDArray[np.uint8]:
+    """Return the faults in each diode's samples, `DiodeFault` values, shape (diodes,)."""
+    # `DiodeFault` values as bits of an integer
+    faults = np.where(looked.full > CLIPPED_SHARE, DiodeFault.SATURATED.value, 0)
+    faults |= np.where(looked.span == 0.0, DiodeFault.FLAT.value, 0)
+    return np.where(np.isnan(looked.level), DiodeFault.NOT_A_NUMBER.value, faults).astype(np.uint8)
+
+
+def detect_tone_faults(survey: SpectrumScan) -> NDArray[np.uint8]:
+    """Return the faults in each diode's spectrum, `DiodeFault` values, shape (diodes,)."""
+    # Stronger than every beacon, and far above the noise
+    strange = survey.loudest > np.maximum(survey.peak.max(axis=0), UNKNOWN_TONE * survey.noise)
+    return np.where(strange, DiodeFault.ALIASED.value, 0).astype(np.uint8)
 
 
 @final
@@ -87,7 +143,7 @@ def demodulate_block(
     looked = center_samples(waves, full_scale)
     faults = detect_sample_faults(looked)
     # Spoilt diodes must not influence the common frequency
-    sound = (faults & SPOILT.value) == 0
+    sound = (faults & UNUSABLE_FAULTS.value) == 0
     weight = sound.astype(np.float64)
     spectrum = fourier_transform(waves)
     size = amplitudes_from_transform(spectrum, bins.samples)

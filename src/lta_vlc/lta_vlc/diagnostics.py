@@ -4,11 +4,10 @@ from collections.abc import Iterator
 import math
 
 from lta_graph.health import HealthFact, HealthLevel
-from lta_vlc.demodulation import DemodulatedBlock
-from lta_vlc.faults import DiodeFault
-from lta_vlc.tracker import BeaconPresence
+from lta_vlc.demodulation import DemodulatedBlock, DiodeFault
+from lta_vlc.receiver import BeaconPresence
 
-WANTED = 'light'  # diagnostics task of the wanted beacon
+WANTED_TASK = 'light'  # diagnostics task of the wanted beacon
 
 
 def describe_beacons(
@@ -44,7 +43,7 @@ def describe_beacons(
                 'blocks_refused': str(refused),
             }
         yield HealthFact(
-            WANTED if one == 0 else f'beacon at {beacon:g} Hz',
+            WANTED_TASK if one == 0 else f'beacon at {beacon:g} Hz',
             # Only the wanted beacon is needed for the flight
             HealthLevel.OK if is_detected or one > 0 else HealthLevel.WARN,
             'beacon found' if is_detected else 'no photodiode receives the beacon',

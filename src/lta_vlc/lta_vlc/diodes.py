@@ -10,7 +10,7 @@ from lta_config.schema.vehicle_diodes import PhotodiodesBlock as DiodesEntry
 from lta_model.sensors.photodiode import DiodeRing, spread_azimuths
 
 Axis = tuple[float, float, float]
-UNMEASURED = 0.04  # added to the spread of gains that were not measured
+UNMEASURED_SPREAD = 0.04  # added to the spread of gains that were not measured
 
 
 @final
@@ -96,7 +96,7 @@ def build_diode_array(entry: DiodesEntry) -> DiodeArray:
     measured = [1.0] * entry.count if entry.gains is None else entry.gains.value
     gains = tuple(0.0 if index in entry.dead else gain for index, gain in enumerate(measured))
     # How unequal diodes are is itself uncertain until they are measured
-    spread = math.hypot(entry.gain_spread.si, UNMEASURED if entry.gains is None else 0.0)
+    spread = math.hypot(entry.gain_spread.si, UNMEASURED_SPREAD if entry.gains is None else 0.0)
     places = _place_on_sphere(axes, entry.radius.si)
     return DiodeArray(
         axes,

@@ -18,29 +18,34 @@ from lta_vlc.reading_model import (
     DiodeFitInputs,
     DirectionPrior,
     ELEVATION,
-    FAINT,
     FALL,
+    LEAST_ERROR,
     MISFIT,
     NEARNESS,
     NORMAL,
     Numbers,
     PEDESTAL,
-    PULLS,
     RESPONSE,
+    RIGHT_SIDE,
     Scratch,
     STRENGTH,
     UNKNOWNS,
     VALUES,
 )
 
-NEAREST, STEEPEST = 0.5, 3.0  # m and 1: beyond them no lamp is sought
-WIDEST, NARROWEST = 0.3, 10.0  # exponents of the response beyond which none is sought
-ROUNDS = 12
-DAMPED = 5  # rounds after which steps are halved: a few fits go back and forth over an edge
-STRIDE = 0.3  # longest step on the sphere [rad]
-DONE = 1e-5  # [rad]
-FREE = 3  # unknowns without a prior: azimuth, strength and pedestal
-SURE = 10.0  # readings that the stated variances are worth beside the misfit
+NEAREST_LAMP, STEEPEST_FALL = 0.5, 3.0  # m and 1: beyond them no lamp is sought
+WIDEST_RESPONSE, NARROWEST_RESPONSE = (
+    0.3,
+    10.0,
+)  # exponents of the response beyond which none is sought
+FIT_ROUNDS = 12
+FULL_STEP_ROUNDS = (
+    5  # rounds after which steps are halved: a few fits go back and forth over an edge
+)
+LONGEST_STEP = 0.3  # longest step on the sphere [rad]
+LAST_STEP = 1e-5  # [rad]
+FREE_UNKNOWNS = 3  # unknowns without a prior: azimuth, strength and pedestal
+VARIANCE_WORTH = 10.0  # readings that the stated variances are worth beside the misfit
 
 
 class DirectionFit(NamedTuple):
@@ -78,22 +83,24 @@ def fit_direction(
     # All diodes dark, dead or spoilt
     if not top > 0.0:
         return failed_fit()
-    for turn in range(ROUNDS):
-        build_normal_equations(array, expected, readings, errors, scratch, x, y, z, FAINT * top)
+    for turn in range(FIT_ROUNDS):
+        build_normal_equations(
+            array, expected, readings, errors, scratch, x, y, z, LEAST_ERROR * top
+        )
         if not factorize_cholesky(scratch):
             return failed_fit()
         solve_cholesky(scratch)
-        along, up = scratch[PULLS + AZIMUTH], scratch[PULLS + ELEVATION]
+        along, up = scratch[RIGHT_SIDE + AZIMUTH], scratch[RIGHT_SIDE + ELEVATION]
         length = math.sqrt(along * along + up * up)
         # Full Gauss-Newton steps first
-        part = 1.0 if turn < DAMPED else 0.5
+        part = 1.0 if turn < FULL_STEP_ROUNDS else 0.5
         # Limit the step, because the model is linearised on the tangent plane
-        if length * part > STRIDE:
-            part = STRIDE / length
+        if length * part > LONGEST_STEP:
+            part = LONGEST_STEP / length
         x, y, z = rotate_direction(x, y, z, part * along, part * up)
         update_unknowns(scratch, top)
         # The unknowns besides the direction are linear or converge with it
-        if length < DONE:
+        if length < LAST_STEP:
             break
     return build_direction_fit(scratch, x, y, z, variance_inflation(scratch, errors))
 
@@ -116,7 +123,9 @@ def variance_inflation(scratch: Scratch, errors: Numbers) -> float:
         if errors[i] < math.inf:
             count += 1
     # A good fit does not shrink the covariance, most of which is that of the priors
-    return max(1.0, (SURE + scratch[MISFIT]) / (SURE + max(count - FREE, 0)))
+    return max(
+        1.0, (VARIANCE_WORTH + scratch[MISFIT]) / (VARIANCE_WORTH + max(count - FREE_UNKNOWNS, 0))
+    )
 
 
 def build_direction_fit(
@@ -140,12 +149,17 @@ def build_direction_fit(
     turned = -(scratch[last + STRENGTH] * strong + scratch[last + ELEVATION] * lifted) * side
     turn = side / level  # multiplied by itself below: a power differs in the last bit
     return DirectionFit(
-        True, x, y, z,
-        strange * turn * turn, strange * both * side / level,
-        strange * (upward * upward + both * both), scratch[VALUES + STRENGTH],
+        True,
+        x,
+        y,
+        z,
+        strange * turn * turn,
+        strange * both * side / level,
+        strange * (upward * upward + both * both),
+        scratch[VALUES + STRENGTH],
         strange * (strong * strong + lifted * lifted + turned * turned),
         scratch[VALUES + PEDESTAL],
-    )  # fmt: skip
+    )
 
 
 def guess_direction(
@@ -201,12 +215,14 @@ def rotate_direction(
 def update_unknowns(scratch: Scratch, top: float) -> None:
     """Add the step to all values but the direction, and clip them to possible values."""
     for j in range(ELEVATION):
-        scratch[VALUES + j] += scratch[PULLS + j]
+        scratch[VALUES + j] += scratch[RIGHT_SIDE + j]
     # A negative strength would point away from the lamp
     scratch[VALUES + STRENGTH] = max(scratch[VALUES + STRENGTH], 1e-3 * top)
-    scratch[VALUES + NEARNESS] = min(max(scratch[VALUES + NEARNESS], 0.0), 1.0 / NEAREST)
-    scratch[VALUES + FALL] = min(max(scratch[VALUES + FALL], -STEEPEST), STEEPEST)
-    scratch[VALUES + RESPONSE] = min(max(scratch[VALUES + RESPONSE], WIDEST), NARROWEST)
+    scratch[VALUES + NEARNESS] = min(max(scratch[VALUES + NEARNESS], 0.0), 1.0 / NEAREST_LAMP)
+    scratch[VALUES + FALL] = min(max(scratch[VALUES + FALL], -STEEPEST_FALL), STEEPEST_FALL)
+    scratch[VALUES + RESPONSE] = min(
+        max(scratch[VALUES + RESPONSE], WIDEST_RESPONSE), NARROWEST_RESPONSE
+    )
 
 
 def factorize_cholesky(scratch: Scratch) -> bool:
@@ -232,14 +248,14 @@ def solve_cholesky(scratch: Scratch) -> None:
     """Replace the right side by the solution, with the factor."""
     # Forward substitution with L
     for i in range(UNKNOWNS):
-        rest = scratch[PULLS + i]
+        rest = scratch[RIGHT_SIDE + i]
         for k in range(i):
-            rest -= scratch[NORMAL + UNKNOWNS * i + k] * scratch[PULLS + k]
-        scratch[PULLS + i] = rest / scratch[NORMAL + (UNKNOWNS + 1) * i]
+            rest -= scratch[NORMAL + UNKNOWNS * i + k] * scratch[RIGHT_SIDE + k]
+        scratch[RIGHT_SIDE + i] = rest / scratch[NORMAL + (UNKNOWNS + 1) * i]
     # Backward substitution with its transpose
     for back in range(UNKNOWNS):
         i = UNKNOWNS - 1 - back
-        rest = scratch[PULLS + i]
+        rest = scratch[RIGHT_SIDE + i]
         for k in range(i + 1, UNKNOWNS):
-            rest -= scratch[NORMAL + UNKNOWNS * k + i] * scratch[PULLS + k]
-        scratch[PULLS + i] = rest / scratch[NORMAL + (UNKNOWNS + 1) * i]
+            rest -= scratch[NORMAL + UNKNOWNS * k + i] * scratch[RIGHT_SIDE + k]
+        scratch[RIGHT_SIDE + i] = rest / scratch[NORMAL + (UNKNOWNS + 1) * i]

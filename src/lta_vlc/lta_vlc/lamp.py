@@ -16,28 +16,20 @@ OFF_AXIS_DEVIATION = 0.15  # relative, of a range by strength: the beam's angle 
 class LampPrior(Settings):
     """Prior on the lamp: one direction does not determine its range."""
 
-    distance: float = setting(4.0, 'Expected distance to the lamp.', unit='m', low=0.1, high=100.0)
+    distance: float = setting(4.0, 'Expected distance to the lamp.', 'm', 0.1, 100.0)
     distance_deviation: float = setting(
-        3.0,
-        'Standard deviation of the expected distance to the lamp.',
-        unit='m',
-        low=0.0,
-        high=100.0,
+        3.0, 'Standard deviation of the expected distance to the lamp.', 'm', 0.0, 100.0
     )
     height_deviation: float = setting(
-        1.0,
-        'Standard deviation of the height difference between lamp and drone.',
-        unit='m',
-        low=0.0,
-        high=100.0,
+        1.0, 'Standard deviation of the height difference between lamp and drone.', 'm', 0.0, 100.0
     )
     intensity: float = setting(
         0.0,
         "Reading of a nominal photodiode that faces the lamp from 1 m away on the lamp's "
         'axis; 0: not measured.',
-        unit='counts',
-        low=0.0,
-        high=1e9,
+        'counts',
+        0.0,
+        1e9,
     )
 
 
@@ -92,11 +84,13 @@ def estimate_lamp_position(direction: 'Direction', prior: LampPrior) -> LampEsti
     up = square * direction.elevation_variance
     both = square * direction.cross_variance * level
     return LampEstimate(
-        distance * x, distance * y, distance * z,
+        distance * x,
+        distance * y,
+        distance * z,
         along * x * x + left * a * a + up * d * d + 2.0 * both * a * d,
         along * x * y + left * a * b + up * d * e + both * (a * e + b * d),
         along * x * z + up * d * level + both * a * level,
         along * y * y + left * b * b + up * e * e + 2.0 * both * b * e,
         along * y * z + up * e * level + both * b * level,
         along * z * z + up * level * level,
-    )  # fmt: skip
+    )

@@ -41,31 +41,39 @@ from numpy.typing import NDArray
 
 Numbers = Sequence[float] | NDArray[np.float64]
 Scratch = MutableSequence[float] | NDArray[np.float64]
-
 # The unknowns; the last two are steps on the sphere. The last three are asked for: in this order
 # their covariance stands in the last corner of the factor.
 PEDESTAL, SLOPE, BEND, NEARNESS, FALL, RESPONSE = 0, 1, 4, 6, 7, 8
 STRENGTH, ELEVATION, AZIMUTH = 9, 10, 11
 UNKNOWNS = 12
-
 # Where each part stands in the scratch numbers.
 ROW = 0
-PULLS = ROW + UNKNOWNS
-NORMAL = PULLS + UNKNOWNS
+RIGHT_SIDE = ROW + UNKNOWNS
+NORMAL = RIGHT_SIDE + UNKNOWNS
 VALUES = NORMAL + UNKNOWNS * UNKNOWNS
 MISFIT = VALUES + ELEVATION
 FIT_SCRATCH = MISFIT + 1
-
-MIXED = 2.5
-SLOPES, BENDS, REST = 0.37, 0.13, 0.02  # standard deviations, parts of B
-LEANING = 0.2  # mean of the slope towards the lamp, part of B: the ground below it is brightest
-ACROSS, ACROSS_DEVIATION = 0.2, 0.15  # slope across the direction, over B t, and its spread over B
-TWISTED, TWISTED_DEVIATION = 0.1, 0.06  # the same of the bend
-BARE = 0.005  # smallest pedestal taken as possible, share of S
-BEAM = 1.0  # standard deviation of t: the tangent of the angle at which the beam leaves the lamp
-EDGE = 0.05  # half width of the edge of a diode's view, in cosines
-AROUND = math.pi * math.pi / 3.0  # variance of a uniformly distributed azimuth [rad2]
-FAINT = 1e-6  # least error of a reading, part of the highest
+DIFFUSE_MIXING = 2.5
+SLOPE_DEVIATION, BEND_DEVIATION, PATTERN_DEVIATION = (
+    0.37,
+    0.13,
+    0.02,
+)  # standard deviations, parts of B
+GROUND_SLOPE = (
+    0.2  # mean of the slope towards the lamp, part of B: the ground below it is brightest
+)
+FALL_SLOPE, FALL_SLOPE_DEVIATION = (
+    0.2,
+    0.15,
+)  # slope across the direction, over B t, and its spread over B
+FALL_BEND, FALL_BEND_DEVIATION = 0.1, 0.06  # the same of the bend
+LEAST_PEDESTAL = 0.005  # smallest pedestal taken as possible, share of S
+FALL_DEVIATION = (
+    1.0  # standard deviation of t: the tangent of the angle at which the beam leaves the lamp
+)
+VIEW_EDGE = 0.05  # half width of the edge of a diode's view, in cosines
+AZIMUTH_VARIANCE = math.pi * math.pi / 3.0  # variance of a uniformly distributed azimuth [rad2]
+LEAST_ERROR = 1e-6  # least error of a reading, part of the highest
 
 
 class DiodeFitInputs(NamedTuple):
@@ -98,8 +106,8 @@ class DirectionPrior(NamedTuple):
 def pedestal_unevenness(strength: float, pedestal: float) -> float:
     """Return B, the size of the pedestal's harmonics. [counts]"""
     # A fit may step to a negative pedestal
-    diffuse = max(pedestal, 0.0) + BARE * strength
-    return diffuse * strength / (strength + MIXED * diffuse)
+    diffuse = max(pedestal, 0.0) + LEAST_PEDESTAL * strength
+    return diffuse * strength / (strength + DIFFUSE_MIXING * diffuse)
 
 
 def build_normal_equations(
@@ -115,7 +123,7 @@ def build_normal_equations(
 ) -> None:
     """Write normal matrix (lower half), right side and misfit at the current values."""
     # Right side and matrix are accumulated below
-    for j in range(PULLS, VALUES):
+    for j in range(RIGHT_SIDE, VALUES):
         scratch[j] = 0.0
     scratch[MISFIT] = 0.0
     strength, pedestal = scratch[VALUES + STRENGTH], scratch[VALUES + PEDESTAL]
@@ -132,7 +140,7 @@ def build_normal_equations(
             model += scratch[VALUES + j] * scratch[ROW + j]
         # Standard deviation by the unknown true gain
         unequal = array.spread * gain * (seen + pedestal)
-        rough = REST * gain * uneven
+        rough = PATTERN_DEVIATION * gain * uneven
         variance = (
             errors[i] * errors[i] + unequal * unequal + rough * rough + least_error * least_error
         )
@@ -142,30 +150,34 @@ def build_normal_equations(
         scratch[MISFIT] += weight * missing * missing
         for j in range(UNKNOWNS):
             part = weight * scratch[ROW + j]
-            scratch[PULLS + j] += part * missing
+            scratch[RIGHT_SIDE + j] += part * missing
             own = NORMAL + UNKNOWNS * j
             for k in range(j + 1):
                 scratch[own + k] += part * scratch[ROW + k]
     # A uniform azimuth keeps the matrix regular where the diodes say nothing
-    scratch[NORMAL + (UNKNOWNS + 1) * AZIMUTH] += 1.0 / AROUND
+    scratch[NORMAL + (UNKNOWNS + 1) * AZIMUTH] += 1.0 / AZIMUTH_VARIANCE
     level = math.sqrt(x * x + y * y)
     # Priors on the other unknowns
     lifted = math.atan2(z, level) - expected.elevation
     add_prior(scratch, ELEVATION, lifted, expected.elevation_deviation)
     near = scratch[VALUES + NEARNESS] - expected.nearness
     add_prior(scratch, NEARNESS, near, expected.nearness_deviation)
-    add_prior(scratch, FALL, scratch[VALUES + FALL], BEAM)
+    add_prior(scratch, FALL, scratch[VALUES + FALL], FALL_DEVIATION)
     odd = scratch[VALUES + RESPONSE] - array.response
     add_prior(scratch, RESPONSE, odd, array.response_deviation)
-    towards = LEANING * uneven
-    add_prior(scratch, SLOPE + 2, scratch[VALUES + SLOPE + 2] - towards * z, SLOPES * uneven)
+    towards = GROUND_SLOPE * uneven
+    add_prior(
+        scratch, SLOPE + 2, scratch[VALUES + SLOPE + 2] - towards * z, SLOPE_DEVIATION * uneven
+    )
     # Slope and bend along the direction and across it, by the cosine and sine of its azimuth
     c, s = (x / level, y / level) if level > 0.0 else (1.0, 0.0)
-    add_harmonic_prior(scratch, SLOPE, c, s, 0.0, towards * level, SLOPES * uneven)
-    add_harmonic_prior(scratch, SLOPE, -s, c, ACROSS * uneven, 0.0, ACROSS_DEVIATION * uneven)
+    add_harmonic_prior(scratch, SLOPE, c, s, 0.0, towards * level, SLOPE_DEVIATION * uneven)
+    add_harmonic_prior(
+        scratch, SLOPE, -s, c, FALL_SLOPE * uneven, 0.0, FALL_SLOPE_DEVIATION * uneven
+    )
     c, s = c * c - s * s, 2.0 * c * s
-    add_harmonic_prior(scratch, BEND, c, s, 0.0, 0.0, BENDS * uneven)
-    add_harmonic_prior(scratch, BEND, -s, c, TWISTED * uneven, 0.0, TWISTED_DEVIATION * uneven)
+    add_harmonic_prior(scratch, BEND, c, s, 0.0, 0.0, BEND_DEVIATION * uneven)
+    add_harmonic_prior(scratch, BEND, -s, c, FALL_BEND * uneven, 0.0, FALL_BEND_DEVIATION * uneven)
 
 
 def add_prior(scratch: Scratch, unknown: int, off: float, deviation: float) -> None:
@@ -173,7 +185,7 @@ def add_prior(scratch: Scratch, unknown: int, off: float, deviation: float) -> N
     weight = 1.0 / (deviation * deviation)
     # Diagonal element
     scratch[NORMAL + (UNKNOWNS + 1) * unknown] += weight
-    scratch[PULLS + unknown] -= weight * off
+    scratch[RIGHT_SIDE + unknown] -= weight * off
     scratch[MISFIT] += weight * off * off
 
 
@@ -189,12 +201,14 @@ def add_harmonic_prior(
     """Add the prior of c h1 + s h2 - per_fall t for the two unknowns h from `first`."""
     weight = 1.0 / (deviation * deviation)
     off = (
-        c * scratch[VALUES + first] + s * scratch[VALUES + first + 1]
-        - per_fall * scratch[VALUES + FALL] - mean
-    )  # fmt: skip
-    scratch[PULLS + first] -= weight * off * c
-    scratch[PULLS + first + 1] -= weight * off * s
-    scratch[PULLS + FALL] += weight * off * per_fall
+        c * scratch[VALUES + first]
+        + s * scratch[VALUES + first + 1]
+        - per_fall * scratch[VALUES + FALL]
+        - mean
+    )
+    scratch[RIGHT_SIDE + first] -= weight * off * c
+    scratch[RIGHT_SIDE + first + 1] -= weight * off * s
+    scratch[RIGHT_SIDE + FALL] += weight * off * per_fall
     # Lower half of the outer product; FALL comes after both harmonics
     scratch[NORMAL + (UNKNOWNS + 1) * first] += weight * c * c
     scratch[NORMAL + (UNKNOWNS + 1) * (first + 1)] += weight * s * s
@@ -224,7 +238,7 @@ def compute_jacobian_row(
     thinned = square ** (-0.5 * p - 1.0)
     response = cosine**p * thinned if cosine > 0.0 else 0.0
     # Smooth stand-in for |cos|, so that the slope is continuous at the edge
-    edge = math.sqrt(cosine * cosine + EDGE * EDGE)
+    edge = math.sqrt(cosine * cosine + VIEW_EDGE * VIEW_EDGE)
     # Offset of the diode to the left, across the beam
     left = rx * ax + ry * ay
     beam = 1.0 + near * fall * left

@@ -21,37 +21,33 @@ class DemodulationSettings(Settings):
     """
 
     frequency: float = setting(
-        150.0, 'Frequency at which the first beacon flickers.', unit='Hz', low=1.0, high=100_000.0
+        150.0, 'Frequency at which the first beacon flickers.', 'Hz', 1.0, 100_000.0
     )
-    others: tuple[Frequency, ...] = setting((), 'Frequencies of further beacons.', unit='Hz')
+    others: tuple[Frequency, ...] = setting((), 'Frequencies of further beacons.', 'Hz')
     window: int = setting(
-        2,
-        "Number of FFT bins searched on either side of a beacon's frequency.",
-        unit='1',
-        low=0,
-        high=100,
+        2, "Number of FFT bins searched on either side of a beacon's frequency.", '1', 0, 100
     )
     harmonics: int = setting(
         50,
         'Number of harmonics of each beacon excluded from the noise estimate (1: only the '
         'fundamental).',
-        unit='1',
-        low=1,
-        high=1000,
+        '1',
+        1,
+        1000,
     )
     threshold: float = setting(
         6.0,
         'Smallest signal-to-noise ratio (SNR) at which the signal of a photodiode is used.',
-        unit='1',
-        low=1.0,
-        high=1000.0,
+        '1',
+        1.0,
+        1000.0,
     )
     mains: float = setting(
         50.0,
         'Mains frequency, 50 or 60 Hz; room lamps flicker at twice this. 0: no such lamps.',
-        unit='Hz',
-        low=0.0,
-        high=400.0,
+        'Hz',
+        0.0,
+        400.0,
     )
     learn_gains: bool = setting(
         False,

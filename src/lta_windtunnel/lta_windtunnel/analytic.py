@@ -32,7 +32,7 @@ import math
 from typing import Final
 
 from lta_config.schema.vehicle_body import HullBlock
-from lta_model.hull import added_mass, half_axes
+from lta_model.mass_properties import added_mass, half_axes
 from lta_windtunnel.tunnel_model import HULL, TunnelModel
 import numpy as np
 from numpy.typing import NDArray

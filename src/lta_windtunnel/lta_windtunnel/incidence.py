@@ -11,7 +11,7 @@ import math
 from typing import final
 
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_model import hull
+from lta_model import mass_properties
 from lta_windtunnel.aero_fit import fit_drag_by_axis
 from lta_windtunnel.sweep_table import SweepPoint, TunnelSweep
 from lta_windtunnel.tunnel import INCIDENCES
@@ -38,7 +38,9 @@ class InclinedFlow:
 def compare_inclined_flows(sweep: TunnelSweep) -> list[InclinedFlow]:
     """Return the flows of a sweep with the nose up, by incidence; level flight has no moment."""
     fits = fit_drag_by_axis(sweep)
-    along, _, upright, *_ = hull.added_mass(load_vehicle_file(sweep.vehicle).hull, sweep.density)
+    along, _, upright, *_ = mass_properties.added_mass(
+        load_vehicle_file(sweep.vehicle).hull, sweep.density
+    )
     comparisons = []
     for name, point in sweep.inclined.items():
         angle = math.radians(INCIDENCES[name])

@@ -14,7 +14,7 @@ from typing import Final
 
 from lta_config.errors import BadInput
 from lta_config.schema.vehicle_body import HullBlock
-from lta_model.hull import half_axes
+from lta_model.mass_properties import half_axes
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import cumulative_simpson

@@ -9,8 +9,7 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 from lta_config.errors import BadInput
-from lta_config.files import StrictModel
-from lta_config.validation_errors import format_error
+from lta_config.files import format_error, StrictModel
 from pydantic import Field, ValidationError
 
 Vector = Annotated[list[float], Field(min_length=3, max_length=3)]

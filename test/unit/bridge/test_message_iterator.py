@@ -9,7 +9,7 @@ from lta_bridge.playback.message_iterator import MessageIterator, shift_stamp
 from lta_bridge.playback.playback_clock import PlaybackClock
 from lta_bridge.playback.recording import open_recording
 from lta_config.errors import BadInput
-from lta_config.process_limits import limit_memory
+from lta_config.limits import limit_memory
 from lta_config.topics import load_topic_table
 from mcap.writer import Writer
 import numpy as np
@@ -236,7 +236,7 @@ def test_a_chunk_that_unpacks_to_more_than_there_is_is_one_sentence(
         writer.finish()
     if not finished:
         path.write_bytes(path.read_bytes()[:-8])
-    monkeypatch.setattr('lta_config.process_limits.READER_MEMORY', 100 << 20)
+    monkeypatch.setattr('lta_config.limits.READER_MEMORY', 100 << 20)
 
     def play():
         found = open_recording(path, '', TABLE)

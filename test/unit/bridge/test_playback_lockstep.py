@@ -21,8 +21,7 @@ from lta_bridge.playback.pending_answers import NEVER, PendingAnswers
 from lta_bridge.playback.recording import RecordedMessage
 from lta_config.errors import BadInput
 from lta_config.topics import load_topic_table
-from lta_graph.inbox import Inbox
-from lta_graph.lockstep import RecordedSchedule
+from lta_graph.inbox import Inbox, RecordedSchedule
 import pytest
 
 TABLE = load_topic_table()

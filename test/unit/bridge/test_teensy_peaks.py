@@ -6,8 +6,8 @@ from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.topics import load_topic_table
 from lta_emulation.teensy.emulated_board import EmulatedBoard
 from lta_vlc.diodes import build_diode_array
+from lta_vlc.direction import LampFinder
 from lta_vlc.lamp import LampPrior
-from lta_vlc.lamp_finder import LampFinder
 from lta_vlc.receiver import BeaconReceiver
 from lta_vlc.settings import DemodulationSettings
 import numpy as np

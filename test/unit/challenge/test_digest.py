@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from lta_challenge import digest
 from lta_model.effects import EFFECTS
-from lta_model.effects.aerodynamics import linear_drag
+from lta_model.effects.drag import LINEAR_DRAG
 import pytest
 
 
@@ -18,7 +18,7 @@ def test_a_changed_spread_or_equation_is_another_registry(monkeypatch: pytest.Mo
     monkeypatch.setitem(EFFECTS, 'linear_drag', replace(effect, wrench=still))
     assert digest.compute_registry_digest() != before
     other = tuple(replace(p, source='elsewhere') for p in effect.parameters)
-    monkeypatch.setitem(EFFECTS, 'linear_drag', replace(linear_drag.EFFECT, parameters=other))
+    monkeypatch.setitem(EFFECTS, 'linear_drag', replace(LINEAR_DRAG, parameters=other))
     assert digest.compute_registry_digest() == before
 
 

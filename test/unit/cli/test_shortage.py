@@ -6,8 +6,7 @@ import resource
 import subprocess
 import sys
 
-from lta_config import process_limits
-from lta_config.process_limits import describe_shortage
+from lta_config.limits import describe_shortage
 import pytest
 
 MAIN = 'from lta_cli.command import main; main()'
@@ -53,7 +52,7 @@ def test_an_error_is_due_to_a_limit_if_it_says_so_or_the_limit_is_low(
     monkeypatch, error, files, space, named
 ):
     limits = {resource.RLIMIT_NOFILE: (files, files), resource.RLIMIT_AS: (space, space)}
-    monkeypatch.setattr(process_limits.resource, 'getrlimit', limits.get)
+    monkeypatch.setattr(resource, 'getrlimit', limits.get)
     text = describe_shortage(error)
     if named is None:
         assert text is None

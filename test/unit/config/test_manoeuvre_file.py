@@ -2,8 +2,12 @@
 
 from lta_config.errors import BadInput
 from lta_config.files import find_file, list_shipped_names, load_yaml
-from lta_config.schema.comparison_file import ComparisonFile, load_comparison
-from lta_config.schema.maneuver_file import load_maneuver_file, ManeuverFile
+from lta_config.schema.comparison_file import (
+    ComparisonFile,
+    load_comparison,
+    load_maneuver_file,
+    ManeuverFile,
+)
 from pydantic import ValidationError
 import pytest
 import yaml

@@ -2,8 +2,7 @@
 
 from lta_config.errors import BadInput
 from lta_config.files import find_file, list_shipped_names, load_yaml
-from lta_config.schema.light_day_file import load_light_day
-from lta_config.schema.mission_file import load_mission
+from lta_config.schema.mission_file import load_light_day, load_mission
 import pytest
 import yaml
 

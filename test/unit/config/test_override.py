@@ -3,10 +3,10 @@
 from lta_config.errors import BadInput
 from lta_config.parameter_override import (
     get_parameter,
+    OVERRIDE_SOURCE,
     parse_assignment,
     parse_value,
     replace_parameter,
-    SOURCE,
 )
 import pytest
 
@@ -28,18 +28,24 @@ def changed(text):
 @pytest.mark.parametrize(
     ('text', 'found'),
     [
-        ('trim.heaviness=4 g', {'value': 4.0, 'unit': 'g', 'source': SOURCE}),
-        ('trim.heaviness=0.004 kg', {'value': 0.004, 'unit': 'kg', 'source': SOURCE}),
-        ('air.wind=[1, 0, -0.5] m/s', {'value': [1, 0, -0.5], 'unit': 'm/s', 'source': SOURCE}),
-        ('air.temperature = 25 degC', {'value': 25.0, 'unit': 'degC', 'source': SOURCE}),
+        ('trim.heaviness=4 g', {'value': 4.0, 'unit': 'g', 'source': OVERRIDE_SOURCE}),
+        ('trim.heaviness=0.004 kg', {'value': 0.004, 'unit': 'kg', 'source': OVERRIDE_SOURCE}),
+        (
+            'air.wind=[1, 0, -0.5] m/s',
+            {'value': [1, 0, -0.5], 'unit': 'm/s', 'source': OVERRIDE_SOURCE},
+        ),
+        ('air.temperature = 25 degC', {'value': 25.0, 'unit': 'degC', 'source': OVERRIDE_SOURCE}),
         ('room.albedo=0.25', 0.25),
         ('room.albedo=1', 1.0),
         ('room.albedo=1e-05', 1e-5),
-        ('air.wind=[1e-05, 0, 0] m/s', {'value': [1e-5, 0, 0], 'unit': 'm/s', 'source': SOURCE}),
+        (
+            'air.wind=[1e-05, 0, 0] m/s',
+            {'value': [1e-5, 0, 0], 'unit': 'm/s', 'source': OVERRIDE_SOURCE},
+        ),
         ('diodes.count=4', 4),
         ('rotor.reversible=true', True),
-        ('effects.motor_lag.up=0 ms', {'value': 0.0, 'unit': 'ms', 'source': SOURCE}),
-        ('effects.leak.rate=1 g', {'value': 1.0, 'unit': 'g', 'source': SOURCE}),
+        ('effects.motor_lag.up=0 ms', {'value': 0.0, 'unit': 'ms', 'source': OVERRIDE_SOURCE}),
+        ('effects.leak.rate=1 g', {'value': 1.0, 'unit': 'g', 'source': OVERRIDE_SOURCE}),
     ],
 )
 def test_a_value_is_replaced(text, found):

@@ -2,10 +2,14 @@
 
 import copy
 
-from lta_config.arithmetic import evaluate_expression
 from lta_config.errors import BadInput
 from lta_config.files import find_file, list_shipped_names, load_yaml, validate_content
-from lta_config.schema.paper_file import load_paper_row, load_paper_rows, PaperRow
+from lta_config.schema.paper_file import (
+    evaluate_expression,
+    load_paper_row,
+    load_paper_rows,
+    PaperRow,
+)
 import pytest
 
 CELLS = load_yaml(find_file('row of the paper', 'cells'))

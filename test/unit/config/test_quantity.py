@@ -6,9 +6,8 @@ from typing import Annotated
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_config import quantity as quantity_module
-from lta_config.files import StrictModel
+from lta_config.files import format_error, StrictModel
 from lta_config.quantity import Quantity, si_quantity, UNITS
-from lta_config.validation_errors import format_error
 from pydantic import ValidationError
 import pytest
 

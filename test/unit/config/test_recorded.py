@@ -1,8 +1,7 @@
 """What is recorded: by the table, by name, and everything."""
 
 from lta_config.errors import BadInput
-from lta_config.topic_selection import is_selected, select_topics
-from lta_config.topics import load_topic_table
+from lta_config.topics import is_selected, load_topic_table, select_topics
 import pytest
 
 TABLE = load_topic_table()

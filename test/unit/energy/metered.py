@@ -6,10 +6,8 @@ The circuit is written out here a second time; only the chart of the resting vol
 
 import math
 
-from lta_energy.monitoring.estimate import EnergyEstimate
-from lta_energy.monitoring.monitor import MonitorSettings, update_estimate
-from lta_energy.monitoring.power_system import PowerSystem
-from lta_energy.monitoring.reading import MeterReading
+from lta_energy.monitoring.meters import MeterReading, PowerSystem
+from lta_energy.monitoring.monitor import EnergyEstimate, MonitorSettings, update_estimate
 from lta_model.electrical.battery import BatteryModel, open_circuit_voltage
 from lta_model.electrical.charger import ChargerModel
 from lta_sim.sensors import power

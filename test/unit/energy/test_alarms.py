@@ -4,17 +4,17 @@ from dataclasses import astuple, replace
 import math
 
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_energy.faults.detector import MeterObservation
-from lta_energy.faults.fault_monitor import update_detectors
-from lta_energy.monitoring.energy_balance import EnergyBalance, update_energy_balance
-from lta_energy.monitoring.estimate import EnergyEstimate
-from lta_energy.monitoring.latch import Latch
-from lta_energy.monitoring.load import LoadEstimate
-from lta_energy.monitoring.monitor import MonitorSettings
-from lta_energy.monitoring.power_system import PowerSystem
-from lta_energy.monitoring.reading import MeterReading, TravelState
+from lta_energy.monitoring.faults import Latch, MeterObservation, update_detectors
+from lta_energy.monitoring.meters import (
+    EnergyBalance,
+    MeterReading,
+    PowerSystem,
+    TravelState,
+    update_energy_balance,
+)
+from lta_energy.monitoring.monitor import EnergyEstimate, MonitorSettings
+from lta_energy.monitoring.outlook import LoadEstimate, ReserveMargin
 from lta_energy.monitoring.report import report_energy
-from lta_energy.monitoring.reserve import ReserveMargin
 from lta_energy.monitoring.soc_ekf import CellState
 from lta_graph.health import HealthLevel
 from lta_model.electrical.battery import BatteryModel

@@ -3,14 +3,14 @@
 import math
 
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_energy.break_even_illuminance import (
+from lta_energy.harvest import (
     break_even_illuminance,
     charging_power,
+    HarvestCurve,
     irradiance_from_lux,
     LAMPS,
     LightSource,
 )
-from lta_energy.harvest import HarvestCurve
 from lta_energy.irradiance import PanelIrradiance
 from lta_model.electrical.charger import ChargerModel
 from lta_model.electrical.panel import cell_spectral_factor, find_max_power_point, SolarArrayModel

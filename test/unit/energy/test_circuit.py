@@ -3,18 +3,11 @@
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_energy.circuit import (
-    add_totals,
-    EnergyTotals,
-    NOTHING,
-    resting_flow,
-    step_circuit,
-    total_stored_energy,
-)
+from lta_energy.circuit import add_totals, EnergyTotals, NO_ENERGY, step_circuit
 from lta_energy.harvest import HarvestCurve
 from lta_energy.irradiance import DARK
 from lta_model.electrical.battery import BatteryModel
-from lta_model.electrical.charger import ChargerModel
+from lta_model.electrical.charger import ChargerModel, resting_flow, total_stored_energy
 from lta_model.electrical.panel import find_max_power_point, SolarArrayModel
 import numpy as np
 import pytest
@@ -35,7 +28,7 @@ HARVEST = HarvestCurve(PANEL, 1.1)  # 1.1 W/m2 of sunlight for 1 of a lamp
     steps=st.integers(1, 30),
 )
 def test_what_is_harvested_is_consumed_lost_or_stored(charge, available, asked, steps):
-    store, spent = resting_flow(charge), NOTHING
+    store, spent = resting_flow(charge), NO_ENERGY
     begun = total_stored_energy(CELL, store)
     for _ in range(steps):
         store, spent = step_circuit(CELL, CHARGER, store, spent, available, asked, 10.0)
@@ -51,13 +44,13 @@ def test_what_is_harvested_is_consumed_lost_or_stored(charge, available, asked, 
 
 def test_a_full_cell_leaves_the_light_unharvested():
     """Loads of 0.1 W at 85 % efficiency, and 22 mW of the charger, take 0.1396 W of the array."""
-    _, spent = step_circuit(CELL, CHARGER, resting_flow(1.0), NOTHING, 1.0, 0.1, 60.0)
+    _, spent = step_circuit(CELL, CHARGER, resting_flow(1.0), NO_ENERGY, 1.0, 0.1, 60.0)
     assert spent.harvested == pytest.approx(60.0 * (0.1 / 0.85 + 0.022))
     assert spent.curtailed == pytest.approx(60.0 * (0.95 - 0.1 / 0.85 - 0.022))
 
 
 def test_an_empty_cell_goes_out():
-    store, spent = resting_flow(0.001), NOTHING
+    store, spent = resting_flow(0.001), NO_ENERGY
     for _ in range(10):
         store, spent = step_circuit(CELL, CHARGER, store, spent, 0.0, 1.5, 1.0)
     assert not store.fed
@@ -85,12 +78,12 @@ def test_a_flickering_lamp_brings_its_duty_of_its_own_brightness():
 def test_in_light_too_dim_for_the_charger_nothing_is_left_unharvested():
     """The charger's own 22 mW need 23.2 mW from the array."""
     for available, curtailed in ((0.0231, 0.0), (0.024, 60.0 * (0.024 * 0.95 - 0.022))):
-        _, spent = step_circuit(CELL, CHARGER, resting_flow(1.0), NOTHING, available, 0.0, 60.0)
+        _, spent = step_circuit(CELL, CHARGER, resting_flow(1.0), NO_ENERGY, available, 0.0, 60.0)
         assert spent.curtailed == pytest.approx(curtailed, abs=1e-9)
 
 
 def test_the_books_add_up_entry_by_entry():
-    assert NOTHING == (0.0, 0.0, 0.0, 0.0)
+    assert NO_ENERGY == (0.0, 0.0, 0.0, 0.0)
     assert add_totals(EnergyTotals(1.0, 2.0, 3.0, 4.0), EnergyTotals(10.0, 20.0, 30.0, 40.0)) == (
         11,
         22,
@@ -98,7 +91,7 @@ def test_the_books_add_up_entry_by_entry():
         44,
     )
     before = EnergyTotals(1.0, 2.0, 3.0, 4.0)
-    store, once = step_circuit(CELL, CHARGER, resting_flow(0.5), NOTHING, 1.0, 0.1, 10.0)
+    store, once = step_circuit(CELL, CHARGER, resting_flow(0.5), NO_ENERGY, 1.0, 0.1, 10.0)
     again, twice = step_circuit(CELL, CHARGER, resting_flow(0.5), before, 1.0, 0.1, 10.0)
     assert again == store
     assert twice == pytest.approx(add_totals(before, once))

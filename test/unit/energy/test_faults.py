@@ -5,9 +5,8 @@ import math
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_energy.monitoring.estimate import EnergyEstimate
-from lta_energy.monitoring.latch import Latch, ROUNDING, update_latch
-from lta_energy.monitoring.monitor import update_estimate
+from lta_energy.monitoring.faults import Latch, ROUNDING, update_latch
+from lta_energy.monitoring.monitor import EnergyEstimate, update_estimate
 from lta_energy.monitoring.report import report_energy
 from lta_graph.health import HealthLevel
 import pytest

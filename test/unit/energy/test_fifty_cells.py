@@ -8,8 +8,7 @@ which leaves the filter less to work with than the ten of the graph; `test/score
 measures all of it at ten.
 """
 
-from lta_energy.monitoring.estimate import EnergyEstimate
-from lta_energy.monitoring.monitor import update_estimate
+from lta_energy.monitoring.monitor import EnergyEstimate, update_estimate
 from lta_energy.monitoring.report import report_energy
 import numpy as np
 import pytest

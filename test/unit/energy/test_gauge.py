@@ -2,7 +2,7 @@
 
 import math
 
-from lta_energy.gauge import ChargeGauge, propagate_gauge, update_gauge
+from lta_energy.circuit import ChargeGauge, propagate_gauge, update_gauge
 from lta_model.electrical.battery import BatteryModel
 import pytest
 

@@ -3,14 +3,22 @@
 import math
 
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_energy.circuit import EnergyTotals, NOTHING, resting_flow, step_circuit
-from lta_energy.gauge import ChargeGauge, update_gauge
+from lta_energy.circuit import ChargeGauge, EnergyTotals, NO_ENERGY, step_circuit, update_gauge
 from lta_energy.irradiance import IrradianceSeries
-from lta_energy.mission import Landing, MissionSimulation, PerchConfig
-from lta_energy.mission_log import ALOFT, ASLEEP, AWAY, MissionFlight, OUT, PERCHED
+from lta_energy.mission import (
+    ALOFT,
+    ASLEEP,
+    AWAY,
+    EMPTY,
+    Landing,
+    MissionFlight,
+    MissionSimulation,
+    PerchConfig,
+    PERCHED,
+)
 from lta_energy.schedule import ScheduleDecision
 from lta_model.electrical.battery import BatteryModel
-from lta_model.electrical.charger import ChargerModel
+from lta_model.electrical.charger import ChargerModel, resting_flow
 import numpy as np
 import pytest
 
@@ -123,7 +131,7 @@ def test_rest_lasts_a_minute_at_least_and_never_beyond_the_last_day():
 @pytest.mark.parametrize(('asleep', 'watts'), [(True, 0.006), (False, 0.097)])
 def test_a_rest_draws_what_it_takes_in_steps_of_half_a_minute(asleep, watts):
     diary, seen, _ = lived([rest(75.0, asleep)], sun=50.0)
-    store, gauge, spent = resting_flow(0.6), ChargeGauge(0.6, 0.05), NOTHING
+    store, gauge, spent = resting_flow(0.6), ChargeGauge(0.6, 0.05), NO_ENERGY
     for dt in (30.0, 30.0, 15.0):
         store, spent = step_circuit(CELL, CHARGER, store, spent, 0.05, watts, dt)
         gauge = update_gauge(CELL, gauge, store.voltage, 1.1 * store.current + 0.002, dt)
@@ -185,7 +193,7 @@ def test_a_cell_that_goes_out_is_counted_once_and_draws_nothing_until_light_has_
     hungry = [rest(600.0, asleep=False)]
     diary, seen, _ = lived(hungry, upkeep=upkeep)
     assert diary.outages == 1
-    assert diary.state[-1] == OUT
+    assert diary.state[-1] == EMPTY
     assert diary.spent.consumed < 0.002 * 900.0 * 4.2
     assert seen[1].time < 600.0  # it did not rest on as it had wished
     diary, seen, _ = lived(hungry * 100, upkeep=upkeep, sun=1000.0)

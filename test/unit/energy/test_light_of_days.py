@@ -3,7 +3,7 @@
 import dataclasses
 import math
 
-from lta_config.schema.light_day_file import load_light_day
+from lta_config.schema.mission_file import load_light_day
 from lta_energy.irradiance import (
     clear_sky_irradiance,
     lamp_irradiance,

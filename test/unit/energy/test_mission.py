@@ -5,15 +5,21 @@ from functools import partial
 from itertools import pairwise
 import math
 
-from lta_config.schema.light_day_file import DAY, load_light_day
+from lta_config.schema.mission_file import DAY, load_light_day
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_energy import mission
-from lta_energy.circuit import NOTHING, step_circuit
-from lta_energy.gauge import ChargeGauge
+from lta_energy.circuit import ChargeGauge, NO_ENERGY, step_circuit
 from lta_energy.harvest import HarvestCurve
 from lta_energy.irradiance import simulate_irradiance
-from lta_energy.mission import Landing, MissionSimulation, PerchConfig
-from lta_energy.mission_log import ALOFT, ASLEEP, MissionFlight, PERCHED
+from lta_energy.mission import (
+    ALOFT,
+    ASLEEP,
+    Landing,
+    MissionFlight,
+    MissionSimulation,
+    PerchConfig,
+    PERCHED,
+)
 from lta_energy.schedule import (
     build_fixed_schedule,
     forecast_charge,
@@ -44,7 +50,7 @@ UPKEEP = PerchConfig(
 
 def flown(departure, watts=1.8, seconds=100.0, ending='home'):
     """Fly at constant power, as a mission never does."""
-    store, spent = departure.store, NOTHING
+    store, spent = departure.store, NO_ENERGY
     for _ in range(round(seconds)):
         store, spent = step_circuit(CELL, CHARGER, store, spent, 0.0, watts, 1.0)
     told = departure.told - departure.store.charge + store.charge

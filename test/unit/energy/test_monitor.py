@@ -3,13 +3,8 @@
 from dataclasses import replace
 import math
 
-from lta_energy.monitoring.estimate import EnergyEstimate
-from lta_energy.monitoring.monitor import (
-    MonitorSettings,
-    update_estimate,
-)
-from lta_energy.monitoring.power_system import PowerSystem
-from lta_energy.monitoring.reading import MeterReading, TravelState
+from lta_energy.monitoring.meters import MeterReading, PowerSystem, TravelState
+from lta_energy.monitoring.monitor import EnergyEstimate, MonitorSettings, update_estimate
 from lta_energy.monitoring.report import report_energy
 from lta_energy.monitoring.soc_ekf import (
     CellState,

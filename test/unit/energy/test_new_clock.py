@@ -1,8 +1,12 @@
 """Readings in order after their clock was set back."""
 
-from lta_energy.monitoring.clock_shift import append_stamp, ENOUGH, shift_stamps
-from lta_energy.monitoring.estimate import EnergyEstimate
-from lta_energy.monitoring.reading import MeterReading
+from lta_energy.monitoring.meters import MeterReading
+from lta_energy.monitoring.monitor import (
+    append_stamp,
+    EnergyEstimate,
+    NEW_CLOCK_READINGS,
+    shift_stamps,
+)
 import pytest
 
 
@@ -19,7 +23,7 @@ import pytest
 )
 def test_stamps_are_in_order_while_each_is_later(before, stamp, after):
     assert append_stamp(before, stamp) == after
-    assert ENOUGH == 3
+    assert NEW_CLOCK_READINGS == 3
 
 
 def test_what_was_read_is_moved_to_the_new_clock_and_stays_one_reading():

@@ -2,12 +2,17 @@
 
 import math
 
-from lta_energy.monitoring import endurance, load, reserve, way_home
-from lta_energy.monitoring.load import LoadEstimate, update_load
-from lta_energy.monitoring.reading import TravelState
-from lta_energy.monitoring.reserve import EnergyReserveSettings, ReserveMargin
+from lta_energy.monitoring import outlook
+from lta_energy.monitoring.meters import TravelState
+from lta_energy.monitoring.outlook import (
+    EnergyReserveSettings,
+    LoadEstimate,
+    ReserveMargin,
+    TravelEstimate,
+    update_load,
+    WayHomeSettings,
+)
 from lta_energy.monitoring.soc_ekf import CellState
-from lta_energy.monitoring.way_home import TravelEstimate, WayHomeSettings
 from lta_model.electrical.battery import BatteryModel, open_circuit_voltage, stored_energy
 import numpy as np
 import pytest
@@ -28,31 +33,31 @@ def known(charge=0.5, inverse=1.0, deviation=0.0, unsure=0.0, together=0.0):
 
 def test_time_to_empty_by_hand():
     # Half of the cell holds 900 C * 37.225 V / 20; 2 W leave it above 3.0 V down to 0 %.
-    time = endurance.estimate_discharge_time(CELL, known(), 2.0, 0.0)
+    time = outlook.estimate_discharge_time(CELL, known(), 2.0, 0.0)
     assert time == (pytest.approx(1675.125 / 2.0), 0.0)
-    small = endurance.estimate_discharge_time(CELL, known(inverse=1.25), 2.0, 0.0)
+    small = outlook.estimate_discharge_time(CELL, known(inverse=1.25), 2.0, 0.0)
     assert small.mean == pytest.approx(0.8 * time.mean)
 
 
 def test_a_heavy_load_leaves_some_of_the_charge_behind():
     # 9 W at 3.0 V are 3 A: 0.732 V over 0.244 ohm. The cell must rest at 3.732 V, 20 %.
     power = 9.0
-    assert endurance.empty_charge(CELL, known(), power) == pytest.approx(0.205, abs=1e-9)
+    assert outlook.empty_charge(CELL, known(), power) == pytest.approx(0.205, abs=1e-9)
     left = stored_energy(0.5, 900.0) - stored_energy(0.205, 900.0)
-    assert endurance.estimate_discharge_time(CELL, known(), power, 0.0).mean == pytest.approx(
+    assert outlook.estimate_discharge_time(CELL, known(), power, 0.0).mean == pytest.approx(
         left / power
     )
-    assert endurance.estimate_discharge_time(CELL, known(0.1), power, 0.0).mean == 0.0
+    assert outlook.estimate_discharge_time(CELL, known(0.1), power, 0.0).mean == 0.0
 
 
 def test_time_to_full_by_hand():
     missing = stored_energy(1.0, 900.0) - stored_energy(0.5, 900.0)
-    assert endurance.estimate_charging_time(CELL, known(), -0.5, 0.0) == (
+    assert outlook.estimate_charging_time(CELL, known(), -0.5, 0.0) == (
         pytest.approx(missing / 0.5),
         0.0,
     )
-    assert endurance.estimate_charging_time(CELL, known(), 0.5, 0.0) == endurance.NEVER
-    assert endurance.estimate_discharge_time(CELL, known(), -0.5, 0.0) == endurance.NEVER
+    assert outlook.estimate_charging_time(CELL, known(), 0.5, 0.0) == outlook.NEVER
+    assert outlook.estimate_discharge_time(CELL, known(), -0.5, 0.0) == outlook.NEVER
 
 
 @pytest.mark.parametrize('charging', [False, True])
@@ -61,7 +66,7 @@ def test_the_deviation_of_a_time_is_that_of_a_thousand_cells(charging):
     covariance = np.array([[0.02**2, 0.3 * 0.02 * 0.05], [0.3 * 0.02 * 0.05, 0.05**2]])
     cells = rng.multivariate_normal([0.5, 1.0], covariance, 2000)
     power = (-1.0 if charging else 1.0) * rng.normal(2.0, 0.1, 2000)
-    time = endurance.estimate_charging_time if charging else endurance.estimate_discharge_time
+    time = outlook.estimate_charging_time if charging else outlook.estimate_discharge_time
     times = [
         time(CELL, known(charge, inverse), watts, 0.0).mean
         for (charge, inverse), watts in zip(cells.tolist(), power.tolist(), strict=True)
@@ -73,7 +78,7 @@ def test_the_deviation_of_a_time_is_that_of_a_thousand_cells(charging):
 
 
 def test_a_young_load_is_the_plain_mean_and_an_old_one_forgets():
-    now = load.initial_load(9.0)
+    now = outlook.initial_load(9.0)
     for watts in (1.0, 3.0, 5.0):
         now = update_load(now, watts, 2.0, 0.0, 120.0)
     assert now.mean == pytest.approx(3.0)
@@ -91,14 +96,14 @@ def test_the_deviation_of_a_mean_load_is_what_chance_gives():
     kept = math.exp(-dt / quick)
     means, told = [], []
     for _ in range(60):
-        power, now = 2.0 + 0.5 * rng.standard_normal(), load.initial_load(2.0)
+        power, now = 2.0 + 0.5 * rng.standard_normal(), outlook.initial_load(2.0)
         for _ in range(1500):
             power = (
                 2.0 + kept * (power - 2.0) + 0.5 * math.sqrt(1 - kept**2) * rng.standard_normal()
             )
             now = update_load(now, power, dt, 1e-9, slow)
         means.append(now.mean)
-        told.append(load.mean_load_deviation(now, quick, slow))
+        told.append(outlook.mean_load_deviation(now, quick, slow))
     assert np.mean(means) == pytest.approx(2.0, abs=0.05)
     assert np.mean(told) == pytest.approx(np.std(means), rel=0.25)
 
@@ -107,19 +112,19 @@ def test_the_way_home_by_hand():
     settings = WayHomeSettings(head_wind=0.1)
     # 8 m at 0.5 - 0.1 m/s take 20 s at 1.5 W; 60 J bring the drone 40 s, or 16 m.
     travel = TravelEstimate(1.5, 0.5)
-    assert way_home.energy_home(settings, travel, 8.0) == pytest.approx(30.0)
-    assert way_home.reachable_distance(settings, travel, 60.0) == pytest.approx(16.0)
-    assert way_home.reachable_distance(settings, travel, -1.0) == 0.0
+    assert outlook.energy_home(settings, travel, 8.0) == pytest.approx(30.0)
+    assert outlook.reachable_distance(settings, travel, 60.0) == pytest.approx(16.0)
+    assert outlook.reachable_distance(settings, travel, -1.0) == 0.0
     # It never comes to a stand in the books: 0.05 m/s over the ground at least.
-    assert way_home.energy_home(settings, TravelEstimate(1.5, 0.1), 1.0) == pytest.approx(30.0)
+    assert outlook.energy_home(settings, TravelEstimate(1.5, 0.1), 1.0) == pytest.approx(30.0)
 
 
 def test_what_flying_takes_is_learnt_while_the_drone_moves():
     settings = WayHomeSettings(smoothing=10.0)
-    travel = way_home.initial_travel(settings)
-    assert way_home.update_travel(settings, travel, None, 9.0, 1.0) == travel
-    assert way_home.update_travel(settings, travel, TravelState(3.0, 0.05), 9.0, 1.0) == travel
-    travel = way_home.update_travel(settings, travel, TravelState(3.0, 1.0), 2.4, 10.0)
+    travel = outlook.initial_travel(settings)
+    assert outlook.update_travel(settings, travel, None, 9.0, 1.0) == travel
+    assert outlook.update_travel(settings, travel, TravelState(3.0, 0.05), 9.0, 1.0) == travel
+    travel = outlook.update_travel(settings, travel, TravelState(3.0, 1.0), 2.4, 10.0)
     share = 1.0 - math.exp(-1.0)
     assert travel == pytest.approx((1.4 + share * 1.0, 0.5 + share * 0.5))
 
@@ -127,7 +132,7 @@ def test_what_flying_takes_is_learnt_while_the_drone_moves():
 def test_the_reserve_counts_what_is_sure_and_the_way_home():
     settings = EnergyReserveSettings(reserve=0.25, caution=2.0)
     home = 34.56  # J: 1 % of a cell at 3.84 V and 900 C
-    stock = reserve.compute_reserve_margin(settings, CELL, known(0.5, deviation=0.02), home)
+    stock = outlook.compute_reserve_margin(settings, CELL, known(0.5, deviation=0.02), home)
     assert stock.sure == pytest.approx(0.46)
     assert stock.home == pytest.approx(0.01)
     spare = stored_energy(0.46, 900.0) - stored_energy(0.25, 900.0) - home
@@ -136,28 +141,28 @@ def test_the_reserve_counts_what_is_sure_and_the_way_home():
 
 
 def test_no_load_says_nothing():
-    assert load.mean_load_deviation(LoadEstimate(), 5.0, 120.0) == 0.0
+    assert outlook.mean_load_deviation(LoadEstimate(), 5.0, 120.0) == 0.0
 
 
 def test_where_the_power_is_smoothed_by_no_time_the_newest_counts():
     settings = WayHomeSettings(smoothing=0.0)
-    travel = way_home.update_travel(
+    travel = outlook.update_travel(
         settings, TravelEstimate(1.4, 0.5), TravelState(3.0, 1.0), 2.4, 0.1
     )
     assert travel == (2.4, 1.0)
     # A charging drone that moves takes nothing; from 0.1 m/s on it moves.
-    travel = way_home.update_travel(
+    travel = outlook.update_travel(
         settings, TravelEstimate(1.4, 0.5), TravelState(3.0, 0.1), -2.0, 0.1
     )
     assert travel == pytest.approx((0.0, 0.1))
-    assert way_home.reachable_distance(settings, TravelEstimate(0.0, 0.5), 60.0) == math.inf
+    assert outlook.reachable_distance(settings, TravelEstimate(0.0, 0.5), 60.0) == math.inf
 
 
 def test_a_reserve_is_reached_at_its_very_edge():
     settings = EnergyReserveSettings(reserve=0.25, hysteresis=0.0625)
     for before, edge in ((False, 0.375), (True, 0.4375)):
-        assert reserve.is_reserve_reached(settings, before, ReserveMargin(edge, 0.125, 0.0))
-        assert not reserve.is_reserve_reached(
+        assert outlook.is_reserve_reached(settings, before, ReserveMargin(edge, 0.125, 0.0))
+        assert not outlook.is_reserve_reached(
             settings, before, ReserveMargin(edge + 1e-9, 0.125, 0.0)
         )
 
@@ -167,7 +172,7 @@ def test_a_charge_that_is_not_sure_at_all_is_none():
     At 10 +- 20 % the whole reserve is missing; the cell holds 720 C, not the 900 C of its file.
     """
     settings = EnergyReserveSettings(reserve=0.25, caution=1.0)
-    told = reserve.compute_reserve_margin(
+    told = outlook.compute_reserve_margin(
         settings, CELL, known(0.1, inverse=1.25, deviation=0.2), 10.0
     )
     assert told.sure == pytest.approx(-0.1)
@@ -177,15 +182,15 @@ def test_a_charge_that_is_not_sure_at_all_is_none():
 
 def test_no_power_neither_empties_nor_fills():
     assert (
-        endurance.estimate_discharge_time(CELL, known(), 0.0, 0.1)
-        == endurance.NEVER
+        outlook.estimate_discharge_time(CELL, known(), 0.0, 0.1)
+        == outlook.NEVER
         == (math.inf, math.inf)
     )
-    assert endurance.estimate_charging_time(CELL, known(), 0.0, 0.1) == endurance.NEVER
+    assert outlook.estimate_charging_time(CELL, known(), 0.0, 0.1) == outlook.NEVER
     # Below nothing a power pulls no cell down: 3.0 V is below the chart.
-    assert endurance.empty_charge(CELL, known(), -9.0) == 0.0
+    assert outlook.empty_charge(CELL, known(), -9.0) == 0.0
     stiff = CELL.model_copy(update={'discharge_cutoff': 3.69})
-    assert endurance.empty_charge(stiff, known(), -9.0) == pytest.approx(0.1)
+    assert outlook.empty_charge(stiff, known(), -9.0) == pytest.approx(0.1)
 
 
 def test_a_load_by_hand():
@@ -199,12 +204,12 @@ def test_a_load_by_hand():
         (quick, 1.0 + share * off, (1.0 - share) * (0.5 + share * off * off), 65.0)
     )
     # The quick one is as old as 5 s are by its time: over 30 s a seventh of the variance is left.
-    assert load.mean_load_deviation(
+    assert outlook.mean_load_deviation(
         LoadEstimate(1.0, 1.0, 0.07, 60.0), 5.0, 30.0
     ) == pytest.approx(0.1)
-    assert load.mean_load_deviation(
+    assert outlook.mean_load_deviation(
         LoadEstimate(1.0, 1.0, 0.04, 15.0), 5.0, 30.0
     ) == pytest.approx(0.1)
-    assert load.mean_load_deviation(LoadEstimate(1.0, 1.0, 0.04, 0.0), 0.0, 30.0) == pytest.approx(
-        0.2
-    )
+    assert outlook.mean_load_deviation(
+        LoadEstimate(1.0, 1.0, 0.04, 0.0), 0.0, 30.0
+    ) == pytest.approx(0.2)

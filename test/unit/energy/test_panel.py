@@ -10,15 +10,17 @@ from lta_config.files import find_file, list_shipped_names, load_yaml
 from lta_config.schema.cell_file import load_cell_file
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.settings import to_named_tuple
-from lta_model.electrical.diode_fit import fit_diode, SingleDiodeModel, THERMAL
 from lta_model.electrical.panel import (
     AIR_TEMPERATURE,
     compute_curve_parameters,
     current_at_voltage,
     find_max_power_point,
+    fit_diode,
     junction_current,
     power_slope,
+    SingleDiodeModel,
     SolarArrayModel,
+    THERMAL_VOLTAGE,
     voltage_bound,
 )
 import pytest
@@ -205,8 +207,8 @@ def test_the_diode_of_a_sheet_solves_its_three_equations(name):
     sheet, diode = load_cell_file(name).electrical, fit_diode(load_cell_file(name))
     assert isinstance(diode, SingleDiodeModel)
     # k T / q at 298.15 K.
-    assert pytest.approx(1.380649e-23 * 298.15 / 1.602176634e-19, rel=1e-7) == THERMAL
-    assert diode.thermal == pytest.approx(sheet.ideality.si * sheet.junctions * THERMAL)
+    assert pytest.approx(1.380649e-23 * 298.15 / 1.602176634e-19, rel=1e-7) == THERMAL_VOLTAGE
+    assert diode.thermal == pytest.approx(sheet.ideality.si * sheet.junctions * THERMAL_VOLTAGE)
     assert diode.series >= 0.0
     assert diode.shunt >= 0.0
     for volts, amperes in (

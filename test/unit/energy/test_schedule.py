@@ -2,7 +2,7 @@
 
 import math
 
-from lta_energy.gauge import ChargeGauge
+from lta_energy.circuit import ChargeGauge
 from lta_energy.irradiance import DARK
 from lta_energy.schedule import (
     build_fixed_schedule,

@@ -35,7 +35,7 @@ def test_nothing_is_known_before_the_first_reading():
 @pytest.mark.parametrize('charge', [0.07, 0.3, 0.62, 0.97])
 def test_a_first_reading_at_rest_finds_the_charge_and_how_sure_it_is(charge):
     state = initialize_from_reading(SETTINGS, CELL, open_circuit_voltage(charge), 0.0)
-    slope = soc_ekf.chord_slope(charge, soc_ekf.NARROW)
+    slope = soc_ekf.chord_slope(charge, soc_ekf.NARROWEST_CHORD)
     # The chart, the noise and what may still relax from 0.2 A, over the slope; beside 0.29.
     voltage = math.sqrt(0.010**2 + 0.010**2 + (0.094 * 0.2) ** 2)
     alone = voltage / slope
@@ -67,13 +67,13 @@ def test_it_is_a_kalman_filter(series):
     state = initialize_from_reading(SETTINGS, CELL, 3.8, -0.1)
     for current, voltage, dt in series:
         step, kept = current * dt / CELL.capacity, math.exp(-dt / CELL.relaxation_time)
-        faded = math.exp(-abs(step) / soc_ekf.CORRELATED)
+        faded = math.exp(-abs(step) / soc_ekf.CHART_CORRELATION)
         f = np.diag([1.0, kept, 1.0, 1.0, faded])
         f[0, 3] = step
         f[1, 2] = (1.0 - kept) * CELL.relaxation_resistance * current
         q = np.diag(
             [
-                (0.01 * dt / CELL.capacity) ** 2 + soc_ekf.SLOW**2 * dt,
+                (0.01 * dt / CELL.capacity) ** 2 + soc_ekf.CHARGE_DRIFT**2 * dt,
                 ((1.0 - kept) * CELL.relaxation_resistance * 0.01) ** 2,
                 0.0,
                 0.0,
@@ -83,7 +83,7 @@ def test_it_is_a_kalman_filter(series):
         ahead = predict_state(SETTINGS, CELL, state, current, 0.01, dt)
         np.testing.assert_allclose(spread(ahead), f @ spread(state) @ f.T + q, atol=1e-12)
 
-        half = min(max(ahead.deviation, soc_ekf.NARROW), soc_ekf.WIDE)
+        half = min(max(ahead.deviation, soc_ekf.NARROWEST_CHORD), soc_ekf.WIDEST_CHORD)
         h = np.array(
             [soc_ekf.chord_slope(ahead.charge, half), 1.0, CELL.resistance * current, 0.0, 1.0]
         )
@@ -115,7 +115,7 @@ def test_no_number_of_readings_averages_an_error_of_the_chart_away():
     for _ in range(5000):
         state = predict_state(SETTINGS, CELL, state, 0.0, 0.0, 0.1)
         state, _ = correct_state(SETTINGS, CELL, state, 3.9, 0.0)
-    slope = soc_ekf.chord_slope(state.charge, soc_ekf.NARROW)
+    slope = soc_ekf.chord_slope(state.charge, soc_ekf.NARROWEST_CHORD)
     assert state.deviation > 0.8 * SETTINGS.chart_error / slope  # the prior tells a little
 
 

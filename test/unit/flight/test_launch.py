@@ -11,7 +11,7 @@ import pytest
 
 NOTHING = """
 from lta_config.settings import Settings
-from lta_graph.launch_table import Launch
+from lta_graph.launch_plan import Launch
 LAUNCH = Launch('none', Settings, lambda _: [])
 """
 

@@ -24,7 +24,7 @@ from lta_model.scenario import load_scenario, Scenario
 from lta_model.vehicle import load_vehicle
 from lta_sim.readings import FlightOutcome
 from lta_sim.world import World
-from lta_vlc.faults import DiodeFault
+from lta_vlc.demodulation import DiodeFault
 import numpy as np
 import pytest
 import yaml

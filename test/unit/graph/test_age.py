@@ -2,7 +2,7 @@
 
 import math
 
-from lta_graph.health import AHEAD, stamp_age
+from lta_graph.health import CLOCK_TOLERANCE, stamp_age
 import pytest
 
 NOW = 10**18
@@ -13,8 +13,8 @@ NOW = 10**18
     [
         (-2.5, 2.5),
         (0.0, 0.0),
-        (AHEAD - 0.01, 0.01 - AHEAD),
-        (AHEAD + 0.01, math.inf),
+        (CLOCK_TOLERANCE - 0.01, 0.01 - CLOCK_TOLERANCE),
+        (CLOCK_TOLERANCE + 0.01, math.inf),
         (3600.0, math.inf),
     ],
 )

@@ -1,7 +1,14 @@
 """Each fault and its end get a line, whatever the node does; one that flaps is counted."""
 
-from lta_graph.health import Health, HealthFact, HealthLevel
-from lta_graph.health_log import HealthLog, LINES, STATUSES, WINDOW
+from lta_graph.health import (
+    Health,
+    HealthFact,
+    HealthLevel,
+    HealthLog,
+    LINES_PER_STATUS,
+    LOG_WINDOW,
+    MAX_STATUSES,
+)
 import pytest
 
 OK, WARN, ERROR = HealthLevel.OK, HealthLevel.WARN, HealthLevel.ERROR
@@ -49,7 +56,7 @@ def test_a_fault_that_flaps_is_counted_and_hides_no_other():
         heard += lines(log, 0.1 * k, (OK, 'connected') if k % 2 else (WARN, 'weak'))
     assert len(heard) == 4
     assert lines(log, 9.95, (ERROR, 'lost')) == [(ERROR, 'link: lost')]
-    assert lines(log, WINDOW + 0.1, (OK, 'connected')) == [
+    assert lines(log, LOG_WINDOW + 0.1, (OK, 'connected')) == [
         (OK, 'link: OK again, connected (changed 96 more times in 10 s)')
     ]
     later = [
@@ -68,6 +75,6 @@ def test_messages_that_quote_others_cannot_fill_the_log():
         for k in range(1000)
         for line in lines(log, 0.001 * k, (WARN, 'of ' + 'x' * (k % 500)), (OK, 'fine'))
     ]
-    assert len(heard) <= STATUSES * LINES
+    assert len(heard) <= MAX_STATUSES * LINES_PER_STATUS
     (line,) = lines(HealthLog(), 0.0, (WARN, 'red\x1b[31m'))
     assert line.text.isprintable()

@@ -5,8 +5,14 @@ import textwrap
 
 from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
-from lta_graph.launch_plan import format_ros_yaml, LaunchPlan, LaunchProcess
-from lta_graph.launch_table import find_launch, Launch, parse_arguments
+from lta_graph.launch_plan import (
+    find_launch,
+    format_ros_yaml,
+    Launch,
+    LaunchPlan,
+    LaunchProcess,
+    parse_arguments,
+)
 from lta_graph.launches import build_fleet, FLY
 import pytest
 import yaml

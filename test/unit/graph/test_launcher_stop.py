@@ -7,7 +7,7 @@ import time
 
 from lta_graph.child_process import ChildProcess
 from lta_graph.launch_plan import LaunchPlan
-from lta_graph.launcher import GRACE, Launcher, PERIOD, TERM_GRACE
+from lta_graph.launcher import Launcher, STOP_GRACE, STOP_POLL, TERM_GRACE
 import pytest
 from waiting import PATIENCE, wait_until
 
@@ -63,13 +63,13 @@ def test_signals_come_in_order_after_their_graces(fleet, monkeypatch):
 
     monkeypatch.setattr(ChildProcess, 'send_signal', signalled)
     fleet.add('deaf', DEAF)
-    launcher = fleet.launcher(grace=GRACE)
+    launcher = fleet.launcher(grace=STOP_GRACE)
     launcher.start()
     fleet.await_line('deaf', 'up')
     launcher.stop()
     numbers, times = zip(*sent[:3], strict=True)
     assert numbers == (signal.SIGINT, signal.SIGTERM, signal.SIGKILL)
-    assert times == pytest.approx((0.0, GRACE, GRACE + TERM_GRACE), abs=2 * PERIOD)
+    assert times == pytest.approx((0.0, STOP_GRACE, STOP_GRACE + TERM_GRACE), abs=2 * STOP_POLL)
     assert [line for _, line in fleet.lines] == ['up', 'SIGINT', 'SIGTERM']
     (ended,) = launcher.ended
     assert (ended.sentence, ended.stopped) == ('deaf was killed by SIGKILL', True)

@@ -8,7 +8,7 @@ from waiting import PATIENCE
 
 CODE = """
 import atexit, sys, time
-from lta_graph.process_exit import exit_process
+from lta_graph.terminal_streams import exit_process
 
 class Slow:
     def __del__(self):

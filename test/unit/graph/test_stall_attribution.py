@@ -1,7 +1,6 @@
 """Who holds several robots up: the one that somebody waits for and that does not wait itself."""
 
-from lta_graph.health import HealthFact, HealthLevel
-from lta_graph.stall_attribution import find_stalling_roles
+from lta_graph.health import find_stalling_roles, HealthFact, HealthLevel
 
 
 def waiting(node, *suspects):

@@ -6,7 +6,7 @@ from pathlib import Path
 import subprocess
 import sys
 
-from lta_config.atomic_file import PART, release_folders
+from lta_config.atomic_file import PART_SUFFIX, release_folders
 from lta_config.errors import BadInput
 from lta_discovery.results.overlay import format_topic_names
 from lta_report.results_folder import check_creatable, resolve_folder, stage_results
@@ -101,7 +101,7 @@ def test_what_a_killed_command_was_writing_is_replaced(writer):
     folder, process = writer
     with pytest.raises(BadInput, match='Another command is writing to'):
         check_creatable(folder)
-    assert {one.name for one in folder.iterdir()} == {PART, f'.page.html{PART}'}
+    assert {one.name for one in folder.iterdir()} == {PART_SUFFIX, f'.page.html{PART_SUFFIX}'}
     process.kill()
     process.wait()
     check_creatable(folder)
@@ -117,7 +117,7 @@ def test_a_command_does_not_write_beside_a_living_one(writer):
         stage_results(folder, 'b'),
     ):
         pass
-    assert (folder / PART / 'a').read_text() == 'half'
+    assert (folder / PART_SUFFIX / 'a').read_text() == 'half'
     process.stdin.close()
     assert process.wait() == 0
     assert {one.name for one in folder.iterdir()} == {'a', 'page.html'}

@@ -4,9 +4,9 @@ from itertools import pairwise
 import math
 
 from lta_config.errors import BadInput
-from lta_model.effects.aerodynamics import strip_damping
-from lta_model.effects.weight import moving_mass
-from lta_model.strip_geometry import build_strips, DragBox
+from lta_model.effect_parameters import build_strips, DragBox
+from lta_model.effects.drag import STRIP_DAMPING, STRIPS
+from lta_model.effects.weight import MOVING_MASS
 import numpy as np
 import pytest
 from scipy.integrate import quad
@@ -18,14 +18,14 @@ THRUST = (0.0,) * 8
 
 def test_a_speed_limit_needs_a_lag():
     values = dict.fromkeys(('mass', 'x', 'y', 'z', 'lag', 'speed'), 0.0)
-    assert moving_mass.find_conflict(values) == ''
-    assert 'lag' in moving_mass.find_conflict(values | {'speed': 0.1})
-    assert moving_mass.find_conflict(values | {'speed': 0.1, 'lag': 0.2}) == ''
+    assert MOVING_MASS.check(values) == ''
+    assert 'lag' in MOVING_MASS.check(values | {'speed': 0.1})
+    assert MOVING_MASS.check(values | {'speed': 0.1, 'lag': 0.2}) == ''
 
 
 def damping(given, seen):
-    values = {parameter.name: 0.0 for parameter in strip_damping.PARAMETERS} | given
-    return strip_damping.compute_wrench(tuple(values.values()), (), seen, THRUST)
+    values = {parameter.name: 0.0 for parameter in STRIP_DAMPING.parameters} | given
+    return STRIP_DAMPING.wrench(tuple(values.values()), (), seen, THRUST)
 
 
 def by_quadrature(centre, half, drag, u, w):
@@ -59,7 +59,7 @@ def one(centre, half, drag, i=1):
     }
 
 
-@pytest.mark.parametrize('i', range(1, strip_damping.STRIPS + 1))
+@pytest.mark.parametrize('i', range(1, STRIPS + 1))
 def test_a_strip_beside_the_axis_is_integrated_exactly(i):
     centre, half, drag = (0.5, 0.1, -0.4), (0.1, 0.02, 0.05), (0.01, 0.02, 0.03)
     u, w = (0.0, 0.0, 0.0), (0.1, 0.6, 0.7)
@@ -99,7 +99,7 @@ def test_a_frame_is_one_strip_and_a_panel_two():
     frame = DragBox((0.0, 0.0, -0.345), (0.1, 0.32, 0.06), 0.5)
     panel = DragBox((0.0, 0.0, 0.302), (0.178, 0.156, 0.002))
     found = build_strips([frame, panel], 1.2)
-    assert [parameter.name for parameter in strip_damping.PARAMETERS] == list(found)
+    assert [parameter.name for parameter in STRIP_DAMPING.parameters] == list(found)
     assert found['half_y_1'] == 0.16
     assert found['surge_1'] == pytest.approx(0.6 * 0.5 * 0.32 * 0.06, rel=1e-14)
     assert found['sway_1'] == pytest.approx(0.6 * 0.5 * 0.1 * 0.06, rel=1e-14)

@@ -2,8 +2,8 @@
 
 import math
 
+from lta_model.effect_parameters import build_strips, DragBox
 from lta_model.state import COMMAND, MASS_PLACE, QUATERNION, RATES
-from lta_model.strip_geometry import build_strips, DragBox
 from lta_sim.kernels.kernel import advance, LAYOUT
 import numpy as np
 import pytest

@@ -4,7 +4,7 @@ from itertools import pairwise
 
 from lta_config.errors import BadInput
 from lta_model.effects import initial_memory
-from lta_model.effects.rotors import battery_compensation, battery_sag, thrust_polynomial
+from lta_model.effects.motors import BATTERY_COMPENSATION, BATTERY_SAG, THRUST_POLYNOMIAL
 from lta_model.state import pack_state, SURROUNDINGS, VOLTAGE
 from lta_model.vehicle import load_vehicle
 from lta_sim.kernels.kernel import advance, rotor_thrusts
@@ -31,9 +31,7 @@ def around(volts):
 
 
 def pwm(duty, volts=NOMINAL, which='2.1+', nominal=NOMINAL):
-    return battery_compensation.compute_output(
-        (nominal, *FIRMWARE[which]), (), duty, around(volts)
-    )
+    return BATTERY_COMPENSATION.output((nominal, *FIRMWARE[which]), (), duty, around(volts))
 
 
 def cubic(mean, which='2.1+'):
@@ -97,9 +95,9 @@ def test_the_thrust_stays_while_the_battery_sags():
     """Compensation, sag and the cubic one after the other give the share of the full thrust."""
     full, _, *coefficients = FIRMWARE['2.1+']
     for volts in (0.0, 3.2, 3.7, 4.2):
-        sagged = battery_sag.compute_output((NOMINAL, 1.0), (), pwm(0.55, volts), around(volts))
+        sagged = BATTERY_SAG.output((NOMINAL, 1.0), (), pwm(0.55, volts), around(volts))
         motor = (NOMINAL, 0.774, *coefficients)
-        thrust = thrust_polynomial.compute_output(motor, (), sagged, around(volts))
+        thrust = THRUST_POLYNOMIAL.output(motor, (), sagged, around(volts))
         assert thrust == pytest.approx(0.55 * full, rel=1e-12)
 
 
@@ -118,8 +116,8 @@ def test_the_thrust_stays_while_the_battery_sags():
     ],
 )
 def test_a_cubic_must_have_an_inverse(changes, words):
-    values = {parameter.name: parameter.null for parameter in battery_compensation.SHARED}
-    objection = battery_compensation.EFFECT.check({**values, **changes})
+    values = {parameter.name: parameter.null for parameter in BATTERY_COMPENSATION.shared}
+    objection = BATTERY_COMPENSATION.check({**values, **changes})
     assert words in objection
     assert bool(objection) == bool(words)
 

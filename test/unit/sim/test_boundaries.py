@@ -4,9 +4,8 @@ import math
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_model.effects.contact import walls
 from lta_model.effects.protocol import VehicleMotion
-from lta_model.effects.rotors import ceiling_effect, ground_effect
+from lta_model.effects.surfaces import CEILING_EFFECT, GROUND_EFFECT, WALLS
 from lta_model.state import BODY, ROTOR, ROTOR_PLACE
 import numpy as np
 import pytest
@@ -33,9 +32,7 @@ ROOM = (-2.0, 4.0, -2.0, 2.0, 3.0, 0.5, 0.3, 200.0, 0.1, 0.4)
 
 
 def touch(position, rotation=LEVEL, velocity=NO, rates=NO, p=ROOM):
-    return np.array(
-        walls.compute_wrench(p, (), standing(position, rotation, velocity, rates), REST)
-    )
+    return np.array(WALLS.wrench(p, (), standing(position, rotation, velocity, rates), REST))
 
 
 def test_a_tilted_hull_reaches_as_far_as_its_spheroid():
@@ -85,14 +82,14 @@ def test_walls_give_back_no_more_than_they_took(position, turn, velocity, rates)
 
 def test_a_room_too_small_is_refused():
     named = {
-        parameter.name: value for parameter, value in zip(walls.PARAMETERS, ROOM, strict=True)
+        parameter.name: value for parameter, value in zip(WALLS.parameters, ROOM, strict=True)
     }
-    assert walls.find_conflict(named) == ''
-    assert 'radius' in walls.find_conflict({**named, 'radius': 0.0})
-    assert 'y_low' in walls.find_conflict({**named, 'y_high': -1.1})
-    assert 'ceiling' in walls.find_conflict({**named, 'ceiling': 0.9})
-    assert walls.find_conflict({**named, 'stiffness': 0.0, 'radius': 0.0}) == ''
-    assert 'half_height' in walls.find_conflict({**named, 'half_height': 0.0})
+    assert WALLS.check(named) == ''
+    assert 'radius' in WALLS.check({**named, 'radius': 0.0})
+    assert 'y_low' in WALLS.check({**named, 'y_high': -1.1})
+    assert 'ceiling' in WALLS.check({**named, 'ceiling': 0.9})
+    assert WALLS.check({**named, 'stiffness': 0.0, 'radius': 0.0}) == ''
+    assert 'half_height' in WALLS.check({**named, 'half_height': 0.0})
 
 
 @pytest.mark.parametrize(
@@ -108,8 +105,8 @@ def test_a_room_too_small_is_refused():
     ],
 )
 def test_a_room_must_be_larger_than_the_hull(changes, word):
-    given = zip(walls.PARAMETERS, ROOM, strict=True)
-    said = walls.find_conflict({parameter.name: value for parameter, value in given} | changes)
+    given = zip(WALLS.parameters, ROOM, strict=True)
+    said = WALLS.check({parameter.name: value for parameter, value in given} | changes)
     assert (word in said) if word else said == ''
 
 
@@ -120,9 +117,7 @@ RADIUS = 0.0235
 
 def near_floor(z, thrust, gain=1.0, rotation=LEVEL):
     motion = standing((0.0, 0.0, z), rotation, rotors=(UP, AHEAD))
-    return np.array(
-        ground_effect.compute_wrench((gain, RADIUS), (), motion, (*thrust, *(0.0,) * 6))
-    )
+    return np.array(GROUND_EFFECT.wrench((gain, RADIUS), (), motion, (*thrust, *(0.0,) * 6)))
 
 
 def test_cheeseman_and_bennett_by_hand():
@@ -155,7 +150,7 @@ def test_a_tilted_rotor_gains_by_its_upward_part():
 def near_ceiling(distance, thrust, gain=1.0):
     motion = standing((0.0, 0.0, 3.0 - distance + 0.05), rotors=(UP, AHEAD))
     p = (gain, RADIUS, 3.0)
-    return np.array(ceiling_effect.compute_wrench(p, (), motion, (*thrust, *(0.0,) * 6)))
+    return np.array(CEILING_EFFECT.wrench(p, (), motion, (*thrust, *(0.0,) * 6)))
 
 
 def test_ceiling_by_hand():
@@ -169,16 +164,16 @@ def test_ceiling_by_hand():
     assert near_ceiling(1.0, (0.12, 0.0))[2] < 5e-6
 
 
-@pytest.mark.parametrize('effect', [ground_effect, ceiling_effect])
+@pytest.mark.parametrize('effect', [GROUND_EFFECT, CEILING_EFFECT])
 def test_rotors_without_a_size_are_refused_and_gain_nothing(effect):
-    values = {parameter.name: parameter.null for parameter in effect.PARAMETERS}
-    assert effect.find_conflict(values) == ''
-    assert 'radius' in effect.find_conflict({**values, 'gain': 1.0})
+    values = {parameter.name: parameter.null for parameter in effect.parameters}
+    assert effect.check(values) == ''
+    assert 'radius' in effect.check({**values, 'gain': 1.0})
     p = (1.0, *(0.0,) * (len(values) - 1))
-    assert not any(effect.compute_wrench(p, (), standing((0, 0, 0.05), rotors=(UP,)), (1.0,) * 8))
+    assert not any(effect.wrench(p, (), standing((0, 0, 0.05), rotors=(UP,)), (1.0,) * 8))
 
 
 def test_a_ceiling_effect_needs_its_ceiling():
     values = {'gain': 1.0, 'radius': RADIUS, 'height': 0.0}
-    assert 'height' in ceiling_effect.find_conflict(values)
-    assert ceiling_effect.find_conflict({**values, 'height': 3.0}) == ''
+    assert 'height' in CEILING_EFFECT.check(values)
+    assert CEILING_EFFECT.check({**values, 'height': 3.0}) == ''

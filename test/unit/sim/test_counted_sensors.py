@@ -5,9 +5,9 @@ from types import SimpleNamespace
 
 from lta_config.topics import load_topic_table
 from lta_flight.batch.batch_flight import build_sensors
-from lta_model.hull import half_axes
-from lta_model.light.ray_bundles import LAMPS, scratch_size, SHARE
+from lta_model.light.ray_integration import LAMP_ROWS, scratch_size, UNIFORM_ROW
 from lta_model.light.view import LightView
+from lta_model.mass_properties import half_axes
 from lta_model.scenario import load_scenario
 from lta_model.sensors import imu, pressure, range
 from lta_model.vehicle import load_vehicle
@@ -43,8 +43,10 @@ def test_the_inertial_sensor_is_the_same():
     own = imu.ImuErrors(*ERRORS.imu)
     force, rates = (0.31, -0.2, 9.9), (0.01, 0.5, -12.0)  # the last beyond full scale
     deviates = [x for lane in (0, 1, 2) for x in draw_normals(SEED, counted.IMU, STEP, lane)]
-    expected = imu.measure_imu(own, force, rates, giving(*deviates))
-    assert counted.simulate_imu_reading(ERRORS, SEED, STEP, force, rates) == expected
+    expected = np.array(deviates)
+    imu.apply_errors((*force, *rates), imu.pack_errors(own), expected)
+    told = counted.simulate_imu_reading(ERRORS, SEED, STEP, force, rates)
+    assert np.ravel(told).tolist() == expected.tolist()
 
 
 def test_its_errors_are_drawn_within_the_bounds_of_the_data_sheet():
@@ -122,9 +124,9 @@ def test_the_lamp_is_heard_as_through_blocks(distance):
 def readings(view, pose):
     """Return what a ring reads at a pose, as `write_ring_light` writes it."""
     light = view.compute_diode_readings([pose])
-    read = np.zeros((LAMPS + len(view.field.lamps), len(DIODES)))
-    read[SHARE] = light.steady[0] / view.field.ambient.steady
-    read[LAMPS:] = light.modulated[:, 0]
+    read = np.zeros((LAMP_ROWS + len(view.field.lamps), len(DIODES)))
+    read[UNIFORM_ROW] = light.steady[0] / view.field.ambient.steady
+    read[LAMP_ROWS:] = light.modulated[:, 0]
     return read
 
 
@@ -161,10 +163,12 @@ def test_a_batch_reads_the_light_of_a_view():
     listening = build_light_link(
         scene.light_field, VEHICLE.diodes, HULL, DemodulationSettings(), 1e4, 1000
     )
-    own = np.empty((LAMPS + 1, len(DIODES)))
+    own = np.empty((LAMP_ROWS + 1, len(DIODES)))
     write_ring_light(listening, pose[:3], pose[3:], own, np.empty(scratch_size(1)))
     told = readings(LightView(scene.light_field, VEHICLE), pose)
-    np.testing.assert_allclose(own[[SHARE, LAMPS]], told[[SHARE, LAMPS]], rtol=1e-12)
+    np.testing.assert_allclose(
+        own[[UNIFORM_ROW, LAMP_ROWS]], told[[UNIFORM_ROW, LAMP_ROWS]], rtol=1e-12
+    )
 
 
 def heard(listening, read, k, lamp=0):

@@ -2,7 +2,7 @@
 
 from lta_model.effects import EFFECTS
 from lta_model.effects.protocol import KernelEffect, VehicleMotion
-from lta_model.mass_matrix import rigid_mass_matrix
+from lta_model.mass_properties import rigid_mass_matrix
 from lta_model.state import MEMORY, RIGID
 from lta_sim.kernels import kernel
 import numpy as np

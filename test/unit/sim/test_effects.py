@@ -4,7 +4,7 @@ from lta_cli.reference.effects_page import render_page
 from lta_config.errors import BadInput
 from lta_model import effects
 from lta_model.effects.protocol import EffectParameter, VehicleMotion, WrenchEffect
-from lta_model.effects.weight import weight_and_buoyancy
+from lta_model.effects.weight import WEIGHT_AND_BUOYANCY
 from lta_model.state import BODY, COMMAND, DISPLACED, MASS, MASS_MOMENT, SURROUNDINGS
 import pytest
 
@@ -39,9 +39,9 @@ class Point:
     [
         (effects.EFFECTS['linear_drag'], 'linear_drag of somewhere:EFFECT is already used'),
         ('wind', 'not an effect'),
-        (WrenchEffect('side-wind', (), weight_and_buoyancy.compute_wrench), 'underscores'),
+        (WrenchEffect('side-wind', (), WEIGHT_AND_BUOYANCY.wrench), 'underscores'),
         (
-            WrenchEffect('tow', (POUNDS,), weight_and_buoyancy.compute_wrench),
+            WrenchEffect('tow', (POUNDS,), WEIGHT_AND_BUOYANCY.wrench),
             "tow.pull .* has the unit 'lbf'",
         ),
     ],
@@ -53,7 +53,7 @@ def test_installed_effects_are_checked(monkeypatch, effect, words):
 
 
 def test_what_others_install_is_not_of_the_library(monkeypatch):
-    rope = WrenchEffect('not_shipped', (), weight_and_buoyancy.compute_wrench)
+    rope = WrenchEffect('not_shipped', (), WEIGHT_AND_BUOYANCY.wrench)
     before = render_page()
     monkeypatch.setitem(effects.EFFECTS, 'not_shipped', rope)
     assert effects.get_effect('not_shipped') is rope

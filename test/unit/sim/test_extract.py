@@ -9,7 +9,6 @@ from typing import NamedTuple
 from lta_config.compilation.extract import GeneratedFunction, SourceExtract
 from lta_config.errors import BadInput
 from lta_model.effects import EFFECTS
-from lta_model.effects.aerodynamics import linear_drag, quadratic_drag
 from lta_model.effects.protocol import KernelEffect, VehicleMotion
 from lta_sim.kernels.compose import render_kernel_source
 import pytest
@@ -83,13 +82,7 @@ def test_a_function_within_a_function_is_refused():
         text_of(square)
 
 
-def test_two_things_of_one_name_are_called_by_their_file_too():
-    text, _ = text_of(linear_drag.compute_wrench, quadratic_drag.compute_wrench)
-    assert 'def box_compute_wrench(' in text
-    assert 'def box_quadratic_drag_compute_wrench(' in text
-
-
-def test_two_things_of_one_name_in_files_of_one_name_are_refused(tmp_path):
+def test_two_things_of_one_name_are_called_by_their_file_and_then_refused(tmp_path):
     extract = SourceExtract()
     functions = []
     for k in range(3):

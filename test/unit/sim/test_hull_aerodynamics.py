@@ -4,7 +4,8 @@ import math
 
 from hypothesis import given
 from hypothesis import strategies as st
-from lta_model.effects.aerodynamics import cross_flow, hull_lift, munk_moment, oblique_lift
+from lta_model.effects.drag import CROSS_FLOW
+from lta_model.effects.hull_flow import HULL_LIFT, MUNK_MOMENT, OBLIQUE_LIFT, SLOW_SPEED
 from lta_model.effects.protocol import VehicleMotion
 from lta_model.rigid_body import cross_product
 from lta_model.state import ADDED, BODY
@@ -27,11 +28,11 @@ def flown(airspeed, rates=NO):
 
 
 def missing(p, airspeed):
-    return np.array(cross_flow.compute_wrench(p, (), flown(airspeed), REST))
+    return np.array(CROSS_FLOW.wrench(p, (), flown(airspeed), REST))
 
 
 def too_much(lost, airspeed):
-    return np.array(munk_moment.compute_wrench((lost,), (), flown(airspeed), REST))
+    return np.array(MUNK_MOMENT.wrench((lost,), (), flown(airspeed), REST))
 
 
 def axis_by_axis(drag, airspeed):
@@ -67,7 +68,7 @@ def test_cross_flow_only_slows(v, horizontal, total, drag):
 
 
 def lifting(v, lift, stall):
-    return np.array(oblique_lift.compute_wrench((lift, stall), (), flown(tuple(v)), REST))
+    return np.array(OBLIQUE_LIFT.wrench((lift, stall), (), flown(tuple(v)), REST))
 
 
 @given(v=vectors, lift=share, stall=st.floats(0.0, 10.0))
@@ -117,7 +118,7 @@ RGBLIMP = {
     'roll_rate': 0.0503, 'pitch_rate': 0.0264, 'yaw_rate': 0.0137,
     'x': 0.0, 'z': 0.0,
 }  # fmt: skip
-P = tuple(RGBLIMP[parameter.name] for parameter in hull_lift.PARAMETERS)
+P = tuple(RGBLIMP[parameter.name] for parameter in HULL_LIFT.parameters)
 
 
 def published(v, w):
@@ -142,7 +143,7 @@ FLIP = np.array([1.0, -1.0, -1.0])  # left and up to right and down, vectors and
 
 
 def lifted(v, w=NO):
-    return np.array(hull_lift.compute_wrench(P, (), flown(tuple(v), tuple(w)), REST))
+    return np.array(HULL_LIFT.wrench(P, (), flown(tuple(v), tuple(w)), REST))
 
 
 @pytest.mark.parametrize('seed', range(12))
@@ -177,7 +178,7 @@ def test_hull_lift_has_no_step(v, w, way):
     near = np.array(v) + step * np.array(way)
     change = lifted(near.tolist(), w) - lifted(v, w)
     # Forces to 200 N at 5 m/s turn round within SLOW, twice.
-    assert np.all(abs(change) <= np.linalg.norm(way) * step / hull_lift.SLOW * 400.0)
+    assert np.all(abs(change) <= np.linalg.norm(way) * step / SLOW_SPEED * 400.0)
 
 
 def test_hull_lift_acts_where_the_wings_are():
@@ -188,7 +189,7 @@ def test_hull_lift_acts_where_the_wings_are():
         np.array([0.1, 0.2, 0.3]),
     )
     there = (*P[:-2], place[0], place[2])
-    moved = np.array(hull_lift.compute_wrench(there, (), flown(tuple(v), tuple(w)), REST))
+    moved = np.array(HULL_LIFT.wrench(there, (), flown(tuple(v), tuple(w)), REST))
     seen = lifted(v + np.cross(w, place), w)
     np.testing.assert_allclose(moved[:3], seen[:3], rtol=1e-12)
     np.testing.assert_allclose(moved[3:], seen[3:] + np.cross(place, seen[:3]), rtol=1e-12)

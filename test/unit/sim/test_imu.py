@@ -15,6 +15,14 @@ number = st.floats(-5.0, 5.0)
 vector = st.tuples(number, number, number)
 
 
+def read(errors, force, rates, rng):
+    """Return one sample from the true values, by plain Python."""
+    chance = rng.standard_normal(6)
+    imu.apply_errors((*force, *rates), imu.pack_errors(errors), chance)
+    x, y, z, a, b, c = chance.tolist()
+    return (x, y, z), (a, b, c)
+
+
 def within_five_percent(sample, sigma):
     """Assert a standard deviation by chi square; a sigma off by 5 % fails, let alone by 10 %."""
     size = len(sample)
@@ -39,7 +47,7 @@ def test_specific_force_is_the_textbook_sum(v, w, dv, dw, up, r):
 def test_noise_is_the_data_sheets_density_times_the_root_of_the_bandwidth():
     rng = np.random.default_rng(1)
     errors = imu.draw_errors(imu.ImuSettings(), rng)
-    samples = [imu.measure_imu(errors, (0.0, 0.0, G), (0.1, 0.0, 0.0), rng) for _ in range(40000)]
+    samples = [read(errors, (0.0, 0.0, G), (0.1, 0.0, 0.0), rng) for _ in range(40000)]
     force = np.array([sample[0] for sample in samples])
     rates = np.array([sample[1] for sample in samples])
     # 160 ug/sqrt(Hz) * sqrt(40 Hz) = 1.0119 mg = 9.924 mm/s^2; 190 ug: 11.784 mm/s^2.
@@ -74,18 +82,18 @@ def silent(**settings):
 
 def test_a_reading_is_gain_times_truth_plus_offset_to_half_a_count():
     errors, truth = silent(), (1.0, -2.0, 9.0, 0.3, -0.2, 0.1)
-    force, rates = imu.measure_imu(errors, truth[:3], truth[3:], np.random.default_rng(4))
-    for axis, read in enumerate((*force, *rates)):
+    force, rates = read(errors, truth[:3], truth[3:], np.random.default_rng(4))
+    for axis, reading in enumerate((*force, *rates)):
         expected = errors.gain[axis] * truth[axis] + errors.offset[axis]
-        assert abs(read - expected) <= errors.step[axis] / 2 * (1 + 1e-9)
-        assert read / errors.step[axis] == pytest.approx(round(read / errors.step[axis]), abs=1e-6)
+        assert abs(reading - expected) <= errors.step[axis] / 2 * (1 + 1e-9)
+        assert reading / errors.step[axis] == pytest.approx(
+            round(reading / errors.step[axis]), abs=1e-6
+        )
 
 
 def test_a_crash_reads_full_scale():
     errors = silent(acceleration_range=3.0, rate_range=250.0)
-    force, rates = imu.measure_imu(
-        errors, (1e3, -1e3, 0.0), (1e2, -1e2, 0.0), np.random.default_rng(5)
-    )
+    force, rates = read(errors, (1e3, -1e3, 0.0), (1e2, -1e2, 0.0), np.random.default_rng(5))
     assert force[:2] == pytest.approx((3 * 9.80665, -3 * 9.80665))
     assert rates[:2] == pytest.approx((math.radians(250), -math.radians(250)))
 
@@ -105,4 +113,4 @@ def test_compiled_it_reads_what_plain_python_reads_to_the_bit(bias):
         dv, dw = tuple(rate[7:10].tolist()), tuple(rate[10:13].tolist())
         force = imu.imu_specific_force(v, w, dv, dw, up, place, G)
         force, rates = (tuple(np.add(truth, bias).tolist()) for truth in (force, w))
-        assert compiled.read(state, rate, 0.0) == imu.measure_imu(errors, force, rates, plain)
+        assert compiled.read(state, rate, 0.0) == read(errors, force, rates, plain)

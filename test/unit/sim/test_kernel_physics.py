@@ -3,7 +3,7 @@
 from itertools import pairwise
 import math
 
-from lta_model.mass_matrix import rigid_mass_matrix
+from lta_model.mass_properties import rigid_mass_matrix
 from lta_model.state import POSITION, QUATERNION, RATES, VELOCITY
 from lta_sim.kernels.kernel import advance, effect_wrenches, LAYOUT, state_derivative
 import numpy as np

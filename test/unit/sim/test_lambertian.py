@@ -3,15 +3,12 @@
 import math
 
 from lta_config.compilation.compiler import compile_functions
-from lta_model.light.ambient import Ambient
-from lta_model.light.block_readings import write_pose_readings
-from lta_model.light.field import LightField
-from lta_model.light.lambertian import build_beam, DiodeResponse, plane_illuminance
-from lta_model.light.lamp import BeaconLamp, direct_illuminance
-from lta_model.light.modulation import SquareWave
-from lta_model.light.ray_bundles import DAY, LAMPS, SHARE
-from lta_model.light.reflections import build_field_geometry, pack_beams
-from lta_model.light.room import Room, uniform_albedo
+from lta_model.light.direct_light import build_beam, DiodeResponse, plane_illuminance
+from lta_model.light.field import Ambient, LightField, Room, uniform_albedo
+from lta_model.light.lamp import BeaconLamp, direct_illuminance, SquareWave
+from lta_model.light.ray_integration import DAYLIGHT_ROW, LAMP_ROWS, UNIFORM_ROW
+from lta_model.light.readings import write_pose_readings
+from lta_model.light.view import build_field_geometry, pack_beams
 from lta_model.rigid_body import rotation_matrix
 from lta_model.sensors.photodiode import PhotodiodeArray
 from lta_model.sensors.photodiode_adc import convert_to_counts
@@ -57,7 +54,7 @@ def test_a_ring_is_lit_as_by_the_arrays():
     place = RING.transform_to_map(flight[:, :3], turns)
     for function in (write_pose_readings, compile_functions(write_pose_readings)[0]):
         before, later, lit = np.zeros((4, 8)), np.zeros((4, 8)), np.empty((2, 11, 8))
-        later[SHARE], later[DAY], later[LAMPS] = 0.5, 30.0, 4.0
+        later[UNIFORM_ROW], later[DAYLIGHT_ROW], later[LAMP_ROWS] = 0.5, 30.0, 4.0
         steady, mains = np.empty((11, 8)), np.empty((11, 8))
         function(
             build_field_geometry(field), pack_beams(field), DiodeResponse(1.0, 0.0),

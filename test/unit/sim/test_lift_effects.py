@@ -1,12 +1,7 @@
 """Values of the lift effects by hand and by the gas law."""
 
+from lta_model.effects.gas import AIR_STATE, GAS_PURITY, GAS_STATE, SUPERHEAT
 from lta_model.effects.protocol import RigidBody
-from lta_model.effects.weight import (
-    air_state,
-    gas_purity,
-    gas_state,
-    superheat,
-)
 import numpy as np
 import pytest
 
@@ -28,10 +23,10 @@ def test_superheat_is_the_weight_of_the_air_that_slack_gas_displaces():
     gas = HELIUM * VOLUME
     cold, warm = (gas * 2077.1 * kelvin / 101325.0 for kelvin in (293.15, 302.15))
     seen = air.motion(TILTED, displaced=VOLUME * AIR)
-    wrench = superheat.compute_wrench((0.02, 70.0, 1.0), (9.0,), seen, THRUST)
+    wrench = SUPERHEAT.wrench((0.02, 70.0, 1.0), (9.0,), seen, THRUST)
     np.testing.assert_allclose(wrench[:3], (warm - cold) * AIR * G * air.up(TILTED), rtol=1e-12)
-    assert superheat.compute_wrench((0.02, 70.0, 0.0), (9.0,), seen, THRUST) == (0.0,) * 6
-    half = superheat.compute_wrench((0.02, 70.0, 0.5), (9.0,), seen, THRUST)
+    assert SUPERHEAT.wrench((0.02, 70.0, 0.0), (9.0,), seen, THRUST) == (0.0,) * 6
+    half = SUPERHEAT.wrench((0.02, 70.0, 0.5), (9.0,), seen, THRUST)
     np.testing.assert_allclose(half, 0.5 * np.array(wrench), rtol=1e-14)
 
 
@@ -41,27 +36,27 @@ def density(pascal, kelvin):
 
 @pytest.mark.parametrize(('pascal', 'kelvin'), [(1500.0, 0.0), (0.0, 8.0), (-3e3, -12.0)])
 def test_a_taut_hull_displaces_air_of_the_new_density(pascal, kelvin):
-    changed = air_state.change_body((pascal, kelvin, 0.0), VEHICLE)
+    changed = AIR_STATE.change((pascal, kelvin, 0.0), VEHICLE)
     ratio = density(101325.0 + pascal, 293.15 + kelvin) / density(101325.0, 293.15)
     assert changed.displaced == pytest.approx(ratio * VEHICLE.displaced, rel=1e-14)
     assert changed[:3] == VEHICLE[:3]
 
 
 def test_a_slack_hull_displaces_the_same_mass_of_any_air():
-    assert air_state.change_body((-5e3, 20.0, 1.0), VEHICLE) == VEHICLE
+    assert AIR_STATE.change((-5e3, 20.0, 1.0), VEHICLE) == VEHICLE
 
 
 def test_gas_follows_the_gas_law_at_the_volume_of_the_hull():
     gas = HELIUM * VOLUME
-    changed = gas_state.change_body((gas, 6.0, 800.0), VEHICLE)
+    changed = GAS_STATE.change((gas, 6.0, 800.0), VEHICLE)
     filled = 102125.0 * VOLUME / (2077.1 * 299.15)
     assert changed.mass - VEHICLE.mass == pytest.approx(filled - gas, rel=1e-9)
     assert changed[1:] == VEHICLE[1:]
-    assert gas_state.change_body((gas, 0.0, 0.0), VEHICLE) == VEHICLE
+    assert GAS_STATE.change((gas, 0.0, 0.0), VEHICLE) == VEHICLE
 
 
 def test_air_in_the_helium_weighs():
-    changed = gas_purity.change_body((-0.07,), VEHICLE)
+    changed = GAS_PURITY.change((-0.07,), VEHICLE)
     heavier = 0.07 * VOLUME * (AIR - 0.1664)
     assert changed.mass - VEHICLE.mass == pytest.approx(heavier, rel=1e-12)
     assert heavier == pytest.approx(0.0249, rel=2e-3)

@@ -2,11 +2,8 @@
 
 import math
 
-from lta_model.light.ambient import Ambient
-from lta_model.light.field import LightField, PlaneIlluminance
-from lta_model.light.lamp import BeaconLamp
-from lta_model.light.modulation import SquareWave
-from lta_model.light.room import Room, uniform_albedo
+from lta_model.light.field import Ambient, LightField, PlaneIlluminance, Room, uniform_albedo
+from lta_model.light.lamp import BeaconLamp, SquareWave
 from lta_model.sensors.photodiode import PhotodiodeArray
 from lta_vlc.bearing import estimate_bearing
 from lta_vlc.demodulation import demodulate_beacon, plan_bins

@@ -3,10 +3,8 @@
 import math
 
 from lta_config.errors import BadInput
-from lta_model.light.ambient import Ambient
-from lta_model.light.lamp import BeaconLamp, direct_illuminance
-from lta_model.light.modulation import SquareWave
-from lta_model.light.room import Room, uniform_albedo
+from lta_model.light.field import Ambient, Room, uniform_albedo
+from lta_model.light.lamp import BeaconLamp, direct_illuminance, SquareWave
 import numpy as np
 import pytest
 

@@ -2,8 +2,7 @@
 
 import math
 
-from lta_model.mass_matrix import rigid_mass_matrix, spheroid_added_mass
-from lta_model.mass_properties import build_part_element
+from lta_model.mass_properties import build_part_element, rigid_mass_matrix, spheroid_added_mass
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest

@@ -2,35 +2,35 @@
 
 import math
 
+from lta_model.effects.commands import find_command, WRENCH_GAIN
 from lta_model.effects.protocol import CHANNELS, MeasurementEffect
-from lta_model.effects.rotors import wrench_gain
 from lta_model.effects.sensors import (
-    clock_offset,
-    clock_skew,
-    gyro_bias,
-    gyro_scale,
-    imu_bias,
-    pressure_drift,
-    range_offset,
-    tracker_delay,
-    tracker_misalignment,
+    CLOCK_OFFSET,
+    CLOCK_SKEW,
+    GYRO_BIAS,
+    GYRO_SCALE,
+    IMU_BIAS,
+    PRESSURE_DRIFT,
+    RANGE_OFFSET,
+    TRACKER_DELAY,
+    TRACKER_MISALIGNMENT,
 )
 from lta_model.measurement_chain import apply_chain, build_chains
 import numpy as np
 import pytest
 
-MODULES = (
-    imu_bias,
-    gyro_scale,
-    gyro_bias,
-    pressure_drift,
-    range_offset,
-    tracker_misalignment,
-    tracker_delay,
-    clock_offset,
-    clock_skew,
+DECLARED = (
+    IMU_BIAS,
+    GYRO_SCALE,
+    GYRO_BIAS,
+    PRESSURE_DRIFT,
+    RANGE_OFFSET,
+    TRACKER_MISALIGNMENT,
+    TRACKER_DELAY,
+    CLOCK_OFFSET,
+    CLOCK_SKEW,
 )
-EFFECTS = {module.EFFECT.name: module.EFFECT for module in MODULES}
+EFFECTS = {effect.name: effect for effect in DECLARED}
 NUMBERS = (0.1, -2.3, 7.7, 0.5, -0.5, 0.5, 0.5)
 DEGREE = math.pi / 180.0
 LEVEL = (0.0, 0.0, 0.0, 1.0)
@@ -153,14 +153,14 @@ SQUARE = {'surge': 0.5, 'exponent_surge': 2.0, 'reverse_surge': 0.6, 'reference_
 )
 def test_thrust_by_a_power_of_the_command_and_weaker_in_reverse(command, force):
     """0.5 x 0.1 N x (0.05 / 0.1)^2 = 12.5 mN; 0.6 x 0.5 x 0.1 N x 2^2 = 120 mN backwards."""
-    chain = build_chains({'wrench_gain': SQUARE}, {'wrench_gain': wrench_gain.EFFECT})
+    chain = build_chains({'wrench_gain': SQUARE}, {'wrench_gain': WRENCH_GAIN})
     acting = apply_chain(chain['command_wrench'], (command, -0.3, 0.3, 0, 0, 0.01), 0.0)
     np.testing.assert_allclose(acting, (force, -0.3, 0.3, 0, 0, 0.01), rtol=1e-12)
-    p = tuple(SQUARE.get(known.name, known.null) for known in wrench_gain.PARAMETERS)
+    p = tuple(SQUARE.get(known.name, known.null) for known in WRENCH_GAIN.parameters)
     # A replay passes all commands of a flight at once
-    many = wrench_gain.compute_reading(p, tuple(np.full((6, 3), command)), 0.0)
+    many = WRENCH_GAIN.reading(p, tuple(np.full((6, 3), command)), 0.0)
     np.testing.assert_allclose(many[0], 3 * [force], rtol=1e-12)
-    np.testing.assert_allclose(wrench_gain.find_command(p, acting)[0], command, rtol=1e-12)
+    np.testing.assert_allclose(find_command(p, acting)[0], command, rtol=1e-12)
 
 
 def test_a_command_acts_on_other_axes():
@@ -172,7 +172,7 @@ def test_a_command_acts_on_other_axes():
         'pitch_from_surge': 0.2,
         'roll_from_sway': -0.3,
     }
-    chain = build_chains({'wrench_gain': given}, {'wrench_gain': wrench_gain.EFFECT})
+    chain = build_chains({'wrench_gain': given}, {'wrench_gain': WRENCH_GAIN})
     acting = apply_chain(chain['command_wrench'], (0.1, -0.05, 0.02, 0, 0.001, -0.003), 0.0)
     # Heave: 0.02 - 0.5 x 0.05 - 0.1 x 0.05 + 4 x 0.003
     wanted = (0.1, -0.05, 0.002, 0.015, 0.021, -0.003)

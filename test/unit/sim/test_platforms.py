@@ -5,8 +5,8 @@ import math
 from lta_config.errors import BadInput
 from lta_config.files import list_shipped_names, share_folder
 from lta_model.effects import initial_memory
-from lta_model.hull import added_mass
 from lta_model.limits import level_force, level_speed, tumble_speed
+from lta_model.mass_properties import added_mass
 from lta_model.state import pack_state, SURROUNDINGS, VOLTAGE
 from lta_model.vehicle import load_vehicle
 from lta_sim.kernels import kernel

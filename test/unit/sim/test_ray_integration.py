@@ -7,40 +7,42 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from lta_config.compilation.compiler import compile_functions
 from lta_config.errors import BadInput
-from lta_model.light.ambient import Ambient
-from lta_model.light.block_readings import write_pose_readings
-from lta_model.light.daylight import Daylight
-from lta_model.light.field import LightField
-from lta_model.light.lambertian import build_beam, DiodeResponse
-from lta_model.light.lamp import BeaconLamp, direct_illuminance
-from lta_model.light.modulation import SquareWave
-from lta_model.light.outdoors import OutdoorArea
-from lta_model.light.ray_bundles import (
-    BROUGHT,
-    DAY,
-    LAMPS,
+from lta_model.light.direct_light import build_beam, DiodeResponse, visible_fraction
+from lta_model.light.field import (
+    Albedo,
+    Ambient,
+    Daylight,
+    LightField,
+    OutdoorArea,
+    Room,
+    uniform_albedo,
+)
+from lta_model.light.lamp import BeaconLamp, direct_illuminance, SquareWave
+from lta_model.light.ray_integration import (
+    DAYLIGHT_ROW,
+    gather_indirect_light,
+    LAMP_ROWS,
+    LIGHT_ROW,
+    RING_BUNDLES,
     RINGS,
-    ROUND,
     scratch_size,
-    SHARE,
     trace_ring,
+    UNIFORM_ROW,
     write_azimuths,
 )
-from lta_model.light.ray_integration import gather_indirect_light
-from lta_model.light.reflections import (
-    build_field_geometry,
-    build_reflecting_beam,
-    integrate_reflected_flux,
-    pack_beams,
-)
-from lta_model.light.room import Albedo, Room, uniform_albedo
+from lta_model.light.readings import write_pose_readings
 from lta_model.light.scene_geometry import (
     build_scene_geometry,
     daylight_illuminance,
     find_first_hit,
     is_path_clear,
 )
-from lta_model.light.shade import visible_fraction
+from lta_model.light.view import (
+    build_field_geometry,
+    build_reflecting_beam,
+    integrate_reflected_flux,
+    pack_beams,
+)
 from lta_model.sensors.photodiode import PhotodiodeArray
 import numpy as np
 import pytest
@@ -65,7 +67,7 @@ OUTSIDE = OutdoorArea(DAYLIGHT, 1.0, 2.0, 2.2)
 
 
 def gathered(field, position, q=(0.0, 0.0, 0.0, 1.0), eye=EYE, hull=HULL, ring=RING):
-    out = np.empty((LAMPS + len(field.lamps), ring.count))
+    out = np.empty((LAMP_ROWS + len(field.lamps), ring.count))
     scratch = np.empty(scratch_size(len(field.lamps)))
     GATHER(
         build_field_geometry(field),
@@ -147,7 +149,7 @@ def test_echo_by_place_is_the_sum_over_patches(hull):
     field = LightField((LAMP,), DARK, ROOM)
     for place, turn in poses(4):
         out = gathered(field, tuple(place), tuple(turn.as_quat()), hull=hull)
-        own = out[LAMPS] - build_reflecting_beam(LAMP, field).beyond * out[SHARE]
+        own = out[LAMP_ROWS] - build_reflecting_beam(LAMP, field).beyond * out[UNIFORM_ROW]
         expected = first_echo(ROOM, place, turn.as_matrix(), EYE, hull)
         assert own.mean() == pytest.approx(expected.mean(), rel=0.03)
         assert np.abs(own - expected).max() < 0.06 * expected.mean()
@@ -167,7 +169,7 @@ def test_several_pencils_at_once_bring_what_each_does_alone(order, place):
             rows = []
             for ring in RINGS:
                 trace_ring(s, (lamp,), point, ring, scratch)
-                rows.append(scratch[BROUGHT + ROUND * LAMPS :].copy())
+                rows.append(scratch[LIGHT_ROW + RING_BUNDLES * LAMP_ROWS :].copy())
             told.append(np.array(rows))
         assert told[0].any() == (point[0] < 5.0)
         np.testing.assert_allclose(told[0], told[1], rtol=1e-9, atol=1e-12)
@@ -177,7 +179,7 @@ def test_light_from_all_sides_by_quadrature():
     """2 / (n + 1) (1 - c^(n + 1)) of it, without a hull."""
     field = LightField((LAMP,), DARK, ROOM)
     for eye in (DiodeResponse(1.0, 0.0), EYE, DiodeResponse(2.0, 0.5)):
-        share = gathered(field, (0.0, 0.0, 1.0), eye=eye, hull=NO_HULL)[SHARE]
+        share = gathered(field, (0.0, 0.0, 1.0), eye=eye, hull=NO_HULL)[UNIFORM_ROW]
         whole = 2.0 / (eye.exponent + 1.0) * (1.0 - eye.least ** (eye.exponent + 1.0))
         assert share.mean() == pytest.approx(whole, rel=0.01)
         assert np.ptp(share) < 0.02 * whole
@@ -189,7 +191,7 @@ def test_the_hull_hides_what_rays_meet():
     up, turn = 1.0 - 2.0 * k / k.size, k * math.pi * (3.0 - math.sqrt(5.0))
     level = np.sqrt(1.0 - up * up)
     u = np.stack([level * np.cos(turn), level * np.sin(turn), up], axis=1)
-    share = gathered(LightField((LAMP,), DARK, ROOM), (0.0, 0.0, 1.0))[SHARE]
+    share = gathered(LightField((LAMP,), DARK, ROOM), (0.0, 0.0, 1.0))[UNIFORM_ROW]
     for own, row in zip(share, RING.planes, strict=True):
         cosine = np.maximum(u @ row[3:], 0.0) ** EYE.exponent
         expected = 4.0 * (cosine * ~hidden(row[:3], u, HULL)).mean()
@@ -274,7 +276,7 @@ def test_echo_of_a_ring_averages_to_the_rooms():
     for centre, normal, area in zip(centres, normals, areas, strict=True):
         out = gathered(field, tuple(centre + 1e-3 * normal), eye=FLAT, hull=NO_HULL, ring=ring)
         facing = int(np.argmax(np.array(axes) @ normal))
-        total += area * (out[LAMPS, facing] - 18.6567 * out[SHARE, facing])
+        total += area * (out[LAMP_ROWS, facing] - 18.6567 * out[UNIFORM_ROW, facing])
     # Of 10 000 lm half goes on, and all of that arrives.
     assert total == pytest.approx(5000.0, rel=0.03)
 
@@ -291,15 +293,15 @@ def test_daylight_in_the_open_by_hand():
         LightField((LAMP,), DARK, None, DAYLIGHT), (0.0, 0.0, 1.0), eye=FLAT, hull=NO_HULL
     )
     sun = 90_000.0 * math.cos(math.radians(45.0)) * math.cos(math.radians(30.0))
-    assert ring[DAY, 0] == pytest.approx(sun + 7500.0 + 0.1 * level, rel=5e-3)
+    assert ring[DAYLIGHT_ROW, 0] == pytest.approx(sun + 7500.0 + 0.1 * level, rel=5e-3)
 
 
 def test_the_hull_hides_the_sun():
     field = LightField((LAMP,), DARK, None, DAYLIGHT)
     shaded, free = gathered(field, (0.0, 0.0, 1.0)), gathered(field, (0.0, 0.0, 1.0), hull=NO_HULL)
-    assert free[DAY].max() > 50_000.0
+    assert free[DAYLIGHT_ROW].max() > 50_000.0
     # Under the hull the ground is left, a fifth of 78.6 klx on the lower half of a diode's view.
-    assert 5000.0 < shaded[DAY].max() < 12_000.0
+    assert 5000.0 < shaded[DAYLIGHT_ROW].max() < 12_000.0
 
 
 BUILDING = build_scene_geometry(ROOM, None, OUTSIDE)
@@ -347,21 +349,21 @@ def test_what_a_ray_meets():
 def test_daylight_comes_in_through_the_door():
     """Inside the door is a window: sky over the horizon and ground under it, through its area."""
     field = LightField((LAMP,), DARK, ROOM, None, OUTSIDE)
-    day = gathered(field, (1.0, 1.0, 1.1 + RING.depth), eye=FLAT, hull=NO_HULL)[DAY]
+    day = gathered(field, (1.0, 1.0, 1.1 + RING.depth), eye=FLAT, hull=NO_HULL)[DAYLIGHT_ROW]
     y, z = np.meshgrid((np.arange(200) + 0.5) / 100.0 - 1.0, (np.arange(220) + 0.5) / 100.0 - 1.1)
     window = 3.93**2 / (3.93**2 + y * y + z * z) ** 2 / math.pi * 1e-4
     expected = (window * np.where(z > 0.0, 15_000.0, 0.2 * DAYLIGHT.ground_illuminance)).sum()
     # Rays are 7.5 degrees apart, the door is 27 degrees wide.
     assert day[0] == pytest.approx(expected, rel=0.13)
     assert day[4] == 0.0
-    beyond = gathered(field, (8.0, 1.0, 1.4), eye=FLAT, hull=NO_HULL)[DAY]
+    beyond = gathered(field, (8.0, 1.0, 1.4), eye=FLAT, hull=NO_HULL)[DAYLIGHT_ROW]
     assert beyond[0] > 50_000.0
 
 
 def test_a_lamp_beyond_the_door_is_seen_through_it():
     lamp = BeaconLamp((9.0, 1.0, 1.0), (-1.0, 0.0, 0.0), 10_000.0, SquareWave(150.0), LED)
     field = LightField((lamp,), DARK, ROOM, None, OUTSIDE)
-    none, lit = np.zeros((LAMPS + 1, 8)), np.empty((1, 2, 8))
+    none, lit = np.zeros((LAMP_ROWS + 1, 8)), np.empty((1, 2, 8))
     flight = np.array([[0.0, 1.0, 1.3, 0, 0, 0, 1], [0.0, -3.0, 1.3, 0, 0, 0, 1]], dtype=float)
     ON_THE_WAY(
         build_field_geometry(field), pack_beams(field), EYE, NO_HULL, flight, RING.planes,

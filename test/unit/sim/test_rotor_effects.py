@@ -1,15 +1,15 @@
 """What becomes of a duty on its way to newtons, by hand and against published benches."""
 
-from lta_model.effects.protocol import CHANNELS
-from lta_model.effects.rotors import (
-    battery_sag,
-    command_delay,
-    motor_deadband,
-    rotor_fault,
-    thrust_curve,
-    thrust_polynomial,
-    thrust_scale,
+from lta_model.effects.commands import COMMAND_DELAY
+from lta_model.effects.motors import (
+    BATTERY_SAG,
+    MOTOR_DEADBAND,
+    ROTOR_FAULT,
+    THRUST_CURVE,
+    THRUST_POLYNOMIAL,
+    THRUST_SCALE,
 )
+from lta_model.effects.protocol import CHANNELS
 from lta_model.state import SURROUNDINGS, VOLTAGE
 import numpy as np
 import pytest
@@ -46,11 +46,11 @@ def around(voltage=0.0):
 
 
 def through(effect, p, value, voltage=0.0):
-    return effect.compute_output(p, (), value, around(voltage))
+    return effect.output(p, (), value, around(voltage))
 
 
 def cubic(which, duty, nominal=4.2):
-    return through(thrust_polynomial, (nominal, LINEAR_TO[which], *CUBIC[which]), duty)
+    return through(THRUST_POLYNOMIAL, (nominal, LINEAR_TO[which], *CUBIC[which]), duty)
 
 
 def rms(error):
@@ -59,17 +59,17 @@ def rms(error):
 
 def test_thrust_follows_the_voltage():
     # A duty of 0.6 at 3.15 V is the mean voltage of 0.45 at 4.2 V.
-    assert through(battery_sag, (4.2, 1.0), 0.6, 3.15) == pytest.approx(0.45, rel=1e-15)
-    assert through(battery_sag, (4.2, 1.0), -0.6, 3.15) == pytest.approx(-0.45, rel=1e-15)
-    full = through(thrust_curve, PARABOLA, 0.6, 4.2)
-    sagged = through(thrust_curve, PARABOLA, through(battery_sag, (4.2, 1.0), 0.6, 3.15), 3.15)
+    assert through(BATTERY_SAG, (4.2, 1.0), 0.6, 3.15) == pytest.approx(0.45, rel=1e-15)
+    assert through(BATTERY_SAG, (4.2, 1.0), -0.6, 3.15) == pytest.approx(-0.45, rel=1e-15)
+    full = through(THRUST_CURVE, PARABOLA, 0.6, 4.2)
+    sagged = through(THRUST_CURVE, PARABOLA, through(BATTERY_SAG, (4.2, 1.0), 0.6, 3.15), 3.15)
     assert full == pytest.approx(0.0735415, rel=1e-5)
     assert sagged == pytest.approx(0.0489804, rel=1e-5)
 
 
 def test_an_unknown_voltage_changes_nothing():
-    assert through(battery_sag, (4.2, 1.0), 0.6, 0.0) == 0.6
-    assert through(battery_sag, (0.0, 1.0), 0.6, 3.15) == 0.6
+    assert through(BATTERY_SAG, (4.2, 1.0), 0.6, 0.0) == 0.6
+    assert through(BATTERY_SAG, (0.0, 1.0), 0.6, 3.15) == 0.6
 
 
 def test_sensitivity_gives_the_exponent_seen_in_flights():
@@ -79,13 +79,13 @@ def test_sensitivity_gives_the_exponent_seen_in_flights():
     steep = (2.0 * a * u + b) / (a * u + b)
     assert steep == pytest.approx(1.448, abs=1e-3)
     for ratio, most in ((0.99, 1e-4), (0.85, 0.006)):
-        duty = through(battery_sag, (nominal, 0.7 / steep), u, ratio * nominal)
-        force = through(thrust_curve, PARABOLA, duty) / through(thrust_curve, PARABOLA, u)
+        duty = through(BATTERY_SAG, (nominal, 0.7 / steep), u, ratio * nominal)
+        force = through(THRUST_CURVE, PARABOLA, duty) / through(THRUST_CURVE, PARABOLA, u)
         assert force == pytest.approx(ratio**0.7, rel=most)
 
 
 def test_no_sensitivity_reverses_a_rotor():
-    assert through(battery_sag, (4.2, 2.0), 0.6, 0.5) == 0.0
+    assert through(BATTERY_SAG, (4.2, 2.0), 0.6, 0.5) == 0.0
 
 
 @pytest.mark.parametrize('which', CUBIC)
@@ -111,20 +111,20 @@ def test_cubics_are_the_firmware_s_from_least_to_greatest_thrust(which):
     ],
 )
 def test_a_cubic_must_be_that_of_a_motor(changes, words):
-    values = {parameter.name: parameter.null for parameter in thrust_polynomial.SHARED}
-    objection = thrust_polynomial.EFFECT.check({**values, **changes})
+    values = {parameter.name: parameter.null for parameter in THRUST_POLYNOMIAL.shared}
+    objection = THRUST_POLYNOMIAL.check({**values, **changes})
     assert objection.startswith(words) if not words else words in objection
 
 
 def test_curves_against_the_bench():
     """Only the parabola is near this bench; the cubics belong to other motors and propellers."""
-    parabola = [through(thrust_curve, PARABOLA, float(duty)) for duty in DUTY]
+    parabola = [through(THRUST_CURVE, PARABOLA, float(duty)) for duty in DUTY]
     assert 1e3 * rms(parabola - NEWTONS) == pytest.approx(2.90, abs=0.005)
     assert 1e3 * np.max(abs(parabola - NEWTONS)) == pytest.approx(5.10, abs=0.005)
     off = {}
     for which in CUBIC:
         thrusts = [
-            through(thrust_polynomial, (float(volts), LINEAR_TO[which], *CUBIC[which]), float(u))
+            through(THRUST_POLYNOMIAL, (float(volts), LINEAR_TO[which], *CUBIC[which]), float(u))
             for u, volts in zip(DUTY, VOLTS, strict=True)
         ]
         off[which] = 1e3 * rms(thrusts - NEWTONS)
@@ -138,7 +138,7 @@ def test_the_bench_s_own_parabola_and_its_voltage():
     assert (a, b) == pytest.approx((0.0660, 0.0877), abs=5e-5)
     assert 1e3 * rms(by_duty @ (a, b) - NEWTONS) == pytest.approx(0.92, abs=0.01)
     mean = np.array([
-        through(battery_sag, (3.7, 1.0), float(duty), float(volts))
+        through(BATTERY_SAG, (3.7, 1.0), float(duty), float(volts))
         for duty, volts in zip(DUTY, VOLTS, strict=True)
     ])  # fmt: skip
     np.testing.assert_allclose(mean, DUTY * VOLTS / 3.7, rtol=1e-12)
@@ -150,15 +150,15 @@ def test_the_bench_s_own_parabola_and_its_voltage():
 @pytest.mark.parametrize(
     ('effect', 'null'),
     [
-        (motor_deadband, (0.0,)),
-        (battery_sag, (0.0, 1.0)),
-        (thrust_polynomial, (0.0,) * 6),
-        (thrust_scale, (1.0,)),
-        (rotor_fault, (0.0,)),
+        (MOTOR_DEADBAND, (0.0,)),
+        (BATTERY_SAG, (0.0, 1.0)),
+        (THRUST_POLYNOMIAL, (0.0,) * 6),
+        (THRUST_SCALE, (1.0,)),
+        (ROTOR_FAULT, (0.0,)),
     ],
 )
 def test_null_passes_everything_on(effect, null):
-    declared = (*effect.EFFECT.shared, *effect.EFFECT.each)
+    declared = (*effect.shared, *effect.each)
     assert tuple(parameter.null for parameter in declared) == null
     for value in (-1.0, -1e-300, -0.0, 0.0, 5e-324, 0.1, 0.7, 1.0):
         for voltage in (0.0, 3.1):
@@ -167,11 +167,11 @@ def test_null_passes_everything_on(effect, null):
 
 
 def test_a_fault_is_of_one_rotor():
-    names = [parameter.name for parameter in rotor_fault.EFFECT.parameters]
+    names = [parameter.name for parameter in ROTOR_FAULT.parameters]
     assert names == [f'lost_{i}' for i in range(1, 9)]
 
 
 def test_commands_are_late():
-    assert CHANNELS[command_delay.EFFECT.channel] == 1
-    assert command_delay.EFFECT.reading((0.03,), (12.5,), 12.5) == (12.47,)
-    assert command_delay.EFFECT.reading((0.0,), (12.5,), 12.5) == (12.5,)
+    assert CHANNELS[COMMAND_DELAY.channel] == 1
+    assert COMMAND_DELAY.reading((0.03,), (12.5,), 12.5) == (12.47,)
+    assert COMMAND_DELAY.reading((0.0,), (12.5,), 12.5) == (12.5,)

@@ -1,7 +1,7 @@
 """What rotors do to the hull beyond B: tilted axes, reversed jets and jets that collide."""
 
 from lta_model.effects.protocol import AXES, VehicleMotion
-from lta_model.effects.rotors import rotor_envelope_interaction, rotor_misalignment, rotor_thrust
+from lta_model.effects.rotors import ROTOR_ENVELOPE_INTERACTION, ROTOR_MISALIGNMENT, ROTOR_THRUST
 from lta_model.state import ACTUATORS, BODY, COMMAND, ROTOR, ROTOR_PLACE, SURROUNDINGS
 import numpy as np
 import pytest
@@ -51,13 +51,9 @@ def four(column):
 
 
 def total(columns, interaction, *thrusts):
-    linear = rotor_thrust.EFFECT.wrench(
-        numbers(rotor_thrust.EFFECT, columns), (), seen(), eight(*thrusts)
-    )
-    p = numbers(rotor_envelope_interaction.EFFECT, interaction)
-    return np.add(
-        linear, rotor_envelope_interaction.compute_wrench(p, (), seen(), eight(*thrusts))
-    )
+    linear = ROTOR_THRUST.wrench(numbers(ROTOR_THRUST, columns), (), seen(), eight(*thrusts))
+    p = numbers(ROTOR_ENVELOPE_INTERACTION, interaction)
+    return np.add(linear, ROTOR_ENVELOPE_INTERACTION.wrench(p, (), seen(), eight(*thrusts)))
 
 
 def test_a_reversed_rotor_below_a_balloon_loses_three_quarters():
@@ -115,12 +111,10 @@ def test_four_tangential_rotors_turn_and_sink():
 
 
 def test_the_weakest_of_those_that_take_part_decides():
-    p = numbers(
-        rotor_envelope_interaction.EFFECT, {'together_yaw': 2.0, 'share_2': 1.0, 'share_8': -1.0}
-    )
+    p = numbers(ROTOR_ENVELOPE_INTERACTION, {'together_yaw': 2.0, 'share_2': 1.0, 'share_8': -1.0})
     for second, eighth, weakest in ((0.3, -0.1, 0.1), (0.05, -0.1, 0.05), (0.3, 0.1, 0.0)):
         thrust = (9.0, second, -9.0, 0.0, 0.0, 0.0, 0.0, eighth)
-        wrench = rotor_envelope_interaction.compute_wrench(p, (), seen(), thrust)
+        wrench = ROTOR_ENVELOPE_INTERACTION.wrench(p, (), seen(), thrust)
         assert wrench == (0.0, 0.0, 0.0, 0.0, 0.0, 2.0 * weakest)
 
 
@@ -135,7 +129,7 @@ def test_the_weakest_of_those_that_take_part_decides():
     ],
 )
 def test_shares_must_mean_something(given, words):
-    effect = rotor_envelope_interaction.EFFECT
+    effect = ROTOR_ENVELOPE_INTERACTION
     names = [parameter.name for parameter in effect.parameters]
     objection = effect.check(dict(zip(names, numbers(effect, given), strict=True)))
     assert (words in objection) if words else objection == ''
@@ -170,8 +164,8 @@ def test_tilt_against_the_exact_rotation(angle, thrust):
         given = {f'first_{i + 1}': tilt[0], f'second_{i + 1}': tilt[1]}
         thrusts = [0.0] * ACTUATORS
         thrusts[i] = thrust
-        p = numbers(rotor_misalignment.EFFECT, given)
-        wrench = rotor_misalignment.compute_wrench(p, (), seen(ROTORS), tuple(thrusts))
+        p = numbers(ROTOR_MISALIGNMENT, given)
+        wrench = ROTOR_MISALIGNMENT.wrench(p, (), seen(ROTORS), tuple(thrusts))
         off = exact - wrench[:3]
         along = np.dot(off, axis)
         assert along == pytest.approx(-thrust * angle**2 / 2.0, rel=angle**2)
@@ -182,4 +176,4 @@ def test_tilt_against_the_exact_rotation(angle, thrust):
 
 def test_rotors_that_do_not_exist_have_no_tilt():
     p = (0.1,) * (2 * ACTUATORS)
-    assert rotor_misalignment.compute_wrench(p, (), seen(), (0.5,) * ACTUATORS) == (0.0,) * 6
+    assert ROTOR_MISALIGNMENT.wrench(p, (), seen(), (0.5,) * ACTUATORS) == (0.0,) * 6

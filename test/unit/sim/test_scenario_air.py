@@ -5,8 +5,8 @@ import math
 from lta_config.errors import BadInput
 from lta_config.files import list_shipped_names, load_yaml, share_folder
 from lta_config.quantity import Quantity
-from lta_model.military_turbulence import low_altitude_turbulence
 from lta_model.scenario import load_scenario, Scenario
+from lta_model.scenario_air import low_altitude_turbulence
 from lta_model.vehicle import load_vehicle
 from lta_sim.scene_model import collect_scene_effects, vehicle_reach
 import pytest

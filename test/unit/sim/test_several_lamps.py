@@ -4,13 +4,10 @@ from dataclasses import replace
 import math
 
 from lta_config.errors import BadInput
-from lta_model.light.ambient import Ambient
-from lta_model.light.clock_error import DriftingClock
-from lta_model.light.field import LightField, PlaneIlluminance
+from lta_model.light.direct_light import angular_response, build_beam, DiodeResponse, direct_light
+from lta_model.light.field import Ambient, LightField, PlaneIlluminance
 from lta_model.light.flicker import BlockSampling, sample_lamp_wave, sample_mains_wave
-from lta_model.light.lambertian import angular_response, build_beam, DiodeResponse, direct_light
-from lta_model.light.lamp import BeaconLamp, lambertian_order
-from lta_model.light.modulation import SquareWave
+from lta_model.light.lamp import BeaconLamp, DriftingClock, lambertian_order, SquareWave
 from lta_model.sensors.photodiode import PhotodiodeArray
 import numpy as np
 import pytest

@@ -3,7 +3,7 @@
 from itertools import pairwise
 
 from lta_model.effects import initial_memory
-from lta_model.mass_matrix import rigid_mass_matrix
+from lta_model.mass_properties import rigid_mass_matrix
 from lta_model.model import VehicleModel
 from lta_model.state import MASS_PLACE, pack_state, RIGID
 from lta_model.vehicle import load_vehicle

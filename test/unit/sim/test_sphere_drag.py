@@ -10,8 +10,7 @@ import math
 from pathlib import Path
 
 from lta_model.effects import initial_memory
-from lta_model.hull import half_axes
-from lta_model.mass_matrix import spheroid_added_mass
+from lta_model.mass_properties import half_axes, spheroid_added_mass
 from lta_model.model import VehicleModel
 from lta_model.state import pack_state
 from lta_model.vehicle import load_vehicle

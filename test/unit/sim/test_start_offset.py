@@ -2,8 +2,7 @@
 
 from lta_config.errors import BadInput
 from lta_config.topics import load_topic_table
-from lta_model.scenario import load_scenario
-from lta_model.start_offset import offset_start
+from lta_model.scenario import load_scenario, offset_start
 from lta_model.vehicle import load_vehicle
 from lta_sim.world import World
 import pytest

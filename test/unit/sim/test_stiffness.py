@@ -3,7 +3,7 @@
 import re
 
 from lta_config.errors import BadInput
-from lta_model.stiffness import find_fastest_damping, STEP_NS
+from lta_model.model import find_fastest_damping, STEP_NS
 from lta_sim.scene_model import check_scene
 import numpy as np
 import pytest

@@ -3,7 +3,7 @@
 from functools import cache
 import math
 
-from lta_model.effects.air import turbulence
+from lta_model.effects.air import TURBULENCE
 from lta_model.effects.protocol import AirEffectInput
 from lta_model.state import NOISE
 import numpy as np
@@ -34,11 +34,9 @@ def unit(count, i):
 def filters(speed, p=P):
     """Return A, B and C of the linear filters, from the effect itself."""
     rest = (0.0,) * STATES
-    a = [turbulence.compute_memory_rate(p, unit(STATES, i), place(speed)) for i in range(STATES)]
-    b = [turbulence.compute_memory_rate(p, rest, place(speed, unit(3, i))) for i in range(3)]
-    c = [
-        turbulence.compute_air_motion(p, unit(STATES, i), place(speed))[:3] for i in range(STATES)
-    ]
+    a = [TURBULENCE.rate(p, unit(STATES, i), place(speed)) for i in range(STATES)]
+    b = [TURBULENCE.rate(p, rest, place(speed, unit(3, i))) for i in range(3)]
+    c = [TURBULENCE.air(p, unit(STATES, i), place(speed))[:3] for i in range(STATES)]
     return np.transpose(a), np.transpose(b), np.transpose(c)
 
 
@@ -84,7 +82,7 @@ def runge_kutta(memory, noise, speed):
     """Return the memory after one control period with the noise held."""
 
     def slope(state):
-        return np.array(turbulence.compute_memory_rate(P, tuple(state.tolist()), where))
+        return np.array(TURBULENCE.rate(P, tuple(state.tolist()), where))
 
     where = place(speed, noise)
     one = slope(memory)
@@ -146,17 +144,15 @@ def test_a_record_has_the_spectrum(axis, speed):
 
 def test_along_is_the_way_of_the_mean_wind():
     memory = (1.0, 0.0, 0.0, 0.0, 0.0)
-    air = turbulence.compute_air_motion(P, memory, place(0.0, wind=(0.0, -2.0, 0.1)))
+    air = TURBULENCE.air(P, memory, place(0.0, wind=(0.0, -2.0, 0.1)))
     np.testing.assert_allclose(air, (0.0, -0.3, 0.0, 0.0, 0.0, 0.0), atol=1e-16)
-    side = turbulence.compute_air_motion(
-        P, (0.0, 0.0, 1.0, 0.0, 0.0), place(0.0, wind=(0.0, -2.0, 0.1))
-    )
+    side = TURBULENCE.air(P, (0.0, 0.0, 1.0, 0.0, 0.0), place(0.0, wind=(0.0, -2.0, 0.1)))
     np.testing.assert_allclose(side[:2], (0.25 * (1.0 - math.sqrt(3.0)), 0.0), atol=1e-16)
     # In still air, along is x. Frozen turbulence: the acceleration of the air is zero.
-    assert turbulence.compute_air_motion(P, memory, place(1.0)) == (0.3, 0.0, 0.0, 0.0, 0.0, 0.0)
+    assert TURBULENCE.air(P, memory, place(1.0)) == (0.3, 0.0, 0.0, 0.0, 0.0, 0.0)
     # Below 1 mm/s the mean wind counts as still.
     for north, turned in ((0.9e-3, False), (1.1e-3, True)):
-        head = turbulence.compute_air_motion(P, memory, place(0.0, wind=(0.0, north, 0.0)))
+        head = TURBULENCE.air(P, memory, place(0.0, wind=(0.0, north, 0.0)))
         assert head[:2] == pytest.approx((0.0, 0.3) if turned else (0.3, 0.0))
 
 
@@ -169,10 +165,10 @@ def test_near_the_ground_rms_follows_the_mean_wind_and_length_the_height(
 ):
     p, memory = (*SIGMA, *LENGTH, 3.0, 2.0), (1.0, 0.0, 0.0, 0.0, 0.0)
     here = place(1.0, wind=(wind, 0.0, 0.0))._replace(position=(0.0, 0.0, height))
-    air = turbulence.compute_air_motion(p, memory, here)
+    air = TURBULENCE.air(p, memory, here)
     assert air[:3] == pytest.approx((strong * SIGMA[0], 0.0, 0.0))
     # Rate of the filter along: V / L, or sigma / L if that is faster
-    rate = turbulence.compute_memory_rate(p, memory, here)[0]
+    rate = TURBULENCE.rate(p, memory, here)[0]
     assert -rate == pytest.approx(max(1.0, strong * SIGMA[0]) / (long * LENGTH[0]))
 
 
@@ -188,9 +184,7 @@ def test_held_noise_keeps_the_variance_that_is_stated():
 
 
 def test_turbulence_without_a_length_is_refused():
-    named = dict(zip((parameter.name for parameter in turbulence.PARAMETERS), P, strict=True))
-    assert turbulence.find_conflict(named) == ''
-    assert 'across_length' in turbulence.find_conflict({**named, 'across_length': 0.0})
-    assert (
-        turbulence.compute_memory_rate((0.0,) * 8, (0.0,) * STATES, place(1.0)) == (0.0,) * STATES
-    )
+    named = dict(zip((parameter.name for parameter in TURBULENCE.parameters), P, strict=True))
+    assert TURBULENCE.check(named) == ''
+    assert 'across_length' in TURBULENCE.check({**named, 'across_length': 0.0})
+    assert TURBULENCE.rate((0.0,) * 8, (0.0,) * STATES, place(1.0)) == (0.0,) * STATES

@@ -5,9 +5,9 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_config.errors import BadInput
-from lta_model.effects.air import gusts, turbulence, wind_gradient, wind_profile
+from lta_model.effects.air import GUSTS, TURBULENCE, WIND_GRADIENT, WIND_PROFILE
 from lta_model.effects.protocol import AirEffectInput
-from lta_model.military_turbulence import low_altitude_turbulence, sheared_turbulence
+from lta_model.scenario_air import low_altitude_turbulence, sheared_turbulence
 import numpy as np
 import pytest
 from scipy.integrate import quad
@@ -25,13 +25,11 @@ OUTDOORS = (8.0, 0.0, 10.0, 0.3)
 
 
 def test_profile_at_half_a_metre_as_the_paper_is_read():
-    wind = wind_profile.compute_air_motion((*OUTDOORS, 0.0), (), at(z=0.5))
+    wind = WIND_PROFILE.air((*OUTDOORS, 0.0), (), at(z=0.5))
     assert wind[0] == pytest.approx(8.0 * math.log(0.5 / 0.3) / math.log(10.0 / 0.3), rel=1e-14)
     assert round(wind[0], 1) == 1.2
     assert wind[1:] == (0.0,) * 5
-    assert wind_profile.compute_air_motion((*OUTDOORS, 0.0), (), at(z=10.0))[0] == pytest.approx(
-        8.0, rel=1e-14
-    )
+    assert WIND_PROFILE.air((*OUTDOORS, 0.0), (), at(z=10.0))[0] == pytest.approx(8.0, rel=1e-14)
 
 
 def quadrature(z, half):
@@ -45,33 +43,30 @@ def quadrature(z, half):
 @pytest.mark.parametrize('z', [0.1, 0.5, 0.599, 0.601, 1.0, 10.0])
 @pytest.mark.parametrize('half', [0.05, 0.3])
 def test_profile_is_the_mean_over_the_hull(z, half):
-    wind = wind_profile.compute_air_motion((*OUTDOORS, half), (), at(z=z))
+    wind = WIND_PROFILE.air((*OUTDOORS, half), (), at(z=z))
     assert wind[0] == pytest.approx(quadrature(z, half), rel=1e-9, abs=1e-12)
 
 
 def test_profile_has_its_direction_and_ends_at_the_ground():
     p = (3.0, -4.0, 10.0, 0.03, 0.3)
-    wind = wind_profile.compute_air_motion(p, (), at(z=2.0))
+    wind = WIND_PROFILE.air(p, (), at(z=2.0))
     assert wind[1] / wind[0] == pytest.approx(-4.0 / 3.0, rel=1e-14)
     for z in (-0.28, -1.0, -100.0):
-        assert wind_profile.compute_air_motion(p, (), at(z=z)) == NO_AIR
+        assert WIND_PROFILE.air(p, (), at(z=z)) == NO_AIR
 
 
 @pytest.mark.parametrize(('height', 'roughness'), [(10.0, 0.0), (0.3, 0.3), (0.2, 0.3)])
 def test_profile_without_ground_or_reference_above_it_is_no_wind(height, roughness):
     """Its logarithm would be of nothing, or turn the wind round."""
-    assert (
-        wind_profile.compute_air_motion((3.0, -4.0, height, roughness, 0.3), (), at(z=2.0))
-        == NO_AIR
-    )
+    assert WIND_PROFILE.air((3.0, -4.0, height, roughness, 0.3), (), at(z=2.0)) == NO_AIR
 
 
 @given(z=st.floats(-1.0, 20.0), half=st.sampled_from([0.0, 0.01, 0.3]))
 def test_profile_has_no_step(z, half):
     p, step = (8.0, 0.0, 10.0, 0.3, half), 1e-7
     one, two = (
-        wind_profile.compute_air_motion(p, (), at(z=z)),
-        wind_profile.compute_air_motion(p, (), at(z=z + step)),
+        WIND_PROFILE.air(p, (), at(z=z)),
+        WIND_PROFILE.air(p, (), at(z=z + step)),
     )
     # The steepest slope is that of the log at the roughness length: 8 / ln(10 / 0.3) / 0.3.
     assert abs(two[0] - one[0]) <= 7.7 * step
@@ -83,19 +78,19 @@ def test_profile_has_no_step(z, half):
 @pytest.mark.parametrize('half', [0.0, 0.3])
 def test_air_that_rises_through_the_profile_speeds_up(z, half):
     p, w, step = (8.0, -3.0, 10.0, 0.3, half), 0.7, 1e-5
-    air = wind_profile.compute_air_motion(p, (), at(z=z, wind=(0.0, 0.0, w)))
-    above = np.array(wind_profile.compute_air_motion(p, (), at(z=z + step)))
-    below = np.array(wind_profile.compute_air_motion(p, (), at(z=z - step)))
+    air = WIND_PROFILE.air(p, (), at(z=z, wind=(0.0, 0.0, w)))
+    above = np.array(WIND_PROFILE.air(p, (), at(z=z + step)))
+    below = np.array(WIND_PROFILE.air(p, (), at(z=z - step)))
     rise = w * (above - below)[:3] / (2.0 * step)
     np.testing.assert_allclose(air[3:], rise, rtol=1e-7, atol=1e-9)
 
 
 def test_profile_without_ground_is_refused():
     named = dict(zip(('x', 'y', 'height', 'roughness'), OUTDOORS, strict=True))
-    assert wind_profile.find_conflict(named) == ''
-    assert 'roughness' in wind_profile.find_conflict({**named, 'roughness': 0.0})
-    assert 'height' in wind_profile.find_conflict({**named, 'height': 0.2})
-    assert wind_profile.find_conflict({'x': 0.0, 'y': 0.0, 'height': 10.0, 'roughness': 0.0}) == ''
+    assert WIND_PROFILE.check(named) == ''
+    assert 'roughness' in WIND_PROFILE.check({**named, 'roughness': 0.0})
+    assert 'height' in WIND_PROFILE.check({**named, 'height': 0.2})
+    assert WIND_PROFILE.check({'x': 0.0, 'y': 0.0, 'height': 10.0, 'roughness': 0.0}) == ''
 
 
 G = np.array([[0.3, -0.2, 0.1], [0.5, -0.1, 0.7], [-0.4, 0.6, -0.2]])
@@ -104,7 +99,7 @@ CURRENT = (1.0, 2.0, 3.0, *G.ravel()[:8].tolist())
 
 def test_gradient_keeps_the_volume_of_the_air():
     def flow(place):
-        return np.array(wind_gradient.compute_air_motion(CURRENT, (), at(*place.tolist()))[:3])
+        return np.array(WIND_GRADIENT.air(CURRENT, (), at(*place.tolist()))[:3])
 
     edges = np.eye(3)
     rise = sum((flow(edge) - flow(-edge))[i] for i, edge in enumerate(edges))
@@ -114,10 +109,8 @@ def test_gradient_keeps_the_volume_of_the_air():
 def test_air_follows_its_own_acceleration():
     """A parcel carried along for a moment has changed its velocity by DU/Dt."""
     place, step = np.array([0.3, -0.8, 1.1]), 1e-6
-    air = np.array(wind_gradient.compute_air_motion(CURRENT, (), at(*place.tolist())))
-    later = np.array(
-        wind_gradient.compute_air_motion(CURRENT, (), at(*(place + step * air[:3]).tolist()))
-    )
+    air = np.array(WIND_GRADIENT.air(CURRENT, (), at(*place.tolist())))
+    later = np.array(WIND_GRADIENT.air(CURRENT, (), at(*(place + step * air[:3]).tolist())))
     np.testing.assert_allclose((later - air)[:3] / step, air[3:], rtol=1e-7)
 
 
@@ -125,7 +118,7 @@ GUST = (2.0, -1.0, 0.5, 3.0, 0.8, 1.5)  # begins at 3 s, rises in 0.8 s, stands 
 
 
 def gust(time):
-    return np.array(gusts.compute_air_motion(GUST, (time,), at()))
+    return np.array(GUSTS.air(GUST, (time,), at()))
 
 
 def test_gust_rises_stands_and_falls():
@@ -149,9 +142,9 @@ def test_gust_accelerates_as_it_changes(time):
 
 def test_gust_without_a_length_is_refused_and_blows_nothing():
     named = {'x': 1.0, 'y': 0.0, 'z': 0.0, 'length': 0.0}
-    assert 'length' in gusts.find_conflict(named)
-    assert gusts.find_conflict({**named, 'length': 0.5}) == ''
-    assert gusts.compute_air_motion((1.0, 0.0, 0.0, 0.0, 0.0, 5.0), (1.0,), at()) == NO_AIR
+    assert 'length' in GUSTS.check(named)
+    assert GUSTS.check({**named, 'length': 0.5}) == ''
+    assert GUSTS.air((1.0, 0.0, 0.0, 0.0, 0.0, 5.0), (1.0,), at()) == NO_AIR
 
 
 def test_military_turbulence_by_hand():
@@ -162,10 +155,10 @@ def test_military_turbulence_by_hand():
     assert found['along_length'] == pytest.approx(30.48 / 0.2593**1.2, rel=1e-12)
     assert found['up_length'] == 30.48
     sheared = sheared_turbulence(lambda _: 15.43)
-    assert list(sheared) == [parameter.name for parameter in turbulence.PARAMETERS]
+    assert list(sheared) == [parameter.name for parameter in TURBULENCE.parameters]
     assert [*found, 'mean', 'height'] == list(sheared)
     # What the seed paper's wind would be at 6.1 m, and at half a metre if it reached there.
-    speed = wind_profile.compute_air_motion((*OUTDOORS, 0.0), (), at(z=6.096))[0]
+    speed = WIND_PROFILE.air((*OUTDOORS, 0.0), (), at(z=6.096))[0]
     assert round(0.1 * speed / (0.177 + 0.000823 * 0.5 / 0.3048) ** 0.4, 1) == 1.4
     # At 1000 ft it is isotropic: 0.177 + 0.823 = 1.
     top = low_altitude_turbulence(304.8, 10.0)

@@ -3,7 +3,7 @@
 from itertools import pairwise
 import math
 
-from lta_model.effects.air import wind_profile
+from lta_model.effects.air import WIND_PROFILE
 from lta_model.effects.protocol import AirEffectInput
 from lta_model.state import POSITION, QUATERNION, RATES, SURROUNDINGS, VELOCITY
 from lta_sim.kernels.kernel import advance
@@ -53,7 +53,7 @@ def test_a_free_balloon_drifts_with_the_wind_at_its_height(height):
     start = balloon.at(position=(0.0, 0.0, height))
     state = advance(start, free({'wind_profile': profile}), OFF, CALM, 1e-2, 40_000)
     place = AirEffectInput((0.0, 0.0, height), CENTRED, CENTRED, (0.0,) * SURROUNDINGS)
-    there = wind_profile.compute_air_motion(tuple(profile.values()), (), place)[:3]
+    there = WIND_PROFILE.air(tuple(profile.values()), (), place)[:3]
     np.testing.assert_allclose(in_map(state), there, rtol=1e-9)
     assert state[2] == height
 

@@ -6,8 +6,8 @@ from lta_config.files import list_shipped_names
 from lta_config.topics import load_topic_table
 from lta_model.electrical.battery import open_circuit_voltage
 from lta_model.electrical.panel import cell_spectral_factor, find_max_power_point, SolarArrayModel
-from lta_model.hull import half_axes
-from lta_model.light.panel_light import build_panel_plane
+from lta_model.light.readings import build_panel_plane
+from lta_model.mass_properties import half_axes
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
 from lta_sim.world import World

@@ -5,7 +5,7 @@ import math
 from lta_config.constants import STANDARD_GRAVITY
 from lta_model import messages
 from lta_model.effects import initial_memory
-from lta_model.effects.air import turbulence
+from lta_model.effects.air import stationary_memory, TURBULENCE
 from lta_model.effects.protocol import AirEffectInput
 from lta_model.state import RIGID, SURROUNDINGS
 from lta_sim.environment import draw_initial_memory
@@ -69,7 +69,7 @@ def test_a_flight_begins_in_turbulence_that_has_long_been():
     for seed in range(4000):
         memory = draw_initial_memory(effect, np.random.default_rng(seed))
         place = AirEffectInput(STILL, STILL, STILL, (0.0,) * SURROUNDINGS)
-        winds.append(turbulence.compute_air_motion(p, tuple(memory[first : first + 5]), place)[:3])
+        winds.append(TURBULENCE.air(p, tuple(memory[first : first + 5]), place)[:3])
     # The estimate of a deviation from 4000 draws is good to 1.1 %; of a mean to 1.6 % of it.
     np.testing.assert_allclose(np.std(winds, axis=0), p[:3], rtol=0.045)
     assert np.all(abs(np.mean(winds, axis=0)) < 0.065 * np.array(p[:3]))
@@ -78,9 +78,7 @@ def test_a_flight_begins_in_turbulence_that_has_long_been():
 def test_the_start_is_stationary_and_stays_so():
     """Covariance of the filters: A S + S A' + B B' = 0, A = b (-1 0; 1 -1), B = (sqrt b, 0)."""
     generator = np.random.default_rng(1)
-    drawn = np.array(
-        [turbulence.stationary_memory(tuple(z)) for z in generator.normal(size=(40000, 5))]
-    )
+    drawn = np.array([stationary_memory(tuple(z)) for z in generator.normal(size=(40000, 5))])
     s = np.cov(drawn[:, 1:3].T)
     a, noise = np.array([[-1.0, 0.0], [1.0, -1.0]]), np.diag([1.0, 0.0])
     np.testing.assert_allclose(a @ s + s @ a.T + noise, 0.0, atol=0.03)

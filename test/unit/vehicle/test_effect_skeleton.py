@@ -147,7 +147,7 @@ def test_it_is_an_effect_like_any_other(tmp_path, law):
     path, project = write_skeleton('found', law, tmp_path / 'found')
     module = load(path)
     effect = module.EFFECT
-    assert '=' in module.__doc__
+    assert '=' in effect.wrench.__doc__
     extract = SourceExtract()
     for function in (effect.wrench, *([effect.rate] if effect.memory else [])):
         # The kernel can take it, and the order of its parameters is the declared one

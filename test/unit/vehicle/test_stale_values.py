@@ -4,7 +4,7 @@ from io import StringIO
 import math
 
 from lta_config.files import list_shipped_names
-from lta_config.schema.aero_file import load_aero_file
+from lta_config.schema.vehicle_aero import load_aero_file
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_model.propulsion import geometric_column
 from lta_model.vehicle import load_vehicle

@@ -3,10 +3,9 @@
 import math
 
 from lta_graph.health import HealthLevel
-from lta_vlc.demodulation import DemodulatedBlock, Peaks
+from lta_vlc.demodulation import DemodulatedBlock, DiodeFault, Peaks
 from lta_vlc.diagnostics import describe_beacons
-from lta_vlc.faults import DiodeFault
-from lta_vlc.tracker import BeaconPresence
+from lta_vlc.receiver import BeaconPresence
 import numpy as np
 
 NOTHING = np.zeros(4)

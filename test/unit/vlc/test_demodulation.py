@@ -3,7 +3,7 @@
 import math
 
 from lta_config.errors import BadInput
-from lta_model.light.modulation import SquareWave
+from lta_model.light.lamp import SquareWave
 from lta_vlc.demodulation import demodulate_beacon, find_peaks, plan_bins
 from lta_vlc.settings import DemodulationSettings
 import numpy as np

@@ -5,12 +5,9 @@ import math
 
 from lta_config.errors import BadInput
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_vlc.demodulation import Peaks
 from lta_vlc.diodes import build_diode_array, build_even_ring
-from lta_vlc.direction import build_direction_prior, Direction, DirectionFinder
-from lta_vlc.direction_fit import DirectionFit, failed_fit
+from lta_vlc.direction import build_direction_prior
 from lta_vlc.lamp import LampPrior
-import numpy as np
 import pytest
 
 ENTRY = load_vehicle_file('gtmab').sensors.diodes
@@ -91,44 +88,3 @@ def test_the_expected_elevation_and_nearness_follow_from_the_prior():
     )  # fmt: skip
     sure = LampPrior(distance=4.0, distance_deviation=0.0, height_deviation=0.0)
     assert build_direction_prior(sure) == (0.0, 1e-3, 0.25, 1e-3)
-
-
-@pytest.fixture
-def finder():
-    """Return a finder with a fit of fixed result, and a list of the readings and errors passed."""
-    told = []
-
-    def core(array, expected, readings, errors, scratch):
-        told.append((readings, errors))
-        return DirectionFit(True, 0.6, 0.0, 0.8, 0.1, 0.2, 0.3, 70.0, 9.0, 5.0)
-
-    return DirectionFinder(build_even_ring(4), core), told
-
-
-def test_the_fit_gets_amplitudes_and_errors_which_are_infinite_without_any_snr(finder):
-    """White noise moves an amplitude by sqrt(2 / pi) times the mean of the quiet bins."""
-    find, told = finder
-    peaks = Peaks(np.array([9.0, 5.0, 1.0, 2.0]), np.array([6.0, 2.0, 0.0, 1.0]),
-                  np.full(4, 150.0), np.array([3.0, 2.0, 1.0, 4.0]))  # fmt: skip
-    found = find.find(peaks, 6.0, LampPrior())
-    part = math.sqrt(2.0 / math.pi)
-    assert told == [
-        ([9.0, 5.0, 1.0, 2.0], pytest.approx([3 * part, 2 * part, math.inf, 4 * part]))
-    ]
-    assert found == Direction(0.6, 0.0, 0.8, 0.1, 0.2, 0.3, 70.0, 3.0, 5.0)
-    assert found.covariance.tolist() == [[0.1, 0.2], [0.2, 0.3]]
-    assert (found.azimuth, found.elevation) == (0.0, pytest.approx(math.atan2(0.8, 0.6)))
-    assert find.find(peaks, 6.01, LampPrior()) is None
-    assert len(told) == 1
-
-
-def test_a_fit_without_a_direction_gives_none():
-    find = DirectionFinder(build_even_ring(4), lambda *_: failed_fit())
-    peaks = Peaks(np.ones(4), np.full(4, 9.0), np.full(4, 150.0), np.ones(4))
-    assert find.find(peaks, 6.0, LampPrior()) is None
-
-
-def test_prepare_fits_zero_readings_once(finder):
-    find, told = finder
-    find.prepare()
-    assert told == [([0.0] * 4, [0.0] * 4)]

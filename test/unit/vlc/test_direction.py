@@ -10,21 +10,27 @@ from lta_config.errors import BadInput
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_vlc.demodulation import Peaks
 from lta_vlc.diodes import build_diode_array, build_even_ring, DiodeArray
-from lta_vlc.direction import build_direction_prior, build_fit_inputs, DirectionFinder, PART
+from lta_vlc.direction import (
+    build_direction_prior,
+    build_fit_inputs,
+    DirectionFinder,
+    RAYLEIGH_SHARE,
+)
 from lta_vlc.direction_fit import fit_direction
 from lta_vlc.lamp import LampPrior
 from lta_vlc.reading_model import (
-    ACROSS,
-    ACROSS_DEVIATION,
-    BEAM,
-    BENDS,
+    BEND_DEVIATION,
     DirectionPrior,
-    LEANING,
+    FALL_BEND,
+    FALL_BEND_DEVIATION,
+    FALL_DEVIATION,
+    FALL_SLOPE,
+    FALL_SLOPE_DEVIATION,
+    FIT_SCRATCH,
+    GROUND_SLOPE,
+    PATTERN_DEVIATION,
     pedestal_unevenness,
-    REST,
-    SLOPES,
-    TWISTED,
-    TWISTED_DEVIATION,
+    SLOPE_DEVIATION,
 )
 import numpy as np
 import pytest
@@ -50,13 +56,15 @@ def readings(diodes, ray, strength=200.0, pedestal=40.0, distance=math.inf):
     way = np.array(ray) - places / distance
     away = np.linalg.norm(way, axis=1)
     cosine = np.maximum(np.einsum('ij,ij->i', axes, way) / away, 0.0)
-    diffuse = pedestal + LEANING * pedestal_unevenness(strength, pedestal) * (axes @ np.array(ray))
+    diffuse = pedestal + GROUND_SLOPE * pedestal_unevenness(strength, pedestal) * (
+        axes @ np.array(ray)
+    )
     return np.array(diodes.gains) * (strength * cosine**diodes.response / away**2 + diffuse)
 
 
 def heard(amplitude, noise=1e-9):
     """Return readings with as much noise on each diode."""
-    noise = np.full(amplitude.shape, noise / PART)
+    noise = np.full(amplitude.shape, noise / RAYLEIGH_SHARE)
     return Peaks(amplitude, amplitude / noise, np.full(amplitude.shape, 150.0), noise)
 
 
@@ -199,7 +207,7 @@ def independent(diodes, amplitude, noise, prior, found):
     start = np.array([*first, *(0.0,) * 5, expected.nearness, 0.0, mean])
     typical = direct(found.azimuth, found.elevation, found.strength, expected.nearness, 0.0, mean)
     unequal = diodes.spread * (typical + found.pedestal)
-    error = np.sqrt(noise**2 + unequal**2 + (REST * uneven) ** 2)
+    error = np.sqrt(noise**2 + unequal**2 + (PATTERN_DEVIATION * uneven) ** 2)
 
     def residuals(v):
         pattern = axes @ v[4:7] + v[7] * (axes[:, 0] ** 2 - axes[:, 1] ** 2)
@@ -213,11 +221,14 @@ def independent(diodes, amplitude, noise, prior, found):
             [
                 (amplitude - model) / error,
                 [(v[1] - expected.elevation) / expected.elevation_deviation],
-                [(slope.real - LEANING * math.cos(v[1])) / SLOPES],
-                [(slope.imag - ACROSS * v[10]) / ACROSS_DEVIATION],
-                [(v[6] / uneven - LEANING * math.sin(v[1])) / SLOPES],
-                [bend.real / BENDS, (bend.imag - TWISTED * v[10]) / TWISTED_DEVIATION],
-                [(v[9] - expected.nearness) / expected.nearness_deviation, v[10] / BEAM],
+                [(slope.real - GROUND_SLOPE * math.cos(v[1])) / SLOPE_DEVIATION],
+                [(slope.imag - FALL_SLOPE * v[10]) / FALL_SLOPE_DEVIATION],
+                [(v[6] / uneven - GROUND_SLOPE * math.sin(v[1])) / SLOPE_DEVIATION],
+                [
+                    bend.real / BEND_DEVIATION,
+                    (bend.imag - FALL_BEND * v[10]) / FALL_BEND_DEVIATION,
+                ],
+                [(v[9] - expected.nearness) / expected.nearness_deviation, v[10] / FALL_DEVIATION],
                 [(v[11] - mean) / wide],
             ]
         )
@@ -252,7 +263,7 @@ def test_the_interval_holds_what_the_light_does_by_its_priors():
     diodes, prior = build_even_ring(8, SMALL, 1.2, 0.02), LampPrior()
     diodes = replace(diodes, response_deviation=0.3)
     expected, axes = build_direction_prior(prior), np.array(diodes.axes)
-    finder = DirectionFinder(diodes, compile_functions(fit_direction)[0], np.array)
+    finder = DirectionFinder(diodes)
     inside, trials = 0, 2000
     for _ in range(trials):
         azimuth = generator.uniform(-math.pi, math.pi)
@@ -260,16 +271,20 @@ def test_the_interval_holds_what_the_light_does_by_its_priors():
         true = replace(diodes, response=max(generator.normal(1.2, 0.3), 0.3))
         amplitude = readings(true, ray(azimuth), distance=1.0 / near, pedestal=0.0)
         left = np.array([-math.sin(azimuth), math.cos(azimuth), 0.0])
-        fall = BEAM * generator.normal()
+        fall = FALL_DEVIATION * generator.normal()
         amplitude *= 1.0 + near * fall * (np.array(diodes.places) @ left)
         uneven = pedestal_unevenness(200.0, 40.0)
         draw = generator.standard_normal(4)
-        slope = LEANING + SLOPES * draw[0] + 1j * (ACROSS * fall + ACROSS_DEVIATION * draw[1])
-        bend = BENDS * draw[2] + 1j * (TWISTED * fall + TWISTED_DEVIATION * draw[3])
+        slope = (
+            GROUND_SLOPE
+            + SLOPE_DEVIATION * draw[0]
+            + 1j * (FALL_SLOPE * fall + FALL_SLOPE_DEVIATION * draw[1])
+        )
+        bend = BEND_DEVIATION * draw[2] + 1j * (FALL_BEND * fall + FALL_BEND_DEVIATION * draw[3])
         # A harmonic h along the direction and across it reads Re(h conj(n)) at the axis n
         axis = (axes[:, 0] + 1j * axes[:, 1]) * np.exp(-1j * azimuth)
         pattern = (slope * axis.conj()).real + (bend * axis.conj() ** 2).real
-        pattern += REST * generator.standard_normal(8)
+        pattern += PATTERN_DEVIATION * generator.standard_normal(8)
         amplitude = (amplitude + 40.0 + uneven * pattern) * generator.normal(1.0, 0.02, 8)
         found = finder.find(
             heard(np.abs(amplitude + generator.normal(0, 0.5, 8)), 0.5), 6.0, prior
@@ -284,16 +299,18 @@ def test_compiled_it_is_the_same_to_the_last_bit(count):
     """With readings that follow the model, and with some that follow none."""
     generator = np.random.default_rng(count)
     diodes = build_even_ring(count, SMALL, 1.2, 0.02)
-    plain, fast = (
-        DirectionFinder(diodes),
-        DirectionFinder(diodes, compile_functions(fit_direction)[0], np.array),
-    )
+    prior = build_direction_prior(LampPrior())
+    compiled = compile_functions(fit_direction)[0]
     for k in range(200):
         truth = readings(diodes, ray(generator.uniform(-3.1, 3.1)), distance=3.0)
-        off = generator.normal(0.0, 2.0 + k % 100, count)
-        peaks = heard(np.abs(truth + off), 2.0)
-        peaks.snr[generator.integers(count)] = 0.0
-        assert plain.find(peaks, 6.0, LampPrior()) == fast.find(peaks, 6.0, LampPrior())
+        read = np.abs(truth + generator.normal(0.0, 2.0 + k % 100, count))
+        errors = np.full(count, 1.6)
+        errors[generator.integers(count)] = math.inf
+        plain = fit_direction(
+            build_fit_inputs(diodes), prior, read.tolist(), errors.tolist(), [0.0] * FIT_SCRATCH
+        )
+        array, scratch = build_fit_inputs(diodes, np.array), np.zeros(FIT_SCRATCH)
+        assert compiled(array, prior, read, errors, scratch) == plain
 
 
 def test_a_vehicles_diodes_are_those_of_its_file():

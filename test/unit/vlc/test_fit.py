@@ -25,8 +25,8 @@ from lta_vlc.reading_model import (
     NEARNESS,
     NORMAL,
     PEDESTAL,
-    PULLS,
     RESPONSE,
+    RIGHT_SIDE,
     STRENGTH,
     UNKNOWNS,
     VALUES,
@@ -54,7 +54,7 @@ def normal(seed=1):
     pulls = chance.normal(size=UNKNOWNS)
     scratch = np.zeros(FIT_SCRATCH)
     scratch[NORMAL:VALUES] = np.tril(matrix).ravel()
-    scratch[PULLS:NORMAL] = pulls
+    scratch[RIGHT_SIDE:NORMAL] = pulls
     return scratch, matrix, pulls
 
 
@@ -65,7 +65,7 @@ def test_the_normal_equations_are_solved(seed):
     factor = np.tril(scratch[NORMAL:VALUES].reshape(UNKNOWNS, UNKNOWNS))
     assert factor == pytest.approx(np.linalg.cholesky(matrix), abs=1e-12)
     solve_cholesky(scratch)
-    assert scratch[PULLS:NORMAL] == pytest.approx(np.linalg.solve(matrix, pulls), abs=1e-12)
+    assert scratch[RIGHT_SIDE:NORMAL] == pytest.approx(np.linalg.solve(matrix, pulls), abs=1e-12)
 
 
 @pytest.mark.parametrize('worst', [0.0, -1.0, math.nan])
@@ -159,14 +159,14 @@ def test_a_step_keeps_the_values_within_their_limits():
     """Nearness is at most 1 / (0.5 m), fall at most 3, strength at least 1/1000 of the top."""
     scratch = np.zeros(FIT_SCRATCH)
     scratch[VALUES:MISFIT] = 1.0
-    scratch[PULLS:NORMAL] = 0.25
+    scratch[RIGHT_SIDE:NORMAL] = 0.25
     update_unknowns(scratch, 100.0)
     assert scratch[VALUES:MISFIT].tolist() == [1.25] * ELEVATION
-    scratch[PULLS:NORMAL] = 9.0
+    scratch[RIGHT_SIDE:NORMAL] = 9.0
     update_unknowns(scratch, 100.0)
     assert (scratch[VALUES + NEARNESS], scratch[VALUES + FALL]) == (2.0, 3.0)
     assert scratch[VALUES + STRENGTH] == 10.25
-    scratch[PULLS:NORMAL] = -99.0
+    scratch[RIGHT_SIDE:NORMAL] = -99.0
     update_unknowns(scratch, 100.0)
     assert (scratch[VALUES + NEARNESS], scratch[VALUES + FALL]) == (0.0, -3.0)
     assert scratch[VALUES + STRENGTH] == pytest.approx(0.1)
@@ -188,10 +188,10 @@ def test_at_most_twelve_steps_are_limited_and_halved_after_five(monkeypatch, pul
 
     def pulling(array, expected, readings, errors, scratch, x, y, z, faint):
         faints.append(faint)
-        scratch[PULLS:VALUES] = [0.0] * (VALUES - PULLS)
+        scratch[RIGHT_SIDE:VALUES] = [0.0] * (VALUES - RIGHT_SIDE)
         for unknown in range(UNKNOWNS):
             scratch[NORMAL + (UNKNOWNS + 1) * unknown] = 4.0
-        scratch[PULLS + AZIMUTH] = 4.0 * pull
+        scratch[RIGHT_SIDE + AZIMUTH] = 4.0 * pull
 
     monkeypatch.setattr(sys.modules['lta_vlc.direction_fit'], 'build_normal_equations', pulling)
     level = EXPECTED._replace(elevation=0.0)

@@ -5,8 +5,7 @@ import math
 
 from lta_vlc.demodulation import Peaks
 from lta_vlc.diodes import DiodeArray
-from lta_vlc.direction import Direction
-from lta_vlc.gain_tracking import build_direction_finder, GainTracker, LearningDirectionFinder
+from lta_vlc.direction import Direction, DirectionFinder, GainTracker
 from lta_vlc.lamp import LampPrior
 import numpy as np
 import pytest
@@ -120,10 +119,10 @@ def find_directions(finder, angles, **options):
 def test_directions_become_better_while_the_drone_turns():
     diodes = replace(array(), response_deviation=0.5)
     turn = np.arange(112) * math.tau / 16
-    learning = build_direction_finder(diodes, learns=True)
+    learning = DirectionFinder(diodes, learns=True)
     before = find_directions(learning, turn[:-16])
     after = find_directions(learning, turn[-16:])
-    fixed = find_directions(build_direction_finder(diodes, learns=False), turn[:16])
+    fixed = find_directions(DirectionFinder(diodes, learns=False), turn[:16])
     # The first block is read with the file's gains
     assert before[0] == fixed[0]
     assert np.sqrt(np.mean(after**2)) < 0.5 * np.sqrt(np.mean(fixed**2))
@@ -131,7 +130,7 @@ def test_directions_become_better_while_the_drone_turns():
 
 
 def test_many_blocks_from_one_direction_count_once():
-    once, often = (LearningDirectionFinder(array()) for _ in range(2))
+    once, often = (DirectionFinder(array(), learns=True) for _ in range(2))
     find_directions(once, [0.2])
     find_directions(often, [0.2 + 0.01 * math.sin(k) for k in range(50)])
     assert once.diodes == often.diodes

@@ -3,8 +3,7 @@
 import math
 
 from lta_config.errors import BadInput
-from lta_vlc.demodulation import demodulate_block
-from lta_vlc.faults import DiodeFault
+from lta_vlc.demodulation import demodulate_block, DiodeFault
 from lta_vlc.receiver import BeaconReceiver
 from lta_vlc.settings import DemodulationSettings, NO_WISH
 import numpy as np

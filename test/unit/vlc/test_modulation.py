@@ -4,7 +4,7 @@ from fractions import Fraction
 import math
 
 from lta_config.errors import BadInput
-from lta_model.light.modulation import phase_in_cycles, SquareWave
+from lta_model.light.lamp import phase_in_cycles, SquareWave
 import numpy as np
 import pytest
 

@@ -3,7 +3,7 @@
 from lta_config.errors import BadInput
 from lta_vlc.receiver import BeaconReceiver
 from lta_vlc.settings import DemodulationSettings
-from lta_vlc.spectral.separation import alias_frequency, check_beacons, mains_flicker_frequencies
+from lta_vlc.spectral.bins import alias_frequency, check_beacons, mains_flicker_frequencies
 import pytest
 
 

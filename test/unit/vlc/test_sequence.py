@@ -1,8 +1,7 @@
 """Blocks that are missing, late, doubled, and a time that begins anew."""
 
 from lta_config.errors import BadInput
-from lta_vlc.sequence import BlockSequence
-from lta_vlc.tracker import BeaconPresence
+from lta_vlc.receiver import BeaconPresence, BlockSequence
 import pytest
 
 PERIOD = 100_000_000

@@ -1,6 +1,6 @@
 """Which bins count as quiet, and the ratio, by hand."""
 
-from lta_vlc.spectral.snr import select_quiet_bins, signal_to_noise
+from lta_vlc.spectral.bins import select_quiet_bins, signal_to_noise
 import numpy as np
 import pytest
 

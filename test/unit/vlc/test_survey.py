@@ -2,9 +2,14 @@
 
 import math
 
-from lta_vlc.faults import detect_sample_faults, detect_tone_faults, DiodeFault, FAULTS, SPOILT
-from lta_vlc.spectral.samples import center_samples, SampleStatistics
-from lta_vlc.spectral.spectrum_scan import scan_spectrum, SpectrumScan
+from lta_vlc.demodulation import (
+    detect_sample_faults,
+    detect_tone_faults,
+    DiodeFault,
+    FAULTS,
+    UNUSABLE_FAULTS,
+)
+from lta_vlc.spectral.spectrum import center_samples, SampleStatistics, scan_spectrum, SpectrumScan
 import numpy as np
 import pytest
 
@@ -58,7 +63,7 @@ def test_more_than_a_hundredth_of_the_samples_at_full_scale_is_saturation():
         DiodeFault.NOT_A_NUMBER,
     ]  # fmt: skip
     assert [FAULTS[fault.value] for fault in DiodeFault] == list(DiodeFault)
-    assert DiodeFault.ALIASED not in SPOILT  # beacons can be read beside an unknown tone
+    assert DiodeFault.ALIASED not in UNUSABLE_FAULTS  # beacons can be read beside an unknown tone
 
 
 def test_a_tone_above_all_beacons_and_six_times_the_noise_is_an_alias():

@@ -1,6 +1,6 @@
 """A beacon's expected frequency and its presence from block to block, by hand."""
 
-from lta_vlc.tracker import BeaconPresence, FrequencyTracker, tracking_range
+from lta_vlc.receiver import BeaconPresence, FrequencyTracker, tracking_range
 import pytest
 
 

@@ -1,7 +1,7 @@
 """Columns of B, by symmetry and by what superposes, from sweeps written by hand."""
 
 from lta_config.files import validate_content
-from lta_config.schema.aero_file import AeroFile
+from lta_config.schema.vehicle_aero import AeroFile
 from lta_windtunnel.aero_text import format_aero_file, format_quantity
 from lta_windtunnel.solve import build_sweep, estimate_drag
 from lta_windtunnel.sweep_table import Blow, FlowQuality

@@ -1,7 +1,7 @@
 """What an aero file says beside its coefficients, from points written by hand."""
 
 from lta_config.files import validate_content
-from lta_config.schema.aero_file import AeroFile
+from lta_config.schema.vehicle_aero import AeroFile
 from lta_windtunnel.aero_fit import (
     collect_warnings,
     describe_side_loads,

@@ -4,7 +4,7 @@ from decimal import Decimal
 import re
 
 from lta_config.files import share_folder
-from lta_config.schema.aero_file import load_aero_file
+from lta_config.schema.vehicle_aero import load_aero_file
 from lta_model.vehicle import load_vehicle
 from lta_windtunnel.aero_text import format_aero_file
 from lta_windtunnel.flow_checks import (

@@ -2,7 +2,7 @@
 
 import math
 
-from lta_model.hull import half_axes
+from lta_model.mass_properties import half_axes
 from lta_model.vehicle import load_vehicle
 from lta_windtunnel.analytic import added_mass_share, pressure_coefficient, pressure_extremes
 from lta_windtunnel.flow_fields import read_surface_pressure, summarize_surface_pressure

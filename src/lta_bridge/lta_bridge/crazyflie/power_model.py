@@ -1,7 +1,7 @@
 """
 Model the cell current from the reported duties, because a Crazyflie does not measure it.
 
-The rotors' power by duty and voltage comes from Bitcraze's bench table (`lta_energy.rotor`), the
+The rotors' power by duty and voltage comes from Bitcraze's bench table (`electrical.loads`), the
 power of the electronics from the vehicle file. The energy monitor is only as accurate as this
 model.
 """
@@ -10,8 +10,7 @@ from collections.abc import Sequence
 from typing import NamedTuple, Self
 
 from lta_config.schema.vehicle_energy import EnergyBlock
-from lta_energy.rotor import power_at_duty
-from lta_model.electrical.loads import LoadModel
+from lta_model.electrical.loads import LoadModel, power_at_duty
 
 
 class CrazyfliePowerModel(NamedTuple):

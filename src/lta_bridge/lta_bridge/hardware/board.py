@@ -10,8 +10,7 @@ from lta_bridge.teensy.light_board import LightBlock, LightBoard, LightPeaks
 from lta_bridge.teensy.reader import BoardReader
 from lta_config.schema.vehicle_diodes import PhotodiodesBlock
 from lta_config.topics import AdcBlockShape
-from lta_vlc.demodulation import demodulate_block
-from lta_vlc.faults import SPOILT
+from lta_vlc.demodulation import demodulate_block, UNUSABLE_FAULTS
 from lta_vlc.spectral.bins import BeaconBins
 import numpy as np
 
@@ -147,7 +146,7 @@ def measure_diodes(
         yield DiodeMeasurement(
             float(one.mean()), int(one.min()), int(one.max()), float(snr[k]),
             tuple(sorted(name.lower().replace('_', ' ') for name in named)),
-            any(fault & SPOILT for fault in faults),
+            any(fault & UNUSABLE_FAULTS for fault in faults),
         )  # fmt: skip
 
 

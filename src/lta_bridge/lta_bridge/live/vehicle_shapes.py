@@ -19,7 +19,7 @@ from lta_bridge.live.shapes import (
     X,
     Z,
 )
-from lta_model import hull
+from lta_model import mass_properties
 from lta_model.vehicle import Vehicle
 
 BASE: Final = 'base_link'
@@ -40,7 +40,7 @@ ROTOR: Final = 0.12  # disc radius by the vehicle's reach: the vehicle file has 
 
 def vehicle_reach(vehicle: Vehicle) -> float:
     """Return the largest extent of the vehicle from the hull centre. [m]"""
-    ends = list(hull.half_axes(vehicle.file.hull))
+    ends = list(mass_properties.half_axes(vehicle.file.hull))
     for rotor in vehicle.rotors:
         ends += [abs(number) for number in rotor.place]
     return max(ends)
@@ -49,7 +49,7 @@ def vehicle_reach(vehicle: Vehicle) -> float:
 def draw_body(vehicle: Vehicle) -> ShapeEntity:
     """Return the static shapes of the vehicle: hull, boxes and discs."""
     shapes: list[Shape] = []
-    half = hull.half_axes(vehicle.file.hull)
+    half = mass_properties.half_axes(vehicle.file.hull)
     if any(half):
         shapes.append(
             EllipsoidShape(ORIGIN, to_triple(tuple(2.0 * axis for axis in half)), ENVELOPE)

@@ -24,12 +24,12 @@ from lta_bridge.playback.playback_clock import PlaybackClock
 from lta_bridge.playback.recording import open_recording
 from lta_bridge.playback.settings import check_playback, FOREVER, PlayerSettings
 from lta_config.errors import BadInput
-from lta_config.process_limits import limit_memory
+from lta_config.limits import limit_memory
 from lta_graph.health import HealthLevel
 from lta_graph.quality import select_quality
-from lta_graph.ros.node import GraphNode, WHOLE
+from lta_graph.ros.node import GraphNode, LONG_ACKNOWLEDGE_TIME
 from lta_graph.ros.parameters import NodeParameters
-from lta_graph.ros.peer_listener import OVER
+from lta_graph.ros.peer_listener import OVER_VALUE
 from lta_graph.ros.process import run_node
 from lta_graph.ros.replay_due import from_due
 from lta_graph.ros.stamps import to_stamp
@@ -207,7 +207,7 @@ class Player(GraphNode):
         # In real time the number of answers is unknown: wait until they cease
         late = not self.lockstep and time.monotonic() - self._news < QUIET
         if self._reel.next_ns is None and not self._owed.total_pending and not late:
-            self._ended, self.running, self.farewell = 'played', False, WHOLE
+            self._ended, self.running, self.farewell = 'played', False, LONG_ACKNOWLEDGE_TIME
 
     def _publish_next(self) -> None:
         """Publish the next message."""
@@ -276,7 +276,7 @@ class Player(GraphNode):
 
     def _monitor_inputs(self) -> None:
         """Report the progress of the replay."""
-        over = {OVER: self._ended == 'played'}
+        over = {OVER_VALUE: self._ended == 'played'}
         self.health.report(
             'playback', HealthLevel.OK, self._format_position(), **self._collect_progress(), **over
         )

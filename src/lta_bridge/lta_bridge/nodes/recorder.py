@@ -26,17 +26,16 @@ from lta_bridge.playback.recording import open_recording
 from lta_bridge.provenance import merge_provenance
 from lta_bridge.recorder_settings import RecorderSettings, RobotOrigin
 from lta_config.errors import BadInput
-from lta_config.process_limits import limit_memory
+from lta_config.limits import limit_memory
 from lta_config.settings import setting, Settings
-from lta_config.topic_selection import EVERYTHING, select_topics
-from lta_config.topics import is_name
+from lta_config.topics import ALL_TOPICS, is_name, select_topics
 from lta_graph.health import HealthLevel
 from lta_graph.interrupts import hold_interrupts
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
 from lta_graph.ros.qos import select_profile
-from lta_graph.ros.raw_subscriptions import GENEROUS, load_message_class, RawSubscriptions
+from lta_graph.ros.raw_subscriptions import GENEROUS_PROFILE, load_message_class, RawSubscriptions
 from lta_graph.ros.replay_due import subscribe_due_times
 from pydantic import create_model
 from rclpy.clock import Clock
@@ -102,7 +101,7 @@ class Recorder(GraphNode):
                 subscribe_due_times(
                     self, self.table, partial(self._intake.set_due_times, robots[0])
                 )
-            everything = settings.topics.split() == [EVERYTHING]
+            everything = settings.topics.split() == [ALL_TOPICS]
             self._taps = RawSubscriptions(
                 self, self._build_tap_receiver, self._accepts_topic if everything else None
             )
@@ -144,7 +143,7 @@ class Recorder(GraphNode):
     def _expected_profile(self, name: str) -> QoSProfile:
         """Return the expected QoS profile of a topic."""
         topic = self.table.topics.get(self._intake.find_owner(name)[1])
-        return select_profile(topic, self.lockstep) if topic else GENEROUS
+        return select_profile(topic, self.lockstep) if topic else GENEROUS_PROFILE
 
     def _accepts_topic(self, name: str, type_name: str) -> bool:
         """Return whether to record a discovered topic; note those of unknown types."""

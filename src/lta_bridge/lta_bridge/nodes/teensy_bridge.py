@@ -23,8 +23,8 @@ from lta_graph.ros.stamps import to_stamp
 from lta_model.messages import build_light_block_message
 from lta_vlc.demodulation import Peaks
 from lta_vlc.diodes import build_diode_array
+from lta_vlc.direction import LampFinder
 from lta_vlc.lamp import LampPrior
-from lta_vlc.lamp_finder import LampFinder
 from lta_vlc.messages import from_bearing, from_lamp, from_peaks
 from lta_vlc.settings import DemodulationSettings
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn

@@ -17,7 +17,7 @@ from lta_bridge.teensy.frame_parser import FrameParser
 from lta_bridge.teensy.sender_filter import SenderFilter
 from lta_config.topics import AdcBlockShape
 from lta_vlc.demodulation import Peaks
-from lta_vlc.spectral.snr import signal_to_noise
+from lta_vlc.spectral.bins import signal_to_noise
 import numpy as np
 from numpy.typing import NDArray
 

@@ -7,7 +7,7 @@ from lta_bridge.teleop.steering import HeadingAltitude
 from lta_bridge.teleop.sticks import GamepadLayout, Sticks, to_sticks
 from lta_control.messages import to_cascade_measurement
 from lta_graph.rejections import RejectionCount
-from lta_graph.ros.command_mux import HELD, HELM
+from lta_graph.ros.command_mux import COMMAND_SOURCE_TASK, HELD
 from lta_graph.ros.message_validation import find_fault
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Joy
@@ -71,7 +71,9 @@ class SetpointFollowers:
     def add_diagnostics(self, array: DiagnosticArray) -> None:
         """Add a diagnostics message."""
         for status in array.status:
-            if status.hardware_id == self._robot and status.name.endswith(f': {HELM}'):
+            if status.hardware_id == self._robot and status.name.endswith(
+                f': {COMMAND_SOURCE_TASK}'
+            ):
                 values = {item.key: item.value for item in status.values}
                 if HELD in values:
                     # Diagnostics values are texts

@@ -6,6 +6,7 @@ import sys
 from lta_config.errors import BadInput, unknown_name_error
 
 PAGES = {  # page name to path below docs/, as `make reference` writes them
+    'topics': 'topics.md',
     'verbs': 'verbs.md',
     'parameters': 'parameters.md',
     'vehicles': 'vehicles.md',

@@ -7,7 +7,7 @@ from lta_cli.app import build_app
 from lta_control.strategies import STRATEGIES
 from lta_flight.flight_spec import SETTINGS
 from lta_model.effects import EFFECTS
-from lta_model.effects.summary import describe_effect
+from lta_model.effects.protocol import describe_effect
 from pydantic import BaseModel
 from typer.main import get_command
 

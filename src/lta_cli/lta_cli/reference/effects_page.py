@@ -13,23 +13,23 @@ from lta_model.effects.protocol import (
     ActuatorEffect,
     AirEffect,
     BodyEffect,
+    describe_effect,
     Effect,
     EffectParameter,
     InertiaEffect,
     MeasurementEffect,
     WrenchEffect,
 )
-from lta_model.effects.summary import describe_effect
 
 HEAD = """# Effects
 
 Generated from `lta_model.effects` by `./lta effects --markdown > docs/effects.md`.
 
-The vehicle model is the sum of these effects. Each is one file in
-`src/lta_model/lta_model/effects/` with its equations, limitations and sources. A vehicle file
-enables an effect under `effects:` by giving a parameter a value other than its null value. With
-null values the effect changes nothing, to the last bit. `./lta effects NAME` shows the source of
-every bound. `name_1..` means one parameter per rotor.
+The vehicle model is the sum of these effects. Each is a function in
+`src/lta_model/lta_model/effects/` whose docstring has its equations, limitations and sources. A
+vehicle file enables an effect under `effects:` by giving a parameter a value other than its null
+value. With null values the effect changes nothing, to the last bit. `./lta effects NAME` shows the
+source of every bound. `name_1..` means one parameter per rotor.
 """
 
 LAW = """

@@ -7,9 +7,8 @@ from typing import Any
 
 from lta_config.settings import format_bounds
 from lta_graph.launches import FLY
-from lta_graph.ros.help.declarations import find_settings_models, parse_module
-from lta_graph.ros.help.node_help import format_default
 from lta_graph.ros.node import GraphSettings
+from lta_graph.ros.node_help import find_settings_models, format_default, parse_module
 from lta_graph.ros.parameters import iterate_fields
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo

@@ -4,7 +4,7 @@ from typing import Annotated
 
 from lta_cli.options.common_options import plain_console
 from lta_config.topics import robot_topic
-from lta_graph.ros import service_call
+from lta_graph.ros import temporary_node
 import typer
 
 
@@ -29,7 +29,7 @@ def call(
 
     Example: lta call player/pause true
     """
-    answer = service_call.call_service(robot_topic(robot, service), data)
+    answer = temporary_node.call_service(robot_topic(robot, service), data)
     # A response may have no text
     words = answer.message or ('done' if answer.success else 'not done')
     plain_console().print(words, highlight=False, markup=False, soft_wrap=True)

@@ -5,7 +5,7 @@ from typing import Annotated
 from lta_cli.options.study_command import report_command
 from lta_config.errors import BadInput
 from lta_config.quantity import describe_misfit, Quantity
-from lta_config.schema.cell_table import load_cell_table
+from lta_config.schema.cell_file import load_cell_table
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_report.report import Report
 from lta_studies.energy.cells.report import build_report

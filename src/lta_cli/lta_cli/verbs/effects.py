@@ -6,8 +6,7 @@ from typing import Annotated
 from lta_cli.options.common_options import plain_console
 from lta_cli.reference.effects_page import KINDS, render_page
 from lta_model.effects import EFFECTS, get_effect
-from lta_model.effects.protocol import WrenchEffect
-from lta_model.effects.summary import describe_effect
+from lta_model.effects.protocol import describe_effect, WrenchEffect
 from rich.table import Table
 import typer
 
@@ -24,8 +23,8 @@ def effects(
     """
     List the effects of the model: unit, bounds and source of every parameter.
 
-    A vehicle file enables an effect under `effects:`. Its equations are at the top of its file in
-    src/lta_model/lta_model/effects/.
+    A vehicle file enables an effect under `effects:`. Its equations are in the docstring of its
+    function in src/lta_model/lta_model/effects/.
 
     Example: lta effects ground_effect
     """

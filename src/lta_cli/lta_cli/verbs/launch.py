@@ -19,8 +19,7 @@ from lta_flight.flight_run import EXIT_STATUSES
 from lta_flight.graph import list_bags, run_graph
 from lta_flight.preflight import check_plan
 from lta_flight.report.page import write_page
-from lta_graph.launch_plan import LaunchPlan
-from lta_graph.launch_table import find_launch, Launch, parse_arguments, SUFFIX
+from lta_graph.launch_plan import find_launch, Launch, LAUNCH_SUFFIX, LaunchPlan, parse_arguments
 from lta_report.results_folder import format_page_line
 from rich.table import Table
 import typer
@@ -74,7 +73,7 @@ def launch(
     if alone and os.environ.get('LTA_UNDERLAY') != WHEELS and shutil.which('ros2'):
         # Replaces this process, so signals and the exit status are those of ros2 launch
         words = [f'{name}:={value}' for name, value in pairs.items()]
-        path = find_file('launch file', file, SUFFIX)
+        path = find_file('launch file', file, LAUNCH_SUFFIX)
         os.execvp('ros2', ['ros2', 'launch', str(path), *words])
     outcomes: list[str] = []  # of the simulated flights
 

@@ -7,7 +7,7 @@ import sys
 from typing import Annotated
 
 from lta_config.errors import BadInput
-from lta_graph.ament import find_executable, OURS
+from lta_graph.ament import find_executable, OUR_PREFIX
 import typer
 
 
@@ -43,7 +43,7 @@ def run(
         raise BadInput(f"The executable of '{package}' is missing; write lta run {package} NAME.")
     name, *rest = words
     path = find_executable(package, name)
-    if package.startswith(OURS):
+    if package.startswith(OUR_PREFIX):
         # Block SIGINT until the entry point installs its handler: Ctrl-C during the imports would
         # print a traceback.
         signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})

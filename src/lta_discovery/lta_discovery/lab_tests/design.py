@@ -13,7 +13,7 @@ from typing import Final, final, Literal, NamedTuple
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.errors import BadInput
 from lta_model.effects.protocol import AXES
-from lta_model.hover import select_lifting_rotors
+from lta_model.propulsion import select_lifting_rotors
 from lta_model.vehicle import Vehicle
 from lta_vehicle.figures.climb import terminal_speed
 from lta_vehicle.figures.pendulum import compute_pendulum_mode

@@ -12,7 +12,7 @@ import math
 from typing import Final, final
 
 from lta_config.schema.vehicle_law import HiddenState, LawFactor, LEAST_LAG
-from lta_model.law_arrays import OWN
+from lta_model.law_arrays import HIDDEN_QUANTITIES
 
 MOTIONS: Final = ('u', 'v', 'w', 'p', 'q', 'r')
 THRUSTS: Final = ('thrust_surge', 'thrust_heave', 'thrust_yaw')
@@ -134,14 +134,14 @@ def _list_hidden_columns(spreads: Mapping[str, Spread]) -> Iterator[Column]:
                     for hertz in SWINGS
                 ]
             for state in states:
-                for output in OWN:
+                for output in HIDDEN_QUANTITIES:
                     yield Column((LawFactor(quantity=output),), 2, state)
     # What switches with a delay, alone or as a share of the thrust
     for name in (*MOTIONS, 'roll', 'pitch', 'height'):
         for factor, lag in product(_list_steps(name, spreads[name]), LAGS):
             state = HiddenState(drive=[factor], time_constant=lag)
             for pushed in ((), *((LawFactor(quantity=one),) for one in THRUSTS[:2])):
-                yield Column((LawFactor(quantity=OWN[0]), *pushed), 2, state)
+                yield Column((LawFactor(quantity=HIDDEN_QUANTITIES[0]), *pushed), 2, state)
 
 
 def _list_field_columns(spreads: Mapping[str, Spread]) -> Iterator[Column]:

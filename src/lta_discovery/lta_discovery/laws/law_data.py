@@ -19,7 +19,7 @@ from lta_discovery.laws.regression import WrenchRegression
 from lta_discovery.model.quaternions import rotation_matrix
 from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.replay.linearized_flight import AXES, hat_functions, LinearizedFlight
-from lta_model.law_arrays import evaluate_product, OWN
+from lta_model.law_arrays import evaluate_product, HIDDEN_QUANTITIES
 import numpy as np
 from numpy.typing import NDArray
 
@@ -114,7 +114,10 @@ class LawData:
             both = follow_drive(state, each.whole)
             at = np.minimum(each.first[:, None] + steps, len(both[0]) - 1)
             parts.append([values[at] for values in both])
-        return {name: np.concatenate([part[k] for part in parts]) for k, name in enumerate(OWN)}
+        return {
+            name: np.concatenate([part[k] for part in parts])
+            for k, name in enumerate(HIDDEN_QUANTITIES)
+        }
 
     def quantities(self, hidden: HiddenState | None) -> Quantities:
         """Return all quantities in the pieces."""

@@ -19,7 +19,7 @@ from lta_discovery.laws.law_data import LawData
 from lta_discovery.laws.regression import LAW_AXES
 from lta_discovery.laws.selection import LawFit
 from lta_discovery.selection.interval import NORMAL
-from lta_model.law_arrays import evaluate_product, OWN
+from lta_model.law_arrays import evaluate_product, HIDDEN_QUANTITIES
 import numpy as np
 from numpy.typing import NDArray
 
@@ -106,7 +106,7 @@ def find_region(
         longest = max((one.scale or 0.0 for one in waves), default=0.0)
         if name != 'yaw' and longest > high - low:
             beyond = 0.0
-        if name in OWN and hidden is not None:
+        if name in HIDDEN_QUANTITIES and hidden is not None:
             low, high = _hidden_range(name, hidden, evaluate_product(drive, state), (low, high))
         low, high = low - max(beyond, 1e-9), high + max(beyond, 1e-9)
         least, most = data.reach.get(name, (low, high))
@@ -119,7 +119,7 @@ def _hidden_range(
 ) -> tuple[float, float]:
     """Return the range of a hidden state or of its rate, which includes its start."""
     start = hidden.start or 0.0
-    begun = start if name == OWN[0] else 0.0
+    begun = start if name == HIDDEN_QUANTITIES[0] else 0.0
     low, high = min(ends[0], begun), max(ends[1], begun)
     if hidden.time_constant is None:
         return low, high
@@ -127,7 +127,7 @@ def _hidden_range(
     beyond = MARGIN * float(np.ptp(drive))
     least, most = float(np.min(drive)) - beyond, float(np.max(drive)) + beyond
     least, most = min(start, least), max(start, most)
-    if name == OWN[0]:
+    if name == HIDDEN_QUANTITIES[0]:
         return min(low, least), max(high, most)
     fastest = (most - least) / hidden.time_constant
     return min(low, -fastest), max(high, fastest)

@@ -14,7 +14,7 @@ from string import Template
 from types import ModuleType
 from typing import Final, final
 
-from lta_config.compilation.compiler import ENTRY, INLINE
+from lta_config.compilation.compiler import ENTRY_DECORATOR, INNER_DECORATOR
 from lta_config.compilation.kernel_cache import load_kernel
 from lta_discovery.model.replay_entries import CHAIN, FLY
 from lta_model.effects import MODEL_EFFECTS
@@ -70,7 +70,7 @@ ACTUATOR_PLACES: Final = row_slices(ACTUATOR_LAYOUT)
 BODY_PLACES: Final = row_slices(BODY_LAYOUT)
 RIGID: Final = 13
 # Release the GIL, so that flights run in parallel.
-FREE: Final = ENTRY.replace('cache=True', 'cache=True, nogil=True')
+FREE: Final = ENTRY_DECORATOR.replace('cache=True', 'cache=True, nogil=True')
 
 
 @final
@@ -122,7 +122,9 @@ def _build_scalar_form(
 ) -> KernelTarget:
     """Return the scalar form of the model with more entries."""
     text = _format_constants(where, latent) + ENTRIES + entries.replace('$FREE', FREE)
-    return KernelTarget('from numba import njit\n', INLINE, ENTRY, access, Template(text))
+    return KernelTarget(
+        'from numba import njit\n', INNER_DECORATOR, ENTRY_DECORATOR, access, Template(text)
+    )
 
 
 @cache

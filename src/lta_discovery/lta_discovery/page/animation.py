@@ -19,7 +19,7 @@ from lta_discovery.page.formatting import (
     format_quantity,
     join_words,
 )
-from lta_model.hull import half_axes
+from lta_model.mass_properties import half_axes
 from lta_model.vehicle import Vehicle
 from lta_report.palette import DARK, ESTIMATE, GRID, INK, PAPER, SOFT, TRUTH, WALL
 import numpy as np

@@ -16,7 +16,7 @@ from lta_discovery.selection.candidate_acceptance import (
 )
 from lta_discovery.unmodeled.unexplained_force import Remainder
 from lta_model.effects import EFFECTS
-from lta_model.effects.summary import describe_effect
+from lta_model.effects.protocol import describe_effect
 from lta_report.formatting import MISSING
 
 MINUS: Final = '\N{MINUS SIGN}'

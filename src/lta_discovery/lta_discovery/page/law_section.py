@@ -24,7 +24,7 @@ from lta_discovery.replay.linearized_flight import AXES
 from lta_discovery.replay.replay import STEPS
 from lta_discovery.study import DiscoveryStudy
 from lta_model.effects.protocol import AXES as BODY
-from lta_model.law_arrays import OWN
+from lta_model.law_arrays import HIDDEN_QUANTITIES
 from lta_model.law_text import describe_term, format_hidden, format_product, format_region
 from lta_report.formatting import format_count
 from lta_report.html_elements import render_section
@@ -140,7 +140,7 @@ def _render_figures(study: DiscoveryStudy, outcome: LawFinding) -> str:
     name = {'map_x': 'surge', 'map_y': 'sway', 'map_z': 'heave'}.get(main.axis, main.axis)
     axis, unit = BODY.index(name), LAW_AXES[main.axis]
     quantity = main.factors[0].quantity if main.factors else 'time'
-    quantity = 'time' if quantity in OWN else quantity
+    quantity = 'time' if quantity in HIDDEN_QUANTITIES else quantity
     chosen = {
         study_flight.role: (study_flight, fit)
         for study_flight, fit in reversed(list_fit_flights(study))

@@ -22,7 +22,7 @@ from lta_discovery.replay.sensing import estimate_floor_pressure, SensorPlaces
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_spec import FlightSpec
 from lta_flight.flight_stack import FlightStack
-from lta_model.effects.rotors import wrench_gain
+from lta_model.effects.commands import find_command, WRENCH_GAIN
 from lta_model.scenario import Scenario
 from lta_model.vehicle import Vehicle
 from lta_sim.readings import FlightOutcome
@@ -161,9 +161,9 @@ def prepare_linearizer(
     if sensors == 'wrench':
         nominal = NominalVehicle.from_vehicle(vehicle)
         wrench = _rotor_wrench(FlightReplay(flight, cut_into_pieces(flight), still), nominal)
-        law = [nominal.parameter_value('wrench_gain', one.name) for one in wrench_gain.PARAMETERS]
+        law = [nominal.parameter_value('wrench_gain', one.name) for one in WRENCH_GAIN.parameters]
         # An axis without a gain shows nothing, whatever was commanded
-        commands = wrench_gain.find_command(tuple(law), tuple(wrench.values.T))
+        commands = find_command(tuple(law), tuple(wrench.values.T))
         wrench = replace(wrench, values=np.stack(commands, axis=-1))
         silent = Stream(streams.commands.time[:1], 0.0 * streams.commands.values[:1])
         flight = replace(flight, commands=silent, wrench=wrench)

@@ -2,15 +2,17 @@
 Find what a vehicle file lacks: fit, linearize, search, and again about what was found.
 
 All flights are linearized about a fit of the most probable model so far. On that linear model
-every other one is compared (`ModelSearch`). The best of them is fitted next, until the flights
-confirm it.
+every other one is compared (`ModelSearch`). The best of them is fitted, with the noise learned
+beside it, and takes the place of the first if the flights then are more probable. What a name gains
+is judged in the same way: against a fit of the best model without it.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 import math
-from typing import Final, final
+from typing import Final, final, NamedTuple
 
+from lta_config.errors import BadInput
 from lta_discovery.fit.evidence import wrench_floor
 from lta_discovery.flights.measured_flight import MeasuredFlight
 from lta_discovery.model.nominal import NominalVehicle
@@ -26,11 +28,18 @@ from lta_discovery.posterior.elements import (
 )
 from lta_discovery.posterior.force_columns import build_scene, compute_wrenches
 from lta_discovery.posterior.linear_evidence import LinearEvidence
-from lta_discovery.posterior.model_search import Assumption, ModelSearch, ScoredModel
-from lta_discovery.posterior.settings import ALIKE, CAPS, CERTAIN, DECISIVE, ROUNDS
+from lta_discovery.posterior.model_search import log_prior, ModelSearch, ScoredModel
+from lta_discovery.posterior.settings import (
+    ALIKE,
+    CAPS,
+    CERTAIN,
+    DECISIVE,
+    FITS,
+)
 from lta_discovery.state_filter.kalman import filter_flight, FilteredFlight
 from lta_discovery.state_filter.likelihood import linearize_all, ParameterPrior
 from lta_discovery.state_filter.linear_flight import FlightSystem
+from lta_discovery.state_filter.noise_fit import log_prior_of_noise
 from lta_discovery.state_filter.noise_model import NoiseModel
 from lta_discovery.state_filter.parameter_fit import fit_likelihood, ParameterFit
 from lta_discovery.state_filter.smoothing import smooth_flight
@@ -40,9 +49,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-LINEARIZATIONS: Final = 6  # most of a fit
-LEARNING: Final = (1, 3)  # of these, before which the first fit learns the noise
-LEARNING_AGAIN: Final = (2,)  # the same for a fit that goes on from another
+LINEARIZATIONS: Final = 10  # most of a fit
+LEARNING: Final = (0, 0)  # twice; a fit that goes on from another learns the noise once
 SMALLEST: Final = 1e-9  # of the largest singular value of columns that move together
 SENSOR_EFFECTS: Final = ('gyro_', 'imu_', 'range_', 'pressure_')  # idle without these sensors
 
@@ -52,7 +60,8 @@ SENSOR_EFFECTS: Final = ('gyro_', 'imu_', 'range_', 'pressure_')  # idle without
 class PresentElement:
     """Something that the flights show to be present: one element, or one of a class."""
 
-    names: tuple[str, ...]  # the most probable first; the others cannot be told from it
+    # Effects before numbers, the most probable first; the others cannot be told from it
+    names: tuple[str, ...]
     kind: str
     probability: float  # that one of them is present
     gain: float  # by which the best model without them is less probable [nats]
@@ -92,6 +101,22 @@ def list_flight_unknowns(
 
 
 @final
+class _FittedModel(NamedTuple):
+    """A model fitted to all flights, and the flights linearized about the fit."""
+
+    scored: ScoredModel  # with its posterior about the fit itself
+    values: Array  # relative to the vehicle file, shape (K,)
+    covariance: Array  # shape (K, K)
+    noise: Sequence[NoiseModel]  # of each flight
+    systems: Sequence[FlightSystem]
+
+    @property
+    def log_posterior(self) -> float:
+        """Log density of model and readings, without a constant. [nats]"""
+        return self.scored.log_posterior
+
+
+@final
 class MissingElementSearch:
     """
     Search the flights of a vehicle for what its file lacks.
@@ -117,33 +142,65 @@ class MissingElementSearch:
         self._floor = wrench_floor(self._nominal)
         only_pose = all(one.has_only_pose for one in flights)
         self.parameters = list_flight_unknowns(parameters, only_pose)
-        self._systems = [FlightSystem(vehicle, one, self.parameters) for one in flights]
-        self._noise = [NoiseModel.guess(self._nominal, one) for one in flights]
-        self._values = np.zeros(len(self.parameters))
+        self._begin = _FittedModel(
+            ScoredModel(NO_ELEMENTS, -math.inf, 1.0),
+            np.zeros(len(self.parameters)),
+            np.zeros((len(self.parameters), len(self.parameters))),
+            [NoiseModel.guess(self._nominal, one) for one in flights],
+            [FlightSystem(vehicle, one, self.parameters) for one in flights],
+        )
         self._elements = list_elements(self.parameters, ())
         self._wrenches = [np.zeros((len(one.time), 6, 0)) for one in flights]
 
     def run(self, tell: Callable[[float], None] = lambda part: None) -> MissingElements:
         """Search, and report an estimate of the progress."""
-        best = ScoredModel(NO_ELEMENTS, 0.0, Assumption(1.0, 0))
-        learning: Sequence[int] = LEARNING
-        for number in range(ROUNDS):
-            tell(1.0 - 0.6**number)
-            covariance = self._fit(best, learning)
-            search = self._look()
-            ranked = search.run(best.model)
-            before, best, learning = best, ranked[0], LEARNING_AGAIN
-            if best.elements == before.elements:
+        best, count = self._fit(self._begin, self._begin.scored, LEARNING), 1
+        while True:
+            for proposal in self._propose(best):
+                tell(1.0 - 0.8**count)
+                fitted, count = self._try_to_fit(best, proposal), count + 1
+                if fitted is not None and fitted.log_posterior > best.log_posterior:
+                    best = fitted
+                    break
+                if count > FITS:
+                    break
+            else:
                 break
+            if count > FITS:
+                break
+        result = self._conclude(best)
         tell(1.0)
-        return self._conclude(search, ranked, covariance)
+        return result
 
-    def _fit(self, one: ScoredModel, learning: Sequence[int]) -> Array:
-        """Fit a model; return the covariance of the parameters, shape (K, K)."""
+    def _propose(self, best: '_FittedModel') -> Iterator[ScoredModel]:
+        """Yield models that may be more probable than a fitted one."""
+        proposed = {best.scored.elements}
+        # What is missing raises the unexplained wrench, and a raised one hides what is missing
+        for floors in (math.inf, *CAPS):
+            most = floors * self._floor
+            if floors < math.inf and all(bool(np.all(one.wrench <= most)) for one in best.noise):
+                continue
+            noise = [replace(one, wrench=np.minimum(one.wrench, most)) for one in best.noise]
+            one = self._look(best, noise).run(best.scored.model)[0]
+            if one.elements not in proposed:
+                proposed.add(one.elements)
+                yield one
+
+    def _try_to_fit(self, begin: '_FittedModel', one: ScoredModel) -> '_FittedModel | None':
+        """Fit a model; None if the vehicle becomes impossible on the way."""
+        try:
+            return self._fit(begin, one, LEARNING[:1])
+        except BadInput:
+            return None
+
+    def _fit(
+        self, begin: '_FittedModel', one: ScoredModel, learning: Sequence[int]
+    ) -> '_FittedModel':
+        """Fit a model, from another one that is fitted."""
         count = len(self.parameters)
         tolerance = np.array([each.tolerance for each in self.parameters])
         own = np.array([each.per_flight for each in self.parameters])
-        tolerance[~own] *= one.assumption.trust
+        tolerance[~own] *= one.trust
         tolerance = np.append(tolerance, np.zeros(self._wrenches[0].shape[2]))
         deviation = np.sqrt(compute_variance(self._elements, one.model, tolerance))
         free = np.flatnonzero(deviation[:count] > 0.0)
@@ -152,39 +209,60 @@ class MissingElementSearch:
         terms = [_build_term(int(k), float(deviation[count + k])) for k in acting]
         systems = [
             system.with_parameters(parameters).with_terms(terms, wrenches[..., acting])
-            for system, wrenches in zip(self._systems, self._wrenches, strict=True)
+            for system, wrenches in zip(begin.systems, self._wrenches, strict=True)
         ]
-        begin = np.append(self._values[free], np.zeros(len(acting)))
-        fit = fit_likelihood(systems, self._nominal, begin, self._noise, LINEARIZATIONS, learning)
-        self._noise = list(fit.noise)
-        self._values = np.zeros(count)
-        self._values[free] = np.where(own[free], 0.0, fit.values[: len(free)])
-        self._linearize_about(systems, fit)
-        covariance = np.zeros((count, count))
+        start = np.append(begin.values[free], np.zeros(len(acting)))
+        fit = fit_likelihood(
+            systems, self._nominal, start, begin.noise, LINEARIZATIONS, learning, is_near=True
+        )
+        values, covariance = np.zeros(count), np.zeros((count, count))
+        values[free] = np.where(own[free], 0.0, fit.values[: len(free)])
         covariance[np.ix_(free, free)] = fit.covariance[: len(free), : len(free)]
-        return covariance
+        strengths = fit.values[len(free) :]
+        forces = [wrenches[..., acting] @ strengths for wrenches in self._wrenches]
+        score = fit.evidence + log_prior_of_noise(fit.noise, self._nominal)
+        score += log_prior(self._elements, one.model, one.trust)
+        return _FittedModel(
+            replace(one, log_posterior=score),
+            values,
+            covariance,
+            fit.noise,
+            self._smooth(begin.systems, systems, fit, forces),
+        )
 
-    def _linearize_about(self, systems: Sequence[FlightSystem], fit: ParameterFit) -> None:
-        """Linearize from now on about the most probable motion of a fit."""
+    def _smooth(
+        self,
+        begin: Sequence[FlightSystem],
+        systems: Sequence[FlightSystem],
+        fit: ParameterFit,
+        forces: Sequence[Array],
+    ) -> list[FlightSystem]:
+        """
+        Return flights that are linearized about the most probable motion of a fit.
+
+        `systems`: with the parameters of the fit. `forces`: wrench of the forces of its model in
+        each flight, shape (n, 6).
+        """
         flights = linearize_all(systems, self._nominal, fit.values)
 
         def smooth(k: int) -> FlightSystem:
-            motion = smooth_flight(flights[k], fit.noise[k], fit.own[k][0]).motion
-            return self._systems[k].with_motion(motion, flights[k].nominal)
+            smooth = smooth_flight(flights[k], fit.noise[k], fit.own[k][0])
+            return begin[k].with_motion(
+                smooth.motion, smooth.wrench + forces[k], flights[k].nominal
+            )
 
-        self._systems = map_parallel(smooth, range(len(flights)))
+        return map_parallel(smooth, range(len(flights)))
 
-    def _look(self) -> ModelSearch:
+    def _look(self, about: '_FittedModel', noise: Sequence[NoiseModel]) -> ModelSearch:
         """Linearize the flights with all columns, and return a search among the models."""
-        flights = linearize_all(self._systems, self._nominal, self._values)
+        flights = linearize_all(about.systems, self._nominal, about.values)
         scene = build_scene(flights)
-        assumptions = [self._noise, *(self._cap_noise(each) for each in CAPS)]
 
-        def filter_with_forces(k: int) -> tuple[list[ForceGroup], Array, list[FilteredFlight]]:
+        def filter_with_forces(k: int) -> tuple[list[ForceGroup], Array, FilteredFlight]:
             # The columns of all forces need much memory, so they are not kept
-            groups, wrenches = compute_wrenches(self._systems[k], flights[k], scene, self._floor)
+            groups, wrenches = compute_wrenches(about.systems[k], flights[k], scene, self._floor)
             whole = flights[k].add_wrenches(wrenches, np.zeros(wrenches.shape[2]))
-            return groups, wrenches, [filter_flight(whole, one[k]) for one in assumptions]
+            return groups, wrenches, filter_flight(whole, noise[k])
 
         looks = map_parallel(filter_with_forces, range(len(flights)))
         self._wrenches = [one[1] for one in looks]
@@ -196,23 +274,17 @@ class MissingElementSearch:
             none,
             np.array([*(one.per_flight for one in self.parameters), *(none > 0.0)]),
         )
-        values = np.append(self._values, none)
-        evidence = [
-            LinearEvidence.of([one[2][k] for one in looks], noise, own, values, self._nominal)
-            for k, noise in enumerate(assumptions)
-        ]
+        values = np.append(about.values, none)
+        evidence = LinearEvidence.of([one[2] for one in looks], noise, own, values, self._nominal)
         return ModelSearch(self.parameters, self._elements, evidence)
 
-    def _cap_noise(self, floors: float) -> list[NoiseModel]:
-        """Return the noise with no more unexplained wrench than some floors."""
-        most = floors * self._floor
-        return [replace(one, wrench=np.minimum(one.wrench, most)) for one in self._noise]
-
-    def _conclude(
-        self, search: ModelSearch, ranked: Sequence[ScoredModel], covariance: Array
-    ) -> MissingElements:
-        """Return what the models that were looked at tell together."""
-        best = ranked[0]
+    def _conclude(self, fitted: '_FittedModel') -> MissingElements:
+        """Return what a fitted model and those beside it tell together."""
+        search = self._look(fitted, fitted.noise)
+        ranked = search.run(fitted.scored.model)
+        best = next(one for one in ranked if one.elements == fitted.scored.elements)
+        # Models that are more probable were refuted when they were fitted
+        ranked = ranked[ranked.index(best) :]
         weights = np.exp([one.log_posterior - best.log_posterior for one in ranked])
         weights /= weights.sum()
         shares = dict[int, float]()
@@ -223,24 +295,26 @@ class MissingElementSearch:
         for choice in best.model:
             names = [choice.element, *_list_alike(search, best, choice)]
             among = [not one.elements.isdisjoint(names) for one in ranked]
-            without = max(
-                one.log_posterior for one, some in zip(ranked, among, strict=True) if not some
-            )
-            probability, gain = float(weights[among].sum()), best.log_posterior - without
-            if probability >= CERTAIN and gain >= DECISIVE:
-                names.sort(key=lambda k: -shares.get(k, 0.0))
+            probability = float(weights[among].sum())
+            if probability < CERTAIN:
+                continue
+            rival = next(one for one, some in zip(ranked, among, strict=True) if not some)
+            without = self._try_to_fit(fitted, rival)
+            gain = fitted.log_posterior - (without.log_posterior if without else -math.inf)
+            if gain >= DECISIVE:
+                names.sort(key=lambda k: (self._elements[k].kind, -shares.get(k, 0.0)))
                 titles = tuple(self._elements[k].name for k in names)
-                kind = self._elements[choice.element].kind
+                kind = self._elements[names[0]].kind
                 present.append(PresentElement(titles, kind, probability, gain))
         present.sort(key=lambda one: -one.gain)
         return MissingElements(
             tuple(present),
             {self._elements[k].name: shares[k] for k in sorted(shares, key=lambda k: -shares[k])},
             tuple(self.parameters),
-            self._values,
-            covariance,
-            tuple(self._noise),
-            best.assumption.trust,
+            fitted.values,
+            fitted.covariance,
+            tuple(fitted.noise),
+            best.trust,
             tuple(ranked),
             tuple(self._elements),
         )

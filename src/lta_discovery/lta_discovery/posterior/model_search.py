@@ -1,15 +1,13 @@
 """
 Search the models of some flights for the most probable ones.
 
-A model is a set of elements, each with one of its sizes. What the flights tell is known under some
-assumptions about the noise; a model may choose among them, and how far the file is trusted, at the
-price of their probability.
+A model is a set of elements, each with one of its sizes, and how far the file is trusted.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 import math
-from typing import Final, final, NamedTuple
+from typing import Final, final
 
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.posterior.elements import (
@@ -20,7 +18,7 @@ from lta_discovery.posterior.elements import (
     NO_ELEMENTS,
 )
 from lta_discovery.posterior.linear_evidence import LinearEvidence, RestrictedEvidence
-from lta_discovery.posterior.settings import ADDED, BEAM, HOPELESS, LARGEST, SWAPPED, TRUST
+from lta_discovery.posterior.settings import ADDED, BEAM, GROWTH, HOPELESS, LARGEST, SWAPPED, TRUST
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import norm
@@ -30,21 +28,14 @@ Array = NDArray[np.float64]
 TINY: Final = 1e-12  # least probability of values within their bounds
 
 
-class Assumption(NamedTuple):
-    """Factor on the tolerances of the file, and index of the assumption about the noise."""
-
-    trust: float
-    noise: int
-
-
 @final
 @dataclass(frozen=True, slots=True)
 class ScoredModel:
-    """A model with its best assumption."""
+    """A model with its posterior."""
 
     model: Model
     log_posterior: float  # without a constant [nats]
-    assumption: Assumption
+    trust: float  # most probable factor on the tolerances of the file
 
     @property
     def elements(self) -> frozenset[int]:
@@ -63,8 +54,8 @@ class ModelSearch:
         Of the first columns; the others are those of forces.
     elements : sequence of Element
         What a model may contain.
-    evidence : sequence of LinearEvidence
-        Of all flights, under each assumption about the noise.
+    evidence : LinearEvidence
+        Of all flights.
 
     """
 
@@ -72,19 +63,25 @@ class ModelSearch:
         self,
         parameters: Sequence[FreeParameter],
         elements: Sequence[Element],
-        evidence: Sequence[LinearEvidence],
+        evidence: LinearEvidence,
     ) -> None:
         self.elements, self.evidence = elements, evidence
-        more = len(evidence[0].pull) - len(parameters)
+        more = len(evidence.pull) - len(parameters)
         shared = [0.0 if one.per_flight else one.tolerance for one in parameters]
         self._tolerance = np.array([*shared, *[0.0] * more])
         self._low = np.array([*(one.low for one in parameters), *[-math.inf] * more])
         self._high = np.array([*(one.high for one in parameters), *[math.inf] * more])
         self._scored: dict[Model, ScoredModel] = {}
         self._best = -math.inf
+        self._largest = LARGEST
 
     def run(self, begin: Model = NO_ELEMENTS) -> list[ScoredModel]:
-        """Return all models that were looked at, the most probable first."""
+        """
+        Return all models that were looked at, the most probable first.
+
+        None has more than `GROWTH` elements beyond those of the model to begin with.
+        """
+        self._largest = min(len(begin) + GROWTH, LARGEST)
         self.score(NO_ELEMENTS)
         self.score(begin)
         extended, exchanged = set[Model](), set[Model]()
@@ -106,55 +103,50 @@ class ModelSearch:
 
     def _extend(self, one: ScoredModel) -> None:
         """Look at the models with one element more or less."""
-        if len(one.model) < LARGEST:
+        if len(one.model) < self._largest:
             for more in self._list_additions(one, ADDED):
-                self.score(one.model | {more}, one.assumption)
+                self.score(one.model | {more}, one.trust)
         for choice in one.model:
-            self.score(one.model - {choice}, one.assumption)
+            self.score(one.model - {choice}, one.trust)
 
     def _exchange(self, one: ScoredModel) -> None:
         """Look at the models with another size of an element, or another one in its place."""
         for choice in one.model:
             less = one.model - {choice}
             for size in self.elements[choice.element].sizes:
-                self.score(less | {ElementChoice(choice.element, size)}, one.assumption)
-            for more in self._list_additions(self.score(less, one.assumption), SWAPPED):
-                self.score(less | {more}, one.assumption)
+                self.score(less | {ElementChoice(choice.element, size)}, one.trust)
+            for more in self._list_additions(self.score(less, one.trust), SWAPPED):
+                self.score(less | {more}, one.trust)
 
-    def score(self, model: Model, hint: Assumption | None = None) -> ScoredModel:
+    def score(self, model: Model, hint: float | None = None) -> ScoredModel:
         """
         Return a model with its posterior.
 
-        `hint`: assumption of a similar model, with which it is looked at first.
+        `hint`: trust of a similar model, with which it is looked at first.
         """
         if model in self._scored:
             return self._scored[model]
-        every = [Assumption(trust, k) for trust in TRUST for k in range(len(self.evidence))]
-        first = every if hint is None else [hint]
-        scores = {one: self._compute_log_posterior(model, one) for one in first}
+        first = TRUST if hint is None else [hint]
+        scores = {trust: self._compute_log_posterior(model, trust) for trust in first}
         if hint is not None and scores[hint] > self._best - HOPELESS:
-            for one in every:
-                if one.trust == hint.trust or one.noise == hint.noise:
-                    scores.setdefault(one, self._compute_log_posterior(model, one))
-        chosen = max(scores, key=lambda one: scores[one])
+            for trust in TRUST:
+                scores.setdefault(trust, self._compute_log_posterior(model, trust))
+        chosen = max(scores, key=lambda trust: scores[trust])
         self._best = max(self._best, scores[chosen])
         self._scored[model] = ScoredModel(model, scores[chosen], chosen)
         return self._scored[model]
 
     def restrict(self, one: ScoredModel) -> RestrictedEvidence:
-        """Return the evidence of a model under its assumption."""
-        variance = self._compute_variance(one.model, one.assumption.trust)
-        return self.evidence[one.assumption.noise].restrict(variance)
+        """Return the evidence of a model."""
+        return self.evidence.restrict(self._compute_variance(one.model, one.trust))
 
     def _compute_variance(self, model: Model, trust: float) -> Array:
         return compute_variance(self.elements, model, trust * self._tolerance)
 
-    def _compute_log_posterior(self, model: Model, assumption: Assumption) -> float:
-        variance = self._compute_variance(model, assumption.trust)
-        restricted = self.evidence[assumption.noise].restrict(variance)
-        prior = sum(self.elements[one.element].log_prior for one in model)
+    def _compute_log_posterior(self, model: Model, trust: float) -> float:
+        restricted = self.evidence.restrict(self._compute_variance(model, trust))
         inside = self._log_share_inside(model, restricted)
-        return restricted.log_evidence + prior + inside + math.log(TRUST[assumption.trust])
+        return restricted.log_evidence + inside + log_prior(self.elements, model, trust)
 
     def _log_share_inside(self, model: Model, restricted: RestrictedEvidence) -> float:
         """
@@ -180,22 +172,14 @@ class ModelSearch:
 
     def _list_additions(self, one: ScoredModel, count: int) -> list[ElementChoice]:
         """Return the most promising additions to a model, with their best sizes."""
+        restricted = self.restrict(one)
+        pull, across = restricted.compute_remainder()
         gains = dict[ElementChoice, float]()
-        for noise in range(len(self.evidence)):
-            variance = self._compute_variance(one.model, one.assumption.trust)
-            restricted = self.evidence[noise].restrict(variance)
-            pull, across = restricted.compute_remainder()
-            for k, element in enumerate(self.elements):
-                if k in one.elements:
-                    continue
+        for k, element in enumerate(self.elements):
+            if k not in one.elements:
                 size, gain = self._choose_size(element, restricted.whole, pull, across)
-                gain += restricted.log_evidence + element.log_prior
-                if gain > gains.get(ElementChoice(k, size), -math.inf):
-                    gains[ElementChoice(k, size)] = gain
-        best = dict[int, ElementChoice]()
-        for choice in sorted(gains, key=lambda choice: -gains[choice]):
-            best.setdefault(choice.element, choice)
-        return list(best.values())[:count]
+                gains[ElementChoice(k, size)] = gain + element.log_prior
+        return sorted(gains, key=lambda choice: -gains[choice])[:count]
 
     @staticmethod
     def _choose_size(
@@ -212,6 +196,11 @@ class ModelSearch:
         gains = 0.5 * np.sum(power * scale / spread - np.log(spread), axis=1)
         k = int(np.argmax(gains))
         return element.sizes[k], float(gains[k])
+
+
+def log_prior(elements: Sequence[Element], model: Model, trust: float) -> float:
+    """Return the logarithm of the prior probability of a model. [nats]"""
+    return math.log(TRUST[trust]) + sum(elements[one.element].log_prior for one in model)
 
 
 def _normal_share(low: Array, high: Array, mean: Array, deviation: Array) -> Array:

@@ -19,10 +19,13 @@ CAPS: Final = (2.5, 1.0)
 # Search
 BEAM: Final = 4  # models that are extended
 LARGEST: Final = 12  # elements of a model
+# Elements that a model may gain before the flights are linearized about it: far from the truth a
+# linear model asks for many elements, of which few remain
+GROWTH: Final = 2
 ADDED: Final = 10  # additions to a model that are tried, the most promising first
 SWAPPED: Final = 5  # the same in place of another element
 HOPELESS: Final = 12.0  # nats below the best; such a model is not looked at more closely
-ROUNDS: Final = 6  # most fits of the best model about which the flights are linearized again
+FITS: Final = 12  # of models, most
 
 # Conclusion
 CERTAIN: Final = 0.95  # probability from which on something is said to be present

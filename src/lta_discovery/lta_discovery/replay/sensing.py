@@ -13,7 +13,7 @@ from lta_discovery.model.quaternions import (
     rotate_vectors,
     rotation_matrix,
 )
-from lta_model.effects.sensors import marker_offset
+from lta_model.effects.sensors import MARKER_OFFSET
 from lta_model.measurement_chain import apply_chain, Chain
 from lta_model.sensors.imu import imu_specific_force
 from lta_model.sensors.pressure import air_pressure, EXPONENT, LAPSE, SEA_TEMPERATURE
@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
-MARKER: Final = marker_offset.compute_reading
+MARKER: Final = MARKER_OFFSET.reading
 IDENTITY: Final = np.array([0.0, 0.0, 0.0, 1.0])  # quaternion x y z w
 # Readings that each channel of effects acts on.
 PARTS: Final = {
@@ -218,25 +218,29 @@ def body_vertical(states: Array) -> Array:
     return rotate_vectors(quaternion_conjugate(states[..., 3:7]), up)
 
 
-def _specific_force(begin: Array, end: Array, place: tuple[float, float, float]) -> Array:
-    """Return the mean specific force between two states."""
-    # Means of the period, as the IMU averages over it
-    up = 0.5 * (body_vertical(begin) + body_vertical(end))
-    mean, rate = 0.5 * (begin + end), (end - begin) / PERIOD
+def _specific_force(state: Array, rate: Array, place: tuple[float, float, float]) -> Array:
+    """Return the specific force in a state that changes at a rate."""
     across = [
         tuple(np.moveaxis(part, -1, 0))
-        for part in (mean[..., 7:10], mean[..., 10:13], rate[..., 7:10], rate[..., 10:13], up)
-    ]
+        for part in (
+            state[..., 7:10], state[..., 10:13], rate[..., 7:10], rate[..., 10:13],
+            body_vertical(state),
+        )
+    ]  # fmt: skip
     # Plain arithmetic, which works for arrays as well.
     whole: Callable[..., Any] = imu_specific_force
     return np.stack(whole(*across, place, STANDARD_GRAVITY), axis=-1)
 
 
-def ideal_readings(begin: Array, end: Array, places: SensorPlaces) -> Array:
+def ideal_readings(
+    begin: Array, end: Array, places: SensorPlaces, middle: Array | None = None
+) -> Array:
     """
     Return rates, force, range and pressure of ideal sensors over a grid period, shape (..., 8).
 
-    The states are those at the ends of the period. The first six readings are its means. [SI]
+    The states are those at the ends of the period. The first six readings are its means: by
+    Simpson's rule where the state in the middle is given, which matters for a swing of 5 rad/s,
+    and else by the trapezoidal rule. [SI]
     """
     vertical = body_vertical(begin)
     # The beam leaves along the body's vertical: height over the cosine of the tilt
@@ -244,8 +248,16 @@ def ideal_readings(begin: Array, end: Array, places: SensorPlaces) -> Array:
     # The barometer is beside the IMU and moves with it as the vehicle tilts
     height = begin[..., 2] + vertical @ np.array(places.imu)
     pressure = places.floor * (1.0 - LAPSE * height / SEA_TEMPERATURE) ** EXPONENT
-    rates = 0.5 * (begin[..., 10:13] + end[..., 10:13])
-    force = _specific_force(begin, end, places.imu)
+    change = (end - begin) / PERIOD
+    weights = {1.0 / 6.0: (begin, end), 4.0 / 6.0: (middle,)}
+    if middle is None:
+        weights = {0.5: (begin, end)}
+    rates = sum(part * state[..., 10:13] for part, some in weights.items() for state in some)
+    force = sum(
+        part * _specific_force(state, change, places.imu)
+        for part, some in weights.items()
+        for state in some
+    )
     return np.concatenate([rates, force, distance[..., None], pressure[..., None]], axis=-1)
 
 

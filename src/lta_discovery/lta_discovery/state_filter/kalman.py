@@ -73,14 +73,14 @@ def filter_flight(
     errors = np.full((len(starts), len(ahead), POSE, count), np.nan)
     products, log_determinant = np.zeros((count, count)), 0.0
     keep, spread, memory = describe_noise(noise)
-    for begin, end in flight.runs:
+    for (begin, end), begun in zip(flight.runs, flight.begun, strict=True):
         inside = np.flatnonzero((starts >= begin) & (starts < end))
         own, more = np.zeros((count, count)), np.zeros(1)
         parts = np.zeros((len(inside), SIZE, count)), np.zeros((len(inside), count, count))
         missed = np.full((len(inside), len(ahead), POSE, count), np.nan)
         _filter_run(
             flight.step, flight.push, flight.moved, flight.defect, flight.left, flight.read,
-            flight.felt, flight.read_moved, flight.count, begin, end, keep, spread, memory,
+            flight.felt, flight.read_moved, flight.count, begun, begin, end, keep, spread, memory,
             noise.white**2, starts[inside], ahead, own, more, *parts, missed,
         )  # fmt: skip
         products += own
@@ -110,6 +110,7 @@ def _filter_run(
     felt: Array,
     read_moved: Array,
     count: Array,
+    begun: Array,
     begin: int,
     end: int,
     first: Array,
@@ -127,6 +128,9 @@ def _filter_run(
     """Filter the grid points from `begin` to `end`; the last six arrays are written."""
     size, columns, channels = len(first), moved.shape[2] + 1, left.shape[1]
     x, s = np.zeros((size, columns)), np.diag(first)
+    for i in range(12):
+        for j in range(columns - 1):
+            x[i, j] = begun[i, j]
     top, wide = np.zeros((12, columns)), np.zeros((12, size))
     h, e = np.zeros((channels, size)), np.zeros((channels, columns))
     which, next_start = np.zeros(channels, dtype=np.int64), 0

@@ -49,12 +49,18 @@ class ParameterPrior(NamedTuple):
         free: NDArray[np.bool_] = (self.deviation > 0.0) & ~self.own
         return free
 
-    def step(self, values: Array, inner: Array, pull: Array) -> Array:
-        """Return the values after a bounded Newton step."""
+    def step(self, values: Array, inner: Array, pull: Array, damping: float = 0.0) -> Array:
+        """
+        Return the values after a bounded Newton step.
+
+        `damping`: of the method of Levenberg and Marquardt, in whose step every parameter may
+        move further.
+        """
         free = self.free
         out = values.copy()
-        change = np.linalg.solve(inner[np.ix_(free, free)], pull[free])
-        longest = LONGEST * self.deviation[free]
+        own = inner[np.ix_(free, free)]
+        change = np.linalg.solve(own + damping * np.diag(np.diag(own)), pull[free])
+        longest = (LONGEST if damping == 0.0 else np.inf) * self.deviation[free]
         out[free] = np.clip(
             values[free] + np.clip(change, -longest, longest), self.low[free], self.high[free]
         )
@@ -97,7 +103,8 @@ class LikelihoodSum(NamedTuple):
     inner: Array  # precision of the parameters, shape (K, K)
     pull: Array  # shape (K,)
     cost: float  # negative log density at the values themselves [nats]
-    evidence: float  # log density whatever the parameters [nats]
+    evidence: float  # log density whatever the parameters, as far as they are linear [nats]
+    near_evidence: float  # the same for parameters near the values [nats]
 
 
 def sum_likelihoods(
@@ -116,9 +123,9 @@ def sum_likelihoods(
     cost = -evidence
     free = np.ix_(prior.free, prior.free)
     change = np.linalg.solve(inner[free], pull[prior.free])
-    evidence += 0.5 * float(pull[prior.free] @ change)
     evidence -= 0.5 * float(np.linalg.slogdet(inner[free])[1])
-    return LikelihoodSum(inner, pull, cost, evidence)
+    further = 0.5 * float(pull[prior.free] @ change)
+    return LikelihoodSum(inner, pull, cost, evidence + further, evidence)
 
 
 def eliminate_own(products: Array, prior: ParameterPrior) -> tuple[Array, float]:

@@ -40,7 +40,12 @@ from lta_discovery.replay.sensing import (
     transform_to_map,
     transform_to_tracker,
 )
-from lta_discovery.replay.variational_equation import discretize_dynamics, WIDTH
+from lta_discovery.replay.variational_equation import (
+    apply_state_changes,
+    discretize_dynamics,
+    NUDGE,
+    WIDTH,
+)
 from lta_discovery.state_filter.motion import collect_readings, find_runs, fit_motion
 from lta_model.vehicle import Vehicle
 import numpy as np
@@ -50,6 +55,7 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 POSE = 6  # number of pose channels, the first of CHANNELS
+MIDDLE = STEPS // 2  # step of a period that begins in its middle
 ABSENT = np.array([0.0] * 6 + [1.0] + [0.0] * 6)  # state where the motion is not known
 
 
@@ -76,6 +82,9 @@ class LinearFlight:
     read_moved: Array  # shape (n, m, K)
     count: Array  # number of poses that a reading is the mean of, shape (n,)
     runs: Sequence[tuple[int, int]]  # first and end of the parts in which the motion is known
+    # How the state that poses show at the beginning of each run depends on the frames of tracker
+    # and markers, shape (R, 12, K)
+    begun: Array
     nominal: NominalVehicle  # the vehicle of this point
 
     @property
@@ -103,6 +112,7 @@ class LinearFlight:
             read_moved=np.concatenate([self.read_moved, read_moved], axis=2),
             defect=self.defect + moved @ strengths,
             left=self.left - read_moved @ strengths,
+            begun=np.pad(self.begun, ((0, 0), (0, 0), (0, wrenches.shape[2]))),
         )
 
 
@@ -139,6 +149,9 @@ class FlightSystem:
         self._places = SensorPlaces.from_vehicle(vehicle, estimate_floor_pressure(flight, places))
         self.channels = POSE if flight.has_only_pose else len(CHANNELS)
         self._terms = np.zeros((len(flight.time), AXES, 0))
+        self._wrench = np.zeros((len(flight.time), AXES))
+        inverse = NominalVehicle.from_vehicle(vehicle).build_model().inverse
+        self._inverse = np.array(inverse).reshape(AXES, AXES)
 
     def with_parameters(self, parameters: Sequence[FreeParameter]) -> 'FlightSystem':
         """Return the flight with other assumptions about its parameters."""
@@ -162,18 +175,21 @@ class FlightSystem:
         """Return the parameters of the vehicle: all but the strengths of wrenches."""
         return self.parameters[: len(self.parameters) - self._terms.shape[2]]
 
-    def with_motion(self, motion: Array, nominal: NominalVehicle) -> 'FlightSystem':
+    def with_motion(self, motion: Array, wrench: Array, nominal: NominalVehicle) -> 'FlightSystem':
         """
         Return the flight with a better estimate of its motion, about which it is linearized.
 
-        `motion`: of the body in the map, NaN where unknown, shape (n, 13). `nominal`: the vehicle
-        with which it was estimated.
+        `motion`: of the body in the map, NaN where unknown, shape (n, 13). `wrench`: what acts
+        beside the model, shape (n, 6) [N, N m]; without it the model would leave the motion in each
+        period, and turn what should turn with the motion by another angle. `nominal`: the vehicle
+        with which both were estimated.
         """
         out = copy(self)
         acting = self.replay.build_replay_rows(nominal).acting
         there = transform_to_tracker(motion, acting)
         better = np.isfinite(there).all(axis=1, keepdims=True)
         out._motion = np.where(better, there, self._motion)
+        out._wrench = np.where(better, wrench, 0.0)
         return out
 
     def linearize(
@@ -194,10 +210,12 @@ class FlightSystem:
         acting = about.rows.acting
         motion_there = np.where(np.isfinite(self._motion), self._motion, ABSENT)
         motion = transform_to_map(motion_there, acting)
-        end, step, push, moved, defect = self._linearize_steps(motion, about)
+        states, step, push, moved, defect = self._linearize_steps(motion, about)
         n, m = len(motion), self.channels
         left, read = np.full((n, m), np.nan), np.zeros((n, m, WIDTH))
         felt, read_moved = np.zeros((n, m, AXES)), np.zeros((n, m, len(parameters)))
+        first = motion_there[[begin for begin, _ in self.runs]]
+        begun = np.zeros((len(self.runs), WIDTH, len(parameters)))
         time = self.flight.time[None]
         # The last point needs a state after it only where a pose is shifted in time
         grid = np.concatenate([motion, motion[-1:]])[None]
@@ -212,52 +230,58 @@ class FlightSystem:
             )
             change = [(after[0] - before[0])[0], _rotation_between(before[1][0], after[1][0])]
             read_moved[:, :POSE, k] = np.concatenate(change, axis=1) / turn.step
+            pair = (transform_to_map(first, rows.acting) for rows in (turn.before, turn.after))
+            begun[..., k] = _change_between(*pair) / turn.step
         if m > POSE:
             parts = (left, read, felt, read_moved)
-            self._linearize_sensors(motion, end, about, parts, (step, push, moved))
+            self._linearize_sensors(states, about, parts, (step, push, moved))
         left[~self.flight.usable] = np.nan
         linear = LinearFlight(
             motion, step, push, moved, defect, left, read, felt, read_moved, self._count,
-            self.runs, there,
+            self.runs, begun, there,
         )  # fmt: skip
         return linear.add_wrenches(self._terms, strengths)
 
     def _linearize_steps(
         self, motion: Array, about: LinearizationInputs
     ) -> tuple[Array, Array, Array, Array, Array]:
-        """Return the states after a period, and its step, push, moved and defect."""
+        """Return the states within each period, and its step, push, moved and defect."""
         n, replay = len(motion), self.replay
-        latent = np.zeros((n - 1, replay.span, AXES))
-        states = replay.integrate_pieces(
-            about.rows, about.ready, np.ascontiguousarray(motion[:-1]), latent
-        )
-        end, middle = states[:, -1], np.ascontiguousarray(states[:, STEPS // 2 :: STEPS])
-        none = np.zeros((n - 1, 1, AXES))
-        a, b = discretize_dynamics(replay.state_jacobians(about.turns, middle, none), PERIOD)
+        # Unexplained wrenches are those on the vehicle of the file: of one that is lighter in all
+        # respects, which moves alike, they must not be smaller
+        inverse = about.rows.body[BODY_PLACES['inverse']].reshape(AXES, AXES)
+        wrench = self._wrench[:-1, None] @ np.linalg.solve(inverse, self._inverse).T
+        latent = np.repeat(wrench, replay.span, axis=1)
+        begin = np.ascontiguousarray(motion[:-1])
+        states = replay.integrate_pieces(about.rows, about.ready, begin, latent)
+        end, middle = states[:, -1], np.ascontiguousarray(states[:, MIDDLE, None])
+        _, b = discretize_dynamics(replay.state_jacobians(about.turns, middle, wrench), PERIOD)
         # Accelerations enter the last six components of a change only
         b = b[:, 0, :, AXES:]
-        answers = replay.parameter_sensitivities(about.turns, middle, none)[:, 0]
+        # What the unexplained wrench does depends on no parameter
+        answers = replay.parameter_sensitivities(about.turns, middle, np.zeros_like(wrench))[:, 0]
         step, push = np.zeros((n, WIDTH, WIDTH)), np.zeros((n, WIDTH, AXES))
         moved_count = len(self._own_parameters)
         moved, defect = np.zeros((n, WIDTH, moved_count)), np.zeros((n, WIDTH))
-        step[:-1] = a[:, 0]
-        push[:-1] = b @ about.rows.body[BODY_PLACES['inverse']].reshape(AXES, AXES)
+        # Differences of whole periods: what turns or shifts all motion leaves no trace, which
+        # rates in the middle of a period would leave
+        for k, nudge in enumerate(np.diag(NUDGE)):
+            pair = [
+                replay.integrate_pieces(
+                    about.rows, about.ready, apply_state_changes(begin, each), latent
+                )[:, -1]
+                for each in np.broadcast_to([[-nudge], [nudge]], (2, n - 1, WIDTH))
+            ]
+            step[:-1, :, k] = _change_between(*pair) / (2.0 * NUDGE[k])
+        push[:-1] = b @ self._inverse
         moved[:-1, :, list(about.moving)] = b @ answers
-        nearest = motion[1:]
-        defect[:-1] = np.concatenate(
-            [
-                end[:, :3] - nearest[:, :3],
-                _rotation_between(nearest[:, 3:7], end[:, 3:7]),
-                end[:, 7:] - nearest[:, 7:],
-            ],
-            axis=1,
-        )
-        return end, step, push, moved, defect
+        # The wrench is part of the state, and counts from 0
+        defect[:-1] = _change_between(motion[1:], end) - _apply(push, self._wrench)[:-1]
+        return states, step, push, moved, defect
 
     def _linearize_sensors(
         self,
-        motion: Array,
-        end: Array,
+        states: Array,
         about: LinearizationInputs,
         out: tuple[Array, Array, Array, Array],
         steps: tuple[Array, Array, Array],
@@ -271,9 +295,9 @@ class FlightSystem:
         left, read, felt, read_moved = out
         step, push, moved = (each[:-1] for each in steps)
         # Each period as a piece of its own, from the measured state to the model's
-        grid, time = np.stack([motion[:-1], end], axis=1), self.flight.time[:-1, None]
+        grid, time = states[:, :: 2 * MIDDLE], self.flight.time[:-1, None]
         acting, places = about.rows.acting, self._places
-        exact = ideal_readings(grid[:, :1], grid[:, 1:], places)
+        exact = ideal_readings(grid[:, :1], grid[:, 1:], places, states[:, MIDDLE, None])
         base = predict_readings(grid, time, acting, places, exact).readings[:, 0]
         left[:-1, POSE:] = self.flight.readings[:-1] - base
         first, last = reading_jacobians(grid, exact, time, acting, places)
@@ -282,6 +306,7 @@ class FlightSystem:
         last[:, 6:] = 0.0
         read[:-1, POSE:] = first + last @ step
         felt[:-1, POSE:] = last @ push
+        left[:-1, POSE:] += _apply(felt[:, POSE:], self._wrench)[:-1]
         read_moved[:-1, POSE:] = last @ moved
         for turn, k in zip(about.turned, about.reading, strict=True):
             before, after = (
@@ -291,6 +316,19 @@ class FlightSystem:
             read_moved[:-1, POSE:, k] += (after - before) / turn.step
         absent = ~np.isfinite(self.flight.noise[POSE:])
         left[:, POSE:][:, absent] = np.nan
+
+
+def _apply(matrices: Array, vectors: Array) -> Array:
+    """Return the product of a matrix and a vector at each point."""
+    product: Array = (matrices @ vectors[..., None])[..., 0]
+    return product
+
+
+def _change_between(first: Array, second: Array) -> Array:
+    """Return the changes of state from some states to others, shape (..., 12)."""
+    turn = _rotation_between(first[..., 3:7], second[..., 3:7])
+    moved = second[..., :3] - first[..., :3]
+    return np.concatenate([moved, turn, second[..., 7:] - first[..., 7:]], axis=-1)
 
 
 def _rotation_between(first: Array, second: Array) -> Array:

@@ -1,6 +1,6 @@
 """Learn the noise of the tracker of each flight, and the forces that nothing explains."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -27,6 +27,9 @@ ITERATIONS: Final = 12  # most steps of the search
 # Standard deviation of the logarithm of each learned number about its first guess
 SPREAD: Final = np.array([1.0] * 4 + [0.3] + [3.0] * 6 + [0.7] * 2)
 FURTHEST: Final = 2.5  # of these deviations; bounds of the search
+NUDGE: Final = 1e-3  # of a number in the unit of its width, for a slope
+BEND: Final = 0.05  # of the prior deviation of a number, for a curvature
+SETTLED: Final = 1e-7  # of the cost; the search ends at a smaller gain
 SENSOR: Final = 5  # of these numbers, the first, that belong to the sensors of a flight
 
 
@@ -35,22 +38,24 @@ def learn_noise(
     prior: ParameterPrior,
     values: Array,
     noise: Sequence[NoiseModel],
+    is_near: bool = False,
 ) -> list[NoiseModel]:
     """
     Return the noise under which the readings are most probable, whatever the parameters.
 
+    `is_near`: whether the parameters are near their values, beyond which the model is not linear.
     Unexplained forces are those of all flights. Each flight has sensor errors of its own. The
     first part of each flight is enough.
     """
     parts = _shorten(flights)
-    together = _maximize(parts, prior, values, noise, np.arange(len(SPREAD)))
+    together = _maximize(parts, prior, values, noise, np.arange(len(SPREAD)), is_near)
     forces = together[0].logarithms[SENSOR:]
     models = [
         one.with_logarithms(np.concatenate([one.logarithms[:SENSOR], forces])) for one in together
     ]
 
     def refine(one: tuple[LinearFlight, NoiseModel]) -> NoiseModel:
-        return _maximize([one[0]], prior, values, [one[1]], np.arange(SENSOR))[0]
+        return _maximize([one[0]], prior, values, [one[1]], np.arange(SENSOR), is_near)[0]
 
     return map_parallel(refine, list(zip(parts, models, strict=True)))
 
@@ -69,7 +74,11 @@ def _guess(nominal: NominalVehicle) -> Array:
 def _shorten(flights: Sequence[LinearFlight]) -> list[LinearFlight]:
     """Return the first part of each flight, which is enough to learn the noise."""
     most = max(LEARNED // len(flights), SHORTEST)
-    return [replace(one, runs=_limit_runs(one.runs, most)) for one in flights]
+    parts = [_limit_runs(one.runs, most) for one in flights]
+    return [
+        replace(one, runs=runs, begun=one.begun[: len(runs)])
+        for one, runs in zip(flights, parts, strict=True)
+    ]
 
 
 def _limit_runs(runs: Sequence[tuple[int, int]], most: int) -> list[tuple[int, int]]:
@@ -88,6 +97,7 @@ def _maximize(
     values: Array,
     noise: Sequence[NoiseModel],
     which: NDArray[np.int64],
+    is_near: bool,
 ) -> list[NoiseModel]:
     """Return the most probable noise, of which some numbers are changed alike in all flights."""
     first = _guess(flights[0].nominal)
@@ -102,7 +112,8 @@ def _maximize(
         filtered = filter_all(flights, build(change))
         off = (begin[0] - first)[which] + change
         doubt = 0.5 * float(np.sum((off / SPREAD[which]) ** 2))
-        return doubt - sum_likelihoods(filtered, prior, values).evidence
+        sums = sum_likelihoods(filtered, prior, values)
+        return doubt - (sums.near_evidence if is_near else sums.evidence)
 
     limit = FURTHEST * SPREAD[which]
     bounds = np.stack([-limit, limit]) - (begin[0] - first)[which]
@@ -110,8 +121,24 @@ def _maximize(
     least = np.full(len(SPREAD), -np.inf)
     least[SENSOR : SENSOR + AXES] = np.log(wrench_floor(flights[0].nominal))
     bounds = np.maximum(bounds, (least - begin[0])[which])
+    start = np.clip(np.zeros(len(which)), *bounds)
+    scale = _measure_widths(cost, start, SPREAD[which])
     best = minimize(
-        cost, np.zeros(len(which)), method='L-BFGS-B', bounds=list(zip(*bounds, strict=True)),
-        options={'maxiter': ITERATIONS, 'ftol': 1e-6},
+        lambda part: cost(start + scale * part), np.zeros(len(which)), method='L-BFGS-B',
+        bounds=list(zip(*((bounds - start) / scale), strict=True)),
+        options={'maxiter': ITERATIONS, 'ftol': SETTLED, 'eps': NUDGE},
     )  # fmt: skip
-    return build(best.x)
+    return build(start + scale * best.x)
+
+
+def _measure_widths(cost: Callable[[Array], float], start: Array, widest: Array) -> Array:
+    """
+    Return how far each number moves until the cost changes by half a nat, by its curvature.
+
+    In these units the search is well conditioned; the white noise of a thousand readings is known
+    much better than a force that acts slowly.
+    """
+    middle, nudges = cost(start), np.diag(BEND * widest)
+    bends = np.array([cost(start + one) - 2.0 * middle + cost(start - one) for one in nudges])
+    curvature = np.maximum(bends / (BEND * widest) ** 2, widest**-2.0)
+    return 1.0 / np.sqrt(curvature)

@@ -36,7 +36,7 @@ Sums = TypeVar('Sums', LikelihoodSum, ForecastSum)
 
 ROUNDS: Final = 10  # most linearizations
 LEARNING: Final = (1, 4)  # rounds before which the noise is learned
-HALVED: Final = 6  # most times that a step is halved until it helps
+DAMPINGS: Final = (0.0, 0.1, 1.0, 10.0, 100.0)  # of a step, until it helps
 MISFIT_RISE: Final = 0.5  # nats; tolerated increase of the misfit in a step
 ERROR_RISE: Final = 0.01  # of the mean logarithm of the errors; the same for forecasts
 SETTLED: Final = 0.02  # prior deviations; a fit ends with a shorter step
@@ -85,15 +85,14 @@ class _Search(Generic[Sums]):
 
     def step(self, at: _Point[Sums], limit: float) -> _Point[Sums] | None:
         """Return a point whose cost is below a limit, after a step; None if no step gets there."""
-        after = self.prior.step(at.values, at.sums.inner, at.sums.pull)
-        for _ in range(HALVED):
+        for damping in DAMPINGS:
+            after = self.prior.step(at.values, at.sums.inner, at.sums.pull, damping)
             try:
                 there = self.look(after)
             except BadInput:
-                there = None
-            if there is not None and there.sums.cost < limit:
+                continue
+            if there.sums.cost < limit:
                 return there
-            after = 0.5 * (at.values + after)
             if self.has_settled(at.values, after):
                 break
         return None
@@ -111,33 +110,36 @@ def fit_likelihood(
     noise: Sequence[NoiseModel],
     rounds: int = ROUNDS,
     learning: Sequence[int] = LEARNING,
+    is_near: bool = False,
 ) -> ParameterFit:
     """
     Fit parameters to all readings; the noise is learned on the way.
 
-    `learning`: rounds before which the noise is learned. Raise `BadInput` if the model diverges
-    with the values to begin with.
+    `learning`: rounds before which the noise is learned. `is_near`: whether the values are near
+    the best ones, so that every step lowers the misfit, and the noise is learned where the values
+    have settled, as often as `learning` has rounds.
+    Raise `BadInput` if the model diverges with the values to begin with.
     """
-    prior, last = ParameterPrior.of(systems[0].parameters), max(learning, default=0)
+    prior = ParameterPrior.of(systems[0].parameters)
 
     def evaluate(flights: Sequence[LinearFlight], values: Array) -> LikelihoodSum:
         return sum_likelihoods(filter_all(flights, noise), prior, values)
 
     search = _Search(systems, nominal, prior, evaluate)
-    point = search.look(begin)
+    point, left, has_settled = search.look(begin), list(learning), False
     for number in range(rounds):
-        if number in learning:
-            noise = learn_noise(point.flights, prior, point.values, noise)
+        if left and (has_settled or (number >= left[0] and not is_near)):
+            noise = learn_noise(point.flights, prior, point.values, noise, is_near)
             point = point._replace(sums=evaluate(point.flights, point.values))
+            left, has_settled = left[1:], False
         # From afar, bounded steps need not lower the misfit one by one
-        is_near = bool(learning) and number > last
-        after = search.step(point, point.sums.cost + MISFIT_RISE if is_near else math.inf)
-        if after is None:
+        lower = is_near or (bool(learning) and not left)
+        after = search.step(point, point.sums.cost + MISFIT_RISE if lower else math.inf)
+        has_settled = after is None or search.has_settled(point.values, after.values)
+        point = point if after is None else after
+        if has_settled and not left:
             break
-        before, point = point, after
-        if number >= last and search.has_settled(before.values, point.values):
-            break
-    return _complete(point, prior, noise, np.linalg.inv, point.sums.evidence)
+    return _complete(point, prior, noise, np.linalg.inv, point.sums.near_evidence)
 
 
 def fit_forecasts(

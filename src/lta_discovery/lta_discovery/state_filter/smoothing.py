@@ -40,10 +40,10 @@ def smooth_flight(flight: LinearFlight, noise: NoiseModel, values: Array) -> Smo
     left = flight.left - flight.read_moved @ values
     states = np.full((len(flight.motion), SIZE), np.nan)
     spread = np.full((len(flight.motion), AXES), np.nan)
-    for begin, end in flight.runs:
+    for (begin, end), begun in zip(flight.runs, flight.begun @ values, strict=True):
         _smooth_run(
             flight.step, flight.push, defect, left, flight.read, flight.felt, flight.count,
-            begin, end, first, added, fading, noise.white**2, states, spread,
+            begun, begin, end, first, added, fading, noise.white**2, states, spread,
         )  # fmt: skip
     motion = apply_state_changes(flight.motion, states[:, :BODY])
     return SmoothedFlight(motion, states[:, WRENCH], np.sqrt(spread))
@@ -58,6 +58,7 @@ def _smooth_run(
     read: Array,
     felt: Array,
     count: Array,
+    begun: Array,
     begin: int,
     end: int,
     first: Array,
@@ -75,6 +76,7 @@ def _smooth_run(
     pulls, leaves = np.zeros((n, size)), np.zeros((n, size, size))
     f, h = np.diag(fading), np.zeros((channels, size))
     ahead, wide = np.zeros(size), np.diag(first)
+    ahead[:BODY] = begun
     for k in range(n):
         at, m = begin + k, 0
         v, e = np.zeros((channels, channels)), np.zeros(channels)

@@ -4,20 +4,40 @@ Estimate the drone's energy from its meters: charge, balance, load, reserve and 
 For each reading: predict the voltage, run the fault detectors, correct the filter (or only predict
 it if the reading is unusable), then update energy balance, load, way home and reserve. The true
 state is never used.
+
+Messages that were delayed or repeated do not arrive in ascending order three times in a row, so
+three such stamps before the newest one mean a clock that was set back. The newest old reading is
+then placed at the time of the first new one, because the time between the two is unknown.
 """
 
+from dataclasses import replace
+import math
+from typing import Final, NamedTuple
+
 from lta_config.settings import setting
-from lta_energy.faults.detector import MeterObservation
-from lta_energy.faults.fault_monitor import SWAPPED, update_detectors
-from lta_energy.faults.gap import LONGEST
-from lta_energy.monitoring import load, reserve, way_home
-from lta_energy.monitoring.clock_shift import append_stamp, ENOUGH, shift_stamps
-from lta_energy.monitoring.energy_balance import update_energy_balance
-from lta_energy.monitoring.estimate import EnergyEstimate
-from lta_energy.monitoring.latch import Latch, update_latch
-from lta_energy.monitoring.power_system import PowerSystem
-from lta_energy.monitoring.reading import MeterReading
-from lta_energy.monitoring.reserve import EnergyReserveSettings
+from lta_energy.monitoring import outlook
+from lta_energy.monitoring.faults import (
+    DetectorStates,
+    Latch,
+    LONGEST_GAP,
+    MeterObservation,
+    SWAPPED,
+    update_detectors,
+    update_latch,
+)
+from lta_energy.monitoring.meters import (
+    EnergyBalance,
+    MeterReading,
+    PowerSystem,
+    update_energy_balance,
+)
+from lta_energy.monitoring.outlook import (
+    EnergyReserveSettings,
+    LoadEstimate,
+    ReserveMargin,
+    TravelEstimate,
+    WayHomeSettings,
+)
 from lta_energy.monitoring.soc_ekf import (
     CellState,
     correct_state,
@@ -26,33 +46,84 @@ from lta_energy.monitoring.soc_ekf import (
     SocFilterSettings,
     VoltageInnovation,
 )
-from lta_energy.monitoring.way_home import WayHomeSettings
 from lta_model.electrical.battery import BatteryModel
+
+
+class EnergyEstimate(NamedTuple):
+    """Energy estimate after a reading."""
+
+    belief: CellState | None = None  # state of the cell; None before the first usable reading
+    load: LoadEstimate = LoadEstimate()  # power drawn from the cell's chemistry, losses included
+    travel: TravelEstimate | None = None  # power and speed of flight
+    stock: ReserveMargin | None = None  # charge compared with reserve and way home
+    low: bool = False  # whether the charge has reached the reserve, with hysteresis
+    # Whether the reserve counts as reached: by the charge, or because the estimate is unreliable
+    reserve: bool = True
+    critical: Latch = Latch()  # whether the voltage is so low that the drone must land
+    watch: DetectorStates = DetectorStates()  # state of the fault detectors
+    surprise: VoltageInnovation | None = None  # innovation of the newest voltage
+    gap: float = 0.0  # time since the previous reading [s]
+    last: MeterReading | None = None  # the newest reading
+    good: MeterReading | None = None  # the newest usable reading
+    books: EnergyBalance = EnergyBalance()  # energy balance since the first usable reading
+    # Stamps of readings received after `last` that lie before it, in ascending order [ns]
+    behind: tuple[int, ...] = ()
+
+    @property
+    def charge(self) -> float:
+        """State of charge; NaN before the first usable reading. [1]"""
+        return math.nan if self.belief is None else self.belief.charge
+
+    @property
+    def deviation(self) -> float:
+        """Standard deviation of the state of charge. [1]"""
+        return math.nan if self.belief is None else self.belief.deviation
+
+    @property
+    def is_landing_urgent(self) -> bool:
+        """Whether to land at once: no estimate, critical voltage, or unreliable readings."""
+        return self.belief is None or self.critical.on or self.watch.is_doubtful
+
+
+NEW_CLOCK_READINGS: Final = 3  # readings
+
+
+def append_stamp(before: tuple[int, ...], stamp_ns: int) -> tuple[int, ...]:
+    """Append a stamp to an ascending sequence, or start a new sequence. [ns]"""
+    return (*before, stamp_ns) if before and stamp_ns > before[-1] else (stamp_ns,)
+
+
+def shift_stamps(estimate: EnergyEstimate, back_ns: int) -> EnergyEstimate:
+    """Move the stamps of an estimate back into the new clock. [ns]"""
+    last, good = _shift_reading(estimate.last, back_ns), _shift_reading(estimate.good, back_ns)
+    # `good is last` marks that the newest reading is usable; keep that identity
+    return estimate._replace(last=last, good=last if estimate.good is estimate.last else good)
+
+
+def _shift_reading(reading: MeterReading | None, back_ns: int) -> MeterReading | None:
+    return None if reading is None else replace(reading, stamp_ns=reading.stamp_ns - back_ns)
+
 
 CRITICAL_VOLTAGE = 3.2  # V under load; Bitcraze's low-battery limit
 RECOVERED_VOLTAGE = 3.3  # V
 CRITICAL_RISE, CRITICAL_FALL = 0.3, 5.0  # s
-BETWEEN = 0.3  # standard deviation of the mean current, relative to its change (uniform)
-EMPTY = 0.02  # state of charge at either end where cells deviate from the chart
-QUIET = 1e-3  # A; two counts of the meter and its offset
+CHANGE_DEVIATION = 0.3  # standard deviation of the mean current, relative to its change (uniform)
+CHART_END = 0.02  # state of charge at either end where cells deviate from the chart
+CURRENT_DEVIATION = 1e-3  # A; two counts of the meter and its offset
 
 
 class MonitorSettings(EnergyReserveSettings):
     """Reserve, smoothing and filter settings of the energy monitor."""
 
     smoothing: float = setting(
-        5.0,
-        'Time constant with which the displayed power is smoothed.',
-        unit='s',
-        low=0.0,
-        high=600.0,
+        5.0, 'Time constant with which the displayed power is smoothed.', 's', 0.0, 600.0
     )
     outlook: float = setting(
         120.0,
         'Time constant of the mean power from which the time to empty is predicted.',
-        unit='s',
-        low=0.0,
-        high=3600.0,
+        's',
+        0.0,
+        3600.0,
     )
     belief: SocFilterSettings = setting(
         SocFilterSettings(),
@@ -69,7 +140,7 @@ def update_estimate(
     # Not newer than the last one: an overtaken or repeated message, or a clock that was set back
     if last is not None and reading.stamp_ns <= last.stamp_ns:
         behind = append_stamp(before.behind, reading.stamp_ns)
-        if len(behind) < ENOUGH:
+        if len(behind) < NEW_CLOCK_READINGS:
             dt = (reading.stamp_ns - last.stamp_ns) * 1e-9
             watch = update_detectors(before.watch, MeterObservation(reading, last, dt, cell))
             return _decide_reserve(settings, cell, before._replace(watch=watch, behind=behind))
@@ -95,9 +166,14 @@ def update_estimate(
     if (belief is None and not watch.is_unusable) or (another and reading.is_usable):
         belief = initialize_from_reading(settings.belief, cell, reading.voltage, reading.current)
     after = before._replace(
-        belief=belief, watch=watch, surprise=surprise, gap=dt, last=reading, behind=(),
+        belief=belief,
+        watch=watch,
+        surprise=surprise,
+        gap=dt,
+        last=reading,
+        behind=(),
         critical=_update_voltage_alarm(before.critical, reading, dt),
-    )  # fmt: skip
+    )
     if belief is not None and not watch.is_unusable:
         after = _apply_usable_reading(settings, aboard, after, belief, reading, dt)
     return _decide_reserve(settings, cell, after)
@@ -115,19 +191,19 @@ def _predict_cell_state(
     if belief is None or before.good is None:
         return belief
     # Two consecutive usable readings: trapezoidal mean current; otherwise assume the load goes on
-    if before.good is before.last and reading.is_usable and dt <= LONGEST:
+    if before.good is before.last and reading.is_usable and dt <= LONGEST_GAP:
         current = 0.5 * (before.good.current + reading.current)
-        unsure = BETWEEN * abs(reading.current - before.good.current) + QUIET
+        unsure = CHANGE_DEVIATION * abs(reading.current - before.good.current) + CURRENT_DEVIATION
     else:
         current = -before.load.quick / belief.resting_voltage
-        unsure = abs(current) + QUIET
+        unsure = abs(current) + CURRENT_DEVIATION
     return predict_state(settings.belief, cell, belief, current, unsure, dt)
 
 
 def _normalized_innovation(expected: CellState, surprise: VoltageInnovation) -> float:
     """Return the voltage innovation in standard deviations; 0 beyond the ends of the chart."""
     # A nearly empty cell may fall below the chart and a full one rise above it, without a fault
-    end = EMPTY if surprise.innovation < 0.0 else 1.0 - EMPTY
+    end = CHART_END if surprise.innovation < 0.0 else 1.0 - CHART_END
     beyond = expected.charge < end if surprise.innovation < 0.0 else expected.charge > end
     return 0.0 if beyond else abs(surprise.innovation) / surprise.deviation
 
@@ -154,13 +230,13 @@ def _apply_usable_reading(
     power = -state.resting_voltage * reading.current
     if after.good is None or after.travel is None:
         return after._replace(
-            load=load.initial_load(power),
-            travel=way_home.initial_travel(settings.way),
+            load=outlook.initial_load(power),
+            travel=outlook.initial_travel(settings.way),
             good=reading,
         )
     return after._replace(
-        load=load.update_load(after.load, power, dt, settings.smoothing, settings.outlook),
-        travel=way_home.update_travel(settings.way, after.travel, reading.where, power, dt),
+        load=outlook.update_load(after.load, power, dt, settings.smoothing, settings.outlook),
+        travel=outlook.update_travel(settings.way, after.travel, reading.where, power, dt),
         books=update_energy_balance(after.books, aboard, state, after.good, reading),
         good=reading,
     )
@@ -175,10 +251,10 @@ def _decide_reserve(
         return after
     where = None if after.last is None else after.last.where
     away = 0.0 if where is None else where.distance
-    stock = reserve.compute_reserve_margin(
-        settings, cell, belief, way_home.energy_home(settings.way, travel, away)
+    stock = outlook.compute_reserve_margin(
+        settings, cell, belief, outlook.energy_home(settings.way, travel, away)
     )
-    low = reserve.is_reserve_reached(settings, after.low, stock)
+    low = outlook.is_reserve_reached(settings, after.low, stock)
     # An uncertain charge counts as a reached reserve, so that the drone errs on the safe side
     doubtful = belief.deviation > settings.doubt
     return after._replace(stock=stock, low=low, reserve=low or doubtful or after.is_landing_urgent)

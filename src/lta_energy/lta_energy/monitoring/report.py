@@ -3,21 +3,20 @@
 import math
 from typing import NamedTuple
 
-from lta_energy.faults.fault_monitor import MeterFault
-from lta_energy.monitoring.endurance import (
+from lta_energy.monitoring.faults import MeterFault
+from lta_energy.monitoring.monitor import EnergyEstimate, MonitorSettings
+from lta_energy.monitoring.outlook import (
     estimate_charging_time,
     estimate_discharge_time,
+    mean_load_deviation,
     TimeEstimate,
     UNKNOWN,
 )
-from lta_energy.monitoring.estimate import EnergyEstimate
-from lta_energy.monitoring.load import mean_load_deviation
-from lta_energy.monitoring.monitor import MonitorSettings
 from lta_graph.health import HealthLevel
 from lta_model.electrical.battery import BatteryModel
 
 Verdict = tuple[HealthLevel, str]
-LONGEST = 360_000.0  # s; a hundred hours: longer times are not shown
+LONGEST_SHOWN = 360_000.0  # s; a hundred hours: longer times are not shown
 
 
 class EnergyReport(NamedTuple):
@@ -89,9 +88,9 @@ def _assess_battery(
             f'the estimated charge of {percent} is too uncertain, so the energy reserve '
             'counts as reached',
         )
-    if empty.mean < LONGEST:
+    if empty.mean < LONGEST_SHOWN:
         return HealthLevel.OK, f'{percent} left, {_format_minutes(empty)} at this power'
-    if full.mean < LONGEST:
+    if full.mean < LONGEST_SHOWN:
         return HealthLevel.OK, f'{percent} left, full in {_format_minutes(full)}'
     return HealthLevel.OK, f'{percent} left'
 

@@ -29,12 +29,11 @@ from lta_config.settings import setting, Settings
 from lta_model.electrical.battery import BatteryModel, open_circuit_voltage, state_of_charge
 
 CHARGE, RELAXATION, RESISTANCE, INVERSE, CHART = range(5)
-SIZE = 5
-UNIFORM = 1.0 / math.sqrt(12.0)  # standard deviation of a charge anywhere between 0 and 1
-CORRELATED = 0.2  # correlation length of the chart error over the charge: 4 of its 20 steps
-NARROW, WIDE = 0.01, 0.2  # bounds of the half width of the chord [charge]
-SLOW = 1e-5  # growth of the charge's deviation due to the meter's offset [1/sqrt(s)]
-
+STATES = 5
+UNKNOWN_CHARGE = 1.0 / math.sqrt(12.0)  # standard deviation of a charge anywhere between 0 and 1
+CHART_CORRELATION = 0.2  # correlation length of the chart error over the charge: 4 of its 20 steps
+NARROWEST_CHORD, WIDEST_CHORD = 0.01, 0.2  # bounds of the half width of the chord [charge]
+CHARGE_DRIFT = 1e-5  # growth of the charge's deviation due to the meter's offset [1/sqrt(s)]
 Row = tuple[float, float, float, float, float]
 
 
@@ -55,23 +54,15 @@ class SocFilterSettings(Settings):
         0.010,
         'Assumed standard deviation of the open-circuit voltage, from the discharge curve '
         'and the meter.',
-        unit='V',
-        low=1e-4,
-        high=0.2,
+        'V',
+        1e-4,
+        0.2,
     )
     voltage_noise: float = setting(
-        0.010,
-        'Standard deviation of one reading of the battery voltage.',
-        unit='V',
-        low=1e-4,
-        high=0.2,
+        0.010, 'Standard deviation of one reading of the battery voltage.', 'V', 1e-4, 0.2
     )
     recent_current: float = setting(
-        0.2,
-        'Battery current assumed before the monitor started.',
-        unit='A',
-        low=0.0,
-        high=50.0,
+        0.2, 'Battery current assumed before the monitor started.', 'A', 0.0, 50.0
     )
 
 
@@ -109,13 +100,15 @@ class VoltageInnovation(NamedTuple):
 def initial_state(settings: SocFilterSettings, cell: BatteryModel) -> CellState:
     """Return the state before any reading, with the charge uniform between 0 and 1."""
     deviations = (
-        UNIFORM,
+        UNKNOWN_CHARGE,
         cell.relaxation_resistance * settings.recent_current,
         settings.resistance_spread,
         settings.capacity_spread,
         settings.chart_error,
     )
-    rows = [tuple(deviations[i] ** 2 if i == j else 0.0 for j in range(SIZE)) for i in range(SIZE)]
+    rows = [
+        tuple(deviations[i] ** 2 if i == j else 0.0 for j in range(STATES)) for i in range(STATES)
+    ]
     return CellState((0.5, 0.0, 1.0, 1.0, 0.0), tuple(rows))  # type: ignore[arg-type]
 
 
@@ -134,7 +127,7 @@ def predict_state(
     decay = math.exp(-dt / cell.relaxation_time) if cell.relaxation_time > 0.0 else 0.0
     pull = (1.0 - decay) * cell.relaxation_resistance * current
     # The chart error decorrelates with the charge moved, not with time
-    moved = abs(step) / CORRELATED
+    moved = abs(step) / CHART_CORRELATION
     faded = math.exp(-moved)
     mean = (
         min(max(s + inverse * step, 0.0), 1.0),
@@ -149,7 +142,7 @@ def predict_state(
         row[CHARGE] += step * row[INVERSE]
         row[RELAXATION] = decay * row[RELAXATION] + pull * row[RESISTANCE]
         row[CHART] *= faded
-    for k in range(SIZE):  # F (P F^T)
+    for k in range(STATES):  # F (P F^T)
         rows[CHARGE][k] += step * rows[INVERSE][k]
         rows[RELAXATION][k] = decay * rows[RELAXATION][k] + pull * rows[RESISTANCE][k]
         rows[CHART][k] *= faded
@@ -157,7 +150,7 @@ def predict_state(
     unsure = deviation * dt / cell.capacity
     blurred = (1.0 - decay) * cell.relaxation_resistance * deviation
     noise = (
-        unsure * unsure + SLOW * SLOW * dt,
+        unsure * unsure + CHARGE_DRIFT * CHARGE_DRIFT * dt,
         blurred * blurred,
         0.0,
         0.0,
@@ -184,27 +177,37 @@ def correct_state(
     mean, p = state.mean, state.spread
     at = mean[CHARGE] if at is None else at
     # Linearised at a measured charge, the uncertainty of the prior says nothing about the chord
-    half = min(max(state.deviation, NARROW), WIDE) if at == mean[CHARGE] else NARROW
+    half = (
+        min(max(state.deviation, NARROWEST_CHORD), WIDEST_CHORD)
+        if at == mean[CHARGE]
+        else NARROWEST_CHORD
+    )
     slope = chord_slope(at, half)
     drop = cell.resistance * current
     expected = (
-        open_circuit_voltage(at) + slope * (mean[CHARGE] - at)
-        + mean[CHART] + mean[RELAXATION] + mean[RESISTANCE] * drop
-    )  # fmt: skip
+        open_circuit_voltage(at)
+        + slope * (mean[CHARGE] - at)
+        + mean[CHART]
+        + mean[RELAXATION]
+        + mean[RESISTANCE] * drop
+    )
     # P H^T with H = (slope, 1, drop, 0, 1)
     column = [
         slope * row[CHARGE] + row[RELAXATION] + drop * row[RESISTANCE] + row[CHART] for row in p
     ]
     variance = (
-        slope * column[CHARGE] + column[RELAXATION] + drop * column[RESISTANCE] + column[CHART]
+        slope * column[CHARGE]
+        + column[RELAXATION]
+        + drop * column[RESISTANCE]
+        + column[CHART]
         + settings.voltage_noise**2
-    )  # fmt: skip
+    )
     innovation = voltage - expected
     after, rows = list(mean), list(map(list, p))
-    for i in range(SIZE):
+    for i in range(STATES):
         gain = column[i] / variance
         after[i] += gain * innovation
-        for j in range(SIZE):
+        for j in range(STATES):
             rows[i][j] -= gain * column[j]
     # The chart ends at 0 and 1; the covariance is not changed by the clamp
     after[CHARGE] = min(max(after[CHARGE], 0.0), 1.0)

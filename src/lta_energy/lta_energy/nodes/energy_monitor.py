@@ -5,9 +5,8 @@ from typing import TYPE_CHECKING
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_config.settings import setting
 from lta_energy import messages
-from lta_energy.monitoring.estimate import EnergyEstimate
-from lta_energy.monitoring.monitor import MonitorSettings, update_estimate
-from lta_energy.monitoring.power_system import PowerSystem
+from lta_energy.monitoring.meters import PowerSystem
+from lta_energy.monitoring.monitor import EnergyEstimate, MonitorSettings, update_estimate
 from lta_energy.monitoring.report import report_energy
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters

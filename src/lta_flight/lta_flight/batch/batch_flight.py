@@ -22,9 +22,9 @@ from lta_flight.flight_stack import FlightStack
 from lta_model.effects import MODEL_EFFECTS
 from lta_model.effects.protocol import MeasurementEffect
 from lta_model.electrical.loads import navigation_power
-from lta_model.hull import half_axes
-from lta_model.light.panel_light import build_panel_plane
+from lta_model.light.readings import build_panel_plane
 from lta_model.light.view import find_spectral_weights
+from lta_model.mass_properties import half_axes
 from lta_model.model import VehicleModel
 from lta_model.scenario import Scenario
 from lta_model.sensors.imu import error_bounds, ImuSettings

@@ -11,7 +11,7 @@ from string import Template
 from typing import Any
 
 from lta_config.compilation.extract import SourceExtract
-from lta_config.compilation.flat import PREFIX, settings_to_tuples, TupleLayout
+from lta_config.compilation.flat import CORE_PREFIX, settings_to_tuples, TupleLayout
 from lta_control.autopilot import begin_memory
 from lta_control.laws import cascade
 from lta_control.strategies.protocol import NavigationStrategy
@@ -27,7 +27,7 @@ from lta_flight.batch.flight_loop import fly
 from lta_flight.batch.kernel_access import VehicleAccess
 from lta_flight.batch.targets import BatchSchedule, CompileTarget, MODEL
 from lta_model.effects import initial_memory, MODEL_EFFECTS
-from lta_model.light.ray_bundles import DAY, LAMPS, scratch_size
+from lta_model.light.ray_integration import DAYLIGHT_ROW, LAMP_ROWS, scratch_size
 from lta_model.state import RIGID
 from lta_sim.compiled_sensors import draw_turbulence_memory
 from lta_sim.kernels.compose import KernelTarget, render_kernel_source
@@ -37,7 +37,7 @@ from lta_sim.light_link import sample_magnitude
 
 # Merged into their caller, because passing the memory of a flight takes a quarter of the time
 MERGED = {
-    f'{PREFIX}_{function.__name__}'
+    f'{CORE_PREFIX}_{function.__name__}'
     for function in (simulate_period, sense_and_control, advance_vehicle)
 }
 
@@ -83,12 +83,12 @@ def build_source(
     """
     kernel = build_kernel(names, diodes, closed=closed)
     extract = SourceExtract(kernel=kernel, strategy=strategy, schedule=schedule, law=cascade.LAW)
-    name = extract.add_function(fly, PREFIX)
+    name = extract.add_function(fly, CORE_PREFIX)
     entry = Template(target.entry).substitute(
         fly=name,
         work=extract.add_named_tuple(WorkArrays),
         diodes=diodes,
-        rows=LAMPS + lamps,
+        rows=LAMP_ROWS + lamps,
         pencils=scratch_size(lamps),
         constants=constants.render_expression('constants[i]'),
     )
@@ -132,7 +132,7 @@ def _write_add_effects(names: Sequence[str], extract: SourceExtract) -> str:
     """Return the source of `FlightKernel.add_effects`."""
     memories = [
         # Turbulence starts in its stationary state instead of at zero
-        f'{extract.add_function(draw_turbulence_memory, PREFIX)}(seed)'
+        f'{extract.add_function(draw_turbulence_memory, CORE_PREFIX)}(seed)'
         if name == 'turbulence'
         else format_tuple(map(repr, initial_effect_memory(name)))
         for name in names
@@ -150,12 +150,12 @@ def initial_effect_memory(name: str) -> tuple[float, ...]:
 
 def _write_diode_functions(diodes: int, extract: SourceExtract) -> tuple[str, str]:
     """Return the source of `FlightKernel.read_diodes` and `FlightKernel.daylight_of`."""
-    sample = extract.add_function(sample_magnitude, PREFIX)
-    error = extract.add_function(amplitude_error, PREFIX)
+    sample = extract.add_function(sample_magnitude, CORE_PREFIX)
+    error = extract.add_function(amplitude_error, CORE_PREFIX)
     lines = [
         # One scalar variable per diode, because GPU code has no dynamic arrays
         f'a_{k}, s_{k} = {sample}('
-        f'link, lamp, {k}, lights, lights[{DAY}, {k}] - before[{k}], seed, step)'
+        f'link, lamp, {k}, lights, lights[{DAYLIGHT_ROW}, {k}] - before[{k}], seed, step)'
         for k in range(diodes)
     ]
     readings = (
@@ -164,7 +164,7 @@ def _write_diode_functions(diodes: int, extract: SourceExtract) -> tuple[str, st
         format_tuple(f'{error}(a_{k}, s_{k})' for k in range(diodes)),
     )
     lines.append(f'return {", ".join(readings)}')
-    daylight = format_tuple(f'lights[{DAY}, {k}]' for k in range(diodes))
+    daylight = format_tuple(f'lights[{DAYLIGHT_ROW}, {k}]' for k in range(diodes))
     return (
         f'def read_diodes(link, lamp, lights, before, seed, step):\n{indent_lines(lines)}',
         f'def daylight_of(lights):\n    return {daylight}',

@@ -6,7 +6,7 @@ from lta_control.flight_step import DroneConstants
 from lta_control.mission import MissionSettings
 from lta_control.per_rotor import PerRotor
 from lta_control.reserve import ReserveRule
-from lta_model.light.panel_light import PanelPlane
+from lta_model.light.readings import PanelPlane
 from lta_model.light.view import LightWeights
 from lta_sim.compiled_sensors import SensorDatasheets
 from lta_sim.environment import SteadyWind

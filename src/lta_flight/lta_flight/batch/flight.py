@@ -21,12 +21,12 @@ from lta_flight.batch.constants_and_tally import (
     Vector,
 )
 from lta_model.electrical.charger import PowerFlow
-from lta_model.light.lambertian import direct_light
-from lta_model.light.panel_light import daylight_on_panel, lamp_light_on_panel
+from lta_model.light.direct_light import direct_light
+from lta_model.light.readings import daylight_on_panel, lamp_light_on_panel
 from lta_model.light.scene_geometry import daylight_illuminance, is_in_room
+from lta_model.model import has_diverged
 from lta_model.sensors.imu import specific_force_at
 from lta_model.state import RIGID
-from lta_model.stiffness import has_diverged
 from lta_sim.compiled_sensors import (
     SensorErrors,
     simulate_imu_reading,
@@ -42,7 +42,7 @@ from lta_sim.termination import (
     GoalProgress,
     LIFT_OFF,
 )
-from lta_vlc.direction import PART
+from lta_vlc.direction import RAYLEIGH_SHARE
 from lta_vlc.direction_fit import DirectionFit
 
 State = tuple[float, ...]
@@ -189,7 +189,7 @@ def initial_tally(constants: FlightConstants) -> FlightTally:
 
 def amplitude_error(amplitude: float, snr: float) -> float:
     """Return the standard deviation of a reading due to noise, as `lta_vlc.direction`. [counts]"""
-    return PART * amplitude / snr if snr > 0.0 else math.inf
+    return RAYLEIGH_SHARE * amplitude / snr if snr > 0.0 else math.inf
 
 
 def is_lamp_detected(snrs: tuple[float, ...], threshold: float) -> bool:

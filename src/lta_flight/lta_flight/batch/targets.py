@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from string import Template
 from typing import final
 
-from lta_config.compilation.compiler import ENTRY, INLINE
+from lta_config.compilation.compiler import ENTRY_DECORATOR, INNER_DECORATOR
 from lta_control import allocation
-from lta_model.stiffness import STEP_NS
+from lta_model.model import STEP_NS
 from lta_sim.kernels.gpu import STATES
 from lta_vlc.reading_model import FIT_SCRATCH
 
@@ -77,10 +77,10 @@ $actuation
 )
 CPU = CompileTarget(
     'from numba import njit\nimport numpy as np\n',
-    INLINE,
-    INLINE.replace('njit(', 'njit(forceinline=True, '),
+    INNER_DECORATOR,
+    INNER_DECORATOR.replace('njit(', 'njit(forceinline=True, '),
     f'''
-{ENTRY.replace('cache=True', 'nogil=True, cache=True')}
+{ENTRY_DECORATOR.replace('cache=True', 'nogil=True, cache=True')}
 def fly_some(fixed, constants, winds, spans, seeds, out):
     """Fly some vehicles, a row each."""
     work = $work(

@@ -5,9 +5,8 @@ from importlib import import_module
 from typing import Any
 
 from lta_config.errors import BadInput, unknown_name_error
-from lta_config.files import parse_yaml
+from lta_config.files import format_error, parse_yaml
 from lta_config.settings import Settings
-from lta_config.validation_errors import format_error
 from lta_graph.ros.parameters import iterate_fields, nest_names
 from pydantic import ValidationError
 

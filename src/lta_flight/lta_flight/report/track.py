@@ -2,7 +2,7 @@
 
 from lta_flight.report.results import find_phases
 from lta_flight.report.view import FlightView
-from lta_model.hull import half_axes
+from lta_model.mass_properties import half_axes
 from lta_report.curves import Array, interpolate
 from lta_report.flight_scene import to_json_numbers
 import numpy as np

@@ -22,7 +22,7 @@ from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec
 from lta_flight.report.goal import shortest_path_length
 from lta_flight.sweep.job_runner import build_failed_row, SweepRow
 from lta_flight.sweep.plan import convert_to_si, SweepJob, SweepPlan
-from lta_model.stiffness import build_divergence_error
+from lta_model.model import build_divergence_error
 from lta_report.json_value import replace_nonfinite
 from lta_sim.kernels.gpu import require_cuda
 from lta_sim.readings import FlightOutcome

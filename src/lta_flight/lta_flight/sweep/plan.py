@@ -16,7 +16,7 @@ from typing import Any, final
 from lta_config.errors import BadInput
 from lta_config.parameter_override import format_value, parse_quantity, parse_value
 from lta_config.quantity import Quantity, UNITS
-from lta_config.schema.sweep_file import CASE, Distribution, SweepFile
+from lta_config.schema.sweep_file import CASE_COLUMN, Distribution, SweepFile
 from lta_control.strategies.strategy_file import is_strategy_file
 from lta_flight.flight_spec import build_loop, FILES, FlightSpec, load_spec
 from lta_flight.sweep.parameter_sampling import sample_parameter
@@ -39,7 +39,7 @@ class SweepJob:
     @property
     def changes(self) -> dict[str, Any]:
         """All parameters that differ from the base, by path."""
-        varied = {path: value for path, value in self.values.items() if path != CASE}
+        varied = {path: value for path, value in self.values.items() if path != CASE_COLUMN}
         return {**self.case, **varied}
 
 
@@ -58,7 +58,7 @@ class SweepPlan:
         fixed = {path: parse_value(value, path) for path, value in file.settings.items()}
         self.base: FlightSpec = read.with_values(fixed)
         # The name of the case is a column like a varied parameter
-        named = {CASE: ''} if file.cases else {}
+        named = {CASE_COLUMN: ''} if file.cases else {}
         varied = {path: self.base.find_unit(path) or self._find_unit(path) for path in file.vary}
         self.units = named | varied
         self.cases = {
@@ -70,7 +70,7 @@ class SweepPlan:
             for path, how in file.vary.items()
             if isinstance(how, list)
         }
-        self.lists = ({CASE: list(self.cases)} if named else {}) | lists
+        self.lists = ({CASE_COLUMN: list(self.cases)} if named else {}) | lists
         # Grids multiply, so a few long lists are enough to exceed the limit
         if self.count > MOST:
             raise BadInput(
@@ -137,7 +137,7 @@ class SweepPlan:
                 point, place = divmod(point, len(self.lists[path]))
                 values[path] = self.lists[path][place]
         ordered = {path: values[path] for path in self.units}
-        case = self.cases[ordered[CASE]] if self.cases else {}
+        case = self.cases[ordered[CASE_COLUMN]] if self.cases else {}
         return SweepJob(index, self.file.seeds.first + turn, ordered, case)
 
     def iterate_jobs(self, done: set[int]) -> Iterator[SweepJob]:

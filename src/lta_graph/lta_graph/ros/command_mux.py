@@ -14,7 +14,7 @@ from lta_graph.health import HealthLevel
 from lta_graph.ros.node import GraphNode
 from std_msgs.msg import Bool
 
-HELM: Final = 'helm'  # health task with the active source of setpoints
+COMMAND_SOURCE_TASK: Final = 'helm'  # health task with the active source of setpoints
 HELD: Final = 'held'  # its value: whether that is the teleoperator
 
 
@@ -77,7 +77,7 @@ class CommandMux:
     def _report_source(self) -> None:
         whose = 'operator' if self.held else 'navigator'
         self._node.health.report(
-            HELM,
+            COMMAND_SOURCE_TASK,
             HealthLevel.OK,
             f'the drone follows the setpoints of the {whose}',
             **{HELD: self.held},

@@ -19,22 +19,22 @@ from rclpy.node import Node
 from rclpy.utilities import try_shutdown
 from std_msgs.msg import String
 
-QUESTION = 'lta_doctor/question'
-ANSWER = 'lta_doctor/answer'
+QUESTION_TOPIC = 'lta_doctor/question'
+ANSWER_TOPIC = 'lta_doctor/answer'
 ROUND_TRIPS = 20  # for the median; the first are slow while caches are cold
-RETRY = 0.05  # s between questions until the first answer
+QUESTION_PERIOD = 0.05  # s between questions until the first answer
 
 
 def echo_messages(node: Node, executor: SingleThreadedExecutor, deadline: float) -> None:
     """Echo every message until 'end' arrives or the monotonic clock reaches `deadline` [s]."""
     questions: list[str] = []
-    publisher = node.create_publisher(String, ANSWER, 10)
+    publisher = node.create_publisher(String, ANSWER_TOPIC, 10)
 
     def on_question(message: String) -> None:
         questions.append(message.data)
         publisher.publish(message)
 
-    node.create_subscription(String, QUESTION, on_question, 10)
+    node.create_subscription(String, QUESTION_TOPIC, on_question, 10)
     while time.monotonic() < deadline and questions[-1:] != ['end']:
         executor.spin_once(timeout_sec=0.1)
 
@@ -44,12 +44,12 @@ def measure_round_trip(
 ) -> dict[str, float] | None:
     """Return the discovery time and median round trip [s], or None at the deadline."""
     answers: set[str] = set()
-    publisher = node.create_publisher(String, QUESTION, 10)
+    publisher = node.create_publisher(String, QUESTION_TOPIC, 10)
 
     def on_answer(message: String) -> None:
         answers.add(message.data)
 
-    node.create_subscription(String, ANSWER, on_answer, 10)
+    node.create_subscription(String, ANSWER_TOPIC, on_answer, 10)
 
     def round_trip(text: str, patience: float) -> float | None:
         sent = time.perf_counter()
@@ -63,7 +63,7 @@ def measure_round_trip(
 
     began = time.monotonic()
     # A message sent before the endpoints have matched is lost, so repeat it
-    while round_trip('begin', RETRY) is None:
+    while round_trip('begin', QUESTION_PERIOD) is None:
         if time.monotonic() >= deadline:
             return None
     discovery_time = time.monotonic() - began

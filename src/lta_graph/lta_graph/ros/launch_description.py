@@ -19,13 +19,14 @@ from launch.events.process import ProcessExited
 from launch_ros.actions import Node
 from lta_config.errors import BadInput
 from lta_graph.child_process import signal_name
-from lta_graph.launch_plan import LaunchProcess
-from lta_graph.launch_table import Launch
+from lta_graph.launch_plan import Launch, LaunchProcess
 
-CHECKS = 'lta.launch_checks'  # entry points: functions that take a LaunchPlan and raise BadInput
+CHECK_GROUP = (
+    'lta.launch_checks'  # entry points: functions that take a LaunchPlan and raise BadInput
+)
 # Nodes end with `ros2 launch`, however it ends, and Ctrl-C waits until Python has started, which
 # would print a traceback. `lta launch` does both by itself.
-PREFIX = 'setpriv --pdeathsig INT env --block-signal=INT'
+PROCESS_PREFIX = 'setpriv --pdeathsig INT env --block-signal=INT'
 
 
 def describe_launch(launch: Launch) -> LaunchDescription:
@@ -54,7 +55,7 @@ def start_nodes(context: LaunchContext, launch: Launch) -> list[Action]:
             'ros2 launch starts every node in a process of its own; for processes:=one use '
             '"ros2 run lta_cli lta launch" or "ros2 run lta_graph one_process".'
         )
-    for check in entry_points(group=CHECKS):
+    for check in entry_points(group=CHECK_GROUP):
         check.load()(plan)
     # launch hears a signal besides the handler of Python, which would print a traceback where an
     # interrupt meets a destructor; without any, SIGTERM kills the launch
@@ -91,7 +92,7 @@ def build_node(process: LaunchProcess) -> Node:
         namespace=process.namespace.strip('/'),
         arguments=list(process.words),
         ros_arguments=process.ros_arguments,
-        prefix=PREFIX,
+        prefix=PROCESS_PREFIX,
         output='screen',
         on_exit=partial(end_run, process=process) if process.on_exit_shutdown else None,
         **({} if timeout is None else {'sigterm_timeout': f'{timeout}'}),

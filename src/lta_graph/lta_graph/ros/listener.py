@@ -13,12 +13,16 @@ from lta_graph.ros.temporary_node import join_graph
 from rclpy.duration import Duration
 from std_msgs.msg import Header
 
-DEPTH = 100  # messages of all nodes together that may wait until the next look
+LISTENER_DEPTH = 100  # messages of all nodes together that may wait until the next look
 DISCOVERY = 10.0  # wall s after the first report for DDS to find all nodes of a busy machine
-LOADING = 300.0  # wall s for all to report once; compiling the model takes half a minute alone
-TASK = 'launcher: processes'  # task under which the launcher reports faults of its nodes
-RECEIPT = Duration(seconds=0.5)  # for all readers to acknowledge an error; a dead one never does
-SILENCE = 2.25  # wall s after which a node counts as silent: two reports and some delay
+LOADING_TIME = (
+    300.0  # wall s for all to report once; compiling the model takes half a minute alone
+)
+LAUNCHER_TASK = 'launcher: processes'  # task under which the launcher reports faults of its nodes
+RECEIPT_TIME = Duration(
+    seconds=0.5
+)  # for all readers to acknowledge an error; a dead one never does
+SILENCE_TIME = 2.25  # wall s after which a node counts as silent: two reports and some delay
 
 
 @final
@@ -47,9 +51,11 @@ class DiagnosticsListener:
         with ExitStack() as stack:
             node, self._executor = stack.enter_context(join_graph('lta_listener'))
             self._subscription = node.create_subscription(
-                DiagnosticArray, '/diagnostics', self._on_diagnostics, DEPTH
+                DiagnosticArray, '/diagnostics', self._on_diagnostics, LISTENER_DEPTH
             )
-            self._publisher = node.create_publisher(DiagnosticArray, '/diagnostics', DEPTH)
+            self._publisher = node.create_publisher(
+                DiagnosticArray, '/diagnostics', LISTENER_DEPTH
+            )
             self._stack = stack.pop_all()
         return self
 
@@ -86,7 +92,10 @@ class DiagnosticsListener:
     def publish_error(self, sentence: str) -> None:
         """Report a fault of a node at level ERROR, so that the recorder stores it."""
         status = DiagnosticStatus(
-            level=DiagnosticStatus.ERROR, name=TASK, message=sentence, hardware_id=self._robot
+            level=DiagnosticStatus.ERROR,
+            name=LAUNCHER_TASK,
+            message=sentence,
+            hardware_id=self._robot,
         )
         header = Header(stamp=self._stamp)
         self._publisher.publish(DiagnosticArray(header=header, status=[status]))
@@ -97,7 +106,7 @@ class DiagnosticsListener:
 
         The recorder closes its bag soon after SIGINT, and would miss an error that is under way.
         """
-        self._publisher.wait_for_all_acked(RECEIPT)
+        self._publisher.wait_for_all_acked(RECEIPT_TIME)
 
     def find_silent_nodes(self, nodes: Iterable[str], required: bool = True) -> list[str]:
         """
@@ -115,8 +124,9 @@ class DiagnosticsListener:
         return sorted(
             name
             for name in nodes
-            # A node that never reported counts as silent only once LOADING is over
-            if now - self._received_at.get(name, begun + LOADING - SILENCE) > SILENCE
+            # A node that never reported counts as silent only once LOADING_TIME is over
+            if now - self._received_at.get(name, begun + LOADING_TIME - SILENCE_TIME)
+            > SILENCE_TIME
             and name not in pending
         )
 
@@ -136,4 +146,4 @@ class DiagnosticsListener:
         patient = self._begun is not None and now - self._begun > DISCOVERY
         if self._complete is None and (patient or not self.find_pending_nodes(nodes)):
             self._complete = now
-        return self._complete is not None and now - self._complete > SILENCE
+        return self._complete is not None and now - self._complete > SILENCE_TIME

@@ -15,15 +15,14 @@ from typing import Any, Literal
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from lta_config.settings import setting, Settings
 from lta_config.topics import load_topic_table
-from lta_graph.health import Health, HealthLevel
-from lta_graph.health_log import HealthLog
+from lta_graph.health import Health, HealthLevel, HealthLog
 from lta_graph.inbox import Inbox, InboxStep
 from lta_graph.ros.contained_node import ContainedNode
 from lta_graph.ros.message_validation import find_message_type, MESSAGES, MessageValidator
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.publisher_conflict import PublisherConflict
 from lta_graph.ros.qos import select_profile
-from lta_graph.ros.reader_links import LINKS
+from lta_graph.ros.reader_links import LINKS_TASK
 from lta_graph.ros.replay_due import DUE, subscribe_inbox_schedule
 from lta_graph.ros.stamps import from_stamp, to_stamp
 from rclpy.clock import Clock
@@ -34,10 +33,12 @@ from rclpy.subscription import Subscription
 
 WATCH_PERIOD = 0.1  # wall seconds between checks for missing inputs
 REPORT_PERIOD = 1.0  # wall seconds between two unchanged /diagnostics
-FAREWELL = 0.2  # wall seconds for the last messages to be acknowledged
-WHOLE = 5.0  # the same after a successful flight, when a live recorder may be far behind
-PATIENCE = 0.5  # wall seconds of waiting after which the missing input is reported
-LONELY = 5.0  # wall seconds without any input after which the node logs a warning
+ACKNOWLEDGE_TIME = 0.2  # wall seconds for the last messages to be acknowledged
+LONG_ACKNOWLEDGE_TIME = (
+    5.0  # the same after a successful flight, when a live recorder may be far behind
+)
+REPORTED_WAIT = 0.5  # wall seconds of waiting after which the missing input is reported
+NO_INPUT_TIME = 5.0  # wall seconds without any input after which the node logs a warning
 
 
 class GraphSettings(Settings):
@@ -72,7 +73,7 @@ class GraphNode(ContainedNode):
         self.lockstep = graph.time == 'lockstep'
         self.replayed = self.lockstep and graph.source == 'replay'
         self.running = True
-        self.farewell = FAREWELL
+        self.farewell = ACKNOWLEDGE_TIME
         self.hurried = False  # a second stop signal came during the shutdown
         self.begun = False  # whether a first message was sent or received
         self.health = Health()
@@ -88,7 +89,7 @@ class GraphNode(ContainedNode):
         self._waiting_since: float | None = None
         self._received_at: dict[str, float] = {}
         self._reported = 0.0
-        self._lonely_from: float | None = time.monotonic() + LONELY
+        self._input_expected_by: float | None = time.monotonic() + NO_INPUT_TIME
         self._diagnostics = self.create_output('/diagnostics')
         # The ROS clock may jump or stand still; health needs wall time that only grows
         steady = Clock(clock_type=ClockType.STEADY_TIME)
@@ -188,12 +189,12 @@ class GraphNode(ContainedNode):
             if self._inbox.turns is None:
                 return [DUE]
             return self._inbox.list_missing_topics() or [self._trigger]
-        # In real time an input is missing if it is overdue by more than PATIENCE
+        # In real time an input is missing if it is overdue by more than REPORTED_WAIT
         now = time.monotonic()
         return [
             name
             for name, received in self._received_at.items()
-            if now - received > PATIENCE + 1e-9 * self.table[name].period_ns
+            if now - received > REPORTED_WAIT + 1e-9 * self.table[name].period_ns
         ]
 
     def find_publishing_role(self, name: str) -> str:
@@ -211,8 +212,8 @@ class GraphNode(ContainedNode):
             self._waiting_since = None
         elif self._waiting_since is None:
             self._waiting_since = now
-        # `list_missing_inputs` has already allowed for PATIENCE in real time
-        patience = PATIENCE if self.lockstep else 0.0
+        # `list_missing_inputs` has already allowed for REPORTED_WAIT in real time
+        patience = REPORTED_WAIT if self.lockstep else 0.0
         if self._waiting_since is not None and now - self._waiting_since >= patience:
             suspects = sorted({self.find_publishing_role(name) for name in missing})
             self.health.report(
@@ -238,7 +239,7 @@ class GraphNode(ContainedNode):
         if self.health.changed or now - self._reported >= REPORT_PERIOD:
             # Asking the middleware takes longer than all the rest
             self.health.report(
-                LINKS,
+                LINKS_TASK,
                 HealthLevel.OK,
                 'number of subscribers of each topic',
                 **self.count_readers(),
@@ -248,9 +249,9 @@ class GraphNode(ContainedNode):
 
     def _warn_missing_inputs(self, now: float) -> None:
         """Log once which inputs nobody publishes, for a user who started this node alone."""
-        if self._lonely_from is None or now < self._lonely_from:
+        if self._input_expected_by is None or now < self._input_expected_by:
             return
-        self._lonely_from = None
+        self._input_expected_by = None
         # Who publishes is there, and only slow: a vehicle that compiles, a busy machine
         absent = [
             name

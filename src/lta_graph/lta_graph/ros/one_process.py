@@ -24,13 +24,12 @@ from lta_config.errors import BadInput
 from lta_config.files import share_folder
 from lta_graph.health import ENDS_RUN, HealthLevel
 from lta_graph.interrupts import catch_stops
-from lta_graph.launch_plan import LaunchProcess
-from lta_graph.launch_table import find_launch, parse_arguments
-from lta_graph.reach import PROFILE
+from lta_graph.launch_plan import find_launch, LaunchProcess, parse_arguments
+from lta_graph.reach import PROFILE_VARIABLE
 from lta_graph.ros.command_line import initialize_ros, reject_unknown_parameters
 from lta_graph.ros.contained_node import give_arguments
-from lta_graph.ros.help.node_help import asks_for_help
 from lta_graph.ros.node import GraphNode
+from lta_graph.ros.node_help import asks_for_help
 from lta_graph.ros.process import (
     describe_crash,
     finish_waiting_events,
@@ -171,7 +170,7 @@ def deliver_in_memory(environment: MutableMapping[str, str], teardown: ExitStack
     There, one of several participants of a process may wait for ever for another. All nodes here
     have one participant. A profile of the user's stays as it is. `teardown` removes the file.
     """
-    profile = Path(environment.get(PROFILE, ''))
+    profile = Path(environment.get(PROFILE_VARIABLE, ''))
     if not profile.is_file() or profile.resolve() not in list_own_profiles():
         return
     # Of the same name, by which `describe_reach` knows it
@@ -179,7 +178,7 @@ def deliver_in_memory(environment: MutableMapping[str, str], teardown: ExitStack
     text = profile.read_text(encoding='utf-8')
     copy = folder / profile.name
     copy.write_text(text.replace(f'<{DELIVERY}>OFF<', f'<{DELIVERY}>FULL<'), encoding='utf-8')
-    environment[PROFILE] = str(copy)
+    environment[PROFILE_VARIABLE] = str(copy)
 
 
 def list_own_profiles() -> list[Path]:

@@ -9,13 +9,13 @@ from lta_config.errors import BadInput
 from lta_config.topics import is_name, robot_topic
 from lta_graph.peers import Peers
 from lta_graph.ros.message_validation import find_message_type
-from lta_graph.ros.node import GraphNode, PATIENCE
+from lta_graph.ros.node import GraphNode, REPORTED_WAIT
 from lta_graph.ros.qos import select_profile
 from lta_graph.ros.stamps import from_stamp
 
-PULSE = 'wind'  # small, periodic and only of the vehicle; its period is the largest lead
-ENDING = (': flight', ': playback')  # tasks in which simulator and player report their state
-OVER = 'over'  # the value in these tasks
+PULSE_TOPIC = 'wind'  # small, periodic and only of the vehicle; its period is the largest lead
+ENDING_TASKS = (': flight', ': playback')  # tasks in which simulator and player report their state
+OVER_VALUE = 'over'  # the value in these tasks
 
 
 @final
@@ -39,12 +39,13 @@ class PeerListener:
                 )
         table = node.table
         self.names = list(names)
-        self._peers = Peers(names, table.start_ns, table[PULSE].period_ns)
+        self._peers = Peers(names, table.start_ns, table[PULSE_TOPIC].period_ns)
         self._on_news = on_news
         self._held: list[str] = []
         self._since = 0.0
         rows = [
-            (robot_topic(name, PULSE), PULSE, self._build_pulse_callback(name)) for name in names
+            (robot_topic(name, PULSE_TOPIC), PULSE_TOPIC, self._build_pulse_callback(name))
+            for name in names
         ]
         # The topic is absolute, so it carries the reports of all robots
         if names:
@@ -79,10 +80,12 @@ class PeerListener:
 
     def list_missing_pulses(self) -> list[str]:
         """Return the pulses that the node has been waiting for longer than `PATIENCE`."""
-        if not self._held or time.monotonic() - self._since < PATIENCE:
+        if not self._held or time.monotonic() - self._since < REPORTED_WAIT:
             return []
         # A robot without a pulse may still load; the launcher reports it if it is silent
-        return [robot_topic(name, PULSE) for name in self._held if self._peers.has_started(name)]
+        return [
+            robot_topic(name, PULSE_TOPIC) for name in self._held if self._peers.has_started(name)
+        ]
 
     def common_time(self, own_ns: int) -> int:
         """Return the common time of the launch after the own robot has stopped. [ns]"""
@@ -105,4 +108,4 @@ class PeerListener:
 def reports_end(status: DiagnosticStatus) -> bool:
     """Return whether a status reports the end of a simulator or player."""
     facts = {item.key: item.value for item in status.values}
-    return status.name.endswith(ENDING) and facts.get(OVER) == str(True)
+    return status.name.endswith(ENDING_TASKS) and facts.get(OVER_VALUE) == str(True)

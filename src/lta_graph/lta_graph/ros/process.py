@@ -12,15 +12,14 @@ import traceback
 from typing import Final, NoReturn
 
 from lta_config.errors import BadInput
-from lta_config.process_limits import describe_shortage
+from lta_config.limits import describe_shortage
 from lta_graph.health import HealthLevel
 from lta_graph.interrupts import catch_stops
-from lta_graph.process_exit import exit_process
 from lta_graph.ros.command_line import initialize_ros, reject_unknown_parameters
 from lta_graph.ros.contained_node import ContainedNode
-from lta_graph.ros.help.node_help import asks_for_help, describe_node
 from lta_graph.ros.node import GraphNode
-from lta_graph.terminal_streams import guard_streams
+from lta_graph.ros.node_help import asks_for_help, describe_node
+from lta_graph.terminal_streams import exit_process, guard_streams
 from rclpy.context import Context
 from rclpy.executors import Executor
 from rclpy.experimental.events_executor import EventsExecutor

@@ -9,7 +9,7 @@ from lta_graph.health import Health, HealthLevel
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 
-OTHERS = 'others'  # the health task
+CONFLICT_TASK = 'others'  # the health task
 TELEOP = 'teleop'  # the role of which a second may be there: started again after a crash
 # What moves a drone, directly or by the nodes that follow it
 COMMANDS: Final = (
@@ -20,9 +20,9 @@ COMMANDS: Final = (
     'teleop/velocity',
     'teleop/held',
 )
-NAMELESS = '_NODE_NAME_UNKNOWN_'  # of rmw, before the name of a publisher's node has arrived
+UNKNOWN_NODE = '_NODE_NAME_UNKNOWN_'  # of rmw, before the name of a publisher's node has arrived
 NAMING = 2.0  # wall s for that name to arrive; a publisher without one for longer is unknown
-COMMON = {'/diagnostics', '/tf', '/tf_static'}  # shared by several nodes on purpose
+SHARED_TOPICS = {'/diagnostics', '/tf', '/tf_static'}  # shared by several nodes on purpose
 
 
 @final
@@ -43,14 +43,14 @@ class PublisherConflict:
             name
             for name, writer in self._writers.items()
             # The node's own publisher counts as one
-            if name not in COMMON and self._node.count_publishers(writer.topic_name) > 1
+            if name not in SHARED_TOPICS and self._node.count_publishers(writer.topic_name) > 1
         ]
         if shared:
             words = f'{", ".join(shared)} ({self._format_other_nodes(shared)}); stop all but one'
-            health.report(OTHERS, HealthLevel.ERROR, f'other nodes also publish {words}')
-        elif OTHERS in health:
+            health.report(CONFLICT_TASK, HealthLevel.ERROR, f'other nodes also publish {words}')
+        elif CONFLICT_TASK in health:
             health.report(
-                OTHERS, HealthLevel.OK, 'no other node publishes the topics of this node'
+                CONFLICT_TASK, HealthLevel.OK, 'no other node publishes the topics of this node'
             )
 
     def _format_other_nodes(self, shared: list[str]) -> str:
@@ -109,7 +109,7 @@ class CommanderWatch:
     def _skip_new(self, topic: str, names: list[str]) -> list[str]:
         """Return the names without those that have not arrived yet."""
         now = time.monotonic()
-        complete = [name for name in names if not name.endswith(NAMELESS)]
+        complete = [name for name in names if not name.endswith(UNKNOWN_NODE)]
         if len(complete) == len(names):
             self._nameless_since.pop(topic, None)
         elif now - self._nameless_since.setdefault(topic, now) > NAMING:

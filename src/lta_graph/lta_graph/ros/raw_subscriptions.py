@@ -108,8 +108,8 @@ class RawSubscription:
         self._subscribe(match_profile(self._profile, self.list_offered_profiles()))
 
 
-DEPTH = 1000  # messages that may wait in the middleware between two polls
-GENEROUS = QoSProfile(depth=DEPTH, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+RAW_DEPTH = 1000  # messages that may wait in the middleware between two polls
+GENEROUS_PROFILE = QoSProfile(depth=RAW_DEPTH, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 def load_message_class(type_name: str) -> Any:  # noqa: ANN401 - a generated class
@@ -158,7 +158,9 @@ class RawSubscriptions:
         """Messages that the middleware reports as lost, by topic."""
         return {name: tap.lost for name, tap in self._taps.items() if tap.lost}
 
-    def subscribe(self, name: str, type_name: str, preferred: QoSProfile = GENEROUS) -> None:
+    def subscribe(
+        self, name: str, type_name: str, preferred: QoSProfile = GENEROUS_PROFILE
+    ) -> None:
         """
         Subscribe to a topic.
 
@@ -167,7 +169,7 @@ class RawSubscriptions:
         """
         deep = QoSProfile(
             # A poll may come late on a busy machine, and no message should be lost
-            depth=max(DEPTH, preferred.depth),
+            depth=max(RAW_DEPTH, preferred.depth),
             reliability=preferred.reliability,
             durability=preferred.durability,
         )

@@ -14,9 +14,9 @@ from diagnostic_msgs.msg import DiagnosticArray
 from lta_config.topics import TopicTable
 from rclpy.node import Node
 
-LINKS = 'links'  # health task with the number of readers of each output
-DIGITS = 10  # a reported count must have fewer; more is not a count of readers
-DEPTH = 100  # messages of all nodes together that may wait until the next poll
+LINKS_TASK = 'links'  # health task with the number of readers of each output
+COUNT_DIGITS = 10  # a reported count must have fewer; more is not a count of readers
+DIAGNOSTICS_DEPTH = 100  # messages of all nodes together that may wait until the next poll
 
 
 @final
@@ -37,7 +37,7 @@ class ReaderLinks:
         self._topics = [name for name, row in table.topics.items() if row.period_ns]
         self._matched: dict[str, int] = {}
         self._subscription = node.create_subscription(
-            DiagnosticArray, '/diagnostics', self._on_diagnostics, DEPTH
+            DiagnosticArray, '/diagnostics', self._on_diagnostics, DIAGNOSTICS_DEPTH
         )
 
     def __enter__(self) -> Self:
@@ -50,11 +50,11 @@ class ReaderLinks:
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         for status in message.status:
-            if status.hardware_id == self._robot and status.name.endswith(f': {LINKS}'):
+            if status.hardware_id == self._robot and status.name.endswith(f': {LINKS_TASK}'):
                 counts = {item.key: item.value for item in status.values}
                 # Any node may publish on /diagnostics, so take only plausible counts
                 self._matched |= {
-                    k: int(v) for k, v in counts.items() if v.isdecimal() and len(v) < DIGITS
+                    k: int(v) for k, v in counts.items() if v.isdecimal() and len(v) < COUNT_DIGITS
                 }
 
     def find_unready_topics(self, own: Mapping[str, int], awaited: Collection[str]) -> list[str]:

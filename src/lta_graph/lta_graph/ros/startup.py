@@ -8,7 +8,7 @@ from lta_graph.health import HealthLevel
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.reader_links import ReaderLinks
 
-SETTLED = 1.0  # wall seconds without a new endpoint after which a real-time flight begins
+SETTLED_TIME = 1.0  # wall seconds without a new endpoint after which a real-time flight begins
 
 
 def wait_until_complete(
@@ -48,7 +48,7 @@ def wait_until_settled(
     # Endpoints of a drone that still starts keep appearing; a stable number means all are there
     seen, since = count_endpoints(node), time.monotonic()
     with ReaderLinks(node, node.table) as links:
-        while node.running and time.monotonic() - since < SETTLED:
+        while node.running and time.monotonic() - since < SETTLED_TIME:
             yield
             loose = links.find_unready_topics(node.count_readers(), awaited)
             now = count_endpoints(node)

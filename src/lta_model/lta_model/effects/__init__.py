@@ -1,77 +1,90 @@
 """
 Registry of the effects that the model sums.
 
-The order of FILES is the layout of the parameter vector and of the memory; effects installed by
-others under the entry point group `lta.effects` follow in alphabetical order of their names.
+The order of BUILT_IN_EFFECTS is the layout of the parameter vector and of the memory; effects
+installed by others under the entry point group `lta.effects` follow in alphabetical order of their
+names.
 """
 
-from importlib import import_module
 from importlib.metadata import entry_points
 
 from lta_config.errors import BadInput, unknown_name_error
 from lta_config.quantity import UNITS
-from lta_model.effects.law import EFFECT as LAW
+from lta_model.effects import (
+    air,
+    commands,
+    drag,
+    gas,
+    hull_flow,
+    motors,
+    rotors,
+    sensors,
+    surfaces,
+    weight,
+)
+from lta_model.effects.law import LAW
 from lta_model.effects.protocol import ActuatorEffect, Effect, KernelEffect
 from lta_model.state import ACTUATORS
 
 GROUP = 'lta.effects'
-FILES = (  # folder and file of each; its name is that of the file
-    'air.steady_wind',
-    'air.wind_profile',
-    'air.wind_gradient',
-    'air.turbulence',
-    'air.gusts',
-    'weight.gas_purity',
-    'weight.gas_state',
-    'weight.air_state',
-    'weight.ballast',
-    'weight.payload',
-    'weight.cg_height',
-    'weight.cg_offset',
-    'weight.weight_and_buoyancy',
-    'weight.net_lift',
-    'weight.helium_leak',
-    'weight.superheat',
-    'weight.moving_mass',
-    'aerodynamics.added_mass',
-    'aerodynamics.added_inertia',
-    'aerodynamics.linear_drag',
-    'aerodynamics.quadratic_drag',
-    'aerodynamics.rotational_drag',
-    'aerodynamics.cross_flow',
-    'aerodynamics.munk_moment',
-    'aerodynamics.hull_lift',
-    'aerodynamics.oblique_lift',
-    'aerodynamics.strip_damping',
-    'rotors.battery_compensation',
-    'rotors.battery_sag',
-    'rotors.motor_deadband',
-    'rotors.motor_lag',
-    'rotors.thrust_polynomial',
-    'rotors.thrust_curve',
-    'rotors.thrust_scale',
-    'rotors.rotor_fault',
-    'rotors.rotor_thrust',
-    'rotors.rotor_misalignment',
-    'rotors.rotor_envelope_interaction',
-    'rotors.ground_effect',
-    'rotors.ceiling_effect',
-    'contact.walls',
-    'contact.floor_contact',
-    'rotors.command_delay',
-    'rotors.wrench_gain',
-    'sensors.imu_bias',
-    'sensors.gyro_scale',
-    'sensors.gyro_bias',
-    'sensors.pressure_drift',
-    'sensors.range_offset',
-    'sensors.marker_offset',
-    'sensors.tracker_misalignment',
-    'sensors.tracker_delay',
-    'sensors.clock_offset',
-    'sensors.clock_skew',
+BUILT_IN_EFFECTS: tuple[Effect, ...] = (
+    air.STEADY_WIND,
+    air.WIND_PROFILE,
+    air.WIND_GRADIENT,
+    air.TURBULENCE,
+    air.GUSTS,
+    gas.GAS_PURITY,
+    gas.GAS_STATE,
+    gas.AIR_STATE,
+    weight.BALLAST,
+    weight.PAYLOAD,
+    weight.CG_HEIGHT,
+    weight.CG_OFFSET,
+    weight.WEIGHT_AND_BUOYANCY,
+    weight.NET_LIFT,
+    gas.HELIUM_LEAK,
+    gas.SUPERHEAT,
+    weight.MOVING_MASS,
+    hull_flow.ADDED_MASS,
+    hull_flow.ADDED_INERTIA,
+    drag.LINEAR_DRAG,
+    drag.QUADRATIC_DRAG,
+    drag.ROTATIONAL_DRAG,
+    drag.CROSS_FLOW,
+    hull_flow.MUNK_MOMENT,
+    hull_flow.HULL_LIFT,
+    hull_flow.OBLIQUE_LIFT,
+    drag.STRIP_DAMPING,
+    motors.BATTERY_COMPENSATION,
+    motors.BATTERY_SAG,
+    motors.MOTOR_DEADBAND,
+    motors.MOTOR_LAG,
+    motors.THRUST_POLYNOMIAL,
+    motors.THRUST_CURVE,
+    motors.THRUST_SCALE,
+    motors.ROTOR_FAULT,
+    rotors.ROTOR_THRUST,
+    rotors.ROTOR_MISALIGNMENT,
+    rotors.ROTOR_ENVELOPE_INTERACTION,
+    surfaces.GROUND_EFFECT,
+    surfaces.CEILING_EFFECT,
+    surfaces.WALLS,
+    surfaces.FLOOR_CONTACT,
+    commands.COMMAND_DELAY,
+    commands.WRENCH_GAIN,
+    sensors.IMU_SCALE,
+    sensors.IMU_BIAS,
+    sensors.GYRO_SCALE,
+    sensors.GYRO_BIAS,
+    sensors.PRESSURE_DRIFT,
+    sensors.RANGE_OFFSET,
+    sensors.MARKER_OFFSET,
+    sensors.TRACKER_MISALIGNMENT,
+    sensors.TRACKER_DELAY,
+    sensors.CLOCK_OFFSET,
+    sensors.CLOCK_SKEW,
 )
-BUILT_IN = tuple(path.rpartition('.')[2] for path in FILES)
+BUILT_IN = tuple(effect.name for effect in BUILT_IN_EFFECTS)
 
 
 def merge_installed_effects(library: dict[str, Effect]) -> dict[str, Effect]:
@@ -115,10 +128,7 @@ def merge_installed_effects(library: dict[str, Effect]) -> dict[str, Effect]:
 
 
 EFFECTS: dict[str, Effect] = merge_installed_effects(
-    {
-        name: import_module(f'{__name__}.{path}').EFFECT
-        for name, path in zip(BUILT_IN, FILES, strict=True)
-    }
+    {effect.name: effect for effect in BUILT_IN_EFFECTS}
 )
 
 

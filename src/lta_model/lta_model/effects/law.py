@@ -30,9 +30,9 @@ from lta_model.effects.protocol import EffectParameter, Values, VehicleMotion, W
 from lta_model.rotor_forces import sum_rotor_forces
 from lta_model.state import ROTOR_PLACE, VOLTAGE
 
-_SOURCE = 'found by discovery, in the block law of the vehicle file'
+_LAW_SOURCE = 'found by discovery, in the block law of the vehicle file'
 _FACTOR = ('quantity', 'form', 'first', 'second')
-_NAMES = (
+_PARAMETER_NAMES = (
     *(
         f'{name}_{term}'
         for term in range(1, TERMS + 1)
@@ -49,7 +49,9 @@ _NAMES = (
     *(f'drive_{part}_{factor}' for factor in range(1, FACTORS + 1) for part in _FACTOR),
     *(f'{end}_{k}' for k in range(1, REGION + 1) for end in ('limited', 'low', 'high')),
 )
-PARAMETERS = tuple(EffectParameter(name, '1', 0.0, -1e9, 1e9, 1.0, _SOURCE) for name in _NAMES)
+PARAMETERS = tuple(
+    EffectParameter(name, '1', 0.0, -1e9, 1e9, 1.0, _LAW_SOURCE) for name in _PARAMETER_NAMES
+)
 
 # Places in the parameters
 FACTOR = len(_FACTOR)
@@ -61,8 +63,11 @@ RANGES = DRIVE + FACTOR * FACTORS
 # Codes of forms and of the heading, which alone is periodic
 LINEAR, MODULUS, POWER, POSITIVE, NEGATIVE, ABOVE, SIGN, DECAY, SINE, COSINE = range(len(FORMS))
 YAW = list(QUANTITIES).index('yaw')
-OWN, OWN_RATE = list(QUANTITIES).index('hidden'), list(QUANTITIES).index('hidden_rate')
-LARGEST = 50.0  # exponent of a decay, which must not overflow far outside of its region
+HIDDEN_INDEX, HIDDEN_RATE_INDEX = (
+    list(QUANTITIES).index('hidden'),
+    list(QUANTITIES).index('hidden_rate'),
+)
+LARGEST_EXPONENT = 50.0  # exponent of a decay, which must not overflow far outside of its region
 # First number of a form (exponent, threshold or phase) where the file gives none; 0 elsewhere
 _DEFAULTS: Final = {'modulus': 1.0}
 
@@ -110,7 +115,7 @@ def apply_form(form: int, x: float, first: float, second: float) -> float:
     if form == SIGN:
         return math.tanh(x / second)
     if form == DECAY:
-        return math.exp(min(-x / second, LARGEST))
+        return math.exp(min(-x / second, LARGEST_EXPONENT))
     angle = 2.0 * math.pi * x / second - first
     return math.sin(angle) if form == SINE else math.cos(angle)
 
@@ -134,7 +139,7 @@ def compute_fade(p: Values, values: Values, of_drive: bool) -> float:
     for k in range(REGION):
         place = RANGES + 3 * k
         quantity = int(p[place])
-        is_own = quantity - 1 == OWN or quantity - 1 == OWN_RATE
+        is_own = quantity - 1 == HIDDEN_INDEX or quantity - 1 == HIDDEN_RATE_INDEX
         if quantity > 0 and not (of_drive and is_own):
             half = 0.5 * (p[place + 2] - p[place + 1])
             off = values[quantity - 1] - 0.5 * (p[place + 2] + p[place + 1])
@@ -159,7 +164,7 @@ def list_law_quantities(
 
 
 def compute_wrench(p: Values, memory: Values, motion: VehicleMotion, thrust: Values) -> Wrench:
-    """Return the sum of the terms, in the body frame. [N, N m]"""
+    """Force or moment without a name: a sum of products, which a vehicle file holds as data."""
     values = list_law_quantities(p, memory, motion, thrust)
     fade = compute_fade(p, values, False)
     # Six body axes, then three of the map
@@ -208,7 +213,7 @@ def compute_memory_rate(
     return (memory[1], lag * lag * off - 2.0 * damping * lag * memory[1], clock)
 
 
-EFFECT = WrenchEffect(
+LAW = WrenchEffect(
     'law',
     PARAMETERS,
     compute_wrench,
@@ -248,5 +253,5 @@ def list_law_parameters(law: Law) -> dict[str, float]:
     numbers += [0.0] * (RANGES - len(numbers))
     for name, (low, high) in law.region.items():
         numbers += [1.0 + list(QUANTITIES).index(name), low, high]
-    numbers += [0.0] * (len(_NAMES) - len(numbers))
-    return dict(zip(_NAMES, numbers, strict=True))
+    numbers += [0.0] * (len(_PARAMETER_NAMES) - len(numbers))
+    return dict(zip(_PARAMETER_NAMES, numbers, strict=True))

@@ -4,7 +4,8 @@ Interface of an effect: declared parameters, and plain functions of scalars and 
 The functions use no arrays, so that the same source runs as plain Python (for identification),
 compiled in the kernel, and on a GPU. They may use `math`, numbers and plain functions; the kernel
 copies their source with everything they use. The first statement of a function unpacks `p`, the
-parameters of its effect, in their declared order. An effect whose parameters are all at their
+parameters of its effect, in their declared order. The docstring of the main one says what the
+effect is: equation, source, and what is not modelled. An effect whose parameters are all at their
 null values changes nothing, and costs one check of a flag.
 
 The kinds follow the path of a command through the vehicle:
@@ -16,9 +17,10 @@ The kinds follow the path of a command through the vehicle:
     MeasurementEffect: errors of a sensor, a tracker or a clock
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
+import inspect
 from typing import final, NamedTuple
 
 from lta_model.state import ACTUATORS
@@ -88,6 +90,19 @@ class EffectParameter:
     # Value held while identification tries other parameters of an effect that a vehicle lacks and
     # that alone would do nothing; this one is then not tried itself
     beside: float | None = None
+
+
+def declare_each(
+    names: Iterable[str],
+    unit: str,
+    null: float,
+    low: float,
+    high: float,
+    spread: float,
+    source: str,
+) -> tuple[EffectParameter, ...]:
+    """Return parameters that differ in their names only."""
+    return tuple(EffectParameter(name, unit, null, low, high, spread, source) for name in names)
 
 
 def no_check(values: Mapping[str, float]) -> str:
@@ -244,3 +259,18 @@ class MeasurementEffect:
 # In the kernel, outside of it.
 KernelEffect = WrenchEffect | AirEffect | ActuatorEffect
 Effect = KernelEffect | InertiaEffect | BodyEffect | MeasurementEffect
+
+
+def describe_effect(effect: Effect) -> str:
+    """Return the first sentence about an effect: that of its main function, without its period."""
+    name = {
+        AirEffect: 'air',
+        ActuatorEffect: 'output',
+        WrenchEffect: 'wrench',
+        InertiaEffect: 'diagonal',
+        BodyEffect: 'change',
+        MeasurementEffect: 'reading',
+    }[type(effect)]
+    # Up to the first blank line
+    text = ' '.join((inspect.getdoc(getattr(effect, name)) or '').split('\n\n')[0].split())
+    return text.rstrip('.')

@@ -19,17 +19,38 @@ from pydantic import Field
 # Resting voltage in steps of 5 % from empty to full: the chart that hobby LiPo cells are sold with
 # (ampow.com, "LiPo voltage chart"). Assumed for this cell, not measured on it. [V]
 OPEN_CIRCUIT = (
-    3.27, 3.61, 3.69, 3.71, 3.73, 3.75, 3.77, 3.79, 3.80, 3.82,
-    3.84, 3.85, 3.87, 3.91, 3.95, 3.98, 4.02, 4.08, 4.11, 4.15, 4.20,
-)  # fmt: skip
-INTERVALS = len(OPEN_CIRCUIT) - 1
+    3.27,
+    3.61,
+    3.69,
+    3.71,
+    3.73,
+    3.75,
+    3.77,
+    3.79,
+    3.80,
+    3.82,
+    3.84,
+    3.85,
+    3.87,
+    3.91,
+    3.95,
+    3.98,
+    4.02,
+    4.08,
+    4.11,
+    4.15,
+    4.20,
+)
+CHARGE_INTERVALS = len(OPEN_CIRCUIT) - 1
 
-WORN = 0.2  # loss of capacity at which a cell counts as worn out, its resistance doubled (USABC)
-ACTIVATION = 18.8e3  # J/mol of both resistances; assumed: they double from 25 to 0 degC
+WORN_LOSS = (
+    0.2  # loss of capacity at which a cell counts as worn out, its resistance doubled (USABC)
+)
+ACTIVATION_ENERGY = 18.8e3  # J/mol of both resistances; assumed: they double from 25 to 0 degC
 GAS_CONSTANT = 8.314462618  # J/(mol K)
 COLD_LOSS = 0.006  # of the capacity by kelvin below 25 degC; assumed: 15 % at 0 degC
 ZERO_CELSIUS = 273.15  # K
-ROOM = 25.0  # degC, for which the numbers of a file stand
+ROOM_TEMPERATURE = 25.0  # degC, for which the numbers of a file stand
 
 NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
@@ -68,7 +89,7 @@ class BatteryModel(StrictModel):
         """Return the cell of a vehicle file."""
         data = energy.battery
         # Resistance doubles at the loss of capacity that counts as worn out
-        worse = (1.0 + data.age.si / WORN) * resistance_factor(data.temperature.si)
+        worse = (1.0 + data.age.si / WORN_LOSS) * resistance_factor(data.temperature.si)
         left = (1.0 - data.age.si) * capacity_factor(data.temperature.si)
         return cls(
             capacity=data.capacity.si * left,
@@ -84,20 +105,20 @@ class BatteryModel(StrictModel):
 def resistance_factor(celsius: float) -> float:
     """Return the resistance at a temperature [degC] relative to 25 degC (Arrhenius). [1]"""
     # Arrhenius: exp(E / R (1/T - 1/T0))
-    there, here = 1.0 / (celsius + ZERO_CELSIUS), 1.0 / (ROOM + ZERO_CELSIUS)
-    return math.exp(ACTIVATION / GAS_CONSTANT * (there - here))
+    there, here = 1.0 / (celsius + ZERO_CELSIUS), 1.0 / (ROOM_TEMPERATURE + ZERO_CELSIUS)
+    return math.exp(ACTIVATION_ENERGY / GAS_CONSTANT * (there - here))
 
 
 def capacity_factor(celsius: float) -> float:
     """Return the capacity at a temperature [degC] relative to 25 degC, at most 1. [1]"""
-    return 1.0 - COLD_LOSS * max(ROOM - celsius, 0.0)
+    return 1.0 - COLD_LOSS * max(ROOM_TEMPERATURE - celsius, 0.0)
 
 
 def open_circuit_voltage(charge: float) -> float:
     """Return the resting voltage at a state of charge, clipped to 0 and 1. [V]"""
     # Linear interpolation in the table; at 1.0 the last interval is used
-    place = min(max(charge, 0.0), 1.0) * INTERVALS
-    below = min(int(place), INTERVALS - 1)
+    place = min(max(charge, 0.0), 1.0) * CHARGE_INTERVALS
+    below = min(int(place), CHARGE_INTERVALS - 1)
     rise = OPEN_CIRCUIT[below + 1] - OPEN_CIRCUIT[below]
     return OPEN_CIRCUIT[below] + (place - below) * rise
 
@@ -106,10 +127,10 @@ def state_of_charge(voltage: float) -> float:
     """Return the state of charge, 0 to 1, whose resting voltage this is. [1]"""
     if voltage <= OPEN_CIRCUIT[0]:
         return 0.0
-    for below in range(INTERVALS):
+    for below in range(CHARGE_INTERVALS):
         if voltage < OPEN_CIRCUIT[below + 1]:
             rise = OPEN_CIRCUIT[below + 1] - OPEN_CIRCUIT[below]
-            return (below + (voltage - OPEN_CIRCUIT[below]) / rise) / INTERVALS
+            return (below + (voltage - OPEN_CIRCUIT[below]) / rise) / CHARGE_INTERVALS
     return 1.0
 
 
@@ -119,8 +140,8 @@ def stored_energy(charge: float, capacity: float) -> float:
 
     Losses in the resistances are not subtracted; `charge` is 0 to 1, `capacity` in C.
     """
-    place = min(max(charge, 0.0), 1.0) * INTERVALS
-    below = min(int(place), INTERVALS - 1)
+    place = min(max(charge, 0.0), 1.0) * CHARGE_INTERVALS
+    below = min(int(place), CHARGE_INTERVALS - 1)
     # Trapezoidal rule is exact, because the curve is piecewise linear
     area = 0.0
     for k in range(below):
@@ -129,13 +150,13 @@ def stored_energy(charge: float, capacity: float) -> float:
     rise = OPEN_CIRCUIT[below + 1] - OPEN_CIRCUIT[below]
     # Part of the last interval, up to the state of charge
     area += rest * (OPEN_CIRCUIT[below] + 0.5 * rest * rise)
-    return area * capacity / INTERVALS
+    return area * capacity / CHARGE_INTERVALS
 
 
 def mean_open_circuit_voltage(before: float, after: float) -> float:
     """Return the mean resting voltage between two states of charge, exactly. [V]"""
     # Same interval: the curve is linear between the two, and no division by their difference
-    if int(before * INTERVALS) == int(after * INTERVALS):
+    if int(before * CHARGE_INTERVALS) == int(after * CHARGE_INTERVALS):
         return 0.5 * (open_circuit_voltage(before) + open_circuit_voltage(after))
     return (stored_energy(after, 1.0) - stored_energy(before, 1.0)) / (after - before)
 

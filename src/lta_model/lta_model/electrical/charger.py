@@ -26,7 +26,7 @@ from lta_model.electrical.battery import (
 )
 from pydantic import Field
 
-RESTART = 0.05  # charge at which a failed supply comes back; assumed
+RESTART_CHARGE = 0.05  # charge at which a failed supply comes back; assumed
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
 
 
@@ -133,7 +133,7 @@ def advance_power_path(
         fed = voltage >= cell.discharge_cutoff and charge > 0.0
     else:
         # Hysteresis: comes back only while light charges, above the restart charge
-        fed = current > 0.0 and charge >= RESTART
+        fed = current > 0.0 and charge >= RESTART_CHARGE
     return PowerFlow(
         charge,
         relaxation,

@@ -13,16 +13,14 @@ from functools import lru_cache
 import math
 from typing import final
 
-from lta_model.light.ambient import Ambient
-from lta_model.light.clock_error import RIGHT
-from lta_model.light.lamp import BeaconLamp
-from lta_model.light.modulation import NANOSECONDS, phase_in_cycles
+from lta_model.light.field import Ambient
+from lta_model.light.lamp import BeaconLamp, EXACT_CLOCK, NANOSECONDS, phase_in_cycles
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 TEN_TO_NINETY = math.log(9.0)  # time constants that one pole takes from 10 % to 90 %
-APART = 1e-3  # two poles nearer to each other than this part are moved apart
+POLE_DISTANCE = 1e-3  # two poles nearer to each other than this part are moved apart
 
 
 @final
@@ -65,9 +63,9 @@ def sample_lamp_wave(
         return behind
     # Time constant of the lamp's own pole
     own = lamp.rise / TEN_TO_NINETY
-    if abs(own / time_constant - 1.0) < APART:
+    if abs(own / time_constant - 1.0) < POLE_DISTANCE:
         # Equal poles would divide by zero in the sum below
-        own = time_constant * (1.0 + APART)
+        own = time_constant * (1.0 + POLE_DISTANCE)
     # Partial fractions of two poles in series
     return (own * wave.sample_filtered(times, own) - time_constant * behind) / (
         own - time_constant
@@ -108,7 +106,7 @@ class FlickerWaves:
         self._sampling, self._time_constant = sampling, time_constant
         frequencies = *(lamp.wave.frequency for lamp in lamps), ambient.mains_frequency
         self._turns = tuple(map(repeat_period, frequencies))
-        self._steady = all(lamp.clock == RIGHT for lamp in lamps)
+        self._steady = all(lamp.clock == EXACT_CLOCK for lamp in lamps)
         # Waves repeat after few starts; a cache on the instance, so that it dies with it
         self._recall_waves = lru_cache(maxsize=64)(self._compute_waves)
 

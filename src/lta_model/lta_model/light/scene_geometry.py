@@ -10,12 +10,10 @@ import math
 from typing import NamedTuple
 
 from lta_model.effects.protocol import Vector
-from lta_model.light.daylight import Daylight
-from lta_model.light.outdoors import OutdoorArea
-from lta_model.light.room import Room
+from lta_model.light.field import Daylight, OutdoorArea, Room
 
-FAR = 1e9  # m; also the distance of the sun
-NEAR = 1e-9  # m; tolerance, because a path may begin and end on a surface
+FAR_DISTANCE = 1e9  # m; also the distance of the sun
+SURFACE_TOLERANCE = 1e-9  # m; tolerance, because a path may begin and end on a surface
 
 
 class SceneGeometry(NamedTuple):
@@ -79,14 +77,21 @@ def is_in_room(s: SceneGeometry, x: float, y: float, z: float) -> bool:
 
 def is_in_door(s: SceneGeometry, x: float, y: float, z: float) -> bool:
     """Return whether a point of the room's surface is in its door."""
-    return s.top > 0.0 and x > s.x - NEAR and abs(y - s.middle) < s.half_width and z < s.top
+    return (
+        s.top > 0.0
+        and x > s.x - SURFACE_TOLERANCE
+        and abs(y - s.middle) < s.half_width
+        and z < s.top
+    )
 
 
 def slab_crossing(low: float, high: float, at: float, step: float) -> tuple[float, float]:
     """Return between which distances a ray is between two planes. [m]"""
     # Parallel to the planes: always between them, or never
     if step == 0.0:
-        return (-FAR, FAR) if low <= at <= high else (FAR, -FAR)
+        return (
+            (-FAR_DISTANCE, FAR_DISTANCE) if low <= at <= high else (FAR_DISTANCE, -FAR_DISTANCE)
+        )
     first, second = (low - at) / step, (high - at) / step
     return (first, second) if first < second else (second, first)
 
@@ -102,7 +107,7 @@ def box_crossing(s: SceneGeometry, point: Vector, u: Vector) -> tuple[float, flo
 
 def distance_to_wall(s: SceneGeometry, point: Vector, u: Vector) -> float:
     """Return at which distance a ray from within leaves the room's box. [m]"""
-    t = FAR
+    t = FAR_DISTANCE
     if u[0] != 0.0:
         # From within, only the plane ahead matters
         t = (math.copysign(s.x, u[0]) - point[0]) / u[0]
@@ -120,14 +125,16 @@ def is_path_clear(s: SceneGeometry, point: Vector, u: Vector, distance: float) -
         return True
     enter, leave = box_crossing(s, point, u)
     # The path misses the box, or ends before it
-    if enter > leave or leave <= NEAR or enter >= distance - NEAR:
+    if enter > leave or leave <= SURFACE_TOLERANCE or enter >= distance - SURFACE_TOLERANCE:
         return True
     x, y, z = point
     # From outside it must enter through the door
-    if enter > NEAR and not is_in_door(s, x + enter * u[0], y + enter * u[1], z + enter * u[2]):
+    if enter > SURFACE_TOLERANCE and not is_in_door(
+        s, x + enter * u[0], y + enter * u[1], z + enter * u[2]
+    ):
         return False
     # From inside it must leave through the door
-    if leave < distance - NEAR:
+    if leave < distance - SURFACE_TOLERANCE:
         return is_in_door(s, x + leave * u[0], y + leave * u[1], z + leave * u[2])
     return True
 
@@ -151,7 +158,7 @@ def find_outdoor_hit(s: SceneGeometry, point: Vector, u: Vector) -> RayHit:
     """Return the ground beyond the door, or the sky."""
     # Albedo 0 stands for the sky
     if u[2] >= 0.0 or s.top == 0.0:
-        return RayHit(0.0, 0.0, FAR, 0.0, 0.0, 1.0, 0.0)
+        return RayHit(0.0, 0.0, FAR_DISTANCE, 0.0, 0.0, 1.0, 0.0)
     # Level ground at z = 0
     t = -point[2] / u[2]
     return RayHit(point[0] + t * u[0], point[1] + t * u[1], 0.0, 0.0, 0.0, 1.0, s.beyond)
@@ -172,7 +179,7 @@ def find_first_hit(s: SceneGeometry, point: Vector, u: Vector) -> tuple[RayHit, 
             return find_outdoor_hit(s, point, u), False
         return find_room_hit(s, point, u, leave), True
     enter, leave = box_crossing(s, point, u)
-    if s.top == 0.0 or enter > leave or leave <= NEAR:
+    if s.top == 0.0 or enter > leave or leave <= SURFACE_TOLERANCE:
         return find_outdoor_hit(s, point, u), False
     if is_in_door(s, x + enter * u[0], y + enter * u[1], z + enter * u[2]):
         return find_room_hit(s, point, u, leave), True
@@ -191,7 +198,7 @@ def is_sunlit(s: SceneGeometry, point: Vector) -> bool:
     """Return whether the sun shines on a point, without the hull's shade."""
     if s.sun == 0.0:
         return False
-    return is_path_clear(s, point, (s.sun_x, s.sun_y, s.sun_z), FAR)
+    return is_path_clear(s, point, (s.sun_x, s.sun_y, s.sun_z), FAR_DISTANCE)
 
 
 def daylight_illuminance(s: SceneGeometry, point: Vector, normal: Vector) -> float:

@@ -26,11 +26,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-SUN: Final = 'sun'  # of standard conditions
-LUMENS: Final = 683.0  # lm/W at 555 nm, by definition
+STANDARD_LIGHT: Final = 'sun'  # of standard conditions
+PEAK_EFFICACY: Final = 683.0  # lm/W at 555 nm, by definition
 SECOND_RADIATION: Final = 1.438777e7  # nm K, h c / k
 WAVELENGTHS: Final[Array] = np.arange(280.0, 4000.5)  # nm
-FULL_WIDTH: Final = 4.0 * math.log(2.0)
+FULL_WIDTH_FACTOR: Final = 4.0 * math.log(2.0)
 
 
 def sample_spectrum(light: LightSpectrum) -> Array:
@@ -45,7 +45,7 @@ def sample_spectrum(light: LightSpectrum) -> Array:
         power = np.zeros(len(nm))
         for peak in light.peaks or ():
             width = np.where(nm < peak.at, peak.below, peak.above)
-            power += peak.height * np.exp(-FULL_WIDTH * ((nm - peak.at) / width) ** 2)
+            power += peak.height * np.exp(-FULL_WIDTH_FACTOR * ((nm - peak.at) / width) ** 2)
     share: Array = power / np.trapezoid(power, nm)
     return share
 
@@ -82,7 +82,9 @@ def photopic_sensitivity(wavelength: Array) -> Array:
 def luminous_efficacy(light: str) -> float:
     """Return the luminous efficacy of the radiation of a shipped spectrum. [lm/W]"""
     power = sample_spectrum(load_spectrum(light))
-    return LUMENS * float(np.trapezoid(power * photopic_sensitivity(WAVELENGTHS), WAVELENGTHS))
+    return PEAK_EFFICACY * float(
+        np.trapezoid(power * photopic_sensitivity(WAVELENGTHS), WAVELENGTHS)
+    )
 
 
 @cache
@@ -111,5 +113,5 @@ def spectral_factor(efficacy: float, detector: str) -> float:
 
     Parameters as in `responsivity_in_light`.
     """
-    sun = mean_responsivity(load_spectrum(SUN), load_spectral_response(detector))
+    sun = mean_responsivity(load_spectrum(STANDARD_LIGHT), load_spectral_response(detector))
     return responsivity_in_light(efficacy, detector) / sun

@@ -1,4 +1,9 @@
 """
+Compute the share of a lamp's light that the surfaces of a room reflect.
+
+The light on each face is summed over a grid. In a room without a door all of the flux reaches its
+faces, so there the sum is scaled to the known total.
+
 Light on one vehicle: on its photodiodes, its panel and its hull.
 
 Code called at every step is scalar or compiled; `lta_model.light.field` describes the light.
@@ -6,26 +11,107 @@ Direct light is computed at every control step, everything else at the ends of a
 """
 
 from collections.abc import Sequence
+from functools import lru_cache
 import math
 from typing import final, NamedTuple
 
 from lta_config.compilation.compiler import compile_functions
 from lta_model.electrical.panel import array_spectral_factor
-from lta_model.hull import half_axes
-from lta_model.light.block_readings import write_pose_readings
+from lta_model.light.direct_light import build_beam, DiodeResponse, direct_light, LampBeam
 from lta_model.light.field import LightField, PlaneIlluminance
-from lta_model.light.lambertian import DiodeResponse, direct_light
-from lta_model.light.panel_light import build_panel_plane, daylight_on_panel, lamp_light_on_panel
-from lta_model.light.ray_bundles import LAMPS, scratch_size, SHARE
-from lta_model.light.ray_integration import gather_indirect_light
-from lta_model.light.reflections import build_field_geometry, build_reflecting_beam, pack_beams
-from lta_model.light.scene_geometry import daylight_illuminance, is_in_room
+from lta_model.light.lamp import BeaconLamp
+from lta_model.light.ray_integration import (
+    gather_indirect_light,
+    LAMP_ROWS,
+    reflected_luminance,
+    scratch_size,
+    UNIFORM_ROW,
+)
+from lta_model.light.readings import (
+    build_panel_plane,
+    daylight_on_panel,
+    lamp_light_on_panel,
+    write_pose_readings,
+)
+from lta_model.light.scene_geometry import (
+    build_scene_geometry,
+    daylight_illuminance,
+    is_in_door,
+    is_in_room,
+    RayHit,
+    SceneGeometry,
+)
+from lta_model.mass_properties import half_axes
 from lta_model.sensors.photodiode import PhotodiodeArray, voltage_sensitivity
 from lta_model.sensors.photodiode_adc import AmplifierState, PhotodiodeBoard
 from lta_model.vehicle import Vehicle
 import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
+
+FACE_CELLS = 64  # cells along each edge of a face
+
+
+def build_field_geometry(field: LightField) -> SceneGeometry:
+    """Return room, door and daylight of a scene as numbers."""
+    return build_scene_geometry(field.room, field.daylight, field.outside)
+
+
+def integrate_reflected_flux(s: SceneGeometry, lamp: LampBeam, cells: int) -> tuple[float, float]:
+    """Return a lamp's flux on all faces of a room, and the reflected part of it. [lm]"""
+    # Midpoint rule over a grid on each face
+    fallen, thrown = 0.0, 0.0
+    for face in range(6):
+        for row in range(cells):
+            for column in range(cells):
+                # Cell centres, -1 to 1 across a face
+                a = 2.0 * (row + 0.5) / cells - 1.0
+                b = 2.0 * (column + 0.5) / cells - 1.0
+                side = 1.0 if face % 2 == 0 else -1.0
+                up = 0.5 * s.height * (1.0 + b)
+                # Ceiling and floor, then the walls across x, then those across y
+                if face < 2:
+                    albedo = s.ceiling if side > 0.0 else s.floor
+                    height = s.height if side > 0.0 else 0.0
+                    # Albedo 1, to get the incident flux
+                    met = RayHit(a * s.x, b * s.y, height, 0.0, 0.0, -side, 1.0)
+                    area = 4.0 * s.x * s.y
+                elif face < 4:
+                    albedo = s.walls
+                    met = RayHit(side * s.x, a * s.y, up, -side, 0.0, 0.0, 1.0)
+                    area = 2.0 * s.y * s.height
+                    # Light leaves through the door
+                    if is_in_door(s, met.x, met.y, met.z):
+                        albedo = 0.0
+                else:
+                    albedo = s.walls
+                    met = RayHit(a * s.x, side * s.y, up, 0.0, -side, 0.0, 1.0)
+                    area = 2.0 * s.x * s.height
+                flux = reflected_luminance(s, met, lamp) * area / (cells * cells)
+                fallen += flux
+                thrown += albedo * flux
+    return fallen, thrown
+
+
+@lru_cache(maxsize=256)
+def build_reflecting_beam(lamp: BeaconLamp, field: LightField) -> LampBeam:
+    """Return a lamp of a scene as numbers, with the light reflected by the room."""
+    bare = build_beam(lamp)
+    if field.room is None or not lamp.flux:
+        return bare
+    fallen, thrown = compile_functions(integrate_reflected_flux)[0](
+        build_field_geometry(field), bare, FACE_CELLS
+    )
+    # Closed room: scale to the known total flux
+    if field.outside is None and fallen > 0.0:
+        thrown *= lamp.flux / fallen
+    return build_beam(lamp, field.room, thrown)
+
+
+def pack_beams(field: LightField) -> NDArray[np.float64]:
+    """Return the lamps of a scene, a row each in the order of `LampBeam`, shape (l, 11)."""
+    return np.array([build_reflecting_beam(lamp, field) for lamp in field.lamps])
+
 
 Array = NDArray[np.float64]
 Pose = tuple[float, ...]  # position and quaternion x y z w
@@ -123,9 +209,16 @@ class LightView:
             np.empty((len(self._beams), *shape)), np.empty(shape), np.empty(shape)
         )
         self._on_the_way(
-            *self._scene, np.array(poses), self._diodes.planes, before, after, self._ambient,
-            light.modulated, light.steady, light.mains,
-        )  # fmt: skip
+            *self._scene,
+            np.array(poses),
+            self._diodes.planes,
+            before,
+            after,
+            self._ambient,
+            light.modulated,
+            light.steady,
+            light.mains,
+        )
         return light
 
     @property
@@ -146,13 +239,13 @@ class LightView:
     def _compute_indirect_light(self, pose: Pose) -> Array:
         """Return the indirect light at a pose, without ambient light beyond a door."""
         x, y, z, i, j, k, w = pose
-        out = np.empty((LAMPS + len(self._beams), self._diodes.count))
+        out = np.empty((LAMP_ROWS + len(self._beams), self._diodes.count))
         self._gather(
             *self._scene, (x, y, z), (i, j, k, w), self._diodes.planes, out, self._scratch
         )
         if not self._has_ambient_light(pose):
             # Ambient light is the room's; outdoors there is daylight instead
-            out[SHARE] = 0.0
+            out[UNIFORM_ROW] = 0.0
         return out
 
     def _has_ambient_light(self, pose: Pose) -> bool:
@@ -179,9 +272,12 @@ class LightView:
         facing = [direct_light(each, (x, y, z))[0] + each.diffuse for each in self._beams]
         s = self._surround
         return self._average_flicker(
-            pose, facing, daylight_illuminance(s, (x, y, z), (s.sun_x, s.sun_y, s.sun_z)),
-            1.0, LightWeights.even(len(self._beams)),
-        )[1]  # fmt: skip
+            pose,
+            facing,
+            daylight_illuminance(s, (x, y, z), (s.sun_x, s.sun_y, s.sun_z)),
+            1.0,
+            LightWeights.even(len(self._beams)),
+        )[1]
 
     def _average_flicker(
         self,

@@ -14,7 +14,7 @@ from typing import final
 from lta_config.compilation.compiler import compile_functions
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.settings import setting, Settings
-from lta_model.measurement_chain import apply_chain, Chain
+from lta_model.measurement_chain import apply_chain, Chain, round_to_step
 from lta_model.rigid_body import rotation_matrix
 import numpy as np
 from numpy.random import Generator
@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Vector = tuple[float, float, float]
 # rad
-DEGREE = math.pi / 180.0
+RADIANS_PER_DEGREE = math.pi / 180.0
 
 
 @final
@@ -31,17 +31,17 @@ class ImuSettings(Settings):
     """Data sheet values of the sensor; offsets and scale errors bound uniform draws."""
 
     acceleration_noise: Vector = setting(
-        (160e-6, 160e-6, 190e-6), 'Noise density of the accelerometer.', unit='g/sqrt(Hz)'
+        (160e-6, 160e-6, 190e-6), 'Noise density of the accelerometer.', 'g/sqrt(Hz)'
     )
     acceleration_bandwidth: float = setting(
         40.0,
         'Bandwidth of the accelerometer at a sample rate of 100 Hz, normal mode.',
-        unit='Hz',
-        low=0.0,
-        high=280.0,
+        'Hz',
+        0.0,
+        280.0,
     )
     acceleration_offset: float = setting(
-        0.020, 'Largest zero offset of an accelerometer axis.', unit='g', low=0.0, high=1.0
+        0.020, 'Largest zero offset of an accelerometer axis.', 'g', 0.0, 1.0
     )
     acceleration_scale: float = setting(
         0.01,
@@ -50,28 +50,20 @@ class ImuSettings(Settings):
         low=0.0,
         high=0.5,
     )
-    acceleration_range: float = setting(
-        6.0, 'Full scale of the accelerometer.', unit='g', low=3.0, high=24.0
-    )
+    acceleration_range: float = setting(6.0, 'Full scale of the accelerometer.', 'g', 3.0, 24.0)
     rate_noise: float = setting(
-        0.014, 'Noise density of the gyroscope.', unit='deg/s/sqrt(Hz)', low=0.0, high=1.0
+        0.014, 'Noise density of the gyroscope.', 'deg/s/sqrt(Hz)', 0.0, 1.0
     )
     rate_bandwidth: float = setting(
-        32.0,
-        'Bandwidth of the gyroscope at a sample rate of 100 Hz.',
-        unit='Hz',
-        low=0.0,
-        high=532.0,
+        32.0, 'Bandwidth of the gyroscope at a sample rate of 100 Hz.', 'Hz', 0.0, 532.0
     )
     rate_offset: float = setting(
-        1.0, 'Largest zero offset of a gyroscope axis.', unit='deg/s', low=0.0, high=20.0
+        1.0, 'Largest zero offset of a gyroscope axis.', 'deg/s', 0.0, 20.0
     )
     rate_scale: float = setting(
         0.01, 'Largest relative scale error of a gyroscope axis.', low=0.0, high=0.5
     )
-    rate_range: float = setting(
-        500.0, 'Full scale of the gyroscope.', unit='deg/s', low=125.0, high=2000.0
-    )
+    rate_range: float = setting(500.0, 'Full scale of the gyroscope.', 'deg/s', 125.0, 2000.0)
 
 
 @final
@@ -104,7 +96,7 @@ def draw_errors(settings: ImuSettings, rng: Generator) -> ImuErrors:
 
 def error_bounds(settings: ImuSettings) -> ImuErrors:
     """Return the largest errors: `gain` is the largest deviation of the factor from 1."""
-    g, deg = STANDARD_GRAVITY, DEGREE
+    g, deg = STANDARD_GRAVITY, RADIANS_PER_DEGREE
     density = (*(n * g for n in settings.acceleration_noise), *(settings.rate_noise * deg,) * 3)
     width = (settings.acceleration_bandwidth,) * 3 + (settings.rate_bandwidth,) * 3
     full_scale = (settings.acceleration_range * g,) * 3 + (settings.rate_range * deg,) * 3
@@ -148,34 +140,31 @@ def imu_specific_force(
     )
 
 
-def measure_imu(
-    errors: ImuErrors, force: Vector, rates: Vector, rng: Generator
-) -> tuple[Vector, Vector]:
-    """
-    Return one sample of specific force [m/s^2] and angular rate [rad/s] from the true values.
-
-    At the sensor, in the body frame; rounded to counts, clipped at full scale.
-    """
-    chance = rng.standard_normal(6)
-    _apply_errors((*force, *rates), _pack_errors(errors), chance)
-    x, y, z, a, b, c = chance.tolist()
-    return (x, y, z), (a, b, c)
+def read_axis(
+    truth: float, normal: float, gain: float, offset: float, noise: float, step: float, end: float
+) -> float:
+    """Return the reading of one axis, rounded to counts and then clipped at full scale."""
+    return min(max(round_to_step(gain * truth + offset + noise * normal, step), -end), end)
 
 
-def _pack_errors(errors: ImuErrors) -> Array:
+def pack_errors(errors: ImuErrors) -> Array:
     """Return the errors as an array for compiled code, a row for each kind."""
     kinds = (errors.gain, errors.offset, errors.noise, errors.step, errors.full_scale)
     return np.array(kinds)
 
 
-def _apply_errors(truth: Sequence[float] | Array, errors: Array, chance: Array) -> None:
+def apply_errors(truth: Sequence[float] | Array, errors: Array, chance: Array) -> None:
     """Replace the normal deviates in `chance` by readings of the truth."""
     for i in range(6):
-        step, end = errors[3, i], errors[4, i]
-        raw = errors[0, i] * truth[i] + errors[1, i] + errors[2, i] * chance[i]
-        # Quantise first, then saturate
-        value = round(raw / step) * step
-        chance[i] = end if value > end else -end if value < -end else value
+        chance[i] = read_axis(
+            truth[i],
+            chance[i],
+            errors[0, i],
+            errors[1, i],
+            errors[2, i],
+            errors[3, i],
+            errors[4, i],
+        )
 
 
 def specific_force_at(
@@ -209,7 +198,7 @@ def _write_reading(
 ) -> None:
     """Write the truth and apply the errors, where no effect comes between them."""
     _write_truth(state, rate, place, truth)
-    _apply_errors(truth, errors, chance)
+    apply_errors(truth, errors, chance)
 
 
 @final
@@ -239,31 +228,31 @@ class Imu:
         on_force: Chain = (),
         on_rates: Chain = (),
     ) -> None:
-        self._errors, self._rng = _pack_errors(errors), rng
+        self._errors, self._rng = pack_errors(errors), rng
         self._place, self._truth = np.array([*position, gravity]), np.empty(6)
         self._on_force, self._on_rates = on_force, on_rates
-        self._feel, self._tell, self._sample = compile_functions(
-            _write_truth, _apply_errors, _write_reading
+        self._write_truth, self._apply_errors, self._write_reading = compile_functions(
+            _write_truth, apply_errors, _write_reading
         )
 
     def prepare(self, state: Array, rate: Array) -> None:
         """Compile the reading or load it from disk, without drawing random numbers."""
         truth, reading = np.empty(6), np.zeros(6)
-        self._feel(state, rate, self._place, truth)
-        self._tell(truth, self._errors, reading)
-        self._sample(state, rate, self._place, truth, self._errors, reading)
+        self._write_truth(state, rate, self._place, truth)
+        self._apply_errors(truth, self._errors, reading)
+        self._write_reading(state, rate, self._place, truth, self._errors, reading)
 
     def read(self, state: Array, rate: Array, elapsed: float) -> tuple[Vector, Vector]:
         """Return measured specific force [m/s^2] and angular rate [rad/s]."""
         truth, reading = self._truth, self._rng.standard_normal(6)
         # Measurement effects are Python functions, so the compiled path is split around them
         if self._on_force or self._on_rates:
-            self._feel(state, rate, self._place, truth)
+            self._write_truth(state, rate, self._place, truth)
             numbers = truth.tolist()
             truth[:3] = apply_chain(self._on_force, tuple(numbers[:3]), elapsed)
             truth[3:] = apply_chain(self._on_rates, tuple(numbers[3:]), elapsed)
-            self._tell(truth, self._errors, reading)
+            self._apply_errors(truth, self._errors, reading)
         else:
-            self._sample(state, rate, self._place, truth, self._errors, reading)
+            self._write_reading(state, rate, self._place, truth, self._errors, reading)
         x, y, z, a, b, c = reading.tolist()
         return (x, y, z), (a, b, c)

@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 # Numbers above this have no fraction: adding and taking it rounds, halves to even.
-WHOLE = 2.0**52
+ROUNDING_TERM = 2.0**52
 
 
 @final
@@ -115,9 +115,17 @@ class PhotodiodeBoard:
         generator.standard_normal(out=self._chance)
         block = np.empty(self._chance.shape, dtype=np.uint16)
         self._count(
-            modulated, steady, crest, wave, flicker, self._chance, self._numbers, volts, block,
+            modulated,
+            steady,
+            crest,
+            wave,
+            flicker,
+            self._chance,
+            self._numbers,
+            volts,
+            block,
             self._scratch,
-        )  # fmt: skip
+        )
         if self._dead:
             # Dead diodes have no noise and no dark offset either
             block[:, self._dead] = 0
@@ -190,4 +198,4 @@ def convert_to_counts(
             noise = math.sqrt(amplifier + shot * level[i]) * fresh
             volts[i] = keep * volts[i] + (rise[i] + noise * chance[n, i])
             counts = min(max((volts[i] + dark) * scale, 0.0), top)
-            block[n, i] = int((counts + WHOLE) - WHOLE)
+            block[n, i] = int((counts + ROUNDING_TERM) - ROUNDING_TERM)

@@ -7,12 +7,16 @@ not checked against the original; the resolution is that of eightfold oversampli
 """
 
 from dataclasses import dataclass
-from typing import final
+from typing import final, TypeVar
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.settings import setting, Settings
-from lta_model.measurement_chain import apply_chain, Chain
+from lta_model.measurement_chain import apply_chain, Chain, round_to_step
+import numpy as np
 from numpy.random import Generator
+from numpy.typing import NDArray
+
+Height = TypeVar('Height', float, NDArray[np.float64])
 
 # ICAO standard atmosphere (Doc 7488) below 11 km.
 LAPSE = 0.0065  # K/m
@@ -25,32 +29,26 @@ EXPONENT = STANDARD_GRAVITY * 0.0289644 / (8.31446 * LAPSE)
 class PressureSettings(Settings):
     """The air at the floor, and the errors of the sensor."""
 
-    floor: float = setting(
-        101325.0, 'Air pressure at the floor.', unit='Pa', low=30000.0, high=110000.0
-    )
+    floor: float = setting(101325.0, 'Air pressure at the floor.', 'Pa', 30000.0, 110000.0)
     noise: float = setting(
-        1.2,
-        'Standard deviation of the noise of a pressure sample.',
-        unit='Pa',
-        low=0.0,
-        high=100.0,
+        1.2, 'Standard deviation of the noise of a pressure sample.', 'Pa', 0.0, 100.0
     )
     offset: float = setting(
         8.0,
         'Largest offset of the pressure; a random one is drawn for each flight (uniform).',
-        unit='Pa',
-        low=0.0,
-        high=500.0,
+        'Pa',
+        0.0,
+        500.0,
     )
     drift: float = setting(
         0.006,
         'Largest drift of the pressure; a random one is drawn for each flight (uniform).',
-        unit='Pa/s',
-        low=0.0,
-        high=10.0,
+        'Pa/s',
+        0.0,
+        10.0,
     )
     resolution: float = setting(
-        0.33, 'Resolution of the sensor: pressure per count.', unit='Pa', low=0.001, high=10.0
+        0.33, 'Resolution of the sensor: pressure per count.', 'Pa', 0.001, 10.0
     )
 
 
@@ -70,13 +68,21 @@ def draw_errors(settings: PressureSettings, rng: Generator) -> PressureErrors:
     return PressureErrors(offset=settings.offset * offset, drift=settings.drift * drift)
 
 
-def air_pressure(floor: float, height: float) -> float:
+def air_pressure(floor: float, height: Height) -> Height:
     """
-    Return the pressure [Pa] at a height above the floor [m] in the standard atmosphere.
+    Return the pressure [Pa] at heights above the floor [m] in the standard atmosphere.
 
     p = p_floor (1 - L h / T0)^(g M / (R L)), with the floor at the standard's 288.15 K.
     """
-    return floor * float((1.0 - LAPSE * height / SEA_TEMPERATURE) ** EXPONENT)
+    pressure: Height = floor * (1.0 - LAPSE * height / SEA_TEMPERATURE) ** EXPONENT
+    return pressure
+
+
+def read_pressure(
+    truth: float, offset: float, drift: float, noise: float, resolution: float
+) -> float:
+    """Return the reading of a pressure with its errors, rounded to counts; all in Pa."""
+    return round_to_step(truth + offset + drift + noise, resolution)
 
 
 def measure_pressure(
@@ -92,5 +98,4 @@ def measure_pressure(
     if chain:
         truth = apply_chain(chain, (truth,), elapsed)[0]
     noise = settings.noise * float(rng.standard_normal())
-    reading = truth + errors.offset + errors.drift * elapsed + noise
-    return round(reading / settings.resolution) * settings.resolution
+    return read_pressure(truth, errors.offset, errors.drift * elapsed, noise, settings.resolution)

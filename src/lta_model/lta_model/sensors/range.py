@@ -12,48 +12,40 @@ import math
 from typing import final
 
 from lta_config.settings import setting, Settings
-from lta_model.measurement_chain import apply_chain, Chain
+from lta_model.measurement_chain import apply_chain, Chain, round_to_step
 from lta_model.rigid_body import rotation_matrix
 from numpy.random import Generator
 
 Vector = tuple[float, float, float]
-RESOLUTION = 1e-3  # m; the sensor counts millimetres
-KNEE = 2.5  # m; where the noise has doubled
-GROWTH = math.log(0.2 / 0.0025) / 1.5  # 1/m; 0.2 m more of noise at 4 m
+RANGE_RESOLUTION = 1e-3  # m; the sensor counts millimetres
+NOISE_KNEE = 2.5  # m; where the noise has doubled
+NOISE_GROWTH = math.log(0.2 / 0.0025) / 1.5  # 1/m; 0.2 m more of noise at 4 m
 
 
 @final
 class RangeSettings(Settings):
     """Limits and errors of the sensor."""
 
-    minimum: float = setting(
-        0.04, 'Shortest distance that the sensor can measure.', unit='m', low=0.0, high=1.0
-    )
+    minimum: float = setting(0.04, 'Shortest distance that the sensor can measure.', 'm', 0.0, 1.0)
     maximum: float = setting(
         4.0,
         'Largest distance that the sensor can measure: 4 m in the dark, 0.7 m in strong '
         'light (long mode).',
-        unit='m',
-        low=0.1,
-        high=5.0,
+        'm',
+        0.1,
+        5.0,
     )
     noise: float = setting(
-        0.0025,
-        'Standard deviation of a measured distance near the floor.',
-        unit='m',
-        low=0.0,
-        high=0.1,
+        0.0025, 'Standard deviation of a measured distance near the floor.', 'm', 0.0, 0.1
     )
     offset: float = setting(
         0.020,
         'Largest offset of the distance; a random one is drawn for each flight (uniform).',
-        unit='m',
-        low=0.0,
-        high=0.5,
+        'm',
+        0.0,
+        0.5,
     )
-    field_of_view: float = setting(
-        27.0, 'Full angle of the field of view.', unit='deg', low=1.0, high=90.0
-    )
+    field_of_view: float = setting(27.0, 'Full angle of the field of view.', 'deg', 1.0, 90.0)
 
 
 @final
@@ -71,7 +63,7 @@ def draw_errors(settings: RangeSettings, rng: Generator) -> RangeErrors:
 
 def noise_deviation(noise: float, distance: float) -> float:
     """Return the standard deviation of a reading at a distance; twice `noise` at 2.5 m. [m]"""
-    return noise * (1.0 + math.exp(GROWTH * (distance - KNEE)))
+    return noise * (1.0 + math.exp(NOISE_GROWTH * (distance - NOISE_KNEE)))
 
 
 def height_and_tilt(state: Sequence[float], position: Vector) -> tuple[float, float]:
@@ -80,6 +72,25 @@ def height_and_tilt(state: Sequence[float], position: Vector) -> tuple[float, fl
     # Third row of R: the vertical in the body frame; c is the cosine of the tilt
     a, b, c = rotation_matrix((x, y, z, w))[6:]
     return state[2] + (a * position[0] + b * position[1] + c * position[2]), c
+
+
+def slant_range(height: float, up: float, maximum: float) -> float:
+    """Return the length of the one ray; infinite if it looks up or is beyond the reach. [m]"""
+    if up <= 0.0 or height > maximum * up:
+        return math.inf
+    return max(height, 0.0) / up
+
+
+def read_range(
+    distance: float, offset: float, noise: float, minimum: float, maximum: float
+) -> float:
+    """Return a distance with its errors, in whole mm; +-Inf beyond the limits (REP-117). [m]"""
+    reading = distance + offset + noise
+    if reading > maximum:
+        return math.inf
+    if reading < minimum:
+        return -math.inf
+    return round_to_step(reading, RANGE_RESOLUTION)
 
 
 def measure_range(
@@ -99,17 +110,10 @@ def measure_range(
     the reading, not whether there is a return.
     """
     chance = float(rng.standard_normal())
-    # Looking up, or the slant range height / up is beyond the reach
-    if up <= 0.0 or height > settings.maximum * up:
-        return math.inf
-    # Slant range of a single ray
-    distance = max(height, 0.0) / up
+    distance = slant_range(height, up, settings.maximum)
+    if distance == math.inf:
+        return distance
     noise = noise_deviation(settings.noise, distance) * chance
     if chain:
         distance = apply_chain(chain, (distance,), elapsed)[0]
-    reading = distance + errors.offset + noise
-    if reading > settings.maximum:
-        return math.inf
-    if reading < settings.minimum:
-        return -math.inf
-    return round(reading / RESOLUTION) * RESOLUTION
+    return read_range(distance, errors.offset, noise, settings.minimum, settings.maximum)

@@ -10,7 +10,7 @@ as wide as the batch and each thread handles one column.
 from dataclasses import dataclass
 from typing import final
 
-from lta_config.compilation.compiler import OWN
+from lta_config.compilation.compiler import INNER_OPTIONS
 from lta_model.state import ACTUATORS
 from lta_sim.kernels.layout import (
     EffectLayout,
@@ -23,7 +23,7 @@ from lta_sim.kernels.layout import (
 )
 
 # Of the functions of the stages.
-LOOP = f'@njit({OWN})'
+LOOP = f'@njit({INNER_OPTIONS})'
 
 
 def _row_offset(name: str, layout: EffectLayout) -> int:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from string import Template
 from typing import final
 
-from lta_config.compilation.compiler import ENTRY, INLINE
+from lta_config.compilation.compiler import ENTRY_DECORATOR, INNER_DECORATOR
 from lta_config.compilation.extract import SourceExtract
 from lta_model import rigid_body
 from lta_model.effects.protocol import Effect, KernelEffect
@@ -46,7 +46,9 @@ class KernelTarget:
 
 
 # One vehicle, in its row.
-SCALAR = KernelTarget('from numba import njit\n', INLINE, ENTRY, RowAccess(), Template(ENTRIES))
+SCALAR = KernelTarget(
+    'from numba import njit\n', INNER_DECORATOR, ENTRY_DECORATOR, RowAccess(), Template(ENTRIES)
+)
 
 
 def build_layout(effects: Mapping[str, Effect]) -> EffectLayout:

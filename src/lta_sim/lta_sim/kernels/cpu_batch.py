@@ -11,7 +11,7 @@ from functools import cache
 from string import Template
 from types import ModuleType
 
-from lta_config.compilation.compiler import OWN
+from lta_config.compilation.compiler import INNER_OPTIONS
 from lta_config.compilation.kernel_cache import load_kernel
 from lta_config.machine import count_cores
 from lta_model.effects import MODEL_EFFECTS
@@ -96,7 +96,7 @@ def render_batch_source(
     """
     form = KernelTarget(
         'from numba import njit\nimport numpy as np\n',
-        f'@njit({OWN}, forceinline=True)',
+        f'@njit({INNER_OPTIONS}, forceinline=True)',
         # No fastmath, which would reorder arithmetic; nogil lets the thread pool run in parallel
         "@njit(error_model='numpy', fastmath=False, nogil=True, cache=True)",
         ColumnAccess('WIDTH', zeros, rotors),

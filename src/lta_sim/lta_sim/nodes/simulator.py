@@ -18,20 +18,19 @@ import time
 
 from builtin_interfaces.msg import Time
 from lta_config.errors import unknown_name_error
-from lta_config.topic_selection import is_selected
+from lta_config.topics import is_selected
 from lta_graph.health import HealthLevel
 from lta_graph.inbox import InboxStep
 from lta_graph.reach import describe_reach
-from lta_graph.ros.node import GraphNode, WHOLE
+from lta_graph.ros.node import GraphNode, LONG_ACKNOWLEDGE_TIME
 from lta_graph.ros.parameters import NodeParameters
-from lta_graph.ros.peer_listener import OVER, PeerListener, PULSE
+from lta_graph.ros.peer_listener import OVER_VALUE, PeerListener, PULSE_TOPIC
 from lta_graph.ros.process import run_node
 from lta_graph.ros.stamps import from_stamp, to_stamp
 from lta_graph.ros.startup import wait_until_complete, wait_until_settled
 from lta_graph.ros.transforms import from_start
 from lta_model import messages
-from lta_model.scenario import load_scenario
-from lta_model.start_offset import offset_start
+from lta_model.scenario import load_scenario, offset_start
 from lta_model.vehicle import load_vehicle
 from lta_sim.readings import FlightOutcome, SensorReadings
 from lta_sim.simulator_settings import DEFAULT, DESCRIPTION, SimulatorSettings
@@ -129,7 +128,7 @@ class Simulator(GraphNode):
         for name, publisher in self._outputs.items():
             readers = self._awaited & set(self.table[name].subscribers)
             # Every other simulator of the launch listens to this one's pulse
-            if name == PULSE:
+            if name == PULSE_TOPIC:
                 readers |= {f'{peer}/vehicle' for peer in self._peers.names}
             if publisher.get_subscription_count() < len(readers):
                 waiting |= readers
@@ -237,7 +236,7 @@ class Simulator(GraphNode):
         if self._finished is not None:
             return False
         if self._is_flight_over():
-            self._finished, self.farewell = time.monotonic(), WHOLE
+            self._finished, self.farewell = time.monotonic(), LONG_ACKNOWLEDGE_TIME
             self.health.changed = True  # the others may be waiting for this
             self._monitor_inputs()
             self._on_peer_update()
@@ -347,7 +346,7 @@ class Simulator(GraphNode):
         """Report the state of the flight."""
         standing = self._summarize_flight()
         text = f'{standing["sentence"]}, {standing["distance_m"]} m from the lamp'
-        over = {OVER: self._finished is not None}
+        over = {OVER_VALUE: self._finished is not None}
         self.health.report('flight', HealthLevel.OK, text, **standing, **over)
         super()._monitor_inputs()
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Final, final
 
 from lta_energy.irradiance import IrradianceSeries
-from lta_energy.mission_log import ASLEEP, MissionLog
+from lta_energy.mission import ASLEEP, MissionLog
 
 FAILED: Final = {
     'empty': 'empty in flight',

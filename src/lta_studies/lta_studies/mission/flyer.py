@@ -16,8 +16,7 @@ from lta_control.phases import Phase
 from lta_control.strategies.homing import STRATEGY
 from lta_energy.circuit import EnergyTotals
 from lta_energy.irradiance import IrradianceSeries, PanelIrradiance
-from lta_energy.mission import Departure, Landing
-from lta_energy.mission_log import MissionFlight
+from lta_energy.mission import Departure, Landing, MissionFlight
 from lta_sim.termination import build_goal, is_at_lamp
 from lta_studies.mission.leg_state import (
     DONE,

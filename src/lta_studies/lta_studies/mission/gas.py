@@ -15,9 +15,9 @@ from dataclasses import dataclass
 from typing import Final, final
 
 from lta_config.constants import AIR_TEMPERATURE, STANDARD_GRAVITY
-from lta_config.schema.light_day_file import DAY
+from lta_config.schema.mission_file import DAY
 from lta_energy.irradiance import IrradianceSeries, MINUTE, MINUTES
-from lta_model.effects.weight.superheat import IN_SUN
+from lta_model.effects.gas import IN_SUN
 from lta_model.vehicle import Vehicle
 from lta_vehicle.figures.wrench_limit import solve_wrench_limit
 import numpy as np

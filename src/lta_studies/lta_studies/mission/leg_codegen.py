@@ -8,16 +8,16 @@ own state for the next.
 from collections.abc import Sequence
 from typing import Any
 
-from lta_config.compilation.compiler import ENTRY
+from lta_config.compilation.compiler import ENTRY_DECORATOR
 from lta_config.compilation.extract import SourceExtract
-from lta_config.compilation.flat import PREFIX, TupleLayout
+from lta_config.compilation.flat import CORE_PREFIX, TupleLayout
 from lta_config.errors import BadInput
 from lta_control.laws import cascade
 from lta_control.strategies.homing import STRATEGY
 from lta_flight.batch.codegen import build_kernel, write_flight_source
 from lta_flight.batch.control_period import WorkArrays
 from lta_flight.batch.targets import BatchSchedule, CPU, SCRATCH, STEP
-from lta_model.light.ray_bundles import LAMPS, scratch_size
+from lta_model.light.ray_integration import LAMP_ROWS, scratch_size
 from lta_studies.mission.leg_state import fly_leg
 
 COARSE = 2  # steps of the full loop per step here; a Runge-Kutta step of 5 ms is as accurate
@@ -72,10 +72,10 @@ def generate_leg_source(
     extract = SourceExtract(
         kernel=kernel, strategy=STRATEGY, schedule=coarse_schedule(schedule), law=cascade.LAW
     )
-    name, work = extract.add_function(fly_leg, PREFIX), extract.add_named_tuple(WorkArrays)
-    light = f'np.empty(({LAMPS + 1}, {diodes}))'
+    name, work = extract.add_function(fly_leg, CORE_PREFIX), extract.add_named_tuple(WorkArrays)
+    light = f'np.empty(({LAMP_ROWS + 1}, {diodes}))'
     lines = [
-        ENTRY.replace('cache=True', 'nogil=True, cache=True'),
+        ENTRY_DECORATOR.replace('cache=True', 'nogil=True, cache=True'),
         'def fly_leg(fixed, c, g, m, seed):',
         f'    work = {work}(np.empty({SCRATCH}), {light}, {light}, np.empty({scratch_size(1)}))',
         f'    constants = {constants.render_expression("c")}',

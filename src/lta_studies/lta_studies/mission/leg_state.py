@@ -26,7 +26,7 @@ from lta_flight.batch.control_period import (
 from lta_flight.batch.flight import build_command, unreachable_pose
 from lta_flight.batch.targets import BatchSchedule
 from lta_model.electrical.battery import integrate_charge
-from lta_model.stiffness import has_diverged
+from lta_model.model import has_diverged
 from lta_sim.compiled_sensors import draw_errors, simulate_range_reading
 from lta_sim.termination import is_indoors
 import numpy as np

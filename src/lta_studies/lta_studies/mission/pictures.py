@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from lta_energy.irradiance import IrradianceSeries, MINUTE
-from lta_energy.mission_log import ALOFT, ASLEEP, AWAY, OUT, PERCHED
+from lta_energy.mission import ALOFT, ASLEEP, AWAY, EMPTY, PERCHED
 from lta_report.drawing import add_legend, create_figure
 from lta_report.palette import ESTIMATE, GOOD, LAMP, SETPOINT, SOFT, TRUTH, WALL
 from lta_studies.mission.figures import flight_minutes_by_hour
@@ -15,7 +15,7 @@ from plotly.graph_objects import Bar, Figure, Scatter
 COLOURS = (TRUTH, ESTIMATE, GOOD)
 STATES = {
     PERCHED: ('perched, awake', LAMP), ASLEEP: ('asleep', SOFT), ALOFT: ('in flight', TRUTH),
-    AWAY: ('waiting to be fetched', ESTIMATE), OUT: ('empty', ESTIMATE),
+    AWAY: ('waiting to be fetched', ESTIMATE), EMPTY: ('empty', ESTIMATE),
 }  # fmt: skip
 EVERY = 5  # minutes per plotted point of the light
 

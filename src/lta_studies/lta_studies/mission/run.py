@@ -7,10 +7,9 @@ from operator import attrgetter
 from pathlib import Path
 from typing import Final, final, NamedTuple
 
-from lta_config.schema.light_day_file import DAY, LightDay, load_light_day
-from lta_config.schema.mission_file import load_mission, MissionFile
+from lta_config.schema.mission_file import DAY, LightDay, load_light_day, load_mission, MissionFile
 from lta_energy.irradiance import IrradianceSeries, simulate_irradiance
-from lta_energy.mission_log import MissionLog
+from lta_energy.mission import MissionLog
 from lta_report.line_log import LogKind
 from lta_report.study import Study, StudyOptions
 from lta_report.study_store import StoreFormat

@@ -25,9 +25,9 @@ from lta_flight.batch.batch_flight import (
 from lta_flight.batch.constants_and_tally import FlightConstants
 from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec, load_spec
 from lta_model.electrical.panel import array_spectral_factor
-from lta_model.hull import half_axes
 from lta_model.light.field import LightField
 from lta_model.light.lamp import BeaconLamp
+from lta_model.mass_properties import half_axes
 from lta_model.scenario import Scenario
 from lta_sim.light_link import build_light_link, LightLink
 

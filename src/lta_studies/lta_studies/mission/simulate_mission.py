@@ -2,8 +2,7 @@
 
 from typing import Final
 
-from lta_config.schema.light_day_file import LightDay
-from lta_config.schema.mission_file import MissionFile
+from lta_config.schema.mission_file import LightDay, MissionFile
 from lta_energy.harvest import HarvestCurve
 from lta_energy.irradiance import IrradianceSeries, simulate_irradiance
 from lta_energy.mission import MissionSimulation, PerchConfig

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import math
 from typing import final
 
-from lta_config.schema.maneuver_file import ManeuverFile
+from lta_config.schema.comparison_file import ManeuverFile
 from lta_config.settings import Settings
 from lta_config.topics import load_topic_table
 from lta_control.attitude import up_in_body, yaw_from_quaternion

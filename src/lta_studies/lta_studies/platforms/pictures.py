@@ -4,8 +4,7 @@ from collections.abc import Mapping, Sequence
 import math
 from typing import Final
 
-from lta_config.schema.comparison_file import ComparisonFile
-from lta_config.schema.maneuver_file import ManeuverFile
+from lta_config.schema.comparison_file import ComparisonFile, ManeuverFile
 from lta_report.drawing import build_line_trace, create_figure, EndLabel, label_ends, padded_range
 from lta_report.palette import ESTIMATE, GOOD, LAMP, RAW, SETPOINT, SOFT, STRENGTH, TIME, TRUTH
 from lta_studies.platforms.flight import COLUMN

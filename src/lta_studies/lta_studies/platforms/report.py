@@ -4,8 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import math
 
 from lta_config.constants import STANDARD_GRAVITY
-from lta_config.schema.comparison_file import ComparisonFile
-from lta_config.schema.maneuver_file import load_maneuver_file, ManeuverFile
+from lta_config.schema.comparison_file import ComparisonFile, load_maneuver_file, ManeuverFile
 from lta_model.scenario import load_scenario
 from lta_report.formatting import format_amount, format_number, MISSING, Tile
 from lta_report.report import Block, Emphasis, Grid, Picture, Report, TextSection, TextTable

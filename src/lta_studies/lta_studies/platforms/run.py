@@ -12,8 +12,12 @@ from operator import attrgetter
 from pathlib import Path
 from typing import Any, Final, final, NamedTuple
 
-from lta_config.schema.comparison_file import ComparisonFile, load_comparison
-from lta_config.schema.maneuver_file import load_maneuver_file, ManeuverFile
+from lta_config.schema.comparison_file import (
+    ComparisonFile,
+    load_comparison,
+    load_maneuver_file,
+    ManeuverFile,
+)
 from lta_flight.closed_loop import ClosedLoop
 from lta_model.scenario import load_scenario, Scenario
 from lta_report.json_value import StoredArray

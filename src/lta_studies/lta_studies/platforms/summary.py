@@ -8,7 +8,7 @@ from typing import final, NamedTuple
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.schema.comparison_file import ComparisonFile
 from lta_flight.sweep.statistics import ShareInterval, wilson_interval
-from lta_model.hover import select_lifting_rotors
+from lta_model.propulsion import select_lifting_rotors
 from lta_model.vehicle import Vehicle
 from lta_studies.platforms.run import ABLATION, CONTESTANT, LIMIT, PlatformResult
 import numpy as np

@@ -6,8 +6,7 @@ from functools import cache
 from pathlib import Path
 from typing import final
 
-from lta_config.schema.comparison_file import ComparisonFile, load_comparison
-from lta_config.schema.maneuver_file import load_maneuver_file
+from lta_config.schema.comparison_file import ComparisonFile, load_comparison, load_maneuver_file
 from lta_model.scenario import load_scenario
 from lta_studies.platforms.entrants import build_entrant
 from lta_studies.platforms.flight import Entrant, fly_maneuver, ManeuverFlight

@@ -15,7 +15,7 @@ from typing import final
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.errors import BadInput
 from lta_control.cascade import CascadeGains
-from lta_model.hover import select_lifting_rotors
+from lta_model.propulsion import select_lifting_rotors
 from lta_model.vehicle import Vehicle
 from lta_studies.tune.metrics import compute_response_metrics
 from lta_studies.tune.step_response import fly_steps, STEPS, TuningCase, TuningScene

@@ -27,12 +27,11 @@ from lta_control.flight_step import (
 from lta_control.laws.cascade import CascadeLawMemory, compute_demand, deliver_demand
 from lta_control.per_rotor import pad_to_slots, SLOTS
 from lta_model.effects import initial_memory
-from lta_model.model import VehicleModel
+from lta_model.model import STEP_NS, VehicleModel
 from lta_model.sensors import range
 from lta_model.sensors.imu import specific_force_at
 from lta_model.sensors.pressure import air_pressure, PressureSettings
 from lta_model.state import pack_state
-from lta_model.stiffness import STEP_NS
 from lta_model.vehicle import Vehicle
 from lta_sim.kernels import kernel
 import numpy as np

@@ -13,7 +13,7 @@ import math
 
 from lta_config.constants import HELIUM_TO_AIR
 from lta_config.schema.vehicle_body import HullBlock
-from lta_model import hull as hulls
+from lta_model import mass_properties as hulls
 
 BAND = (0.2e-3, 0.9e-3)  # m3/(m2 day)
 SOURCE = (

@@ -21,7 +21,7 @@ import math
 from typing import final, Literal
 
 from lta_config.constants import STANDARD_GRAVITY
-from lta_model.effects.aerodynamics import strip_damping
+from lta_model.effects.drag import STRIP_DAMPING
 from lta_model.effects.protocol import AXES, VehicleMotion
 from lta_model.vehicle import Vehicle
 import numpy as np
@@ -92,10 +92,10 @@ def compute_pendulum_mode(vehicle: Vehicle, about: Literal['roll', 'pitch']) -> 
 def _strip_damping_moment(parameters: Mapping[str, float], turn: int) -> float:
     """Return the damping moment of frame and panels per squared rate. [N m s2]"""
     values = tuple(
-        parameters.get(parameter.name, parameter.null) for parameter in strip_damping.PARAMETERS
+        parameters.get(parameter.name, parameter.null) for parameter in STRIP_DAMPING.parameters
     )
     # Evaluate the effect at a unit rate: its moment is then the coefficient of the squared rate
     rates = (float(turn == 0), float(turn == 1), 0.0)
     still, level = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
     motion = VehicleMotion(still, level, still, rates, still, (), (), ())
-    return -strip_damping.compute_wrench(values, (), motion, ())[3 + turn]
+    return -STRIP_DAMPING.wrench(values, (), motion, ())[3 + turn]

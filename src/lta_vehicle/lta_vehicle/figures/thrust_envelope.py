@@ -5,7 +5,7 @@ import math
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.errors import BadInput
-from lta_model import hover, limits
+from lta_model import limits, propulsion
 from lta_model.electrical.loads import power_demand
 from lta_model.vehicle import Vehicle
 from lta_sim.wind_limits import rise_speed
@@ -41,7 +41,9 @@ def compute_or_explain(compute: Callable[[], float]) -> tuple[float | None, str]
 def hover_thrust(vehicle: Vehicle) -> tuple[float, int]:
     """Return the thrust per lifting rotor in hover [N], and the number of these rotors."""
     # `per_newton`: vertical force if each lifting rotor gives 1 N, jet collision included
-    rotors, per_newton = hover.select_lifting_rotors(vehicle.rotors, vehicle.file.aero.coupling)
+    rotors, per_newton = propulsion.select_lifting_rotors(
+        vehicle.rotors, vehicle.file.aero.coupling
+    )
     if not rotors or per_newton <= 0.0:
         return 0.0, 0
     return max(vehicle.heaviness, 0.0) * STANDARD_GRAVITY / per_newton, len(rotors)

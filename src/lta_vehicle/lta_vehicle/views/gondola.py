@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from html import escape
 from typing import Final, final, NamedTuple
 
-from lta_model import hull
+from lta_model import mass_properties
 from lta_model.vehicle import Vehicle
 from lta_report.palette import TIME
 from lta_vehicle.views.projection import RotorArrow, Two, VIEWS
@@ -41,7 +41,7 @@ class GondolaLabel(NamedTuple):
 
 def draw_gondola(vehicle: Vehicle) -> str:
     """Return an SVG element, or '' without small parts below a hull."""
-    half = hull.half_axes(vehicle.file.hull)
+    half = mass_properties.half_axes(vehicle.file.hull)
     boxes, layers = _collect_parts(vehicle)
     if not any(half) or not boxes:
         return ''

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import final, NamedTuple
 
 from lta_config.schema.vehicle_body import PartBlock
-from lta_model import hull
+from lta_model import mass_properties
 from lta_model.vehicle import Vehicle
 
 Three = tuple[float, float, float]
@@ -141,7 +141,7 @@ def project_vehicle(vehicle: Vehicle, view: ViewDirection, pressure: float) -> V
 
 
 def _hull_outline(vehicle: Vehicle, view: ViewDirection) -> PartOutline | None:
-    half = hull.half_axes(vehicle.file.hull)
+    half = mass_properties.half_axes(vehicle.file.hull)
     if not any(half):
         return None
     about = f'hull: {vehicle.file.hull.shape} of {1e3 * vehicle.volume:.0f} l'

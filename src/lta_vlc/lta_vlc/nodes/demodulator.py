@@ -8,13 +8,12 @@ from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
 from lta_vlc.demodulation import DemodulatedBlock, Peaks
-from lta_vlc.diagnostics import describe_beacons, WANTED
+from lta_vlc.diagnostics import describe_beacons, WANTED_TASK
 from lta_vlc.diodes import build_diode_array
+from lta_vlc.direction import LampDetection, LampFinder
 from lta_vlc.lamp import LampPrior
-from lta_vlc.lamp_finder import LampDetection, LampFinder
 from lta_vlc.messages import from_bearing, from_lamp, from_peaks, to_block
-from lta_vlc.receiver import BeaconReceiver
-from lta_vlc.sequence import BlockSequence
+from lta_vlc.receiver import BeaconReceiver, BlockSequence
 from lta_vlc.settings import DemodulationSettings
 from std_msgs.msg import Header
 
@@ -72,7 +71,9 @@ class Demodulator(GraphNode):
             hearing = self._listener.demodulate_next_block(block)
         except ValueError as error:
             self._refused += 1
-            self.health.report(WANTED, HealthLevel.ERROR, str(error), blocks_refused=self._refused)
+            self.health.report(
+                WANTED_TASK, HealthLevel.ERROR, str(error), blocks_refused=self._refused
+            )
             if self.lockstep:  # otherwise the lockstep would wait forever
                 self._publish_results(message.header, (), LampDetection())
             return

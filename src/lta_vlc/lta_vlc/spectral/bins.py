@@ -1,21 +1,125 @@
-"""Select the search bins of each beacon and the quiet bins for the noise."""
+"""
+Select the search bins of beacons and the quiet bins for the noise, and check that they separate.
+
+The paper's signal-to-noise ratio is the beacon's peak over the mean of the quiet bins.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations, permutations
 from typing import final, TYPE_CHECKING
 
 from lta_config.errors import BadInput
-from lta_vlc.spectral.separation import mains_flicker_frequencies
-from lta_vlc.spectral.snr import select_quiet_bins
 from lta_vlc.spectral.spectrum import target_bin
 import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from lta_vlc.settings import DemodulationSettings
+STRONG_HARMONICS = (
+    3,
+    5,
+)  # of a lamp that is on for half of the time; weaker ones `lta light plan` avoids
+MAINS_HARMONICS = 10  # of the flicker at twice the mains' frequency: those of lamps and dimmers
 
-QUIET_BINS = 16  # the mean of so many Rayleigh distributed magnitudes is known to 13 %
-BESIDE = 1.5  # bins on either side of the flicker of the mains, whose frequency wanders
+
+def mains_flicker_frequencies(mains: float, sample_rate: float) -> list[float]:
+    """Return the apparent flicker frequencies of lamps on the mains; `mains` is 0 without. [Hz]"""
+    orders = range(1, MAINS_HARMONICS + 1) if mains > 0.0 else ()
+    return [alias_frequency(2.0 * mains * order, sample_rate) for order in orders]
+
+
+def alias_frequency(frequency: float, sample_rate: float) -> float:
+    """Return the apparent frequency after sampling. [Hz]"""
+    # Fold into the range from 0 to the Nyquist frequency
+    return abs((frequency + sample_rate / 2.0) % sample_rate - sample_rate / 2.0)
+
+
+def check_beacons(
+    beacons: Sequence[float], settings: 'DemodulationSettings', sample_rate: float, samples: int
+) -> None:
+    """
+    Refuse beacons [Hz] that cannot be separated.
+
+    Raise `BadInput` if the search bins of two overlap, or if a strong harmonic of one or the mains
+    flicker, possibly aliased, falls into those of another.
+    """
+    window, width = settings.window, sample_rate / samples
+    places = {beacon: target_bin(beacon, sample_rate, samples) for beacon in beacons}
+    apart = (2 * window + 1) * width
+    for one, other in combinations(beacons, 2):
+        # Search windows overlap
+        if abs(places[one] - places[other]) <= 2 * window:
+            raise BadInput(
+                f'The beacons at {one:g} and {other:g} Hz are closer than the resolution '
+                f'of {apart:g} Hz; choose other frequencies, longer blocks or a narrower '
+                'search window.'
+            )
+    for one, other in permutations(beacons, 2):
+        for order in STRONG_HARMONICS:
+            harmonic = target_bin(alias_frequency(order * one, sample_rate), sample_rate, samples)
+            if abs(harmonic - places[other]) <= window:
+                raise BadInput(
+                    f'Harmonic {order} of the beacon at {one:g} Hz falls on the beacon at '
+                    f'{other:g} Hz; choose another frequency.'
+                )
+    for order, flicker in enumerate(
+        mains_flicker_frequencies(settings.mains, sample_rate), start=1
+    ):
+        for beacon in beacons:
+            if abs(target_bin(flicker, sample_rate, samples) - places[beacon]) <= window:
+                raise BadInput(
+                    f'The search window of the beacon at {beacon:g} Hz ({window} bins of '
+                    f'{width:g} Hz on either side) contains the flicker of mains lamps at '
+                    f'{2.0 * settings.mains * order:g} Hz; choose another frequency or a '
+                    'narrower window, or set mains to 0 if there are no such lamps.'
+                )
+
+
+def select_quiet_bins(
+    frequencies: Sequence[float], sample_rate: float, samples: int, window: int, harmonics: int
+) -> NDArray[np.intp]:
+    """
+    Return the bins without beacons and their harmonics, in rising order, without bin 0.
+
+    Parameters
+    ----------
+    frequencies : sequence of float
+        Frequencies of all beacons. [Hz]
+    sample_rate : float
+        Sampling rate. [Hz]
+    samples : int
+        Samples in a block.
+    window : int
+        Bins masked on either side of each harmonic.
+    harmonics : int
+        Harmonics masked, the fundamental included.
+
+    """
+    bins = np.arange(samples // 2 + 1)
+    # Bin 0 is the mean
+    quiet = bins > 0
+    for frequency in frequencies:
+        for order in range(1, harmonics + 1):
+            centre = target_bin(order * frequency, sample_rate, samples)
+            # Beyond Nyquist; higher orders are too
+            if centre - window > samples // 2:
+                break
+            quiet[max(0, centre - window) : centre + window + 1] = False
+    return np.flatnonzero(quiet)
+
+
+def signal_to_noise(peak: NDArray[np.float64], noise: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return peak over noise, 0 without any signal and infinity without noise, shape (d,)."""
+    # Value where the noise is zero
+    silent = np.where(peak > 0.0, np.inf, 0.0)
+    return np.divide(peak, noise, out=silent, where=noise > 0.0)
+
+
+if TYPE_CHECKING:
+    from lta_vlc.settings import DemodulationSettings
+LEAST_QUIET_BINS = 16  # the mean of so many Rayleigh distributed magnitudes is known to 13 %
+FLICKER_WIDTH = 1.5  # bins on either side of the flicker of the mains, whose frequency wanders
 
 
 @final
@@ -55,16 +159,16 @@ def plan_beacon_bins(
     ]
     # Common to all beacons, so that one noise figure serves all
     quiet = select_quiet_bins(beacons, sample_rate, samples, settings.window, settings.harmonics)
-    if quiet.size < QUIET_BINS:
+    if quiet.size < LEAST_QUIET_BINS:
         raise BadInput(
             f'{_format_beacons(beacons)} and {"its" if len(beacons) == 1 else "their"} '
             f'harmonics leave only {quiet.size} FFT bins of {block} to measure the noise, '
-            f'but {QUIET_BINS} are needed; use longer blocks, a narrower search window or '
+            f'but {LEAST_QUIET_BINS} are needed; use longer blocks, a narrower search window or '
             'fewer harmonics.'
         )
     # Mains flicker in bins
     hum = np.array(mains_flicker_frequencies(settings.mains, sample_rate)) / width
-    unlit = quiet[np.abs(quiet[:, None] - hum).min(axis=1, initial=samples) > BESIDE]
+    unlit = quiet[np.abs(quiet[:, None] - hum).min(axis=1, initial=samples) > FLICKER_WIDTH]
     return tuple(BeaconBins(first, last, quiet, unlit, width, samples) for first, last in ranges)
 
 

@@ -37,12 +37,14 @@ light leaves falls from 4 % of the weaker one's amplitude to 0.3 %.
 import math
 from typing import NamedTuple
 
-from lta_vlc.jit import compile_kernel
+from lta_config.compilation.compiler import compile_kernel
 import numpy as np
 from numpy.typing import NDArray
 
-LEAKY = 9  # harmonics that are taken off; those above leak less than a thousandth of the first
-FARTHEST = 1.0  # bins from the highest bin to where the tone can be
+LEAKING_HARMONICS = (
+    9  # harmonics that are taken off; those above leak less than a thousandth of the first
+)
+FARTHEST_TONE = 1.0  # bins from the highest bin to where the tone can be
 
 
 class Tones(NamedTuple):
@@ -114,7 +116,7 @@ def _solve_frequency(above: float, below: float, centre: int, samples: int) -> f
     turn = 2.0 * math.pi / samples
     cosine = math.cos(turn * centre) + above / below
     frequency = math.acos(min(max(cosine, -1.0), 1.0)) / turn
-    return min(max(frequency, centre - FARTHEST), centre + FARTHEST)
+    return min(max(frequency, centre - FARTHEST_TONE), centre + FARTHEST_TONE)
 
 
 @compile_kernel
@@ -195,7 +197,7 @@ def _remove_leakage(
                 for j in range(3):
                     k = centres[target] - 1 + j
                     _subtract_tone(around[target, j], frequency[source], first[source], k, samples)
-        for order in range(2, LEAKY + 1):
+        for order in range(2, LEAKING_HARMONICS + 1):
             place = order * frequency[source]
             nearest = round(place)
             # Aliased harmonics are left out

@@ -1,7 +1,7 @@
 """The modelled current, against Bitcraze's own bench table."""
 
 from lta_bridge.crazyflie.power_model import CrazyfliePowerModel
-from lta_energy.rotor import BENCH
+from lta_model.electrical.loads import BENCH
 from lta_model.vehicle import load_vehicle
 import pytest
 

@@ -33,7 +33,7 @@ from lta_emulation.crazyflie.firmware_build import AS_SOLD
 from lta_emulation.crazyflie.packet import CrtpPacket
 from lta_emulation.crazyflie.table_of_contents import BASIC, EXTENDED, PARAMETER_TYPES, READ_ONLY
 from lta_emulation.crazyflie.variables import list_parameters
-from lta_model.effects.rotors import battery_compensation
+from lta_model.effects.motors import BATTERY_COMPENSATION
 from lta_model.state import SURROUNDINGS, VOLTAGE
 import pytest
 
@@ -143,9 +143,9 @@ def test_our_build_passes_duties_on_and_the_vehicle_file_has_the_curve_of_others
         assert ratio == pytest.approx(duty, abs=1e-2 * duty + 2e-4)
         assert compare == pytest.approx(duty, abs=1 / 255)
     given = load_vehicle_file('multirotor').effects['battery_compensation']
-    values = tuple(given[parameter.name].si for parameter in battery_compensation.SHARED)
+    values = tuple(given[parameter.name].si for parameter in BATTERY_COMPENSATION.shared)
     surroundings = [0.0] * SURROUNDINGS
     surroundings[VOLTAGE] = float(voltage)
     for duty, ratio, _ in KEPT['builds'][SOLD]['ratios'][voltage]:
-        told = battery_compensation.compute_output(values, (), duty, tuple(surroundings))
+        told = BATTERY_COMPENSATION.output(values, (), duty, tuple(surroundings))
         assert told == pytest.approx(ratio, abs=2e-3)

@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 from lta_config.errors import BadInput
-from lta_config.schema.import_file import AXES, OrientationField
+from lta_config.schema.import_file import FIELD_AXES, OrientationField
 from lta_data.importers.attitude import (
     apply_matrix,
     compute_quaternions,
@@ -19,7 +19,7 @@ from scipy.spatial.transform import Rotation
 NUMBERS = st.floats(-1e6, 1e6, allow_nan=False)
 VECTORS = st.tuples(NUMBERS, NUMBERS, NUMBERS)
 UNITS = st.tuples(*[st.floats(-1.0, 1.0)] * 4).filter(lambda q: np.linalg.norm(q) > 0.1)
-ROTATIONS = list(AXES.values())
+ROTATIONS = list(FIELD_AXES.values())
 
 
 def table(**columns):
@@ -47,8 +47,10 @@ def table(**columns):
     ],
 )
 def test_named_axes_turn_known_directions(axes, theirs, expected):
-    assert convert_to_lta_axes(np.array([theirs], dtype=float), AXES[axes]).tolist() == [expected]
-    assert np.linalg.det(signed_permutation(AXES[axes])) == pytest.approx(1.0)
+    assert convert_to_lta_axes(np.array([theirs], dtype=float), FIELD_AXES[axes]).tolist() == [
+        expected
+    ]
+    assert np.linalg.det(signed_permutation(FIELD_AXES[axes])) == pytest.approx(1.0)
 
 
 @given(VECTORS, st.sampled_from(ROTATIONS))
@@ -85,7 +87,9 @@ def test_the_same_turn_on_both_sides_changes_no_digit(q, axes):
 
 
 def test_level_and_north_in_ned_is_a_quarter_turn_to_the_left_in_enu():
-    found = convert_attitude(np.array([[0.0, 0.0, 0.0, 1.0]]), AXES['NED'], AXES['FRD'])
+    found = convert_attitude(
+        np.array([[0.0, 0.0, 0.0, 1.0]]), FIELD_AXES['NED'], FIELD_AXES['FRD']
+    )
     assert Rotation.from_quat(found).as_euler('ZYX', degrees=True)[0] == pytest.approx([90, 0, 0])
 
 
@@ -163,6 +167,6 @@ def test_what_is_not_whole_is_nan_and_nothing_else():
     assert np.isnan(found).all(axis=1).tolist() == [False, True, False]
     still = rotate_into_body(np.ones((2, 3)), np.array([[0.0, 0, 0, 0], [0, 0, 0, 1]]))
     assert np.isnan(still).all(axis=1).tolist() == [True, False]
-    assert apply_matrix(np.zeros((1, 4)), attitude_matrix(AXES['NED'], AXES['FRD'])).tolist() == [
-        [0] * 4
-    ]
+    assert apply_matrix(
+        np.zeros((1, 4)), attitude_matrix(FIELD_AXES['NED'], FIELD_AXES['FRD'])
+    ).tolist() == [[0] * 4]

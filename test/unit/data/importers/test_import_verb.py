@@ -7,7 +7,7 @@ from typing import get_args
 
 from lta_cli import app
 from lta_config.files import list_shipped_names, parse_yaml, validate_content
-from lta_config.schema.import_file import AXES, Format, ImportMapping, load_mapping
+from lta_config.schema.import_file import FIELD_AXES, Format, ImportMapping, load_mapping
 from lta_data.bag.reader import read_bag
 from lta_data.importers.entry_plan import plan_entry
 from lta_data.importers.formats import FORMATS
@@ -179,5 +179,5 @@ def test_mappings_on_the_page_for_people_are_mappings(block):
 
 def test_the_page_for_people_names_all_that_there_is():
     parts = {name for shape in SHAPES.values() for name in shape}
-    for name in (*list_shipped_names('imports'), *FORMATS, *AXES, *parts, *EXTRA):
+    for name in (*list_shipped_names('imports'), *FORMATS, *FIELD_AXES, *parts, *EXTRA):
         assert re.search(rf'\b{name}\b', PAGE), name

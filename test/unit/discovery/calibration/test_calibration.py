@@ -39,7 +39,7 @@ from lta_discovery.model.calibration_parameters import list_calibration_paramete
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import list_free_parameters
 from lta_discovery.run import DiscoveryRequest, study_usable_flights
-from lta_model.effects.rotors import wrench_gain
+from lta_model.effects.commands import WRENCH_GAIN
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
@@ -369,7 +369,7 @@ def test_thrust_by_a_power_of_the_command_is_found(
     )  # fmt: skip
     (tmp_path / 'calibrated.yaml').write_text(text)
     written = NominalVehicle.from_vehicle(load_vehicle(str(tmp_path / 'calibrated.yaml')))
-    for known in wrench_gain.PARAMETERS:
+    for known in WRENCH_GAIN.parameters:
         assert written.parameter_value('wrench_gain', known.name) == pytest.approx(
             found.calibrated.parameter_value('wrench_gain', known.name)
         )

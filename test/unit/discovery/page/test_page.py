@@ -59,7 +59,7 @@ from lta_discovery.study import DiscoveryStudy, ThreeModelComparison
 from lta_discovery.unmodeled.draught import DraughtEstimate
 from lta_discovery.unmodeled.unexplained_force import Remainder
 from lta_model.effects import EFFECTS
-from lta_model.effects.summary import describe_effect
+from lta_model.effects.protocol import describe_effect
 from lta_model.vehicle import load_vehicle
 from lta_report.drawing import create_figure
 from lta_report.script_libraries import embed_plotly, embed_three

@@ -85,7 +85,7 @@ def compute_densely(problem: Problem, model: Model) -> float:
 @pytest.mark.parametrize('seed', range(5))
 def test_the_search_finds_the_most_probable_of_all_models(seed: int) -> None:
     problem = Problem(seed)
-    search = ModelSearch(build_parameters(), build_elements(), [problem.evidence])
+    search = ModelSearch(build_parameters(), build_elements(), problem.evidence)
     ranked = search.run()
     wanted = {model: compute_densely(problem, model) for model in list_models()}
     best = max(wanted, key=lambda model: wanted[model])
@@ -96,11 +96,11 @@ def test_the_search_finds_the_most_probable_of_all_models(seed: int) -> None:
 
 def test_the_posterior_of_a_model_is_that_of_linear_regression() -> None:
     problem, model = Problem(1), frozenset({ElementChoice(1, 3.0)})
-    search = ModelSearch(build_parameters(), build_elements(), [problem.evidence])
+    search = ModelSearch(build_parameters(), build_elements(), problem.evidence)
     scored = search.score(model)
     mean, covariance = search.restrict(scored).posterior()
     design = problem.design[:, [0, 1, 3]]
-    prior = np.array([*(scored.assumption.trust * TOLERANCES), 3.0])
+    prior = np.array([*(scored.trust * TOLERANCES), 3.0])
     precision = design.T @ design + np.diag(prior**-2.0)
     np.testing.assert_allclose(covariance, np.linalg.inv(precision), rtol=1e-9)
     np.testing.assert_allclose(mean, np.linalg.solve(precision, design.T @ problem.values))
@@ -121,9 +121,9 @@ def test_a_value_beyond_its_bound_makes_a_model_less_probable() -> None:
     """By the share of the posterior that is inside, over that of the prior."""
     problem, model = Problem(3), frozenset({ElementChoice(1, 3.0)})
     parameters, elements = build_parameters(), build_elements()
-    free = ModelSearch(parameters, elements, [problem.evidence]).score(model)
+    free = ModelSearch(parameters, elements, problem.evidence).score(model)
     parameters[3] = replace(parameters[3], low=-1.0, high=1.4)
-    search = ModelSearch(parameters, elements, [problem.evidence])
+    search = ModelSearch(parameters, elements, problem.evidence)
     bounded = search.score(model)
     mean, covariance = search.restrict(bounded).posterior()
     after = norm(mean[2], math.sqrt(covariance[2, 2]))
@@ -132,14 +132,3 @@ def test_a_value_beyond_its_bound_makes_a_model_less_probable() -> None:
     wanted = free.log_posterior + math.log(share)
     assert bounded.log_posterior == pytest.approx(wanted, rel=1e-9)
 
-
-def test_a_model_chooses_the_assumption_under_which_it_is_most_probable() -> None:
-    problem = Problem(4)
-    # The same readings as if their noise were twice as large
-    whole = problem.evidence
-    level = -0.5 * ROWS * math.log(2.0 * math.pi)
-    constant = 0.25 * (whole.constant - level) + level - ROWS * math.log(2.0)
-    poor = LinearEvidence(0.25 * whole.information, 0.25 * whole.pull, constant)
-    search = ModelSearch(build_parameters(), build_elements(), [poor, problem.evidence])
-    model = frozenset({ElementChoice(1, 1.0), ElementChoice(3, 1.0)})
-    assert search.score(model).assumption.noise == 1

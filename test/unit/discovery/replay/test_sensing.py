@@ -179,18 +179,30 @@ def test_sensors_at_rest_measure_the_vertical_the_distance_and_the_pressure() ->
 
 def test_rates_and_force_are_means_of_the_period() -> None:
     """
-    The pitch changes from 0.3 to -0.3 rad, so the mean vertical is (0, 0, cos 0.3).
+    The roll rate rises from 0.1 to 0.3 rad/s in 40 ms, by 5 rad/s2.
 
-    The roll rate rises from 0.1 to 0.3 rad/s in 40 ms, by 5 rad/s2. An IMU 0.2 m below the centre
-    accelerates by 5 * 0.2 = 1 m/s2 along y and, at the mean rate, by 0.2^2 * 0.2 = 0.008 m/s2
-    towards the axis. Surge speed gains 0.02 m/s in 40 ms, which is 0.5 m/s2.
+    An IMU 0.2 m below the centre accelerates by 5 * 0.2 = 1 m/s2 along y and by the mean square of
+    the rate, (0.1^2 + 0.1 * 0.3 + 0.3^2) / 3, times 0.2 m towards the axis. Surge speed gains
+    0.02 m/s in 40 ms, which is 0.5 m/s2.
     """
+    begin, middle, end = _pitched(0.0), _pitched(0.0), _pitched(0.0)
+    begin[10], middle[10], end[10] = 0.1, 0.2, 0.3
+    middle[7], end[7] = 0.01, 0.02
+    said = ideal_readings(begin, end, PLACES, middle)
+    np.testing.assert_allclose(said[:3], [0.2, 0.0, 0.0])
+    inwards = 0.2 * (0.01 + 0.03 + 0.09) / 3.0
+    np.testing.assert_allclose(said[3:6], [0.5, 1.0, STANDARD_GRAVITY + inwards], atol=1e-12)
+
+
+def test_without_the_middle_of_a_period_means_are_those_of_its_ends() -> None:
+    """The pitch changes from 0.3 to -0.3 rad, so the mean vertical is (0, 0, cos 0.3)."""
     begin, end = _pitched(0.3), _pitched(-0.3)
-    begin[10], end[10], end[7] = 0.1, 0.3, 0.02
+    begin[10], end[10] = 0.1, 0.3
     said = ideal_readings(begin, end, PLACES)
     np.testing.assert_allclose(said[:3], [0.2, 0.0, 0.0])
+    inwards = 0.2 * 0.5 * (0.01 + 0.09)
     up = STANDARD_GRAVITY * np.cos(0.3)
-    np.testing.assert_allclose(said[3:6], [0.5, 1.0, up + 0.008], atol=1e-12)
+    np.testing.assert_allclose(said[3:6], [0.0, 1.0, up + inwards], atol=1e-12)
 
 
 def test_the_pressure_at_the_floor_is_the_median_of_known_readings() -> None:

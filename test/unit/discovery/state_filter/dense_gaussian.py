@@ -55,6 +55,7 @@ def build_flight(seed: int, channels: int = 6) -> LinearFlight:
         0.05 * draw(COUNT, channels, PARAMETERS),
         count,
         [RUN],
+        0.05 * draw(1, BODY, PARAMETERS),
         SimpleNamespace(mass=0.1),  # type: ignore[arg-type] - enough for the noise
     )
 
@@ -97,6 +98,7 @@ def build_dense(flight: LinearFlight, noise: NoiseModel) -> DenseFlight:
     kept = np.exp(-PERIOD / memory)
     # State of each grid point by independent numbers of unit variance, 25 each
     states, slopes = np.zeros((count, WHOLE)), np.zeros((count, WHOLE, width))
+    slopes[0, :BODY] = flight.begun[0]
     roots = np.zeros((count, WHOLE, count * WHOLE))
     roots[0, :, :WHOLE] = np.diag(np.concatenate([START, usual]))
     for k in range(count - 1):

@@ -94,9 +94,13 @@ def test_forecasts_are_those_of_a_filter_without_later_readings() -> None:
 def test_two_runs_of_a_flight_are_independent_but_for_the_parameters() -> None:
     """Of the second run, the likelihood and the starts begin anew; what is known adds up."""
     flight = build_flight(7)
-    parts = [replace(flight, runs=[one]) for one in ((1, 6), (7, 13))]
+    begun = np.concatenate([flight.begun, 2.0 * flight.begun])
+    parts = [
+        replace(flight, runs=[one], begun=begun[k : k + 1])
+        for k, one in enumerate(((1, 6), (7, 13)))
+    ]
     first, second = (filter_flight(one, NOISE, np.array([3, 8]), HORIZONS) for one in parts)
-    whole = replace(flight, runs=[(1, 6), (7, 13)])
+    whole = replace(flight, runs=[(1, 6), (7, 13)], begun=begun)
     both = filter_flight(whole, NOISE, np.array([3, 8]), HORIZONS)
     np.testing.assert_allclose(both.products, first.products + second.products, rtol=1e-12)
     total = first.log_determinant + second.log_determinant

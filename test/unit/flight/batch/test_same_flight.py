@@ -31,7 +31,7 @@ from lta_sim import compiled_sensors
 from lta_sim.compiled_sensors import ImuAxes, SensorErrors
 from lta_sim.simulated_vehicle import SimulatedVehicle
 from lta_sim.termination import REACHED
-from lta_vlc.direction import PART
+from lta_vlc.direction import RAYLEIGH_SHARE
 from lta_vlc.receiver import BeaconReceiver
 import numpy as np
 import pytest
@@ -79,7 +79,7 @@ class LoopNoise:
         if len(self._beacons) > 1:
             self._listener.prioritize_beacon(self._beacons[lamp])
         peaks = self._listener.demodulate_next_block(block).peaks[0]
-        errors = np.where(peaks.snr > 0.0, PART * peaks.noise, math.inf)
+        errors = np.where(peaks.snr > 0.0, RAYLEIGH_SHARE * peaks.noise, math.inf)
         return tuple(tuple(each.tolist()) for each in (peaks.amplitude, peaks.snr, errors))
 
 

@@ -4,10 +4,9 @@ import itertools
 import math
 
 from lta_config.errors import BadInput
-from lta_config.files import find_file
+from lta_config.files import find_file, format_error
 from lta_config.parameter_override import parse_assignment
 from lta_config.schema.sweep_file import Distribution, load_sweep, SweepFile
-from lta_config.validation_errors import format_error
 from lta_flight.flight_spec import build_loop, load_spec, to_set_args
 from lta_flight.sweep.parameter_sampling import sample_parameter
 from lta_flight.sweep.plan import convert_to_si, SweepPlan

@@ -3,8 +3,7 @@
 import json
 
 from lta_cli.app import run_command_line
-from lta_config.schema.cell_file import load_cell_file
-from lta_config.schema.cell_table import load_cell_table
+from lta_config.schema.cell_file import load_cell_file, load_cell_table
 from lta_config.schema.vehicle_file import load_vehicle_file
 from lta_studies.energy.cells.arrays import (
     build_all_arrays,

@@ -22,7 +22,7 @@ from lta_studies.light.bearing.run import (
 from lta_studies.light.bearing.score import BearingScore, score_readings
 from lta_studies.light.bearing.study import DISTANCE, list_directions, pose_for_lamp_direction
 from lta_vlc.demodulation import Peaks
-from lta_vlc.direction import PART
+from lta_vlc.direction import RAYLEIGH_SHARE
 import numpy as np
 import pytest
 from scipy.optimize import least_squares
@@ -135,7 +135,7 @@ def test_the_bound_is_that_of_many_fits_of_a_known_model():
             lambda v, read=read: (expect(v) - read) / deviation, truth, x_scale=truth
         )
         found.append(fit.x[0])
-    level = np.full(8, noise / PART)
+    level = np.full(8, noise / RAYLEIGH_SHARE)
     peaks = Peaks(clean, clean / level, np.full(8, 150.0), level)
     # 600 fits know a deviation to 3 %.
     bound = bearing_bound(diodes, peaks, azimuth, elevation)

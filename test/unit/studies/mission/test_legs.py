@@ -2,10 +2,9 @@
 
 from leg_validation import compare_leg_with_loop
 from lta_config.schema.mission_file import load_mission
-from lta_energy.circuit import total_stored_energy
 from lta_energy.irradiance import DARK
-from lta_model.electrical.charger import resting_flow
-from lta_model.light.ray_bundles import LAMPS, scratch_size
+from lta_model.electrical.charger import resting_flow, total_stored_energy
+from lta_model.light.ray_integration import LAMP_ROWS, scratch_size
 from lta_sim import light_link as heard
 from lta_studies.mission.leg_state import (
     DONE,
@@ -136,9 +135,9 @@ def test_flights_cost_what_the_full_loop_says(scenes):
 def test_what_a_room_throws_back_of_a_lantern_is_a_number(scenes, made):
     """Its light falls off slower than by the cosine: half power at 85 degrees."""
     listening = made.craft.listening
-    out, scratch = np.zeros((LAMPS + 1, 8)), np.zeros(scratch_size(1))
+    out, scratch = np.zeros((LAMP_ROWS + 1, 8)), np.zeros(scratch_size(1))
     heard.write_ring_light(listening, (0.0, -2.0, 1.3), (0.0, 0.0, 0.0, 1.0), out, scratch)
     assert scenes.lamp('aisle').order < 0.3
     assert np.isfinite(out).all()
-    assert out[LAMPS].max() == pytest.approx(out[LAMPS, 0])  # the diode that faces it
-    assert 30.0 < out[LAMPS, 0] < 300.0
+    assert out[LAMP_ROWS].max() == pytest.approx(out[LAMP_ROWS, 0])  # the diode that faces it
+    assert 30.0 < out[LAMP_ROWS, 0] < 300.0

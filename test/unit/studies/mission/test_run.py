@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 from lta_config.errors import BadInput
 from lta_energy.circuit import EnergyTotals
-from lta_energy.mission_log import MissionFlight, MissionLog
+from lta_energy.mission import MissionFlight, MissionLog
 from lta_report.study import StudyOptions
 from lta_report.study_store import StudyStore
 from lta_studies.mission import run as running

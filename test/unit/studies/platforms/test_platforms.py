@@ -7,8 +7,7 @@ import math
 
 from lta_config.errors import BadInput
 from lta_config.files import find_file, load_yaml
-from lta_config.schema.comparison_file import EntryChange, load_comparison
-from lta_config.schema.maneuver_file import load_maneuver_file
+from lta_config.schema.comparison_file import EntryChange, load_comparison, load_maneuver_file
 from lta_control import autopilot
 from lta_flight.flight_spec import build_loop, load_spec
 from lta_model.limits import level_speed

@@ -261,7 +261,7 @@ def test_gains_that_may_ask_for_less_hold_less(monkeypatch):
     assert feeble.demand == pytest.approx(1e3 * 0.1 / STANDARD_GRAVITY - 2.0)
     assert (feeble.grams, feeble.fails) == (0.0, pytest.approx(14.6, abs=0.05))
     assert strong.grams == pytest.approx(14.6, abs=0.05)
-    # 0.5 to 2.3 g a day through 2.5 m2 (lta_model.effects.weight.helium_leak).
+    # 0.5 to 2.3 g a day through 2.5 m2 (lta_model.effects.gas).
     assert strong.days == pytest.approx((14.6 / 2.3, 14.6 / 0.5), rel=0.05)
 
 

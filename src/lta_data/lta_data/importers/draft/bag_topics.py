@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, Final, final, NamedTuple
 
 from lta_config.errors import BadInput
-from lta_config.schema.import_file import AXES, ImportMapping
+from lta_config.schema.import_file import FIELD_AXES, ImportMapping
 from lta_data.importers.axes import signed_permutation
 from lta_data.importers.draft.array_commands import ask_for_columns
 from lta_data.importers.draft.choices import DraftChoices
@@ -238,7 +238,7 @@ def _place_in_our_axes(
     if place is None or turn is None or axes is None:
         return None
     world, body = (
-        signed_permutation(AXES[one] if isinstance(one, str) else one)
+        signed_permutation(FIELD_AXES[one] if isinstance(one, str) else one)
         for one in (axes.world, axes.body)
     )
     count = min(len(place), len(turn))

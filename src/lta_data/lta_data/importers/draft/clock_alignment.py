@@ -6,7 +6,7 @@ from typing import Any, Final, final, NamedTuple
 
 from lta_config.errors import BadInput
 from lta_config.quantity import Quantity
-from lta_config.schema.import_file import AXES
+from lta_config.schema.import_file import FIELD_AXES
 from lta_data.data_quality.smoothing import hann_kernel, smooth_columns
 from lta_data.importers.axes import signed_permutation
 from lta_data.importers.draft.attitude_readings import body_rates_of, differentiate
@@ -174,7 +174,9 @@ def _read_draft(name: str, draft: TableDraft, table: Columns) -> TimedTable:
     if motion is None or motion.turn is None or motion.evidence.position is None:
         return TimedTable(name, first, seconds, commands)
     axes: list[Any] = [None, None] if draft.axes is None else [draft.axes.world, draft.axes.body]
-    world, body = (signed_permutation(AXES[one] if isinstance(one, str) else one) for one in axes)
+    world, body = (
+        signed_permutation(FIELD_AXES[one] if isinstance(one, str) else one) for one in axes
+    )
     # A draft looks at the first rows only
     count = len(motion.turn)
     turn = Rotation.from_matrix(world @ motion.turn.as_matrix() @ body.T)

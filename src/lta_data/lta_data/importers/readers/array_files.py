@@ -11,8 +11,8 @@ from lta_config.limits import (
     check_log_size,
     INFLATED_FREELY,
     INFLATION,
+    limit_memory,
 )
-from lta_config.process_limits import limit_memory
 from lta_data.importers.readers.column_log import Column
 from lta_data.importers.readers.mat_process import read_mat_arrays
 import numpy as np

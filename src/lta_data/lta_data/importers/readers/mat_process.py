@@ -16,8 +16,7 @@ import tempfile
 from typing import Any
 
 from lta_config.errors import BadInput
-from lta_config.limits import check_column_count
-from lta_config.process_limits import limit_memory
+from lta_config.limits import check_column_count, limit_memory
 import numpy as np
 from numpy.typing import NDArray
 

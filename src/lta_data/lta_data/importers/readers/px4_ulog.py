@@ -12,8 +12,7 @@ import struct
 from typing import Any
 
 from lta_config.errors import BadInput
-from lta_config.limits import check_log_size
-from lta_config.process_limits import limit_memory
+from lta_config.limits import check_log_size, limit_memory
 from lta_config.schema.import_file import ImportMapping as MappingFile
 from lta_data.importers.log_provenance import CLOCK
 from lta_data.importers.log_table import LogTable, Times

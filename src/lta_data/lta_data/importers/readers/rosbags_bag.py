@@ -14,7 +14,7 @@ from typing import Any, final
 
 from lta_bridge.bag.schemas import load_jazzy_types
 from lta_config.errors import BadInput
-from lta_config.process_limits import limit_memory
+from lta_config.limits import limit_memory
 from lta_config.schema.import_file import ImportMapping as MappingFile
 from lta_data.importers.protocol import PassThroughMessage, RawTopic, Reached
 from lta_data.importers.readers.bag_safety_checks import refuse_hostile_bag

@@ -3,7 +3,7 @@
 import math
 from typing import Final
 
-from lta_energy.break_even_illuminance import LAMPS, MOST
+from lta_energy.harvest import HIGHEST_ILLUMINANCE, LAMPS
 from lta_report.drawing import add_legend, create_figure
 from lta_report.formatting import Tile
 from lta_report.palette import ESTIMATE, GOOD, LAMP, TRUTH, WALL
@@ -58,7 +58,7 @@ def format_headline(result: BreakEvenMap) -> str:
     needed = [
         f'{format_klux(each)} klx of {name}'
         for each, name in zip(lux, LIGHTS, strict=True)
-        if math.isfinite(each) and each <= MOST
+        if math.isfinite(each) and each <= HIGHEST_ILLUMINANCE
     ]
     if not needed:
         return f'{result.vehicle} cannot idle indefinitely at any illuminance.'

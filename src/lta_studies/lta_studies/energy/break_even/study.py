@@ -6,14 +6,14 @@ from typing import Final, final
 
 from lta_config.errors import BadInput
 from lta_config.schema.cell_file import load_cell_file
-from lta_energy.break_even_illuminance import (
+from lta_energy.harvest import (
     break_even_illuminance,
     charging_power,
+    HarvestCurve,
+    HIGHEST_ILLUMINANCE,
     LAMPS,
-    LEAST,
-    MOST,
+    LOWEST_ILLUMINANCE,
 )
-from lta_energy.harvest import HarvestCurve
 from lta_model.electrical.charger import ChargerModel
 from lta_model.vehicle import Vehicle
 import numpy as np
@@ -52,7 +52,7 @@ class BreakEvenMap:
         self, array: CandidateArray, lamp: str
     ) -> tuple[list[float], list[float]]:
         """Return illuminances [lx] and the charger output there [W]."""
-        lux = np.geomspace(LEAST, MOST, POINTS).tolist()
+        lux = np.geomspace(LOWEST_ILLUMINANCE, HIGHEST_ILLUMINANCE, POINTS).tolist()
         return lux, [
             charging_power(array.harvest, self.charger, LAMPS[lamp], each) for each in lux
         ]
@@ -62,7 +62,9 @@ class BreakEvenMap:
         thresholds = {
             f'{array.count} x {array.name}': {
                 lamp: {
-                    task: None if (lux := self.break_even_lux(array, lamp, load)) > MOST else lux
+                    task: None
+                    if (lux := self.break_even_lux(array, lamp, load)) > HIGHEST_ILLUMINANCE
+                    else lux
                     for task, load in self.loads.items()
                 }
                 for lamp in LAMPS
@@ -117,4 +119,4 @@ def compute_break_even_map(vehicle: Vehicle, cells: Sequence[str], budget: float
 
 def format_klux(lux: float) -> str:
     """Format an illuminance [lx] in klx, without the unit, or 'never'."""
-    return 'never' if lux > MOST else f'{lux / 1e3:.1f}'
+    return 'never' if lux > HIGHEST_ILLUMINANCE else f'{lux / 1e3:.1f}'

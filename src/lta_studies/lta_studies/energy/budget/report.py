@@ -3,7 +3,7 @@
 from typing import Final
 
 from lta_config.command_line import format_lta_command
-from lta_energy import rotor
+from lta_model.electrical.loads import BENCH, power_at_duty
 from lta_report.drawing import add_legend, create_figure, EndLabel, label_ends
 from lta_report.formatting import format_number, MISSING, Tile
 from lta_report.palette import ESTIMATE, GOOD, INK, LAMP, RAW, SOFT, TRUTH
@@ -199,7 +199,7 @@ def draw_rotor_power(result: PowerBudget) -> Figure:
     loads, labels = result.loads, []
     for voltage, colour in VOLTAGES:
         power = [
-            rotor.power_at_duty(each, voltage, loads.rotor_offset, loads.rotor_slope)
+            power_at_duty(each, voltage, loads.rotor_offset, loads.rotor_slope)
             for each in duty.tolist()
         ]
         figure.add_trace(
@@ -207,18 +207,18 @@ def draw_rotor_power(result: PowerBudget) -> Figure:
                     line={'color': colour, 'width': 1.6}, hovertemplate='%{y:.2f} W')
         )  # fmt: skip
         labels.append(EndLabel(f'{voltage} V', power[-1], colour))
-    idle = rotor.BENCH[0].power
+    idle = BENCH[0].power
     figure.add_trace(
         Scatter(
-            x=[row.duty for row in rotor.BENCH],
+            x=[row.duty for row in BENCH],
             # The bench data are for four rotors, including the electronics (row 0).
-            y=[(row.power - idle) / 4.0 for row in rotor.BENCH], mode='markers', name='bench',
+            y=[(row.power - idle) / 4.0 for row in BENCH], mode='markers', name='bench',
             marker={'color': LAMP, 'size': 6},
-            text=[f'{row.voltage} V' for row in rotor.BENCH],
+            text=[f'{row.voltage} V' for row in BENCH],
             hovertemplate='bench data: %{y:.2f} W at %{text}',
         )
     )  # fmt: skip
-    last = rotor.BENCH[-1]
+    last = BENCH[-1]
     figure.add_annotation(
         x=last.duty,
         y=(last.power - idle) / 4.0,

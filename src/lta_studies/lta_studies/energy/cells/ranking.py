@@ -10,8 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import final
 
-from lta_config.schema.cell_file import CellFile, load_cell_file
-from lta_config.schema.cell_table import CellTable, CellTableRow
+from lta_config.schema.cell_file import CellFile, CellTable, CellTableRow, load_cell_file
 
 
 @final

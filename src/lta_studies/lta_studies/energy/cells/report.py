@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Final
 
-from lta_config.schema.cell_table import CellTable
+from lta_config.schema.cell_file import CellTable
 from lta_config.schema.vehicle_energy import EnergyBlock
 from lta_report.drawing import add_legend, create_figure
 from lta_report.formatting import format_number, Tile

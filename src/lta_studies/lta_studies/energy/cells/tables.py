@@ -3,8 +3,7 @@
 from collections.abc import Sequence
 from typing import Any, Final
 
-from lta_config.schema.cell_file import CellFile
-from lta_config.schema.cell_table import CellTable
+from lta_config.schema.cell_file import CellFile, CellTable
 from lta_config.schema.vehicle_energy import EnergyBlock
 from lta_report.formatting import format_number, MISSING
 from lta_report.report import TextTable

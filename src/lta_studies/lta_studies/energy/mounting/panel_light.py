@@ -13,8 +13,8 @@ from typing import final
 
 from lta_config.schema.mount_file import MountFile
 from lta_model.effects.protocol import Vector
-from lta_model.hull import half_axes
-from lta_model.light.shade import visible_fraction
+from lta_model.light.direct_light import visible_fraction
+from lta_model.mass_properties import half_axes
 from lta_model.vehicle import Vehicle
 import numpy as np
 

@@ -13,8 +13,7 @@ from lta_studies.light.bearing.poses import Pose
 from lta_vlc.bearing import estimate_bearing
 from lta_vlc.demodulation import demodulate_beacon, Peaks, plan_bins
 from lta_vlc.diodes import build_diode_array
-from lta_vlc.direction import compile_direction_finder, DirectionFinder, PART
-from lta_vlc.gain_tracking import LearningDirectionFinder
+from lta_vlc.direction import DirectionFinder, RAYLEIGH_SHARE
 import numpy as np
 from numpy.random import Generator
 from scipy.spatial.transform import Rotation
@@ -55,7 +54,7 @@ class BearingBench:
         if truth is not None:
             self._vehicle = build_vehicle_scenario_stack(truth)[0]
         # The compiled fit is the one that flies, and fast enough for thousands of poses.
-        self._finder = compile_direction_finder(self._believed)
+        self._finder = DirectionFinder(self._believed)
         # Columns 0 to 2 are the positions of the diodes; bearings refer to their centre. [m, body]
         self._middle = self._vehicle.diodes.planes[:, :3].mean(axis=0)
         self._lamp = np.array(self.scenario.goal_lamp.position.vector)
@@ -66,9 +65,9 @@ class BearingBench:
 
     def learn_gains(
         self, pose: Pose, diodes: PhotodiodeArray, turn: int, chance: Generator
-    ) -> LearningDirectionFinder:
+    ) -> DirectionFinder:
         """Return the fit after a turn in place, of so many light blocks, that taught it gains."""
-        finder = LearningDirectionFinder(self._believed)
+        finder = DirectionFinder(self._believed, learns=True)
         for k in range(turn):
             heading = Rotation.from_euler('z', math.tau * k / turn) * Rotation.from_quat(pose[3:])
             peaks = self._simulate_peaks((*pose[:3], *heading.as_quat()), diodes, chance)
@@ -89,7 +88,7 @@ class BearingBench:
         pose: Pose,
         diodes: PhotodiodeArray,
         chance: Generator,
-        finder: DirectionFinder | LearningDirectionFinder | None = None,
+        finder: DirectionFinder | None = None,
     ) -> BearingReading:
         """
         Simulate one light block and estimate the bearing.
@@ -102,7 +101,7 @@ class BearingBench:
             The true diodes.
         chance : Generator
             Random generator of the noise and of the lamp's phase.
-        finder : DirectionFinder or LearningDirectionFinder, optional
+        finder : DirectionFinder, optional
             The fit, by default that of the vehicle file.
 
         """
@@ -153,7 +152,7 @@ def bearing_bound(
     linear = np.stack([facing, np.ones(len(axes))], axis=1)
     strength, pedestal = np.linalg.lstsq(linear, peaks.amplitude, rcond=None)[0]
     expected = strength * facing + pedestal
-    variance = (PART * peaks.noise) ** 2 + (diodes.gain_spread * expected) ** 2
+    variance = (RAYLEIGH_SHARE * peaks.noise) ** 2 + (diodes.gain_spread * expected) ** 2
     jacobian = np.column_stack([strength * slope, linear])
     information = jacobian.T @ (jacobian / variance[:, None])
     # Schur complement of the azimuth

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import math
 from typing import final
 
-from lta_config.schema.sweep_file import CASE
+from lta_config.schema.sweep_file import CASE_COLUMN
 from lta_flight.flight_spec import FlightSpec
 from lta_flight.sweep.job_runner import FAILED, SweepRow
 from lta_flight.sweep.plan import SweepPlan
@@ -92,8 +92,8 @@ def format_case(row: SweepRow) -> str:
 
 def parse_family(row: SweepRow) -> str:
     """Return the case name if the case also has values, or without its final number."""
-    name = str(row.values.get(CASE, ''))
-    if row.values.keys() - {CASE, STRATEGY}:
+    name = str(row.values.get(CASE_COLUMN, ''))
+    if row.values.keys() - {CASE_COLUMN, STRATEGY}:
         return name
     word, _, number = name.rpartition('_')
     return word if number.isdecimal() else ''

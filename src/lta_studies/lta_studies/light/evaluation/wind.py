@@ -11,7 +11,7 @@ from typing import Final
 
 from lta_control.cascade import CascadeGains
 from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec
-from lta_model.scenario_air import AXES
+from lta_model.scenario_air import WIND_AXES
 from lta_model.vehicle import load_vehicle
 from lta_sim import wind_limits
 
@@ -34,7 +34,7 @@ def wind_to_airspeed_ratio(spec: FlightSpec) -> float:
         # Out of a building: the stronger of the winds inside and outside
         mean = max(mean, math.hypot(*scenario.outside.wind.vector))
     eddies = air.collect_effects(0.0).get('turbulence', {})
-    deviation = max((eddies[axis] for axis in AXES if eddies), default=0.0)
+    deviation = max((eddies[axis] for axis in WIND_AXES if eddies), default=0.0)
     if (reference := eddies.get('mean', 0.0)) > 0.0:
         deviation *= min(mean / reference, 1.0)  # it follows the mean wind near the ground
     top = level_airspeed(spec.names['vehicle'], air.density)

@@ -13,11 +13,10 @@ from typing import final
 
 from lta_config.errors import BadInput
 from lta_config.topics import load_topic_table
+from lta_model.light.direct_light import build_beam, direct_light
 from lta_model.light.field import LightField
-from lta_model.light.lambertian import build_beam, direct_light
-from lta_model.light.reflections import build_field_geometry
 from lta_model.light.scene_geometry import is_in_room
-from lta_model.light.view import LightView, Pose
+from lta_model.light.view import build_field_geometry, LightView, Pose
 from lta_model.scenario import Scenario
 from lta_model.sensors.photodiode import PhotodiodeArray
 from lta_model.vehicle import Vehicle

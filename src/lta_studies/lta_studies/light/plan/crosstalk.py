@@ -9,7 +9,7 @@ noise is the crosstalk.
 from collections.abc import Sequence
 import math
 
-from lta_model.light.modulation import NANOSECONDS, SquareWave
+from lta_model.light.lamp import NANOSECONDS, SquareWave
 from lta_studies.light.plan.polygon import Array
 from lta_studies.light.plan.receiver import LightReceiver
 from lta_vlc.demodulation import find_peaks, plan_bins

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import final
 
 from lta_config.errors import BadInput
-from lta_model.hull import half_axes
+from lta_model.mass_properties import half_axes
 from lta_model.vehicle import Vehicle
 from lta_studies.light.plan.floor_plan import FloorPlan
 from lta_studies.light.plan.polygon import (

@@ -16,7 +16,7 @@ import math
 from typing import Final
 
 from lta_model.effects.protocol import Vector
-from lta_model.light.lambertian import DiodeResponse, unpack_beam
+from lta_model.light.direct_light import DiodeResponse, unpack_beam
 from lta_studies.light.plan.rays import Array, diode_light
 
 PURE: Final = 2.0  # required amplitude ratio of a lamp to the crosstalk in its window

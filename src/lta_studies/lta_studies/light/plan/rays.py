@@ -1,7 +1,7 @@
 """
 Compute the light of a lamp on the photodiode ring over every cell, at the worst heading.
 
-These functions are compiled. Only direct light counts (`lta_model.light.lambertian`). A lamp can
+These functions are compiled. Only direct light counts (`lta_model.light.direct_light`). A lamp can
 be hidden by the drone's own hull, by walls and by obstacles. For walls and obstacles, the line of
 sight of the ring's centre stands for all diodes.
 """
@@ -9,8 +9,13 @@ sight of the ring's centre stands for all diodes.
 import math
 
 from lta_model.effects.protocol import Vector
-from lta_model.light.lambertian import angular_response, DiodeResponse, direct_light, LampBeam
-from lta_model.light.shade import visible_fraction
+from lta_model.light.direct_light import (
+    angular_response,
+    DiodeResponse,
+    direct_light,
+    LampBeam,
+    visible_fraction,
+)
 import numpy as np
 from numpy.typing import NDArray
 

@@ -9,12 +9,11 @@ import math
 from typing import Final
 
 from lta_config.compilation.compiler import compile_functions
-from lta_model.hull import half_axes
+from lta_model.light.direct_light import build_beam, DiodeResponse
 from lta_model.light.field import LightField
-from lta_model.light.lambertian import build_beam, DiodeResponse
-from lta_model.light.lamp import BeaconLamp
-from lta_model.light.modulation import SquareWave
-from lta_model.light.ray_bundles import LAMPS, scratch_size, SHARE
+from lta_model.light.lamp import BeaconLamp, SquareWave
+from lta_model.light.ray_integration import LAMP_ROWS, scratch_size, UNIFORM_ROW
+from lta_model.mass_properties import half_axes
 from lta_report.json_value import ExactArray
 from lta_report.line_log import LogKind
 from lta_report.study_store import StoreFormat
@@ -186,10 +185,10 @@ def ambient_shares(plan: FloorPlan, ear: LightReceiver) -> Array:
     # The shares of ambient light do not depend on the lamp, so any lamp will do.
     nowhere = LampMount((0.0, 0.0, plan.lamp.height.si), (1.0, 0.0, 0.0))
     link = build_lamp_link(plan, ear, nowhere, LOWEST)
-    out = np.empty((LAMPS + 1, len(link.planes)))
+    out = np.empty((LAMP_ROWS + 1, len(link.planes)))
     scratch = np.empty(scratch_size(1))
     write_ring_light(link, (0.0, 0.0, plan.altitude.si), (0.0, 0.0, 0.0, 1.0), out, scratch)
-    return np.asarray(out[SHARE])
+    return np.asarray(out[UNIFORM_ROW])
 
 
 def _prepare_cells(

@@ -25,7 +25,7 @@ from lta_studies.light.bearing.study import DIRECTIONS, RingStudy
 from lta_vlc.bearing import estimate_bearing
 from lta_vlc.demodulation import demodulate_block, plan_bins
 from lta_vlc.diodes import build_diode_array, DiodeArray
-from lta_vlc.direction import compile_direction_finder
+from lta_vlc.direction import DirectionFinder
 from lta_vlc.lamp import LampPrior
 from lta_vlc.settings import DemodulationSettings
 import numpy as np
@@ -116,7 +116,7 @@ def evaluate_turn(
     """
     light = load_topic_table().light
     bins = plan_bins(demodulation, light.sample_rate.si, light.samples)
-    finder = compile_direction_finder(diodes)
+    finder = DirectionFinder(diodes)
     # Half the duration of a block [s]; the truth is taken at its middle.
     half = 0.5 * light.samples / light.sample_rate.si
     lamp = _build_true_direction(flight, table)

@@ -6,13 +6,11 @@ from statistics import geometric_mean
 
 from lta_config.command_line import format_lta_command
 from lta_config.files import find_file, load_yaml, validate_content
-from lta_config.schema.cell_file import CellFile
-from lta_config.schema.cell_table import CellTable, load_cell_table
+from lta_config.schema.cell_file import CellFile, CellTable, load_cell_table
 from lta_config.schema.parameter_ranges import draw_content
 from lta_config.schema.vehicle_energy import EnergyBlock
 from lta_config.schema.vehicle_file import load_vehicle_file, VehicleFile
-from lta_energy.break_even_illuminance import break_even_illuminance, LightSource
-from lta_energy.harvest import HarvestCurve
+from lta_energy.harvest import break_even_illuminance, HarvestCurve, LightSource
 from lta_model.electrical.charger import ChargerModel
 from lta_model.light.spectral_factor import luminous_efficacy, spectral_factor
 from lta_studies.energy.cells.arrays import (

@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import Final
 
 from lta_config.command_line import format_lta_command
-from lta_energy.break_even_illuminance import charging_power, LAMPS
-from lta_energy.harvest import HarvestCurve, WHITE_LED
+from lta_energy.harvest import charging_power, HarvestCurve, LAMPS, WHITE_LED
 from lta_flight.flight_spec import build_vehicle_scenario_stack, load_spec
 from lta_model.electrical.panel import cell_spectral_factor, SolarArrayModel
 from lta_model.vehicle import load_vehicle, Vehicle

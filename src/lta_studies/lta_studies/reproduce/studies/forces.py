@@ -8,8 +8,8 @@ from typing import Final
 from lta_config.command_line import format_lta_command
 from lta_config.constants import AIR_DENSITY
 from lta_config.schema.comparison_file import load_comparison
-from lta_energy.rotor import BENCH
 from lta_flight.flight_spec import build_vehicle_scenario_stack, load_spec
+from lta_model.electrical.loads import BENCH
 from lta_model.vehicle import load_vehicle, Vehicle
 from lta_report.drawing import add_legend, create_figure
 from lta_report.palette import LAMP, SOFT, TRUTH

@@ -8,8 +8,8 @@ from typing import Final
 
 from lta_config.command_line import format_lta_command
 from lta_config.constants import AIR_DENSITY, STANDARD_GRAVITY
-from lta_model import hull
-from lta_model.hover import select_lifting_rotors
+from lta_model import mass_properties
+from lta_model.propulsion import select_lifting_rotors
 from lta_model.vehicle import Vehicle
 from lta_report.drawing import create_figure
 from lta_report.palette import GRID, INK, PAPER, TRUTH
@@ -148,7 +148,7 @@ def greatest_extent(vehicle: Vehicle) -> float:
     span = max(math.dist(a, b) for a, b in combinations(places, 2))
     if vehicle.file.hull.shape == 'none':
         return span
-    return max(span, 2.0 * max(hull.half_axes(vehicle.file.hull)))
+    return max(span, 2.0 * max(mass_properties.half_axes(vehicle.file.hull)))
 
 
 def count_thrust_lines(vehicle: Vehicle) -> float:

@@ -1,1 +1,0 @@
-"""What a node says when it is started with `--help`."""

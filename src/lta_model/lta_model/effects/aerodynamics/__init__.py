@@ -1,1 +1,0 @@
-"""Drag, damping, lift and added mass."""

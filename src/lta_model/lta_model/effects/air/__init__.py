@@ -1,1 +1,0 @@
-"""Wind, gusts and turbulence."""

@@ -1,1 +1,0 @@
-"""Forces of floor, walls and ceiling."""

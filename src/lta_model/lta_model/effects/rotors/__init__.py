@@ -1,1 +1,0 @@
-"""Motors, rotors, and the influence of nearby surfaces on their thrust."""

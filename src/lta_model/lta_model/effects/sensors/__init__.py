@@ -1,1 +1,0 @@
-"""Errors of sensors, of the tracker and of clocks."""

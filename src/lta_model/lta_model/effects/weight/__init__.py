@@ -1,1 +1,0 @@
-"""Mass, its distribution, and the lift of the gas."""
