@@ -140,6 +140,23 @@ def eliminate_own(products: Array, prior: ParameterPrior) -> tuple[Array, float]
     return left, -0.5 * float(size)
 
 
+def build_moments_root(products: Array, prior: ParameterPrior, mean: Array, root: Array) -> Array:
+    """
+    Return a square root of the second moments of all parameters of a flight and of 1.
+
+    `mean`: of the shared parameters, shape (K,). `root`: a square root of the covariance of the
+    free ones, shape (F, F).
+    """
+    free, own = np.flatnonzero(prior.free), np.flatnonzero(prior.own)
+    out = np.zeros((len(mean) + 1, len(free) + len(own) + 1))
+    out[free, : len(free)], out[free, -1], out[-1, -1] = root, mean[free], 1.0
+    if len(own):
+        inner = products[np.ix_(own, own)] + np.diag(prior.deviation[own] ** -2.0)
+        out[own] = -np.linalg.solve(inner, products[own] @ out)
+        out[own, len(free) : -1] = np.linalg.inv(np.linalg.cholesky(inner)).T
+    return out
+
+
 def estimate_own(products: Array, prior: ParameterPrior, covariance: Array) -> tuple[Array, Array]:
     """
     Return what a flight has of its own, and its covariance, 0 for other parameters.

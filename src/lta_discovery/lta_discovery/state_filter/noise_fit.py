@@ -1,6 +1,6 @@
 """Learn the noise of the tracker of each flight, and the forces that nothing explains."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -9,13 +9,20 @@ from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.parallel import map_parallel
 from lta_discovery.state_filter.kalman import AXES
 from lta_discovery.state_filter.likelihood import (
-    filter_all,
+    build_moments_root,
     ParameterPrior,
     sum_likelihoods,
 )
 from lta_discovery.state_filter.linear_flight import LinearFlight
 from lta_discovery.state_filter.motion import SHORTEST
 from lta_discovery.state_filter.noise_model import GUESS_LOGARITHMS, NoiseModel
+from lta_discovery.state_filter.smoothing import (
+    filter_run,
+    FilteredRun,
+    go_back,
+    log_slopes,
+    sum_runs,
+)
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
@@ -23,13 +30,12 @@ from scipy.optimize import minimize
 Array = NDArray[np.float64]
 
 LEARNED: Final = 1500  # grid points of all flights from which the forces are learned; 60 s
-ITERATIONS: Final = 12  # most steps of the search
+ITERATIONS: Final = 30  # most steps of the search
 # Standard deviation of the logarithm of each learned number about its first guess
 SPREAD: Final = np.array([1.0] * 4 + [0.3] + [3.0] * 6 + [0.7] * 2)
 FURTHEST: Final = 2.5  # of these deviations; bounds of the search
-NUDGE: Final = 1e-3  # of a number in the unit of its width, for a slope
 BEND: Final = 0.05  # of the prior deviation of a number, for a curvature
-SETTLED: Final = 1e-7  # of the cost; the search ends at a smaller gain
+SETTLED: Final = 1e-8  # of the cost; the search ends at a smaller gain
 SENSOR: Final = 5  # of these numbers, the first, that belong to the sensors of a flight
 
 
@@ -108,12 +114,13 @@ def _maximize(
         more[which] = change
         return [one.with_logarithms(at + more) for one, at in zip(noise, begin, strict=True)]
 
-    def cost(change: Array) -> float:
-        filtered = filter_all(flights, build(change))
+    def measure(change: Array) -> tuple[float, Array]:
+        """Return the cost and its slopes."""
+        models = build(change)
+        evidence, slopes = _measure_evidence(flights, prior, values, models, is_near)
         off = (begin[0] - first)[which] + change
-        doubt = 0.5 * float(np.sum((off / SPREAD[which]) ** 2))
-        sums = sum_likelihoods(filtered, prior, values)
-        return doubt - (sums.near_evidence if is_near else sums.evidence)
+        cost = 0.5 * float(np.sum((off / SPREAD[which]) ** 2)) - evidence
+        return cost, off / SPREAD[which] ** 2 - slopes[which]
 
     limit = FURTHEST * SPREAD[which]
     bounds = np.stack([-limit, limit]) - (begin[0] - first)[which]
@@ -122,23 +129,54 @@ def _maximize(
     least[SENSOR : SENSOR + AXES] = np.log(wrench_floor(flights[0].nominal))
     bounds = np.maximum(bounds, (least - begin[0])[which])
     start = np.clip(np.zeros(len(which)), *bounds)
-    scale = _measure_widths(cost, start, SPREAD[which])
+    # In the unit in which each number is known, as white noise is much better than slow forces
+    nudges = BEND * SPREAD[which]
+    bends = [
+        (measure(start + one)[1] - measure(start)[1])[k] / one[k]
+        for k, one in enumerate(np.diag(nudges))
+    ]
+    unit = 1.0 / np.sqrt(np.maximum(bends, SPREAD[which] ** -2.0))
+
+    def measure_scaled(part: Array) -> tuple[float, Array]:
+        cost, slopes = measure(start + unit * part)
+        return cost, unit * slopes
+
     best = minimize(
-        lambda part: cost(start + scale * part), np.zeros(len(which)), method='L-BFGS-B',
-        bounds=list(zip(*((bounds - start) / scale), strict=True)),
-        options={'maxiter': ITERATIONS, 'ftol': SETTLED, 'eps': NUDGE},
+        measure_scaled, np.zeros(len(which)), method='L-BFGS-B', jac=True,
+        bounds=list(zip(*((bounds - start) / unit), strict=True)),
+        options={'maxiter': ITERATIONS, 'ftol': SETTLED},
     )  # fmt: skip
-    return build(start + scale * best.x)
+    return build(start + unit * best.x)
 
 
-def _measure_widths(cost: Callable[[Array], float], start: Array, widest: Array) -> Array:
-    """
-    Return how far each number moves until the cost changes by half a nat, by its curvature.
+def _measure_evidence(
+    flights: Sequence[LinearFlight],
+    prior: ParameterPrior,
+    values: Array,
+    noise: Sequence[NoiseModel],
+    is_near: bool,
+) -> tuple[float, Array]:
+    """Return the evidence of some flights, and its slopes by the learned numbers of the noise."""
 
-    In these units the search is well conditioned; the white noise of a thousand readings is known
-    much better than a force that acts slowly.
-    """
-    middle, nudges = cost(start), np.diag(BEND * widest)
-    bends = np.array([cost(start + one) - 2.0 * middle + cost(start - one) for one in nudges])
-    curvature = np.maximum(bends / (BEND * widest) ** 2, widest**-2.0)
-    return 1.0 / np.sqrt(curvature)
+    def filter_whole(one: tuple[LinearFlight, NoiseModel]) -> list[FilteredRun]:
+        return [filter_run(*one, k) for k in range(len(one[0].runs))]
+
+    runs = map_parallel(filter_whole, list(zip(flights, noise, strict=True)))
+    filtered = [sum_runs(each) for each in runs]
+    sums = sum_likelihoods(filtered, prior, values)
+    free = np.ix_(prior.free, prior.free)
+    mean = np.zeros(len(values))
+    if not is_near:
+        mean[prior.free] = np.linalg.solve(sums.inner[free], sums.pull[prior.free])
+    root = np.linalg.inv(np.linalg.cholesky(sums.inner[free])).T
+
+    def go_back_whole(f: int) -> Array:
+        mix = build_moments_root(filtered[f].products, prior, mean, root)
+        slopes = np.zeros(len(SPREAD))
+        for k, run in enumerate(runs[f]):
+            mixed = run._replace(innovations=run.innovations @ mix, states=run.states @ mix)
+            slopes += log_slopes(noise[f], go_back(flights[f], noise[f], k, mixed)[2])
+        return slopes
+
+    evidence = sums.near_evidence if is_near else sums.evidence
+    return evidence, np.sum(map_parallel(go_back_whole, range(len(flights))), axis=0)

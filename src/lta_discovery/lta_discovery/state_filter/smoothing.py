@@ -2,13 +2,23 @@
 Smooth a linearized flight: the most probable states and unexplained wrench, by all readings.
 
 The backward pass is that of Bryson and Frazier, which inverts no covariance of states (Bierman,
-Factorization methods for discrete sequential estimation, 1977, chapter X).
+Factorization methods for discrete sequential estimation, 1977, chapter X). What it carries also
+tells how the likelihood changes with the noise (Koopman and Shephard, Biometrika 79, 1992).
 """
 
+from collections.abc import Sequence
 from typing import Final, final, NamedTuple
 
+from lta_discovery.flights.measured_flight import PERIOD
 from lta_discovery.replay.variational_equation import apply_state_changes
-from lta_discovery.state_filter.kalman import AXES, BODY, describe_noise, PRESSURE, SIZE
+from lta_discovery.state_filter.kalman import (
+    AXES,
+    BODY,
+    describe_noise,
+    FilteredFlight,
+    PRESSURE,
+    SIZE,
+)
 from lta_discovery.state_filter.linear_flight import LinearFlight, POSE
 from lta_discovery.state_filter.noise_model import NoiseModel
 from numba import njit
@@ -16,8 +26,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
 
 WRENCH: Final = slice(BODY, BODY + AXES)
+FADING: Final = SIZE - BODY  # states that fade: wrench, and errors of tracker and barometer
 
 
 @final
@@ -29,98 +41,252 @@ class SmoothedFlight(NamedTuple):
     deviation: Array  # standard deviation of the wrench, shape (n, 6)
 
 
+@final
+class FilteredRun(NamedTuple):
+    """
+    All that a filter computes in a run of k grid points, with C columns.
+
+    A column is a slope by a parameter; the last one is the value where the parameters are 0. Of m
+    channels, those that were read come first.
+    """
+
+    number: Indices  # channels that were read at a point, shape (k,)
+    which: Indices  # these channels, shape (k, m)
+    rows: Array  # of their readings, by the state, shape (k, m, SIZE)
+    lower: Array  # Cholesky factors of the covariances of the innovations, shape (k, m, m)
+    innovations: Array  # whitened, shape (k, m, C)
+    gains: Array  # whitened, shape (k, m, SIZE)
+    states: Array  # by the readings up to a point, shape (k, SIZE, C)
+    spread: Array  # covariance of these, shape (k, SIZE, SIZE)
+
+
+@final
+class NoiseSlopes(NamedTuple):
+    """Slopes of the log likelihood of a run by the noise."""
+
+    first: Array  # by the variances of fading states in the beginning, shape (FADING,)
+    added: Array  # by the variances added in each period, shape (FADING,)
+    fading: Array  # by the factors kept in each period, shape (FADING,)
+    white: Array  # by the variances of readings, shape (m,)
+
+
 def smooth_flight(flight: LinearFlight, noise: NoiseModel, values: Array) -> SmoothedFlight:
     """
     Smooth a flight with given parameters.
 
     `values`: relative to those about which the flight is linearized, shape (K,).
     """
-    first, added, fading = describe_noise(noise)
-    defect = flight.defect + flight.moved @ values
-    left = flight.left - flight.read_moved @ values
     states = np.full((len(flight.motion), SIZE), np.nan)
     spread = np.full((len(flight.motion), AXES), np.nan)
-    for (begin, end), begun in zip(flight.runs, flight.begun @ values, strict=True):
-        _smooth_run(
-            flight.step, flight.push, defect, left, flight.read, flight.felt, flight.count,
-            begun, begin, end, first, added, fading, noise.white**2, states, spread,
-        )  # fmt: skip
+    mean = np.append(values, 1.0)[:, None]
+    for k, (begin, end) in enumerate(flight.runs):
+        run = filter_run(flight, noise, k, mean)
+        states[begin:end], spread[begin:end] = go_back(flight, noise, k, run)[:2]
     motion = apply_state_changes(flight.motion, states[:, :BODY])
     return SmoothedFlight(motion, states[:, WRENCH], np.sqrt(spread))
 
 
+def filter_run(
+    flight: LinearFlight, noise: NoiseModel, k: int, mix: Array | None = None
+) -> FilteredRun:
+    """
+    Filter a run of a flight.
+
+    `mix`: shape (K + 1, C); the columns are those of the parameters and of the values without
+    them, times this. Without it they are those themselves.
+    """
+    (begin, end), channels = flight.runs[k], flight.left.shape[1]
+    inside = slice(begin, end)
+    moved = np.concatenate([flight.moved[inside], flight.defect[inside, :, None]], axis=2)
+    off = np.concatenate([-flight.read_moved[inside], flight.left[inside, :, None]], axis=2)
+    known = np.isfinite(flight.left[inside])
+    known[:, :POSE] &= flight.count[inside, None] > 0.0
+    off[~known] = 0.0
+    begun = np.pad(flight.begun[k], ((0, 0), (0, 1)))
+    if mix is not None:
+        moved, off, begun = moved @ mix, off @ mix, begun @ mix
+    count, columns = end - begin, begun.shape[1]
+    run = FilteredRun(
+        np.zeros(count, dtype=np.int64), np.zeros((count, channels), dtype=np.int64),
+        np.zeros((count, channels, SIZE)), np.zeros((count, channels, channels)),
+        np.zeros((count, channels, columns)), np.zeros((count, channels, SIZE)),
+        np.zeros((count, SIZE, columns)), np.zeros((count, SIZE, SIZE)),
+    )  # fmt: skip
+    _filter_run(
+        flight.step[inside], flight.push[inside], moved, off, known, flight.read[inside],
+        flight.felt[inside], flight.count[inside], begun, *describe_noise(noise),
+        noise.white**2, *run,
+    )  # fmt: skip
+    return run
+
+
+def sum_runs(runs: Sequence[FilteredRun]) -> FilteredFlight:
+    """Return the likelihood of runs of a flight, without forecasts."""
+    flat = [one.innovations.reshape(-1, one.innovations.shape[2]) for one in runs]
+    roots = [one.lower.diagonal(axis1=1, axis2=2) for one in runs]
+    log_determinant = 2.0 * sum(float(np.sum(np.log(one[one > 0.0]))) for one in roots)
+    products: Array = sum((one.T @ one for one in flat[1:]), flat[0].T @ flat[0])
+    none = np.zeros((0, 0, 0))
+    return FilteredFlight(products, log_determinant, none, none, none)
+
+
+def go_back(
+    flight: LinearFlight, noise: NoiseModel, k: int, run: FilteredRun
+) -> tuple[Array, Array, NoiseSlopes]:
+    """
+    Return the states by all readings, the variance of the wrench, and slopes by the noise.
+
+    The states are those of the last column, shape (k, SIZE). The slopes are sums over the columns,
+    as those of the columns of a square root of the second moments of the parameters are.
+    """
+    (begin, end), channels = flight.runs[k], flight.left.shape[1]
+    states, spread = np.zeros((end - begin, SIZE)), np.zeros((end - begin, AXES))
+    slopes = NoiseSlopes(*(np.zeros(n) for n in (FADING, FADING, FADING, channels)))
+    fading = describe_noise(noise)[2]
+    _go_back(
+        flight.step[begin:end], flight.push[begin:end], flight.count[begin:end], fading, *run,
+        states, spread, *slopes,
+    )  # fmt: skip
+    return states, spread, slopes
+
+
+def log_slopes(noise: NoiseModel, runs: NoiseSlopes) -> Array:
+    """Return slopes by the learned numbers of a noise model (`NoiseModel.logarithms`)."""
+    first, _, fading = (each[BODY:] for each in describe_noise(noise))
+    memory = np.concatenate([noise.memory, np.full(POSE, noise.correlation)])
+    size = 2.0 * first * (runs.first + (1.0 - fading**2) * runs.added)
+    kept = (runs.fading - 2.0 * fading * first * runs.added)[: AXES + POSE]
+    kept *= fading[: AXES + POSE] * PERIOD / memory
+    white = 2.0 * noise.white[:POSE] ** 2 * runs.white[:POSE]
+    half = AXES // 2
+    tracker, wrench = slice(AXES, AXES + POSE), slice(0, AXES)
+    return np.concatenate([
+        white.reshape(2, half).sum(axis=1),
+        size[tracker].reshape(2, half).sum(axis=1),
+        [kept[tracker].sum()],
+        size[wrench],
+        kept[wrench].reshape(2, half).sum(axis=1),
+    ])  # fmt: skip
+
+
 @njit(error_model='numpy', cache=True, nogil=True)
-def _smooth_run(
+def _filter_run(
     step: Array,
     push: Array,
-    defect: Array,
-    left: Array,
+    moved: Array,
+    off: Array,
+    known: NDArray[np.bool_],
     read: Array,
     felt: Array,
     count: Array,
     begun: Array,
-    begin: int,
-    end: int,
     first: Array,
     added: Array,
     fading: Array,
     white: Array,
+    number: Indices,
+    which: Indices,
+    rows: Array,
+    lower: Array,
+    innovations: Array,
+    gains: Array,
     states: Array,
     spread: Array,
 ) -> None:
-    """Smooth the grid points from `begin` to `end`; the last two arrays are written."""
-    size, channels, n = len(first), left.shape[1], end - begin
-    x, s = np.zeros((n, size)), np.zeros((n, size, size))
-    # Of the readings of each point: information, pull, and what an update leaves of a change
-    tells = np.zeros((n, size, size))
-    pulls, leaves = np.zeros((n, size)), np.zeros((n, size, size))
-    f, h = np.diag(fading), np.zeros((channels, size))
-    ahead, wide = np.zeros(size), np.diag(first)
-    ahead[:BODY] = begun
-    for k in range(n):
-        at, m = begin + k, 0
-        v, e = np.zeros((channels, channels)), np.zeros(channels)
-        for c in range(channels):
-            if np.isfinite(left[at, c]) and (c >= POSE or count[at] > 0.0):
-                h[m] = 0.0
-                h[m, :BODY] = read[at, c]
-                h[m, BODY : BODY + AXES] = felt[at, c]
+    """Filter all grid points of a run; the last eight arrays are written."""
+    x, s = np.zeros((SIZE, begun.shape[1])), np.diag(first)
+    x[:BODY] = begun
+    f = np.diag(fading)
+    for k in range(len(step)):
+        n = 0
+        for c in range(known.shape[1]):
+            if known[k, c]:
+                which[k, n] = c
+                rows[k, n, :BODY] = read[k, c]
+                rows[k, n, BODY : BODY + AXES] = felt[k, c]
                 if c < POSE:
-                    h[m, BODY + AXES + c] = 1.0
+                    rows[k, n, BODY + AXES + c] = 1.0
                 elif c == PRESSURE:
-                    h[m, size - 1] = 1.0
-                v[m, m] = white[c] / count[at] if c < POSE else white[c]
-                e[m] = left[at, c]
-                m += 1
-        x[k], s[k] = ahead, wide
-        leaves[k] = np.eye(size)
-        if m > 0:
-            cross = wide @ h[:m].T
-            both = np.linalg.solve(h[:m] @ cross + v[:m, :m], h[:m])
-            off = e[:m] - h[:m] @ ahead
-            pulls[k], tells[k] = both.T @ off, h[:m].T @ both
-            leaves[k] -= wide @ tells[k]
-            x[k] += wide @ pulls[k]
-            s[k] -= wide @ tells[k] @ wide
-        f[:BODY, :BODY] = step[at]
-        f[:BODY, BODY : BODY + AXES] = push[at]
-        ahead = f @ x[k]
-        ahead[:BODY] += defect[at]
-        wide = f @ s[k] @ f.T
-        for i in range(size):
-            wide[i, i] += added[i]
-    pull, tell = np.zeros(size), np.zeros((size, size))
-    for k in range(n - 1, -1, -1):
-        at = begin + k
-        states[at] = x[k] + s[k] @ pull
+                    rows[k, n, SIZE - 1] = 1.0
+                innovations[k, n] = off[k, c]
+                n += 1
+        number[k] = n
+        if n > 0:
+            h = rows[k, :n]
+            cross = h @ s
+            v = cross @ h.T
+            for i in range(n):
+                c = which[k, i]
+                v[i, i] += white[c] / count[k] if c < POSE else white[c]
+            root = np.linalg.cholesky(v)
+            lower[k, :n, :n] = root
+            gains[k, :n] = np.linalg.solve(root, cross)
+            innovations[k, :n] = np.linalg.solve(root, innovations[k, :n] - h @ x)
+            x = x + gains[k, :n].T @ innovations[k, :n]
+            s = s - gains[k, :n].T @ gains[k, :n]
+        states[k], spread[k] = x, s
+        f[:BODY, :BODY], f[:BODY, BODY : BODY + AXES] = step[k], push[k]
+        x = f @ x
+        x[:BODY] += moved[k]
+        s = f @ s @ f.T
+        for i in range(SIZE):
+            s[i, i] += added[i]
+
+
+@njit(error_model='numpy', cache=True, nogil=True)
+def _go_back(
+    step: Array,
+    push: Array,
+    count: Array,
+    fading: Array,
+    number: Indices,
+    which: Indices,
+    rows: Array,
+    lower: Array,
+    innovations: Array,
+    gains: Array,
+    states: Array,
+    spread: Array,
+    smooth: Array,
+    variance: Array,
+    by_first: Array,
+    by_added: Array,
+    by_fading: Array,
+    by_white: Array,
+) -> None:
+    """Go back through a filtered run; the last six arrays are written."""
+    r, tell = np.zeros((SIZE, states.shape[2])), np.zeros((SIZE, SIZE))
+    f = np.diag(fading)
+    for k in range(len(step) - 1, -1, -1):
+        # Back over the step to the next point
+        f[:BODY, :BODY], f[:BODY, BODY : BODY + AXES] = step[k], push[k]
+        back, ahead = f.T @ r, f.T @ tell
+        whole = states[k] + spread[k] @ back
+        for i in range(FADING):
+            j = BODY + i
+            by_added[i] += 0.5 * (np.sum(r[j] ** 2) - tell[j, j])
+            by_fading[i] += np.sum(r[j] * whole[j]) - np.sum(ahead[:, j] * spread[k, :, j])
+        r, tell = back, ahead @ f
+        smooth[k] = whole[:, -1]
         for i in range(AXES):
-            row = s[k, BODY + i]
-            spread[at, i] = row[BODY + i] - row @ tell @ row
-        # Back over the readings of this point, and the step to it
-        pull = pulls[k] + leaves[k].T @ pull
-        tell = tells[k] + leaves[k].T @ tell @ leaves[k]
-        if k > 0:
-            f[:BODY, :BODY] = step[at - 1]
-            f[:BODY, BODY : BODY + AXES] = push[at - 1]
-            pull = f.T @ pull
-            tell = f.T @ tell @ f
+            row = spread[k, BODY + i]
+            variance[k, i] = row[BODY + i] - row @ tell @ row
+        # Back over the readings of this point
+        n = number[k]
+        if n == 0:
+            continue
+        h, root, g = rows[k, :n], lower[k, :n, :n], gains[k, :n]
+        u = np.linalg.solve(root.T, innovations[k, :n] - g @ r)
+        inside = np.linalg.solve(root.T, np.eye(n) + g @ tell @ g.T)
+        d = np.linalg.solve(root.T, inside.T)
+        for i in range(n):
+            c = which[k, i]
+            slope = 0.5 * (np.sum(u[i] ** 2) - d[i, i])
+            by_white[c] += slope / count[k] if c < POSE else slope
+        r = r + h.T @ u
+        left = np.eye(SIZE) - h.T @ np.linalg.solve(root.T, g)
+        whiter = np.linalg.solve(root, h)
+        tell = left @ tell @ left.T + whiter.T @ whiter
+    for i in range(FADING):
+        j = BODY + i
+        by_first[i] += 0.5 * (np.sum(r[j] ** 2) - tell[j, j])

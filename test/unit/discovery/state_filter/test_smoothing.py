@@ -2,10 +2,13 @@
 
 from dataclasses import replace
 
+from lta_discovery.state_filter.kalman import filter_flight
 from lta_discovery.state_filter.noise_model import NoiseModel
-from lta_discovery.state_filter.smoothing import smooth_flight
+from lta_discovery.state_filter.smoothing import filter_run, go_back, log_slopes, smooth_flight
 import numpy as np
+from numpy.typing import NDArray
 import pytest
+from scipy.optimize import approx_fprime
 from scipy.spatial.transform import Rotation
 
 from .dense_gaussian import ALL_SENSORS, BODY, build_dense, build_flight, COUNT, NOISE, RUN
@@ -44,3 +47,22 @@ def test_points_outside_of_the_runs_have_no_motion() -> None:
     outside[RUN[0] : RUN[1]] = False
     assert np.isnan(smooth.motion[outside]).all()
     assert np.isfinite(smooth.motion[~outside]).all()
+
+
+@pytest.mark.parametrize(('channels', 'noise'), [(6, NOISE), (14, ALL_SENSORS)])
+def test_slopes_by_the_noise_are_those_of_the_likelihood(
+    channels: int, noise: NoiseModel
+) -> None:
+    """The mean over two values of the parameters, by differences of what the filter gives."""
+    flight, mix = build_flight(3, channels), np.stack([VALUES, -VALUES], axis=1)
+    both = np.vstack([mix, np.ones(2)]) / np.sqrt(2.0)
+
+    def log_density(logarithms: NDArray[np.float64]) -> float:
+        one = filter_flight(flight, noise.with_logarithms(logarithms))
+        squares = float(np.trace(both.T @ one.products @ both))
+        return -0.5 * (one.log_determinant + squares)
+
+    run = filter_run(flight, noise, 0, both)
+    slopes = log_slopes(noise, go_back(flight, noise, 0, run)[2])
+    wanted = approx_fprime(noise.logarithms, log_density, 1e-6)
+    np.testing.assert_allclose(slopes, wanted, rtol=1e-4, atol=1e-4)
