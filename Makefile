@@ -148,6 +148,7 @@ collected: check
 check: test-environment  ## check style and types only
 	@.venv/bin/ruff check --quiet $(sources)
 	@.venv/bin/ruff format --check --quiet $(sources)
+	@$(enter) && .venv/bin/python tools/message_stubs.py
 	@.venv/bin/mypy config/lta_config src/*/lta_*
 
 format: test-environment  ## format the sources

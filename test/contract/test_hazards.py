@@ -11,6 +11,8 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 BRIDGE = 'src/lta_bridge/lta_bridge'
+CONTROL = 'src/lta_control/lta_control'
+RULES = 'test/unit/control/test_flight_step.py'
 UNIT = 'test/unit/bridge/crazyflie'
 
 
@@ -59,59 +61,69 @@ BARRIERS = {
         'self.is_held_down = False', f'{UNIT}/test_buoyancy.py',
     ),
     'downward thrust': Barrier(
-        'src/lta_control/lta_control/vehicle_parameters.py',
+        f'{CONTROL}/vehicle_parameters.py',
         'lowest_heave=_lowest_heave(vehicle, low, high)', 'lowest_heave=0.0',
         'test/unit/control/test_downward_thrust.py',
     ),
     'a landing ends': Barrier(
-        'src/lta_control/lta_control/control.py',
+        f'{CONTROL}/flight_step.py',
         'return LandingWatch(watch.lowest, watch.still + dt)', 'return watch',
         'test/unit/control/test_downward_thrust.py',
     ),
-    'a landing ends in one process': Barrier(
-        'src/lta_control/lta_control/onboard.py', 'landed = landing.still > STANDSTILL or ',
-        'landed = ', 'test/unit/control/test_onboard.py',
-    ),
-    'a landing ends by the controller node': Barrier(
-        'src/lta_control/lta_control/nodes/controller.py',
-        'if self._landing.still > STANDSTILL:', 'if False:', 'test/integration/test_nodes.py',
+    'a landing that has ended': Barrier(
+        f'{CONTROL}/flight_step.py', 'elif landing.still > STANDSTILL:', 'elif False:',
+        RULES,
     ),
     'a landing ends by the bridge': Barrier(
         f'{BRIDGE}/crazyflie/safety.py', 'if inputs.grounded > GROUNDED:', 'if False:',
         f'{UNIT}/test_buoyancy.py',
     ),
     'a landing is reported': Barrier(
-        'src/lta_control/lta_control/commanded_flight.py',
+        f'{CONTROL}/commanded_flight.py',
         ' or self._landing.still > LANDED', '', 'test/unit/control/test_commanded_flight.py',
     ),
     'carried up': Barrier(
-        'src/lta_control/lta_control/commanded_flight.py',
+        f'{CONTROL}/commanded_flight.py',
         'if task is not None and not task.driven:', 'if False:',
         'test/unit/control/test_commanded_flight.py',
     ),
     'stuck range finder': Barrier(
-        'src/lta_control/lta_control/estimator.py',
+        f'{CONTROL}/estimator.py',
         'math.nan if is_stuck(sensors.range) else distance', 'distance',
         'test/unit/control/test_estimator.py',
     ),
     'stuck sensors': Barrier(
-        'src/lta_control/lta_control/estimator.py',
+        f'{CONTROL}/estimator.py',
         'return not (is_stuck(estimate.sensors.range) and is_stuck(estimate.sensors.pressure))',
         'return True', 'test/unit/control/test_estimator.py',
     ),
-    'stuck height in one process': Barrier(
-        'src/lta_control/lta_control/onboard.py',
-        'unknown = is_stuck(height) or not has_height(estimate)', 'unknown = False',
-        'test/unit/control/test_onboard.py',
+    'overturned': Barrier(
+        f'{CONTROL}/flight_step.py',
+        'has_overturned(motion.attitude, rules.uprightness):', 'False:',
+        RULES,
     ),
-    'stuck height by a tracker': Barrier(
-        'src/lta_control/lta_control/law_autopilot.py', 'if blind or is_stuck(self._height):',
-        'if False:', 'test/unit/control/test_pilot.py',
+    'unknown height': Barrier(
+        f'{CONTROL}/flight_step.py', 'elif inputs.armed and lost:', 'elif False:', RULES,
     ),
-    'stuck height by the controller node': Barrier(
-        'src/lta_control/lta_control/nodes/controller.py',
-        'if self._armed and (is_lost or is_stuck(self._height)):', 'if False:',
-        'test/integration/test_nodes.py',
+    'height that no sensor measures': Barrier(
+        f'{CONTROL}/flight_step.py', ' or (inputs.blind and turning)', '', RULES,
+    ),
+    'not a number': Barrier(
+        f'{CONTROL}/flight_step.py', 'elif not is_control_input_finite(motion, setpoint):',
+        'elif False:', RULES,
+    ),
+    'stopped for good': Barrier(
+        f'{CONTROL}/flight_step.py', 'if is_stopped(before.state):', 'if False:', RULES,
+    ),
+    'disarmed': Barrier(
+        f'{CONTROL}/flight_step.py', 'elif not (inputs.armed and steered):',
+        'elif not steered:', RULES,
+    ),
+    'old setpoint': Barrier(
+        f'{CONTROL}/flight_step.py', 'if inputs.age > rules.land_after:', 'if False:', RULES,
+    ),
+    'must land': Barrier(
+        f'{CONTROL}/flight_step.py', 'if inputs.must_land:', 'if False:', RULES,
     ),
     'stuck height by the bridge': Barrier(
         f'{BRIDGE}/crazyflie/bridge_core.py', 'math.nan if stuck else where.height',
@@ -132,8 +144,7 @@ BARRIERS = {
         f'{UNIT}/test_buoyancy.py',
     ),
     'armed at rest': Barrier(
-        'src/lta_control/lta_control/nodes/controller.py', 'if not self._flies:', 'if False:',
-        'test/integration/test_nodes.py',
+        f'{CONTROL}/flight_step.py', 'elif not flies:', 'elif False:', RULES,
     ),
     'armed at rest, by setpoints': Barrier(
         f'{BRIDGE}/crazyflie/bridge_core.py', ' and self._may_rise(self._command)', '',
@@ -154,12 +165,12 @@ BARRIERS = {
         'pass\n', f'{UNIT}/test_bridge.py',
     ),
     'two navigators before arming': Barrier(
-        'src/lta_control/lta_control/nodes/controller.py',
-        'refusal = (self._stopped or rivals) if request.data', 'refusal = self._stopped if '
-        'request.data', 'test/integration/test_nodes.py',
+        f'{CONTROL}/nodes/controller.py',
+        'refusal = (describe_stop(watch.state) or rivals) if request.data',
+        'refusal = describe_stop(watch.state) if request.data', 'test/integration/test_nodes.py',
     ),
     'two navigators in flight': Barrier(
-        'src/lta_control/lta_control/nodes/controller.py',
+        f'{CONTROL}/nodes/controller.py',
         'self._contested or self._helm.count_commanders() > 1', 'False',
         'test/integration/test_nodes.py',
     ),

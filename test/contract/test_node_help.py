@@ -48,7 +48,7 @@ def test_the_topics_of_a_role_are_those_of_the_table(package, name):
 
 def test_units_bounds_and_defaults_are_told():
     said = describe_node(Controller, 'lib/lta_control/controller')
-    assert '\n  tilt_limit (default 1.0, 0.1 to 3.2 rad): If the drone tilts more' in said
+    assert '\n  tilt_limit (default 1.0, 0.1 to 3.2 rad): Tilt at which the motors stop.' in said
     assert '\n  vehicle (default gtmab, only at start): Vehicle name or file.\n' in said
     assert '\n  reads     odom (nav_msgs/msg/Odometry): Estimated pose' in said
     assert '\n  publishes motors (' in said

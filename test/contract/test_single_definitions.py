@@ -34,12 +34,11 @@ def rule(homes: str, fields: str, least: int = 2) -> Rule:
 CONTROL, FLIGHT = 'lta_control/lta_control', 'lta_flight/lta_flight'
 STUDIES = 'lta_studies/lta_studies'
 RULES = {
-    # The navigator node names the lamp of a leg in its health report.
+    # The navigator node reports the lamp of a leg.
     'guidance': rule(
-        f'{CONTROL}/mission.py {CONTROL}/nodes/navigator.py',
+        f'{CONTROL}/mission.py {CONTROL}/flight_report.py',
         'leg target turns refused receptions', 3
     ),
-    'climb and landing': rule(f'{CONTROL}/mission.py', 'reached landing'),
     'change of lamps': rule(f'{CONTROL}/mission.py', 'reception_time patience again'),
     # The settings give their numbers to the rule.
     'action at the reserve': rule(
@@ -51,34 +50,38 @@ RULES = {
     ),
     'reaching a lamp': rule('lta_sim/lta_sim/termination.py', 'radius vertical_tolerance'),
     'faults': rule('lta_model/lta_model/scenario.py', 'panel_short brown_out'),
-    'anti-windup': rule(f'{CONTROL}/control.py', 'shortfall', 1),
-    'overturned drone': rule(f'{CONTROL}/onboard.py', 'uprightness', 1),
+    'anti-windup': rule(f'{CONTROL}/laws/cascade.py', 'shortfall', 1),
+    'overturned drone': rule(f'{CONTROL}/flight_step.py', 'uprightness', 1),
     # What a flight in one process records; the graph's recorder takes the topics of its launch.
     'recording': rule(f'{FLIGHT}/messages.py', 'recorded repeatable'),
 }  # fmt: skip
 # Who may call a step of the closed loop.
 CALLERS = {
-    'mission_step': {f'{CONTROL}/guidance.py', f'{FLIGHT}/batch/flight_step.py'},
+    'mission_step': {f'{CONTROL}/guidance.py', f'{FLIGHT}/batch/control_period.py'},
     'course_step': {f'{CONTROL}/guidance.py'},
+    'fly_phase': {f'{CONTROL}/mission.py', f'{CONTROL}/commanded_flight.py'},
     'choose_setpoint': {f'{CONTROL}/nodes/navigator.py', f'{FLIGHT}/closed_loop.py'},
     'decide_permission': {f'{CONTROL}/guidance.py', f'{CONTROL}/commanded_flight.py'},
     'apply_reserve': {f'{CONTROL}/mission.py', f'{CONTROL}/commanded_flight.py'},
-    'permission_at_reserve': {f'{CONTROL}/reserve.py', f'{FLIGHT}/batch/flight_step.py'},
+    'permission_at_reserve': {f'{CONTROL}/reserve.py', f'{FLIGHT}/batch/control_period.py'},
     'allocate': {f'{CONTROL}/allocation.py'},
     'is_plausible_imu_sample': {
-        f'{CONTROL}/nodes/estimator.py', f'{CONTROL}/onboard.py', f'{CONTROL}/law_autopilot.py',
-        f'{FLIGHT}/closed_loop.py',
+        f'{CONTROL}/flight_step.py', f'{FLIGHT}/closed_loop.py',
     },
     'advance_position': {f'{CONTROL}/estimator.py', f'{CONTROL}/odometry/air_reckoning.py'},
-    'is_control_input_finite': {f'{CONTROL}/nodes/controller.py', f'{CONTROL}/onboard.py'},
+    'is_control_input_finite': {f'{CONTROL}/flight_step.py'},
+    'watch_flight': {f'{CONTROL}/flight_step.py'},
+    # In the graph the estimate comes by a message.
+    'control_motors': {f'{CONTROL}/flight_step.py', f'{CONTROL}/nodes/controller.py'},
+    # In one process the autopilot compiles it.
+    'flight_step': {f'{FLIGHT}/batch/control_period.py'},
     'is_shorted': {'lta_sim/lta_sim/supply.py', 'lta_sim/lta_sim/supply_step.py'},
     'is_cut_off': {'lta_sim/lta_sim/supply_step.py'},
-    'advance_supply': {f'{FLIGHT}/batch/flight_step.py'},
-    'deliver_demand': {f'{CONTROL}/control.py', f'{STUDIES}/tune/loop_cut.py'},
-    'cascade_step': {f'{CONTROL}/control.py'},
-    'onboard_step': {f'{FLIGHT}/batch/flight_step.py'},
+    'advance_supply': {f'{FLIGHT}/batch/control_period.py'},
+    'deliver_demand': {f'{CONTROL}/laws/cascade.py', f'{STUDIES}/tune/loop_cut.py'},
+    'cascade_step': {f'{CONTROL}/laws/cascade.py'},
     'newest_range': {f'{FLIGHT}/closed_loop.py'},
-    'flight_step': {f'{FLIGHT}/batch/flight_loop.py', f'{STUDIES}/mission/leg_state.py'},
+    'simulate_period': {f'{FLIGHT}/batch/flight_loop.py', f'{STUDIES}/mission/leg_state.py'},
     # `FlightTermination` in the same module is what the world calls.
     'evaluate_outcome': {
         'lta_sim/lta_sim/termination.py', 'lta_sim/lta_sim/world.py', f'{FLIGHT}/batch/flight.py'
@@ -97,13 +100,13 @@ SENSE = {
     'sense', 'sense_motion', 'sense_rest', 'read_sensors', 'simulate_sensors', 'sense_and_control'
 }  # fmt: skip
 DECIDE = {
-    'step', 'decide', 'onboard_step', 'control_step', 'cascade_step', 'estimator_step',
-    'sense_and_control',
+    'step', 'decide', 'flight_step', 'control_motors', 'control_step', 'cascade_step',
+    'estimator_step', 'sense_and_control',
 }  # fmt: skip
 ADVANCE = {'advance', 'advance_vehicle', 'simulate_control_period', 'runge_kutta_step'}
 DRIVERS = {
     f'{FLIGHT}/closed_loop.py: ClosedLoop',
-    f'{FLIGHT}/batch/flight_step.py: flight_step',
+    f'{FLIGHT}/batch/control_period.py: simulate_period',
     # One period without noise, opened at the demand, for the margins
     f'{STUDIES}/tune/loop_cut.py: LoopCut',
     # The Crazyflie's own firmware, with its own controller
@@ -198,7 +201,7 @@ def test_the_closed_loops_are_the_drivers():
 def test_the_newest_range_is_chosen_once():
     # The firmware logs its latest range, in range or not.
     assert find_newest_range_reads(sources()) == {
-        f'{CONTROL}/message_rounding.py',
+        f'{FLIGHT}/closed_loop.py',
         'lta_emulation/lta_emulation/crazyflie/simulated_body.py',
     }
 

@@ -15,8 +15,8 @@ from lta_control.allocation import (
     WEIGHTS,
 )
 from lta_control.cascade import CascadeMeasurement, Setpoint, steer_to_course, wrap_angle
-from lta_control.control import control_step, ControlMemory
 from lta_control.gains_file import load_gains
+from lta_control.laws.cascade import CascadeLawConstants, CascadeLawMemory, control_step
 from lta_control.per_rotor import NONE, pad_to_slots
 from lta_control.pid import pid_step, PidGains
 from lta_control.vehicle_parameters import build_rotors
@@ -152,17 +152,15 @@ def test_course_is_the_same_mirrored(nose, wanted, surge, sway, speed):
 )
 def test_duties_are_what_the_rotors_accept(measured, setpoint):
     gains = load_gains('gtmab')
-    memory = ControlMemory()
+    memory, constants = CascadeLawMemory(), CascadeLawConstants(gains, ROTORS, (0.0, 0.092))
     for _ in range(3):
-        duties, memory = control_step(
-            gains,
-            ROTORS,
-            (0.0, 0.092),
+        memory = control_step(
+            constants,
             memory,
             CascadeMeasurement(*measured),
             Setpoint(*setpoint),
             0.01,
             create_working_array(),
         )
-        assert all(0.0 <= u <= 1.0 + 1e-12 for u in duties)
+        assert all(0.0 <= u <= 1.0 + 1e-12 for u in memory.command.duties)
         assert all(map(math.isfinite, (*memory.cascade[:3], *memory.thrusts, *memory.shortfall)))

@@ -9,7 +9,7 @@ from lta_bridge.bag import BagWriter, build_offered_qos
 from lta_bridge.bag.schemas import load_jazzy_types
 from lta_config.compilation.flat import render_core_source
 from lta_config.compilation.kernel_cache import load_kernel
-from lta_control import law_autopilot
+from lta_control import autopilot
 from lta_windtunnel.openfoam.programs import PROGRAMS
 from numba.core import config
 import numpy as np
@@ -86,13 +86,13 @@ def plain_laws():
     It takes a quarter of a minute to compile one; test/property/test_laws.py does, and compares.
     """
 
-    def plain(*words):
+    def plain(*words, **bound):
         with pytest.MonkeyPatch.context() as while_loading:
             while_loading.setattr(config, 'DISABLE_JIT', 1)
-            return load_kernel(render_core_source(*words)).step
+            return load_kernel(render_core_source(*words, **bound)).step
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(law_autopilot, 'compile_core', plain)
+        patch.setattr(autopilot, 'compile_core', plain)
         yield plain
 
 

@@ -153,6 +153,7 @@ def render_core_source(
     constants: TupleLayout[Any],
     memory: TupleLayout[Any],
     inputs: TupleLayout[Any],
+    **bound: object,
 ) -> str:
     """
     Return the text of a core with an entry that takes arrays.
@@ -163,6 +164,8 @@ def render_core_source(
         `core(constants, memory, inputs, scratch) -> memory`; uses plain functions only.
     constants, memory, inputs : TupleLayout
         Layouts of its arguments.
+    **bound : object
+        Arguments before these that stay the same, see `SourceExtract`.
 
     Returns
     -------
@@ -170,7 +173,7 @@ def render_core_source(
         A module whose `step(constants, memory, inputs, scratch)` overwrites the memory.
 
     """
-    extract = SourceExtract()
+    extract = SourceExtract(**bound)
     name = extract.add_function(core, CORE_PREFIX)
     for layout in (constants, memory, inputs):
         layout.add_types(extract)
@@ -194,7 +197,8 @@ def compile_core(
     constants: TupleLayout[Any],
     memory: TupleLayout[Any],
     inputs: TupleLayout[Any],
+    **bound: object,
 ) -> Callable[[Array, Array, Array, Array], None]:
     """Return the entry of `render_core_source`, compiled or loaded from the cache."""
-    module = load_kernel(render_core_source(core, constants, memory, inputs))
+    module = load_kernel(render_core_source(core, constants, memory, inputs, **bound))
     return cast('Callable[[Array, Array, Array, Array], None]', module.step)

@@ -70,6 +70,11 @@ class HeightSensors(NamedTuple):
     pressure: SensorWatch = SensorWatch()
 
 
+def mask_out_of_range(reading: float, lowest: float, highest: float) -> float:
+    """Return a reading, or NaN outside the sensor's range (REP-117)."""
+    return reading if lowest <= reading <= highest else math.nan
+
+
 def watch_sensor(watch: SensorWatch, reading: float, turning: bool, dt: float) -> SensorWatch:
     """
     Return what is known about a sensor `dt` seconds later.
@@ -81,6 +86,16 @@ def watch_sensor(watch: SensorWatch, reading: float, turning: bool, dt: float) -
     if math.isfinite(reading) and reading != watch.reading:
         return SensorWatch(reading, 0.0)
     return SensorWatch(watch.reading, watch.age + dt if turning else watch.age)
+
+
+def watch_height_sensors(
+    sensors: HeightSensors, distance: float, pressure: float, turning: bool, dt: float
+) -> HeightSensors:
+    """Return what is known about both sensors after readings [m, Pa]; see `watch_sensor`."""
+    return HeightSensors(
+        watch_sensor(sensors.range, distance, turning, dt),
+        watch_sensor(sensors.pressure, pressure, turning, dt),
+    )
 
 
 def is_stuck(watch: SensorWatch) -> bool:

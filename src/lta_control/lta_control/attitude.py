@@ -25,6 +25,11 @@ def yaw_from_quaternion(q: Quaternion) -> float:
     return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
 
 
+def level_quaternion(yaw: float) -> Quaternion:
+    """Return the attitude of a level vehicle with a heading. [rad]"""
+    return 0.0, 0.0, math.sin(0.5 * yaw), math.cos(0.5 * yaw)
+
+
 def attitude_step(
     q: Quaternion, rates: Vector, force: Vector, gain: float, dt: float
 ) -> Quaternion:

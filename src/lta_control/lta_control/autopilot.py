@@ -1,7 +1,9 @@
 """
-Run the estimator and the cascade controller of one drone, compiled, in one process.
+Fly one drone in one process: `flight_step` of its control law, compiled.
 
 The state is kept in one array, which each step overwrites. Properties read parts of it on demand.
+A law with tracker feedback gets pose and velocity from the tracker, in a frame that begins at the
+vehicle's first tracked position, and its rates from the onboard gyroscope.
 """
 
 import math
@@ -9,27 +11,38 @@ import struct
 from typing import final
 
 from lta_config.compilation.flat import Array, compile_core, TupleLayout
+from lta_config.settings import Settings
 from lta_control.allocation import SCRATCH
-from lta_control.attitude import Vector
-from lta_control.cascade import CascadeGains, CascadeMeasurement, Setpoint
-from lta_control.control import TILT_LIMIT
+from lta_control.attitude import Quaternion, Vector, yaw_from_quaternion
+from lta_control.cascade import CascadeMeasurement, Setpoint
 from lta_control.estimator import EstimatorSettings, MotionEstimate
-from lta_control.odometry.ground_motion import is_on_ground, ModelledMotion
-from lta_control.onboard import DroneConstants, onboard_step, OnboardMemory, SensorInputs
-from lta_control.sighting import DeadReckonedMotion
-from lta_control.vehicle_parameters import (
-    build_estimator_model,
-    build_rotors,
-    surge_drag_coefficients,
+from lta_control.flight_step import (
+    DroneConstants,
+    DroneMemory,
+    flight_step,
+    FlightRules,
+    is_flying,
+    is_stopped,
+    measure_motion,
+    PilotMemory,
+    SensorInputs,
+    TILT_LIMIT,
 )
+from lta_control.laws import cascade
+from lta_control.laws.frames import rotate_level_to_world
+from lta_control.laws.protocol import ControlLaw, ControlMotion
+from lta_control.odometry.ground_motion import is_on_ground, ModelledMotion
+from lta_control.sighting import DeadReckonedMotion
+from lta_control.vehicle_parameters import build_estimator_model
 from lta_model.vehicle import Vehicle
 import numpy as np
 
-MEMORY = TupleLayout(OnboardMemory())
-HEARD = TupleLayout(SensorInputs((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)))
+MEMORY = TupleLayout(DroneMemory())  # with the cascade
 ESTIMATE = TupleLayout(MotionEstimate())
+SENSED = TupleLayout(SensorInputs((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)))
 
-ESTIMATED, DUTIES = MEMORY.part_slice('estimate'), MEMORY.part_slice('duties')
+# The memory of the law comes last: all else has the same place whatever the law is
+ESTIMATED = MEMORY.part_slice('estimate')
 MEASURED, SETPOINT = MEMORY.part_slice('measured'), MEMORY.part_slice('setpoint')
 HEADING, READY = (
     MEMORY.part_slice('measured.heading').start,
@@ -44,46 +57,110 @@ YAW_RATE, MODELLED = (
     MEMORY.part_slice('estimate.airspeed.model_surge').start,
 )
 HEIGHT = MEMORY.part_slice('estimate.altitude.height').start
-GUIDED, STOPPED = MEMORY.part_slice('guided').start, MEMORY.part_slice('stopped').start
+GUIDED, STATE = MEMORY.part_slice('guided').start, MEMORY.part_slice('pilot.watch.state').start
+TRACKED, IS_TRACKED = SENSED.part_slice('tracked'), SENSED.part_slice('is_tracked').start
+RATES = ESTIMATE.part_slice('rates')
+
+TRUTH = 13  # numbers of a tracked motion: position, quaternion, velocity, rates
 
 
 def build_drone_constants(
     vehicle: Vehicle,
     estimator: EstimatorSettings,
-    gains: CascadeGains,
+    gains: Settings,
     dt: float,
     tilt_limit: float = TILT_LIMIT,
+    law: ControlLaw = cascade.LAW,
 ) -> DroneConstants:
     """
     Return the values that stay constant during a flight.
 
-    `dt` is the control period. [s] The motors stop beyond `tilt_limit`. [rad]
+    `gains` are those of the law, `dt` the control period. [s] The motors stop beyond
+    `tilt_limit`. [rad]
     """
     return DroneConstants(
         estimator,
         build_estimator_model(vehicle),
-        gains,
-        build_rotors(vehicle),
-        surge_drag_coefficients(vehicle),
-        math.cos(tilt_limit),
+        law.build_constants(gains, vehicle),
+        FlightRules(math.cos(tilt_limit), vehicle.hull_height_on_floor),
         dt,
     )
 
 
+def motion_from_tracker(
+    truth: tuple[float, ...], start: tuple[float, ...], rates: Vector
+) -> ControlMotion:
+    """
+    Return the tracker's measurement as input of a control law.
+
+    Parameters
+    ----------
+    truth, start : tuple of 13 floats
+        Position, quaternion, velocity and rates, now and when first tracked; map frame.
+    rates : tuple
+        Measured by the onboard gyroscope. [rad/s]
+
+    """
+    yaw = yaw_from_quaternion(_motion_quaternion(start))
+    # Relative to the start, in axes along its heading, like the estimator's odom frame
+    x, y = rotate_level_to_world(-yaw, truth[0] - start[0], truth[1] - start[1])
+    a, b, c, d = truth[3:7]
+    # Remove the start's yaw: multiply the attitude by a rotation of -yaw about z.
+    sin, cos = math.sin(-0.5 * yaw), math.cos(0.5 * yaw)
+    attitude = (cos * a - sin * b, cos * b + sin * a, cos * c + sin * d, cos * d - sin * c)
+    return ControlMotion((x, y, truth[2]), attitude, (truth[7], truth[8], truth[9]), rates)
+
+
+def _motion_quaternion(motion: tuple[float, ...]) -> Quaternion:
+    x, y, z, w = motion[3:7]
+    return x, y, z, w
+
+
 @final
 class Autopilot:
-    """Estimate and control step by step."""
+    """
+    Estimate and control step by step.
 
-    def __init__(self, drone: DroneConstants) -> None:
-        layout = TupleLayout(drone)
-        self._constants = layout.write(drone)
-        self._memory = MEMORY.write(OnboardMemory())
-        self._sensor_inputs = np.empty(HEARD.size)
-        self._scratch = np.zeros(SCRATCH)
-        self._count, self._standing = drone.rotors.number, drone.body.standing_height
-        self._step = compile_core(onboard_step, layout, MEMORY, HEARD)
+    Parameters
+    ----------
+    drone : DroneConstants
+        From `build_drone_constants` with the same law.
+    law : ControlLaw
+        The control law.
+    mass_rest : tuple
+        Position of the moving mass while the law does not command it. [m, body]
+
+    """
+
+    def __init__(
+        self,
+        drone: DroneConstants,
+        law: ControlLaw = cascade.LAW,
+        mass_rest: Vector = (0.0, 0.0, 0.0),
+    ) -> None:
+        self.law, self._mass_rest = law, mass_rest
+        constants, self._layout = TupleLayout(drone), TupleLayout(begin_memory(law))
+        self._constants = constants.write(drone)
+        self._memory = self._layout.write(begin_memory(law))
+        self._duties = self._layout.part_slice('pilot.law.command.duties')
+        self._mass_place = self._layout.part_slice('pilot.law.command.mass_place')
+        self._sensed, self._scratch = np.zeros(SENSED.size), np.zeros(SCRATCH)
+        self._count, self._standing = drone.body.number, drone.rules.standing_height
+        self._step = compile_core(flight_step, constants, self._layout, SENSED, law=law)
         # Packing into the buffer is faster than assigning array elements
-        self._pack = struct.Struct(f'{HEARD.size}d').pack_into
+        self._pack = struct.Struct(f'{TRACKED.start}d').pack_into
+        self._tracked: ControlMotion | None = None
+        self._start: tuple[float, ...] = ()
+
+    def receive_tracking(self, truth: tuple[float, ...]) -> None:
+        """Take the tracker's measurement, position to rates, for the next step."""
+        # The first tracked motion defines the frame
+        self._start = self._start or truth[:TRUTH]
+        # The rates are the gyroscope's
+        motion = motion_from_tracker(truth[:TRUTH], self._start, (0.0, 0.0, 0.0))
+        self._tracked = motion
+        self._sensed[TRACKED] = (*motion.position, *motion.attitude, *motion.velocity, 0, 0, 0)
+        self._sensed[IS_TRACKED] = 1.0
 
     def step(
         self, rates: Vector, force: Vector, distance: float = math.nan, pressure: float = math.nan
@@ -94,8 +171,8 @@ class Autopilot:
         `rates` [rad/s] and specific force `force` [m/s2] are measured in the body frame; range
         `distance` [m] and `pressure` [Pa] are NaN where there is no new measurement.
         """
-        self._pack(self._sensor_inputs.data, 0, *rates, *force, distance, pressure)
-        self._step(self._constants, self._memory, self._sensor_inputs, self._scratch)
+        self._pack(self._sensed.data, 0, *rates, *force, distance, pressure)
+        self._step(self._constants, self._memory, self._sensed, self._scratch)
         return self.duties
 
     def set_setpoint(self, setpoint: Setpoint) -> None:
@@ -106,17 +183,27 @@ class Autopilot:
 
     def record_applied_duties(self, duties: tuple[float, ...]) -> None:
         """Record the duties that the rotors really received instead of the computed ones."""
-        self._memory[DUTIES.start : DUTIES.start + self._count] = duties
+        self._memory[self._duties.start : self._duties.start + self._count] = duties
 
     @property
     def duties(self) -> tuple[float, ...]:
         """Duties by rotor."""
-        return tuple(self._memory[DUTIES].tolist()[: self._count])
+        return tuple(self._memory[self._duties].tolist()[: self._count])
+
+    @property
+    def mass_place(self) -> Vector | None:
+        """Commanded position of the moving mass; None if the law does not move it. [m, body]"""
+        if not self.law.moves_mass:
+            return None
+        if not is_flying(int(self._memory[STATE])):
+            return self._mass_rest
+        x, y, z = self._memory[self._mass_place].tolist()
+        return x, y, z
 
     @property
     def stopped(self) -> bool:
         """Whether the motors have stopped for good."""
-        return bool(self._memory[STOPPED])
+        return is_stopped(int(self._memory[STATE]))
 
     @property
     def heading(self) -> float:
@@ -143,10 +230,15 @@ class Autopilot:
 
     @property
     def measurement(self) -> CascadeMeasurement | None:
-        """The controller's input; None while the estimator calibrates."""
+        """The motion that the law is given; None while it is unknown."""
         if not self._memory[READY]:
             return None
-        return CascadeMeasurement(*self._memory[MEASURED].tolist())
+        if not self.law.is_tracked:
+            return CascadeMeasurement(*self._memory[MEASURED].tolist())
+        if self._tracked is None:
+            return None
+        p, q, r = self._memory[ESTIMATED][RATES].tolist()
+        return measure_motion(self._tracked._replace(rates=(p, q, r)))
 
     @property
     def estimate(self) -> MotionEstimate:
@@ -158,6 +250,11 @@ class Autopilot:
         return self._memory[ESTIMATED].copy()
 
     @property
-    def memory(self) -> OnboardMemory:
-        """The full state of estimator and controller."""
-        return MEMORY.read(self._memory)
+    def memory(self) -> DroneMemory:
+        """The full state of estimator, rules and law."""
+        return self._layout.read(self._memory)
+
+
+def begin_memory(law: ControlLaw) -> DroneMemory:
+    """Return the state of a drone before its first step."""
+    return DroneMemory(pilot=PilotMemory(law=law.start))

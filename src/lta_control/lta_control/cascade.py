@@ -11,6 +11,7 @@ import math
 from typing import NamedTuple
 
 from lta_config.settings import setting, Settings
+from lta_control.attitude import Quaternion, up_in_body, Vector, yaw_from_quaternion
 from lta_control.pid import pid_step, PidGains
 
 SOON = 1.0  # s; look-ahead: climb rate times this counts as height
@@ -100,6 +101,9 @@ class Setpoint(NamedTuple):
     speed: float  # forward airspeed [m/s]
 
 
+FLOOR = Setpoint(0.0, 0.0, 0.0)  # to rest on the ground
+
+
 class WrenchDemand(NamedTuple):
     """Demanded force and moment of the rotors, body frame."""
 
@@ -124,6 +128,36 @@ class CascadeMemory(NamedTuple):
     climbing: SlopeEstimate = SlopeEstimate()  # [m/s, m/s2]
     turning: SlopeEstimate = SlopeEstimate()  # [rad/s, rad/s2]
     speeding: SlopeEstimate = SlopeEstimate()  # [m/s, m/s2]
+
+
+def build_measurement(
+    attitude: Quaternion, altitude: float, speed: Vector, rates: Vector
+) -> CascadeMeasurement:
+    """
+    Return the input of the cascade.
+
+    Parameters
+    ----------
+    attitude : tuple
+        Body to odom, x y z w.
+    altitude : float
+        Of the hull centre above the floor. [m]
+    speed : tuple
+        Air-relative velocity, body frame. [m/s]
+    rates : tuple
+        About the body axes. [rad/s]
+
+    """
+    ux, uy, uz = up_in_body(attitude)
+    return CascadeMeasurement(
+        altitude=altitude,
+        climb=ux * speed[0] + uy * speed[1] + uz * speed[2],
+        heading=yaw_from_quaternion(attitude),
+        yaw_rate=rates[2],
+        speed=speed[0],
+        sway=speed[1],
+        pitch_rate=rates[1],
+    )
 
 
 def slope_step(slope: SlopeEstimate, value: float, dt: float) -> SlopeEstimate:

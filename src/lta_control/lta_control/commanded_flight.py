@@ -17,19 +17,18 @@ from typing import final, NamedTuple
 
 from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
-from lta_control.cascade import CascadeMeasurement, Setpoint
-from lta_control.control import FOOT, has_landed, LandingWatch, watch_landing
+from lta_control.cascade import CascadeMeasurement, FLOOR, Setpoint
+from lta_control.flight_step import FOOT, has_landed, LandingWatch, watch_landing
 from lta_control.guidance import GuidanceInputs, refuse_failures
-from lta_control.mission import MissionSettings, remove_light
-from lta_control.phases import Mission, Phase, SWITCHING
+from lta_control.mission import fly_phase, MissionSettings, select_light
+from lta_control.phases import Mission, Phase
 from lta_control.reserve import decide_permission, FlightPermission
-from lta_control.reserve_policy import apply_reserve, heading_to_start
+from lta_control.reserve_policy import apply_reserve
 from lta_control.strategies.protocol import NavigationStrategy
 from lta_vlc.settings import NO_WISH
 
 HIGHEST = 100.0  # m, of a take-off
 FASTEST_BEACON = 100e3  # Hz
-FLOOR = Setpoint(0.0, 0.0, 0.0)
 # s without sinking after which a landing is reported: later than the controller ends it, as its
 # wrong end in the air would pass and a wrong report would not
 LANDED = 15.0
@@ -228,9 +227,10 @@ class CommandedFlight:
             self._hold(now)
 
     def _is_airborne(self, now: GuidanceInputs) -> bool:
-        return now.measured is not None and not has_landed(
-            now.measured, FLOOR, self._ground_height
-        )
+        return now.measured is not None and not self._stands(now.measured)
+
+    def _stands(self, measured: CascadeMeasurement) -> bool:
+        return has_landed(measured.altitude, measured.climb, FLOOR, self._ground_height)
 
     @refuse_failures
     def choose_setpoint(self, inputs: GuidanceInputs) -> Setpoint:
@@ -312,7 +312,7 @@ class CommandedFlight:
         self._landing = watch_landing(
             self._landing, measured.altitude, phase is Phase.LAND, interval
         )
-        stands = has_landed(measured, FLOOR, self._ground_height) or self._landing.still > LANDED
+        stands = self._stands(measured) or self._landing.still > LANDED
         if phase is Phase.CLIMB or not stands:
             return
         if self._task is not None:
@@ -338,26 +338,29 @@ class CommandedFlight:
 
     def _step_phase(self, now: GuidanceInputs, measured: CascadeMeasurement) -> Setpoint:
         """Return the setpoint of the phase, and go on to the next one."""
-        settings, task = now.settings, self._task
-        seconds = 0.0
+        settings, task, seconds = now.settings, self._task, 0.0
         if task is not None:
             task.advance(now.stamp_ns)
             seconds = task.flown_ns * 1e-9
         phase = self.mission.phase
         if phase is Phase.CLIMB:
             self._climb(settings, measured, seconds)
-        elif phase is Phase.SEEK or phase is Phase.ARRIVED:
-            return self._steer_to_lamp(now, seconds)
-        elif phase is Phase.HOME:
-            heading = heading_to_start(self.mission.start, now.sight.position)
-            self.mission = self.mission._replace(heading=heading)
-            return Setpoint(self._height, heading, settings.speed)
         elif phase is Phase.LAND and seconds > self.limits.land:
             self._end_task(TaskOutcome.TIMEOUT, f'not on the ground after {seconds:.0f} s')
-        if self.mission.phase is Phase.REST:
-            return FLOOR._replace(heading=now.sight.heading)
-        height = settings.landing if self.mission.phase is Phase.LAND else self._height
-        return Setpoint(height, self.mission.heading, 0.0)
+        steers = phase is Phase.SEEK or phase is Phase.ARRIVED
+        if steers and not self.mission.memory:
+            memory = now.strategy.start(now.sight.heading)
+            self.mission = self.mission._replace(memory=memory)
+        sight = select_light(self.mission, now.sight) if steers else now.sight
+        setpoint, self.mission, arrived = fly_phase(
+            settings, now.strategy, self.mission, sight, self._height
+        )
+        if steers:
+            self.mission = self.mission._replace(turns=self.mission.turns + 1)
+            self._judge_flight_to_lamp(now, seconds, sees=sight.seen, arrived=arrived)
+            if self.mission.phase is Phase.HOLD:
+                return Setpoint(self._height, self.mission.heading, 0.0)
+        return setpoint
 
     def _climb(
         self, settings: MissionSettings, measured: CascadeMeasurement, seconds: float
@@ -385,27 +388,20 @@ class CommandedFlight:
             )
             self.mission = self.mission._replace(phase=Phase.LAND)
 
-    def _steer_to_lamp(self, now: GuidanceInputs, seconds: float) -> Setpoint:
-        """Return the strategy's setpoint; it holds the position after the arrival."""
-        settings, sight, task = now.settings, now.sight, self._task
-        mission = self.mission
-        if not mission.memory:
-            mission = mission._replace(memory=now.strategy.start(sight.heading))
-        # The first blocks after a request may still hold the light of another lamp
-        if mission.turns < SWITCHING:
-            sight = remove_light(sight)
-        course, memory = now.strategy.steer(settings, mission.memory, sight)
-        self.mission = mission._replace(memory=memory, heading=memory[0], turns=mission.turns + 1)
+    def _judge_flight_to_lamp(
+        self, now: GuidanceInputs, seconds: float, *, sees: bool, arrived: bool
+    ) -> None:
+        """End a flight to a lamp at the lamp, without its light, or at its time limit."""
+        task = self._task
         if task is None:
             # Never search for a lost lamp without a task
-            if not course.arrived:
+            if not arrived:
                 self._change_phase(Phase.HOLD, now)
-                return Setpoint(self._height, self.mission.heading, 0.0)
-            return Setpoint(self._height, course.heading, course.speed)
-        if sight.seen:
+            return
+        if sees:
             task.unseen_ns = 0
         unseen = task.unseen_ns * 1e-9
-        if self._has_stayed(task, now, arrived=course.arrived):
+        if self._has_stayed(task, now, arrived=arrived):
             self._end_task(TaskOutcome.SUCCEEDED, 'the lamp is reached')
             self.mission = self.mission._replace(phase=Phase.ARRIVED)
         elif unseen > self.limits.unseen:
@@ -416,9 +412,6 @@ class CommandedFlight:
         elif seconds > self.limits.go_to_lamp:
             self._end_task(TaskOutcome.TIMEOUT, f'not at the lamp after {seconds:.0f} s; holding')
             self._change_phase(Phase.HOLD, now)
-        if self.mission.phase is Phase.HOLD:
-            return Setpoint(self._height, self.mission.heading, 0.0)
-        return Setpoint(self._height, course.heading, course.speed)
 
     def _has_stayed(self, task: FlightTask, now: GuidanceInputs, *, arrived: bool) -> bool:
         """Return whether the drone has been at the lamp for `STAYED`, within the goal."""

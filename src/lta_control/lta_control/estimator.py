@@ -23,7 +23,7 @@ from lta_control.altitude import (
     HeightSensors,
     is_stuck,
     predict_altitude,
-    watch_sensor,
+    watch_height_sensors,
 )
 from lta_control.attitude import attitude_step, Quaternion, up_in_body, Vector, yaw_from_quaternion
 from lta_control.bias_calibration import (
@@ -42,6 +42,7 @@ from lta_control.per_rotor import NONE, PerRotor
 
 FASTEST_TURN = math.radians(3000.0)  # rad/s; the BMI088 measures 2000 deg/s
 HARDEST_PULL = 400.0  # m/s2; it measures 24 g
+LEVEL = 0.1  # cosine of the tilt below which climb and heave are not separated
 PATIENCE = 5.0  # rest times without motion, after which a tilt is accepted and a turn refused
 
 
@@ -142,6 +143,15 @@ def has_height(estimate: MotionEstimate) -> bool:
     return not (is_stuck(estimate.sensors.range) and is_stuck(estimate.sensors.pressure))
 
 
+def air_relative_velocity(estimate: MotionEstimate) -> Vector:
+    """Return the air-relative body velocity that matches the estimated climb rate. [m/s]"""
+    ux, uy, uz = up_in_body(estimate.attitude)
+    surge, sway = estimate.airspeed.surge, estimate.airspeed.sway
+    climb = estimate.altitude.climb
+    # Solve climb = up . velocity for the heave
+    return surge, sway, (climb - (ux * surge + uy * sway)) / uz if uz > LEVEL else climb
+
+
 def is_any_motor_turning(duties: PerRotor) -> bool:
     """Return whether any motor is commanded to turn."""
     total = 0.0
@@ -185,10 +195,7 @@ def estimator_step(
     turning = is_any_motor_turning(inputs.duties)
     # Beyond 60 degrees of tilt the beam no longer points at the floor
     distance = inputs.range if up[2] > 0.5 else math.nan
-    sensors = HeightSensors(
-        watch_sensor(state.sensors.range, distance, turning, dt),
-        watch_sensor(state.sensors.pressure, inputs.pressure, turning, dt),
-    )
+    sensors = watch_height_sensors(state.sensors, distance, inputs.pressure, turning, dt)
     # The drag model needs the thrust now, not the commanded one
     duties = _lag_duties(body, state.duties, inputs.duties, dt)
     airspeed = airspeed_step(

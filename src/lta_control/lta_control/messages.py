@@ -4,7 +4,7 @@ import array
 from collections.abc import Iterable
 from itertools import chain
 import math
-from typing import Any, Final
+from typing import Final
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import (
@@ -14,20 +14,34 @@ from geometry_msgs.msg import (
     TwistWithCovarianceStamped,
 )
 from lta_config.covariances import has_estimate, UNKNOWN_VARIANCE
-from lta_control import message_rounding
-from lta_control.attitude import Quaternion, up_in_body, Vector, yaw_from_quaternion
-from lta_control.cascade import CascadeMeasurement, Setpoint
+from lta_control.altitude import mask_out_of_range
+from lta_control.attitude import (
+    level_quaternion,
+    Quaternion,
+    up_in_body,
+    Vector,
+    yaw_from_quaternion,
+)
+from lta_control.cascade import CascadeMeasurement, FLOOR, Setpoint
 from lta_control.commanded_flight import CommandedFlight, FlightTask, TaskKind, TaskOutcome
-from lta_control.estimator import EstimatorInputs, has_height, MotionEstimate
+from lta_control.estimator import (
+    air_relative_velocity,
+    EstimatorInputs,
+    has_height,
+    MotionEstimate,
+)
+from lta_control.flight_step import ControlInputs, measure_motion
 from lta_control.laws.protocol import ControlMotion
+from lta_control.odometry.ground_motion import ground_velocity
 from lta_control.odometry.ground_state import GroundMotion, rotate_covariance
 from lta_control.odometry.lamp_sighting import build_sighting, LampSighting
 from lta_control.per_rotor import pad_to_slots, PerRotor
 from lta_control.reserve import ReserveReport
 from lta_control.sighting import LampPosition
 from lta_graph.blank_message import create_message
-from lta_graph.health import HealthLevel
+from lta_graph.health import HealthLevel, stamp_age
 from lta_graph.inbox import InboxStep
+from lta_graph.ros.stamps import from_stamp
 from lta_msgs.action import GoToLamp, Land, TakeOff
 from lta_msgs.msg import ActuatorDuty, LampPeaks
 from nav_msgs.msg import Odometry
@@ -73,12 +87,12 @@ def to_inputs(step: InboxStep, commanded: PerRotor) -> EstimatorInputs:
 def to_distance(message: Range) -> float:
     """Return a distance, or NaN outside the sensor's range (REP-117). [m]"""
     farthest = min(message.max_range, FARTHEST)
-    return message_rounding.mask_out_of_range(float(message.range), message.min_range, farthest)
+    return mask_out_of_range(float(message.range), message.min_range, farthest)
 
 
 def to_pressure(message: FluidPressure) -> float:
     """Return a pressure, or NaN outside the barometer's range. [Pa]"""
-    return message_rounding.mask_out_of_range(message.fluid_pressure, *BAROMETER)
+    return mask_out_of_range(message.fluid_pressure, *BAROMETER)
 
 
 def to_duties(motors: ActuatorDuty | None, names: list[str], before: PerRotor) -> PerRotor:
@@ -108,7 +122,7 @@ def from_estimate(stamp: Time, estimate: MotionEstimate, ground: GroundMotion) -
     p.z = estimate.altitude.height
     q.x, q.y, q.z, q.w = estimate.attitude
     v, w = twist.linear, twist.angular
-    v.x, v.y, v.z = message_rounding.ground_velocity(estimate, ground)
+    v.x, v.y, v.z = ground_velocity(estimate, ground)
     w.x, w.y, w.z = estimate.rates
     if not estimate.ready:
         message.pose.covariance = _unknown_covariance()
@@ -139,7 +153,7 @@ def from_airspeed(
     message.header.frame_id = 'base_link'
     twist = message.twist.twist
     v, w = twist.linear, twist.angular
-    v.x, v.y, v.z = message_rounding.air_relative_velocity(estimate)
+    v.x, v.y, v.z = air_relative_velocity(estimate)
     w.x, w.y, w.z = estimate.rates
     if not estimate.ready:
         message.twist.covariance = _unknown_covariance()
@@ -217,14 +231,36 @@ def to_cascade_measurement(
     odom: Odometry, airspeed: TwistWithCovarianceStamped | None = None
 ) -> CascadeMeasurement | None:
     """Return the input of the cascade, or None while the estimate or its height is unknown."""
-    covariance = odom.pose.covariance
-    if not has_estimate(covariance[0]) or not has_estimate(covariance[14]):
+    if not has_estimate(odom.pose.covariance[0]) or is_height_lost(odom):
         return None
-    p, q, w = odom.pose.pose.position, odom.pose.pose.orientation, odom.twist.twist.angular
-    v = (airspeed or odom).twist.twist.linear
-    return message_rounding.build_measurement(
-        (q.x, q.y, q.z, q.w), p.z, (v.x, v.y, v.z), (w.x, w.y, w.z)
-    )
+    return measure_motion(to_motion(odom, airspeed))
+
+
+def to_control_inputs(
+    odom: Odometry,
+    airspeed: TwistWithCovarianceStamped | None,
+    halves: tuple[PoseStamped | None, TwistStamped | None],
+    armed: bool,
+    must_land: bool,
+    now_ns: int,
+    dt: float,
+) -> ControlInputs:
+    """
+    Return the controller's input.
+
+    `halves` are those of the newest setpoint, `now_ns` is the time of the step, and `dt` the
+    time since the last one. [s]
+    """
+    pose, velocity = halves
+    motion = to_motion(odom, airspeed)
+    blind = is_height_lost(odom)
+    ready = has_estimate(odom.pose.covariance[0]) and not blind
+    if pose is None or velocity is None:
+        return ControlInputs(motion, ready, blind, False, FLOOR, 0.0, armed, must_land, dt)
+    # The older of the two messages counts
+    age = max(stamp_age(from_stamp(half.header.stamp), now_ns) for half in (pose, velocity))
+    setpoint = to_setpoint(pose, velocity)
+    return ControlInputs(motion, ready, blind, True, setpoint, age, armed, must_land, dt)
 
 
 def is_height_lost(odom: Odometry) -> bool:
@@ -253,7 +289,7 @@ def from_setpoint(stamp: Time, setpoint: Setpoint) -> tuple[PoseStamped, TwistSt
     pose.header.frame_id = 'odom'
     pose.pose.position.z = setpoint.altitude
     q = pose.pose.orientation
-    q.x, q.y, q.z, q.w = message_rounding.level_quaternion(setpoint.heading)
+    q.x, q.y, q.z, q.w = level_quaternion(setpoint.heading)
     velocity = create_message(TwistStamped)
     velocity.header.stamp = stamp
     velocity.header.frame_id = 'base_link'
@@ -330,11 +366,15 @@ def to_frequencies(message: LampPeaks) -> tuple[float, ...]:
     return tuple(message.beacon[0].frequency) if message.beacon else ()
 
 
-def to_task_value(kind: TaskKind, goal: Any) -> float:  # noqa: ANN401 - one of three types
-    """Return the height [m] or frequency [Hz] of a goal; 0 for a landing."""
-    if kind is TaskKind.LAND:
-        return 0.0
-    return float(goal.height if kind is TaskKind.TAKE_OFF else goal.frequency)
+def request_task(
+    flight: CommandedFlight, kind: TaskKind, goal: TakeOff.Goal | GoToLamp.Goal | Land.Goal
+) -> FlightTask:
+    """Request the task of a goal: a height [m], the frequency of a lamp [Hz], or none."""
+    if isinstance(goal, TakeOff.Goal):
+        return flight.request(kind, float(goal.height))
+    if isinstance(goal, GoToLamp.Goal):
+        return flight.request(kind, float(goal.frequency))
+    return flight.request(kind)
 
 
 def from_task_progress(kind: TaskKind, flight: CommandedFlight) -> dict[str, float | bool]:

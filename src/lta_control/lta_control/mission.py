@@ -13,7 +13,6 @@ The received light belongs to the beacon requested one step earlier (`topics.yam
 """
 
 import math
-from typing import final
 
 from lta_config.course import Course
 from lta_config.settings import setting
@@ -25,7 +24,6 @@ from lta_control.strategies.protocol import LightMeasurement, NavigationStrategy
 from lta_control.strategies.settings import StrategySettings
 
 
-@final
 class MissionSettings(StrategySettings):
     """Settings of the mission; altitudes are of the hull centre above the floor."""
 
@@ -120,37 +118,49 @@ def mission_step(
     if mission.phase == Phase.CLIMB and altitude > settings.altitude - settings.reached:
         mission = mission._replace(phase=Phase.SEEK)
     mission = apply_reserve(rule, settings.speed, mission, sight, order)
-    if mission.phase == Phase.HOME:
-        mission = mission._replace(heading=heading_to_start(mission.start, sight.position))
-        return Setpoint(settings.altitude, mission.heading, settings.speed), mission
-    if mission.phase == Phase.SEEK or mission.phase == Phase.ARRIVED:
-        return _steer_by_strategy(settings, strategy, mission, sight, lamps)
     if mission.phase == Phase.CLIMB:
         mission = mission._replace(memory=strategy.watch(settings, mission.memory, sight))
-    height = settings.landing if mission.phase == Phase.LAND else settings.altitude
-    return Setpoint(height, mission.heading, 0.0), mission
+    setpoint, mission, arrived = fly_phase(
+        settings, strategy, mission, select_light(mission, sight), settings.altitude
+    )
+    if arrived:
+        mission = mission._replace(phase=Phase.ARRIVED)
+    if lamps > 1 and (mission.phase == Phase.SEEK or mission.phase == Phase.ARRIVED):
+        mission = _listen_for_next(settings, strategy, mission, sight, lamps)
+    return setpoint, mission
 
 
-def _steer_by_strategy(
+def fly_phase(
     settings: MissionSettings,
     strategy: NavigationStrategy,
     mission: Mission,
     sight: LightMeasurement,
-    lamps: int,
-) -> tuple[Setpoint, Mission]:
-    """Return the strategy's setpoint, and switch to the next lamp after an arrival."""
+    height: float,
+) -> tuple[Setpoint, Mission, bool]:
+    """
+    Return the setpoint of a phase, the mission, and whether the strategy is at the lamp.
+
+    Missions and commanded flights (`commanded_flight`) decide which phase it is; this flies it, at
+    a height above the floor. [m]
+    """
+    if mission.phase == Phase.REST:
+        return Setpoint(0.0, sight.heading, 0.0), mission, False
+    if mission.phase == Phase.HOME:
+        heading = heading_to_start(mission.start, sight.position)
+        return Setpoint(height, heading, settings.speed), mission._replace(heading=heading), False
+    if mission.phase == Phase.SEEK or mission.phase == Phase.ARRIVED:
+        course, memory = strategy.steer(settings, mission.memory, sight)
+        setpoint = Setpoint(height, course.heading, course.speed)
+        return setpoint, mission._replace(memory=memory, heading=memory[0]), course.arrived
+    low = mission.phase == Phase.LAND
+    return Setpoint(settings.landing if low else height, mission.heading, 0.0), mission, False
+
+
+def select_light(mission: Mission, sight: LightMeasurement) -> LightMeasurement:
+    """Return a sight without its light if that may be of another lamp than the mission's."""
     # The first blocks after a switch may still hold the other lamp's light.
     is_current = mission.target == mission.leg and mission.turns >= SWITCHING
-    course, memory = strategy.steer(
-        settings, mission.memory, sight if is_current else remove_light(sight)
-    )
-    setpoint = Setpoint(settings.altitude, course.heading, course.speed)
-    mission = mission._replace(memory=memory, heading=memory[0])
-    if course.arrived:
-        mission = mission._replace(phase=Phase.ARRIVED)
-    if lamps > 1:
-        mission = _listen_for_next(settings, strategy, mission, sight, lamps)
-    return setpoint, mission
+    return sight if is_current else remove_light(sight)
 
 
 def remove_light(sight: LightMeasurement) -> LightMeasurement:

@@ -160,7 +160,9 @@ def from_energy_balance(
     measured: BatteryState,
 ) -> EnergyStatus:
     """Return energy balance and faults, with the stamp of the battery message."""
-    message = EnergyStatus(**collect_energy_values(settings, aboard, report, reading))
+    message = EnergyStatus()
+    for name, value in collect_energy_values(settings, aboard, report, reading).items():
+        setattr(message, name, value)
     message.header.stamp = measured.header.stamp
     message.level, message.message = report.battery
     message.meters_level, message.meters_message = report.meters

@@ -3,22 +3,22 @@ Simulate a flight in one process without ROS, with the same cores in the same or
 
 As in lockstep, the estimator gets the duties of the last step, the controller a setpoint one
 control period after its light block has ended, and the navigator the previous energy estimate.
-Values that the graph sends as messages are rounded as the messages would
-(`lta_control.message_rounding`), so that both give the same flight to the last bit.
+Values that the graph sends as messages are rounded as the messages would: a heading is sent as a
+quaternion, a range in 32 bits. The last bits would grow to millimetres by contact with the floor.
 """
 
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 import math
 from typing import final
 
 from lta_config.topics import TopicTable
-from lta_control import message_rounding
+from lta_control.altitude import mask_out_of_range
+from lta_control.attitude import level_quaternion, yaw_from_quaternion
 from lta_control.cascade import CascadeMeasurement, Setpoint
 from lta_control.estimator import is_plausible_imu_sample, MotionEstimate
 from lta_control.guidance import Guidance, GuidanceInputs
-from lta_control.law_autopilot import LawAutopilot
 from lta_control.odometry.ground_motion import ground_step
 from lta_control.odometry.ground_state import GroundMotion
 from lta_control.odometry.lamp_sighting import build_sighting, LampSighting
@@ -132,6 +132,7 @@ class ClosedLoop:
         vehicle = self.nominal_vehicle = nominal_vehicle or Vehicle(world.vehicle.file)
         dt = table.control_ns * 1e-9
         self.autopilot = build_autopilot(policy, vehicle, dt)
+        self._is_tracked = policy.law.is_tracked
         self.ground = GroundMotion()
         self._hull, self._dt = build_estimator_model(vehicle).hull, dt
         self._sighting: LampSighting | None = None  # for the next step, as its messages would
@@ -198,7 +199,7 @@ class ClosedLoop:
     def simulate_control_period(self) -> None:
         """Simulate one control period with the newest command."""
         pilot, commands = self.autopilot, self.policy.commands
-        place = pilot.command.mass_place if isinstance(pilot, LawAutopilot) else None
+        place = pilot.mass_place
         if commands is not None:
             place = commands.find_mass_place(self.world.elapsed)
             if commands.wrenches is not None:
@@ -217,7 +218,7 @@ class ClosedLoop:
         # A new setpoint takes effect one step later, as its message would
         elif self.next_setpoint is not self.setpoint and self.next_setpoint is not None:
             self.setpoint = self.next_setpoint
-            self.autopilot.set_setpoint(message_rounding.round_heading(self.next_setpoint))
+            self.autopilot.set_setpoint(round_heading(self.next_setpoint))
         self._estimate_and_control(readings)
         if self._motion_only:
             return
@@ -230,12 +231,12 @@ class ClosedLoop:
 
     def _estimate_and_control(self, readings: SensorReadings) -> None:
         """Run the estimator and the controller, and add the excitation of a course."""
-        if isinstance(self.autopilot, LawAutopilot) and readings.truth is not None:
+        if self._is_tracked and readings.truth is not None:
             self.autopilot.receive_tracking(readings.truth)
         self.duties = self.autopilot.step(
             readings.rates,
             readings.force,
-            message_rounding.newest_range(readings.ranges, self._reach),
+            newest_range(readings.ranges, self._reach),
             math.nan if readings.pressure is None else readings.pressure,
         )
         if self._plan is not None:
@@ -310,10 +311,8 @@ class ClosedLoop:
         """Update the energy estimate with one set of meter readings."""
         # Missing readings are NaN, as in the messages
         nothing = math.nan, math.nan
-        voltage, current = map(message_rounding.round_to_float32, readings.battery or nothing)
-        panel_voltage, panel_current = map(
-            message_rounding.round_to_float32, readings.panel or nothing
-        )
+        voltage, current = map(round_to_float32, readings.battery or nothing)
+        panel_voltage, panel_current = map(round_to_float32, readings.panel or nothing)
         lux = readings.illuminance
         reading = MeterReading(
             stamp_ns=readings.stamp_ns,
@@ -328,6 +327,29 @@ class ClosedLoop:
         self.energy = EnergyObservation(
             reading, update_estimate(self.policy.energy, self._aboard, before, reading)
         )
+
+
+def round_to_float32(value: float) -> float:
+    """Return a number rounded to a float32 field."""
+    return float(np.float32(value))
+
+
+def newest_range(ranges: Sequence[tuple[int, float]], reach: tuple[float, float]) -> float:
+    """
+    Return the newest range as in its message, or NaN if there is none. [m]
+
+    `ranges` holds stamps [ns] and distances, `reach` the limits of the sensor.
+    """
+    if not ranges:
+        return math.nan
+    # A Range message holds distance and limits in single precision
+    nearest, farthest = map(round_to_float32, reach)
+    return mask_out_of_range(round_to_float32(ranges[-1][1]), nearest, farthest)
+
+
+def round_heading(setpoint: Setpoint) -> Setpoint:
+    """Return a setpoint whose heading has been a quaternion."""
+    return setpoint._replace(heading=yaw_from_quaternion(level_quaternion(setpoint.heading)))
 
 
 def to_lamp_position(lamp: LampEstimate) -> LampPosition:

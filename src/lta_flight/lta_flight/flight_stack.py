@@ -6,12 +6,11 @@ from typing import final, TYPE_CHECKING
 
 from lta_config.settings import Settings
 from lta_control.autopilot import Autopilot, build_drone_constants
-from lta_control.cascade import CascadeGains, Setpoint
-from lta_control.control import TILT_LIMIT
+from lta_control.cascade import Setpoint
 from lta_control.estimator import EstimatorSettings
-from lta_control.law_autopilot import LawAutopilot
+from lta_control.flight_step import TILT_LIMIT
 from lta_control.laws import LAWS
-from lta_control.laws.protocol import ControlLaw, Feedback
+from lta_control.laws.protocol import ControlLaw
 from lta_control.mission import MissionSettings
 from lta_control.reserve import ReserveResponseSettings
 from lta_control.strategies.protocol import NavigationStrategy
@@ -49,17 +48,18 @@ class FlightStack:
     commands: 'RecordedCommands | None' = None
 
 
-def build_autopilot(policy: FlightStack, vehicle: Vehicle, dt: float) -> Autopilot | LawAutopilot:
+def build_autopilot(policy: FlightStack, vehicle: Vehicle, dt: float) -> Autopilot:
     """
-    Return the autopilot; for the cascade, one compiled function with the estimator.
+    Return the autopilot.
 
     `policy`: law, gains, filters and limits. `vehicle`: the vehicle as the drone knows it. `dt`:
     control period [s].
     """
-    # Laws that use external tracking instead of the estimator are not compiled
-    if isinstance(policy.gains, CascadeGains) and policy.law.feedback is Feedback.ESTIMATOR:
-        drone = build_drone_constants(
-            vehicle, policy.estimator, policy.gains, dt, policy.tilt_limit
-        )
-        return Autopilot(drone)
-    return LawAutopilot(policy.law, policy.gains, vehicle, policy.estimator, dt, policy.tilt_limit)
+    drone = build_drone_constants(
+        vehicle, policy.estimator, policy.gains, dt, policy.tilt_limit, policy.law
+    )
+    moving = vehicle.file.moving_mass
+    if moving is None:
+        return Autopilot(drone, policy.law)
+    x, y, z = moving.position.vector
+    return Autopilot(drone, policy.law, (x, y, z))

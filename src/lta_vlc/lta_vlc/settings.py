@@ -1,6 +1,6 @@
 """Define the settings of the demodulation."""
 
-from typing import Annotated, final
+from typing import Annotated
 
 from lta_config.settings import setting, Settings
 from pydantic import Field
@@ -11,7 +11,6 @@ NO_WISH = 0.0  # Hz, of a wanted beacon: the first of the settings
 Frequency = Annotated[float, Field(ge=1.0, le=100_000.0)]
 
 
-@final
 class DemodulationSettings(Settings):
     """
     Beacons and settings of the demodulation.

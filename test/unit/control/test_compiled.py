@@ -19,13 +19,13 @@ from lta_control.cascade import (
     Setpoint,
     WrenchDemand,
 )
-from lta_control.control import control_step, ControlMemory
 from lta_control.estimator import (
     estimator_step,
     EstimatorInputs,
     EstimatorSettings,
     MotionEstimate,
 )
+from lta_control.laws.cascade import CascadeLawConstants, CascadeLawMemory, control_step
 from lta_control.per_rotor import pad_to_slots
 from lta_control.strategies import find_navigation_strategy, STRATEGIES
 from lta_control.strategies.protocol import LightMeasurement
@@ -76,20 +76,16 @@ def numbers(value):
 @pytest.mark.long
 def test_control_compiles():
     fast, generator = compiled(control_step), np.random.default_rng(1)
-    rotors, drag = build_rotors(VEHICLE), (0.001, 0.092)
-    slow_memory = fast_memory = ControlMemory()
+    constants = CascadeLawConstants(to_named_tuple(GAINS), build_rotors(VEHICLE), (0.001, 0.092))
+    slow = quick = CascadeLawMemory()
     scratch = np.full(SCRATCH, math.nan)
     for _ in range(300):
         measured = CascadeMeasurement(*generator.normal(0.3, 0.5, 7).tolist())
         setpoint = Setpoint(*generator.normal(0.4, 0.4, 3).tolist())
-        slow, slow_memory = control_step(
-            GAINS, rotors, drag, slow_memory, measured, setpoint, 0.01, create_working_array()
-        )
-        quick, fast_memory = fast(
-            to_named_tuple(GAINS), rotors, drag, fast_memory, measured, setpoint, 0.01, scratch
-        )
-        assert numbers((quick, fast_memory)) == numbers((slow, slow_memory))
-    assert isinstance(slow_memory.shortfall, WrenchDemand)
+        slow = control_step(constants, slow, measured, setpoint, 0.01, create_working_array())
+        quick = fast(constants, quick, measured, setpoint, 0.01, scratch)
+        assert numbers(quick) == numbers(slow)
+    assert isinstance(slow.shortfall, WrenchDemand)
 
 
 @pytest.mark.long

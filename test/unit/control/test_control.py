@@ -2,7 +2,9 @@
 
 from lta_control.allocation import create_working_array
 from lta_control.cascade import CascadeMeasurement, Setpoint
-from lta_control.control import control_step, ControlMemory, has_landed, step_duration
+from lta_control.flight_step import has_landed
+from lta_control.laws.cascade import CascadeLawConstants, CascadeLawMemory, control_step
+from lta_control.odometry.air_reckoning import step_duration
 from lta_control.per_rotor import NONE
 from lta_control.pid import PidGains
 from lta_control.vehicle_parameters import build_rotors
@@ -20,16 +22,11 @@ HOLD = Setpoint(0.5, 0.0, 0.0)
 
 
 def control(measured=AT_REST, setpoint=HOLD, memory=None, gains=None):
-    return control_step(
-        gains or GAINS,
-        ROTORS,
-        (0.0, 0.092),
-        memory or ControlMemory(),
-        measured,
-        setpoint,
-        0.01,
-        create_working_array(),
+    constants = CascadeLawConstants(gains or GAINS, ROTORS, (0.0, 0.092))
+    memory = control_step(
+        constants, memory or CascadeLawMemory(), measured, setpoint, 0.01, create_working_array()
     )
+    return memory.command.duties, memory
 
 
 def thrust(duty):
@@ -103,8 +100,7 @@ def test_every_axis_is_told_its_own_shortfall():
     ],
 )
 def test_landed_is_standing_and_asked_to_be_no_higher(altitude, climb, asked, down):
-    measured = CascadeMeasurement(altitude, climb, 0.0, 0.0, 0.0, 0.0, 0.0)
-    assert has_landed(measured, Setpoint(asked, 1.0, 0.0), 0.42) is down
+    assert has_landed(altitude, climb, Setpoint(asked, 1.0, 0.0), 0.42) is down
 
 
 def test_time_between_stamps():

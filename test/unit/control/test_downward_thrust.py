@@ -3,15 +3,9 @@
 from lta_config.files import list_shipped_names
 from lta_control.allocation import create_working_array
 from lta_control.cascade import CascadeMeasurement, Setpoint
-from lta_control.control import (
-    control_step,
-    ControlMemory,
-    has_landed,
-    LandingWatch,
-    STANDSTILL,
-    watch_landing,
-)
+from lta_control.flight_step import has_landed, LandingWatch, STANDSTILL, watch_landing
 from lta_control.gains_file import load_gains
+from lta_control.laws.cascade import CascadeLawConstants, CascadeLawMemory, control_step
 from lta_control.per_rotor import NONE
 from lta_control.vehicle_parameters import build_rotors
 from lta_model.vehicle import load_vehicle, Vehicle
@@ -39,7 +33,8 @@ def fly(rotors, gains, setpoints, lift=LIFT, error=0.0, turn=0.0):
 
     Its height reads `error` too high [m], and its nose is `turn` off and does not follow [rad].
     """
-    z, climb, memory, scratch = HEIGHT, 0.0, ControlMemory(), create_working_array()
+    z, climb, memory, scratch = HEIGHT, 0.0, CascadeLawMemory(), create_working_array()
+    constants = CascadeLawConstants(gains, rotors, (0.0, 0.09))
     landing = LandingWatch()
     flown = []
     for altitude in setpoints:
@@ -48,12 +43,12 @@ def fly(rotors, gains, setpoints, lift=LIFT, error=0.0, turn=0.0):
             setpoint = Setpoint(altitude, 0.0, 0.0)
             duties, force = NONE, 0.0
             landing = watch_landing(landing, z + error, altitude <= STANDING, DT)
-            if has_landed(measured, setpoint, STANDING) or landing.still > STANDSTILL:
-                memory = ControlMemory()
+            down = has_landed(z + error, climb, setpoint, STANDING)
+            if down or landing.still > STANDSTILL:
+                memory = CascadeLawMemory()
             else:
-                duties, memory = control_step(
-                    gains, rotors, (0.0, 0.09), memory, measured, setpoint, DT, scratch
-                )
+                memory = control_step(constants, memory, measured, setpoint, DT, scratch)
+                duties = memory.command.duties
                 columns = zip(rotors.allocation, memory.thrusts, strict=True)
                 force = sum(column[2] * thrust for column, thrust in columns)
             climb += DT * (lift + force - DRAG * climb * abs(climb)) / MASS

@@ -6,11 +6,16 @@ import math
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.errors import BadInput
 from lta_config.files import list_shipped_names
-from lta_control.allocation import create_working_array
-from lta_control.cascade import Setpoint
-from lta_control.control import control_step, ControlMemory
+from lta_control.allocation import create_working_array, deliver_wrench
+from lta_control.autopilot import motion_from_tracker
+from lta_control.cascade import (
+    build_measurement,
+    cascade_step,
+    CascadeMemory,
+    Setpoint,
+    WrenchDemand,
+)
 from lta_control.gains_file import load_gains, load_law_gains
-from lta_control.law_autopilot import motion_from_tracker
 from lta_control.laws import find_control_law, LAWS
 from lta_control.laws.frames import (
     quaternion_from_angles,
@@ -20,9 +25,9 @@ from lta_control.laws.frames import (
     to_world,
 )
 from lta_control.laws.lateral import mix_thrusts
-from lta_control.laws.onboard_law import check_onboard_law, OnboardLaw, vehicle_law_name
+from lta_control.laws.onboard_law import check_onboard_law, load_onboard_law, vehicle_law_name
 from lta_control.laws.protocol import ControlMotion, Feedback, LawCommand, LawInputs
-from lta_control.message_rounding import build_measurement
+from lta_control.per_rotor import NONE
 from lta_control.vehicle_parameters import build_rotors, surge_drag_coefficients
 from lta_model.vehicle import load_vehicle
 import numpy as np
@@ -123,13 +128,21 @@ def test_the_cascade_among_the_laws_is_the_cascade():
     )
     setpoint = Setpoint(0.6, 0.2, 0.4)
     after = once(made, constants, motion, setpoint)
-    duties, memory = control_step(
-        load_gains('gtmab'), build_rotors(vehicle), surge_drag_coefficients(vehicle),
-        ControlMemory(),
-        build_measurement(motion.attitude, 0.4, motion.velocity, motion.rates), setpoint, DT,
-        create_working_array(),
+    measured = build_measurement(motion.attitude, 0.4, motion.velocity, motion.rates)
+    demand, memory = cascade_step(
+        load_gains('gtmab'), surge_drag_coefficients(vehicle), constants.rotors.lowest_heave,
+        constants.rotors.sink, CascadeMemory(), measured, setpoint, WrenchDemand(0.0, 0.0, 0.0),
+        DT,
     )  # fmt: skip
-    assert after == type(after)(LawCommand(duties, (0.0, 0.0, 0.0)), memory)
+    wrench = (demand.surge, 0.0, demand.heave, 0.0, 0.0, demand.yaw)
+    duties, thrusts, delivered = deliver_wrench(
+        build_rotors(vehicle), wrench, NONE, create_working_array()
+    )
+    assert (after.command, after.cascade) == (LawCommand(duties, (0.0, 0.0, 0.0)), memory)
+    assert after.thrusts == thrusts
+    assert after.shortfall == tuple(
+        delivered[axis] - asked for axis, asked in zip((0, 2, 5), demand, strict=True)
+    )
 
 
 def test_jets_that_collide_give_what_is_asked_for():
@@ -205,7 +218,7 @@ def test_a_law_that_needs_a_tracker_is_refused_aboard():
     vehicle = load_vehicle('skye')
     assert vehicle_law_name(vehicle) == 'omnidirectional'
     with pytest.raises(BadInput, match='needs a position tracker'):
-        OnboardLaw('omnidirectional', vehicle)
+        load_onboard_law('omnidirectional', vehicle)
 
 
 @pytest.mark.parametrize('name', list_shipped_names('vehicles'))
@@ -218,15 +231,13 @@ def test_a_vehicle_flies_by_its_own_sensors_unless_its_law_needs_a_tracker(name)
         check_onboard_law(vehicle)
 
 
-def test_aboard_a_law_keeps_its_memory_until_it_is_told_to_forget():
+def test_aboard_a_law_flies_by_the_gains_of_the_vehicle_and_the_cascade_by_those_of_the_node():
     vehicle = load_vehicle('beavis')
-    aboard = OnboardLaw('lateral', vehicle)
-    motion, setpoint = ControlMotion(position=(0.0, 0.0, 1.0)), Setpoint(1.1, 0.0, 0.0)
-    first = aboard.step(motion, setpoint, DT)
-    second = aboard.step(motion, setpoint, DT)
-    assert second.duties[0] > first.duties[0]  # the integral has grown
-    aboard.reset()
-    assert aboard.step(motion, setpoint, DT) == first
+    law, constants = load_onboard_law('lateral', vehicle, load_gains('gtmab'))
+    assert law.name == 'lateral'
+    assert constants.gains == load_law_gains(law.gains, 'beavis')
+    law, constants = load_onboard_law('cascade', vehicle, load_gains('gtmab'))
+    assert (law.name, constants.gains) == ('cascade', load_gains('gtmab'))
 
 
 def test_unlike_thrust_curves_are_each_obeyed():

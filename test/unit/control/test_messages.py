@@ -3,19 +3,11 @@
 import math
 
 from lta_config.covariances import UNKNOWN_VARIANCE
-from lta_control.altitude import AltitudeEstimate
+from lta_control.altitude import AltitudeEstimate, mask_out_of_range
 from lta_control.attitude import yaw_from_quaternion
 from lta_control.cascade import Setpoint
-from lta_control.control import has_overturned
-from lta_control.estimator import MotionEstimate
-from lta_control.message_rounding import (
-    air_relative_velocity,
-    level_quaternion,
-    mask_out_of_range,
-    newest_range,
-    round_heading,
-    round_to_float32,
-)
+from lta_control.estimator import air_relative_velocity, MotionEstimate
+from lta_control.flight_step import has_overturned
 from lta_control.messages import (
     from_airspeed,
     from_duties,
@@ -203,13 +195,6 @@ def test_distances_at_the_limits_of_a_sensor_are_valid():
     assert math.isnan(mask_out_of_range(4.1, 0.04, 4.0))
 
 
-def test_a_range_travels_in_32_bits_and_a_heading_as_a_level_attitude():
-    assert round_to_float32(0.1) == 13421773 / 2**27  # the float32 nearest to 0.1
-    assert level_quaternion(0.6) == (0.0, 0.0, math.sin(0.3), math.cos(0.3))
-    asked = Setpoint(0.7, -2.5, 0.3)
-    assert round_heading(asked) == pytest.approx(asked)
-
-
 @pytest.mark.parametrize(('upright', 'levelled'), [(0.11, True), (0.09, False)])
 def test_heave_is_the_climb_rate_where_body_z_is_nearly_level(upright, levelled):
     """The vehicle is pitched nose down; the limit is a cosine of 0.1 between body z and up."""
@@ -297,8 +282,8 @@ def light_peaks(*first):
 
 def test_diodes_are_those_of_the_first_beacon_in_single_precision():
     axes, amplitudes = to_diodes(light_peaks(0.1, 20.0))
-    assert amplitudes == (round_to_float32(0.1), 20.0)
-    assert axes == tuple((round_to_float32(x), round_to_float32(y)) for x, y, _ in AXES)
+    assert amplitudes == (float(np.float32(0.1)), 20.0)
+    assert axes == tuple((float(np.float32(x)), float(np.float32(y))) for x, y, _ in AXES)
     assert to_diodes(None) == to_diodes(from_peaks(Header(), (), AXES)) == ((), ())
 
 
@@ -317,12 +302,3 @@ def test_it_is_overturned_beyond_the_limit_and_not_without_an_attitude():
     # A missing attitude has its own reason to stop the motors
     tilted.pose.pose.orientation.w = math.nan
     assert not has_overturned(to_attitude(tilted), math.cos(PITCH - 1e-6))
-
-
-def test_the_newest_range_is_that_of_its_message():
-    reach = (0.1, 0.3)
-    assert newest_range([(1, 0.25), (2, 0.2)], reach) == round_to_float32(0.2) != 0.2
-    # In single precision, 0.3 is above itself; as in the message, limit and distance are equal
-    assert newest_range([(1, 0.3)], reach) == round_to_float32(0.3) > 0.3
-    assert math.isnan(newest_range([(1, 0.31)], reach))
-    assert math.isnan(newest_range([], reach))

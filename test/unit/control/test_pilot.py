@@ -2,13 +2,12 @@
 
 import math
 
+from lta_control.autopilot import Autopilot, build_drone_constants
 from lta_control.cascade import Setpoint
 from lta_control.estimator import EstimatorSettings
 from lta_control.gains_file import load_law_gains
-from lta_control.law_autopilot import LawAutopilot
 from lta_control.laws import find_control_law
 from lta_control.laws.frames import quaternion_from_angles
-from lta_control.laws.protocol import LawCommand
 from lta_control.per_rotor import NONE
 from lta_control.sighting import DeadReckonedMotion
 from lta_model.vehicle import load_vehicle
@@ -24,7 +23,8 @@ def piloted(name):
     vehicle = load_vehicle(name)
     made = find_control_law(vehicle.file.control.law)
     gains = load_law_gains(made.gains, vehicle.file.control.gains)
-    pilot = LawAutopilot(made, gains, vehicle, EstimatorSettings(rest_time=0.1), DT)
+    drone = build_drone_constants(vehicle, EstimatorSettings(rest_time=0.1), gains, DT, law=made)
+    pilot = Autopilot(drone, made)
     pilot.set_setpoint(UP)
     for _ in range(20):
         pilot.step((0.0, 0.0, 0.0), FORCE, 0.6, 101_000.0)
@@ -34,7 +34,7 @@ def piloted(name):
 @pytest.fixture(scope='module', params=['multirotor', 'sblimp'])
 def tracked(request, plain_laws):
     """Return functions that fly by a tracker: at a roll, and from the beginning."""
-    pilot = piloted(request.param)
+    pilot = None
 
     def step(roll, height=0.6):
         pilot.receive_tracking(
@@ -43,8 +43,8 @@ def tracked(request, plain_laws):
         return pilot.step((0.0, 0.0, 0.0), FORCE, height, 101_000.0)
 
     def begin():
-        pilot.stopped = False
-        pilot.set_setpoint(UP)
+        nonlocal pilot
+        pilot = piloted(request.param)
         assert any(step(0.0))
         return pilot
 
@@ -130,7 +130,6 @@ def test_reckoned_and_measured_values_are_those_of_the_estimate(beavis):
     assert (told.altitude, told.heading) == (own.altitude.height, beavis.heading)
     assert told.climb == pytest.approx(own.altitude.climb, abs=1e-12)
     assert told[3:] == (own.rates[2], own.airspeed.surge, own.airspeed.sway, own.rates[1])
-    assert beavis.motion.position == (*own.position, own.altitude.height)
 
 
 @pytest.mark.parametrize('place', range(6))
@@ -145,7 +144,7 @@ def test_a_sample_with_nan_or_infinity_does_not_change_the_estimate(beavis, plac
 def test_the_estimator_follows_the_duties_given_by_instead(beavis):
     beavis.record_applied_duties((0.1, 0.2, 0.3, 0.4))
     assert beavis.duties == (0.1, 0.2, 0.3, 0.4)
-    assert beavis.command.duties == (0.1, 0.2, 0.3, 0.4, *NONE[4:])
+    assert beavis.memory.pilot.law.command.duties == (0.1, 0.2, 0.3, 0.4, *NONE[4:])
     before = beavis.estimate.duties
     beavis.step((0.0, 0.0, 0.0), FORCE, 0.6, 101_000.0)
     heard = beavis.estimate.duties
@@ -159,13 +158,13 @@ def test_it_does_not_move_before_a_setpoint_and_a_tracked_pose_have_come():
     vehicle = load_vehicle('rgblimp')
     made = find_control_law('glide')
     gains = load_law_gains(made.gains, 'rgblimp')
-    pilot = LawAutopilot(made, gains, vehicle, EstimatorSettings(rest_time=0.1), DT)
-    rest = LawCommand(NONE, vehicle.file.moving_mass.position.vector)
+    drone = build_drone_constants(vehicle, EstimatorSettings(rest_time=0.1), gains, DT, law=made)
+    place = vehicle.file.moving_mass.position.vector
+    pilot, rest = Autopilot(drone, made, place), ((0.0, 0.0), place)
     truth = (0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, *(0.0,) * 6)
 
     def command():
-        pilot.step((0.0, 0.0, 0.0), FORCE, 0.6, 101_000.0)
-        return pilot.command
+        return pilot.step((0.0, 0.0, 0.0), FORCE, 0.6, 101_000.0), pilot.mass_place
 
     assert [command() for _ in range(12)] == [rest] * 12
     assert pilot.measurement is None
@@ -174,8 +173,6 @@ def test_it_does_not_move_before_a_setpoint_and_a_tracked_pose_have_come():
     pilot.receive_tracking((*truth, 9.0))  # numbers after the rates are ignored
     assert command() != rest
     assert pilot.measurement.altitude == 1.0
-    pilot.receive_tracking((0.5, 0.25, 1.0, *truth[3:]))
-    assert pilot.motion.position == (0.5, 0.25, 1.0)  # relative to the first tracked place
     pilot.set_setpoint(Setpoint(0.0, 0.0, 0.0))
     pilot.receive_tracking((0.0, 0.0, vehicle.hull_height_on_floor, *truth[3:]))
     assert command() == rest  # landed

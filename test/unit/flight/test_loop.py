@@ -6,19 +6,19 @@ import math
 
 from lta_config.files import find_file, load_yaml
 from lta_config.topics import load_topic_table
-from lta_control import message_rounding
 from lta_control.allocation import create_working_array
-from lta_control.attitude import yaw_from_quaternion
+from lta_control.attitude import level_quaternion, yaw_from_quaternion
 from lta_control.autopilot import build_drone_constants, MEMORY
 from lta_control.cascade import Setpoint, wrap_angle
 from lta_control.estimator import EstimatorSettings
+from lta_control.flight_step import DroneMemory, flight_step, SensorInputs
 from lta_control.gains_file import load_gains
+from lta_control.laws.cascade import LAW
 from lta_control.mission import MissionSettings
-from lta_control.onboard import onboard_step, OnboardMemory, SensorInputs
 from lta_control.phases import Phase
 from lta_control.strategies import find_navigation_strategy
 from lta_control.strategies.bearing_angle import STRATEGY
-from lta_flight.closed_loop import ClosedLoop
+from lta_flight.closed_loop import ClosedLoop, newest_range, round_heading, round_to_float32
 from lta_flight.flight_stack import FlightStack
 from lta_model.scenario import load_scenario, Scenario
 from lta_model.vehicle import load_vehicle
@@ -182,12 +182,28 @@ def test_a_bearing_is_added_to_the_heading_at_the_middle_of_its_block():
         assert believed == headings[step - 5]
 
 
+def test_a_range_travels_in_32_bits_and_a_heading_as_a_level_attitude():
+    assert round_to_float32(0.1) == 13421773 / 2**27  # the float32 nearest to 0.1
+    assert level_quaternion(0.6) == (0.0, 0.0, math.sin(0.3), math.cos(0.3))
+    asked = Setpoint(0.7, -2.5, 0.3)
+    assert round_heading(asked) == pytest.approx(asked)
+
+
+def test_the_newest_range_is_that_of_its_message():
+    reach = (0.1, 0.3)
+    assert newest_range([(1, 0.25), (2, 0.2)], reach) == round_to_float32(0.2) != 0.2
+    # In single precision, 0.3 is above itself; as in the message, limit and distance are equal
+    assert newest_range([(1, 0.3)], reach) == round_to_float32(0.3) > 0.3
+    assert math.isnan(newest_range([(1, 0.31)], reach))
+    assert math.isnan(newest_range([], reach))
+
+
 def test_it_decides_as_plain_python_does():
     """A whole climb and search: the compiled step and the same functions in Python, to the bit."""
     loop, scratch = start(2), create_working_array()
     vehicle = load_vehicle('gtmab')
     drone = build_drone_constants(vehicle, EstimatorSettings(), load_gains('gtmab'), 0.01)
-    memory, taken = OnboardMemory(), []
+    memory, taken = DroneMemory(), []
     sense = loop.world.sense
     loop.world.sense = lambda: taken.append(sense()) or taken[-1]
     for _ in range(900):
@@ -196,17 +212,15 @@ def test_it_decides_as_plain_python_does():
         heard = SensorInputs(
             readings.rates,
             readings.force,
-            message_rounding.round_to_float32(readings.ranges[-1][1])
-            if readings.ranges
-            else math.nan,
+            round_to_float32(readings.ranges[-1][1]) if readings.ranges else math.nan,
             math.nan if readings.pressure is None else readings.pressure,
         )
         if loop.setpoint is not None:
-            asked = message_rounding.round_heading(loop.setpoint)
+            asked = round_heading(loop.setpoint)
             memory = memory._replace(setpoint=asked, guided=True)
-        memory = onboard_step(drone, memory, heard, scratch)
+        memory = flight_step(LAW, drone, memory, heard, scratch)
         np.testing.assert_array_equal(MEMORY.write(loop.autopilot.memory), MEMORY.write(memory))
-        assert loop.duties == memory.duties[:4]
+        assert loop.duties == memory.pilot.law.command.duties[:4]
     assert loop.mission.phase is Phase.SEEK
     assert any(loop.duties)
 

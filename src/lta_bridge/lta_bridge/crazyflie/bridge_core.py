@@ -17,8 +17,14 @@ from lta_bridge.crazyflie.round_trips import RoundTrips
 from lta_bridge.crazyflie.safety import SafetyStage
 from lta_bridge.crazyflie.supervisor_word import SupervisorBit
 from lta_config.schema.crazyflie_file import CrazyflieFile
-from lta_control.altitude import HeightSensors, is_stuck, SensorWatch, watch_sensor
-from lta_control.control import LandingWatch, watch_landing
+from lta_control.altitude import (
+    HeightSensors,
+    is_stuck,
+    SensorWatch,
+    watch_height_sensors,
+    watch_sensor,
+)
+from lta_control.flight_step import LandingWatch, watch_landing
 from lta_graph.health import stamp_age
 from lta_graph.rejections import RejectionCount
 from lta_model.vehicle import Vehicle
@@ -331,9 +337,9 @@ class BridgeCore:
                 )
             )
             if self._air is not None:
-                self._sensors = HeightSensors(
-                    watch_sensor(self._sensors.range, self._air.distance, turning, passed),
-                    watch_sensor(self._sensors.pressure, self._air.pressure, turning, passed),
+                distance, pressure = self._air.distance, self._air.pressure
+                self._sensors = watch_height_sensors(
+                    self._sensors, distance, pressure, turning, passed
                 )
             inputs = inputs._replace(grounded=self._watch_landing(turning, passed, inputs))
             self.state, order = safety.step_state(self.state, now, inputs, request, self.limits)

@@ -11,8 +11,8 @@ import math
 import os
 import threading
 import time
-from typing import Any
 
+from geometry_msgs.msg import Point, PoseStamped, TwistStamped
 from lta_bridge.crazyflie import messages, readings
 from lta_bridge.crazyflie.bridge_core import (
     BridgeCore,
@@ -42,6 +42,7 @@ from lta_config.errors import BadInput
 from lta_config.schema.crazyflie_file import find_crazyflie
 from lta_config.vehicle_identity import hash_airframe
 from lta_graph.health import HealthLevel
+from lta_graph.inbox import InboxStep
 from lta_graph.reach import describe_reach
 from lta_graph.ros.command_mux import CommandMux
 from lta_graph.ros.device import DeviceNode
@@ -52,7 +53,9 @@ from lta_graph.ros.publisher_conflict import CommanderWatch
 from lta_graph.ros.reader_links import ReaderLinks
 from lta_graph.ros.stamps import from_stamp, to_stamp
 from lta_model.vehicle import load_vehicle
-from rclpy.clock import Clock, ClockType
+from nav_msgs.msg import Odometry
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from std_srvs.srv import SetBool, Trigger
 
@@ -96,10 +99,10 @@ class CrazyflieBridge(DeviceNode):
         self.autostart = settings.autostart
         self._request = SafetyRequest()
         self._was_up, self._connected = False, 0.0
-        self._pose: Any = None
-        self._velocity: Any = None
-        self._odom: Any = None
-        self._tracked_start: Any = None
+        self._pose: PoseStamped | None = None
+        self._velocity: TwistStamped | None = None
+        self._odom: Odometry | None = None
+        self._tracked_start: Point | None = None
         self._controller = self.create_client(SetBool, 'arm')
         # The controller arms separately from the drone
         self._armed_controller = False  # whether the controller was armed
@@ -257,20 +260,20 @@ class CrazyflieBridge(DeviceNode):
 
     # Commands of the graph.
 
-    def _on_motors(self, step: Any) -> None:  # noqa: ANN401 - a Step of ROS messages
+    def _on_motors(self, step: InboxStep) -> None:
         if self._bridge.sends_duties:
             newest = step.messages['motors'][-1]
             stamp = from_stamp(newest.header.stamp)
             self._bridge.accept_command(messages.to_duties_command(newest, self._names, stamp))
 
-    def _on_odom(self, odom: Any) -> None:  # noqa: ANN401 - a generated class
+    def _on_odom(self, odom: Odometry) -> None:
         # Invalid: the previous estimate stays, and ages
         where = None if find_fault(odom) else messages.to_position(odom)
         if where is not None:
             self._odom = odom
             self._bridge.update_position(where)
 
-    def _on_tracked_odom(self, odom: Any) -> None:  # noqa: ANN401 - a generated class
+    def _on_tracked_odom(self, odom: Odometry) -> None:
         # Of a tracker, for the limits of height and distance only; nothing is controlled by it
         if find_fault(odom):
             return
@@ -282,10 +285,10 @@ class CrazyflieBridge(DeviceNode):
         stamp = from_stamp(odom.header.stamp)
         self._bridge.update_tracked_position(PositionEstimate(here.z, distance, stamp))
 
-    def _on_pose(self, pose: Any) -> None:  # noqa: ANN401 - a generated class
+    def _on_pose(self, pose: PoseStamped) -> None:
         self._pose = pose
 
-    def _on_velocity(self, velocity: Any) -> None:  # noqa: ANN401 - a generated class
+    def _on_velocity(self, velocity: TwistStamped) -> None:
         self._velocity = velocity
         self._accept_setpoint()
 
@@ -293,14 +296,14 @@ class CrazyflieBridge(DeviceNode):
         """Send a setpoint to the core; the navigator's age counts from the end of its block."""
         pose, velocity = self._helm.select_setpoint(self._pose, self._velocity)
         # A hover command needs height and heading of the setpoint, and the estimated heading
-        is_complete = all(part is not None for part in (pose, velocity, self._odom))
-        if self._bridge.command == 'setpoint' and is_complete:
-            # The older half determines the age of the command
-            oldest = min(from_stamp(half.header.stamp) for half in (pose, velocity))
-            late = 0 if self._helm.held else self.table['setpoint/velocity'].latency_ns
-            self._bridge.accept_command(
-                messages.to_hover_command(pose, velocity, self._odom, oldest + late)
-            )
+        if self._bridge.command != 'setpoint' or not (pose and velocity and self._odom):
+            return
+        # The older half determines the age of the command
+        oldest = min(from_stamp(pose.header.stamp), from_stamp(velocity.header.stamp))
+        late = 0 if self._helm.held else self.table['setpoint/velocity'].latency_ns
+        self._bridge.accept_command(
+            messages.to_hover_command(pose, velocity, self._odom, oldest + late)
+        )
 
     # Periodic work.
 

@@ -7,7 +7,7 @@ odom -> base_link on /tf; with the parameter `pose` this node does it for a grap
 estimator. The simulator or a tracker publishes map -> odom.
 """
 
-from typing import Any, Literal
+from typing import Literal
 
 from lta_bridge.description.messages import iterate_descriptions
 from lta_config.settings import setting, Settings
@@ -20,6 +20,7 @@ from lta_graph.ros.qos import select_profile
 from lta_graph.ros.transforms import from_odometry
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
+from nav_msgs.msg import Odometry
 
 
 class DescriptionSettings(Settings):
@@ -66,7 +67,7 @@ class DescriptionNode(GraphNode):
             else 'the fixed frames are published on /tf_static',
         )
 
-    def _on_pose(self, odom: Any) -> None:  # noqa: ANN401 - a generated class
+    def _on_pose(self, odom: Odometry) -> None:
         self._tf.publish(from_odometry(odom, self._prefix))
 
 

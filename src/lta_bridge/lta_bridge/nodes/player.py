@@ -34,7 +34,8 @@ from lta_graph.ros.process import run_node
 from lta_graph.ros.replay_due import from_due
 from lta_graph.ros.stamps import to_stamp
 from lta_graph.ros.startup import wait_until_complete
-from rclpy.clock import Clock, ClockType
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
 from rosgraph_msgs.msg import Clock as ClockMessage
 from std_srvs.srv import SetBool, Trigger
 

@@ -38,7 +38,8 @@ from lta_graph.ros.qos import select_profile
 from lta_graph.ros.raw_subscriptions import GENEROUS_PROFILE, load_message_class, RawSubscriptions
 from lta_graph.ros.replay_due import subscribe_due_times
 from pydantic import create_model
-from rclpy.clock import Clock, ClockType
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
 from rclpy.qos import QoSProfile
 
 LOOK_PERIOD = 0.4  # wall seconds between two checks of the graph and of losses

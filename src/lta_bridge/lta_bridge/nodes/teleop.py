@@ -8,7 +8,6 @@ and bridge follow these instead of the navigator's, with all their safety checks
 from pathlib import Path
 import sys
 import time
-from typing import Any
 
 from lta_bridge.teleop.gamepad import Gamepad, JOY, KEYBOARD
 from lta_bridge.teleop.keyboard import HELP, Keyboard
@@ -28,7 +27,9 @@ from lta_graph.health import HealthLevel
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
-from rclpy.clock import Clock, ClockType
+from nav_msgs.msg import Odometry
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
 from sensor_msgs.msg import Joy
 from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
@@ -79,7 +80,7 @@ class Teleop(GraphNode):
         self._stops = {name: self.create_client(Trigger, name) for name in STOPPING}
         self._answered: set[str] = set()
         self._flyers = SetpointFollowers(self.get_namespace())
-        self._odom: Any = None
+        self._odom: Odometry | None = None
         self._odom_at = -FRESH
         # Sticks are read on the wall clock: a person acts in real time
         self._state, self._ticked = TeleopState(), time.monotonic()
@@ -107,11 +108,13 @@ class Teleop(GraphNode):
             return joy
         return Gamepad(Path(settings.device), settings.layout)
 
-    def _on_odom(self, odom: Any) -> None:  # noqa: ANN401 - a generated class
+    def _on_odom(self, odom: Odometry) -> None:
         self._odom, self._odom_at = odom, time.monotonic()
 
     def _newest_estimate(self, now: float) -> HeadingAltitude | None:
-        return None if now - self._odom_at > FRESH else to_heading_altitude(self._odom)
+        if self._odom is None or now - self._odom_at > FRESH:
+            return None
+        return to_heading_altitude(self._odom)
 
     def _tick(self) -> None:
         now = time.monotonic()
@@ -129,7 +132,7 @@ class Teleop(GraphNode):
             rates,
             self._flyers.is_operator_steering,
         )
-        if order.setpoint is not None:
+        if order.setpoint is not None and self._odom is not None:
             # A setpoint answers the newest estimate: its age is counted from that one's stamp.
             pose, velocity = from_setpoint(self._odom.header.stamp, order.setpoint)
             self._pose.publish(pose)

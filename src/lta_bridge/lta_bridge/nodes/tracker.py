@@ -6,8 +6,6 @@ estimate on `odom`, the node publishes on /tf where `odom` is in `map`, so that 
 tracked pose there (REP-105). Both are for evaluation and viewers only; no node flies by them.
 """
 
-from typing import Any
-
 from geometry_msgs.msg import PoseStamped
 from lta_bridge.tracking.map_correction import MapCorrection
 from lta_bridge.tracking.messages import from_odometry, from_pose, from_transform, to_odometry
@@ -97,7 +95,7 @@ class TrackerNode(GraphNode):
     def _on_pose(self, message: PoseStamped) -> None:
         self._publish_motion(from_stamp(message.header.stamp), from_pose(message))
 
-    def _on_frames(self, message: Any) -> None:  # noqa: ANN401 - a generated class
+    def _on_frames(self, message: TFMessage) -> None:
         for each in message.transforms:
             if each.child_frame_id == self._frame:
                 self._publish_motion(from_stamp(each.header.stamp), from_transform(each))

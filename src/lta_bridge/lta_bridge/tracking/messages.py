@@ -1,22 +1,29 @@
 """Convert a tracker's messages to poses, and motion to Odometry."""
 
 import math
-from typing import Any
 
 from builtin_interfaces.msg import Time
-from geometry_msgs.msg import PoseStamped
+from geometry_msgs.msg import (
+    Point,
+    PoseStamped,
+    PoseWithCovariance,
+    Quaternion,
+    TransformStamped,
+    Vector3,
+)
 from lta_bridge.tracking.motion import TrackerMotion
 from lta_bridge.tracking.pose import TrackerPose
 from nav_msgs.msg import Odometry
 import numpy as np
+from numpy.typing import NDArray
 
 
-def from_pose(message: PoseStamped) -> TrackerPose:
+def from_pose(message: PoseStamped | PoseWithCovariance) -> TrackerPose:
     """Return the pose."""
     return _build_pose(message.pose.position, message.pose.orientation)
 
 
-def from_transform(message: Any) -> TrackerPose:  # noqa: ANN401 - a TransformStamped
+def from_transform(message: TransformStamped) -> TrackerPose:
     """Return the pose of the child frame."""
     return _build_pose(message.transform.translation, message.transform.rotation)
 
@@ -26,7 +33,7 @@ def from_odometry(message: Odometry) -> TrackerPose:
     return from_pose(message.pose)
 
 
-def _build_pose(p: Any, q: Any) -> TrackerPose:  # noqa: ANN401 - generated classes of the same fields
+def _build_pose(p: Point | Vector3, q: Quaternion) -> TrackerPose:
     return TrackerPose((p.x, p.y, p.z), (q.x, q.y, q.z, q.w))
 
 
@@ -45,7 +52,7 @@ def to_odometry(stamp: Time, frame: str, motion: TrackerMotion) -> Odometry:
     return message
 
 
-def _diagonal_covariance(first: float, second: float) -> np.ndarray:
+def _diagonal_covariance(first: float, second: float) -> NDArray[np.float64]:
     """Return a diagonal 6x6 covariance from two standard deviations, each for three axes."""
     if math.isnan(first) or math.isnan(second):
         unknown = np.zeros(36)

@@ -135,4 +135,6 @@ def step(
     return GlideLawMemory(command, climb, tilt, speed, yaw_rate, missing)
 
 
-LAW = ControlLaw('glide', GlideGains, Feedback.TRACKER, build_constants, GlideLawMemory(), step)
+LAW = ControlLaw(
+    'glide', GlideGains, Feedback.TRACKER, build_constants, GlideLawMemory(), step, moves_mass=True
+)

@@ -2,13 +2,13 @@
 Interface of a control law: from motion and setpoint to rotor commands.
 
 A law consists of plain functions of scalars and tuples with memory in and out, so that the same
-code runs in a node and compiled in a loop (`lta_config.compilation.flat`).
+code runs in a node and compiled in a loop. `lta_control.flight_step` says when it is asked.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any, final, NamedTuple
+from typing import Any, final, NamedTuple, Protocol
 
 from lta_config.settings import Settings
 from lta_control.attitude import Quaternion, Vector
@@ -52,6 +52,14 @@ class LawCommand(NamedTuple):
     mass_place: Vector = UNMOVED  # body frame [m]
 
 
+class LawMemory(Protocol):
+    """State of a law between steps, a named tuple of numbers and tuples."""
+
+    @property
+    def command(self) -> LawCommand:
+        """The latest command."""
+
+
 @final
 @dataclass(frozen=True, slots=True)
 class ControlLaw:
@@ -69,10 +77,12 @@ class ControlLaw:
     build_constants : callable
         `build_constants(gains, vehicle) -> constants`, a named tuple with the gains as `gains`;
         raises `BadInput` for a vehicle that it cannot fly.
-    start : tuple
-        The memory before the first step, a named tuple with a `LawCommand` as `command`.
+    start : LawMemory
+        The memory before the first step.
     step : callable
         `step(constants, memory, inputs, scratch) -> memory`.
+    moves_mass : bool
+        Whether its commands have a position of the moving mass.
 
     """
 
@@ -80,5 +90,11 @@ class ControlLaw:
     gains: type[Settings]
     feedback: Feedback
     build_constants: Callable[[Any, Vehicle], Any]
-    start: Any
-    step: Callable[[Any, Any, LawInputs, Any], Any]
+    start: LawMemory
+    step: Callable[[Any, Any, LawInputs, Any], LawMemory]
+    moves_mass: bool = False
+
+    @property
+    def is_tracked(self) -> bool:
+        """Whether it needs a tracker."""
+        return self.feedback is Feedback.TRACKER

@@ -5,18 +5,11 @@ Each estimate is published twice: on `odom`, and as the transform odom -> base_l
 """
 
 import math
-from typing import Any
 
 from lta_config.settings import setting
 from lta_control.bias_calibration import is_tilted, is_turning, largest_deviation, MOST_RATE
-from lta_control.control import step_duration
-from lta_control.estimator import (
-    estimator_step,
-    EstimatorModel,
-    EstimatorSettings,
-    is_plausible_imu_sample,
-    MotionEstimate,
-)
+from lta_control.estimator import EstimatorModel, EstimatorSettings, MotionEstimate
+from lta_control.flight_step import estimate_motion
 from lta_control.messages import (
     from_airspeed,
     from_estimate,
@@ -25,6 +18,7 @@ from lta_control.messages import (
     to_inputs,
     to_sighting,
 )
+from lta_control.odometry.air_reckoning import step_duration
 from lta_control.odometry.ground_motion import ground_step, read_modelled_motion
 from lta_control.odometry.ground_state import GroundMotion
 from lta_control.odometry.lamp_sighting import LampSighting
@@ -37,6 +31,7 @@ from lta_graph.ros.process import run_node
 from lta_graph.ros.stamps import from_stamp
 from lta_graph.ros.transforms import from_odometry
 from lta_model.vehicle import load_vehicle
+from lta_msgs.msg import LampPeaks
 
 
 class EstimatorParameters(EstimatorSettings):
@@ -64,7 +59,7 @@ class Estimator(GraphNode):
         self._estimate = MotionEstimate()
         self._ground = GroundMotion()
         self._restarts = 0
-        self._peaks: Any = None
+        self._peaks: LampPeaks | None = None
         self._half_block_ns = self.table['photodiodes'].period_ns // 2
         self._commanded = self._estimate.duties
         self._last_ns: int | None = None
@@ -81,12 +76,12 @@ class Estimator(GraphNode):
             self.soundness.unsound.add(
                 'motors: rotor names or duties do not match the vehicle file'
             )
-        inputs = to_inputs(step, self._commanded)
-        if is_plausible_imu_sample(inputs.rates, inputs.force):
-            dt = step_duration(self._last_ns, step.stamp_ns, self.table.control_ns)
+        inputs, settings = to_inputs(step, self._commanded), self._settings.value
+        dt = step_duration(self._last_ns, step.stamp_ns, self.table.control_ns)
+        before = self._estimate
+        self._estimate = estimate_motion(settings, self._body, before, inputs, dt)
+        if self._estimate is not before:
             self._last_ns = step.stamp_ns
-            settings = self._settings.value
-            self._estimate = estimator_step(settings, self._body, self._estimate, inputs, dt)
             self._ground = ground_step(
                 settings.ground,
                 self._body.hull,

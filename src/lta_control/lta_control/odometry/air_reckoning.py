@@ -10,7 +10,6 @@ from collections.abc import Iterable
 import math
 from typing import final
 
-from lta_control.control import step_duration
 from lta_control.sighting import DeadReckonedMotion
 
 NOWHERE = DeadReckonedMotion(0.0, 0.0, 0.0, 0.0, 0.0)
@@ -54,3 +53,17 @@ class AirReckoning:
             if abs(at_ns - stamp_ns) < least:
                 nearest, least = motion, abs(at_ns - stamp_ns)
         return nearest
+
+
+def step_duration(last_ns: int | None, now_ns: int, period_ns: int) -> float:
+    """
+    Return the duration of one step from two stamps, at most ten periods. [s]
+
+    Best-effort messages may be lost, and the first one has no predecessor: it counts as one
+    period. A stamp that is not newer than the last counts as a tenth of a period, so that time
+    still advances.
+    """
+    if last_ns is None:
+        return period_ns * 1e-9
+    # The upper bound limits the jump of integrals and filters after a long gap
+    return min(max(now_ns - last_ns, period_ns // 10), 10 * period_ns) * 1e-9

@@ -8,7 +8,7 @@ describes the model. Plain Python numbers, so that all nodes and loops get the s
 import math
 from typing import NamedTuple, TYPE_CHECKING
 
-from lta_control.attitude import yaw_from_quaternion
+from lta_control.attitude import Vector, yaw_from_quaternion
 from lta_control.odometry.airspeed import HullDragModel
 from lta_control.odometry.ground_filter import correct_motion, predict_motion
 from lta_control.odometry.ground_state import (
@@ -60,6 +60,25 @@ def read_modelled_motion(estimate: 'MotionEstimate', standing_height: float) -> 
         speed.model_surge,
         speed.model_sway,
         is_on_ground(estimate.altitude.height, standing_height),
+    )
+
+
+def ground_velocity(estimate: 'MotionEstimate', ground: GroundMotion) -> Vector:
+    """Return the velocity over ground in the body frame. [m/s]"""
+    x, y, z, w = estimate.attitude
+    vx, vy = ground.velocity
+    vz = estimate.altitude.climb
+    # Transposed rotation matrix of the attitude, which is body to odom
+    return (
+        (1.0 - 2.0 * (y * y + z * z)) * vx
+        + 2.0 * (x * y + z * w) * vy
+        + 2.0 * (x * z - y * w) * vz,
+        2.0 * (x * y - z * w) * vx
+        + (1.0 - 2.0 * (x * x + z * z)) * vy
+        + 2.0 * (y * z + x * w) * vz,
+        2.0 * (x * z + y * w) * vx
+        + 2.0 * (y * z - x * w) * vy
+        + (1.0 - 2.0 * (x * x + y * y)) * vz,
     )
 
 

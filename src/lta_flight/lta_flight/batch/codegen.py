@@ -12,17 +12,18 @@ from typing import Any
 
 from lta_config.compilation.extract import SourceExtract
 from lta_config.compilation.flat import CORE_PREFIX, settings_to_tuples, TupleLayout
-from lta_control.onboard import OnboardMemory
+from lta_control.autopilot import begin_memory
+from lta_control.laws import cascade
 from lta_control.strategies.protocol import NavigationStrategy
-from lta_flight.batch.flight import amplitude_error
-from lta_flight.batch.flight_loop import fly
-from lta_flight.batch.flight_step import (
+from lta_flight.batch.control_period import (
     advance_vehicle,
-    flight_step,
     FlightKernel,
     sense_and_control,
+    simulate_period,
     WorkArrays,
 )
+from lta_flight.batch.flight import amplitude_error
+from lta_flight.batch.flight_loop import fly
 from lta_flight.batch.kernel_access import VehicleAccess
 from lta_flight.batch.targets import BatchSchedule, CompileTarget, MODEL
 from lta_model.effects import initial_memory, MODEL_EFFECTS
@@ -37,7 +38,7 @@ from lta_sim.light_link import sample_magnitude
 # Merged into their caller, because passing the memory of a flight takes a quarter of the time
 MERGED = {
     f'{CORE_PREFIX}_{function.__name__}'
-    for function in (flight_step, sense_and_control, advance_vehicle)
+    for function in (simulate_period, sense_and_control, advance_vehicle)
 }
 
 
@@ -45,7 +46,7 @@ def build_kernel(names: Sequence[str], diodes: int, *, closed: bool) -> FlightKe
     """Return the kernel of some effects; its functions are those of `write_flight_source`."""
     return FlightKernel(
         dark=(0.0,) * diodes,
-        begin=settings_to_tuples(OnboardMemory()),
+        begin=settings_to_tuples(begin_memory(cascade.LAW)),
         closed=closed,
         turbulence='turbulence' in names,
         superheat='superheat' in names,
@@ -81,7 +82,7 @@ def build_source(
 
     """
     kernel = build_kernel(names, diodes, closed=closed)
-    extract = SourceExtract(kernel=kernel, strategy=strategy, schedule=schedule)
+    extract = SourceExtract(kernel=kernel, strategy=strategy, schedule=schedule, law=cascade.LAW)
     name = extract.add_function(fly, CORE_PREFIX)
     entry = Template(target.entry).substitute(
         fly=name,

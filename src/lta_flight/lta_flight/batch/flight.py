@@ -11,7 +11,7 @@ import math
 from lta_config.constants import STANDARD_GRAVITY
 from lta_control.attitude import yaw_from_quaternion
 from lta_control.cascade import Setpoint, wrap_angle
-from lta_control.onboard import OnboardMemory, SensorInputs
+from lta_control.flight_step import DroneMemory, SensorInputs, UNTRACKED
 from lta_control.per_rotor import PerRotor
 from lta_control.sighting import DeadReckonedMotion, LampDirection, sight_from_direction
 from lta_control.strategies.protocol import LightMeasurement
@@ -128,7 +128,7 @@ def read_sensors(
         pressure = simulate_pressure_reading(
             constants.sensors, errors, seed, step, height, elapsed
         )
-    return SensorInputs(turned, felt, distance, pressure)
+    return SensorInputs(turned, felt, distance, pressure, UNTRACKED, False)
 
 
 def sensor_specific_force(
@@ -141,12 +141,9 @@ def sensor_specific_force(
     return specific_force_at(state, rate, place, STANDARD_GRAVITY)
 
 
-def with_setpoint(memory: OnboardMemory, setpoint: Setpoint) -> OnboardMemory:
+def with_setpoint(memory: DroneMemory, setpoint: Setpoint) -> DroneMemory:
     """Return the drone's memory with a new setpoint."""
-    return OnboardMemory(
-        memory.estimate, memory.measured, True, setpoint, memory.control, memory.duties,
-        memory.stopped, memory.landing, memory.height,
-    )  # fmt: skip
+    return memory._replace(guided=True, setpoint=setpoint)
 
 
 def ambient_irradiance(constants: FlightConstants, position: Vector) -> float:

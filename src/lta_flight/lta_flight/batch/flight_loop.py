@@ -1,8 +1,19 @@
 """Fly a simulated flight to its end, as plain functions that are compiled for a batch."""
 
+from lta_control.flight_step import is_stopped
+from lta_control.laws.protocol import ControlLaw
 from lta_control.per_rotor import NONE
 from lta_control.strategies.protocol import NavigationStrategy
 from lta_flight.batch.constants_and_tally import FlightConstants, FlightTally
+from lta_flight.batch.control_period import (
+    begin_flight,
+    FlightInputs,
+    FlightKernel,
+    FlightMemory,
+    is_block_end,
+    simulate_period,
+    WorkArrays,
+)
 from lta_flight.batch.flight import (
     build_command,
     draw_initial_state,
@@ -10,15 +21,6 @@ from lta_flight.batch.flight import (
     RAN_AWAY,
     update_light_tally,
     update_tally,
-)
-from lta_flight.batch.flight_step import (
-    begin_flight,
-    flight_step,
-    FlightInputs,
-    FlightKernel,
-    FlightMemory,
-    is_block_end,
-    WorkArrays,
 )
 from lta_flight.batch.targets import BatchSchedule
 from lta_model.electrical.charger import resting_flow
@@ -39,6 +41,7 @@ def fly(
     kernel: FlightKernel,
     schedule: BatchSchedule,
     strategy: NavigationStrategy,
+    law: ControlLaw,
     constants: FlightConstants,
     numbers: NDArray[np.float64],
     recorded: NDArray[np.float64],
@@ -61,7 +64,7 @@ def fly(
     # As in the loop, the light block in which the flight ends is completed
     while tally.outcome == FLYING or is_block_open(kernel, schedule, tally, memory.step):
         before, flying = memory, tally.outcome == FLYING
-        memory = flight_step(kernel, schedule, strategy, constants, before, inputs, work)
+        memory = simulate_period(kernel, schedule, strategy, law, constants, before, inputs, work)
         began = (before.step - schedule.light) * schedule.period
         # It counts if its middle is in the flight
         counts = flying or began + 0.5 * schedule.block_time <= end[0]
@@ -86,7 +89,7 @@ def fly(
 def read_end(schedule: BatchSchedule, memory: FlightMemory) -> FlightEnd:
     """Return time [s], charge, position [m] and whether the motors stopped, as numbers."""
     x, y, z = memory.state[0], memory.state[1], memory.state[2]
-    stopped = 1.0 * memory.onboard.stopped
+    stopped = 1.0 * is_stopped(memory.onboard.pilot.watch.state)
     return memory.step * schedule.period, memory.supply.flow.charge, x, y, z, stopped
 
 

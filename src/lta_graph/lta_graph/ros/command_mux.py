@@ -7,10 +7,12 @@ setpoints would let the vehicle fly on unnoticed.
 """
 
 from collections.abc import Callable
-from typing import Any, Final, final
+from typing import Final, final
 
+from geometry_msgs.msg import PoseStamped, TwistStamped
 from lta_graph.health import HealthLevel
 from lta_graph.ros.node import GraphNode
+from std_msgs.msg import Bool
 
 COMMAND_SOURCE_TASK: Final = 'helm'  # health task with the active source of setpoints
 HELD: Final = 'held'  # its value: whether that is the teleoperator
@@ -38,8 +40,8 @@ class CommandMux:
     def __init__(self, node: GraphNode, then: Callable[[], None] = lambda: None) -> None:
         self.held = False
         self._node = node
-        self._pose: Any = None
-        self._velocity: Any = None
+        self._pose: PoseStamped | None = None
+        self._velocity: TwistStamped | None = None
         self._then = then
         # A person acts in real time, so a lockstep run could not be repeated
         if node.lockstep:
@@ -52,7 +54,9 @@ class CommandMux:
         ):
             node.subscribe_topic(name, callback)
 
-    def select_setpoint(self, pose: Any, velocity: Any) -> tuple[Any, Any]:  # noqa: ANN401 - messages
+    def select_setpoint(
+        self, pose: PoseStamped | None, velocity: TwistStamped | None
+    ) -> tuple[PoseStamped | None, TwistStamped | None]:
         """Return the active pose and velocity, of the teleoperator or as given."""
         return (self._pose, self._velocity) if self.held else (pose, velocity)
 
@@ -64,7 +68,7 @@ class CommandMux:
         # Those of teleop do not count: one that has crashed may be started again in flight
         return max(map(self._node.count_publishers, ('setpoint/pose', 'setpoint/velocity')))
 
-    def _on_takeover(self, held: Any) -> None:  # noqa: ANN401 - a message
+    def _on_takeover(self, held: Bool) -> None:
         if held.data != self.held:
             self.held = held.data
             self._report_source()
@@ -79,9 +83,9 @@ class CommandMux:
             **{HELD: self.held},
         )
 
-    def _on_pose(self, pose: Any) -> None:  # noqa: ANN401 - a message
+    def _on_pose(self, pose: PoseStamped) -> None:
         self._pose = pose
 
-    def _on_velocity(self, velocity: Any) -> None:  # noqa: ANN401 - a message
+    def _on_velocity(self, velocity: TwistStamped) -> None:
         self._velocity = velocity
         self._then()

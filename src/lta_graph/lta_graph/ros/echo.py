@@ -14,9 +14,9 @@ import time
 from lta_config.errors import BadInput
 from lta_graph.ros.command_line import initialize_ros
 from lta_graph.terminal_streams import guard_streams
-import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
+from rclpy.utilities import try_shutdown
 from std_msgs.msg import String
 
 QUESTION_TOPIC = 'lta_doctor/question'
@@ -45,7 +45,11 @@ def measure_round_trip(
     """Return the discovery time and median round trip [s], or None at the deadline."""
     answers: set[str] = set()
     publisher = node.create_publisher(String, QUESTION_TOPIC, 10)
-    node.create_subscription(String, ANSWER_TOPIC, lambda message: answers.add(message.data), 10)
+
+    def on_answer(message: String) -> None:
+        answers.add(message.data)
+
+    node.create_subscription(String, ANSWER_TOPIC, on_answer, 10)
 
     def round_trip(text: str, patience: float) -> float | None:
         sent = time.perf_counter()
@@ -96,7 +100,7 @@ def main() -> None:
     finally:
         executor.shutdown()
         node.destroy_node()
-        rclpy.try_shutdown()
+        try_shutdown()
     sys.exit(1 if options.role == 'ask' and times is None else 0)
 
 

@@ -9,8 +9,7 @@ from collections.abc import Callable
 from typing import Any, final, Generic, TypeVar
 
 from lta_graph.ros.contained_node import ContainedNode
-from rclpy.action import ActionServer, CancelResponse
-from rclpy.action.server import ServerGoalHandle
+from rclpy.action.server import ActionServer, CancelResponse, ServerGoalHandle
 from rclpy.task import Future
 
 Task = TypeVar('Task')

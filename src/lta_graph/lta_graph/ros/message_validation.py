@@ -11,7 +11,7 @@ from importlib import import_module
 import math
 from operator import attrgetter
 import re
-from typing import Any, Final, final
+from typing import Any, cast, Final, final
 
 from builtin_interfaces.msg import Time
 from lta_config.topics import Topic
@@ -77,10 +77,10 @@ def _build_reader(empty: object, path: str) -> Numbers:
     # Built once per type from an empty message, because every message of a flight is read
     paths = list(_iterate_number_paths(attrgetter(path)(empty), path))
     # The slots behind the properties, whose getters are functions of Python
-    get = attrgetter(*(re.sub(r'\b(?=\w)', '_', path) for path in paths))
+    get: Any = attrgetter(*(re.sub(r'\b(?=\w)', '_', path) for path in paths))
     part = get(empty)
     if isinstance(part, tuple):
-        return get
+        return cast('Numbers', get)
     if isinstance(part, float):
         return lambda message: (get(message),)
     return lambda message: get(message).tolist()
@@ -140,7 +140,7 @@ LENGTHS: Final[Mapping[str, Callable[[Any], str]]] = {
 
 def find_fault(message: Any) -> str:  # noqa: ANN401 - a generated class
     """Return why a message is invalid, or an empty string."""
-    for path, numbers in _list_numeric_parts(type(message)):
+    for path, numbers in _list_numeric_parts(message.__class__):
         if not _is_plausible(numbers(message)):
             return f'its {path} has a value that is not a number, or implausibly large'
     kind = type(message).__name__

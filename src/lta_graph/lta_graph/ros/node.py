@@ -25,7 +25,8 @@ from lta_graph.ros.qos import select_profile
 from lta_graph.ros.reader_links import LINKS_TASK
 from lta_graph.ros.replay_due import DUE, subscribe_inbox_schedule
 from lta_graph.ros.stamps import from_stamp, to_stamp
-from rclpy.clock import Clock, ClockType
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
 from rclpy.duration import Duration
 from rclpy.publisher import Publisher
 from rclpy.subscription import Subscription

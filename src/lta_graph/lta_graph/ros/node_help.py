@@ -56,8 +56,8 @@ def find_topics(tree: ast.AST) -> tuple[list[str], list[str], bool]:
     for function in (node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)):
         # Some subscribe in a loop over names
         if any(iterate_calls(function, *SUBSCRIBE)):
-            texts = {node.value for node in ast.walk(function) if isinstance(node, ast.Constant)}
-            read |= texts & table.topics.keys() - outward
+            values = {node.value for node in ast.walk(function) if isinstance(node, ast.Constant)}
+            read |= {name for name in table.topics.keys() - outward if name in values}
     open_ended = any(not isinstance(call.args[0], ast.Constant) for call in outputs) or any(
         iterate_calls(tree, 'create_subscription', 'subscribe', '_subscribe_topic')
     )
@@ -104,17 +104,14 @@ def describe_node(node_class: type[GraphNode], program: str) -> str:
     tree = parse_module(module)
     package, name = Path(program).parts[-2:] if len(Path(program).parts) > 1 else ('', program)
     published, read, more = find_topics(tree)
+    models: list[type[BaseModel]] = [GraphSettings, *find_settings_models(module, tree)]
     lines = [
         f'Usage: ros2 run {package} {name} --ros-args [-p PARAMETER:=VALUE] [-r FROM:=TO] ...',
         '',
         inspect.cleandoc(module.__doc__ or node_class.__doc__ or ''),
         '',
         'Parameters:',
-        *(
-            format_parameter(*leaf)
-            for model in (GraphSettings, *find_settings_models(module, tree))
-            for leaf in iterate_fields(model())
-        ),
+        *(format_parameter(*leaf) for model in models for leaf in iterate_fields(model())),
         '',
         'Topics, relative to the namespace of the node:',
         *(format_topic('publishes', each) for each in published),

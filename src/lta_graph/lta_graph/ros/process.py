@@ -20,11 +20,11 @@ from lta_graph.ros.contained_node import ContainedNode
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.node_help import asks_for_help, describe_node
 from lta_graph.terminal_streams import exit_process, guard_streams
-import rclpy
 from rclpy.context import Context
 from rclpy.executors import Executor
-from rclpy.experimental import EventsExecutor
+from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.utilities import try_shutdown
 
 POLL: Final = 0.02  # wall seconds between two steps of a node's `run`
 TEARDOWN: Final = 5.0  # s for DDS to shut down; less than the launcher's grace
@@ -56,7 +56,7 @@ def run_process(run: Callable[[ExitStack], int]) -> NoReturn:
     """
     guard_streams()
     teardown = ExitStack()
-    teardown.callback(rclpy.try_shutdown)
+    teardown.callback(try_shutdown)
     try:
         # The launcher and `lta run` block SIGINT while Python starts; one is delivered here
         signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})

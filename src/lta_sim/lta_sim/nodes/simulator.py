@@ -35,7 +35,8 @@ from lta_model.vehicle import load_vehicle
 from lta_sim.readings import FlightOutcome, SensorReadings
 from lta_sim.simulator_settings import DEFAULT, DESCRIPTION, SimulatorSettings
 from lta_sim.world import World
-from rclpy.clock import Clock, ClockType
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
 from rosgraph_msgs.msg import Clock as ClockMessage
 
 STALE_NS = 300_000_000  # commands older or newer than this stop the motors, as on the real vehicle

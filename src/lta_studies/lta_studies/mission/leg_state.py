@@ -10,18 +10,20 @@ the diodes; no ADC blocks are simulated.
 import math
 from typing import NamedTuple
 
+from lta_control.flight_step import is_stopped
+from lta_control.laws.protocol import ControlLaw
 from lta_control.per_rotor import NONE
 from lta_control.phases import Phase
 from lta_control.strategies.protocol import NavigationStrategy
 from lta_flight.batch.constants_and_tally import FlightConstants
-from lta_flight.batch.flight import build_command, unreachable_pose
-from lta_flight.batch.flight_step import (
-    flight_step,
+from lta_flight.batch.control_period import (
     FlightInputs,
     FlightKernel,
     FlightMemory,
+    simulate_period,
     WorkArrays,
 )
+from lta_flight.batch.flight import build_command, unreachable_pose
 from lta_flight.batch.targets import BatchSchedule
 from lta_model.electrical.battery import integrate_charge
 from lta_model.model import has_diverged
@@ -68,6 +70,7 @@ def fly_leg(
     kernel: FlightKernel,
     schedule: BatchSchedule,
     strategy: NavigationStrategy,
+    law: ControlLaw,
     constants: FlightConstants,
     leg: LegPlan,
     before: LegState,
@@ -83,7 +86,9 @@ def fly_leg(
     flight = _resume_flight(constants, before.flight, inputs)
     now = before._replace(flight=flight)
     while now.outcome == FLYING:
-        flight = flight_step(kernel, schedule, strategy, constants, now.flight, inputs, work)
+        flight = simulate_period(
+            kernel, schedule, strategy, law, constants, now.flight, inputs, work
+        )
         now = update_leg(schedule, constants, leg, now, flight)
     return now
 
@@ -97,7 +102,7 @@ def _resume_flight(
         distance = simulate_range_reading(
             constants.sensors, inputs.errors, inputs.seed, 0, memory.state
         )
-    command = build_command(constants, memory.onboard.duties)
+    command = build_command(constants, memory.onboard.pilot.law.command.duties)
     return memory._replace(command=command, gathered=unreachable_pose(), distance=distance)
 
 
@@ -142,17 +147,17 @@ def assess_leg(
     spent: float,
 ) -> int:
     """Return the outcome of a leg after a time. [s]"""
-    state = flight.state
+    state, pilot = flight.state, flight.onboard.pilot
     # The order matters: the first condition that holds names the outcome.
     if not flight.supply.flow.fed:
         return EMPTY
     if not is_indoors(constants.goal, state[0], state[1], state[2]):
         return ESCAPED
-    if flight.onboard.stopped or has_diverged(state):
+    if is_stopped(pilot.watch.state) or has_diverged(state):
         return STOPPED
     # A landing goes on below the reserve, so it is assessed before the charge.
     if leg.kind == LAND:
-        down = state[2] <= constants.place[2] + ON_FOOT and flight.onboard.duties == NONE
+        down = state[2] <= constants.place[2] + ON_FOOT and pilot.law.command.duties == NONE
         return DONE if down else LATE if spent >= leg.limit else FLYING
     if leg.kind == GO and flight.mission.phase == Phase.ARRIVED:
         return DONE

@@ -8,12 +8,13 @@ from typing import Any, final
 from lta_config.compilation.flat import TupleLayout
 from lta_config.compilation.kernel_cache import load_kernel
 from lta_config.topics import load_topic_table
-from lta_control.onboard import OnboardMemory
+from lta_control.autopilot import begin_memory
+from lta_control.laws import cascade
 from lta_control.phases import Phase
 from lta_control.strategies.homing import STRATEGY
 from lta_flight.batch.batch_flight import BatchFlight, build_schedule
 from lta_flight.batch.codegen import initial_effect_memory
-from lta_flight.batch.flight_step import begin_flight
+from lta_flight.batch.control_period import begin_flight
 from lta_model.electrical.charger import PowerFlow, resting_flow
 from lta_model.state import pack_state, RIGID
 from lta_sim.compiled_sensors import draw_turbulence_memory
@@ -115,7 +116,7 @@ class LegPilot:
         # The first leg computes the command and the first range
         flight = begin_flight(
             STRATEGY,
-            OnboardMemory(),
+            begin_memory(cascade.LAW),
             state,
             (0.0,) * FIXED['command'],
             self._dark,

@@ -17,9 +17,9 @@ from typing import final
 from lta_control.attitude import up_in_body
 from lta_control.autopilot import MEMORY
 from lta_control.cascade import Setpoint, WrenchDemand
-from lta_control.onboard import OnboardMemory
+from lta_control.flight_step import DroneMemory
 from lta_control.per_rotor import SLOTS
-from lta_studies.tune.loop_cut import LoopCut
+from lta_studies.tune.loop_cut import cascade_memory, LoopCut
 import numpy as np
 from numpy.typing import NDArray
 
@@ -60,7 +60,7 @@ def linearize_loop(cut: LoopCut, setpoint: Setpoint) -> LinearLoop:
     state, memory = cut.find_steady_flight(setpoint)
     first, second = len(state), len(state) + MEMORY.size
     # In steady flight all commands that are still on their way are equal.
-    past = np.tile(np.array(memory.duties), (cut.ages, 1))
+    past = np.tile(np.array(memory.pilot.law.command.duties), (cut.ages, 1))
     _, trim = cut.step_controller(state, memory, past, None)
 
     def step_period(x: Array, u: Array) -> tuple[Array, Array]:
@@ -71,7 +71,7 @@ def linearize_loop(cut: LoopCut, setpoint: Setpoint) -> LinearLoop:
         )
         after, demanded = cut.step_controller(own, stored, before, WrenchDemand(*u.tolist()))
         # Shift register of the command delay, newest first
-        commands = np.vstack([np.array(after.duties), before[:-1]])
+        commands = np.vstack([np.array(after.pilot.law.command.duties), before[:-1]])
         state_after = cut.advance_vehicle(own, commands)
         return np.concatenate([state_after, MEMORY.write(after), commands.ravel()]), np.array(
             demanded
@@ -93,10 +93,10 @@ def linearize_loop(cut: LoopCut, setpoint: Setpoint) -> LinearLoop:
     radius, swing = float(np.abs(worst)), float(abs(np.angle(worst))) / cut.period
     up = up_in_body(memory.estimate.attitude)[2]
     tilt = math.acos(min(1.0, up))
-    return LinearLoop(a, b, c, cut.period, radius, swing, tilt, memory.control.thrusts)
+    return LinearLoop(a, b, c, cut.period, radius, swing, tilt, cascade_memory(memory).thrusts)
 
 
-def _find_continuous_states(memory: OnboardMemory) -> list[int]:
+def _find_continuous_states(memory: DroneMemory) -> list[int]:
     """Return the indices of the floats in a memory (no flags, no counters)."""
     kinds: list[bool] = []
 

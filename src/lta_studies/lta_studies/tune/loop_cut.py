@@ -15,9 +15,16 @@ from lta_config.topics import load_topic_table
 from lta_control.allocation import create_working_array
 from lta_control.autopilot import Autopilot, build_drone_constants
 from lta_control.cascade import CascadeGains, Setpoint, WrenchDemand
-from lta_control.control import compute_demand, deliver_demand
-from lta_control.estimator import EstimatorSettings
-from lta_control.onboard import DroneConstants, estimate_motion, OnboardMemory, SensorInputs
+from lta_control.estimator import EstimatorInputs, EstimatorSettings
+from lta_control.flight_step import (
+    DroneConstants,
+    DroneMemory,
+    estimate_motion,
+    measure_motion,
+    motion_from_estimate,
+    SensorInputs,
+)
+from lta_control.laws.cascade import CascadeLawMemory, compute_demand, deliver_demand
 from lta_control.per_rotor import pad_to_slots, SLOTS
 from lta_model.effects import initial_memory
 from lta_model.model import STEP_NS, VehicleModel
@@ -121,39 +128,38 @@ class LoopCut:
         return self._true.pack_command(command[: len(self._true.rotors)].tolist())
 
     def step_controller(
-        self, state: Array, memory: OnboardMemory, past: Array, imposed: WrenchDemand | None
-    ) -> tuple[OnboardMemory, WrenchDemand]:
+        self, state: Array, memory: DroneMemory, past: Array, imposed: WrenchDemand | None
+    ) -> tuple[DroneMemory, WrenchDemand]:
         """
         Return the memory of the drone after one step, and the demand of its cascade.
 
         The rotors get `imposed` if given, else the demand of the cascade.
         """
         drone = self.drone
-        # The estimator knows the command of the period before
-        before = memory._replace(duties=pad_to_slots(past[0].tolist()))
-        estimate, measured = estimate_motion(drone, before, self.simulate_sensors(state, past))
-        demand, cascade = compute_demand(
-            drone.gains,
-            drone.rotors,
-            drone.surge_drag,
-            memory.control,
-            measured,
-            memory.setpoint,
+        law, sensed = cascade_memory(memory), self.simulate_sensors(state, past)
+        estimate = estimate_motion(
+            drone.estimator,
+            drone.body,
+            memory.estimate,
+            EstimatorInputs(
+                sensed.rates,
+                sensed.force,
+                sensed.range,
+                sensed.pressure,
+                # The estimator knows the command of the period before
+                pad_to_slots(past[0].tolist()),
+            ),
             drone.dt,
         )
-        duties, control = deliver_demand(
-            drone.rotors,
-            imposed or demand,
-            cascade,
-            memory.control.thrusts,
-            create_working_array(),
+        measured = measure_motion(motion_from_estimate(estimate))
+        demand, cascade = compute_demand(drone.law, law, measured, memory.setpoint, drone.dt)
+        law = deliver_demand(
+            drone.law.rotors, imposed or demand, cascade, law.thrusts, create_working_array()
         )
-        after = memory._replace(
-            estimate=estimate, measured=measured, control=control, duties=duties
-        )
-        return after, demand
+        pilot = memory.pilot._replace(law=law)
+        return memory._replace(estimate=estimate, measured=measured, pilot=pilot), demand
 
-    def find_steady_flight(self, setpoint: Setpoint) -> tuple[Array, OnboardMemory]:
+    def find_steady_flight(self, setpoint: Setpoint) -> tuple[Array, DroneMemory]:
         """
         Return vehicle state and drone memory in steady flight at a setpoint.
 
@@ -170,11 +176,19 @@ class LoopCut:
             sensed = self.simulate_sensors(state, past, self._still)
             # A range finder that repeats its reading to the bit would count as stuck
             distance = sensed.range + FLICKER * (tick % 2)
-            duties = autopilot.step(*sensed._replace(range=distance))
+            duties = autopilot.step(sensed.rates, sensed.force, distance, sensed.pressure)
             # Every age gets the present command, which removes the delay.
             past[:, : len(duties)] = duties
             state = self.advance_vehicle(state, past, self._still)
         return state, autopilot.memory
+
+
+def cascade_memory(memory: DroneMemory) -> CascadeLawMemory:
+    """Return the memory of the cascade of a drone that flies by it."""
+    law = memory.pilot.law
+    if not isinstance(law, CascadeLawMemory):
+        raise TypeError(f'{law} is no memory of the cascade')
+    return law
 
 
 def _build_damped_model(vehicle: Vehicle) -> VehicleModel:

@@ -12,14 +12,15 @@ from types import SimpleNamespace
 from typing import NamedTuple
 
 from lta_config.topics import load_topic_table
-from lta_control.onboard import OnboardMemory
+from lta_control.flight_step import DroneMemory
+from lta_control.laws.cascade import LAW
 from lta_control.per_rotor import NONE, pad_to_slots
 from lta_control.phases import Phase
-from lta_flight.batch import flight_loop, flight_step
+from lta_flight.batch import control_period, flight_loop
 from lta_flight.batch.batch_flight import BatchFlight, build_flight, build_schedule
+from lta_flight.batch.control_period import begin_flight, FlightInputs, FlightKernel, WorkArrays
 from lta_flight.batch.flight import build_command
 from lta_flight.batch.flight_loop import FIGURES
-from lta_flight.batch.flight_step import begin_flight, FlightInputs, FlightKernel, WorkArrays
 from lta_flight.batch.targets import BatchSchedule, SCRATCH
 from lta_flight.flight_spec import build_loop, build_vehicle_scenario_stack, load_spec
 from lta_flight.loop_view import LoopView
@@ -110,7 +111,7 @@ def build_kernel(model, noise):
         length = math.hypot(*state[3:7])
         return (*state[:3], *(part / length for part in state[3:7]), *state[7:])
 
-    dark, own, on = (0.0,) * 8, OnboardMemory(), model.effect_parameters
+    dark, own, on = (0.0,) * 8, DroneMemory(), model.effect_parameters
     return FlightKernel(
         dark, own, True, 'turbulence' in on, 'superheat' in on, rates, thrusts_of,
         ahead, mean, normalised, lambda *_: begin, noise.read_diodes, lambda _: dark,
@@ -134,8 +135,8 @@ def prepare(spec, seed, monkeypatch):
     monkeypatch.setattr(compiled_sensors, 'draw_normals', noise.draw_normals)
     monkeypatch.setattr(flight_loop, 'draw_errors', lambda *_: noise.errors)
     # All light is in the samples
-    monkeypatch.setattr(flight_step, 'write_reflections', lambda *_: None)
-    monkeypatch.setattr(flight_step, 'add_direct_light', lambda *_: None)
+    monkeypatch.setattr(control_period, 'write_reflections', lambda *_: None)
+    monkeypatch.setattr(control_period, 'add_direct_light', lambda *_: None)
     work = WorkArrays(np.zeros(SCRATCH), np.zeros((8, 8)), np.zeros((8, 8)), np.zeros(1))
     inputs = FlightInputs(np.zeros(1), flight.recorded, noise.errors, seed, 0.0)
     kernel = build_kernel(flight.model, noise)
@@ -154,9 +155,10 @@ def iterate_memories(made):
         resting_flow(constants.power.charge), distance,
     )  # fmt: skip
     while True:
-        memory = flight_step.flight_step(
-            kernel, made.schedule, made.flight.strategy, constants, memory, made.inputs, made.work
-        )
+        memory = control_period.simulate_period(
+            kernel, made.schedule, made.flight.strategy, LAW, constants, memory, made.inputs,
+            made.work,
+        )  # fmt: skip
         yield memory
 
 
@@ -194,7 +196,7 @@ def test_with_the_loops_noise_the_step_flies_the_loops_flight(strategy, scene, m
         # Messages round ranges and amplitudes to single precision
         np.testing.assert_allclose(loop.world.state, state, rtol=0.0, atol=1e-6)
         assert loop.world.charge == pytest.approx(charge, rel=1e-8)
-        assert loop.duties == pytest.approx(memory.onboard.duties[:4], abs=1e-6)
+        assert loop.duties == pytest.approx(memory.onboard.pilot.law.command.duties[:4], abs=1e-6)
         assert loop.mission.phase == memory.mission.phase
         if loop.next_setpoint is not None:
             assert loop.next_setpoint == pytest.approx(memory.setpoint, abs=1e-6)
@@ -213,8 +215,8 @@ def test_its_tally_has_the_results_of_the_loop(monkeypatch):
     for _ in loop.iterate_steps():
         view.record_step()
     row = flight_loop.fly(
-        made.kernel, made.schedule, made.flight.strategy, made.flight.craft, made.inputs.numbers,
-        made.inputs.recorded, 3, made.work,
+        made.kernel, made.schedule, made.flight.strategy, LAW, made.flight.craft,
+        made.inputs.numbers, made.inputs.recorded, 3, made.work,
     )  # fmt: skip
     tally, results = SimpleNamespace(**dict(zip(FIGURES, row, strict=True))), compute_results(view)
     assert tally.outcome == REACHED

@@ -1,10 +1,15 @@
 """The step of a batch flight as plain Python, with a vehicle that does not move."""
 
 from lta_config.topics import load_topic_table
-from lta_control.onboard import OnboardMemory
+from lta_control.flight_step import DroneMemory
 from lta_control.per_rotor import NONE
 from lta_flight.batch.batch_flight import build_flight, build_schedule
-from lta_flight.batch.flight_step import advance_vehicle, begin_flight, FlightInputs, FlightKernel
+from lta_flight.batch.control_period import (
+    advance_vehicle,
+    begin_flight,
+    FlightInputs,
+    FlightKernel,
+)
 from lta_flight.flight_spec import build_vehicle_scenario_stack, load_spec
 from lta_model.electrical.charger import resting_flow
 from lta_model.state import ACTUATORS, pack_state, RIGID
@@ -16,7 +21,7 @@ TABLE = load_topic_table()
 DUTIES = (0.1, 0.2, 0.0, 0.0)
 STILL = FlightKernel(
     dark=(0.0,) * 8,
-    begin=OnboardMemory(),
+    begin=DroneMemory(),
     closed=False,
     turbulence=False,
     superheat=False,
@@ -40,7 +45,7 @@ def advanced(flight, fed):
     state = tuple(pack_state((0.0, 0.0, 1.0), 0.0)[:RIGID].tolist())
     store = resting_flow(0.8)._replace(fed=fed)
     memory = begin_flight(
-        flight.strategy, OnboardMemory(), state, (0.0,) * 11, STILL.dark, store, 1.0
+        flight.strategy, DroneMemory(), state, (0.0,) * 11, STILL.dark, store, 1.0
     )
     inputs = FlightInputs(np.zeros(1), np.empty((0, 6)), draw_errors(constants.sensors, 1), 1, 0.0)
     after = advance_vehicle(

@@ -13,8 +13,9 @@ from typing import NamedTuple
 
 from lta_config.compilation.extract import GeneratedFunction
 from lta_control.cascade import Setpoint
+from lta_control.flight_step import DroneMemory, flight_step, guidance_altitude, reckon_motion
+from lta_control.laws.protocol import ControlLaw
 from lta_control.mission import initial_mission, mission_step
-from lta_control.onboard import guidance_altitude, onboard_step, OnboardMemory, reckon_motion
 from lta_control.per_rotor import NONE, PerRotor
 from lta_control.phases import Mission
 from lta_control.reserve import permission_at_reserve
@@ -55,7 +56,7 @@ class FlightKernel(NamedTuple):
     """The parts of a flight that depend on its effects and on its number of diodes."""
 
     dark: Reading  # zero for each diode
-    begin: OnboardMemory  # initial memory of the drone
+    begin: DroneMemory  # initial memory of the drone
     closed: bool  # whether the drone decides; otherwise it keeps the duties of its constants
     # Whether the model has these effects
     turbulence: bool
@@ -105,7 +106,7 @@ class FlightMemory(NamedTuple):
     state: State  # state of the model
     command: State  # command of the last period, in the form of the kernel
     # Memory of the drone
-    onboard: OnboardMemory
+    onboard: DroneMemory
     mission: Mission
     setpoint: Setpoint  # newest setpoint of the mission
     fresh: bool  # whether the controller has not received this setpoint yet
@@ -125,7 +126,7 @@ class FlightMemory(NamedTuple):
 
 def begin_flight(
     strategy: NavigationStrategy,
-    onboard: OnboardMemory,
+    onboard: DroneMemory,
     state: State,
     command: State,
     dark: Reading,
@@ -159,10 +160,11 @@ def begin_flight(
     )
 
 
-def flight_step(
+def simulate_period(
     kernel: FlightKernel,
     schedule: BatchSchedule,
     strategy: NavigationStrategy,
+    law: ControlLaw,
     constants: FlightConstants,
     memory: FlightMemory,
     inputs: FlightInputs,
@@ -171,7 +173,9 @@ def flight_step(
     """Return the memory of a flight one control period later."""
     surroundings = compute_surroundings(kernel, schedule, constants, memory, inputs)
     if kernel.closed:
-        memory = sense_and_control(kernel, schedule, constants, memory, inputs, surroundings, work)
+        memory = sense_and_control(
+            kernel, schedule, law, constants, memory, inputs, surroundings, work
+        )
         if is_block_end(schedule, memory.step):
             memory = navigate(kernel, schedule, strategy, constants, memory, inputs, work)
     return advance_vehicle(kernel, schedule, constants, memory, inputs, surroundings)
@@ -207,6 +211,7 @@ def compute_surroundings(
 def sense_and_control(
     kernel: FlightKernel,
     schedule: BatchSchedule,
+    law: ControlLaw,
     constants: FlightConstants,
     memory: FlightMemory,
     inputs: FlightInputs,
@@ -232,7 +237,7 @@ def sense_and_control(
     onboard = memory.onboard
     if memory.fresh:
         onboard = with_setpoint(onboard, memory.setpoint)
-    onboard = onboard_step(constants.drone, onboard, readings, work.scratch)
+    onboard = flight_step(law, constants.drone, onboard, readings, work.scratch)
     middle, reckoned = memory.middle, memory.reckoned
     if step % schedule.light == schedule.block_middle:
         middle, reckoned = pose_of(state), reckon_motion(onboard)
@@ -313,7 +318,7 @@ def advance_vehicle(
     surroundings: State,
 ) -> FlightMemory:
     """Return the memory after the motion of the vehicle and its power supply."""
-    duties = memory.onboard.duties if kernel.closed else constants.duties
+    duties = memory.onboard.pilot.law.command.duties if kernel.closed else constants.duties
     # Without power the motors stop
     if not memory.supply.flow.fed:
         duties = NONE
