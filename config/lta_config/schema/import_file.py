@@ -250,6 +250,8 @@ class TimeColumn(StrictModel):
 
     column: Column | None = None
     unit: str = 's'
+    fraction: Column | None = None  # added to `column`, as nanoseconds beside whole seconds
+    fraction_unit: Literal['ms', 'us', 'ns'] = 'ns'
     rate: Quantity | None = None
     step: Quantity | None = None
     start: Quantity | None = None  # added to every time; ROS takes a stamp of 0 as unset
@@ -259,6 +261,8 @@ class TimeColumn(StrictModel):
     @model_validator(mode='after')
     def _check_source(self) -> Self:
         check_exactly_one(self, 'column', 'rate', 'step')
+        if self.fraction is not None and self.column is None:
+            raise ValueError('has "fraction" without the "column" that it is added to')
         if self.align is not None and self.start is not None:
             raise ValueError('has both "align" and "start"; give one of them')
         if UNITS.get(self.unit, ('', 0.0))[0] != 's':
@@ -282,6 +286,11 @@ class TimeColumn(StrictModel):
                 f'has a start at {self.start.si:g} s; a ROS time stamp is below {LATEST_STAMP:g} s'
             )
         return self
+
+    @property
+    def columns(self) -> list[str]:
+        """The columns of the time."""
+        return [one for one in (self.column, self.fraction) if one is not None]
 
 
 class TopicMapping(_WithAxes):
@@ -346,7 +355,9 @@ class TextFormat(StrictModel):
     """The format of the lines of a text."""
 
     delimiter: Annotated[str, Field(min_length=1)] = ','  # one character, 'tab' or 'whitespace'
-    decimal: Literal['.', ','] = '.'  # decimal mark of the numbers
+    # Decimal mark of the numbers; where it is the delimiter, too, numbers are in quotes
+    decimal: Literal['.', ','] = '.'
+    lists: bool = False  # whether a cell may be a list such as "[1, 2, 3]": a column for each
     comment: Annotated[str, Field(min_length=1, max_length=1)] | None = None
     skip: Annotated[int, Field(ge=0)] = 0  # lines before the one with the names
     header: list[Column] | None = None  # column names, if the text has none
@@ -359,15 +370,6 @@ class TextFormat(StrictModel):
                 f'is "{value}", but must be a single character, "tab" or "whitespace"'
             )
         return value
-
-    @model_validator(mode='after')
-    def _check_decimal(self) -> Self:
-        if self.decimal == self.delimiter:
-            raise ValueError(
-                'has a comma as delimiter and as decimal mark; give the delimiter of the file, '
-                'such as ";"'
-            )
-        return self
 
 
 class ImportMapping(_WithAxes):

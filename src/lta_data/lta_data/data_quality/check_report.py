@@ -1,7 +1,7 @@
 """Check bags and report the findings on the terminal and as JSON."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 import json
 from pathlib import Path
 from typing import Final, final
@@ -43,8 +43,8 @@ class CheckedRecording:
 
     @property
     def is_grave(self) -> bool:
-        """Whether any finding is suspicious or an error."""
-        return self.report.is_grave
+        """Whether any finding is suspicious or an error, or nothing could be judged."""
+        return self.report.is_grave or self.report.status == 'not checked'
 
 
 def check_bags(
@@ -91,8 +91,8 @@ def _check_bag(path: Path, robot: str | None) -> list[tuple[CheckedRecording, Ch
 
 def _add_findings(one: CheckedRecording, more: list[QualityFinding]) -> CheckedRecording:
     """Return a checked recording with additional findings."""
-    report = QualityReport((*one.report.findings, *more), one.report.unjudged)
-    return CheckedRecording(one.path, one.robot, one.simulated, report, one.losses)
+    report = replace(one.report, findings=(*one.report.findings, *more))
+    return replace(one, report=report)
 
 
 def findings_to_json(done: Sequence[CheckedRecording]) -> str:
@@ -103,9 +103,11 @@ def findings_to_json(done: Sequence[CheckedRecording]) -> str:
                 'path': one.path,
                 'robot': one.robot,
                 'simulated': one.simulated,
-                'clean': not one.report.findings,
-                'suspicious': one.is_grave,
+                'status': one.report.status,
+                'clean': one.report.status == 'clean',
+                'suspicious': one.report.is_grave,
                 'findings': [asdict(finding) for finding in one.report.findings],
+                'judged': list(one.report.judged),
                 'unjudged': list(one.report.unjudged),
                 'losses': list(one.losses),
             }
@@ -126,8 +128,13 @@ def print_findings(one: CheckedRecording, console: Console) -> None:
         head.append(f'  {finding.from_s:.2f} to {finding.to_s:.2f} s')
         console.print(head, soft_wrap=True)
         console.print(Padding(Text(finding.evidence), (0, 0, 0, INDENT)))
-    if not one.report.findings:
+    if one.report.status == 'clean':
         console.print('clean', style='green')
+    elif one.report.status == 'not checked':
+        console.print('not checked: nothing in it can be judged', style='red', highlight=False)
+    if one.report.judged:
+        text = f'Judged: {"; ".join(one.report.judged)}.'
+        console.print(text, style='dim', highlight=False, markup=False, soft_wrap=True)
     for sentence in one.report.unjudged:
         console.print(sentence, style='dim', highlight=False, markup=False, soft_wrap=True)
     for loss in one.losses:

@@ -21,7 +21,7 @@ from lta_data.importers.readers import (
     rosbags_bag,
     sensor_folder,
 )
-from lta_data.importers.readers.line_stream import GZIP, UTF16
+from lta_data.importers.readers.line_stream import detect_encoding, GZIP
 from mcap.writer import MCAP0_MAGIC
 
 HEAD = 4096  # bytes read to detect the format
@@ -124,7 +124,7 @@ def detect_format(path: Path) -> str:
     # One byte only, so test it after the longer magic numbers.
     if head.startswith(USD):
         return 'usd'
-    if _is_text(head):
+    if detect_encoding(head):
         return 'csv'
     formats = '; '.join(f'{name}: {format_.about}' for name, format_ in FORMATS.items())
     raise BadInput(f"'{path}' is not in a known format ({formats}); convert it to one of these.")
@@ -173,20 +173,6 @@ def _read_head(path: Path) -> bytes:
             'damaged.'
         ) from None
     return head
-
-
-def _is_text(head: bytes) -> bool:
-    """Return whether bytes are UTF-8 or UTF-16 text; the last character may be cut off."""
-    if head.startswith(UTF16):
-        return '\0' not in head.decode('utf-16', errors='replace')
-    if b'\0' in head:
-        return False
-    try:
-        head.decode('utf-8')
-    except UnicodeDecodeError as error:
-        # A UTF-8 character has up to four bytes
-        return len(head) == HEAD and error.start >= HEAD - 4
-    return True
 
 
 def _is_mcap(path: Path) -> bool:

@@ -48,7 +48,7 @@ def draft_mapping(
     cannot be read, nothing in it is recognised, or an answer is unknown.
     """
     source = read_source(path)
-    choices = DraftChoices(answers, vehicle=vehicle)
+    choices = DraftChoices(answers, settled=dict(source.stated), vehicle=vehicle)
     if not source.tables:
         return _draft_shipped_format(source, choices)
     drafts, clocks = _draft_tables(source, choices)
@@ -56,8 +56,9 @@ def draft_mapping(
         # Once more, as what commands drive decides how columns are grouped
         follows = {column: one.text for column, one in driven.items()}
         choices = DraftChoices(
-            answers, vehicle=vehicle, by_motion=list_answers(driven), follows=follows
-        )
+            answers, settled=dict(source.stated), vehicle=vehicle,
+            by_motion=list_answers(driven), follows=follows,
+        )  # fmt: skip
         drafts, clocks = _draft_tables(source, choices)
     for name, clock in clocks.items():
         drafts[name].time.entry.update(clock.list_keys())
@@ -185,7 +186,8 @@ def _format_mapping(content: dict[str, Any], path: Path) -> str:
 
 def _format_value(value: Any) -> str:  # noqa: ANN401 - plain data
     """Return a value in one line of YAML."""
-    text = yaml.safe_dump(value, default_flow_style=True, width=10_000, sort_keys=False)
+    text = yaml.safe_dump(value, default_flow_style=True, width=10_000, sort_keys=False,
+                          allow_unicode=True)  # fmt: skip
     return text.removesuffix('...\n').strip()
 
 

@@ -11,9 +11,11 @@ from lta_data.importers.draft.attitude_readings import (
     CLEAR,
     differentiate,
     fit_scale,
+    is_crazyflie,
     LATEST,
     list_readings,
     LONGEST,
+    measure_forwardness,
     MotionEvidence,
     SAME,
     score_reading,
@@ -31,6 +33,8 @@ LENGTHS: Final = {'m': 1.0, 'cm': 0.01, 'mm': 0.001}
 DEGREE: Final = np.pi / 180.0
 UNLIKE: Final = 1.3  # times as much unexplained decides between two frames
 ALIKE: Final = 0.02  # scores of readings that agree equally well
+FORWARD: Final = 0.85  # of the way is along one direction of the body of an airship
+CLEARLY: Final = 0.15  # by which another reading must keep to its direction less
 APART: Final = 15.0  # between body and world axes; below it, the better of two is taken [deg]
 SPEEDS: Final = (0.02, 20.0)  # usual speeds of a vehicle in flight [m/s]
 
@@ -54,7 +58,8 @@ def draft_motion(
     """
     Return the parts of an odometry topic in the units and frames that fit.
 
-    `groups` and `numbers` are by kind: position, velocity, rates, attitude, acceleration.
+    `groups` and `numbers` are by kind: position, velocity, rates, attitude, acceleration. Numbers
+    `sensed` are the rates of an inertial sensor.
     """
     seconds, rows = seconds[:LONGEST], {k: v[:LONGEST] for k, v in numbers.items()}
     parts: dict[str, Any] = {}
@@ -62,7 +67,9 @@ def draft_motion(
     # Without gravity in it, an acceleration says nothing about the attitude
     felt = rows.get('acceleration') if scales['acceleration'] else None
     place = _blank_lost_rows(rows)
-    raw = MotionEvidence(seconds, place, rows.get('velocity'), rows.get('rates'), felt)
+    raw = MotionEvidence(
+        seconds, place, rows.get('velocity'), rows.get('rates'), felt, rows.get('sensed')
+    )
     reading = None
     if 'attitude' in groups:
         reading = _choose_reading(topic, groups['attitude'], rows['attitude'], raw, choices)
@@ -101,7 +108,7 @@ def _choose_reading(
     choices: DraftChoices,
 ) -> AttitudeReading:
     """Return the reading that agrees best with the rest, or the answer of the user."""
-    readings = list(list_readings(group, numbers))
+    readings = list(list_readings(group, numbers, choices.settled.get('sequence', '')))
     key = f'{topic}.orientation'
     answer = choices.override(key, '')
     labels = {reading.label: reading for reading in readings}
@@ -134,8 +141,17 @@ def _choose_reading(
         level = [i for i, up in enumerate(upright) if up > 0.7] or [0]
         first = readings[level[0]]
         why = 'the convention; no rates, velocity or acceleration to check it with'
-        if level[0]:
+        if 'sequence' in choices.settled:
+            why = 'the sequence that the file states'
+        elif is_crazyflie(group):
+            why = "the convention of Crazyflie's firmware, whose pitch is positive nose up"
+        elif level[0]:
             why = 'the first order that keeps the vehicle upright'
+        forward = [measure_forwardness(reading.turn, evidence) for reading in readings]
+        best = int(np.argmax(forward))
+        if forward[best] > FORWARD and forward[best] - forward[level[0]] > CLEARLY:
+            first = readings[best]
+            why = f'the vehicle moves where it points ({100 * forward[best]:.0f} % of the way)'
     choices.add_reason(f'{topic}: orientation', group.columns, first.label, why)
     return first
 

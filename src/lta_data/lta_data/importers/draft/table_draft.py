@@ -1,19 +1,26 @@
 """Draft the topics of one table: which group is state, estimate, command or sensor."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Final, final, NamedTuple
 
 from lta_data.importers.draft.attitude_readings import (
     body_rates_of,
     fit_scale,
-    measure_length,
+    FLIP,
     MotionEvidence,
 )
 from lta_data.importers.draft.axis_commands import explain_lacking, LINEAR
+from lta_data.importers.draft.bodies import choose_body, HELD
 from lta_data.importers.draft.choices import DraftChoices
-from lta_data.importers.draft.column_groups import ColumnGroup, Columns, group_columns
+from lta_data.importers.draft.column_groups import (
+    ColumnGroup,
+    Columns,
+    group_columns,
+    measure_length,
+)
 from lta_data.importers.draft.generic_commands import ask_for_meanings, list_generic_commands
 from lta_data.importers.draft.motion_draft import draft_motion, MotionDraft
+from lta_data.importers.draft.motion_kinds import settle_kinds
 from lta_data.importers.draft.name_hints import parse_column_name, UNIT_WORDS
 from lta_data.importers.draft.scalar_draft import draft_scalars
 from lta_data.importers.draft.time_base import find_time_base, TimeBase
@@ -26,8 +33,7 @@ WRENCH_UNITS: Final = {'force': 'N', 'torque': 'N m'}
 INERTIAL: Final = frozenset(
     ['imu', 'gyro', 'gyr', 'gyros', 'gyroscope', 'acc', 'accel', 'accelerometer']
 )
-HELD: Final = 0.5  # share of repeated values from which a place is a setpoint
-FLIP: Final = np.array([1.0, -1.0, -1.0])
+MOTIONS: Final = frozenset(['position', 'attitude', 'velocity'])
 Groups = dict[str, ColumnGroup]
 
 
@@ -66,6 +72,12 @@ def draft_table(name: str, table: Columns, choices: DraftChoices) -> TableDraft:
         whole = parse_column_name(name.replace('/', '_') + '_columns')
         singles = [single._replace(stem=(*whole.stem, *single.stem)) for single in singles
                    if single.stem] if len(table) > 2 else singles  # fmt: skip
+    candidates = groups
+    groups = choose_body(settle_kinds(groups, numbers, time.seconds), numbers, choices)
+    lost = {c for one in candidates for c in one.columns if not one.kind} - {
+        c for one in groups for c in one.columns
+    }
+    singles += [parse_column_name(column) for column in lost]
     topics = _sort_groups(name, groups, table, choices)
     entries: list[dict[str, Any]] = []
     axes = None
@@ -76,7 +88,8 @@ def draft_table(name: str, table: Columns, choices: DraftChoices) -> TableDraft:
             entries.append(_draft_wrench(topic, members, choices))
             continue
         borrowed = dict(inertial) if topic != TOPICS['setpoint'] and primary is None else {}
-        borrowed.pop('rates', None)
+        if (rates := borrowed.pop('rates', None)) is not None:
+            borrowed['sensed'] = rates
         drafted = _draft_topic(topic, members | borrowed, time, table, choices)
         if topic != TOPICS['setpoint'] and primary is None:
             primary = drafted
@@ -90,12 +103,11 @@ def draft_table(name: str, table: Columns, choices: DraftChoices) -> TableDraft:
         axes = axes or _inertial_axes(inertial, time, table, choices)
     entries = [entry | ({'table': name} if name else {}) for entry in entries]
     taken = [column for group in groups for column in group.columns]
-    rest = [
-        single for single in singles if single.column not in (time.entry.get('column'), *taken)
-    ]
+    times = [time.entry.get(key) for key in ('column', 'fraction')]
+    rest = [single for single in singles if single.column not in (*times, *taken)]
     entries += draft_scalars(name, table, rest, choices)
     used = {column for entry in entries for column in list_columns(entry)}
-    unused = [c for c in table if c not in used and c != time.entry.get('column')]
+    unused = [c for c in table if c not in used and c not in times]
     return TableDraft(entries, time, axes, groups, unused, generic, primary)
 
 
@@ -105,16 +117,16 @@ def _sort_groups(
     """Return the groups by topic and kind."""
     topics: dict[str, Groups] = {}
     words = parse_column_name(name).words if name else frozenset[str]()
-    roles = {group.role for group in groups if group.role}
+    nameless_role = _role_of_nameless(groups)
     for group in groups:
-        kind = 'attitude' if group.kind in ('quaternion', 'euler') else group.kind
+        kind = _part_of(group)
         own = frozenset[str]().union(*(parse_column_name(c).words for c in group.columns))
         if kind in ('force', 'torque'):
             topic = 'wrench_command'
         elif kind == 'acceleration' or (kind == 'rates' and (own | words) & INERTIAL):
             topic = 'imu'
         else:
-            role = group.role or _role_by_motion(group, topics, table, roles)
+            role = group.role or _role_by_motion(group, topics, table, nameless_role)
             topic = choices.override(f'{group.columns[0]}.topic', TOPICS[role])
             if role == 'setpoint' and kind in ('velocity', 'rates'):
                 topic = 'setpoint/velocity'
@@ -134,6 +146,25 @@ def _sort_groups(
     return topics
 
 
+def _part_of(group: ColumnGroup) -> str:
+    """Return the part of a message that a group is."""
+    return 'attitude' if group.kind in ('quaternion', 'euler') else group.kind
+
+
+def _role_of_nameless(groups: Sequence[ColumnGroup]) -> str:
+    """
+    Return whether groups without a role in their names are those of the tracker or of an estimate.
+
+    They belong to the one source whose names say what it is, and which lacks just these parts.
+    """
+    parts = {
+        role: {_part_of(one) for one in groups if one.role == role and one.kind}
+        for role in ('', 'truth', 'estimate')
+    }
+    fits = bool(parts['estimate'] & MOTIONS) and not parts['estimate'] & parts[''] & MOTIONS
+    return 'estimate' if fits and not parts['truth'] else 'truth'
+
+
 def _describe_length(group: ColumnGroup, table: Columns) -> str:
     """Return what a reason adds on a quaternion that has not length one."""
     if group.kind != 'quaternion':
@@ -143,19 +174,13 @@ def _describe_length(group: ColumnGroup, table: Columns) -> str:
 
 
 def _role_by_motion(
-    group: ColumnGroup, topics: Mapping[str, Groups], table: Columns, named: set[str]
+    group: ColumnGroup, topics: Mapping[str, Groups], table: Columns, usual: str
 ) -> str:
     """Return the role of a group whose names do not say it."""
-    kind = 'attitude' if group.kind in ('quaternion', 'euler') else group.kind
-    numbers = group.stack(table)
-    repeated = float(np.mean((np.diff(numbers, axis=0) == 0.0).all(axis=1)))
-    if kind in topics.get(TOPICS['truth'], {}):
-        return 'setpoint' if repeated > HELD else 'estimate'
-    return 'truth' if 'truth' not in named or kind not in _kinds(topics, 'truth') else 'estimate'
-
-
-def _kinds(topics: Mapping[str, Groups], role: str) -> set[str]:
-    return {*topics.get(TOPICS[role], {})}
+    if _part_of(group) not in topics.get(TOPICS[usual], {}):
+        return usual
+    repeated = float(np.mean((np.diff(group.stack(table), axis=0) == 0.0).all(axis=1)))
+    return 'setpoint' if repeated > HELD else 'estimate'
 
 
 def _axis_names(members: Groups) -> str:

@@ -105,7 +105,7 @@ def _vote_up(
         )
     if by_height:
         return by_height, why
-    return 0, 'No accelerometer is there, and the heights are on both sides of zero.'
+    return 0, f'No accelerometer is there, and {_describe_heights(evidence.position)}.'
 
 
 def _judge_heights(position: Numbers | None) -> tuple[int, str]:
@@ -118,6 +118,14 @@ def _judge_heights(position: Numbers | None) -> tuple[int, str]:
     if high < LOW and low < -LOW:
         return -1, f'z is {low:.3g} to {high:.3g} m, and the floor is at zero'
     return 0, ''
+
+
+def _describe_heights(position: Numbers | None) -> str:
+    """Return why heights do not say which way is up."""
+    if position is None:
+        return 'no position shows where the floor is'
+    low, high = np.nanpercentile(position[:, 2], [2.0, 98.0])
+    return f'z is {low:.3g} to {high:.3g} m, on both sides of zero or next to it'
 
 
 def _judge_tilt(evidence: MotionEvidence, turn: Rotation, same: bool) -> tuple[int, float]:
@@ -153,10 +161,8 @@ def _find_without_attitude(
             _judge_heights(evidence.position))  # fmt: skip
         if not sign:
             options = [('up', 'z points up'), ('down', 'z points down')]
-            answer = choices.decide(
-                CONFLICT, options, 'The heights are on both sides of zero, and no attitude is '
-                'there.',
-            )  # fmt: skip
+            why = f'No attitude is there, and {_describe_heights(evidence.position)}.'
+            answer = choices.decide(CONFLICT, options, why)
             sign, why = (1 if answer == 'up' else -1), choices.explain(CONFLICT)
         sign = {'up': 1, 'down': -1}.get(choices.override(CONFLICT, ''), sign)
         down: Axes = 'NED' if axis_names == 'ned' else DOWN

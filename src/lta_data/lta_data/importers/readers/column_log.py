@@ -51,7 +51,7 @@ class ColumnLog:
         self.raw: Mapping[str, RawTopic] = {}
         self.notes = notes
         self.facts: dict[str, str] = {}
-        self.timed = sorted({time.column for time in self._times.values() if time.column})
+        self.timed = sorted({name for time in self._times.values() for name in time.columns})
 
     def iterate_tables(
         self, selection: Mapping[str, Collection[str]], reached: Reached
@@ -90,9 +90,12 @@ class ColumnLog:
             rows = np.arange(len(next(iter(table.values()))), dtype=np.int64)
             self.facts[CLOCK] = 'rows counted'
             return compute_even_times(time, rows) + start
-        if time.column not in table:
-            raise missing_columns_error(self._path, [time.column], list(table))
-        return _to_nanoseconds(table[time.column], time) + start
+        if absent := [column for column in time.columns if column not in table]:
+            raise missing_columns_error(self._path, absent, list(table))
+        stamps = _to_nanoseconds(table[time.column], time.unit, time.column) + start
+        if time.fraction is not None:
+            stamps += _to_nanoseconds(table[time.fraction], time.fraction_unit, time.fraction)
+        return stamps
 
     def _choose_time_offset(self, stamps: Mapping[str, Times]) -> int:
         """Return the offset of all times, equal for all tables. [ns]"""
@@ -110,18 +113,18 @@ def _list_table_times(tables: Tables, mapping: MappingFile) -> dict[str, TimeCol
     return times | own
 
 
-def _to_nanoseconds(cells: Column, time: TimeColumn) -> Times:
+def _to_nanoseconds(cells: Column, unit: str, name: str) -> Times:
     """Return times in whole nanoseconds: integers exactly, floats to their own precision."""
     if cells.dtype.kind not in 'fiub':
-        return parse_exact_times([str(cell) for cell in cells], time.unit, str(time.column), 0)[0]
-    factor = UNITS[time.unit][1] * SECOND
+        return parse_exact_times([str(cell) for cell in cells], unit, name, 0)[0]
+    factor = UNITS[unit][1] * SECOND
     largest = np.abs(cells.astype(np.float64)).max(initial=0.0)
     if cells.dtype.kind in 'iub' and largest < READABLE / factor:
         return cells.astype(np.int64) * round(factor)
     if not np.isfinite(cells).all():
         row = int(np.flatnonzero(~np.isfinite(cells))[0]) + 1
         raise BadInput(
-            f"Column '{time.column}' has no time in row {row}; remove the row, or choose another "
+            f"Column '{name}' has no time in row {row}; remove the row, or choose another "
             'column in the mapping.'
         )
-    return round_to_nanoseconds(cells.astype(np.float64) * UNITS[time.unit][1])
+    return round_to_nanoseconds(cells.astype(np.float64) * UNITS[unit][1])

@@ -54,7 +54,7 @@ class CsvLog:
         self.notes: list[str] = []
         self.facts: dict[str, str] = {}
         time = mapping.time
-        self.timed = [] if time is None or time.column is None else [time.column]
+        self.timed = [] if time is None else time.columns
         self._rows = 0
         self._shift: int | None = None
         start = None if time is None else time.start
@@ -115,8 +115,17 @@ class CsvLog:
         if time is None or time.column is None:
             stamps = compute_even_times(time, rows)
         else:
-            texts = list(map(decode_cell, batch.column(time.column).to_pylist()))
+            texts, *fractions = (
+                list(map(decode_cell, batch.column(name).to_pylist())) for name in self.timed
+            )
             stamps, zoneless = parse_exact_times(texts, time.unit, time.column, int(rows[0]))
+            for more in fractions:
+                stamps = (
+                    stamps
+                    + parse_exact_times(
+                        more, time.fraction_unit, str(time.fraction), int(rows[0])
+                    ).times
+                )
             if zoneless and ZONELESS not in self.notes:
                 self.notes.append(ZONELESS)
         # The first part decides for the whole file
@@ -235,6 +244,11 @@ class TextRows:
                 f'than the names of the columns and {"is" if skipped == 1 else "are"} skipped, '
                 f"the first as '{self._first_skipped}'."
             )
+            if not any(map(is_number, self._first_skipped.split(','))):
+                notes.append(
+                    'There, another table with its own columns begins; put it into a file of its '
+                    'own to import it, too.'
+                )
         if self._lines.headers:
             times = 'once' if self._lines.headers == 1 else f'{self._lines.headers} times'
             notes.append(
