@@ -26,6 +26,7 @@ STYLES: Final = {
     Severity.ERROR: 'bold red',
 }
 
+WIDEST: Final = 120  # characters of a line, also in a pipe
 INDENT: Final = 4  # characters before the evidence
 
 
@@ -119,6 +120,7 @@ def findings_to_json(done: Sequence[CheckedRecording]) -> str:
 
 def print_findings(one: CheckedRecording, console: Console) -> None:
     """Print the findings of one recording."""
+    width = min(WIDEST, console.width)
     whose = f' ({one.robot})' if one.robot else ''
     kind = ', declared as simulated' if one.simulated else ''
     console.print(f'{one.path}{whose}{kind}', style='bold', highlight=False, markup=False)
@@ -127,15 +129,16 @@ def print_findings(one: CheckedRecording, console: Console) -> None:
         head.append(f'  {finding.kind}  ').append(finding.channel, 'bold')
         head.append(f'  {finding.from_s:.2f} to {finding.to_s:.2f} s')
         console.print(head, soft_wrap=True)
-        console.print(Padding(Text(finding.evidence), (0, 0, 0, INDENT)))
+        evidence = Padding(Text(finding.evidence), (0, 0, 0, INDENT), expand=False)
+        console.print(evidence, width=width)
     if one.report.status == 'clean':
         console.print('clean', style='green')
     elif one.report.status == 'not checked':
         console.print('not checked: nothing in it can be judged', style='red', highlight=False)
     if one.report.judged:
         text = f'Judged: {"; ".join(one.report.judged)}.'
-        console.print(text, style='dim', highlight=False, markup=False, soft_wrap=True)
+        console.print(Text(text, 'dim'), width=width)
     for sentence in one.report.unjudged:
-        console.print(sentence, style='dim', highlight=False, markup=False, soft_wrap=True)
+        console.print(Text(sentence, 'dim'), width=width)
     for loss in one.losses:
-        console.print(loss, style='yellow', highlight=False, markup=False, soft_wrap=True)
+        console.print(Text(loss, 'yellow'), width=width)

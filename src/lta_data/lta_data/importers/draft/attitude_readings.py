@@ -301,7 +301,8 @@ def _explain_tilt(
     step = float(np.median(np.diff(evidence.seconds))) if len(evidence.seconds) > 1 else 0.0
     if evidence.position is None or not step > 0.0:
         return None
-    good = np.isfinite(evidence.position).all(axis=1) & np.isfinite(felt).all(axis=1)
+    known = np.isfinite(np.hstack([evidence.position, felt]))
+    good: NDArray[np.bool_] = np.asarray(known.all(axis=1))
     if good.sum() < 20:
         return None
     weights = hann_kernel(KERNEL, step)
@@ -309,8 +310,9 @@ def _explain_tilt(
     pull = differentiate(differentiate(place, evidence.seconds), evidence.seconds)
     sides = (felt, turn.inv().apply(np.tile(gravity, (len(felt), 1))),
              turn.inv().apply(np.nan_to_num(pull)))  # fmt: skip
+    rows = np.flatnonzero(good)
     measured, tilted, moved = (
-        (smooth := _smooth_finite(side, np.asarray(good), weights)[good]) - smooth.mean(axis=0)
+        (smooth := _smooth_finite(side, good, weights)[rows]) - smooth.mean(axis=0)
         for side in sides
     )
     # The unit of the position is not known yet
