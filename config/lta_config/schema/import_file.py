@@ -116,13 +116,15 @@ class VectorField(_InUnit):
     Three numbers in the axes of `frame`; by default the frame of the message type.
 
     A force or torque may lack columns, which are then null: these components are zero. `scale` may
-    be a list, with the factor of each column.
+    be a list, with the factor of each column. A `geodetic` position has latitude and longitude in
+    degrees and an altitude; it becomes east, north and up from its first fix.
     """
 
     scale: float | tuple[float, float, float] = 1.0
     columns: Annotated[list[Column | None], Field(min_length=3, max_length=3)] | None = None
     value: Quantity | None = None
     frame: Literal['world', 'body'] | None = None
+    geodetic: bool = False
 
     @field_validator('scale', mode='before')
     @classmethod
@@ -161,6 +163,8 @@ class OrientationField(StrictModel):
     euler: Annotated[list[Column], Field(min_length=1, max_length=3)] | None = None
     sequence: Annotated[str, Field(pattern=r'^([XYZ]{1,3}|[xyz]{1,3})$')] = 'ZYX'
     signs: list[Literal[1, -1]] | None = None
+    # Added to the angles behind their signs, in `unit`: 90 turns a compass heading into a yaw
+    offsets: list[float] | None = None
     rotation_vector: Three | None = None
     matrix: Annotated[list[Column], Field(min_length=9, max_length=9)] | None = None
     unit: Literal['rad', 'deg'] = 'rad'
@@ -182,11 +186,12 @@ class OrientationField(StrictModel):
                 f'has the sequence {self.sequence}, which turns twice in a row about the same '
                 'axis; use for example ZYX'
             )
-        if self.signs is not None and len(self.signs) != len(self.euler):
-            raise ValueError(
-                f'has {len(self.signs)} numbers in "signs" for {len(self.euler)} angles in '
-                '"euler"; give one sign for each angle'
-            )
+        for name, numbers in (('signs', self.signs), ('offsets', self.offsets)):
+            if numbers is not None and len(numbers) != len(self.euler):
+                raise ValueError(
+                    f'has {len(numbers)} numbers in "{name}" for {len(self.euler)} angles in '
+                    '"euler"; give one for each angle'
+                )
         return self
 
     @property
@@ -299,7 +304,7 @@ class TopicMapping(_WithAxes):
     topic: str
     table: str | None = None  # an event, a logged message or a topic of a bag; unset for CSV
     join: list[str] = Field(default_factory=list)
-    where: dict[str, float] = Field(default_factory=dict)
+    where: dict[str, float | str] = Field(default_factory=dict)  # cells of the rows to read
     optional: bool = False
     drop_empty: bool = False
     time: TimeColumn | None = None  # of its table, if it differs from that of the mapping
@@ -327,6 +332,11 @@ class TopicMapping(_WithAxes):
     field_of_view: ScalarField | None = None
     pressure: ScalarField | None = None
     illuminance: ScalarField | None = None
+
+    @property
+    def labels(self) -> list[str]:
+        """The columns of `where` whose cells are words."""
+        return [name for name, value in self.where.items() if isinstance(value, str)]
 
     @property
     def parts(self) -> dict[str, ScalarField | VectorField | OrientationField]:

@@ -33,7 +33,7 @@ def describe_coverage(evidence: CheckContext) -> Coverage:
     by_topic: dict[str, list[SignalChannel]] = {}
     for channel in evidence.recording.channels.values():
         by_topic.setdefault(channel.topic, []).append(channel)
-    judged: list[str] = []
+    sentences: list[str] = []
     unjudged: list[str] = []
     missing: list[QualityFinding] = []
     ruleless: list[str] = []
@@ -44,13 +44,13 @@ def describe_coverage(evidence: CheckContext) -> Coverage:
             unjudged.append(f"'{topic}' is too short: {count} messages, and {least} are needed.")
             continue
         one = _describe_topic(topic, channels)
-        judged += one.judged
+        sentences += one.judged
         unjudged += one.unjudged
         missing += one.missing
         ruleless += [] if one.judged else [topic]
     if ruleless:
         unjudged.append(f'No rule is there for the numbers of {", ".join(map(repr, ruleless))}.')
-    return Coverage(tuple(judged), tuple(unjudged), tuple(missing))
+    return Coverage(tuple(sentences), tuple(unjudged), tuple(missing))
 
 
 def _describe_topic(topic: str, channels: Sequence[SignalChannel]) -> Coverage:
@@ -58,7 +58,8 @@ def _describe_topic(topic: str, channels: Sequence[SignalChannel]) -> Coverage:
     measured: dict[str, bool] = {}
     for channel in channels:
         quantity = roles.match_noisy_quantity(channel)
-        quantity = 'attitude' if topic == 'odom' and roles.ANGLE.match(channel.field) else quantity
+        if roles.QUATERNION.match(channel.field):
+            quantity = 'attitude'
         if quantity is None and any(rule.search(channel.name) for rule in RULES):
             quantity = 'range of values'
         if quantity is not None:
@@ -77,8 +78,8 @@ def _describe_topic(topic: str, channels: Sequence[SignalChannel]) -> Coverage:
         )
         for name in absent
     )  # fmt: skip
-    judged = (f"{', '.join(there)} of '{topic}' ({len(time)} messages)",) if there else ()
+    sentences = (f"{', '.join(there)} of '{topic}' ({len(time)} messages)",) if there else ()
     irregular = () if is_regular(time) else (
         f"The stamps of '{topic}' are irregular: lost messages cannot be counted.",
     )  # fmt: skip
-    return Coverage(judged, irregular if there else (), missing)
+    return Coverage(sentences, irregular if there else (), missing)

@@ -29,6 +29,8 @@ CALM: Final = 0.4  # smoothing, short against a swing [s]
 SHORTEST: Final = 4.0  # of a swing that is judged [s]
 SWUNG: Final = 0.04  # least amplitude [rad]
 LEAVES: Final = 0.15  # m/s; a vehicle that is faster on average is pushed by its rotors
+TILTED: Final = 0.9  # of its largest tilt, which a vehicle leaves when it is released
+LATE: Final = 0.75  # of the flight; a free swing has its largest tilt before
 LAWFUL: Final = 0.75  # of the angular acceleration that the law of a pendulum explains
 SLOWEST: Final = 0.5  # angular frequency of a swing, at least [rad/s]
 LOST: Final = 0.8  # of the energy of its first third a swing has in its last, at most
@@ -76,7 +78,12 @@ def _judge_swing(pose: PoseSeries) -> str:
     up = Rotation.from_quat(turns).inv().apply([0.0, 0.0, 1.0])[:, :2]
     calm = smooth_columns(up, hann_kernel(CALM, STEP))
     off = calm - np.median(calm[len(calm) // 2 :], axis=0)
-    released = int(np.argmax(np.linalg.norm(off, axis=1)))
+    size = np.linalg.norm(off, axis=1)
+    # A hand may hold it for a while before
+    tilted = np.flatnonzero(size > TILTED * size.max())
+    if tilted[-1] > LATE * len(size) and size.max() > SWUNG:
+        return 'it is no free swing: its energy does not decay'
+    released = int(tilted[-1])
     free = off[released:]
     if len(free) * STEP < SHORTEST or np.abs(free).max() < SWUNG:
         return 'the vehicle does not swing for long enough after its largest tilt'

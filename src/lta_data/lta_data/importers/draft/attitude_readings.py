@@ -5,7 +5,7 @@ from typing import Any, Final, final, NamedTuple
 
 from lta_data.data_quality.smoothing import hann_kernel, smooth_columns
 from lta_data.importers.draft.column_groups import ColumnGroup, measure_length
-from lta_data.importers.draft.name_hints import parse_column_name
+from lta_data.importers.draft.name_hints import HEADINGS, parse_column_name, WORDS
 from lta_data.importers.log_table import Numbers
 import numpy as np
 from numpy.typing import NDArray
@@ -120,30 +120,62 @@ def _read_angles(group: ColumnGroup, numbers: Numbers, sequence: str) -> Iterato
         (one, (0,) if alone else tuple(map('XYZ'.index, one)))
         for one in ((sequence,) if sequence else usual)
     ]
-    tilts = ([1, 1, 1],) if sequence else ([1, 1, 1], [1, -1, 1])
-    if is_crazyflie(group):
-        tilts = tilts[::-1]
     angles = _fill_rows(numbers, [0.0] * len(group.columns))
     for unit in _list_angle_units(group, angles):
         for direction in ('body to world', 'world to body'):
-            for sequence, order in orders:
-                for signs in ([1],) if alone else tilts:
+            for name, order in orders:
+                for signs, compass in _list_senses(group, angles, name, direction):
                     listed = [group.columns[index] for index in order]
+                    quarter = 90.0 if unit == 'deg' else 0.5 * np.pi
+                    offsets = [quarter * compass, 0.0, 0.0][: len(order)]
                     turn = Rotation.from_euler(
-                        sequence, angles[:, order] * signs, degrees=unit == 'deg'
+                        name, angles[:, order] * signs + offsets, degrees=unit == 'deg'
                     )
                     entry: dict[str, Any] = {
-                        'euler': listed, 'sequence': sequence, 'unit': unit,
-                        'direction': direction,
+                        'euler': listed, 'sequence': name, 'unit': unit, 'direction': direction,
                     }  # fmt: skip
                     if -1 in signs:
                         entry['signs'] = signs
-                    nose = ', pitch inverted' if -1 in signs else ''
-                    nose = ', roll and pitch taken as 0' if alone else nose
+                    if compass:
+                        entry['offsets'] = [float(f'{one:.9g}') for one in offsets]
+                    label = f'{name}, {unit}, {direction}{_describe_sense(signs, compass)}'
                     yield AttitudeReading(
-                        f'{sequence}, {unit}, {direction}{nose}', entry,
-                        turn if direction == 'body to world' else turn.inv(),
-                    )  # fmt: skip
+                        label, entry, turn if direction == 'body to world' else turn.inv()
+                    )
+
+
+def _list_senses(
+    group: ColumnGroup, angles: Numbers, sequence: str, direction: str
+) -> list[tuple[list[int], bool]]:
+    """Return the signs that angles can have, and whether the first is a compass heading."""
+    inverse = direction == 'world to body'
+    if sequence == 'Z':
+        senses = [([1], False)]
+    elif sequence != 'ZYX':
+        return [([1, 1, 1], False)] + ([([1, -1, 1], False)] if sequence == 'XYZ' else [])
+    else:
+        senses = [([1, 1, 1], False), ([1, -1, 1], False)]
+        senses = senses[::-1] if is_crazyflie(group) else senses
+        senses += [] if inverse else [([-1, 1, 1], False), ([-1, -1, 1], False)]
+    if not inverse and is_compass(group, angles):
+        senses += [([-1, -1, 1][: len(group.columns)], True)]
+        senses += [([-1, 1, 1], True)] if len(group.columns) == 3 else []
+    return senses
+
+
+def _describe_sense(signs: list[int], compass: bool) -> str:
+    """Return what a label adds on signs of angles."""
+    if len(signs) == 1:
+        heading = ', heading clockwise from north' if compass else ''
+        return f'{heading}, roll and pitch taken as 0'
+    words = [', heading clockwise from north' if compass else ', yaw inverted'] * (signs[0] < 0)
+    return ''.join([*words, ', pitch inverted' * (signs[1] < 0)])
+
+
+def is_compass(group: ColumnGroup, angles: Numbers) -> bool:
+    """Return whether the yaw of a group may be a compass heading, by its name and its size."""
+    words = frozenset(word.lower() for column in group.columns for word in WORDS.findall(column))
+    return bool(words & HEADINGS) and float(angles[:, -1].min()) >= 0.0
 
 
 def is_crazyflie(group: ColumnGroup) -> bool:
@@ -301,8 +333,8 @@ def _explain_tilt(
     step = float(np.median(np.diff(evidence.seconds))) if len(evidence.seconds) > 1 else 0.0
     if evidence.position is None or not step > 0.0:
         return None
-    known = np.isfinite(np.hstack([evidence.position, felt]))
-    good: NDArray[np.bool_] = np.asarray(known.all(axis=1))
+    finite = np.isfinite(np.hstack([evidence.position, felt]))
+    good: NDArray[np.bool_] = np.asarray(finite.all(axis=1))
     if good.sum() < 20:
         return None
     weights = hann_kernel(KERNEL, step)
@@ -323,20 +355,23 @@ def _explain_tilt(
     return float(np.mean(np.clip(1.0 - left / total, -1.0, 1.0)))
 
 
-def measure_forwardness(turn: Rotation, evidence: MotionEvidence) -> float:
+def measure_forwardness(turn: Rotation, evidence: MotionEvidence) -> tuple[float, float]:
     """
-    Return how steadily a vehicle moves along one direction of its body, from 0 to 1.
+    Return how steadily a vehicle moves along one direction of its body, and along its x axis.
 
-    An airship moves where it points; with a wrong sign of its heading, it would not.
+    An airship moves where it points; with a wrong sign of its heading, it would not. Both are at
+    most 1.
     """
     if evidence.position is None:
-        return 0.0
+        return 0.0, 0.0
     speed = differentiate(evidence.position, evidence.seconds)
     speed = smooth_columns(np.nan_to_num(speed), np.full(SMOOTHED, 1.0 / SMOOTHED))
     fast = np.linalg.norm(speed, axis=1)
     moving = np.flatnonzero(fast > 0.5 * float(np.percentile(fast, 90.0)))
-    along = turn.inv().apply(speed)[moving] / fast[moving, None]
-    return float(np.linalg.norm(along.mean(axis=0))) if len(moving) else 0.0
+    if not len(moving) or not fast[moving].all():
+        return 0.0, 0.0
+    along = (turn.inv().apply(speed)[moving] / fast[moving, None]).mean(axis=0)
+    return float(np.linalg.norm(along)), float(along[0])
 
 
 def typical_difference(one: Rotation, other: Rotation) -> float:

@@ -1,17 +1,22 @@
 """Tell the bodies of a tracker apart, and choose the one that is the vehicle."""
 
-from collections.abc import Sequence
-from typing import Final, final, NamedTuple
+from collections.abc import Mapping, Sequence
+from typing import Any, Final, final, NamedTuple
 
 from lta_data.importers.draft.choices import DraftChoices
-from lta_data.importers.draft.column_groups import ColumnGroup, Columns
+from lta_data.importers.draft.column_groups import ColumnGroup, Columns, group_columns
 from lta_data.importers.draft.name_hints import KINDS, match_role, parse_column_name
 from lta_data.importers.log_table import Numbers
+from lta_data.importers.readers.column_log import Column
 import numpy as np
 
 APART: Final = 0.2  # of their extent; two estimates of one body are closer
 STILL: Final = 0.02  # of the largest extent; a body that moves less stands still
 HELD: Final = 0.5  # share of repeated values from which a place is a setpoint
+MOST_BODIES: Final = 20
+FEWEST_ROWS: Final = 20  # of a body
+ALTERNATING: Final = 0.2  # share of the rows that are of another body than the row before
+FARTHER: Final = 4.0  # times as far from row to row as within a body
 KEY: Final = 'body'
 # Not the name of a body
 COMMON: Final = frozenset([
@@ -57,6 +62,67 @@ def choose_body(
     others = frozenset().union(*(one.words for one in bodies if one.name != chosen))
     others -= by_name[chosen].words
     return [group for group in groups if not _list_words(group) & others]
+
+
+def select_body_rows(
+    table: Mapping[str, Column], choices: DraftChoices
+) -> tuple[dict[str, Column], dict[str, Any]]:
+    """
+    Return the rows of the vehicle where those of several bodies follow each other, and `where`.
+
+    A column of names or numbers tells them apart, if the places of each change far less from row
+    to row than those of all.
+    """
+    for label in table:
+        labels, counts = np.unique(table[label], return_counts=True)
+        if not 2 <= len(labels) <= MOST_BODIES or counts.min() < FEWEST_ROWS:
+            continue
+        groups, _ = group_columns({
+            name: cells for name, cells in table.items()
+            if cells.dtype.kind in 'fiub' and name != label
+        })  # fmt: skip
+        place = next((group for group in groups if group.kind == 'position'), None)
+        if place is None or not _tells_apart(place.stack(table), table[label], labels):
+            continue
+        where = _choose_label(label, labels, place.stack(table), table[label], choices)
+        rows = table[label] == where
+        others = {name: cells[rows] for name, cells in table.items() if name != label}
+        return others, {label: where.item()}
+    return dict(table), {}
+
+
+def _tells_apart(rows: Numbers, cells: Column, labels: Column) -> bool:
+    """Return whether places change far less within the rows of one label than from row to row."""
+    alternates = np.mean(cells[1:] != cells[:-1]) > ALTERNATING
+    if not alternates or not np.isfinite(rows).any():
+        return False
+    within = max(_measure_step(rows[cells == label]) for label in labels)
+    return bool(_measure_step(rows) > FARTHER * within)
+
+
+def _measure_step(rows: Numbers) -> float:
+    return float(np.nanpercentile(np.linalg.norm(np.diff(rows, axis=0), axis=1), 75.0))
+
+
+def _choose_label(
+    column: str, labels: Column, rows: Numbers, cells: Column, choices: DraftChoices
+) -> Any:  # noqa: ANN401 - a number or a word
+    """Return the label of the vehicle: of the only body that moves, or as the user says."""
+    extents = {}
+    for label in labels:
+        low, high = np.nanpercentile(rows[cells == label], [2.0, 98.0], axis=0)
+        extents[str(label)] = float((high - low).max())
+    names = sorted(extents, key=lambda name: -extents[name])
+    moving = [name for name in names if extents[name] > STILL * extents[names[0]]]
+    options = [(name, f'moves over {extents[name]:.3g}') for name in names]
+    if len(moving) == 1 and KEY not in choices.answers:
+        chosen, why = choices.override(KEY, moving[0]), 'the others stand still'
+    else:
+        question = f'The rows of several bodies follow each other, by {column}.'
+        chosen = choices.decide(KEY, options, question)
+        why = choices.explain(KEY)
+    choices.add_reason('body', [column], chosen, why)
+    return next(label for label in labels if str(label) == chosen)
 
 
 def _list_bodies(groups: Sequence[ColumnGroup], table: Columns) -> list[TrackedBody]:

@@ -12,11 +12,14 @@ from lta_data.importers.draft.name_hints import (
     FORCE_UNITS,
     HEIGHTS,
     KINDS,
+    LATITUDES,
+    LONGITUDES,
     match_kind,
     match_role,
     parse_column_name,
     UNIT_WORDS,
 )
+from lta_data.importers.geodetic import LocalMap
 from lta_data.importers.log_table import Numbers
 import numpy as np
 
@@ -30,6 +33,10 @@ KIND_OF_UNIT: Final = {
 }  # fmt: skip
 ANGLE_AXES: Final = {'roll': 'x', 'pitch': 'y', 'yaw': 'z'}
 FOURS: Final = (('0', '1', '2', '3'), ('1', '2', '3', '4'))
+GEODETIC: Final = ('lat', 'lon', 'alt')
+FULL_TURN: Final = 360.0  # degrees; larger numbers are in 1e-7 degrees, and altitudes in mm
+# Factors of a fix to degrees and metres, by the unit of its altitude
+FIX_SCALES: Final = {'m': (1.0, 1.0, 1.0), 'mm': (1e-7, 1e-7, 1e-3)}
 STEADY: Final = 0.3  # of the length of a specific force; a command varies by more
 COMMON: Final = 0.9  # of the quaternions of a log that have one length
 UNIT_NORM: Final = 0.02  # largest median deviation of the length of a quaternion
@@ -50,9 +57,17 @@ class ColumnGroup(NamedTuple):
     unit: str  # as in the names, '' if they do not say
     reason: str  # why it has this kind
 
+    @property
+    def is_geodetic(self) -> bool:
+        """Whether a position is in latitude, longitude and altitude."""
+        return self.axes == GEODETIC
+
     def stack(self, table: Columns) -> Numbers:
-        """Return the numbers, shape (n, columns)."""
-        return np.stack([table[name] for name in self.columns], axis=1).astype(np.float64)
+        """Return the numbers, shape (n, columns); a latitude becomes a place in metres."""
+        rows = np.stack([table[name] for name in self.columns], axis=1).astype(np.float64)
+        if self.is_geodetic:
+            return LocalMap().project(rows * np.array(FIX_SCALES[self.unit]))
+        return rows
 
 
 def group_columns(
@@ -88,7 +103,7 @@ def group_columns(
     # Without a tracker, a quaternion is zero throughout
     groups = [one for one in groups if one.kind != 'quaternion' or one.stack(table).any()]
     groups = [group for group in groups if not _is_marker(group, groups)]
-    if (place := _group_height(rest, groups)) is not None:
+    if (place := _group_height(rest, groups, table)) is not None:
         groups = [*groups, place]
         rest = [name for name in rest if name.column not in place.columns]
     heading = _group_heading(rest, groups)
@@ -149,11 +164,20 @@ def _group_heading(names: list[ColumnName], groups: list[ColumnGroup]) -> Column
     return ColumnGroup('euler', match_role(one.words), (one.column,), ('yaw',), one.unit, why)
 
 
-def _group_height(names: list[ColumnName], groups: list[ColumnGroup]) -> ColumnGroup | None:
-    """Return the place of a horizontal pair, x and y or east and north, beside an altitude."""
+def _group_height(
+    names: list[ColumnName], groups: list[ColumnGroup], table: Columns
+) -> ColumnGroup | None:
+    """Return the place of x and y, east and north or a geodetic fix, beside an altitude."""
     heights = [name for name in names if name.words & HEIGHTS and not match_role(name.words)]
     if len(heights) != 1 or any(group.kind == 'position' for group in groups):
         return None
+    fix = [
+        [name.column for name in names if name.words & words] for words in (LATITUDES, LONGITUDES)
+    ]
+    if all(len(columns) == 1 for columns in fix):
+        columns = (fix[0][0], fix[1][0], heights[0].column)
+        unit = 'm' if np.nanmax(np.abs(table[columns[0]])) < FULL_TURN else 'mm'
+        return ColumnGroup('position', '', columns, GEODETIC, unit, 'latitude and longitude')
     for pair in (('x', 'y'), ('e', 'n')):
         for first in (name for name in names if name.axis == pair[0]):
             second = [name for name in names if (name.stem, name.axis) == (first.stem, pair[1])]

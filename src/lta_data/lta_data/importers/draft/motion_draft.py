@@ -11,6 +11,7 @@ from lta_data.importers.draft.attitude_readings import (
     CLEAR,
     differentiate,
     fit_scale,
+    is_compass,
     is_crazyflie,
     LATEST,
     list_readings,
@@ -23,7 +24,7 @@ from lta_data.importers.draft.attitude_readings import (
     UNCLEAR,
 )
 from lta_data.importers.draft.choices import DraftChoices
-from lta_data.importers.draft.column_groups import ColumnGroup
+from lta_data.importers.draft.column_groups import ColumnGroup, FIX_SCALES
 from lta_data.importers.draft.name_hints import UNIT_WORDS
 from lta_data.importers.log_table import Numbers
 import numpy as np
@@ -34,6 +35,7 @@ DEGREE: Final = np.pi / 180.0
 UNLIKE: Final = 1.3  # times as much unexplained decides between two frames
 ALIKE: Final = 0.02  # scores of readings that agree equally well
 FORWARD: Final = 0.85  # of the way is along one direction of the body of an airship
+AHEAD: Final = 0.3  # weight of a motion along x, which tells a compass heading from a yaw
 CLEARLY: Final = 0.15  # by which another reading must keep to its direction less
 APART: Final = 15.0  # between body and world axes; below it, the better of two is taken [deg]
 SPEEDS: Final = (0.02, 20.0)  # usual speeds of a vehicle in flight [m/s]
@@ -147,11 +149,18 @@ def _choose_reading(
             why = "the convention of Crazyflie's firmware, whose pitch is positive nose up"
         elif level[0]:
             why = 'the first order that keeps the vehicle upright'
-        forward = [measure_forwardness(reading.turn, evidence) for reading in readings]
+        ways = [measure_forwardness(reading.turn, evidence) for reading in readings]
+        forward = [steady + AHEAD * ahead for steady, ahead in ways]
         best = int(np.argmax(forward))
-        if forward[best] > FORWARD and forward[best] - forward[level[0]] > CLEARLY:
+        if ways[best][0] > FORWARD and forward[best] - forward[level[0]] > CLEARLY:
             first = readings[best]
-            why = f'the vehicle moves where it points ({100 * forward[best]:.0f} % of the way)'
+            why = f'the vehicle moves where it points ({100 * ways[best][0]:.0f} % of the way)'
+        elif ways[best][0] < FORWARD and is_compass(group, numbers):
+            senses = [one for one in (readings[best], *readings) if 'offsets' in one.entry]
+            options = [(one.label, '') for one in (first, *senses[:1])]
+            question = 'A heading can be a yaw, or clockwise from north.'
+            first = labels[choices.decide(key, options, question)]
+            why = choices.explain(key)
     choices.add_reason(f'{topic}: orientation', group.columns, first.label, why)
     return first
 
@@ -259,6 +268,13 @@ def _draft_position(
     group = groups.get('position')
     if group is None or raw.position is None:
         return 0.0
+    if group.is_geodetic:
+        parts['position'] = _build_vector(group, 'm') | {'geodetic': True}
+        if group.unit == 'mm':
+            parts['position']['scale'] = [*FIX_SCALES[group.unit]]
+        choices.add_reason(f'{topic}: position', group.columns, 'east, north, up',
+                           'from the first fix, in m')  # fmt: skip
+        return 1.0
     key = f'{topic}.position.unit'
     named = _named_unit(group)
     unit, why = (named[0], 'the unit in the names') if named else ('', '')

@@ -17,6 +17,7 @@ from lta_data.importers.draft.attitude_readings import (
     list_readings,
 )
 from lta_data.importers.draft.column_groups import ColumnGroup, Columns
+from lta_data.importers.draft.name_hints import KINDS, parse_column_name
 from lta_data.importers.log_table import Numbers
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -26,6 +27,12 @@ UNRELATED: Final = 0.3  # share below which a name is contradicted
 LOOKED_AT: Final = 4000  # rows
 LEAST: Final = 50  # rows
 GRAVITIES: Final = (1.0, STANDARD_GRAVITY, 1e3, 1e3 * STANDARD_GRAVITY)  # g, m/s2, mg, mm/s2
+# Words for vectors that are neither a place nor derived from one
+NO_PLACES: Final = frozenset([
+    'mag', 'magnetic', 'magnetometer', 'wind', 'err', 'error', 'bias', 'cov', 'covariance', 'std',
+    'var', 'noise', 'residual', 'gain', 'current', 'voltage', 'temp', 'param', 'parameter',
+    'input', 'cmd', 'command', 'control', 'ctrl',
+])  # fmt: skip
 # Kinds that a motion may give to a group, or take from it
 VECTORS: Final = ('', 'velocity', 'rates', 'acceleration', 'euler')
 
@@ -34,8 +41,30 @@ def settle_kinds(
     groups: Sequence[ColumnGroup], table: Columns, seconds: Numbers
 ) -> list[ColumnGroup]:
     """Return the groups with the kinds that their motions show; those without any are left out."""
-    settled = [_settle_kind(group, groups, table, seconds) for group in groups]
+    placed = _find_places(groups)
+    settled = [_settle_kind(group, placed, table, seconds) for group in placed]
     return [group for group in settled if group.kind]
+
+
+def _find_places(groups: Sequence[ColumnGroup]) -> list[ColumnGroup]:
+    """Return groups in which vectors without a kind that stand for a body are its places."""
+    bodies = [_list_words(one) - KINDS['quaternion'] - KINDS['euler']
+              for one in groups if one.kind in ('quaternion', 'euler')]  # fmt: skip
+    has_place = any(group.kind == 'position' for group in groups)
+    placed = []
+    for group in groups:
+        words = _list_words(group)
+        named = bool(words) and words in bodies
+        alone = not has_place and not bodies and not words & NO_PLACES
+        if not group.kind and (named or alone):
+            why = 'a body, whose attitude has the same name' if named else 'the only vectors'
+            group = group._replace(kind='position', reason=why)
+        placed.append(group)
+    return placed
+
+
+def _list_words(group: ColumnGroup) -> frozenset[str]:
+    return frozenset(word for name in group.columns for word in parse_column_name(name).stem)
 
 
 def _settle_kind(
@@ -62,6 +91,9 @@ def _settle_kind(
             why = 'its columns follow roll, pitch and yaw, and not their derivatives'
             return group._replace(kind='euler', reason=why)
         derived = differentiate(rows, at)
+        if not attitudes and _follows_course(rows, others, table, at):
+            why = 'its last column follows the course of the vehicle'
+            return group._replace(kind='euler', reason=why)
         others_turn = [one for one in others if one.kind in ('rates', '')]
         if not attitudes and any(
             fit_scale(one.stack(table)[:LOOKED_AT], derived, at).share > CLEAR
@@ -117,6 +149,23 @@ def _are_angles(rows: Numbers, readings: Sequence[AttitudeReading]) -> bool:
             alike = [abs(np.corrcoef(one, other)[0, 1]) for one, other in pairs]
         if np.nanmin(alike) > np.sqrt(CLEAR):
             return True
+    return False
+
+
+def _follows_course(
+    rows: Numbers, others: Sequence[ColumnGroup], table: Columns, seconds: Numbers
+) -> bool:
+    """Return whether the last of three columns is a heading along which the vehicle moves."""
+    for place in (one for one in others if one.kind == 'position'):
+        speed = differentiate(place.stack(table)[:LOOKED_AT], seconds)
+        fast = np.linalg.norm(speed[:, :2], axis=1)
+        moving = np.isfinite(fast) & (fast > 0.5 * np.nanpercentile(fast, 90.0))
+        course = np.unwrap(np.arctan2(speed[moving, 1], speed[moving, 0]))
+        for scale in (1.0, np.pi / 180.0):
+            heading = np.unwrap(scale * rows[moving, 2])
+            apart = heading - course
+            if np.ptp(course) > 1.0 and np.std(apart) < 0.2 * np.std(course):
+                return True
     return False
 
 

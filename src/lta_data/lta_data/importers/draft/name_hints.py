@@ -61,6 +61,8 @@ ANGLES: Final = {
 }  # fmt: skip
 COMPASS: Final = {'north': 'n', 'east': 'e', 'down': 'd'}
 HEADINGS: Final = frozenset(['heading', 'hdg', 'compass', 'azimuth'])  # clockwise from north
+LATITUDES: Final = frozenset(['lat', 'latitude'])
+LONGITUDES: Final = frozenset(['lon', 'lng', 'long', 'longitude'])
 HEIGHTS: Final = frozenset(['alt', 'altitude', 'height', 'elevation'])
 # An element of an array, whose name says nothing
 NUMBERED: Final = re.compile(r'(data|axes|buttons|channels|values)\[\d+\]')
@@ -188,9 +190,9 @@ def parse_column_name(column: str) -> ColumnName:
     text, unit = column, ''
     # x [m], x (m), "x, m" or x / m
     for ending in (r'\s*[\[(]([^\[\]()]*)[\])]\s*$', r'\s*(?:,|\s/)\s*([^\s,/][^,]*)$'):
-        found = re.search(ending, column)
-        if found and found.start() and (token := _normalise_unit(found[1])) in UNIT_WORDS:
-            text, unit = column[: found.start()], token
+        match = re.search(ending, column)
+        if match and match.start() and (token := _normalise_unit(match[1])) in UNIT_WORDS:
+            text, unit = column[: match.start()], token
             break
     tokens = [token for token in re.split(r'[_\s.]+', text) if token]
     for count in (2, 1):

@@ -8,7 +8,7 @@ from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.column_groups import ColumnGroup, Columns
 from lta_data.importers.draft.name_hints import parse_column_name, TIMES, UNIT_WORDS
 from lta_data.importers.log_table import Numbers
-from lta_data.importers.readers.row_times import DATE, parse_date
+from lta_data.importers.readers.row_times import parse_date, split_date
 import numpy as np
 
 RATES: Final = (0.5, 3000.0)  # of samples that a flight log has [Hz]
@@ -84,7 +84,7 @@ def _find_split_time(table: Columns) -> dict[str, str]:
             continue
         name = parse_column_name(column)
         words = name.words | {name.unit}
-        fraction = next((unit for unit, known in FRACTIONS.items() if words & known), '')
+        fraction = next((one for one, its in FRACTIONS.items() if words & its), '')
         if fraction and cells.min() >= 0 and cells.max() * UNITS[fraction][1] < 1.0:
             rest.append((column, fraction))
         elif words & SECONDS and (cells == np.floor(cells)).all() and (np.diff(cells) >= 0).all():
@@ -134,7 +134,7 @@ def _find_time_column(table: Columns, groups: list[ColumnGroup]) -> str:
     for column in rising:
         name = parse_column_name(column)
         dated = table[column].dtype.kind not in 'fiub'
-        if dated and DATE.fullmatch(str(table[column][0]).strip()):
+        if dated and split_date(str(table[column][0])):
             return column
         if not dated and name.words & TIMES:
             return column

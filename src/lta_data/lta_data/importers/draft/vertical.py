@@ -12,6 +12,9 @@ Axes = str | list[str]
 DOWN: Final = ['x', '-y', '-z']
 TILT: Final = 0.25  # share of the lateral acceleration that the tilt explains
 LOW: Final = 0.05  # heights beyond it say where the floor is [m]
+UP_BY_NAME: Final = {
+    'ned': (-1, 'the names north, east, down'), 'latlonalt': (1, 'altitudes count up'),
+}  # fmt: skip
 CONFLICT: Final = 'world.up'
 
 
@@ -92,8 +95,8 @@ def _vote_up(
                 f'the accelerometer feels {abs(pull[2]):.3g} m/s2 along '
                 f'{"+" if pull[2] > 0 else "-"}z at rest, so z points {word}'
             )
-    if axis_names == 'ned':
-        return -1, 'the names north, east, down'
+    if by_name := UP_BY_NAME.get(axis_names):
+        return by_name
     by_height, why = _judge_heights(evidence.position)
     by_tilt, share = (0, 0.0) if same is None else _judge_tilt(evidence, turn, same)
     if by_tilt and by_height and by_tilt != by_height:
@@ -157,8 +160,7 @@ def _find_without_attitude(
         choices.add_reason('axes: body', [], body, f'gravity at rest: {felt[2]:.3g} m/s2 along z')
     world: Axes = 'ENU'
     if evidence.position is not None:
-        sign, why = (-1, 'the names north, east, down') if axis_names == 'ned' else (
-            _judge_heights(evidence.position))  # fmt: skip
+        sign, why = UP_BY_NAME.get(axis_names) or _judge_heights(evidence.position)
         if not sign:
             options = [('up', 'z points up'), ('down', 'z points down')]
             why = f'No attitude is there, and {_describe_heights(evidence.position)}.'

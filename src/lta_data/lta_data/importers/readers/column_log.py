@@ -14,7 +14,7 @@ from lta_config.quantity import UNITS
 from lta_config.schema.import_file import ImportMapping as MappingFile
 from lta_config.schema.import_file import TimeColumn
 from lta_data.importers.log_provenance import CLOCK
-from lta_data.importers.log_table import LogTable, Times
+from lta_data.importers.log_table import encode_label, LogTable, Times
 from lta_data.importers.protocol import PassThroughMessage, RawTopic, Reached
 from lta_data.importers.readers.csv_text import missing_columns_error
 from lta_data.importers.readers.row_times import (
@@ -44,8 +44,9 @@ class ColumnLog:
         self._path = path
         self._tables = tables
         self._times = _list_table_times(tables, mapping)
+        labels = {column for entry in mapping.topics for column in entry.labels}
         self.columns: Mapping[str, list[str]] = {
-            name: [column for column, cells in table.items() if cells.dtype.kind in 'fiub']
+            name: [c for c, cells in table.items() if c in labels or cells.dtype.kind in 'fiub']
             for name, table in tables.items()
         }
         self.raw: Mapping[str, RawTopic] = {}
@@ -65,8 +66,7 @@ class ColumnLog:
         for name in selection:
             at = stamps[name] + shift
             numbers = {
-                column: self._tables[name][column].astype(np.float64)
-                for column in self.columns[name]
+                column: _to_floats(self._tables[name][column]) for column in self.columns[name]
             }
             rows = np.arange(len(at), dtype=np.int64)
             # Several tables are merged by time, a single one keeps its order
@@ -103,6 +103,13 @@ class ColumnLog:
             return 0
         first = min((int(times.min()) for times in stamps.values() if len(times)), default=0)
         return choose_time_offset(first, self.notes, self.facts)
+
+
+def _to_floats(cells: Column) -> NDArray[np.float64]:
+    """Return cells as numbers; words that select rows get a number each."""
+    if cells.dtype.kind in 'fiub':
+        return cells.astype(np.float64)
+    return np.array([encode_label(str(cell)) for cell in cells])
 
 
 def _list_table_times(tables: Tables, mapping: MappingFile) -> dict[str, TimeColumn]:

@@ -16,7 +16,7 @@ from lta_config.limits import check_column_count, LINE_BYTES
 from lta_config.schema.import_file import ImportMapping as MappingFile
 from lta_config.schema.import_file import TextFormat
 from lta_data.importers.log_provenance import CLOCK
-from lta_data.importers.log_table import LogTable, Times
+from lta_data.importers.log_table import encode_label, LogTable, Times
 from lta_data.importers.protocol import PassThroughMessage, RawTopic, Reached
 from lta_data.importers.readers.line_stream import decompress_stream, NAMED, open_text_lines
 from lta_data.importers.readers.row_times import (
@@ -55,6 +55,7 @@ class CsvLog:
         self.facts: dict[str, str] = {}
         time = mapping.time
         self.timed = [] if time is None else time.columns
+        self._labels = {name for entry in mapping.topics for name in entry.labels}
         self._rows = 0
         self._shift: int | None = None
         start = None if time is None else time.start
@@ -71,7 +72,8 @@ class CsvLog:
         if absent := [name for name in self.timed if name not in self._names]:
             raise missing_columns_error(self._path, absent, self._names)
         # Times as text: float64 would round nanoseconds since 1970
-        types = dict.fromkeys(needed, pa.float64()) | dict.fromkeys(self.timed, pa.binary())
+        as_text = [*self.timed, *self._labels]
+        types = dict.fromkeys(needed, pa.float64()) | dict.fromkeys(as_text, pa.binary())
         size = self._path.stat().st_size
         with self._path.open('rb') as stream:
             for batch in self._read_record_batches(stream, types):
@@ -104,6 +106,9 @@ class CsvLog:
         columns, empty = {}, {}
         for name in needed:
             cells = batch.column(name)
+            if name in self._labels:
+                columns[name] = np.array([encode_label(decode_cell(c)) for c in cells.to_pylist()])
+                continue
             columns[name] = cells.to_numpy(zero_copy_only=False).astype(np.float64)
             if cells.null_count:
                 empty[name] = cells.is_null().to_numpy(zero_copy_only=False)
@@ -222,6 +227,11 @@ class TextRows:
 
     def _check_skipped(self) -> None:
         """Raise BadInput if most rows were skipped."""
+        if self._skipped > self._rows and not any(map(is_number, self._first_skipped.split(','))):
+            raise BadInput(
+                f"Another table begins with '{self._first_skipped}', and has other columns; put "
+                'it into a file of its own.'
+            )
         if self._skipped > self._rows:
             raise BadInput(
                 f'{self._skipped} of {self._skipped + self._rows} rows have another number of '
