@@ -9,6 +9,7 @@ from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 import csv
 from pathlib import Path
+import re
 from typing import Any, BinaryIO, final
 
 from lta_config.errors import BadInput
@@ -227,7 +228,7 @@ class TextRows:
 
     def _check_skipped(self) -> None:
         """Raise BadInput if most rows were skipped."""
-        if self._skipped > self._rows and not any(map(is_number, self._first_skipped.split(','))):
+        if self._skipped > self._rows and are_names(self._first_skipped):
             raise BadInput(
                 f"Another table begins with '{self._first_skipped}', and has other columns; put "
                 'it into a file of its own.'
@@ -254,7 +255,7 @@ class TextRows:
                 f'than the names of the columns and {"is" if skipped == 1 else "are"} skipped, '
                 f"the first as '{self._first_skipped}'."
             )
-            if not any(map(is_number, self._first_skipped.split(','))):
+            if are_names(self._first_skipped):
                 notes.append(
                     'There, another table with its own columns begins; put it into a file of its '
                     'own to import it, too.'
@@ -337,6 +338,12 @@ def is_number(cell: str) -> bool:
     except pa.ArrowInvalid:
         return False
     return True
+
+
+def are_names(line: str) -> bool:
+    """Return whether a line has names of columns instead of numbers."""
+    cells = re.split(r'[,;\s]+', line.strip())
+    return len(cells) > 1 and all(cell.strip('"')[:1].isalpha() for cell in cells)
 
 
 def missing_columns_error(path: Path, absent: list[str], there: list[str]) -> BadInput:
