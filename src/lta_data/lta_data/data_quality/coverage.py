@@ -58,8 +58,10 @@ def _describe_topic(topic: str, channels: Sequence[SignalChannel]) -> Coverage:
     measured: dict[str, bool] = {}
     for channel in channels:
         quantity = roles.match_noisy_quantity(channel)
-        if roles.QUATERNION.match(channel.field):
+        if roles.QUATERNION.match(channel.field) or roles.ANGLE.match(channel.field):
             quantity = 'attitude'
+        # An estimate may be constant or smooth, but it cannot jump
+        quantity = 'position' if roles.POSITION.match(channel.field) else quantity
         if quantity is None and any(rule.search(channel.name) for rule in RULES):
             quantity = 'range of values'
         if quantity is not None:
