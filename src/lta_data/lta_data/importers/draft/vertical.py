@@ -2,7 +2,9 @@
 
 from typing import Final, final, NamedTuple
 
-from lta_data.importers.draft.attitude_readings import differentiate, fit_scale, MotionEvidence
+from lta_data.data_quality.motion import PoseSeries, VectorSeries
+from lta_data.data_quality.motion_scales import fit_tilt, TILT
+from lta_data.importers.draft.attitude_readings import MotionEvidence
 from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.log_table import Numbers
 import numpy as np
@@ -10,7 +12,6 @@ from scipy.spatial.transform import Rotation
 
 Axes = str | list[str]
 DOWN: Final = ['x', '-y', '-z']
-TILT: Final = 0.25  # share of the lateral acceleration that the tilt explains
 LOW: Final = 0.05  # heights beyond it say where the floor is [m]
 UP_BY_NAME: Final = {
     'ned': (-1, 'the names north, east, down'), 'latlonalt': (1, 'altitudes count up'),
@@ -135,18 +136,18 @@ def _judge_tilt(evidence: MotionEvidence, turn: Rotation, same: bool) -> tuple[i
     """Return which way is up if a rotorcraft accelerates where its rotors push it."""
     if evidence.position is None:
         return 0, 0.0
-    seconds = evidence.seconds
-    pull = differentiate(differentiate(evidence.position, seconds), seconds)
-    # A body axis z that points up is the direction of the thrust
-    lean = turn.as_matrix()[:, :, 2]
-    flat = np.array([1.0, 1.0, 0.0])
-    if float(np.nanpercentile(np.abs(lean[:, :2]), 90.0)) < 0.02:
+    good = np.isfinite(evidence.position).all(axis=1)
+    count = min(len(turn), len(evidence.seconds))
+    later = np.diff(evidence.seconds, prepend=-np.inf) > 0.0
+    rows = np.flatnonzero(good[:count] & later[:count])
+    time = evidence.seconds[rows]
+    pose = PoseSeries('', True, VectorSeries('', time, evidence.position[rows]),
+                      VectorSeries('', time, turn[rows].as_quat()), None, None)  # fmt: skip
+    fit = fit_tilt(pose)
+    if abs(fit.cosine) < TILT:
         return 0, 0.0
-    fit = fit_scale(pull * flat, lean * flat, seconds)
-    if abs(fit.share) < TILT:
-        return 0, 0.0
-    body_up = 1 if fit.share > 0.0 else -1
-    return (body_up if same else -body_up), abs(fit.share)
+    body_up = 1 if fit.cosine > 0.0 else -1
+    return (body_up if same else -body_up), fit.cosine**2
 
 
 def _find_without_attitude(
