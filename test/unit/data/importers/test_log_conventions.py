@@ -197,6 +197,49 @@ def test_a_log_in_any_convention_is_read_as_it_was_written(form: Form, tmp_path:
         np.testing.assert_allclose(series.vector('twist.twist.angular'), f['w'], atol=0.02)
 
 
+def hover() -> Flight:
+    """Return a flight that stays within 0.3 m and hardly turns."""
+    t = np.arange(0.0, 40.0, 0.02)
+    rng = np.random.default_rng(8)
+    rpy = np.column_stack([0.04 * np.sin(1.7 * t), 0.05 * np.sin(1.1 * t), 0.4 * np.sin(0.2 * t)])
+    p = np.column_stack([0.14 * np.sin(0.5 * t), 0.12 * np.sin(0.4 * t), 1.2 + 0.1 * np.sin(t)])
+    turn = Rotation.from_euler('ZYX', rpy[:, ::-1])
+    pull = np.gradient(np.gradient(p, t, axis=0), t, axis=0) + np.array([0.0, 0.0, 9.80665])
+    force = turn.inv().apply(pull) + rng.normal(0.0, 0.03, p.shape)
+    return {'t': t, 'p': p, 'q': turn.as_quat(), 'rpy': rpy, 'a': force}
+
+
+def test_a_hover_shows_an_inverted_pitch_to_the_accelerometer(tmp_path: Path) -> None:
+    f = hover()
+    table = timed(f) | place(f) | angles(f, signs=(1, -1, 1)) | three('acc_', f['a'])
+    draft = draft_mapping(write_csv(tmp_path / 'log.csv', table), {})
+    assert draft.choices.questions == []
+    assert 'signs: [1, -1, 1]' in draft.text
+
+
+def test_a_unit_in_which_a_hover_would_be_a_flight_is_asked(tmp_path: Path) -> None:
+    f = hover()
+    table = timed(f) | place(f, scale=1e3) | quaternion(f)
+    (question,) = draft_mapping(write_csv(tmp_path / 'log.csv', table), {}).choices.questions
+    assert [name for name, _ in question.options] == ['cm', 'mm']
+
+
+@pytest.mark.parametrize('scale', [1.0, DEGREES])
+def test_an_inertial_sensor_may_have_other_axes_than_the_tracker(
+    scale: float, tmp_path: Path
+) -> None:
+    f = lab_flight()
+    down = np.array([1.0, -1.0, -1.0])
+    sensed = three('gyro_', scale * f['w'] * down) | three('acc_', f['a'] * down)
+    source = write_csv(tmp_path / 'log.csv', timed(f) | place(f) | quaternion(f) | sensed)
+    draft = draft_mapping(source, {})
+    assert draft.choices.questions == []
+    import_draft(draft, source, tmp_path)
+    imu = open_flight(read_bag(tmp_path / 'out' / 'bag'), None).read_series('imu')
+    np.testing.assert_allclose(imu.vector('angular_velocity'), f['w'], atol=1e-4)
+    np.testing.assert_allclose(imu.vector('linear_acceleration'), f['a'], atol=1e-4)
+
+
 def test_two_moving_bodies_are_asked_about_and_the_answer_selects_one(tmp_path: Path) -> None:
     f = lab_flight()
     other = f['p'][::-1] * [1.0, -1.0, 1.0]

@@ -21,6 +21,7 @@ CLEAR: Final = 0.05  # advantage of a reading that decides
 SAME: Final = 3.0  # readings that differ by less are the same in this flight [deg]
 SMOOTHED: Final = 9  # rows over which a speed is averaged
 FLIP: Final = np.array([1.0, -1.0, -1.0])  # of y and z: FRD instead of FLU
+UNUSUAL: Final = 0.1  # of a score, that flipped axes of a sensor must gain
 AGREE: Final = 0.6  # explained share of a motion that counts as agreement
 
 
@@ -286,11 +287,25 @@ def score_reading(reading: AttitudeReading, evidence: MotionEvidence) -> tuple[f
         if body.share > world.share:
             reasons.append(f'the body velocity by {100 * body.share:.0f} %')
     if evidence.acceleration is not None or evidence.sensed is not None:
-        inertial = [_score_inertial(turn, evidence, flip) for flip in (np.ones(3), FLIP)]
-        score, reason = max(inertial, key=lambda one: float(np.mean(one[0])))
-        scores += score
+        as_logged, reason = _score_inertial(turn, evidence, np.ones(3))
+        flipped, other = _score_inertial(turn, evidence, FLIP)
+        # The axes of most sensors are those of the attitude
+        if np.mean(flipped) > np.mean(as_logged) + UNUSUAL:
+            as_logged, reason = [one - UNUSUAL for one in flipped], other
+        scores += as_logged
         reasons.append(reason)
     return (float(np.mean(scores)) if scores else 0.0), reasons
+
+
+def is_flipped(rates: Numbers, turn: Rotation, seconds: Numbers) -> bool:
+    """Return whether y and z of a sensor point the other way than those of an attitude."""
+    count = min(len(seconds), len(turn), len(rates))
+    derived = body_rates_of(turn[:count], seconds[:count])
+    shares = [
+        fit_scale(rates[:count], derived * sign, seconds[:count], LATEST).share
+        for sign in (np.ones(3), FLIP)
+    ]
+    return shares[1] > shares[0] + UNUSUAL
 
 
 def _score_rates(fit: ScaleFit) -> float:

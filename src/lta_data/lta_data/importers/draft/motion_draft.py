@@ -11,8 +11,10 @@ from lta_data.importers.draft.attitude_readings import (
     CLEAR,
     differentiate,
     fit_scale,
+    FLIP,
     is_compass,
     is_crazyflie,
+    is_flipped,
     LATEST,
     list_readings,
     LONGEST,
@@ -38,6 +40,7 @@ FORWARD: Final = 0.85  # of the way is along one direction of the body of an air
 AHEAD: Final = 0.3  # weight of a motion along x, which tells a compass heading from a yaw
 CLEARLY: Final = 0.15  # by which another reading must keep to its direction less
 APART: Final = 15.0  # between body and world axes; below it, the better of two is taken [deg]
+EXTENTS: Final = (0.3, 30.0)  # usual extents of a flight in a laboratory [m]
 SPEEDS: Final = (0.02, 20.0)  # usual speeds of a vehicle in flight [m/s]
 
 
@@ -56,12 +59,13 @@ def draft_motion(
     groups: Mapping[str, ColumnGroup],
     numbers: Mapping[str, Numbers],
     choices: DraftChoices,
+    turn: Rotation | None = None,
 ) -> MotionDraft:
     """
     Return the parts of an odometry topic in the units and frames that fit.
 
     `groups` and `numbers` are by kind: position, velocity, rates, attitude, acceleration. Numbers
-    `sensed` are the rates of an inertial sensor.
+    `sensed` are the rates of an inertial sensor. `turn`: the attitude, where another topic has it.
     """
     seconds, rows = seconds[:LONGEST], {k: v[:LONGEST] for k, v in numbers.items()}
     parts: dict[str, Any] = {}
@@ -76,7 +80,11 @@ def draft_motion(
     if 'attitude' in groups:
         reading = _choose_reading(topic, groups['attitude'], rows['attitude'], raw, choices)
         parts['orientation'] = reading.entry
-    turn = None if reading is None else reading.turn
+    turn = turn if reading is None else reading.turn
+    if raw.sensed is not None and turn is not None and raw.acceleration is not None:
+        # The accelerometer in the axes of the attitude
+        turned = FLIP if is_flipped(raw.sensed, turn, seconds) else np.ones(3)
+        raw = raw._replace(acceleration=raw.acceleration * turned)
     scales['rates'] = _draft_rates(topic, groups, raw, turn, parts, choices)
     scales['position'] = _draft_position(topic, groups, raw, scales, turn, parts, choices)
     scales['velocity'] = _draft_velocity(topic, groups, raw, scales, turn, parts, choices)
@@ -299,11 +307,9 @@ def _draft_position(
             if not named_unit and fast * LENGTHS[unit] > SPEEDS[1]:
                 unit = ''
     if not unit:
-        fitting = [u for u, scale in LENGTHS.items() if SPEEDS[0] <= fast * scale <= SPEEDS[1]]
         extent = float(np.max(np.nanpercentile(raw.position, 98, axis=0)
                               - np.nanpercentile(raw.position, 2, axis=0)))  # fmt: skip
-        # A laboratory is smaller than 30 m, and a flight in it larger than 0.3 m
-        fitting = [u for u in fitting if 0.3 <= extent * LENGTHS[u] <= 30.0] or fitting or ['m']
+        fitting = _list_length_units(fast, extent)
         unit, why = fitting[0], f'moves over {extent:.3g} at {fast:.3g} per second'
         if len(fitting) > 1 and choices.settled.get('position.unit') in fitting:
             unit = choices.settled['position.unit']
@@ -317,6 +323,15 @@ def _draft_position(
     parts['position'] = _build_vector(group, unit)
     choices.add_reason(f'{topic}: position', group.columns, unit, why)
     return LENGTHS.get(unit, 1.0)
+
+
+def _list_length_units(fast: float, extent: float) -> list[str]:
+    """Return the units in which a usual speed and an extent are those of a flight; 'm' if none."""
+    moving = [u for u, scale in LENGTHS.items() if SPEEDS[0] <= fast * scale <= SPEEDS[1]]
+    inside = [u for u in moving if EXTENTS[0] <= extent * LENGTHS[u] <= EXTENTS[1]]
+    # A smaller unit, in which the flight would only be short, cannot be excluded
+    short = [u for u in moving if 0.5 * EXTENTS[0] < extent * LENGTHS[u] < EXTENTS[0]]
+    return [*inside, *short] or moving or ['m']
 
 
 def _draft_velocity(

@@ -4,9 +4,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Final, final, NamedTuple
 
 from lta_data.importers.draft.attitude_readings import (
-    body_rates_of,
-    fit_scale,
     FLIP,
+    is_flipped,
     MotionEvidence,
 )
 from lta_data.importers.draft.axis_commands import explain_lacking, LINEAR
@@ -212,32 +211,13 @@ def _draft_inertial(
     if turn is None or 'rates' not in alone:
         drafted = draft_motion('imu', time.seconds, alone, numbers, choices)
         return entry | drafted.parts
-    rows = min(len(time.seconds), len(turn))
-    derived = body_rates_of(turn, time.seconds[:rows])
-    flips = [
-        fit_scale(numbers['rates'][:rows], derived * sign, time.seconds[:rows])
-        for sign in (np.ones(3), FLIP)
-    ]
-    if flips[1].share > flips[0].share + 0.1:
+    if is_flipped(numbers['rates'], turn, time.seconds):
         body = 'FRD' if axes is None or axes.body == 'FLU' else 'FLU'
         entry['body'] = body
         choices.add_reason('imu: axes', alone['rates'].columns, body,
                            'the rates have y and z opposite to the attitude')  # fmt: skip
         numbers = {kind: values * FLIP for kind, values in numbers.items()}
-    drafted = draft_motion('imu', time.seconds, alone, numbers, choices)
-    factor = max(flips, key=lambda fit: fit.share).factor
-    unit = _unit_by_factor(factor, max(fit.share for fit in flips))
-    if unit and 'rates' in drafted.parts:
-        drafted.parts['rates']['unit'] = choices.override('imu.rates.unit', unit)
-        choices.add_reason('imu: rates', alone['rates'].columns, unit,
-                           f'{factor:.3g} times the derivative of the attitude')  # fmt: skip
-    return entry | drafted.parts
-
-
-def _unit_by_factor(factor: float, share: float) -> str:
-    if share < 0.6:
-        return ''
-    return 'deg/s' if abs(np.log(factor / 57.3)) < abs(np.log(factor)) else 'rad/s'
+    return entry | draft_motion('imu', time.seconds, alone, numbers, choices, turn).parts
 
 
 def _inertial_axes(

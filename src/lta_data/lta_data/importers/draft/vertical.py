@@ -136,7 +136,7 @@ def _judge_tilt(evidence: MotionEvidence, turn: Rotation, same: bool) -> tuple[i
     """Return which way is up if a rotorcraft accelerates where its rotors push it."""
     if evidence.position is None:
         return 0, 0.0
-    good = np.isfinite(evidence.position).all(axis=1)
+    good = np.asarray(np.isfinite(evidence.position).all(axis=1))
     count = min(len(turn), len(evidence.seconds))
     later = np.diff(evidence.seconds, prepend=-np.inf) > 0.0
     rows = np.flatnonzero(good[:count] & later[:count])
