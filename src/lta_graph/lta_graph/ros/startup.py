@@ -6,7 +6,7 @@ import time
 
 from lta_config.errors import BadInput
 from lta_graph.health import HealthLevel
-from lta_graph.reach import RANGE
+from lta_graph.reach import RANGE_VARIABLE
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.reader_links import ReaderLinks
 
@@ -27,8 +27,8 @@ def wait_until_complete(
     while node.running and (missing := list_missing()):
         if time.monotonic() > deadline:
             remedy = 'start them, or check discovery with "lta doctor"'
-            if os.environ.get(RANGE) == 'OFF':
-                remedy = f'{RANGE} is OFF, so no node finds another: unset it'
+            if os.environ.get(RANGE_VARIABLE) == 'OFF':
+                remedy = f'{RANGE_VARIABLE} is OFF, so no node finds another: unset it'
             raise BadInput(
                 f'The node {node.get_name()} has waited {patience:g} s for these nodes: '
                 f'{", ".join(missing)}; {remedy}.'
