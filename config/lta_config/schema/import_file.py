@@ -116,13 +116,15 @@ class VectorField(_InUnit):
     Three numbers in the axes of `frame`; by default the frame of the message type.
 
     A force or torque may lack columns, which are then null: these components are zero. `scale` may
-    be a list, with the factor of each column.
+    be a list, with the factor of each column. A `geodetic` position has latitude and longitude in
+    degrees and an altitude; it becomes east, north and up from its first fix.
     """
 
     scale: float | tuple[float, float, float] = 1.0
     columns: Annotated[list[Column | None], Field(min_length=3, max_length=3)] | None = None
     value: Quantity | None = None
     frame: Literal['world', 'body'] | None = None
+    geodetic: bool = False
 
     @field_validator('scale', mode='before')
     @classmethod
@@ -161,6 +163,8 @@ class OrientationField(StrictModel):
     euler: Annotated[list[Column], Field(min_length=1, max_length=3)] | None = None
     sequence: Annotated[str, Field(pattern=r'^([XYZ]{1,3}|[xyz]{1,3})$')] = 'ZYX'
     signs: list[Literal[1, -1]] | None = None
+    # Added to the angles behind their signs, in `unit`: 90 turns a compass heading into a yaw
+    offsets: list[float] | None = None
     rotation_vector: Three | None = None
     matrix: Annotated[list[Column], Field(min_length=9, max_length=9)] | None = None
     unit: Literal['rad', 'deg'] = 'rad'
@@ -182,11 +186,12 @@ class OrientationField(StrictModel):
                 f'has the sequence {self.sequence}, which turns twice in a row about the same '
                 'axis; use for example ZYX'
             )
-        if self.signs is not None and len(self.signs) != len(self.euler):
-            raise ValueError(
-                f'has {len(self.signs)} numbers in "signs" for {len(self.euler)} angles in '
-                '"euler"; give one sign for each angle'
-            )
+        for name, numbers in (('signs', self.signs), ('offsets', self.offsets)):
+            if numbers is not None and len(numbers) != len(self.euler):
+                raise ValueError(
+                    f'has {len(numbers)} numbers in "{name}" for {len(self.euler)} angles in '
+                    '"euler"; give one for each angle'
+                )
         return self
 
     @property
@@ -250,6 +255,8 @@ class TimeColumn(StrictModel):
 
     column: Column | None = None
     unit: str = 's'
+    fraction: Column | None = None  # added to `column`, as nanoseconds beside whole seconds
+    fraction_unit: Literal['ms', 'us', 'ns'] = 'ns'
     rate: Quantity | None = None
     step: Quantity | None = None
     start: Quantity | None = None  # added to every time; ROS takes a stamp of 0 as unset
@@ -259,6 +266,8 @@ class TimeColumn(StrictModel):
     @model_validator(mode='after')
     def _check_source(self) -> Self:
         check_exactly_one(self, 'column', 'rate', 'step')
+        if self.fraction is not None and self.column is None:
+            raise ValueError('has "fraction" without the "column" that it is added to')
         if self.align is not None and self.start is not None:
             raise ValueError('has both "align" and "start"; give one of them')
         if UNITS.get(self.unit, ('', 0.0))[0] != 's':
@@ -283,6 +292,11 @@ class TimeColumn(StrictModel):
             )
         return self
 
+    @property
+    def columns(self) -> list[str]:
+        """The columns of the time."""
+        return [one for one in (self.column, self.fraction) if one is not None]
+
 
 class TopicMapping(_WithAxes):
     """One of our topics, from one table of the log; see docs/import.md."""
@@ -290,7 +304,7 @@ class TopicMapping(_WithAxes):
     topic: str
     table: str | None = None  # an event, a logged message or a topic of a bag; unset for CSV
     join: list[str] = Field(default_factory=list)
-    where: dict[str, float] = Field(default_factory=dict)
+    where: dict[str, float | str] = Field(default_factory=dict)  # cells of the rows to read
     optional: bool = False
     drop_empty: bool = False
     time: TimeColumn | None = None  # of its table, if it differs from that of the mapping
@@ -320,6 +334,11 @@ class TopicMapping(_WithAxes):
     illuminance: ScalarField | None = None
 
     @property
+    def labels(self) -> list[str]:
+        """The columns of `where` whose cells are words."""
+        return [name for name, value in self.where.items() if isinstance(value, str)]
+
+    @property
     def parts(self) -> dict[str, ScalarField | VectorField | OrientationField]:
         """The fields of the message that are set, by name."""
         fields = ((name, getattr(self, name)) for name in type(self).model_fields)
@@ -346,7 +365,9 @@ class TextFormat(StrictModel):
     """The format of the lines of a text."""
 
     delimiter: Annotated[str, Field(min_length=1)] = ','  # one character, 'tab' or 'whitespace'
-    decimal: Literal['.', ','] = '.'  # decimal mark of the numbers
+    # Decimal mark of the numbers; where it is the delimiter, too, numbers are in quotes
+    decimal: Literal['.', ','] = '.'
+    lists: bool = False  # whether a cell may be a list such as "[1, 2, 3]": a column for each
     comment: Annotated[str, Field(min_length=1, max_length=1)] | None = None
     skip: Annotated[int, Field(ge=0)] = 0  # lines before the one with the names
     header: list[Column] | None = None  # column names, if the text has none
@@ -359,15 +380,6 @@ class TextFormat(StrictModel):
                 f'is "{value}", but must be a single character, "tab" or "whitespace"'
             )
         return value
-
-    @model_validator(mode='after')
-    def _check_decimal(self) -> Self:
-        if self.decimal == self.delimiter:
-            raise ValueError(
-                'has a comma as delimiter and as decimal mark; give the delimiter of the file, '
-                'such as ";"'
-            )
-        return self
 
 
 class ImportMapping(_WithAxes):

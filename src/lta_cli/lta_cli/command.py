@@ -15,10 +15,11 @@ from typing import Final, NoReturn
 import warnings
 
 from lta_graph.ament import list_middlewares
-from lta_graph.terminal_streams import exit_process, guard_streams
+from lta_graph.terminal_streams import exit_process, guard_streams, reserve_stdout
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 COMPLETION = '_LTA_COMPLETE'  # a shell asks how the line may go on
+JSON: Final = '--json'  # stdout holds nothing else then
 MIDDLEWARE = 'RMW_IMPLEMENTATION'
 AGAIN: Final = 0.05  # s; until a signal that a C library dropped is sent again
 
@@ -32,6 +33,8 @@ def main() -> NoReturn:
     # The lta script blocks SIGINT while Python starts; a pending one is delivered here.
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     guard_streams()
+    if JSON in sys.argv:
+        reserve_stdout()
     # Arithmetic on damaged data: what matters of it is reported, and children inherit this
     if not sys.warnoptions:
         os.environ.setdefault('PYTHONWARNINGS', 'ignore::RuntimeWarning')

@@ -62,6 +62,15 @@ def guard_streams() -> None:
     sys.stderr = wrap_stream(sys.stderr)
 
 
+def reserve_stdout() -> None:
+    """Keep stdout for the text of this process; what C libraries such as DDS print is stderr's."""
+    sys.stdout.flush()
+    own = os.dup(sys.stdout.fileno())
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
+    file = BrokenPipeFile(own, 'w')
+    sys.stdout = TerminalStream(io.BufferedWriter(file), sys.stdout.encoding)
+
+
 def wrap_stream(stream: TextIO) -> TerminalStream:
     """Return a filtered stream on the same descriptor that a closed pipe does not break."""
     # Do not close the descriptor: the original stream still owns it

@@ -2,6 +2,7 @@
 
 import io
 import os
+import subprocess
 import sys
 from unicodedata import category
 
@@ -69,3 +70,17 @@ def test_a_closed_pipe_takes_everything():
 def test_a_full_disk_is_no_closed_pipe():
     with BrokenPipeFile('/dev/full', 'w') as full, pytest.raises(OSError, match='No space left'):
         full.write(b'x')
+
+
+def test_stdout_is_reserved_for_what_the_process_itself_writes():
+    """As JSON, beside which DDS writes its errors to the same descriptor."""
+    program = (
+        'import os, sys\n'
+        'from lta_graph.terminal_streams import guard_streams, reserve_stdout\n'
+        'guard_streams()\n'
+        'reserve_stdout()\n'
+        'os.write(1, b"of a library\\n")\n'
+        'sys.stdout.write("{}\\n")\n'
+    )
+    done = subprocess.run([sys.executable, '-c', program], capture_output=True, check=True)
+    assert (done.stdout, done.stderr) == (b'{}\n', b'of a library\n')

@@ -8,6 +8,7 @@ import sys
 import time
 
 from lta_bridge.hardware.check_result import HardwareCheck
+from lta_graph.reach import RANGE_VARIABLE
 
 DEADLINE = 10.0  # s for the whole check; starting and discovery usually take about 1 s
 SLOW = 3.0  # s; discovery that takes this long makes a launch look stuck
@@ -54,6 +55,11 @@ def find_free_domain() -> int:
 
 def check_message_exchange() -> HardwareCheck:
     """Check that two processes discover each other and exchange messages, and time it."""
+    if os.environ.get(RANGE_VARIABLE) == 'OFF':
+        summary = f'{RANGE_VARIABLE} is OFF, so no process finds another'
+        return HardwareCheck(
+            'dds', 'fail', summary, f'Unset {RANGE_VARIABLE}, or set it to LOCALHOST.'
+        )
     # A domain of its own, so that a running graph neither disturbs nor is disturbed
     environment = {**os.environ, 'ROS_DOMAIN_ID': str(find_free_domain())}
     # The processes end before the deadline, so that their message can be read

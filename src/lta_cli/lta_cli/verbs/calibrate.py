@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Annotated
 
 from lta_cli.options.study_command import report_command, StudyRun
+from lta_data.data_quality.free_swing import require_commands
 from lta_discovery.calibration.run import calibrate_vehicle
 from lta_discovery.progress import DiscoverProgress
 from lta_report.report import Report
@@ -43,10 +44,14 @@ def calibrate(
     Writes calibrated.yaml, a vehicle file for all other commands, a page and calibrate.json. If no
     calibration forecasts the training flights better than the vehicle file, it writes none.
 
+    A flight without commands must be a free swing: on the spot, as a pendulum, ever less. Any
+    other one is refused.
+
     Exit status 0: done. 2: bad input, or flights too poor to analyse.
 
     Example: lta calibrate --vehicle gtmab --train A B --confirm C
     """
+    require_commands([*train, *(confirm or [])], robot)
     with DiscoverProgress(run.console) as progress:
         return calibrate_vehicle(
             vehicle, {'train': train, 'confirm': confirm or []}, robot, progress.show_stage

@@ -1,7 +1,7 @@
 """Check bags and report the findings on the terminal and as JSON."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 import json
 from pathlib import Path
 from typing import Final, final
@@ -26,6 +26,7 @@ STYLES: Final = {
     Severity.ERROR: 'bold red',
 }
 
+WIDEST: Final = 120  # characters of a line, also in a pipe
 INDENT: Final = 4  # characters before the evidence
 
 
@@ -43,8 +44,8 @@ class CheckedRecording:
 
     @property
     def is_grave(self) -> bool:
-        """Whether any finding is suspicious or an error."""
-        return self.report.is_grave
+        """Whether any finding is suspicious or an error, or nothing could be judged."""
+        return self.report.is_grave or self.report.status == 'not checked'
 
 
 def check_bags(
@@ -91,8 +92,8 @@ def _check_bag(path: Path, robot: str | None) -> list[tuple[CheckedRecording, Ch
 
 def _add_findings(one: CheckedRecording, more: list[QualityFinding]) -> CheckedRecording:
     """Return a checked recording with additional findings."""
-    report = QualityReport((*one.report.findings, *more), one.report.unjudged)
-    return CheckedRecording(one.path, one.robot, one.simulated, report, one.losses)
+    report = replace(one.report, findings=(*one.report.findings, *more))
+    return replace(one, report=report)
 
 
 def findings_to_json(done: Sequence[CheckedRecording]) -> str:
@@ -103,9 +104,11 @@ def findings_to_json(done: Sequence[CheckedRecording]) -> str:
                 'path': one.path,
                 'robot': one.robot,
                 'simulated': one.simulated,
-                'clean': not one.report.findings,
-                'suspicious': one.is_grave,
+                'status': one.report.status,
+                'clean': one.report.status == 'clean',
+                'suspicious': one.report.is_grave,
                 'findings': [asdict(finding) for finding in one.report.findings],
+                'judged': list(one.report.judged),
                 'unjudged': list(one.report.unjudged),
                 'losses': list(one.losses),
             }
@@ -117,6 +120,7 @@ def findings_to_json(done: Sequence[CheckedRecording]) -> str:
 
 def print_findings(one: CheckedRecording, console: Console) -> None:
     """Print the findings of one recording."""
+    width = min(WIDEST, console.width)
     whose = f' ({one.robot})' if one.robot else ''
     kind = ', declared as simulated' if one.simulated else ''
     console.print(f'{one.path}{whose}{kind}', style='bold', highlight=False, markup=False)
@@ -125,10 +129,16 @@ def print_findings(one: CheckedRecording, console: Console) -> None:
         head.append(f'  {finding.kind}  ').append(finding.channel, 'bold')
         head.append(f'  {finding.from_s:.2f} to {finding.to_s:.2f} s')
         console.print(head, soft_wrap=True)
-        console.print(Padding(Text(finding.evidence), (0, 0, 0, INDENT)))
-    if not one.report.findings:
+        evidence = Padding(Text(finding.evidence), (0, 0, 0, INDENT), expand=False)
+        console.print(evidence, width=width)
+    if one.report.status == 'clean':
         console.print('clean', style='green')
+    elif one.report.status == 'not checked':
+        console.print('not checked: nothing in it can be judged', style='red', highlight=False)
+    if one.report.judged:
+        text = f'Judged: {"; ".join(one.report.judged)}.'
+        console.print(Text(text, 'dim'), width=width)
     for sentence in one.report.unjudged:
-        console.print(sentence, style='dim', highlight=False, markup=False, soft_wrap=True)
+        console.print(Text(sentence, 'dim'), width=width)
     for loss in one.losses:
-        console.print(loss, style='yellow', highlight=False, markup=False, soft_wrap=True)
+        console.print(Text(loss, 'yellow'), width=width)

@@ -70,15 +70,16 @@ class QualityLimits(Settings):
         'Largest standard deviation of the acceleration at which a vehicle counts as at rest.',
         unit='m/s2',
     )
-    jump_speed: float = setting(
-        60.0,
-        'Largest plausible speed between two poses; a faster change is reported as a jump.',
-        unit='m/s',
-    )
     jump_size: float = setting(
-        0.25,
-        'Smallest jump of the position that is reported; motion capture causes smaller ones.',
+        0.1,
+        'Smallest jump of a position that is reported, beyond what the speed before it allows.',
         unit='m',
+    )
+    jump_turn: float = setting(
+        0.5,
+        'Smallest turn from one attitude to the next that is reported, beyond what the rates '
+        'before it allow.',
+        unit='rad',
     )
 
     quiet_position: float = setting(
@@ -176,11 +177,6 @@ class QualityLimits(Settings):
         unit='s',
     )
     dropout_share: float = setting(0.05, 'Lowest share of lost messages that is reported.')
-    regular: float = setting(
-        0.3,
-        'Largest relative standard deviation of the message period at which a topic is checked '
-        'for gaps.',
-    )
     log_jump: float = setting(
         0.5,
         'Smallest jump of the time stamps relative to the log time that is reported.',

@@ -7,7 +7,7 @@ from typing import final
 
 from lta_data.bag.channels import SignalChannel
 from lta_data.data_quality import roles
-from lta_data.data_quality.smoothing import sort_samples
+from lta_data.data_quality.smoothing import sort_samples, steady_arrivals
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
@@ -71,7 +71,7 @@ def collect_vectors(
             time, values = sort_samples(channels[names[0]].time, table)
             # Fewer samples do not allow two derivatives
             if len(time) > 3:
-                vectors[topic] = VectorSeries(f'{topic}/{path}', time, values)
+                vectors[topic] = VectorSeries(f'{topic}/{path}', steady_arrivals(time), values)
     return vectors
 
 
@@ -98,7 +98,9 @@ def collect_attitudes(channels: Mapping[str, SignalChannel]) -> dict[str, Vector
         if len(time) > 3:
             # Upper case: intrinsic yaw, pitch, roll
             turns = Rotation.from_euler('ZYX', angles).as_quat()
-            attitudes[topic] = VectorSeries(f'{topic}/{path}', time, remove_sign_jumps(turns))
+            attitudes[topic] = VectorSeries(
+                f'{topic}/{path}', steady_arrivals(time), remove_sign_jumps(turns)
+            )
     return attitudes
 
 

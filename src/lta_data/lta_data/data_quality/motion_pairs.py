@@ -109,7 +109,7 @@ def pair_velocity(
 ) -> MotionPair | None:
     """Pair a velocity with the derivative of position, in the body frame."""
     times, speeds = place.differentiate()
-    turn = _interpolate_attitude(attitude, times)
+    turn = interpolate_attitude(attitude, times)
     return _resample_pair(
         'velocity', measured, place.name, times, turn.inv().apply(speeds), limits
     )
@@ -123,13 +123,13 @@ def _pair_inertial(
     if sensor.rates is not None:
         yield pair_rates(sensor.rates, pose.attitude, limits)
     if sensor.force is not None and pose.position is not None and pose.tracked:
-        yield _pair_force(pose.position, pose.attitude, sensor.force, limits)
+        yield pair_force(pose.position, pose.attitude, sensor.force, limits)
 
 
-def _pair_force(
+def pair_force(
     place: VectorSeries, attitude: VectorSeries, measured: VectorSeries, limits: QualityLimits
 ) -> MotionPair | None:
-    """Pair a specific force with acceleration plus gravity."""
+    """Pair a specific force with acceleration plus gravity, in the body frame."""
     step = max(median_period(place.time), FINEST)
     grid = build_uniform_time_grid(place.time[0], place.time[-1], step, len(place.time))
     if len(grid) * step < limits.pair_time:
@@ -140,7 +140,7 @@ def _pair_force(
     pull = np.gradient(np.gradient(smooth, step, axis=0), step, axis=0)
     # An accelerometer at rest measures +g along z (up)
     pull[:, 2] += STANDARD_GRAVITY
-    force = _interpolate_attitude(attitude, grid).inv().apply(pull)
+    force = interpolate_attitude(attitude, grid).inv().apply(pull)
     return _resample_pair('force', measured, place.name, grid, force, limits)
 
 
@@ -164,7 +164,7 @@ def _pair_height(
     )  # z only
 
 
-def _interpolate_attitude(attitude: VectorSeries, times: Array) -> Rotation:
+def interpolate_attitude(attitude: VectorSeries, times: Array) -> Rotation:
     """Return attitudes at other times, linear in the quaternion between samples."""
     table, _ = interpolate_on_grid(attitude.time, attitude.values, times)
     return Rotation.from_quat(table)

@@ -18,6 +18,7 @@ from lta_data.data_quality.checks import (
     units,
 )
 from lta_data.data_quality.checks.rereadings import find_rereadings, remove_explained_findings
+from lta_data.data_quality.coverage import describe_coverage
 from lta_data.data_quality.finding import CheckVerdict, QualityFinding
 from lta_data.data_quality.limits import QualityLimits
 from lta_data.data_quality.recording import ChannelRecording
@@ -59,6 +60,12 @@ class QualityReport:
 
     findings: tuple[QualityFinding, ...]  # by time
     unjudged: tuple[str, ...]  # what could not be judged, and why
+    judged: tuple[str, ...] = ()  # quantities, topic by topic
+
+    @property
+    def status(self) -> str:
+        """'findings', 'clean', or 'not checked' if nothing could be judged."""
+        return 'findings' if self.findings else 'clean' if self.judged else 'not checked'
 
     @property
     def is_grave(self) -> bool:
@@ -73,14 +80,14 @@ def run_checks(recording: ChannelRecording, limits: QualityLimits | None = None)
     with np.errstate(invalid='ignore'):  # infinity is data: a range without a return
         verdicts = [check(evidence) for check in CHECKS.values()]
         rereadings = find_rereadings(evidence)
+        coverage = describe_coverage(evidence)
     findings = [*rereadings, *(one for verdict in verdicts for one in verdict.findings)]
     remaining = sorted(
-        remove_explained_findings(remove_implied_findings(findings)),
+        [*coverage.missing, *remove_explained_findings(remove_implied_findings(findings))],
         key=lambda finding: (finding.from_s, finding.channel),
     )
-    return QualityReport(
-        tuple(remaining), tuple(text for verdict in verdicts for text in verdict.unjudged)
-    )
+    unjudged = [text for verdict in verdicts for text in verdict.unjudged]
+    return QualityReport(tuple(remaining), (*coverage.unjudged, *unjudged), coverage.judged)
 
 
 def remove_implied_findings(findings: list[QualityFinding]) -> list[QualityFinding]:

@@ -7,6 +7,10 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 HOLE = 4.0  # periods without a sample that count as a gap
+HURRIED = 0.3  # of a period; shorter steps follow a late message
+OFTEN = 0.02  # share of such steps from which times are those of arrivals
+AROUND = 0.3  # over which arrivals are averaged [s]
+LATEST = 3.0  # periods by which a message arrives late, at most
 
 
 def sort_samples(time: Array, values: Array) -> tuple[Array, Array]:
@@ -23,6 +27,30 @@ def sort_samples(time: Array, values: Array) -> tuple[Array, Array]:
 def median_period(time: Array) -> float:
     """Return the median time between samples; NaN for fewer than two. [s]"""
     return float(np.median(np.diff(time))) if len(time) > 1 else float('nan')
+
+
+def steady_arrivals(time: Array) -> Array:
+    """
+    Return the times of an even rhythm where messages were stamped on arrival, late by chance.
+
+    A derivative over two messages that arrived together is meaningless. Other times are returned
+    as they are. `time`: increasing, shape (n,) [s].
+    """
+    step, usual = np.diff(time), median_period(time)
+    if len(time) < 10 or not usual > 0.0 or np.mean(step < HURRIED * usual) < OFTEN:
+        return time
+    half = max(2, round(AROUND / usual / 2))
+    evened = time.copy()
+    cuts = np.flatnonzero(step > HOLE * usual) + 1
+    for rows in np.split(np.arange(len(time)), cuts):
+        if len(rows) > 2 * half:
+            count = np.arange(len(rows))
+            # A line through the stretch, so that its ends are averaged without a bias
+            line = np.polyval(np.polyfit(count, time[rows], 1), count)
+            late = (time[rows] - line)[:, None]
+            evened[rows] = line + smooth_columns(late, hann_kernel(2.0 * half, 1.0))[:, 0]
+    rising = bool((np.diff(evened) > 0.0).all())
+    return evened if rising and np.abs(evened - time).max() < LATEST * usual else time
 
 
 def interpolate_on_grid(

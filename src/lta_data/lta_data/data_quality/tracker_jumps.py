@@ -1,4 +1,4 @@
-"""Find where a tracker jumps away and back: markers that were lost or mistaken for a moment."""
+"""Find where a tracker jumps: markers that were lost, or mistaken for others."""
 
 from typing import Any, Final
 
@@ -15,6 +15,38 @@ CLEAR: Final = 12.0  # standard deviations off the usual change
 LEAST: Final = 0.02  # m, or quaternion component
 REACH: Final = 0.5  # that a vehicle may accelerate within a gap [m/s2]
 RETURNS: Final = 0.5  # of the jump, at most, that the pose behind it is off
+QUIET: Final = 0.3  # quantile of the changes that no jump has, however many there are
+NOISE: Final = 1.19  # that quantile of the length of white noise, in standard deviations
+BURST: Final = 2.0  # times its usual speed a vehicle changes its speed from pose to pose, at most
+
+
+def find_steps(time: Array, changes: Array, least: float) -> tuple[Any, Array]:
+    """
+    Return which changes from pose to pose no inertia allows, and by how much they are off.
+
+    A vehicle keeps its speed from one pose to the next, but for noise and for what a collision
+    takes away. So does one of two bodies that a tracker reports in turn, over two poses.
+
+    `time`: increasing, shape (n,) [s]. `changes`, shape (n - 1, 3): ways [m] or turns [rad].
+    `least`: size of a step [m or rad].
+    """
+    step = np.diff(time)[:, None]
+    ways = [(changes, step)]
+    if len(changes) > AROUND:
+        # Back to the same of two bodies, if they alternate
+        ways.append((changes[1:] + changes[:-1], step[1:] + step[:-1]))
+    slopes, usual = [], []
+    for change, lasting in ways:
+        slope = median_filter(change / lasting, size=(AROUND, 1), mode='nearest')
+        usual.append(np.quantile(np.linalg.norm(change - slope * lasting, axis=1), QUIET))
+        slopes.append(np.pad(slope, ((0, len(changes) - len(slope)), (0, 0)), mode='edge'))
+    paces = np.array([np.linalg.norm(slope, axis=1) for slope in slopes])
+    # Where poses of two bodies alternate, the speed over two poses is the true one
+    slope = np.array(slopes)[paces.argmin(axis=0), np.arange(len(changes))]
+    off, pace = np.linalg.norm(changes - slope * step, axis=1), paces.min(axis=0)
+    fast = float(np.quantile(pace, 0.75))
+    allowed = np.maximum(CLEAR * min(usual) / NOISE, BURST * fast * step[:, 0])
+    return off > np.maximum(allowed + REACH * step[:, 0] ** 2, least), off
 
 
 def find_tracker_jumps(time: Array, poses: Array) -> Any:  # noqa: ANN401 - an array of bool

@@ -26,6 +26,7 @@ def compute_quaternions(convention: OrientationField, table: LogTable) -> Number
             quaternions = quaternions / convention.length
     elif convention.euler is not None:
         angles = numbers * np.asarray(convention.signs or [1] * numbers.shape[1], dtype=np.float64)
+        angles = angles + np.asarray(convention.offsets or [0.0] * numbers.shape[1])
         quaternions = _finite_quaternions(
             angles,
             lambda rows: Rotation.from_euler(

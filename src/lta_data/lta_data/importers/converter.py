@@ -11,7 +11,8 @@ from lta_data.importers.attitude import compute_quaternions, convert_attitude, r
 from lta_data.importers.axes import convert_to_lta_axes
 from lta_data.importers.cdr_template import CdrTemplate
 from lta_data.importers.entry_plan import EntryPlan
-from lta_data.importers.log_table import LogTable, Numbers, Times
+from lta_data.importers.geodetic import LocalMap
+from lta_data.importers.log_table import encode_label, LogTable, Numbers, Times
 from lta_data.importers.message_parts import CHILD, JOINT_DIMENSIONS, JOINTS, MessagePart
 import numpy as np
 
@@ -66,6 +67,7 @@ class TopicConverter:
         self.without = self.excluded = 0
         self.silent: list[str] = []
         self._layout: CdrTemplate | None = None
+        self._map = LocalMap()
 
     def convert(self, table: LogTable) -> ConvertedMessages:
         """
@@ -104,7 +106,8 @@ class TopicConverter:
         entry = self.plan.entry
         fits = np.ones(len(table), dtype=np.bool_)
         for name, value in entry.where.items():
-            fits &= table.columns[name] == value
+            number = encode_label(value) if isinstance(value, str) else value
+            fits &= table.columns[name] == number
         self.excluded += int((~fits).sum())
         columns = [name for name in entry.columns if name not in entry.where]
         # A column that is not in `empty` has no empty cell
@@ -173,9 +176,8 @@ class TopicConverter:
             elif isinstance(entry, OrientationField):
                 numbers |= _split_columns(part, attitude, 'xyzw')
             elif isinstance(entry, VectorField):
-                numbers |= _split_columns(
-                    part, _convert_vector(entry, part, plan, table, attitude), 'xyz'
-                )
+                values = _convert_vector(entry, part, plan, table, attitude, self._map)
+                numbers |= _split_columns(part, values, 'xyz')
             else:
                 numbers[part.place] = _convert_number(entry, table, part.share)
         if plan.entry.forces:
@@ -195,7 +197,7 @@ def _sum_forces(
     part = plan.target_parts['force']
     total = np.zeros((2, len(table), 3))
     for one in forces:
-        force = _convert_vector(one, part, plan, table, None)
+        force = _convert_vector(one, part, plan, table, None, LocalMap())
         point = np.asarray([one.at.vector], dtype=np.float64)
         arm = convert_to_lta_axes(point, plan.find_axes('body'))
         total += np.stack([force, np.cross(arm, force)])
@@ -235,6 +237,7 @@ def _convert_vector(
     plan: EntryPlan,
     table: LogTable,
     attitude: Numbers | None,
+    local: LocalMap,
 ) -> Numbers:
     """Return three numbers per row, in LTA's axes."""
     frame = vector.frame or part.frame
@@ -251,6 +254,8 @@ def _convert_vector(
             for name, scale in zip(vector.columns, vector.scales, strict=True)
         ]
         values = np.stack(scaled_columns, axis=1)
+    if vector.geodetic:
+        return local.project(values)
     converted = convert_to_lta_axes(values, plan.find_axes(frame), axial=part.kind == 'axial')
     # From the world frame to the body frame
     if frame != part.frame and attitude is not None:

@@ -9,6 +9,7 @@ import zlib
 
 from lta_config.errors import BadInput, unknown_name_error
 from lta_config.schema.import_file import ImportMapping as MappingFile
+from lta_data.bag.bag_folder import PACKED
 from lta_data.importers.protocol import LogReader
 from lta_data.importers.readers import (
     array_files,
@@ -21,13 +22,14 @@ from lta_data.importers.readers import (
     rosbags_bag,
     sensor_folder,
 )
-from lta_data.importers.readers.line_stream import GZIP, UTF16
+from lta_data.importers.readers.line_stream import detect_encoding, GZIP
 from mcap.writer import MCAP0_MAGIC
 
 HEAD = 4096  # bytes read to detect the format
 ULOG = b'ULog\x01\x12\x35'
 SQLITE = b'SQLite format 3\0'
-ROS1 = b'#ROSBAG V'
+ZSTD = b'\x28\xb5\x2f\xfd'
+PACKED_BAGS = ('.mcap.zstd', '.mcap.zst', '.db3.zstd', '.db3.zst')
 USD = bytes([crazyflie_usd.MAGIC])
 
 
@@ -104,6 +106,8 @@ def detect_format(path: Path) -> str:
         # Without metadata.yaml too, which a killed recorder does not write
         if any(path.glob('*.mcap')) or any(path.glob('*.db3')):
             return 'bag'
+        if packed := sorted(file for end in PACKED_BAGS for file in path.glob(f'*{end}')):
+            raise BadInput(f"'{packed[0]}' is {PACKED}.")
         if sensor_folder.list_run_files(path):
             return 'folder'
         raise BadInput(
@@ -114,8 +118,10 @@ def detect_format(path: Path) -> str:
     head = _read_head(path)
     if not head:
         raise BadInput(f"'{path}' is empty; give a log with data.")
-    if head.startswith((MCAP0_MAGIC, SQLITE, ROS1)):
+    if head.startswith((MCAP0_MAGIC, SQLITE, rosbags_bag.ROS1)):
         return 'bag'
+    if head.startswith(ZSTD):
+        raise BadInput(f"'{path}' is {PACKED}.")
     _refuse_pickle(path, head)
     if binary := _detect_binary(path, head):
         return binary
@@ -124,7 +130,7 @@ def detect_format(path: Path) -> str:
     # One byte only, so test it after the longer magic numbers.
     if head.startswith(USD):
         return 'usd'
-    if _is_text(head):
+    if detect_encoding(head):
         return 'csv'
     formats = '; '.join(f'{name}: {format_.about}' for name, format_ in FORMATS.items())
     raise BadInput(f"'{path}' is not in a known format ({formats}); convert it to one of these.")
@@ -173,20 +179,6 @@ def _read_head(path: Path) -> bytes:
             'damaged.'
         ) from None
     return head
-
-
-def _is_text(head: bytes) -> bool:
-    """Return whether bytes are UTF-8 or UTF-16 text; the last character may be cut off."""
-    if head.startswith(UTF16):
-        return '\0' not in head.decode('utf-16', errors='replace')
-    if b'\0' in head:
-        return False
-    try:
-        head.decode('utf-8')
-    except UnicodeDecodeError as error:
-        # A UTF-8 character has up to four bytes
-        return len(head) == HEAD and error.start >= HEAD - 4
-    return True
 
 
 def _is_mcap(path: Path) -> bool:

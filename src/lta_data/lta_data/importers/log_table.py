@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import final
+from zlib import crc32
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,6 +44,11 @@ class LogTable:
             self.first,
             {name: holes[rows] for name, holes in self.empty.items()},
         )
+
+
+def encode_label(word: str) -> float:
+    """Return a number for a word that selects rows, the same in all parts of a log."""
+    return float(crc32(word.strip().encode()))
 
 
 def join_tables(table: LogTable, others: Mapping[str, LogTable]) -> tuple[LogTable, int]:

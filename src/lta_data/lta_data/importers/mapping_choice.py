@@ -153,6 +153,10 @@ def _plan_entry(
         if not can_pass_unchanged(entry, mapping, raw.definition.type_name, plan.target.type_name):
             entry = complete_entry(entry, raw.definition.type_name, plan.target.type_name)
     there = list_columns(log, table, entry.join)
+    if mapping.format == 'dataflash':
+        # Before ArduPilot 4.1, a table has no number of its core or sensor: it is the first
+        where = {name: value for name, value in entry.where.items() if name in there}
+        entry = entry.model_copy(update={'where': where})
     lacking = [name for name in entry.columns if name not in there]
     if lacking and entry.optional:
         return None

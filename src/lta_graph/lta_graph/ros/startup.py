@@ -1,10 +1,12 @@
 """Wait until all nodes of a graph are ready, before a flight or a replay begins."""
 
 from collections.abc import Callable, Collection, Iterator, Sequence
+import os
 import time
 
 from lta_config.errors import BadInput
 from lta_graph.health import HealthLevel
+from lta_graph.reach import RANGE_VARIABLE
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.reader_links import ReaderLinks
 
@@ -24,9 +26,12 @@ def wait_until_complete(
     deadline = time.monotonic() + patience
     while node.running and (missing := list_missing()):
         if time.monotonic() > deadline:
+            remedy = 'start them, or check discovery with "lta doctor"'
+            if os.environ.get(RANGE_VARIABLE) == 'OFF':
+                remedy = f'{RANGE_VARIABLE} is OFF, so no node finds another: unset it'
             raise BadInput(
                 f'The node {node.get_name()} has waited {patience:g} s for these nodes: '
-                f'{", ".join(missing)}; start them, or check discovery with "lta doctor".'
+                f'{", ".join(missing)}; {remedy}.'
             )
         yield
 

@@ -177,3 +177,39 @@ def test_corrupt_commands_of_idle_motors_are_no_other_unit():
     busy[400:600] = 40.0
     (finding,) = find_unit_by_size(commands(busy))
     assert 'looks like %' in finding.evidence
+
+
+def reread(change):
+    """Return what is said of the axes where attitude or velocity were read in another way."""
+    channels = dict(record().channels)
+
+    def table(path, axes):
+        return np.stack([channels[f'{TOPIC}/{path}.{axis}'].values for axis in axes], axis=1)
+
+    turn = Rotation.from_quat(table('pose.pose.orientation', 'xyzw'))
+    speed = table('twist.twist.linear', 'xyz')
+    for path, values in change(turn, speed).items():
+        for index, axis in enumerate('xyzw'[: values.shape[1]]):
+            name = f'{TOPIC}/{path}.{axis}'
+            column = values[:, index].copy()
+            channels[name] = SignalChannel(name, '', channels[name].time, column)
+    report = run_checks(ChannelRecording(channels, {'data': 'measured'}))
+    return ' '.join(one.evidence for one in report.findings if one.kind == 'axes')
+
+
+@pytest.mark.parametrize(('signs', 'words'), [
+    ((1.0, -1.0, 1.0), 'The pitch angle is inverted'),
+    ((-1.0, 1.0, 1.0), 'The yaw angle is inverted'),
+])  # fmt: skip
+def test_an_inverted_angle_is_named(signs, words):
+    def invert(turn, _):
+        angles = turn.as_euler('ZYX') * np.array(signs)
+        return {'pose.pose.orientation': Rotation.from_euler('ZYX', angles).as_quat()}
+
+    assert words in reread(invert)
+
+
+def test_a_body_velocity_that_was_read_as_one_of_the_world_is_named():
+    words = 'The body velocity was rotated into the body once more'
+    assert words in reread(lambda turn, speed: {'twist.twist.linear': turn.inv().apply(speed)})
+    assert reread(lambda _, speed: {'twist.twist.linear': speed}) == ''

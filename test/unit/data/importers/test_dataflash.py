@@ -113,3 +113,40 @@ def test_a_log_of_definitions_only_is_refused(bring, tmp_path):
     source.write_bytes(FMT + define('IMU'))
     with pytest.raises(BadInput, match='DataFlash log without messages'):
         bring(source)
+
+
+OLD = {
+    'NKF1': (71, 'QccCffffff', 'TimeUS,Roll,Pitch,Yaw,VN,VE,VD,PN,PE,PD'),
+    'IMU': (72, 'QffffffI', 'TimeUS,GyrX,GyrY,GyrZ,AccX,AccY,AccZ,ErrG'),
+    'BARO': (73, 'Qff', 'TimeUS,Alt,Press'),
+}
+
+
+def test_tables_without_numbers_of_their_sensors_are_those_of_the_first(
+    bring, tmp_path, monkeypatch
+):
+    """As before ArduPilot 4.1."""
+    monkeypatch.setitem(SIZES, 'I', 4)
+    for name, layout in OLD.items():
+        monkeypatch.setitem(TYPES, name, layout)
+    parts = [FMT, *map(define, OLD)]
+    for step in range(20):
+        at = 5_000_000 + 20_000 * step
+        parts.append(message('NKF1', at, 0, 0, 9000, 0.1, 0.0, 0.0, 1.0 + step, 3.0, -4.0))
+        parts.append(message('IMU', at, 0.1, 0.2, 0.3, 0.0, 0.0, -9.81, 0))
+        parts.append(message('BARO', at, 1.5, 1.01e5))
+    source = tmp_path / 'old.BIN'
+    source.write_bytes(b''.join(parts))
+    got = bring(source)
+    assert [len(got.messages[t]) for t in (ODOM, IMU, '/lta1/pressure')] == [20, 20, 20]
+    place = got.messages[ODOM][2].pose.pose.position
+    assert (place.x, place.y, place.z) == pytest.approx((3.0, 3.0, 4.0))
+    assert got.messages[IMU][0].linear_acceleration.z == pytest.approx(9.81, rel=1e-6)
+
+
+def test_a_log_of_old_px4_is_named(bring, tmp_path, monkeypatch):
+    monkeypatch.setitem(TYPES, 'TIME', (129, 'Q', 'StartTime'))
+    source = tmp_path / 'sess001.bin'
+    source.write_bytes(b''.join([FMT, define('TIME'), message('TIME', 1_000_000)]))
+    with pytest.raises(BadInput, match='sdlog2'):
+        bring(source)

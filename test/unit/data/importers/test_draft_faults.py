@@ -51,10 +51,10 @@ def test_a_column_of_times_that_do_not_rise_is_named(tmp_path):
     with pytest.raises(BadInput, match=r"--set time\.rate is 'fast', but must be rows per second"):
         draft_mapping(still, {'time.rate': 'fast'})
     text = still.read_text().splitlines()
-    rows = [f'10:00:{k:02d}.5,{line.partition(",")[2]}' for k, line in enumerate(text[1:60])]
+    rows = [f'10h00m{k:02d},{line.partition(",")[2]}' for k, line in enumerate(text[1:60])]
     still.write_text('\n'.join([text[0], *rows]))
     question = draft_mapping(still, {}).choices.questions[0]
-    assert question.reason.startswith("Column 't' has cells such as '10:00:00.5', neither")
+    assert question.reason.startswith("Column 't' has cells such as '10h00m00', neither")
 
 
 def test_a_tracker_without_an_attitude_gives_none(tmp_path):

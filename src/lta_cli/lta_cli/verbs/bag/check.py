@@ -29,14 +29,17 @@ def check(
     Looks for constant, frozen and clipped channels, duplicated intervals, impossible values, wrong
     units, flipped signs and axes, inconsistent clocks, jumping stamps, undeclared heavy filtering
     or simulation, and a vehicle held by hand. Each finding names its channel, interval and
-    evidence. Checks that lack their data are reported as not possible. Several bags are also
+    evidence. Several bags are also
     compared in pairs to find duplicate runs.
 
     A damaged bag is checked as far as it can be read. What the checks can and cannot find:
     docs/trust.md.
 
+    What was judged is listed, and what could not be, and why. If nothing could be, the result is
+    "not checked".
+
     Exit status 0: nothing suspicious (notes and warnings are allowed). 1: something is suspicious
-    or impossible. 2: bad input.
+    or impossible, or nothing could be judged. 2: bad input.
 
     Example: lta bag check runs/*/bag
     """

@@ -7,6 +7,7 @@ data, so that noise or a poor sensor does not cause one.
 """
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from itertools import permutations, product
 from typing import Final
 
@@ -19,23 +20,40 @@ from lta_data.data_quality.finding import (
 )
 from lta_data.data_quality.limits import QualityLimits
 from lta_data.data_quality.motion import PoseSeries, remove_sign_jumps, VectorSeries
-from lta_data.data_quality.motion_pairs import MotionPair, pair_rates, pair_velocity
+from lta_data.data_quality.motion_pairs import (
+    interpolate_attitude,
+    MotionPair,
+    pair_force,
+    pair_rates,
+    pair_velocity,
+)
 from lta_data.data_quality.pair_similarity import measure_similarity, PairSimilarity
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 Array = NDArray[np.float64]
 KIND = 'axes'
 XYZ: Final = 'xyz'
 OTHER = 0.05  # advantage of blaming the sensor's side over the pose
 BETTER = 0.25  # least improvement of the match by an explanation
-# Misreadings of a quaternion, rows of x, y, z, w
+
+
+def _flip_angles(turn: Array, signs: tuple[float, float, float]) -> Array:
+    """Return attitudes with other signs of yaw, pitch and roll."""
+    angles = Rotation.from_quat(turn).as_euler('ZYX') * np.array(signs)
+    return np.asarray(Rotation.from_euler('ZYX', angles).as_quat())
+
+
+# Misreadings of an attitude, rows of x, y, z, w
 ORDERS: Final[dict[str, Callable[[Array], Array]]] = {
     'The attitude is inverted (map to body)': lambda turn: (
         turn * np.array([-1.0, -1.0, -1.0, 1.0])
     ),
     'The quaternion fields x, y, z, w contain w, x, y, z': lambda turn: np.roll(turn, -1, axis=1),
     'The quaternion fields w, x, y, z contain x, y, z, w': lambda turn: np.roll(turn, 1, axis=1),
+    'The pitch angle is inverted': lambda turn: _flip_angles(turn, (1.0, -1.0, 1.0)),
+    'The yaw angle is inverted': lambda turn: _flip_angles(turn, (-1.0, 1.0, 1.0)),
 }
 # All 48 signed orders of three axes, mirrored ones included
 SIGNED: Final = tuple(product(permutations(range(3)), product((1.0, -1.0), repeat=3)))
@@ -69,7 +87,7 @@ def explain_mismatch(
 ) -> Iterator[QualityFinding]:
     """Yield the best explanation of mismatching axes, if there is a good one."""
     ways = [*score_axis_orders(pair, alike)]
-    if pose is not None and pair.what in ('rates', 'velocity') and len(pair.axes) == 3:
+    if pose is not None and pair.what in ('rates', 'velocity', 'force') and len(pair.axes) == 3:
         ways += score_pose_readings(pair, pose, limits)
     if not ways:
         return
@@ -131,8 +149,10 @@ def score_pose_readings(
                 pair_rates(rates, other, limits), attitude.name, words, limits
             )
         elif pose.position is not None:
-            velocity_pair = pair_velocity(pose.position, other, rates, limits)
-            yield from score_reading(velocity_pair, attitude.name, words, limits)
+            pairing = pair_force if pair.what == 'force' else pair_velocity
+            yield from score_reading(
+                pairing(pose.position, other, rates, limits), attitude.name, words, limits
+            )
     if pair.what != 'velocity' or pose.position is None:
         return
     # The identity attitude leaves the velocity in the map frame
@@ -142,6 +162,13 @@ def score_pose_readings(
     in_map = pair_velocity(pose.position, level, rates, limits)
     yield from score_reading(
         in_map, pair.sensor, 'The velocity is in the map frame instead of the body frame', limits
+    )
+    turn = interpolate_attitude(attitude, rates.time)
+    again = pair_velocity(
+        pose.position, attitude, replace(rates, values=turn.apply(rates.values)), limits
+    )
+    yield from score_reading(
+        again, pair.sensor, 'The body velocity was rotated into the body once more', limits
     )
     place = pose.position
     for order, signs in SIGNED:

@@ -10,13 +10,16 @@ from lta_data.data_quality.finding import CheckVerdict, QualityFinding, Severity
 from lta_data.data_quality.limits import QualityLimits
 from lta_data.data_quality.motion import InertialSeries, PoseSeries
 from lta_data.data_quality.runs import find_runs, merge_runs
+from lta_data.data_quality.tracker_jumps import find_steps
 from lta_data.data_quality.valid_ranges import build_light_ranges, CELLS, RANGES, ValidRange
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 KIND = 'impossible'
 LOST = 'lost'  # key of a finding about values that are not there, rather than wrong
 APART = 20  # samples between bad values that still form one stretch
+SHOWN = 20  # stretches beyond which all are one
 UNIT_LENGTH = 0.01  # tolerance of a quaternion: single precision, three-digit rounding
 QUIET = 25  # samples per block in the search for rest
 
@@ -36,7 +39,7 @@ def find_impossible_values(evidence: CheckContext) -> CheckVerdict:
             [c for c in channels.values() if c.topic == topic]
         )
     for pose in evidence.poses:
-        findings += find_position_jumps(pose, limits)
+        findings += find_jumps(pose, limits)
     for sensor in evidence.inertials:
         findings += find_missing_gravity(sensor, limits)
     return CheckVerdict(tuple(findings))
@@ -50,7 +53,10 @@ def build_stretch_findings(
     key: str = 'values',
 ) -> Iterator[QualityFinding]:
     """Yield a finding for each stretch of bad values, whose number is stored by a key."""
-    for begin, end in merge_runs(find_runs(bad), APART):
+    stretches = [*merge_runs(find_runs(bad), APART)]
+    if len(stretches) > SHOWN:
+        stretches = [(stretches[0][0], stretches[-1][1])]
+    for begin, end in stretches:
         count = int(bad[begin:end].sum())
         yield QualityFinding(
             KIND, channel, float(time[begin]), float(time[end - 1]),
@@ -77,7 +83,7 @@ def find_out_of_range(
 def find_non_numbers(channel: SignalChannel) -> Iterator[QualityFinding]:
     """Yield infinite values, and NaN between numbers, in quantities that are always defined."""
     if roles.match_noisy_quantity(channel) is None or not np.isfinite(channel.values).any():
-        return
+        return  # `coverage` says what was never measured
     infinite = np.isinf(channel.values)
     yield from build_stretch_findings(channel.name, channel.time, infinite, 'infinite')
     missing = np.isnan(channel.values)
@@ -124,23 +130,34 @@ def find_unnormalized_quaternions(channels: list[SignalChannel]) -> Iterator[Qua
             yield from build_stretch_findings(f'{topic}/{path}', time, bad, text)
 
 
-def find_position_jumps(pose: PoseSeries, limits: QualityLimits) -> Iterator[QualityFinding]:
-    """Yield positions that are unreachable from the previous one."""
-    if pose.position is None or len(pose.position.time) < limits.least_samples:
-        return
-    time, place = pose.position.time, pose.position.values
-    far = np.linalg.norm(np.diff(place, axis=0), axis=1)
-    speed = far / np.diff(time)
-    usual = float(np.percentile(speed, 75))
-    # If all speeds are too high, the unit is wrong, which another check reports.
-    # A small step within a very short period is noise, not a jump
-    bad = (speed > limits.jump_speed) & (far > limits.jump_size) & (speed > 20.0 * usual)
-    if bad.any():
-        text = (
-            f'the position jumps by up to {far[bad].max():.2f} m, at up to '
-            f'{speed[bad].max():.0f} m/s'
+def find_jumps(pose: PoseSeries, limits: QualityLimits) -> Iterator[QualityFinding]:
+    """Yield positions and attitudes that the inertia of no vehicle reaches from the last ones."""
+    for vector, least, unit in (
+        (pose.position, limits.jump_size, 'm'),
+        (pose.attitude, limits.jump_turn, 'rad'),
+    ):
+        if vector is None or len(vector.time) < limits.least_samples:
+            continue
+        if unit == 'm':
+            changes = np.diff(vector.values, axis=0)
+        else:
+            turn = Rotation.from_quat(vector.values)
+            changes = (turn[:-1].inv() * turn[1:]).as_rotvec()
+        step = np.diff(vector.time)
+        bad, off = find_steps(vector.time, changes, least)
+        if not bad.any():
+            continue
+        size = float(off[bad].max())
+        how = (
+            f'the position jumps by up to {size:.2f} m'
+            if unit == 'm'
+            else f'the attitude turns by up to {np.degrees(size):.0f} degrees'
         )
-        yield from build_stretch_findings(pose.position.name, time[1:], bad, text)
+        text = (
+            f'{how} from one pose to the next ({np.median(step[bad]):.3g} s), which the inertia '
+            'of no vehicle allows: the tracker took other markers, or another body, for it'
+        )
+        yield from build_stretch_findings(vector.name, vector.time[1:], bad, text)
 
 
 def find_missing_gravity(

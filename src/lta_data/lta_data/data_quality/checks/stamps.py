@@ -8,6 +8,7 @@ from lta_data.data_quality.check_context import CheckContext
 from lta_data.data_quality.finding import CheckVerdict, QualityFinding, Severity
 from lta_data.data_quality.limits import QualityLimits
 from lta_data.data_quality.runs import find_runs
+from lta_data.data_quality.smoothing import steady_arrivals
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,6 +17,8 @@ KIND = 'stamps'
 TWICE = 0.001  # share of repeated stamps from which they are reported
 IN_A_ROW = 3  # messages that a network may deliver late together
 LATE = 0.05  # share of late messages beyond which the time stamps are wrong
+REGULAR = 0.3  # relative standard deviation of a period, at most
+LONG = 98.0  # percentile of irregular periods that a gap exceeds
 SHOWN = 5  # findings of one kind per topic, at most
 
 
@@ -82,17 +85,16 @@ def find_late_messages(time: Array) -> Any:  # noqa: ANN401 - an array of bool
 
 
 def find_gaps(topic: str, time: Array, limits: QualityLimits) -> Iterator[QualityFinding]:
-    """Yield gaps and the share of lost messages of a regular topic."""
+    """Yield gaps, and the share of lost messages of a regular topic."""
     step = np.diff(time)
     step = step[step > 0.0]
     if len(step) < limits.least_samples // 2:
         return
     usual = float(np.median(step))
-    # Irregular topics have neither gaps nor lost messages.
-    # 1.4826: standard deviation from the median absolute deviation
-    if 1.4826 * float(np.median(np.abs(step - usual))) > limits.regular * usual:
-        return
-    gaps = np.flatnonzero(np.diff(time) > max(limits.gap_periods * usual, limits.gap_time))
+    regular = is_regular(time)
+    # On irregular stamps, a gap is longer than nearly all other steps
+    longest = usual if regular else float(np.percentile(step, LONG))
+    gaps = np.flatnonzero(np.diff(time) > max(limits.gap_periods * longest, limits.gap_time))
     for index in gaps[:SHOWN].tolist():
         begin, end = float(time[index]), float(time[index + 1])
         yield QualityFinding(
@@ -101,8 +103,10 @@ def find_gaps(topic: str, time: Array, limits: QualityLimits) -> Iterator[Qualit
             f'({len(gaps)} such {"gap" if len(gaps) == 1 else "gaps"}).',
             Severity.SUSPICIOUS, {'gap': end - begin, 'gaps': float(len(gaps))},
         )  # fmt: skip
-    # A step of n periods lacks n - 1 messages
-    lost = np.round(np.diff(time) / usual) - 1.0
+    if not regular:
+        return
+    # A step of n periods lacks n - 1 messages; a late message makes none
+    lost = np.round(np.diff(steady_arrivals(time)) / usual) - 1.0
     # Gaps have been reported above.
     lost[gaps] = 0.0
     missing = float(lost[lost > 0.0].sum())
@@ -113,6 +117,17 @@ def find_gaps(topic: str, time: Array, limits: QualityLimits) -> Iterator[Qualit
             f'{missing:.0f} of {len(time) + missing:.0f} messages are missing in small gaps.',
             Severity.WARNING, {'missing': missing},
         )  # fmt: skip
+
+
+def is_regular(time: Array) -> bool:
+    """Return whether messages follow at a period, so that lost ones can be counted."""
+    step = np.diff(time)
+    step = step[step > 0.0]
+    if not len(step):
+        return True
+    usual = float(np.median(step))
+    # 1.4826: standard deviation from the median absolute deviation
+    return 1.4826 * float(np.median(np.abs(step - usual))) <= REGULAR * usual
 
 
 def find_stamp_jumps(

@@ -21,12 +21,6 @@ from lta_data.data_quality.finding import (
 from lta_data.data_quality.limits import QualityLimits
 from lta_data.data_quality.motion_pairs import MotionPair
 from lta_data.data_quality.pair_similarity import PairSimilarity
-from lta_data.data_quality.smoothing import (
-    hann_kernel,
-    median_period,
-    smooth_columns,
-    sort_samples,
-)
 import numpy as np
 from numpy.typing import NDArray
 
@@ -47,7 +41,6 @@ TURNED: Final[dict[str, dict[float, str]]] = {
     'pressure': {0.001: 'mm'},
     'rates': {1.0 / DEGREES: 'deg'},
 }
-FAST: Final = 30.0  # typical speed that no indoor flight has [m/s]
 
 
 class UnitSizeRule(NamedTuple):
@@ -99,11 +92,6 @@ def find_wrong_units(evidence: CheckContext) -> CheckVerdict:
         if sensor.force is not None:
             findings += find_unit_by_gravity(
                 sensor.force.name, sensor.force.time, sensor.force.values
-            )
-    for pose in evidence.poses:
-        if pose.position is not None and pose.tracked:
-            findings += find_unit_by_speed(
-                pose.position.name, pose.position.time, pose.position.values, evidence.limits
             )
     return CheckVerdict(select_first_findings(findings), describe_unpaired_rates(evidence))
 
@@ -192,23 +180,3 @@ def find_unit_by_gravity(
                 Severity.SUSPICIOUS, {'force': felt},
             )  # fmt: skip
             return
-
-
-def find_unit_by_speed(
-    name: str, time: NDArray[np.float64], place: NDArray[np.float64], limits: QualityLimits
-) -> Iterator[QualityFinding]:
-    """Yield a position that moves faster than any indoor vehicle."""
-    time, place = sort_samples(time, place)
-    step = median_period(time)
-    if len(time) < limits.least_samples or not step > 0.0:
-        return
-    calm = smooth_columns(place, hann_kernel(2.0 * limits.kernel, step))
-    speed = np.linalg.norm(np.diff(calm, axis=0), axis=1) / np.diff(time)
-    # Three quarters, so that single jumps do not count.
-    usual = float(np.percentile(speed, 75))
-    if usual > FAST:
-        yield QualityFinding(
-            KIND, name, float(time[0]), float(time[-1]),
-            f'The unit looks like mm: if it were m, the position would move at {usual:.0f} m/s.',
-            Severity.SUSPICIOUS, {'speed': usual},
-        )  # fmt: skip

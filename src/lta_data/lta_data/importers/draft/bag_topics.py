@@ -5,10 +5,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final, final, NamedTuple
 
-from lta_config.errors import BadInput
+from lta_config.errors import BadInput, unknown_name_error
 from lta_config.schema.import_file import FIELD_AXES, ImportMapping
 from lta_data.importers.axes import signed_permutation
 from lta_data.importers.draft.array_commands import ask_for_columns
+from lta_data.importers.draft.bodies import STILL
 from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.clock_alignment import TimedTable
 from lta_data.importers.draft.column_groups import ColumnGroup
@@ -20,13 +21,15 @@ from lta_data.importers.draft.name_hints import (
     JOYSTICKS,
     match_role,
     parse_column_name,
+    TIMES,
 )
 from lta_data.importers.draft.scalar_draft import draft_scalars
 from lta_data.importers.draft.vertical import CONFLICT, find_axes, VerticalAxes
 from lta_data.importers.formats import FORMATS
 from lta_data.importers.log_table import LogTable, Numbers
 from lta_data.importers.message_parts import SHAPES
-from lta_data.importers.readers.bag_tables import FURTHER
+from lta_data.importers.protocol import LogReader
+from lta_data.importers.readers.bag_tables import BagTableLog, BODIES, CHILD, FURTHER
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -49,6 +52,7 @@ POSES: Final = (
 )
 ROLES: Final = {'truth': 'ground_truth/odom', 'estimate': 'odom', 'setpoint': 'setpoint/pose'}
 CLOCK: Final = 1.0  # between stamp and log time; more is another clock, not a delay [s]
+RISES: Final = 0.9  # share of the steps of a clock
 ARRAY: Final = 'data['  # in the columns of an array
 NO_NUMBERS: Final = ('header.', 'layout.')  # beginnings of columns that command nothing
 KINDS: Final = {'position': 'position', 'orientation': 'attitude'}
@@ -69,10 +73,10 @@ def draft_bag_topics(path: Path, choices: DraftChoices) -> BagDraft:
 
     Raise `BadInput` if no topic has a type that an import can convert.
     """
-    types = {
-        name: topic.definition.type_name
-        for name, topic in sorted(FORMATS['bag'].opened(path, None).raw.items())
-    }
+    log = FORMATS['bag'].opened(path, None)
+    types = {name: topic.definition.type_name for name, topic in sorted(log.raw.items())}
+    if not any(kind in POSES for kind in types.values()):
+        types |= _choose_body(path, log, types, choices)
     chosen = _choose_topics(types, choices)
     commands = [] if 'wrench_command' in chosen else _list_command_topics(types)
     poses = {ours: name for ours, name in chosen.items() if ours in ROLES.values()}
@@ -87,6 +91,9 @@ def draft_bag_topics(path: Path, choices: DraftChoices) -> BagDraft:
         entry = {'topic': ours, 'table': name}
         if ours in poses and name in tables:
             pose_groups = _group_pose(types[name], tables[name])
+            if 'attitude' not in pose_groups:
+                why = 'all its quaternions are NaN: the attitude was never measured'
+                choices.add_reason(f'{ours}: orientation', [name], 'left out', why)
             groups[name] = [*pose_groups.values()]
             drafted, axes = _draft_pose(ours, pose_groups, tables[name], choices)
             entry |= _list_differences(drafted, axes)
@@ -105,6 +112,40 @@ def draft_bag_topics(path: Path, choices: DraftChoices) -> BagDraft:
             'mapping.'
         )
     return BagDraft(entries, groups, tables)
+
+
+def _choose_body(
+    path: Path, log: LogReader, types: Mapping[str, str], choices: DraftChoices
+) -> dict[str, str]:
+    """Return the table of the vehicle in a topic of several bodies, such as /tf, and its type."""
+    assert isinstance(log, BagTableLog)
+    tables = {
+        name: kind
+        for topic, kind in types.items()
+        if kind in BODIES and not topic.endswith('_static')
+        for name in log.list_bodies(topic)
+    }
+    if not tables:
+        return {}
+    extents = {}
+    for name, table in _read_tables(path, [*tables]).items():
+        place = [f'{FURTHER[tables[name]]["position"].place}.{axis}' for axis in 'xyz']
+        rows = np.stack([table.columns[one] for one in place], axis=1)
+        low, high = np.nanpercentile(rows, [2.0, 98.0], axis=0)
+        extents[name] = float(np.max(high - low))
+    names = sorted(extents, key=lambda name: -extents[name])
+    options = [(name, f'moves over {extents[name]:.3g}') for name in names]
+    key = f'{ROLES["truth"]}.table'
+    others = [name for name in names[1:] if extents[name] > STILL * extents[names[0]]]
+    if others and key not in choices.answers:
+        chosen = choices.decide(key, options, 'The bag has the poses of several bodies.')
+    else:
+        chosen = choices.override(key, names[0])
+        listed = ', '.join(f'{name} ({words})' for name, words in options)
+        choices.add_reason('body', [chosen], chosen, f'of {listed}')
+    if chosen not in tables:
+        raise unknown_name_error(f'answer to {key}', chosen, names)
+    return {chosen: tables[chosen]}
 
 
 def _replace_foreign_stamps(
@@ -132,14 +173,15 @@ def count_changing_commands(path: Path) -> int:
     wrenches = [name for name, kind in types.items() if BY_TYPE.get(kind) == 'wrench_command']
     tables = _read_tables(path, [*wrenches, *_list_command_topics(types)])
     return sum(_changes(column) for table in tables.values() for name, column in
-               table.columns.items() if not name.startswith(NO_NUMBERS))  # fmt: skip
+               table.columns.items() if not name.startswith(NO_NUMBERS)
+               and not _is_time(name, column))  # fmt: skip
 
 
 def _choose_topics(types: Mapping[str, str], choices: DraftChoices) -> dict[str, str]:
     """Return the topics whose types say what they are, by our topic."""
     candidates: dict[str, list[tuple[str, str]]] = {}
     for name, kind in types.items():
-        if kind in POSES:
+        if kind in POSES or CHILD in name:
             words = parse_column_name(name).words
             # /optitrack/odom is no estimate
             role = match_role(words - {'odom'}) or match_role(words)
@@ -162,7 +204,7 @@ def _list_command_topics(types: Mapping[str, str]) -> list[str]:
     return [
         name
         for name, kind in types.items()
-        if kind not in POSES and kind not in BY_TYPE
+        if kind not in POSES and kind not in BY_TYPE and kind not in BODIES
         and parse_column_name(name).words & (ACTUATORS | COMMANDS | JOYSTICKS)
     ]  # fmt: skip
 
@@ -185,8 +227,10 @@ def _group_pose(kind: str, table: LogTable) -> dict[str, ColumnGroup]:
     for name, part in (FURTHER.get(kind) or SHAPES[kind]).items():
         letters = 'xyzw' if part.kind == 'attitude' else 'xyz'
         columns = tuple(f'{part.place}.{axis}' for axis in letters)
-        filled = any(np.any(table.columns[one]) for one in columns if one in table.columns)
-        if filled or name in KINDS:
+        values = [table.columns[one] for one in columns if one in table.columns]
+        filled = any(np.any(one) for one in values)
+        # A tracker that knows no attitude sends NaN
+        if any(np.isfinite(one).any() for one in values) and (filled or name in KINDS):
             group = 'quaternion' if part.kind == 'attitude' else name
             groups[KINDS.get(name, name)] = ColumnGroup(
                 group, '', columns, tuple(letters), '', 'the message type'
@@ -248,6 +292,12 @@ def _place_in_our_axes(
                       ours)  # fmt: skip
 
 
+def _is_time(name: str, values: Numbers) -> bool:
+    """Return whether a number of a message is its clock."""
+    rises = len(values) > 1 and bool(np.mean(np.diff(values) > 0.0) > RISES)
+    return bool(parse_column_name(name).words & TIMES) and rises
+
+
 def _changes(values: Numbers) -> bool:
     return bool(np.nanmin(values) < np.nanmax(values))
 
@@ -260,8 +310,10 @@ def _draft_commands(
         topic: {
             name: one
             for name, one in table.columns.items()
+            if not _is_time(name, one)
+            and not name.startswith(NO_NUMBERS)
             # A stick has axes that nobody moves; an array has none that nothing needs
-            if not name.startswith(NO_NUMBERS) and (ARRAY in name or np.nan_to_num(one).any())
+            and (ARRAY in name or np.nan_to_num(one).any())
         }
         for topic, table in tables.items()
     }

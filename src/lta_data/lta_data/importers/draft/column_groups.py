@@ -9,22 +9,36 @@ from lta_data.importers.draft.name_hints import (
     ANGLES,
     ColumnName,
     COMMANDS,
+    FORCE_UNITS,
+    HEIGHTS,
     KINDS,
+    LATITUDES,
+    LONGITUDES,
     match_kind,
     match_role,
     parse_column_name,
     UNIT_WORDS,
 )
+from lta_data.importers.geodetic import LocalMap
 from lta_data.importers.log_table import Numbers
 import numpy as np
 
 TRIPLES: Final = (('x', 'y', 'z'), ('n', 'e', 'd'), ('0', '1', '2'), ('1', '2', '3'))
 SIXES: Final = (tuple('012345'), tuple('123456'))  # force and torque in one vector, as tau
 TORQUE_LETTERS: Final = frozenset(['t', 'm'])
-KIND_OF_UNIT: Final = {'N': 'force', 'mN': 'force', 'N m': 'torque', 'mN m': 'torque'}
+KIND_OF_UNIT: Final = {
+    'N': 'force', 'mN': 'force', 'N m': 'torque', 'mN m': 'torque', 'm/s': 'velocity',
+    'rad/s': 'rates', 'deg/s': 'rates', 'm/s2': 'acceleration', 'rad': 'euler', 'deg': 'euler',
+    'm': 'position', 'mm': 'position', 'cm': 'position',
+}  # fmt: skip
 ANGLE_AXES: Final = {'roll': 'x', 'pitch': 'y', 'yaw': 'z'}
 FOURS: Final = (('0', '1', '2', '3'), ('1', '2', '3', '4'))
+GEODETIC: Final = ('lat', 'lon', 'alt')
+FULL_TURN: Final = 360.0  # degrees; larger numbers are in 1e-7 degrees, and altitudes in mm
+# Factors of a fix to degrees and metres, by the unit of its altitude
+FIX_SCALES: Final = {'m': (1.0, 1.0, 1.0), 'mm': (1e-7, 1e-7, 1e-3)}
 STEADY: Final = 0.3  # of the length of a specific force; a command varies by more
+COMMON: Final = 0.9  # of the quaternions of a log that have one length
 UNIT_NORM: Final = 0.02  # largest median deviation of the length of a quaternion
 Columns = Mapping[str, Numbers]
 
@@ -43,9 +57,17 @@ class ColumnGroup(NamedTuple):
     unit: str  # as in the names, '' if they do not say
     reason: str  # why it has this kind
 
+    @property
+    def is_geodetic(self) -> bool:
+        """Whether a position is in latitude, longitude and altitude."""
+        return self.axes == GEODETIC
+
     def stack(self, table: Columns) -> Numbers:
-        """Return the numbers, shape (n, columns)."""
-        return np.stack([table[name] for name in self.columns], axis=1).astype(np.float64)
+        """Return the numbers, shape (n, columns); a latitude becomes a place in metres."""
+        rows = np.stack([table[name] for name in self.columns], axis=1).astype(np.float64)
+        if self.is_geodetic:
+            return LocalMap().project(rows * np.array(FIX_SCALES[self.unit]))
+        return rows
 
 
 def group_columns(
@@ -60,11 +82,14 @@ def group_columns(
     commands = [*find_named_axes(named, has_linear=has_linear).values()]
     names = [name for name in named if name not in commands]
     stems: dict[tuple[tuple[str, ...], str], dict[str, ColumnName]] = {}
+    letters = [*_group_letters(names)]
+    lettered = {column for group in letters for column in group.columns}
     for name in names:
-        if name.axis:
+        # The w of u, v, w is no part of a quaternion with x, y, z
+        if name.axis and name.column not in lettered:
             stems.setdefault((name.stem, name.unit), {}).setdefault(name.axis, name)
     _complete_angles(stems, table)
-    groups = [*_group_letters(names), *_group_wrench(names)]
+    groups = [*letters, *_group_wrench(names)]
     grouped = {column for group in groups for column in group.columns}
     for (stem, unit), axes in stems.items():
         for part in _split_angles(axes):
@@ -78,9 +103,13 @@ def group_columns(
     # Without a tracker, a quaternion is zero throughout
     groups = [one for one in groups if one.kind != 'quaternion' or one.stack(table).any()]
     groups = [group for group in groups if not _is_marker(group, groups)]
+    if (place := _group_height(rest, groups, table)) is not None:
+        groups = [*groups, place]
+        rest = [name for name in rest if name.column not in place.columns]
     heading = _group_heading(rest, groups)
     if heading is not None:
-        return [*groups, heading], [name for name in rest if name.column not in heading.columns]
+        groups = [*groups, heading]
+        rest = [name for name in rest if name.column not in heading.columns]
     return groups, rest
 
 
@@ -135,6 +164,31 @@ def _group_heading(names: list[ColumnName], groups: list[ColumnGroup]) -> Column
     return ColumnGroup('euler', match_role(one.words), (one.column,), ('yaw',), one.unit, why)
 
 
+def _group_height(
+    names: list[ColumnName], groups: list[ColumnGroup], table: Columns
+) -> ColumnGroup | None:
+    """Return the place of x and y, east and north or a geodetic fix, beside an altitude."""
+    heights = [name for name in names if name.words & HEIGHTS and not match_role(name.words)]
+    if len(heights) != 1 or any(group.kind == 'position' for group in groups):
+        return None
+    fix = [
+        [name.column for name in names if name.words & words] for words in (LATITUDES, LONGITUDES)
+    ]
+    if all(len(columns) == 1 for columns in fix):
+        columns = (fix[0][0], fix[1][0], heights[0].column)
+        unit = 'm' if np.nanmax(np.abs(table[columns[0]])) < FULL_TURN else 'mm'
+        return ColumnGroup('position', '', columns, GEODETIC, unit, 'latitude and longitude')
+    for pair in (('x', 'y'), ('e', 'n')):
+        for first in (name for name in names if name.axis == pair[0]):
+            second = [name for name in names if (name.stem, name.axis) == (first.stem, pair[1])]
+            if second and match_kind(first.words) in ('position', ''):
+                columns = (first.column, second[0].column, heights[0].column)
+                why = 'two horizontal columns beside an altitude'
+                role = match_role(first.words)
+                return ColumnGroup('position', role, columns, (*pair, 'z'), first.unit, why)
+    return None
+
+
 def _describe(name: ColumnName) -> tuple[str, str, str]:
     """Return kind and role by the words of a name, and the kind by its unit."""
     unit = UNIT_WORDS.get(name.unit, ('',))[0]
@@ -162,7 +216,10 @@ def _group_stem(
     if {*'wxyz'} <= {*axes}:
         # In the order of the log
         order = tuple(axis for axis in axes if axis in 'wxyz')
-        return _build('quaternion', role, axes, order, unit, f'axes w, x, y, z of {label}')
+        group = _build('quaternion', role, axes, order, unit, f'axes w, x, y, z of {label}')
+        rows = group.stack(table)
+        if kind == 'quaternion' or _has_unit_length(rows / measure_length(rows)):
+            return group
     for four in FOURS:
         if {*four} <= {*axes} and len(axes) == 4 and kind in ('quaternion', 'euler', ''):
             group = _build('quaternion', role, axes, four, unit, f'four columns of {label}')
@@ -172,13 +229,16 @@ def _group_stem(
     derived = any(word[:1] == 'd' and match_kind([word[1:]]) == 'euler' for word in stem)
     if {'roll', 'pitch', 'yaw'} <= {*axes} and not (derived and not kind):
         angles = ('roll', 'pitch', 'yaw')
-        rates = kind == 'rates' or UNIT_WORDS.get(unit, ('',))[0] in ('rad/s', 'deg/s')
+        turned = KIND_OF_UNIT.get(UNIT_WORDS.get(unit, ('',))[0])
+        rates = turned == 'rates' or (turned is None and kind in ('rates', 'velocity'))
         angle_kind = 'rates' if rates else 'euler'
         return _build(angle_kind, role, axes, angles, unit, f'roll, pitch, yaw of {label}')
     for triple in TRIPLES:
         # A heading may stand beside a place
         if {*triple} <= {*axes} and not {*axes} - {*triple} - {*ANGLES.values()}:
-            angle_kind = kind or ('position' if not stem or role else '')
+            nameless = not ''.join(stem).strip('0123456789')
+            stated = KIND_OF_UNIT.get(UNIT_WORDS.get(unit, ('',))[0], '')
+            angle_kind = kind or stated or ('position' if nameless or role else '')
             if triple[0] in '01' and words <= COMMANDS:
                 return None  # cmd_1, cmd_2, cmd_3
             # a1, a2, a3
@@ -186,11 +246,12 @@ def _group_stem(
             if acting and not _feels_gravity(_stack(axes, triple, table)):
                 return None
             if angle_kind == 'quaternion':
-                angle_kind = 'euler' if triple[0] in '01' else ''
+                angle_kind = 'euler'
             # Vicon: RX, RY, RZ, TX, TY, TZ
             if stem == ('r',) and triple[0] == 'x' and _are_angles(axes, table):
                 angle_kind = 'euler'
-            if angle_kind:
+            if angle_kind or triple[0] == 'x':
+                # Without a kind by name, the motion may tell it
                 why = f'the name {label}' if stem else 'columns x, y, z'
                 return _build(angle_kind, role, axes, triple, unit, why)
     return None
@@ -236,7 +297,8 @@ def _group_wrench(names: Sequence[ColumnName]) -> Iterator[ColumnGroup]:
             rest = name.words - KINDS['force'] - KINDS['torque'] - TORQUE_LETTERS
             axis = ANGLE_AXES.get(name.axis, name.axis)
             unit = UNIT_WORDS.get(name.unit, ('',))[0]
-            kind = KIND_OF_UNIT.get(unit) or match_kind(name.words - rest)
+            by_unit = KIND_OF_UNIT.get(unit) if unit in FORCE_UNITS else ''
+            kind = by_unit or match_kind(name.words - rest)
             if name.words & thrusts:
                 kind = 'force'
             # tx beside fx is a torque; alone it is a place
@@ -306,6 +368,16 @@ def _build(
     reason: str,
 ) -> ColumnGroup:
     return ColumnGroup(kind, role, tuple(axes[axis].column for axis in order), order, unit, reason)
+
+
+def measure_length(rows: Numbers) -> float:
+    """Return the length of logged quaternions; 1 where they have it, or none in common."""
+    lengths = np.linalg.norm(rows, axis=1)
+    lengths = lengths[np.isfinite(lengths) & (lengths > 0.0)]
+    usual = float(np.median(lengths)) if len(lengths) else 1.0
+    alike = np.abs(lengths / usual - 1.0) < UNIT_NORM
+    is_other = abs(usual - 1.0) > UNIT_NORM and len(lengths) and alike.mean() > COMMON
+    return float(f'{usual:.6g}') if is_other else 1.0
 
 
 def _has_unit_length(rows: Numbers) -> bool:

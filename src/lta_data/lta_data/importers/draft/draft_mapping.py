@@ -9,6 +9,7 @@ from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_data.bag.channels import SignalChannel
 from lta_data.importers.draft.bag_topics import BagDraft, draft_bag_topics
+from lta_data.importers.draft.bodies import select_body_rows
 from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.clock_alignment import align_clocks, AlignedClock
 from lta_data.importers.draft.command_motion import find_driven_axes, list_answers
@@ -48,19 +49,26 @@ def draft_mapping(
     cannot be read, nothing in it is recognised, or an answer is unknown.
     """
     source = read_source(path)
-    choices = DraftChoices(answers, vehicle=vehicle)
+    choices = DraftChoices(answers, settled=dict(source.stated), vehicle=vehicle)
     if not source.tables:
         return _draft_shipped_format(source, choices)
+    whole = source
+    source, wheres = _select_bodies(whole, choices)
     drafts, clocks = _draft_tables(source, choices)
     if driven := find_driven_axes(source.tables, drafts, clocks):
         # Once more, as what commands drive decides how columns are grouped
         follows = {column: one.text for column, one in driven.items()}
         choices = DraftChoices(
-            answers, vehicle=vehicle, by_motion=list_answers(driven), follows=follows
-        )
+            answers, settled=dict(source.stated), vehicle=vehicle,
+            by_motion=list_answers(driven), follows=follows,
+        )  # fmt: skip
+        source, wheres = _select_bodies(whole, choices)
         drafts, clocks = _draft_tables(source, choices)
     for name, clock in clocks.items():
         drafts[name].time.entry.update(clock.list_keys())
+    for name, where in wheres.items():
+        for entry in drafts[name].entries:
+            entry['where'] = where
     check_wrenches(source.tables, drafts, clocks, choices)
     content = _build_content(source, drafts, path)
     choices.refuse_unused()
@@ -72,6 +80,18 @@ def draft_mapping(
     silent = [one for one, cells in left_out.items() if _is_silent(cells)]
     text = _format_mapping(content, path)
     return MappingDraft(text, source, choices, _list_channels(source, drafts), [*left_out], silent)
+
+
+def _select_bodies(
+    source: SourceTables, choices: DraftChoices
+) -> tuple[SourceTables, dict[str, dict[str, Any]]]:
+    """Return a source with the rows of the vehicle alone, and what selects them by table."""
+    tables, wheres = {}, {}
+    for name, table in source.tables.items():
+        tables[name], where = select_body_rows(table, choices)
+        if where:
+            wheres[name] = where
+    return source._replace(tables=tables), wheres
 
 
 def _draft_tables(
@@ -185,7 +205,8 @@ def _format_mapping(content: dict[str, Any], path: Path) -> str:
 
 def _format_value(value: Any) -> str:  # noqa: ANN401 - plain data
     """Return a value in one line of YAML."""
-    text = yaml.safe_dump(value, default_flow_style=True, width=10_000, sort_keys=False)
+    text = yaml.safe_dump(value, default_flow_style=True, width=10_000, sort_keys=False,
+                          allow_unicode=True)  # fmt: skip
     return text.removesuffix('...\n').strip()
 
 

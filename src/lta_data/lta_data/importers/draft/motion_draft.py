@@ -11,9 +11,14 @@ from lta_data.importers.draft.attitude_readings import (
     CLEAR,
     differentiate,
     fit_scale,
+    FLIP,
+    is_compass,
+    is_crazyflie,
+    is_flipped,
     LATEST,
     list_readings,
     LONGEST,
+    measure_forwardness,
     MotionEvidence,
     SAME,
     score_reading,
@@ -21,7 +26,7 @@ from lta_data.importers.draft.attitude_readings import (
     UNCLEAR,
 )
 from lta_data.importers.draft.choices import DraftChoices
-from lta_data.importers.draft.column_groups import ColumnGroup
+from lta_data.importers.draft.column_groups import ColumnGroup, FIX_SCALES
 from lta_data.importers.draft.name_hints import UNIT_WORDS
 from lta_data.importers.log_table import Numbers
 import numpy as np
@@ -31,7 +36,11 @@ LENGTHS: Final = {'m': 1.0, 'cm': 0.01, 'mm': 0.001}
 DEGREE: Final = np.pi / 180.0
 UNLIKE: Final = 1.3  # times as much unexplained decides between two frames
 ALIKE: Final = 0.02  # scores of readings that agree equally well
+FORWARD: Final = 0.85  # of the way is along one direction of the body of an airship
+AHEAD: Final = 0.3  # weight of a motion along x, which tells a compass heading from a yaw
+CLEARLY: Final = 0.15  # by which another reading must keep to its direction less
 APART: Final = 15.0  # between body and world axes; below it, the better of two is taken [deg]
+EXTENTS: Final = (0.3, 30.0)  # usual extents of a flight in a laboratory [m]
 SPEEDS: Final = (0.02, 20.0)  # usual speeds of a vehicle in flight [m/s]
 
 
@@ -50,11 +59,13 @@ def draft_motion(
     groups: Mapping[str, ColumnGroup],
     numbers: Mapping[str, Numbers],
     choices: DraftChoices,
+    turn: Rotation | None = None,
 ) -> MotionDraft:
     """
     Return the parts of an odometry topic in the units and frames that fit.
 
-    `groups` and `numbers` are by kind: position, velocity, rates, attitude, acceleration.
+    `groups` and `numbers` are by kind: position, velocity, rates, attitude, acceleration. Numbers
+    `sensed` are the rates of an inertial sensor. `turn`: the attitude, where another topic has it.
     """
     seconds, rows = seconds[:LONGEST], {k: v[:LONGEST] for k, v in numbers.items()}
     parts: dict[str, Any] = {}
@@ -62,12 +73,18 @@ def draft_motion(
     # Without gravity in it, an acceleration says nothing about the attitude
     felt = rows.get('acceleration') if scales['acceleration'] else None
     place = _blank_lost_rows(rows)
-    raw = MotionEvidence(seconds, place, rows.get('velocity'), rows.get('rates'), felt)
+    raw = MotionEvidence(
+        seconds, place, rows.get('velocity'), rows.get('rates'), felt, rows.get('sensed')
+    )
     reading = None
     if 'attitude' in groups:
         reading = _choose_reading(topic, groups['attitude'], rows['attitude'], raw, choices)
         parts['orientation'] = reading.entry
-    turn = None if reading is None else reading.turn
+    turn = turn if reading is None else reading.turn
+    if raw.sensed is not None and turn is not None and raw.acceleration is not None:
+        # The accelerometer in the axes of the attitude
+        turned = FLIP if is_flipped(raw.sensed, turn, seconds) else np.ones(3)
+        raw = raw._replace(acceleration=raw.acceleration * turned)
     scales['rates'] = _draft_rates(topic, groups, raw, turn, parts, choices)
     scales['position'] = _draft_position(topic, groups, raw, scales, turn, parts, choices)
     scales['velocity'] = _draft_velocity(topic, groups, raw, scales, turn, parts, choices)
@@ -101,7 +118,7 @@ def _choose_reading(
     choices: DraftChoices,
 ) -> AttitudeReading:
     """Return the reading that agrees best with the rest, or the answer of the user."""
-    readings = list(list_readings(group, numbers))
+    readings = list(list_readings(group, numbers, choices.settled.get('sequence', '')))
     key = f'{topic}.orientation'
     answer = choices.override(key, '')
     labels = {reading.label: reading for reading in readings}
@@ -134,8 +151,24 @@ def _choose_reading(
         level = [i for i, up in enumerate(upright) if up > 0.7] or [0]
         first = readings[level[0]]
         why = 'the convention; no rates, velocity or acceleration to check it with'
-        if level[0]:
+        if 'sequence' in choices.settled:
+            why = 'the sequence that the file states'
+        elif is_crazyflie(group):
+            why = "the convention of Crazyflie's firmware, whose pitch is positive nose up"
+        elif level[0]:
             why = 'the first order that keeps the vehicle upright'
+        ways = [measure_forwardness(reading.turn, evidence) for reading in readings]
+        forward = [steady + AHEAD * ahead for steady, ahead in ways]
+        best = int(np.argmax(forward))
+        if ways[best][0] > FORWARD and forward[best] - forward[level[0]] > CLEARLY:
+            first = readings[best]
+            why = f'the vehicle moves where it points ({100 * ways[best][0]:.0f} % of the way)'
+        elif ways[best][0] < FORWARD and is_compass(group, numbers):
+            senses = [one for one in (readings[best], *readings) if 'offsets' in one.entry]
+            options = [(one.label, '') for one in (first, *senses[:1])]
+            question = 'A heading can be a yaw, or clockwise from north.'
+            first = labels[choices.decide(key, options, question)]
+            why = choices.explain(key)
     choices.add_reason(f'{topic}: orientation', group.columns, first.label, why)
     return first
 
@@ -243,6 +276,13 @@ def _draft_position(
     group = groups.get('position')
     if group is None or raw.position is None:
         return 0.0
+    if group.is_geodetic:
+        parts['position'] = _build_vector(group, 'm') | {'geodetic': True}
+        if group.unit == 'mm':
+            parts['position']['scale'] = [*FIX_SCALES[group.unit]]
+        choices.add_reason(f'{topic}: position', group.columns, 'east, north, up',
+                           'from the first fix, in m')  # fmt: skip
+        return 1.0
     key = f'{topic}.position.unit'
     named = _named_unit(group)
     unit, why = (named[0], 'the unit in the names') if named else ('', '')
@@ -267,11 +307,9 @@ def _draft_position(
             if not named_unit and fast * LENGTHS[unit] > SPEEDS[1]:
                 unit = ''
     if not unit:
-        fitting = [u for u, scale in LENGTHS.items() if SPEEDS[0] <= fast * scale <= SPEEDS[1]]
         extent = float(np.max(np.nanpercentile(raw.position, 98, axis=0)
                               - np.nanpercentile(raw.position, 2, axis=0)))  # fmt: skip
-        # A laboratory is smaller than 30 m, and a flight in it larger than 0.3 m
-        fitting = [u for u in fitting if 0.3 <= extent * LENGTHS[u] <= 30.0] or fitting or ['m']
+        fitting = _list_length_units(fast, extent)
         unit, why = fitting[0], f'moves over {extent:.3g} at {fast:.3g} per second'
         if len(fitting) > 1 and choices.settled.get('position.unit') in fitting:
             unit = choices.settled['position.unit']
@@ -285,6 +323,15 @@ def _draft_position(
     parts['position'] = _build_vector(group, unit)
     choices.add_reason(f'{topic}: position', group.columns, unit, why)
     return LENGTHS.get(unit, 1.0)
+
+
+def _list_length_units(fast: float, extent: float) -> list[str]:
+    """Return the units in which a usual speed and an extent are those of a flight; 'm' if none."""
+    moving = [u for u, scale in LENGTHS.items() if SPEEDS[0] <= fast * scale <= SPEEDS[1]]
+    inside = [u for u in moving if EXTENTS[0] <= extent * LENGTHS[u] <= EXTENTS[1]]
+    # A smaller unit, in which the flight would only be short, cannot be excluded
+    short = [u for u in moving if 0.5 * EXTENTS[0] < extent * LENGTHS[u] < EXTENTS[0]]
+    return [*inside, *short] or moving or ['m']
 
 
 def _draft_velocity(

@@ -57,16 +57,24 @@ AXES: Final = frozenset(['x', 'y', 'z', 'w', 'n', 'e', 'd', 'i', 'j', 'k'])
 ANGLES: Final = {
     'roll': 'roll', 'pitch': 'pitch', 'yaw': 'yaw', 'heading': 'yaw',
     'phi': 'roll', 'theta': 'pitch', 'psi': 'yaw', 'th': 'pitch',
+    'hdg': 'yaw', 'compass': 'yaw', 'azimuth': 'yaw',
 }  # fmt: skip
 COMPASS: Final = {'north': 'n', 'east': 'e', 'down': 'd'}
+HEADINGS: Final = frozenset(['heading', 'hdg', 'compass', 'azimuth'])  # clockwise from north
+LATITUDES: Final = frozenset(['lat', 'latitude'])
+LONGITUDES: Final = frozenset(['lon', 'lng', 'long', 'longitude'])
+HEIGHTS: Final = frozenset(['alt', 'altitude', 'height', 'elevation'])
 # An element of an array, whose name says nothing
 NUMBERED: Final = re.compile(r'(data|axes|buttons|channels|values)\[\d+\]')
 JOINED: Final = re.compile(
-    r'(pos|vel|acc|accel|gyr|gyro|omega|euler|quat|force|torque|tau|moment|[pvqwtagfrobe]'
+    r'(pos|vel|acc|accel|gyr|gyro|omega|euler|quat|force|torque|tau|moment|angvel|rate|speed'
+    r'|[pvqwtagfrobe]'
     r'|m(?=[xyz])|u(?=[xyz\d])|(?:cmd|ctrl|control|input|chan|channel|ch)(?=\d))([xyzwned]|\d)'
 )
 # An angle behind the letter of a command: upsi
 TURNED: Final = re.compile(r'(tau|cmd|[uftm])(roll|pitch|yaw|phi|theta|psi)')
+# A rate behind its angle: rollrate, yawspeed
+SPUN: Final = re.compile(r'(roll|pitch|yaw|phi|theta|psi)(rate|speed|vel|dot)')
 # The frame of a quantity, which is not what it is: XToGlobal1
 FRAME: Final = re.compile(r'to|wrt|global\d?')
 WORDS: Final = re.compile(r'[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+\d?|[A-Z]+\d?|\d+')
@@ -84,13 +92,21 @@ KINDS: Final[dict[str, frozenset[str]]] = {
         'position': 'p pos position positions xyz loc location translation t pose place tracker',
     }.items()
 }
+# Words for angles, and for their first and second derivative
+TURNS: Final = frozenset([
+    'ang', 'angle', 'angles', 'angular', 'rot', 'rotational', 'euler', 'rpy', 'attitude', 'att',
+])  # fmt: skip
+FIRST_DERIVATIVES: Final = frozenset(
+    ['vel', 'velocity', 'velocities', 'speed', 'rate', 'rates', 'dot']
+)
+SECOND_DERIVATIVES: Final = frozenset(['acc', 'accel', 'acceleration', 'accelerations', 'ddot'])
 ROLES: Final[dict[str, frozenset[str]]] = {
     name: frozenset(words.split())
     for name, words in {
         'setpoint': 'sp set setpoint ref reference des desired cmd command commanded target goal '
         'ctrltarget',
         'estimate': 'est estimate estimated ekf kf kalman estimator odom vio vo filter hat fused '
-        'onboard',
+        'onboard stabilizer',
         'truth': 'vicon mocap opti optitrack motive gt truth ground true tracker qualisys vrpn '
         'rigid marker markers groundtruth',
     }.items()
@@ -172,9 +188,12 @@ class ColumnName(NamedTuple):
 def parse_column_name(column: str) -> ColumnName:
     """Take the name of a column apart."""
     text, unit = column, ''
-    bracket = re.search(r'\s*[\[(]([^\[\]()]*)[\])]\s*$', column)
-    if bracket and (unit_token := _normalise_unit(bracket[1])) in UNIT_WORDS:
-        text, unit = column[: bracket.start()], unit_token
+    # x [m], x (m), "x, m" or x / m
+    for ending in (r'\s*[\[(]([^\[\]()]*)[\])]\s*$', r'\s*(?:,|\s/)\s*([^\s,/][^,]*)$'):
+        match = re.search(ending, column)
+        if match and match.start() and (token := _normalise_unit(match[1])) in UNIT_WORDS:
+            text, unit = column[: match.start()], token
+            break
     tokens = [token for token in re.split(r'[_\s.]+', text) if token]
     for count in (2, 1):
         end = ' '.join(tokens[-count:]).lower()
@@ -202,9 +221,15 @@ def _find_axis(column: str, words: Sequence[str], unit: str) -> ColumnName:
             return ColumnName(column, (*words[:index], *words[index + 1 :]), COMPASS[word], unit)
         if word in AXES or word.isdigit():
             return ColumnName(column, (*words[:index], *words[index + 1 :]), word, unit)
+        if numbered := re.fullmatch(r'([xyz])(\d)', word):
+            stem = (*words[:index], numbered[2], *words[index + 1 :])
+            return ColumnName(column, stem, numbered[1], unit)
         if joined := JOINED.fullmatch(word) or TURNED.fullmatch(word):
             stem = (*words[:index], joined[1], *words[index + 1 :])
             return ColumnName(column, stem, ANGLES.get(joined[2], joined[2]), unit)
+        if spun := SPUN.fullmatch(word):
+            stem = (*words[:index], 'rate', *words[index + 1 :])
+            return ColumnName(column, stem, ANGLES[spun[1]], unit)
     return ColumnName(column, tuple(words), '', unit)
 
 
@@ -240,6 +265,12 @@ def is_placed_command(column: str) -> bool:
 def match_kind(words: Iterable[str]) -> str:
     """Return the quantity that words name, '' if none."""
     there = frozenset(words)
+    # An angle with a word for its derivative: ang_vel, roll_acc
+    if there & TURNS:
+        if there & SECOND_DERIVATIVES:
+            return ''
+        if there & FIRST_DERIVATIVES:
+            return 'rates'
     # The quantity is named by a full word before it is by a letter
     for long in (True, False):
         for kind, kind_words in KINDS.items():

@@ -1,7 +1,8 @@
 """Read any source for a draft: its format, its tables, and whether a folder holds runs."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 from typing import final, NamedTuple
 
 from lta_config.errors import BadInput
@@ -18,7 +19,7 @@ from lta_data.importers.readers.sensor_folder import (
     read_table_file,
     read_text_file,
 )
-from lta_data.importers.readers.text_dialect import detect_text_format
+from lta_data.importers.readers.text_dialect import detect_text_format, read_statements
 from lta_report.formatting import format_count
 
 COLUMNS = ('csv', 'mat', 'numpy', 'parquet', 'folder')  # formats without meanings of their own
@@ -34,6 +35,7 @@ class SourceTables(NamedTuple):
     tables: dict[str, dict[str, Column]]  # empty for a format whose names have fixed meanings
     text: TextFormat | None  # how the lines of a text are written
     notes: list[str]  # remarks, one sentence each
+    stated: Mapping[str, str] = MappingProxyType({})  # by the file: the sequence of its angles
 
 
 def read_source(source: Path) -> SourceTables:
@@ -60,7 +62,8 @@ def read_source(source: Path) -> SourceTables:
         return SourceTables(path, format_, {}, None, [])
     if format_ == 'csv':
         tables, notes = read_text_file(path)
-        return SourceTables(path, format_, tables, detect_text_format(path), notes)
+        text = detect_text_format(path)
+        return SourceTables(path, format_, tables, text, notes, read_statements(path))
     tables, notes = read_folder(path) if format_ == 'folder' else read_table_file(path)
     return SourceTables(path, format_, tables, None, [*empty, *notes])
 

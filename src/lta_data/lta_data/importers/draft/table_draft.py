@@ -1,19 +1,25 @@
 """Draft the topics of one table: which group is state, estimate, command or sensor."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Final, final, NamedTuple
 
 from lta_data.importers.draft.attitude_readings import (
-    body_rates_of,
-    fit_scale,
-    measure_length,
+    FLIP,
+    is_flipped,
     MotionEvidence,
 )
 from lta_data.importers.draft.axis_commands import explain_lacking, LINEAR
+from lta_data.importers.draft.bodies import choose_body, HELD
 from lta_data.importers.draft.choices import DraftChoices
-from lta_data.importers.draft.column_groups import ColumnGroup, Columns, group_columns
+from lta_data.importers.draft.column_groups import (
+    ColumnGroup,
+    Columns,
+    group_columns,
+    measure_length,
+)
 from lta_data.importers.draft.generic_commands import ask_for_meanings, list_generic_commands
 from lta_data.importers.draft.motion_draft import draft_motion, MotionDraft
+from lta_data.importers.draft.motion_kinds import settle_kinds
 from lta_data.importers.draft.name_hints import parse_column_name, UNIT_WORDS
 from lta_data.importers.draft.scalar_draft import draft_scalars
 from lta_data.importers.draft.time_base import find_time_base, TimeBase
@@ -26,8 +32,7 @@ WRENCH_UNITS: Final = {'force': 'N', 'torque': 'N m'}
 INERTIAL: Final = frozenset(
     ['imu', 'gyro', 'gyr', 'gyros', 'gyroscope', 'acc', 'accel', 'accelerometer']
 )
-HELD: Final = 0.5  # share of repeated values from which a place is a setpoint
-FLIP: Final = np.array([1.0, -1.0, -1.0])
+MOTIONS: Final = frozenset(['position', 'attitude', 'velocity'])
 Groups = dict[str, ColumnGroup]
 
 
@@ -66,6 +71,12 @@ def draft_table(name: str, table: Columns, choices: DraftChoices) -> TableDraft:
         whole = parse_column_name(name.replace('/', '_') + '_columns')
         singles = [single._replace(stem=(*whole.stem, *single.stem)) for single in singles
                    if single.stem] if len(table) > 2 else singles  # fmt: skip
+    candidates = groups
+    groups = choose_body(settle_kinds(groups, numbers, time.seconds), numbers, choices)
+    lost = {c for one in candidates for c in one.columns if not one.kind} - {
+        c for one in groups for c in one.columns
+    }
+    singles += [parse_column_name(column) for column in lost]
     topics = _sort_groups(name, groups, table, choices)
     entries: list[dict[str, Any]] = []
     axes = None
@@ -76,7 +87,8 @@ def draft_table(name: str, table: Columns, choices: DraftChoices) -> TableDraft:
             entries.append(_draft_wrench(topic, members, choices))
             continue
         borrowed = dict(inertial) if topic != TOPICS['setpoint'] and primary is None else {}
-        borrowed.pop('rates', None)
+        if (rates := borrowed.pop('rates', None)) is not None:
+            borrowed['sensed'] = rates
         drafted = _draft_topic(topic, members | borrowed, time, table, choices)
         if topic != TOPICS['setpoint'] and primary is None:
             primary = drafted
@@ -90,12 +102,11 @@ def draft_table(name: str, table: Columns, choices: DraftChoices) -> TableDraft:
         axes = axes or _inertial_axes(inertial, time, table, choices)
     entries = [entry | ({'table': name} if name else {}) for entry in entries]
     taken = [column for group in groups for column in group.columns]
-    rest = [
-        single for single in singles if single.column not in (time.entry.get('column'), *taken)
-    ]
+    times = [time.entry.get(key) for key in ('column', 'fraction')]
+    rest = [single for single in singles if single.column not in (*times, *taken)]
     entries += draft_scalars(name, table, rest, choices)
     used = {column for entry in entries for column in list_columns(entry)}
-    unused = [c for c in table if c not in used and c != time.entry.get('column')]
+    unused = [c for c in table if c not in used and c not in times]
     return TableDraft(entries, time, axes, groups, unused, generic, primary)
 
 
@@ -105,16 +116,16 @@ def _sort_groups(
     """Return the groups by topic and kind."""
     topics: dict[str, Groups] = {}
     words = parse_column_name(name).words if name else frozenset[str]()
-    roles = {group.role for group in groups if group.role}
+    nameless_role = _role_of_nameless(groups)
     for group in groups:
-        kind = 'attitude' if group.kind in ('quaternion', 'euler') else group.kind
+        kind = _part_of(group)
         own = frozenset[str]().union(*(parse_column_name(c).words for c in group.columns))
         if kind in ('force', 'torque'):
             topic = 'wrench_command'
         elif kind == 'acceleration' or (kind == 'rates' and (own | words) & INERTIAL):
             topic = 'imu'
         else:
-            role = group.role or _role_by_motion(group, topics, table, roles)
+            role = group.role or _role_by_motion(group, topics, table, nameless_role)
             topic = choices.override(f'{group.columns[0]}.topic', TOPICS[role])
             if role == 'setpoint' and kind in ('velocity', 'rates'):
                 topic = 'setpoint/velocity'
@@ -134,6 +145,25 @@ def _sort_groups(
     return topics
 
 
+def _part_of(group: ColumnGroup) -> str:
+    """Return the part of a message that a group is."""
+    return 'attitude' if group.kind in ('quaternion', 'euler') else group.kind
+
+
+def _role_of_nameless(groups: Sequence[ColumnGroup]) -> str:
+    """
+    Return whether groups without a role in their names are those of the tracker or of an estimate.
+
+    They belong to the one source whose names say what it is, and which lacks just these parts.
+    """
+    parts = {
+        role: {_part_of(one) for one in groups if one.role == role and one.kind}
+        for role in ('', 'truth', 'estimate')
+    }
+    fits = bool(parts['estimate'] & MOTIONS) and not parts['estimate'] & parts[''] & MOTIONS
+    return 'estimate' if fits and not parts['truth'] else 'truth'
+
+
 def _describe_length(group: ColumnGroup, table: Columns) -> str:
     """Return what a reason adds on a quaternion that has not length one."""
     if group.kind != 'quaternion':
@@ -143,19 +173,13 @@ def _describe_length(group: ColumnGroup, table: Columns) -> str:
 
 
 def _role_by_motion(
-    group: ColumnGroup, topics: Mapping[str, Groups], table: Columns, named: set[str]
+    group: ColumnGroup, topics: Mapping[str, Groups], table: Columns, usual: str
 ) -> str:
     """Return the role of a group whose names do not say it."""
-    kind = 'attitude' if group.kind in ('quaternion', 'euler') else group.kind
-    numbers = group.stack(table)
-    repeated = float(np.mean((np.diff(numbers, axis=0) == 0.0).all(axis=1)))
-    if kind in topics.get(TOPICS['truth'], {}):
-        return 'setpoint' if repeated > HELD else 'estimate'
-    return 'truth' if 'truth' not in named or kind not in _kinds(topics, 'truth') else 'estimate'
-
-
-def _kinds(topics: Mapping[str, Groups], role: str) -> set[str]:
-    return {*topics.get(TOPICS[role], {})}
+    if _part_of(group) not in topics.get(TOPICS[usual], {}):
+        return usual
+    repeated = float(np.mean((np.diff(group.stack(table), axis=0) == 0.0).all(axis=1)))
+    return 'setpoint' if repeated > HELD else 'estimate'
 
 
 def _axis_names(members: Groups) -> str:
@@ -187,32 +211,13 @@ def _draft_inertial(
     if turn is None or 'rates' not in alone:
         drafted = draft_motion('imu', time.seconds, alone, numbers, choices)
         return entry | drafted.parts
-    rows = min(len(time.seconds), len(turn))
-    derived = body_rates_of(turn, time.seconds[:rows])
-    flips = [
-        fit_scale(numbers['rates'][:rows], derived * sign, time.seconds[:rows])
-        for sign in (np.ones(3), FLIP)
-    ]
-    if flips[1].share > flips[0].share + 0.1:
+    if is_flipped(numbers['rates'], turn, time.seconds):
         body = 'FRD' if axes is None or axes.body == 'FLU' else 'FLU'
         entry['body'] = body
         choices.add_reason('imu: axes', alone['rates'].columns, body,
                            'the rates have y and z opposite to the attitude')  # fmt: skip
         numbers = {kind: values * FLIP for kind, values in numbers.items()}
-    drafted = draft_motion('imu', time.seconds, alone, numbers, choices)
-    factor = max(flips, key=lambda fit: fit.share).factor
-    unit = _unit_by_factor(factor, max(fit.share for fit in flips))
-    if unit and 'rates' in drafted.parts:
-        drafted.parts['rates']['unit'] = choices.override('imu.rates.unit', unit)
-        choices.add_reason('imu: rates', alone['rates'].columns, unit,
-                           f'{factor:.3g} times the derivative of the attitude')  # fmt: skip
-    return entry | drafted.parts
-
-
-def _unit_by_factor(factor: float, share: float) -> str:
-    if share < 0.6:
-        return ''
-    return 'deg/s' if abs(np.log(factor / 57.3)) < abs(np.log(factor)) else 'rad/s'
+    return entry | draft_motion('imu', time.seconds, alone, numbers, choices, turn).parts
 
 
 def _inertial_axes(

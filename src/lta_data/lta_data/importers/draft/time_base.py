@@ -8,7 +8,7 @@ from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.column_groups import ColumnGroup, Columns
 from lta_data.importers.draft.name_hints import parse_column_name, TIMES, UNIT_WORDS
 from lta_data.importers.log_table import Numbers
-from lta_data.importers.readers.row_times import DATE, parse_date
+from lta_data.importers.readers.row_times import parse_date, split_date
 import numpy as np
 
 RATES: Final = (0.5, 3000.0)  # of samples that a flight log has [Hz]
@@ -16,6 +16,16 @@ EPOCHS: Final = {'s': 1e9, 'ms': 1e12, 'us': 1e15, 'ns': 1e18}  # times since 19
 FRAMES: Final = frozenset(
     ['frame', 'frames', 'index', 'idx', 'row', 'sample', 'samples', 'unnamed']
 )
+# Words for the parts of a time: whole seconds, and what is left of a second
+SECONDS: Final = frozenset(['s', 'sec', 'secs', 'second', 'seconds'])
+FRACTIONS: Final = {
+    unit: frozenset([unit, *words, *(f'{word}s' for word in words)])
+    for unit, words in {
+        'ns': ('nsec', 'nanosec', 'nanosecond', 'nano'),
+        'us': ('usec', 'microsec', 'microsecond', 'micro'),
+        'ms': ('msec', 'millisec', 'millisecond', 'milli'),
+    }.items()
+}
 # Usual rates [Hz]
 NICE: Final = (
     1, 2, 4, 5, 10, 15, 20, 24, 25, 30, 40, 50, 60, 75, 80, 90, 100, 120, 125, 128, 150, 180,
@@ -37,6 +47,14 @@ def find_time_base(
 ) -> TimeBase:
     """Return the time of a table, with its reason in `choices`."""
     prefix = f'{name}.' if name else ''
+    if f'{prefix}time.column' not in choices.answers and (split := _find_split_time(table)):
+        choices.add_reason(f'{prefix}time', [split['column'], split['fraction']], 's',
+                           f'whole seconds, and {split["fraction_unit"]} that begin again with '
+                           'each')  # fmt: skip
+        whole, rest = (table[split[key]] for key in ('column', 'fraction'))
+        seconds = (whole - whole[0]) + (rest - rest[0]) * UNITS[split['fraction_unit']][1]
+        first = float(whole[0]) + float(rest[0]) * UNITS[split['fraction_unit']][1]
+        return TimeBase(np.asarray(seconds, dtype=np.float64), split, first)
     column = choices.override(f'{prefix}time.column', _find_time_column(table, groups))
     if column in table:
         return _read_time_column(prefix, column, table, groups, choices)
@@ -56,6 +74,27 @@ def find_time_base(
     hertz = _parse_rate(key, rate_text)
     choices.add_reason(f'{prefix}time', [], f'{hertz:g} Hz', why)
     return TimeBase(rows / hertz, {'rate': f'{hertz:g} Hz'})
+
+
+def _find_split_time(table: Columns) -> dict[str, str]:
+    """Return the time of whole seconds in one column and the rest in another; {} without one."""
+    whole, rest = [], []
+    for column, cells in table.items():
+        if cells.dtype.kind not in 'fiu' or not np.isfinite(cells).all():
+            continue
+        name = parse_column_name(column)
+        words = name.words | {name.unit}
+        fraction = next((one for one, its in FRACTIONS.items() if words & its), '')
+        if fraction and cells.min() >= 0 and cells.max() * UNITS[fraction][1] < 1.0:
+            rest.append((column, fraction))
+        elif words & SECONDS and (cells == np.floor(cells)).all() and (np.diff(cells) >= 0).all():
+            whole.append(column)
+    for column in whole:
+        for other, unit in rest:
+            total = (table[column] - table[column][0]) + table[other] * UNITS[unit][1]
+            if _rises(np.asarray(total, dtype=np.float64)):
+                return {'column': column, 'unit': 's', 'fraction': other, 'fraction_unit': unit}
+    return {}
 
 
 def _parse_rate(key: str, text: str) -> float:
@@ -95,7 +134,7 @@ def _find_time_column(table: Columns, groups: list[ColumnGroup]) -> str:
     for column in rising:
         name = parse_column_name(column)
         dated = table[column].dtype.kind not in 'fiub'
-        if dated and DATE.fullmatch(str(table[column][0]).strip()):
+        if dated and split_date(str(table[column][0])):
             return column
         if not dated and name.words & TIMES:
             return column

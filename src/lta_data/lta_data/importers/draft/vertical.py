@@ -2,7 +2,9 @@
 
 from typing import Final, final, NamedTuple
 
-from lta_data.importers.draft.attitude_readings import differentiate, fit_scale, MotionEvidence
+from lta_data.data_quality.motion import PoseSeries, VectorSeries
+from lta_data.data_quality.motion_scales import fit_tilt, TILT
+from lta_data.importers.draft.attitude_readings import MotionEvidence
 from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.log_table import Numbers
 import numpy as np
@@ -10,8 +12,10 @@ from scipy.spatial.transform import Rotation
 
 Axes = str | list[str]
 DOWN: Final = ['x', '-y', '-z']
-TILT: Final = 0.25  # share of the lateral acceleration that the tilt explains
 LOW: Final = 0.05  # heights beyond it say where the floor is [m]
+UP_BY_NAME: Final = {
+    'ned': (-1, 'the names north, east, down'), 'latlonalt': (1, 'altitudes count up'),
+}  # fmt: skip
 CONFLICT: Final = 'world.up'
 
 
@@ -92,8 +96,8 @@ def _vote_up(
                 f'the accelerometer feels {abs(pull[2]):.3g} m/s2 along '
                 f'{"+" if pull[2] > 0 else "-"}z at rest, so z points {word}'
             )
-    if axis_names == 'ned':
-        return -1, 'the names north, east, down'
+    if by_name := UP_BY_NAME.get(axis_names):
+        return by_name
     by_height, why = _judge_heights(evidence.position)
     by_tilt, share = (0, 0.0) if same is None else _judge_tilt(evidence, turn, same)
     if by_tilt and by_height and by_tilt != by_height:
@@ -105,7 +109,7 @@ def _vote_up(
         )
     if by_height:
         return by_height, why
-    return 0, 'No accelerometer is there, and the heights are on both sides of zero.'
+    return 0, f'No accelerometer is there, and {_describe_heights(evidence.position)}.'
 
 
 def _judge_heights(position: Numbers | None) -> tuple[int, str]:
@@ -120,22 +124,30 @@ def _judge_heights(position: Numbers | None) -> tuple[int, str]:
     return 0, ''
 
 
+def _describe_heights(position: Numbers | None) -> str:
+    """Return why heights do not say which way is up."""
+    if position is None:
+        return 'no position shows where the floor is'
+    low, high = np.nanpercentile(position[:, 2], [2.0, 98.0])
+    return f'z is {low:.3g} to {high:.3g} m, on both sides of zero or next to it'
+
+
 def _judge_tilt(evidence: MotionEvidence, turn: Rotation, same: bool) -> tuple[int, float]:
     """Return which way is up if a rotorcraft accelerates where its rotors push it."""
     if evidence.position is None:
         return 0, 0.0
-    seconds = evidence.seconds
-    pull = differentiate(differentiate(evidence.position, seconds), seconds)
-    # A body axis z that points up is the direction of the thrust
-    lean = turn.as_matrix()[:, :, 2]
-    flat = np.array([1.0, 1.0, 0.0])
-    if float(np.nanpercentile(np.abs(lean[:, :2]), 90.0)) < 0.02:
+    good = np.asarray(np.isfinite(evidence.position).all(axis=1))
+    count = min(len(turn), len(evidence.seconds))
+    later = np.diff(evidence.seconds, prepend=-np.inf) > 0.0
+    rows = np.flatnonzero(good[:count] & later[:count])
+    time = evidence.seconds[rows]
+    pose = PoseSeries('', True, VectorSeries('', time, evidence.position[rows]),
+                      VectorSeries('', time, turn[rows].as_quat()), None, None)  # fmt: skip
+    fit = fit_tilt(pose)
+    if abs(fit.cosine) < TILT:
         return 0, 0.0
-    fit = fit_scale(pull * flat, lean * flat, seconds)
-    if abs(fit.share) < TILT:
-        return 0, 0.0
-    body_up = 1 if fit.share > 0.0 else -1
-    return (body_up if same else -body_up), abs(fit.share)
+    body_up = 1 if fit.cosine > 0.0 else -1
+    return (body_up if same else -body_up), fit.cosine**2
 
 
 def _find_without_attitude(
@@ -149,14 +161,11 @@ def _find_without_attitude(
         choices.add_reason('axes: body', [], body, f'gravity at rest: {felt[2]:.3g} m/s2 along z')
     world: Axes = 'ENU'
     if evidence.position is not None:
-        sign, why = (-1, 'the names north, east, down') if axis_names == 'ned' else (
-            _judge_heights(evidence.position))  # fmt: skip
+        sign, why = UP_BY_NAME.get(axis_names) or _judge_heights(evidence.position)
         if not sign:
             options = [('up', 'z points up'), ('down', 'z points down')]
-            answer = choices.decide(
-                CONFLICT, options, 'The heights are on both sides of zero, and no attitude is '
-                'there.',
-            )  # fmt: skip
+            why = f'No attitude is there, and {_describe_heights(evidence.position)}.'
+            answer = choices.decide(CONFLICT, options, why)
             sign, why = (1 if answer == 'up' else -1), choices.explain(CONFLICT)
         sign = {'up': 1, 'down': -1}.get(choices.override(CONFLICT, ''), sign)
         down: Axes = 'NED' if axis_names == 'ned' else DOWN

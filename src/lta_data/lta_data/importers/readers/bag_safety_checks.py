@@ -1,6 +1,6 @@
 """Refuse hostile bags before rosbags reads them."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import closing
 from pathlib import Path
 import sqlite3
@@ -8,6 +8,7 @@ import sqlite3
 from lta_config.errors import BadInput
 from lta_config.files import load_yaml, parse_yaml
 from lta_config.limits import CHUNK_BYTES, INFLATED_FREELY, INFLATION
+from lta_data.bag.bag_folder import natural_sort_key
 import zstandard
 
 METADATA = 'metadata.yaml'
@@ -18,21 +19,29 @@ PROGRAMS = "SELECT name FROM sqlite_master WHERE type IN ('view', 'trigger') OR 
 COMPUTED = (2, 3)  # `hidden` values of generated columns in table_xinfo
 
 
-def refuse_hostile_bag(path: Path) -> None:
+def find_files(path: Path) -> list[Path]:
+    """Return the files of a rosbag2 folder in their order, or the one file."""
+    return sorted(path.iterdir(), key=natural_sort_key) if path.is_dir() else [path]
+
+
+def has_metadata(path: Path) -> bool:
+    """Return whether a folder has a metadata.yaml, which a killed recorder does not write."""
+    return (path / METADATA).is_file()
+
+
+def refuse_hostile_bag(path: Path, files: Sequence[Path]) -> None:
     """
     Raise BadInput for a bag that could block rosbags or fill the disk.
 
-    `path` is a rosbag2 folder, or one file.
+    `path` is a rosbag2 folder, or one file; `files` are what it holds.
     """
-    if path.is_dir():
+    if has_metadata(path):
         described = load_yaml(path / METADATA)
         for text in iterate_qos_texts(described):
             parse_yaml(text, f"The QoS in '{path / METADATA}'")
-    for file in sorted(path.iterdir()) if path.is_dir() else [path]:
-        if file.suffix == '.zstd' or file.suffix == '.zst':
+    for file in files:
+        if file.suffix in ('.zstd', '.zst'):
             refuse_decompression_bomb(file)
-        elif file.suffix == '.db3':
-            refuse_unsafe_database(file)
 
 
 def iterate_qos_texts(held: object) -> Iterator[str]:
@@ -66,19 +75,27 @@ def refuse_decompression_bomb(file: Path) -> None:
         ) from None
 
 
-def refuse_unsafe_database(file: Path) -> None:
-    """Raise BadInput for a database with computed content or oversized messages."""
+def refuse_programs(file: Path) -> None:
+    """Raise BadInput for a database with computed content, which runs SQL of its own."""
     try:
         with closing(sqlite3.connect(f'{file.absolute().as_uri()}?mode=ro', uri=True)) as base:
             programs = [name for (name,) in base.execute(PROGRAMS, ('CREATE VIRTUAL%',))]
             for table in ('messages', 'topics', 'schema', 'message_definitions'):
                 for _, name, *_, kind in base.execute(f'PRAGMA table_xinfo({table})'):
                     programs += [name] if kind in COMPUTED else []
-            if programs:
-                raise BadInput(
-                    f"'{file}' has '{programs[0]}', a view, trigger or computed column, which no "
-                    'recording has; get it from a trusted source.'
-                )
+    except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
+        raise _unreadable_error(file, error) from None
+    if programs:
+        raise BadInput(
+            f"'{file}' has '{programs[0]}', a view, trigger or computed column, which no "
+            'recording has; get it from a trusted source.'
+        )
+
+
+def refuse_unsafe_messages(file: Path) -> None:
+    """Raise BadInput for a database with oversized messages."""
+    try:
+        with closing(sqlite3.connect(f'{file.absolute().as_uri()}?mode=ro', uri=True)) as base:
             for (head,) in base.execute('SELECT substr(data, 1, 18) FROM messages'):
                 refuse_large_message(file, head)
             for (text,) in base.execute('SELECT DISTINCT offered_qos_profiles FROM topics'):

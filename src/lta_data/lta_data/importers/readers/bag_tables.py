@@ -13,6 +13,7 @@ from collections.abc import (
     Mapping,
     Sequence,
 )
+from itertools import islice
 from typing import Any, final, NamedTuple
 
 from lta_config.errors import BadInput
@@ -26,8 +27,17 @@ from lta_data.importers.protocol import Reached
 import numpy as np
 
 TRANSFORMS = 'tf2_msgs/msg/TFMessage'
+NAMED_POSES = 'motion_capture_tracking_interfaces/msg/NamedPoseArray'
+RIGID_BODIES = 'mocap4r2_msgs/msg/RigidBodies'
+# Types with several bodies: the list of them, and the name of each
+BODIES: Mapping[str, tuple[str, str]] = {
+    TRANSFORMS: ('transforms', 'child_frame_id'),
+    NAMED_POSES: ('poses', 'name'),
+    RIGID_BODIES: ('rigidbodies', 'rigid_body_name'),
+}
 PIECE = 10_000  # decoded messages held before conversion to numbers
-CHILD = '#'  # separates a transform topic and a child frame
+CHILD = '#'  # separates a topic with several bodies and the name of one
+LOOK = 3000  # messages in which the bodies of a topic are looked for
 Decode = Callable[[], object]
 
 
@@ -52,6 +62,8 @@ FURTHER: Mapping[str, Mapping[str, MessagePart]] = {
         'torque': MessagePart('torque', 'N m', 'axial', 'body'),
     },
     TRANSFORMS: _pose_parts('transform.translation', 'transform.rotation'),
+    NAMED_POSES: _pose_parts('pose.position', 'pose.orientation'),
+    RIGID_BODIES: _pose_parts('pose.position', 'pose.orientation'),
     'geometry_msgs/msg/TwistWithCovarianceStamped': {
         'velocity': MessagePart('twist.twist.linear', 'm/s', 'vector', 'body'),
         'rates': MessagePart('twist.twist.angular', 'rad/s', 'axial', 'body'),
@@ -61,11 +73,12 @@ FURTHER: Mapping[str, Mapping[str, MessagePart]] = {
 
 @final
 class DecodedMessage(NamedTuple):
-    """A decoded message with its position in the bag and log time in ns."""
+    """A decoded message with its position in the bag, log time and its own stamp in ns."""
 
     order: int
     log_time: int
     message: object
+    stamp: int | None = None  # of a message around it
 
 
 def build_message_table(met: Iterable[DecodedMessage]) -> LogTable:
@@ -75,7 +88,8 @@ def build_message_table(met: Iterable[DecodedMessage]) -> LogTable:
     stamps = [extract_stamp(one.message) for one in listed]
     times = np.array([one.log_time for one in listed], dtype=np.int64)
     own = [
-        one.log_time if stamp is None else stamp for one, stamp in zip(listed, stamps, strict=True)
+        next(time for time in (stamp, one.stamp, one.log_time) if time is not None)
+        for one, stamp in zip(listed, stamps, strict=True)
     ]
     return LogTable(
         np.array(own, dtype=np.int64),
@@ -125,13 +139,21 @@ class RowCollector:
 
 
 def select_child(met: DecodedMessage, child: str) -> list[DecodedMessage]:
-    """Return the transforms of one child frame in a message."""
-    transforms = getattr(met.message, 'transforms', [])
+    """Return the poses of one body in a message."""
+    stamp = extract_stamp(met.message)
     return [
-        DecodedMessage(met.order, met.log_time, one)
-        for one in transforms
-        if one.child_frame_id == child
+        met._replace(message=one, stamp=stamp)
+        for name, one in _iterate_bodies(met.message)
+        if name == child
     ]
+
+
+def _iterate_bodies(message: object) -> Iterator[tuple[str, Any]]:
+    """Yield the name and the pose of each body in a message."""
+    for listed, name in BODIES.values():
+        for one in getattr(message, listed, []):
+            if hasattr(one, name):
+                yield str(getattr(one, name)), one
 
 
 def build_tables(
@@ -213,6 +235,18 @@ class BagTableLog:
     """Base of the bag readers: the tables that the mapping uses, built on opening."""
 
     _tables: Mapping[str, LogTable]
+
+    def _iterate_decodable(self) -> Iterator[tuple[str, int, Decode]]:
+        """Yield topic, log time in ns and a decoding function of every message."""
+        raise NotImplementedError
+
+    def list_bodies(self, topic: str) -> list[str]:
+        """Return the tables of the bodies in a topic, as '/tf#drone'."""
+        names: dict[str, None] = {}
+        messages = (decode for name, _, decode in self._iterate_decodable() if name == topic)
+        for decode in islice(messages, LOOK):
+            names |= dict.fromkeys(name for name, _ in _iterate_bodies(decode()))
+        return [f'{topic}{CHILD}{name}' for name in names]
 
     @property
     def columns(self) -> Mapping[str, Sequence[str]]:

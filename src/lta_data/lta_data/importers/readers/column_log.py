@@ -14,7 +14,7 @@ from lta_config.quantity import UNITS
 from lta_config.schema.import_file import ImportMapping as MappingFile
 from lta_config.schema.import_file import TimeColumn
 from lta_data.importers.log_provenance import CLOCK
-from lta_data.importers.log_table import LogTable, Times
+from lta_data.importers.log_table import encode_label, LogTable, Times
 from lta_data.importers.protocol import PassThroughMessage, RawTopic, Reached
 from lta_data.importers.readers.csv_text import missing_columns_error
 from lta_data.importers.readers.row_times import (
@@ -44,14 +44,15 @@ class ColumnLog:
         self._path = path
         self._tables = tables
         self._times = _list_table_times(tables, mapping)
+        labels = {column for entry in mapping.topics for column in entry.labels}
         self.columns: Mapping[str, list[str]] = {
-            name: [column for column, cells in table.items() if cells.dtype.kind in 'fiub']
+            name: [c for c, cells in table.items() if c in labels or cells.dtype.kind in 'fiub']
             for name, table in tables.items()
         }
         self.raw: Mapping[str, RawTopic] = {}
         self.notes = notes
         self.facts: dict[str, str] = {}
-        self.timed = sorted({time.column for time in self._times.values() if time.column})
+        self.timed = sorted({name for time in self._times.values() for name in time.columns})
 
     def iterate_tables(
         self, selection: Mapping[str, Collection[str]], reached: Reached
@@ -65,8 +66,7 @@ class ColumnLog:
         for name in selection:
             at = stamps[name] + shift
             numbers = {
-                column: self._tables[name][column].astype(np.float64)
-                for column in self.columns[name]
+                column: _to_floats(self._tables[name][column]) for column in self.columns[name]
             }
             rows = np.arange(len(at), dtype=np.int64)
             # Several tables are merged by time, a single one keeps its order
@@ -90,9 +90,12 @@ class ColumnLog:
             rows = np.arange(len(next(iter(table.values()))), dtype=np.int64)
             self.facts[CLOCK] = 'rows counted'
             return compute_even_times(time, rows) + start
-        if time.column not in table:
-            raise missing_columns_error(self._path, [time.column], list(table))
-        return _to_nanoseconds(table[time.column], time) + start
+        if absent := [column for column in time.columns if column not in table]:
+            raise missing_columns_error(self._path, absent, list(table))
+        stamps = _to_nanoseconds(table[time.column], time.unit, time.column) + start
+        if time.fraction is not None:
+            stamps += _to_nanoseconds(table[time.fraction], time.fraction_unit, time.fraction)
+        return stamps
 
     def _choose_time_offset(self, stamps: Mapping[str, Times]) -> int:
         """Return the offset of all times, equal for all tables. [ns]"""
@@ -100,6 +103,13 @@ class ColumnLog:
             return 0
         first = min((int(times.min()) for times in stamps.values() if len(times)), default=0)
         return choose_time_offset(first, self.notes, self.facts)
+
+
+def _to_floats(cells: Column) -> NDArray[np.float64]:
+    """Return cells as numbers; words that select rows get a number each."""
+    if cells.dtype.kind in 'fiub':
+        return cells.astype(np.float64)
+    return np.array([encode_label(str(cell)) for cell in cells])
 
 
 def _list_table_times(tables: Tables, mapping: MappingFile) -> dict[str, TimeColumn]:
@@ -110,18 +120,18 @@ def _list_table_times(tables: Tables, mapping: MappingFile) -> dict[str, TimeCol
     return times | own
 
 
-def _to_nanoseconds(cells: Column, time: TimeColumn) -> Times:
+def _to_nanoseconds(cells: Column, unit: str, name: str) -> Times:
     """Return times in whole nanoseconds: integers exactly, floats to their own precision."""
     if cells.dtype.kind not in 'fiub':
-        return parse_exact_times([str(cell) for cell in cells], time.unit, str(time.column), 0)[0]
-    factor = UNITS[time.unit][1] * SECOND
+        return parse_exact_times([str(cell) for cell in cells], unit, name, 0)[0]
+    factor = UNITS[unit][1] * SECOND
     largest = np.abs(cells.astype(np.float64)).max(initial=0.0)
     if cells.dtype.kind in 'iub' and largest < READABLE / factor:
         return cells.astype(np.int64) * round(factor)
     if not np.isfinite(cells).all():
         row = int(np.flatnonzero(~np.isfinite(cells))[0]) + 1
         raise BadInput(
-            f"Column '{time.column}' has no time in row {row}; remove the row, or choose another "
+            f"Column '{name}' has no time in row {row}; remove the row, or choose another "
             'column in the mapping.'
         )
-    return round_to_nanoseconds(cells.astype(np.float64) * UNITS[time.unit][1])
+    return round_to_nanoseconds(cells.astype(np.float64) * UNITS[unit][1])

@@ -9,6 +9,7 @@ from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 import csv
 from pathlib import Path
+import re
 from typing import Any, BinaryIO, final
 
 from lta_config.errors import BadInput
@@ -16,7 +17,7 @@ from lta_config.limits import check_column_count, LINE_BYTES
 from lta_config.schema.import_file import ImportMapping as MappingFile
 from lta_config.schema.import_file import TextFormat
 from lta_data.importers.log_provenance import CLOCK
-from lta_data.importers.log_table import LogTable, Times
+from lta_data.importers.log_table import encode_label, LogTable, Times
 from lta_data.importers.protocol import PassThroughMessage, RawTopic, Reached
 from lta_data.importers.readers.line_stream import decompress_stream, NAMED, open_text_lines
 from lta_data.importers.readers.row_times import (
@@ -54,7 +55,8 @@ class CsvLog:
         self.notes: list[str] = []
         self.facts: dict[str, str] = {}
         time = mapping.time
-        self.timed = [] if time is None or time.column is None else [time.column]
+        self.timed = [] if time is None else time.columns
+        self._labels = {name for entry in mapping.topics for name in entry.labels}
         self._rows = 0
         self._shift: int | None = None
         start = None if time is None else time.start
@@ -71,7 +73,8 @@ class CsvLog:
         if absent := [name for name in self.timed if name not in self._names]:
             raise missing_columns_error(self._path, absent, self._names)
         # Times as text: float64 would round nanoseconds since 1970
-        types = dict.fromkeys(needed, pa.float64()) | dict.fromkeys(self.timed, pa.binary())
+        as_text = [*self.timed, *self._labels]
+        types = dict.fromkeys(needed, pa.float64()) | dict.fromkeys(as_text, pa.binary())
         size = self._path.stat().st_size
         with self._path.open('rb') as stream:
             for batch in self._read_record_batches(stream, types):
@@ -104,6 +107,9 @@ class CsvLog:
         columns, empty = {}, {}
         for name in needed:
             cells = batch.column(name)
+            if name in self._labels:
+                columns[name] = np.array([encode_label(decode_cell(c)) for c in cells.to_pylist()])
+                continue
             columns[name] = cells.to_numpy(zero_copy_only=False).astype(np.float64)
             if cells.null_count:
                 empty[name] = cells.is_null().to_numpy(zero_copy_only=False)
@@ -115,8 +121,17 @@ class CsvLog:
         if time is None or time.column is None:
             stamps = compute_even_times(time, rows)
         else:
-            texts = list(map(decode_cell, batch.column(time.column).to_pylist()))
+            texts, *fractions = (
+                list(map(decode_cell, batch.column(name).to_pylist())) for name in self.timed
+            )
             stamps, zoneless = parse_exact_times(texts, time.unit, time.column, int(rows[0]))
+            for more in fractions:
+                stamps = (
+                    stamps
+                    + parse_exact_times(
+                        more, time.fraction_unit, str(time.fraction), int(rows[0])
+                    ).times
+                )
             if zoneless and ZONELESS not in self.notes:
                 self.notes.append(ZONELESS)
         # The first part decides for the whole file
@@ -213,6 +228,11 @@ class TextRows:
 
     def _check_skipped(self) -> None:
         """Raise BadInput if most rows were skipped."""
+        if self._skipped > self._rows and are_names(self._first_skipped):
+            raise BadInput(
+                f"Another table begins with '{self._first_skipped}', and has other columns; put "
+                'it into a file of its own.'
+            )
         if self._skipped > self._rows:
             raise BadInput(
                 f'{self._skipped} of {self._skipped + self._rows} rows have another number of '
@@ -235,6 +255,11 @@ class TextRows:
                 f'than the names of the columns and {"is" if skipped == 1 else "are"} skipped, '
                 f"the first as '{self._first_skipped}'."
             )
+            if are_names(self._first_skipped):
+                notes.append(
+                    'There, another table with its own columns begins; put it into a file of its '
+                    'own to import it, too.'
+                )
         if self._lines.headers:
             times = 'once' if self._lines.headers == 1 else f'{self._lines.headers} times'
             notes.append(
@@ -313,6 +338,12 @@ def is_number(cell: str) -> bool:
     except pa.ArrowInvalid:
         return False
     return True
+
+
+def are_names(line: str) -> bool:
+    """Return whether a line has names of columns instead of numbers."""
+    cells = re.split(r'[,;\s]+', line.strip())
+    return len(cells) > 1 and all(cell.strip('"')[:1].isalpha() for cell in cells)
 
 
 def missing_columns_error(path: Path, absent: list[str], there: list[str]) -> BadInput:

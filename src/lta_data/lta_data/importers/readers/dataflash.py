@@ -20,8 +20,8 @@ import numpy as np
 HEAD: Final = b'\xa3\x95'
 FMT: Final = 128
 FMT_BYTES: Final = 89
-TIME: Final = 'TimeUS'
-MICROSECOND: Final = 1_000  # ns
+TIMES: Final = {'TimeUS': 1_000, 'TimeMS': 1_000_000}  # times of messages, in ns
+SDLOG2: Final = 'StartTime'  # of the messages TIME in the logs of old PX4
 # Format character -> type and factor; texts and arrays are skipped
 KINDS: Final[dict[str, tuple[str, float]]] = {
     'b': ('i1', 1.0), 'B': ('u1', 1.0), 'M': ('u1', 1.0), 'h': ('<i2', 1.0), 'H': ('<u2', 1.0),
@@ -49,14 +49,20 @@ def open_dataflash(path: Path, mapping: MappingFile | None) -> InMemoryLog:
     tables = {
         formats[kind].name: _build_table(data, formats[kind], kind_places)
         for kind, kind_places in places.items()
-        if TIME in formats[kind].factors
+        if {*TIMES} & {*formats[kind].factors}
     }
+    if any(SDLOG2 in form.factors for form in formats.values()):
+        raise BadInput(
+            f"'{path}' is a log of PX4 before 2016 (sdlog2), which is not read; convert it to CSV "
+            "with PX4's sdlog2_dump.py, and import that with --draft."
+        )
     if not tables:
         raise BadInput(f"'{path}' is a DataFlash log without messages; give a log with data.")
     notes = []
     if skipped:
         notes.append(f'{skipped} bytes of the log are not a complete message and are left out.')
-    return InMemoryLog(tables, notes, {CLOCK: 'since the vehicle was switched on'}, timed=(TIME,))
+    clock = {CLOCK: 'since the vehicle was switched on'}
+    return InMemoryLog(tables, notes, clock, timed=(*TIMES,))
 
 
 def _locate_messages(
@@ -115,10 +121,11 @@ def _build_table(data: bytes, form: MessageFormat, places: list[int]) -> LogTabl
     # Shape (messages, bytes)
     rows = raw[offsets[:, None] + np.arange(form.record.itemsize)]
     records = np.ascontiguousarray(rows).view(form.record).reshape(-1)
-    times = records[TIME].astype(np.int64) * MICROSECOND
+    time = next(name for name in TIMES if name in form.factors)
+    times = records[time].astype(np.int64) * TIMES[time]
     numbers = {
         name: records[name].astype(np.float64) * factor
         for name, factor in form.factors.items()
-        if name != TIME
+        if name != time
     }
     return LogTable(times, times, offsets.astype(np.int64), numbers)

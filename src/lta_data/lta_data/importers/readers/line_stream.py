@@ -4,6 +4,7 @@ import codecs
 from collections.abc import Iterator
 import gzip
 import io
+import re
 from typing import BinaryIO, final, TYPE_CHECKING
 import zlib
 
@@ -15,17 +16,48 @@ if TYPE_CHECKING:
 
 GZIP = b'\x1f\x8b'
 UTF16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
+HEAD = 1 << 16  # bytes by which the encoding is detected
+CONTROLS = frozenset(range(32)) - frozenset(b'\t\n\v\f\r\x1b')  # bytes that no text has
+LIST = re.compile(rb'"?[\[(]([^\[\]()"]*)[\])]"?')  # a cell such as "[1.0, 2.0]"
+QUOTED_DECIMAL = re.compile(rb'"([-+]?\d*),(\d+(?:[eE][-+]?\d+)?)"')
 NAMED = {'tab': '\t', 'whitespace': ' '}
 
 
 def decompress_stream(stream: BinaryIO) -> BinaryIO | gzip.GzipFile:
-    """Return a stream of a file's content, decompressed if it is gzip; UTF-16 becomes UTF-8."""
-    head = stream.read(2)
+    """Return a stream of a file's content in UTF-8, decompressed if it is gzip."""
+    packed = stream.read(2) == GZIP
     stream.seek(0)
-    if head in UTF16:
-        # As spreadsheets write it; the byte order mark says which of the two it is
-        return codecs.EncodedFile(stream, 'utf-8', 'utf-16', 'replace')
-    return BoundedGzipFile(stream) if head == GZIP else stream
+    plain = BoundedGzipFile(stream) if packed else stream
+    encoding = detect_encoding(plain.read(HEAD))
+    plain.seek(0)
+    if encoding in ('', 'utf-8'):
+        return plain
+    return codecs.EncodedFile(plain, 'utf-8', encoding, 'replace')
+
+
+def detect_encoding(head: bytes) -> str:
+    """
+    Return the encoding of a text by its first bytes; '' if they are no text.
+
+    Spreadsheets write UTF-16 with a byte order mark, and European ones Latin-1 with a degree sign.
+    """
+    if head.startswith(UTF16):
+        return '' if '\0' in head.decode('utf-16', errors='replace') else 'utf-16'
+    if b'\0' in head:
+        wide = head[: len(head) // 2 * 2]
+        # Every other byte of plain text in UTF-16 is zero
+        for encoding, zeros in (('utf-16-le', wide[1::2]), ('utf-16-be', wide[::2])):
+            rest = wide[::2] if encoding == 'utf-16-le' else wide[1::2]
+            if len(wide) > 8 and not any(zeros) and b'\0' not in rest:
+                return encoding
+        return ''
+    try:
+        codecs.getincrementaldecoder('utf-8')().decode(head)
+    except UnicodeDecodeError:
+        # Mostly letters, digits and marks of ASCII
+        plain = CONTROLS.isdisjoint(head) and sum(byte > 127 for byte in head) < 0.1 * len(head)
+        return 'cp1252' if plain else ''
+    return 'utf-8'
 
 
 @final
@@ -88,7 +120,7 @@ class CleanedLines(io.RawIOBase):
         repeated: bytes = b'',
     ) -> None:
         self._source = source
-        self._repeated = repeated.strip()
+        self._repeated = repeated.strip().replace(b'"', b'')
         self._delimiter = NAMED.get(text.delimiter, text.delimiter).encode()
         self._cells = 0  # of the first row
         self.headers = 0
@@ -96,6 +128,7 @@ class CleanedLines(io.RawIOBase):
         self._comment = None if text.comment is None else text.comment.encode()
         self._blank = text.delimiter == 'whitespace'
         self._decimal = text.decimal.encode()
+        self._lists = text.lists
         self._rest = b''
         self._pieces = self._iterate_line_blocks(unread)
 
@@ -130,12 +163,21 @@ class CleanedLines(io.RawIOBase):
             # No line needs a change: pass large blocks on
             plain = self._comment is None and not self._blank
             for block in self._iterate_whole_lines():
-                if not plain or (self._repeated and self._repeated in block):
+                if not plain or (self._repeated and self._repeated in block.replace(b'"', b'')):
                     lines = filter(self._is_data_line, block.splitlines(keepends=True))
                     block = b''.join(map(self._normalize_delimiters, lines))
-                yield block if self._decimal == b'.' else block.replace(self._decimal, b'.')
+                yield self._normalize_cells(block)
         except (EOFError, zlib.error, gzip.BadGzipFile) as error:
             raise OSError(f'its compressed data are damaged or cut short: {error}') from None
+
+    def _normalize_cells(self, block: bytes) -> bytes:
+        """Return lines with a point as decimal mark, and a cell for each number of a list."""
+        if self._lists:
+            between = self._delimiter
+            block = LIST.sub(lambda cell: between.join(cell[1].replace(b',', b' ').split()), block)
+        if self._decimal == self._delimiter:
+            return QUOTED_DECIMAL.sub(rb'\1.\2', block)
+        return block if self._decimal == b'.' else block.replace(self._decimal, b'.')
 
     def _iterate_whole_lines(self) -> Iterator[bytes]:
         """Yield blocks that end with a line; a torn last line is left out."""
@@ -165,7 +207,7 @@ class CleanedLines(io.RawIOBase):
     def _is_data_line(self, line: bytes) -> bool:
         """Return whether a line is neither empty, nor a comment, nor the names once more."""
         bare = line.strip()
-        if self._repeated and bare == self._repeated:
+        if self._repeated and bare.replace(b'"', b'') == self._repeated:
             self.headers += 1
             return False
         return self._is_content(bare)

@@ -17,7 +17,11 @@ from lta_config.errors import BadInput
 from lta_config.limits import limit_memory
 from lta_config.schema.import_file import ImportMapping as MappingFile
 from lta_data.importers.protocol import PassThroughMessage, RawTopic, Reached
-from lta_data.importers.readers.bag_safety_checks import refuse_hostile_bag
+from lta_data.importers.readers.bag_safety_checks import (
+    find_files,
+    has_metadata,
+    refuse_hostile_bag,
+)
 from lta_data.importers.readers.bag_tables import (
     BagTableLog,
     build_tables,
@@ -25,6 +29,7 @@ from lta_data.importers.readers.bag_tables import (
     list_mapping_tables,
 )
 from lta_data.importers.readers.definitions import find_store_definition
+from lta_data.importers.readers.sqlite_files import CopyFolder, prepare_files
 from rosbags.convert.converter import is_same_wireformat, migrate_bytes
 from rosbags.highlevel import AnyReader
 from rosbags.interfaces import Connection
@@ -33,13 +38,27 @@ from rosbags.typesys.store import Typestore
 
 LOOK = 2000  # messages between two updates of the progress bar
 RENAMED = {'tf/msg/tfMessage': 'tf2_msgs/msg/TFMessage'}  # ROS 1 name -> ROS 2 name
+ROS1 = b'#ROSBAG V'
 Convert = Callable[[bytes], bytes]
 Read = tuple[AnyReader, Connection, int, bytes]
 
 
 def open_rosbags_log(path: Path, mapping: MappingFile | None) -> 'RosbagsLog':
     """Open a recording with rosbags; raise `BadInput` if it cannot be read."""
+    if is_ros1(path) and path.suffix != '.bag':
+        raise BadInput(
+            f"'{path}' is a ROS 1 bag that was not closed; run `rosbag reindex` on it where ROS 1 "
+            'is installed, and rename it to end with .bag.'
+        )
     return RosbagsLog(path, mapping)
+
+
+def is_ros1(path: Path) -> bool:
+    """Return whether a file is a bag of ROS 1, by its first bytes."""
+    if not path.is_file():
+        return False
+    with path.open('rb') as stream:
+        return stream.read(len(ROS1)) == ROS1
 
 
 @final
@@ -50,9 +69,16 @@ class RosbagsLog(BagTableLog):
 
     def __init__(self, path: Path, mapping: MappingFile | None) -> None:
         # Before rosbags opens it
-        refuse_hostile_bag(path)
+        files = find_files(path)
+        refuse_hostile_bag(path, files)
         self._path = path
-        self.notes: list[str] = []
+        databases = [file for file in files if file.suffix == '.db3']
+        self._copies = CopyFolder()
+        prepared = prepare_files(databases, self._copies)
+        self._opened = [path]
+        if prepared.files != databases or (path.is_dir() and not has_metadata(path)):
+            self._opened = prepared.files
+        self.notes: list[str] = prepared.notes
         self.facts: dict[str, str] = {}
         self._converters: dict[str, Convert] = {}
         self.raw: dict[str, RawTopic] = {}
@@ -82,7 +108,7 @@ class RosbagsLog(BagTableLog):
         try:
             with (
                 limit_memory(),
-                AnyReader([self._path], default_typestore=load_jazzy_types()) as reader,
+                AnyReader(self._opened, default_typestore=load_jazzy_types()) as reader,
             ):
                 self._register_topics(reader)
                 for connection, log_time, data in reader.messages():
@@ -95,9 +121,9 @@ class RosbagsLog(BagTableLog):
     def _translate_error(self, error: Exception) -> BadInput:
         """Return the error for a damaged bag; rosbags and SQLite raise many different ones."""
         reason = ' '.join(str(error).split()).rstrip('.') or type(error).__name__
+        repair = 'rosbag reindex' if is_ros1(self._path) else 'ros2 bag reindex'
         return BadInput(
-            f"'{self._path}' cannot be read ({reason}); repair it first with `ros2 bag reindex` "
-            '(a bag of ROS 1: `rosbag reindex`).'
+            f"'{self._path}' cannot be read ({reason}); repair it first with `{repair}`."
         )
 
     def _register_topics(self, reader: AnyReader) -> None:

@@ -23,6 +23,10 @@ DATE: Final = re.compile(
 )
 
 
+# A time of day without a date
+CLOCK_TIME: Final = re.compile(r'(\d\d?:\d\d:\d\d)(?:[.,](\d+))?')
+
+
 class ParsedTimes(NamedTuple):
     """Times of rows, and whether one is a date without a time zone."""
 
@@ -68,7 +72,7 @@ def parse_exact_times(texts: list[str], unit: str, column: str, first: int) -> P
     Raise `BadInput` if a cell is not a time; the message names the row.
     """
     # The first cell decides between dates and decimals
-    dates = bool(texts) and DATE.fullmatch(texts[0].strip()) is not None
+    dates = bool(texts) and split_date(texts[0]) is not None
     reading = parse_date if dates else build_decimal_parser(unit)
     times = np.empty(len(texts), dtype=np.int64)
     for index, text in enumerate(texts):
@@ -89,10 +93,23 @@ def parse_exact_times(texts: list[str], unit: str, column: str, first: int) -> P
     return ParsedTimes(times, zoneless)
 
 
+def split_date(text: str) -> tuple[str, str, str] | None:
+    """
+    Return a date to the second, the fraction of the second and the time zone; None for other text.
+
+    A time of day is one of the first day of 1970.
+    """
+    if match := DATE.fullmatch(text.strip()):
+        return match[1], match[2] or '0', match[3]
+    if match := CLOCK_TIME.fullmatch(text.strip()):
+        return f'1970-01-01T{match[1].zfill(8)}', match[2] or '0', 'Z'
+    return None
+
+
 def find_time_zone(text: str) -> str | None:
     """Return the time zone of a date as written, '' without one; None if it is not a date."""
-    match = DATE.fullmatch(text.strip())
-    return None if match is None else match[3]
+    parts = split_date(text)
+    return None if parts is None else parts[2]
 
 
 def build_decimal_parser(unit: str) -> Callable[[str], int]:
@@ -112,15 +129,15 @@ def build_decimal_parser(unit: str) -> Callable[[str], int]:
 
 def parse_date(text: str) -> int:
     """Return the time of a date since 1970, with all digits of its second. [ns]"""
-    match = DATE.fullmatch(text.strip())
-    if match is None:
+    parts = split_date(text)
+    if parts is None:
         raise ValueError(text)
-    whole, fraction, zone = match.groups()
+    whole, fraction, zone = parts
     zone = '+00:00' if zone in ('', 'Z', 'z', 'UTC') else zone
     passed = datetime.fromisoformat(whole.replace(' ', 'T') + zone) - EPOCH
     # Apart from the whole seconds, since datetime resolves microseconds only
-    parts = int(Decimal(f'0.{fraction or 0}').scaleb(9).to_integral_value())
-    return (passed.days * 86_400 + passed.seconds) * SECOND + parts
+    nanoseconds = int(Decimal(f'0.{fraction}').scaleb(9).to_integral_value())
+    return (passed.days * 86_400 + passed.seconds) * SECOND + nanoseconds
 
 
 def shorten_cell(cell: str) -> str:

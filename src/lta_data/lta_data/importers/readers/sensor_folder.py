@@ -11,7 +11,7 @@ from lta_data.importers.readers.array_files import (
     read_parquet_file,
 )
 from lta_data.importers.readers.column_log import Column
-from lta_data.importers.readers.csv_text import read_column_names, TextRows
+from lta_data.importers.readers.csv_text import decode_cell, read_column_names, TextRows
 from lta_data.importers.readers.text_dialect import detect_text_format
 import numpy as np
 import pyarrow as pa
@@ -46,6 +46,7 @@ def read_text_file(path: Path) -> READ:
         raise BadInput(f"'{path}' has column names but no rows; give a log with data.")
     table = pa.Table.from_batches(batches)
     columns = {name: _to_numbers(table.column(name)) for name in names}
+    _refuse_second_names(path, table, columns)
     return {'': {name: cells for name, cells in columns.items() if cells is not None}}, notes
 
 
@@ -171,6 +172,22 @@ def _to_numbers(cells: pa.ChunkedArray) -> Column | None:
     if np.isfinite(numbers).mean() > 0.5:
         return numbers
     return np.array([cell or '' for cell in texts.to_pylist()])
+
+
+def _refuse_second_names(path: Path, table: pa.Table, columns: dict[str, Column | None]) -> None:
+    """Raise BadInput if a row in the middle has names instead of numbers: another log begins."""
+    numbers = [name for name, cells in columns.items() if cells is not None
+               and cells.dtype.kind == 'f']  # fmt: skip
+    lost = [np.isnan(np.asarray(columns[name])) for name in numbers]
+    if len(numbers) < 2 or 2 * len(numbers) < len(columns):
+        return
+    for row in np.flatnonzero(np.logical_and.reduce(lost)).tolist():
+        cells = [decode_cell(table.column(name)[row].as_py()).strip() for name in numbers]
+        if all(cell[:1].isalpha() and cell.lower() != 'nan' for cell in cells):
+            raise BadInput(
+                f"Row {row + 1} of '{path}' has names instead of numbers ({', '.join(cells)}): "
+                'another log begins there. Split the file, and import each part.'
+            )
 
 
 def _parse(cell: str | None) -> float:

@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
+import csv
 from itertools import chain
 from pathlib import Path
 import re
@@ -11,7 +12,7 @@ from lta_config.errors import BadInput
 from lta_config.limits import check_column_count, LINE_BYTES
 from lta_config.schema.import_file import TextFormat
 from lta_data.importers.draft.name_hints import UNIT_WORDS
-from lta_data.importers.readers.line_stream import decompress_stream
+from lta_data.importers.readers.line_stream import decompress_stream, LIST
 
 LINES: Final = 60  # that are looked at
 DELIMITERS: Final = {',': ',', ';': ';', 'tab': '\t', 'whitespace': None}
@@ -19,6 +20,37 @@ DECIMALS: Final[tuple[Literal['.', ','], ...]] = ('.', ',')
 COMMENTS: Final = '#%'
 # Columns of a trajectory of the TUM RGB-D benchmark, which has no header
 TUM: Final = ['timestamp', 'tx', 'ty', 'tz', 'qx', 'qy', 'qz', 'qw']
+LENGTH_UNITS: Final = {'meters': 'm', 'centimeters': 'cm', 'millimeters': 'mm'}
+STAMP: Final = ('header.stamp.sec', 'header.stamp.nanosec', 'header.frame_id')
+
+
+def _list_fields(*parts: str) -> list[str]:
+    """Return the numbers of a message in their order: 'pose.position:xyz', 'covariance:36'."""
+    names: list[str] = []
+    for path, _, fields in (part.partition(':') for part in parts):
+        names += [f'{path}[{i}]' for i in range(int(fields))] if fields.isdigit() else (
+            [f'{path}.{axis}' for axis in fields] or [path])  # fmt: skip
+    return names
+
+
+# What `ros2 topic echo --csv` prints, without names, by the number of cells
+ECHOED: Final = {
+    len(names): names
+    for names in (
+        [*STAMP, *_list_fields('pose.position:xyz', 'pose.orientation:xyzw')],
+        [*STAMP, *_list_fields('pose.pose.position:xyz', 'pose.pose.orientation:xyzw',
+                               'pose.covariance:36')],
+        [*STAMP, 'child_frame_id', *_list_fields('transform.translation:xyz',
+                                                 'transform.rotation:xyzw')],
+        [*STAMP, 'child_frame_id', *_list_fields(
+            'pose.pose.position:xyz', 'pose.pose.orientation:xyzw', 'pose.covariance:36',
+            'twist.twist.linear:xyz', 'twist.twist.angular:xyz', 'twist.covariance:36')],
+        [*STAMP, *_list_fields(
+            'orientation:xyzw', 'orientation_covariance:9', 'angular_velocity:xyz',
+            'angular_velocity_covariance:9', 'linear_acceleration:xyz',
+            'linear_acceleration_covariance:9')],
+    )
+}  # fmt: skip
 
 
 def detect_text_format(path: Path) -> TextFormat:
@@ -31,11 +63,45 @@ def detect_text_format(path: Path) -> TextFormat:
     Raise `BadInput` if no two lines have equally many numbers.
     """
     lines = list(_read_lines(path))
+    lists = sum(bool(LIST.search(line.encode())) for line in lines) > len(lines) // 2
+    if lists:
+        return _detect_lists(path, lines)
+    return _detect_lines(path, lines)
+
+
+def _detect_lists(path: Path, lines: Sequence[str]) -> TextFormat:
+    """Return the format of lines in which a cell may be a list, with a name for each number."""
+
+    def flatten(line: str, cell: str) -> str:
+        return LIST.sub(lambda found: cell.encode().join(
+            found[1].replace(b',', b' ').split()), line.encode()).decode()  # fmt: skip
+
+    marks = {mark: sum(mark in LIST.sub(b'', line.encode()).decode() for line in lines)
+             for mark in (';', '\t', ',')}  # fmt: skip
+    mark = max(marks, key=lambda one: marks[one])
+    flat = _detect_lines(path, [flatten(line, mark) for line in lines])
+    rows = [line for line in lines if LIST.search(line.encode())]
+    before = [line for line in lines[: lines.index(rows[0])] if line.strip()]
+    cells = split_cells(LIST.sub(rb'"\1"', rows[0].encode()).decode(), mark)
+    names = split_cells(before[-1], mark) if before else _number_columns(len(cells))
+    if len(names) != len(cells):
+        return flat
+    header = []
+    for name, cell in zip(names, cells, strict=True):
+        count = len(cell.replace(',', ' ').split())
+        letters = {3: 'xyz', 4: 'xyzw'}.get(count, '')
+        header += [name] if count < 2 else [f'{name}.{one}' for one in letters] or [
+            f'{name}[{i}]' for i in range(count)]  # fmt: skip
+    return flat.model_copy(update={'lists': True, 'header': header, 'skip': len(before)})
+
+
+def _detect_lines(path: Path, lines: Sequence[str]) -> TextFormat:
+    """Return the format of lines of single cells."""
     row_counts = {
         (name, decimal): _count_rows(lines, mark, decimal)
         for decimal in DECIMALS
         for name, mark in DELIMITERS.items()
-        if name != decimal
+        if name != decimal or any('"' in line for line in lines)
     }
     # By rows, then by how many more cells are numbers than not: a comma may be either mark
     (delimiter, decimal), (rows, _, cells) = max(row_counts.items(), key=lambda one: one[1])
@@ -67,7 +133,7 @@ def detect_text_format(path: Path) -> TextFormat:
             before = []
     if joined := _join_lines_of_names([lines[i] for i in plain], mark, cells):
         # The mapping lists them, too
-        names, before = joined, []
+        names, before = _add_stated_units(path, joined), []
     # The line with the names is read by its position, unless it is a comment or not there
     if names is not None and before and plain and plain[-1] == before[-1]:
         return TextFormat(
@@ -75,6 +141,8 @@ def detect_text_format(path: Path) -> TextFormat:
         )
     if names is None:
         names = TUM if cells == len(TUM) and mark is None else _number_columns(cells)
+        if cells in ECHOED and _is_echoed(split_cells(lines[first], mark)):
+            names = ECHOED[cells]
     return TextFormat(
         delimiter=delimiter, decimal=decimal, comment=comment, skip=len(plain), header=names
     )
@@ -82,9 +150,20 @@ def detect_text_format(path: Path) -> TextFormat:
 
 def split_cells(line: str, mark: str | None) -> list[str]:
     """Return the stripped cells of a line; `mark` None stands for white space."""
-    cells = [cell.strip().strip('"') for cell in line.strip().split(mark)]
+    bare = line.strip()
+    if '"' in bare:
+        reader = csv.reader([bare], delimiter=mark or ' ', skipinitialspace=True)
+        cells = [cell.strip() for cell in next(reader, [])]
+    else:
+        cells = [cell.strip() for cell in bare.split(mark)]
     # A delimiter at the end of a line
     return cells[:-1] if mark in (',', ';', '\t') and cells and not cells[-1] else cells
+
+
+def _is_echoed(cells: Sequence[str]) -> bool:
+    """Return whether a row begins as a stamped message: whole seconds and nanoseconds, a frame."""
+    whole = cells[0].isdigit() and cells[1].isdigit() and int(cells[1]) < 10**9
+    return whole and not _is_number(cells[2])
 
 
 def _read_lines(path: Path) -> Iterator[str]:
@@ -162,16 +241,50 @@ def _join_lines_of_names(lines: Sequence[str], mark: str | None, cells: int) -> 
     if not rows or _are_units(rows[0]) or len({*filter(None, rows[0])}) == sum(map(bool, rows[0])):
         return []
     names = rows[0]
-    for above in rows[1:]:
+    for above, higher in zip(rows[1:], [*rows[2:], []], strict=True):
         filled = [name for name in names if name]
         # Identifiers tell columns apart, but mean nothing to a reader
-        if len({*filled}) < len(filled) and 'ID' not in above[:2]:
+        are_same = len({*filled}) < len(filled)
+        if are_same and not _divide_alike(above, higher) and 'ID' not in above[:2]:
             # A word that stands once labels the line, and not a column with a name
             names = [
                 f'{word} {name}'.strip() if not name or above.count(word) > 1 else name
                 for word, name in zip(above, names, strict=True)
             ]
     return _make_unique(names)
+
+
+def _divide_alike(ids: Sequence[str], names: Sequence[str]) -> bool:
+    """Return whether the line above divides the columns in the same way, by names."""
+    pairs = {*zip(ids, names, strict=False)} - {('', '')}
+    one_to_one = len(pairs) == len({one for one, _ in pairs}) == len({two for _, two in pairs})
+    return len({*names}) > 2 and one_to_one
+
+
+def read_statements(path: Path) -> dict[str, str]:
+    """
+    Return what a tracker's file states before its columns: unit of lengths, sequence of angles.
+
+    Motive writes names and values in turn in the first line.
+    """
+    cells = split_cells(next(_read_lines(path), ''), ',')
+    pairs = dict(zip(cells[::2], cells[1::2], strict=False))
+    unit = LENGTH_UNITS.get(pairs.get('Length Units', '').lower(), '')
+    rotation = pairs.get('Rotation Type', '')
+    stated = {'length': unit} if unit else {}
+    return stated | ({'sequence': rotation} if sorted(rotation) == [*'XYZ'] else {})
+
+
+def _add_stated_units(path: Path, names: Sequence[str]) -> list[str]:
+    """Return the names of a tracker's columns with the units that its file states."""
+    stated = read_statements(path)
+    turned = 'deg' if 'sequence' in stated else ''
+    units = {'Position': stated.get('length', ''), 'Rotation': turned}
+    return [
+        next((f'{name} [{unit}]' for word, unit in units.items() if unit and f'{word} ' in name),
+             name)
+        for name in names
+    ]  # fmt: skip
 
 
 def _make_unique(names: Sequence[str]) -> list[str]:

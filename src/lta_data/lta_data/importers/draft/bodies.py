@@ -1,0 +1,165 @@
+"""Tell the bodies of a tracker apart, and choose the one that is the vehicle."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Final, final, NamedTuple
+
+from lta_data.importers.draft.choices import DraftChoices
+from lta_data.importers.draft.column_groups import ColumnGroup, Columns, group_columns
+from lta_data.importers.draft.name_hints import KINDS, match_role, parse_column_name
+from lta_data.importers.log_table import Numbers
+from lta_data.importers.readers.column_log import Column
+import numpy as np
+
+APART: Final = 0.2  # of their extent; two estimates of one body are closer
+STILL: Final = 0.02  # of the largest extent; a body that moves less stands still
+HELD: Final = 0.5  # share of repeated values from which a place is a setpoint
+MOST_BODIES: Final = 20
+FEWEST_ROWS: Final = 20  # of a body
+ALTERNATING: Final = 0.2  # share of the rows that are of another body than the row before
+FARTHER: Final = 4.0  # times as far from row to row as within a body
+KEY: Final = 'body'
+# Not the name of a body
+COMMON: Final = frozenset([
+    *(word for words in KINDS.values() for word in words), 'rigid', 'body', 'marker', 'markers',
+    'global', 'world', 'state', 'field', 'header', 'msg', 'data',
+])  # fmt: skip
+
+
+@final
+class TrackedBody(NamedTuple):
+    """A body: its name, the words of its columns, its positions, and how far it moves."""
+
+    name: str
+    words: frozenset[str]
+    place: ColumnGroup
+    extent: float
+
+
+def choose_body(
+    groups: Sequence[ColumnGroup], table: Columns, choices: DraftChoices
+) -> list[ColumnGroup]:
+    """
+    Return the groups without those of other bodies than the vehicle.
+
+    The only body that moves is the vehicle; of several, the user chooses.
+    """
+    bodies = _list_bodies(groups, table)
+    if len(bodies) < 2:
+        return list(groups)
+    by_name = {body.name: body for body in bodies}
+    largest = max(body.extent for body in bodies)
+    options = [
+        (body.name, f'{", ".join(body.place.columns)}: moves over {body.extent:.3g}')
+        for body in sorted(bodies, key=lambda body: -body.extent)
+    ]
+    moving = [body for body in bodies if body.extent > STILL * largest]
+    if len(moving) == 1 and KEY not in choices.answers:
+        chosen, why = choices.override(KEY, moving[0].name), 'the others stand still'
+    else:
+        chosen = choices.decide(KEY, options, 'The log has several bodies that move.')
+        why = choices.explain(KEY)
+    choices.add_reason('body', by_name[chosen].place.columns, chosen, why)
+    others = frozenset().union(*(one.words for one in bodies if one.name != chosen))
+    others -= by_name[chosen].words
+    return [group for group in groups if not _list_words(group) & others]
+
+
+def select_body_rows(
+    table: Mapping[str, Column], choices: DraftChoices
+) -> tuple[dict[str, Column], dict[str, Any]]:
+    """
+    Return the rows of the vehicle where those of several bodies follow each other, and `where`.
+
+    A column of names or numbers tells them apart, if the places of each change far less from row
+    to row than those of all.
+    """
+    for label in table:
+        labels, counts = np.unique(table[label], return_counts=True)
+        if not 2 <= len(labels) <= MOST_BODIES or counts.min() < FEWEST_ROWS:
+            continue
+        groups, _ = group_columns({
+            name: cells for name, cells in table.items()
+            if cells.dtype.kind in 'fiub' and name != label
+        })  # fmt: skip
+        place = next((group for group in groups if group.kind == 'position'), None)
+        if place is None or not _tells_apart(place.stack(table), table[label], labels):
+            continue
+        where = _choose_label(label, labels, place.stack(table), table[label], choices)
+        rows = table[label] == where
+        others = {name: cells[rows] for name, cells in table.items() if name != label}
+        return others, {label: where.item()}
+    return dict(table), {}
+
+
+def _tells_apart(rows: Numbers, cells: Column, labels: Column) -> bool:
+    """Return whether places change far less within the rows of one label than from row to row."""
+    alternates = np.mean(cells[1:] != cells[:-1]) > ALTERNATING
+    if not alternates or not np.isfinite(rows).any():
+        return False
+    within = max(_measure_step(rows[cells == label]) for label in labels)
+    return bool(_measure_step(rows) > FARTHER * within)
+
+
+def _measure_step(rows: Numbers) -> float:
+    return float(np.nanpercentile(np.linalg.norm(np.diff(rows, axis=0), axis=1), 75.0))
+
+
+def _choose_label(
+    column: str, labels: Column, rows: Numbers, cells: Column, choices: DraftChoices
+) -> Any:  # noqa: ANN401 - a number or a word
+    """Return the label of the vehicle: of the only body that moves, or as the user says."""
+    extents = {}
+    for label in labels:
+        low, high = np.nanpercentile(rows[cells == label], [2.0, 98.0], axis=0)
+        extents[str(label)] = float((high - low).max())
+    names = sorted(extents, key=lambda name: -extents[name])
+    moving = [name for name in names if extents[name] > STILL * extents[names[0]]]
+    options = [(name, f'moves over {extents[name]:.3g}') for name in names]
+    if len(moving) == 1 and KEY not in choices.answers:
+        chosen, why = choices.override(KEY, moving[0]), 'the others stand still'
+    else:
+        question = f'The rows of several bodies follow each other, by {column}.'
+        chosen = choices.decide(KEY, options, question)
+        why = choices.explain(KEY)
+    choices.add_reason('body', [column], chosen, why)
+    return next(label for label in labels if str(label) == chosen)
+
+
+def _list_bodies(groups: Sequence[ColumnGroup], table: Columns) -> list[TrackedBody]:
+    """Return the bodies whose positions a table has; estimates of one body count once."""
+    bodies: list[TrackedBody] = []
+    places = [group for group in groups if group.kind == 'position' and group.role != 'setpoint']
+    shared = frozenset.intersection(*map(_list_words, places)) if places else frozenset[str]()
+    for place in places:
+        rows = place.stack(table)
+        own = _list_words(place) - shared - COMMON
+        own = frozenset(word for word in own if not match_role([word]))
+        if not np.isfinite(rows).all(axis=1).any() or _is_held(rows):
+            continue
+        if any(_is_same(rows, one.place.stack(table)) for one in bodies):
+            continue
+        low, high = np.nanpercentile(rows, [2.0, 98.0], axis=0)
+        name = '_'.join(word for word in parse_column_name(place.columns[0]).stem if word in own)
+        bodies.append(TrackedBody(name, own, place, float((high - low).max())))
+    return bodies if all(one.words for one in bodies) else bodies[:1]
+
+
+def _list_words(group: ColumnGroup) -> frozenset[str]:
+    return frozenset(word for name in group.columns for word in parse_column_name(name).stem)
+
+
+def _is_held(rows: Numbers) -> bool:
+    """Return whether a place is a setpoint: it moves, and is mostly held."""
+    repeated = (np.diff(rows, axis=0) == 0.0).all(axis=1)
+    return bool(HELD < repeated.mean() < 1.0)
+
+
+def _is_same(rows: Numbers, others: Numbers) -> bool:
+    """Return whether two places are those of one body: they move alike."""
+    good = np.isfinite(rows).all(axis=1) & np.isfinite(others).all(axis=1)
+    if not good.any():
+        return False
+    apart = (rows - others)[good]
+    extent = float(np.ptp(rows[good], axis=0).max())
+    spread = float(np.sqrt(((apart - apart.mean(axis=0)) ** 2).sum(axis=1).mean()))
+    return spread < APART * extent

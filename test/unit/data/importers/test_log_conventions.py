@@ -1,0 +1,304 @@
+"""
+A log in any convention comes to the flight that it was written from, or is asked about.
+
+Each form is drafted from names and motion alone, imported with the draft, and compared with the
+truth: place, attitude, body velocity and body rates.
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from lta_data.bag.reader import read_bag
+from lta_data.bag.recorded_flight import open_flight
+from lta_data.importers.draft.draft_mapping import draft_mapping, MappingDraft
+from lta_data.importers.progress import ImportProgress
+from lta_data.importers.run import import_logs, ImportRequest
+import numpy as np
+from numpy.typing import NDArray
+import pytest
+from rich.console import Console
+from scipy.spatial.transform import Rotation
+
+from .lab_flights import lab_flight, three, write_csv
+
+Array = NDArray[np.float64]
+Flight = dict[str, Array]
+DEGREES = 180.0 / np.pi
+EPOCH = 1_700_000_000  # s
+
+
+class Form(NamedTuple):
+    """How a log is written, and which parts of the flight it has."""
+
+    write: Callable[[Flight], dict[str, Array]]
+    parts: str = 'pq'
+
+
+def turned(f: Flight) -> Rotation:
+    return Rotation.from_quat(f['q'])
+
+
+def world_velocity(f: Flight) -> Array:
+    return np.asarray(turned(f).apply(f['v']))
+
+
+def timed(f: Flight, **columns: Array) -> dict[str, Array]:
+    return {'t': f['t'], **columns}
+
+
+def place(f: Flight, name: str = '', scale: float = 1.0) -> dict[str, Array]:
+    return three(name, scale * f['p'])
+
+
+def angles(f: Flight, names: str = 'roll pitch yaw', signs: tuple[int, ...] = (1, 1, 1),
+           scale: float = DEGREES) -> dict[str, Array]:  # fmt: skip
+    return {n: s * scale * one for n, s, one in zip(names.split(), signs, f['rpy'].T, strict=True)}
+
+
+def quaternion(f: Flight, name: str = 'q', order: str = 'xyzw') -> dict[str, Array]:
+    return {f'{name}{axis}': f['q'][:, 'xyzw'.index(axis)] for axis in order}
+
+
+def compass(f: Flight) -> Array:
+    return np.asarray((90.0 - DEGREES * f['rpy'][:, 2]) % 360.0)
+
+
+def whole_and_rest(f: Flight, per_second: int, names: tuple[str, str]) -> dict[str, Array]:
+    count = np.round((f['t'] + EPOCH) * per_second).astype(np.int64)
+    return {names[0]: count // per_second, names[1]: count % per_second}
+
+
+def crazyflie(f: Flight) -> dict[str, Array]:
+    names = 'stabilizer.roll stabilizer.pitch stabilizer.yaw'
+    time = {'timestamp': np.round(1e3 * f['t']) + 99.0}
+    return time | place(f, 'stateEstimate.') | angles(f, names, (1, -1, 1))
+
+
+FORMS = {
+    # A sign of an angle
+    'Crazyflie names alone': Form(crazyflie),
+    'Crazyflie with its gyroscope': Form(
+        lambda f: crazyflie(f) | three('gyro.', DEGREES * f['w']) | three('acc.', f['a'] / 9.81)
+    ),
+    'pitch inverted, by the gyroscope': Form(
+        lambda f: timed(f) | place(f) | angles(f, signs=(1, -1, 1)) | three('w', f['w']), 'pqw'
+    ),
+    'pitch inverted, by the accelerometer': Form(
+        lambda f: timed(f) | place(f, scale=1e3) | angles(f, 'phi theta psi', (1, -1, 1), 1.0)
+        | three('acc_', f['a'] / 9.80665)
+    ),
+    'yaw inverted, by the gyroscope': Form(
+        lambda f: timed(f) | place(f) | angles(f, signs=(1, 1, -1)) | three('omega_', f['w']),
+        'pqw',
+    ),
+    'pitch inverted, by the body velocity': Form(
+        lambda f: timed(f) | place(f) | angles(f, signs=(1, -1, 1)) | three('v', f['v']), 'pqv'
+    ),
+    'a compass heading over east and north': Form(
+        lambda f: timed(f, east=f['p'][:, 0], north=f['p'][:, 1], altitude=f['p'][:, 2],
+                        heading=compass(f), roll=f['rpy'][:, 0] * DEGREES,
+                        pitch=f['rpy'][:, 1] * DEGREES)
+    ),
+    # Angles, rates and velocities by other names
+    'ang_vel': Form(
+        lambda f: timed(f) | place(f) | quaternion(f) | three('ang_vel_', f['w']), 'pqw'
+    ),
+    'angular speed in degrees': Form(
+        lambda f: timed(f) | place(f) | angles(f)
+        | three('AngularVelocity', DEGREES * f['w'], 'XYZ'), 'pqw',
+    ),
+    'rollrate': Form(
+        lambda f: timed(f) | place(f) | angles(f)
+        | dict(zip(('rollrate', 'pitchrate', 'yawrate'), f['w'].T, strict=True)), 'pqw',
+    ),
+    'rates in the world': Form(
+        lambda f: timed(f) | place(f) | quaternion(f) | three('omega_', turned(f).apply(f['w'])),
+        'pqw',
+    ),
+    'names that say nothing': Form(
+        lambda f: timed(f) | place(f) | quaternion(f) | three('foo_', f['w'])
+        | three('bar_', world_velocity(f)), 'pqvw',
+    ),
+    'p, q, r for angles': Form(
+        lambda f: timed(f) | place(f) | dict(zip('pqr', f['rpy'].T, strict=True)), 'pq'
+    ),
+    # Frames and units
+    'a state vector': Form(
+        lambda f: timed(f) | place(f) | angles(f, 'phi theta psi', scale=1.0)
+        | dict(zip('uvw', f['v'].T, strict=True)) | dict(zip('pqr', f['w'].T, strict=True)),
+        'pqvw',
+    ),
+    'a state vector in capitals, another order': Form(
+        lambda f: dict(zip('PQR', f['w'].T, strict=True)) | dict(zip('UVW', f['v'].T, strict=True))
+        | angles(f, 'PHI THETA PSI', scale=1.0) | place(f) | {'T': f['t']}, 'pqvw',
+    ),
+    'u, v, w in the world': Form(
+        lambda f: timed(f) | place(f) | quaternion(f)
+        | dict(zip('uvw', world_velocity(f).T, strict=True)), 'pqv',
+    ),
+    'body velocity in mm/s': Form(
+        lambda f: timed(f) | place(f, scale=1e3) | quaternion(f, order='wxyz')
+        | three('v', 1e3 * f['v']), 'pqv',
+    ),
+    'x and y beside an altitude': Form(
+        lambda f: timed(f, x=f['p'][:, 0], y=f['p'][:, 1], alt=f['p'][:, 2]) | quaternion(f)
+    ),
+    # Times
+    'seconds and nanoseconds': Form(
+        lambda f: whole_and_rest(f, 10**9, ('stamp.sec', 'stamp.nanosec')) | place(f)
+        | quaternion(f)
+    ),
+    'tv_sec and tv_usec': Form(
+        lambda f: quaternion(f) | place(f) | whole_and_rest(f, 10**6, ('tv_sec', 'tv_usec'))
+    ),
+    # Bodies
+    'a still body before the vehicle': Form(
+        lambda f: timed(f) | three('wand_', np.ones_like(f['p']))
+        | {f'wand_q{a}': np.full(len(f['t']), float(a == 'w')) for a in 'xyzw'}
+        | place(f, 'drone_') | quaternion(f, 'drone_q')
+    ),
+}  # fmt: skip
+
+
+def write_form(form: Form, path: Path) -> tuple[Flight, Path]:
+    f = lab_flight()
+    lines = form.write(f)
+    names = list(lines)
+    rows = zip(*(lines[name].tolist() for name in names), strict=True)
+    text = [','.join(names), *(','.join(map(repr, row)) for row in rows)]
+    path.write_text('\n'.join(text) + '\n')
+    return f, path
+
+
+def import_draft(draft: MappingDraft, source: Path, folder: Path) -> Any:
+    mapping = folder / 'mapping.yaml'
+    mapping.write_text(draft.text)
+    with ImportProgress(Console(quiet=True), 1) as progress:
+        import_logs(ImportRequest([source], str(mapping)), folder / 'out', progress)
+    flight = open_flight(read_bag(folder / 'out' / 'bag'), None)
+    topic = next(one for one in ('ground_truth/odom', 'odom') if one in flight.topics)
+    return flight.read_series(topic)
+
+
+@pytest.mark.parametrize('form', FORMS.values(), ids=FORMS)
+def test_a_log_in_any_convention_is_read_as_it_was_written(form: Form, tmp_path: Path) -> None:
+    f, source = write_form(form, tmp_path / 'log.csv')
+    draft = draft_mapping(source, {})
+    assert draft.choices.questions == []
+    series = import_draft(draft, source, tmp_path)
+    np.testing.assert_allclose(np.ptp(series.time), np.ptp(f['t']), atol=1e-3)
+    np.testing.assert_allclose(series.vector('pose.pose.position'), f['p'], atol=0.01)
+    attitude = Rotation.from_quat(series.vector('pose.pose.orientation'))
+    assert np.degrees((attitude.inv() * turned(f)).magnitude()).max() < 1.0
+    if 'v' in form.parts:
+        np.testing.assert_allclose(series.vector('twist.twist.linear'), f['v'], atol=0.01)
+    if 'w' in form.parts:
+        np.testing.assert_allclose(series.vector('twist.twist.angular'), f['w'], atol=0.02)
+
+
+def hover() -> Flight:
+    """Return a flight that stays within 0.3 m and hardly turns."""
+    t = np.arange(0.0, 40.0, 0.02)
+    rng = np.random.default_rng(8)
+    rpy = np.column_stack([0.04 * np.sin(1.7 * t), 0.05 * np.sin(1.1 * t), 0.4 * np.sin(0.2 * t)])
+    p = np.column_stack([0.14 * np.sin(0.5 * t), 0.12 * np.sin(0.4 * t), 1.2 + 0.1 * np.sin(t)])
+    turn = Rotation.from_euler('ZYX', rpy[:, ::-1])
+    pull = np.gradient(np.gradient(p, t, axis=0), t, axis=0) + np.array([0.0, 0.0, 9.80665])
+    force = turn.inv().apply(pull) + rng.normal(0.0, 0.03, p.shape)
+    return {'t': t, 'p': p, 'q': turn.as_quat(), 'rpy': rpy, 'a': force}
+
+
+def test_a_hover_shows_an_inverted_pitch_to_the_accelerometer(tmp_path: Path) -> None:
+    f = hover()
+    table = timed(f) | place(f) | angles(f, signs=(1, -1, 1)) | three('acc_', f['a'])
+    draft = draft_mapping(write_csv(tmp_path / 'log.csv', table), {})
+    assert draft.choices.questions == []
+    assert 'signs: [1, -1, 1]' in draft.text
+
+
+def test_a_unit_in_which_a_hover_would_be_a_flight_is_asked(tmp_path: Path) -> None:
+    f = hover()
+    table = timed(f) | place(f, scale=1e3) | quaternion(f)
+    (question,) = draft_mapping(write_csv(tmp_path / 'log.csv', table), {}).choices.questions
+    assert [name for name, _ in question.options] == ['cm', 'mm']
+
+
+@pytest.mark.parametrize('scale', [1.0, DEGREES])
+def test_an_inertial_sensor_may_have_other_axes_than_the_tracker(
+    scale: float, tmp_path: Path
+) -> None:
+    f = lab_flight()
+    down = np.array([1.0, -1.0, -1.0])
+    sensed = three('gyro_', scale * f['w'] * down) | three('acc_', f['a'] * down)
+    source = write_csv(tmp_path / 'log.csv', timed(f) | place(f) | quaternion(f) | sensed)
+    draft = draft_mapping(source, {})
+    assert draft.choices.questions == []
+    import_draft(draft, source, tmp_path)
+    imu = open_flight(read_bag(tmp_path / 'out' / 'bag'), None).read_series('imu')
+    np.testing.assert_allclose(imu.vector('angular_velocity'), f['w'], atol=1e-4)
+    np.testing.assert_allclose(imu.vector('linear_acceleration'), f['a'], atol=1e-4)
+
+
+def test_two_moving_bodies_are_asked_about_and_the_answer_selects_one(tmp_path: Path) -> None:
+    f = lab_flight()
+    other = f['p'][::-1] * [1.0, -1.0, 1.0]
+    table = timed(f) | place(f, 'blue_') | quaternion(f, 'blue_q')
+    table |= three('red_', other) | quaternion(f, 'red_q')
+    source = write_csv(tmp_path / 'log.csv', table)
+    (question,) = draft_mapping(source, {}).choices.questions
+    assert (question.key, {name for name, _ in question.options}) == ('body', {'blue', 'red'})
+    draft = draft_mapping(source, {'body': 'blue'})
+    series = import_draft(draft, source, tmp_path)
+    np.testing.assert_allclose(series.vector('pose.pose.position'), f['p'], atol=1e-3)
+
+
+@pytest.mark.parametrize(('label', 'bodies', 'second'), [
+    ('name', ('ship', 'rod'), 'still'), ('id', (4, 9), 'moving'),
+])  # fmt: skip
+def test_rows_of_several_bodies_that_follow_each_other(
+    label: str, bodies: tuple[Any, Any], second: str, tmp_path: Path
+) -> None:
+    f = lab_flight()
+    lines = [f't,{label},x,y,z,qx,qy,qz,qw']
+    for k, time in enumerate(f['t']):
+        other = [2.0, 1.0, 0.5] if second == 'still' else (-f['p'][-1 - k]).tolist()
+        for body, spot in zip(bodies, (f['p'][k], other), strict=True):
+            cells = [f'{one:.6f}' for one in (*spot, *f['q'][k])]
+            lines.append(f'{time:.3f},{body},' + ','.join(cells))
+    source = tmp_path / 'log.csv'
+    source.write_text('\n'.join(lines) + '\n')
+    asked = [one.key for one in draft_mapping(source, {}).choices.questions]
+    assert asked == ([] if second == 'still' else ['body'])
+    draft = draft_mapping(source, {'body': str(bodies[0])})
+    series = import_draft(draft, source, tmp_path)
+    np.testing.assert_allclose(series.vector('pose.pose.position'), f['p'], atol=1e-3)
+
+
+@pytest.mark.parametrize('factor', [1.0, 1e7])
+def test_a_fix_of_a_satellite_becomes_a_place_about_the_first(
+    factor: float, tmp_path: Path
+) -> None:
+    """One degree is 111.2 km north, and 75.4 km east at 47.4 degrees."""
+    f = lab_flight()
+    fix = {
+        'lat': np.round(factor * (47.4 + f['p'][:, 1] / 111_182.0), 9),
+        'lon': np.round(factor * (8.5 + f['p'][:, 0] / 75_489.0), 9),
+        'alt': (f['p'][:, 2] + 400.0) * (1.0 if factor == 1.0 else 1e3),
+    }
+    source = tmp_path / 'log.csv'
+    _, source = write_form(Form(lambda _: timed(f) | fix | quaternion(f)), source)
+    draft = draft_mapping(source, {})
+    assert draft.choices.questions == []
+    series = import_draft(draft, source, tmp_path)
+    moved = f['p'] - f['p'][0]
+    np.testing.assert_allclose(series.vector('pose.pose.position'), moved, atol=0.03)
+
+
+def test_a_question_about_the_floor_says_what_the_heights_are(tmp_path: Path) -> None:
+    f = lab_flight()
+    f['p'][:, 2] -= f['p'][:, 2].mean()
+    source = write_csv(tmp_path / 'log.csv', timed(f) | place(f) | quaternion(f))
+    (question,) = draft_mapping(source, {}).choices.questions
+    low, high = np.percentile(f['p'][:, 2], [2.0, 98.0])
+    assert f'z is {low:.3g} to {high:.3g} m' in question.reason
