@@ -130,10 +130,10 @@ def _maximize(
     bounds = np.maximum(bounds, (least - begin[0])[which])
     start = np.clip(np.zeros(len(which)), *bounds)
     # In the unit in which each number is known, as white noise is much better than slow forces
-    nudges = BEND * SPREAD[which]
+    slopes = measure(start)[1]
     bends = [
-        (measure(start + one)[1] - measure(start)[1])[k] / one[k]
-        for k, one in enumerate(np.diag(nudges))
+        (measure(start + one)[1] - slopes)[k] / one[k]
+        for k, one in enumerate(np.diag(BEND * SPREAD[which]))
     ]
     unit = 1.0 / np.sqrt(np.maximum(bends, SPREAD[which] ** -2.0))
 
@@ -162,7 +162,7 @@ def _measure_evidence(
         return [filter_run(*one, k) for k in range(len(one[0].runs))]
 
     runs = map_parallel(filter_whole, list(zip(flights, noise, strict=True)))
-    filtered = [sum_runs(each) for each in runs]
+    filtered = [sum_runs(each, len(values) + 1) for each in runs]
     sums = sum_likelihoods(filtered, prior, values)
     free = np.ix_(prior.free, prior.free)
     mean = np.zeros(len(values))

@@ -115,17 +115,19 @@ def filter_run(
     _filter_run(
         flight.step[inside], flight.push[inside], moved, off, known, flight.read[inside],
         flight.felt[inside], flight.count[inside], begun, *describe_noise(noise),
-        noise.white**2, *run,
+        noise.white**2, run.number, run.which, run.rows, run.lower, run.innovations, run.gains,
+        run.states, run.spread,
     )  # fmt: skip
     return run
 
 
-def sum_runs(runs: Sequence[FilteredRun]) -> FilteredFlight:
-    """Return the likelihood of runs of a flight, without forecasts."""
-    flat = [one.innovations.reshape(-1, one.innovations.shape[2]) for one in runs]
-    roots = [one.lower.diagonal(axis1=1, axis2=2) for one in runs]
-    log_determinant = 2.0 * sum(float(np.sum(np.log(one[one > 0.0]))) for one in roots)
-    products: Array = sum((one.T @ one for one in flat[1:]), flat[0].T @ flat[0])
+def sum_runs(runs: Sequence[FilteredRun], columns: int) -> FilteredFlight:
+    """Return the likelihood of the runs of a flight with some columns, without forecasts."""
+    products, log_determinant = np.zeros((columns, columns)), 0.0
+    for one in runs:
+        flat, roots = one.innovations.reshape(-1, columns), one.lower.diagonal(axis1=1, axis2=2)
+        products += flat.T @ flat
+        log_determinant += 2.0 * float(np.sum(np.log(roots[roots > 0.0])))
     none = np.zeros((0, 0, 0))
     return FilteredFlight(products, log_determinant, none, none, none)
 
@@ -144,8 +146,9 @@ def go_back(
     slopes = NoiseSlopes(*(np.zeros(n) for n in (FADING, FADING, FADING, channels)))
     fading = describe_noise(noise)[2]
     _go_back(
-        flight.step[begin:end], flight.push[begin:end], flight.count[begin:end], fading, *run,
-        states, spread, *slopes,
+        flight.step[begin:end], flight.push[begin:end], flight.count[begin:end], fading,
+        run.number, run.which, run.rows, run.lower, run.innovations, run.gains, run.states,
+        run.spread, states, spread, *slopes,
     )  # fmt: skip
     return states, spread, slopes
 

@@ -23,18 +23,6 @@ VALUES = {
     'tracker_delay.delay': 0.03,
 }
 
-NARROW = pytest.mark.xfail(
-    reason='the interval is too narrow: the value is off by 3 to 9 deviations'
-)
-OTHER = pytest.mark.xfail(reason='the thrust of the rotor in the file is blamed')
-FALSE = pytest.mark.xfail(reason='a turned tracker is named that is not turned')
-UNSOLVED = {
-    'rotor_fault.lost_3': OTHER,
-    'motor_lag': NARROW,
-    'motor_deadband.threshold': NARROW,
-    'command_delay.delay': NARROW,
-}
-
 
 def search(flights: list[MeasuredFlight]) -> MissingElements:
     vehicle = load_vehicle('gtmab')
@@ -64,9 +52,7 @@ def test_a_drag_that_only_a_tracker_has_seen_is_named_with_its_value() -> None:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(
-    'name', [pytest.param(name, marks=UNSOLVED.get(name, ())) for name in VALUES]
-)
+@pytest.mark.parametrize('name', VALUES)
 def test_each_of_several_effects_is_named_with_its_value(name: str) -> None:
     flights = [resample_flight(flown(CASES[name], seed)) for seed in (1, 2)]
     result = search(flights)
@@ -76,7 +62,7 @@ def test_each_of_several_effects_is_named_with_its_value(name: str) -> None:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize('seed', [pytest.param(1, marks=FALSE), 2])
+@pytest.mark.parametrize('seed', [1, 2])
 def test_nothing_is_named_in_a_vehicle_that_is_off_by_its_tolerances(seed: int) -> None:
     flights = [resample_flight(flown(off_by_tolerance(seed), k)) for k in (seed, seed + 10)]
     assert search(flights).present == ()
