@@ -13,10 +13,8 @@ from importlib.metadata import version
 import time
 
 from bench import Figure
-from lta_config.compilation.compiler import compile_functions
 from lta_vlc.diodes import build_even_ring
 from lta_vlc.direction import DirectionFinder
-from lta_vlc.direction_fit import fit_direction
 from lta_vlc.lamp import estimate_lamp_position, LampPrior
 from lta_vlc.receiver import BeaconReceiver
 from lta_vlc.settings import DemodulationSettings
@@ -55,12 +53,7 @@ def pace(taken: np.ndarray, work: Callable[[np.ndarray], object]) -> Callable[[]
 
 def seen(diodes: int) -> Callable[[np.ndarray], object]:
     """Return what makes a lamp estimate of a block."""
-    finder, prior = (
-        DirectionFinder(
-            build_even_ring(diodes, 0.07), compile_functions(fit_direction)[0], np.array
-        ),
-        LampPrior(),
-    )
+    finder, prior = DirectionFinder(build_even_ring(diodes, 0.07)), LampPrior()
     settings = DemodulationSettings()
     ears = BeaconReceiver(settings, SAMPLE_RATE, SAMPLES)
 

@@ -9,6 +9,7 @@ from lta_bridge.bag.storage import StorageFault
 from lta_bridge.provenance import describe_environment, read_commit
 from lta_config.errors import BadInput
 from lta_config.files import find_file
+from lta_data.data_quality.free_swing import require_commands
 from lta_discovery.calibration.calibrated_file import format_calibration_source
 from lta_discovery.calibration.calibrated_file import NAME as CALIBRATED
 from lta_discovery.calibration.first_step import (
@@ -98,6 +99,8 @@ def discover_effects(request: DiscoveryRequest, folder: Path, tell: Tell) -> Dis
     """
     vehicle = load_vehicle(request.vehicle)
     flights = read_bags(request.bags, request.robot, lambda name: tell(f'reading {name}', None))
+    for one in flights:
+        require_commands(one.name, one.recording)
     tell('checking data quality', None)
     sound = select_usable_flights(flights, vehicle)
     study = add_confusable(study_usable_flights(request, vehicle, sound, tell))

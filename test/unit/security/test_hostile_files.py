@@ -44,7 +44,8 @@ def attempt(sandbox, tmp_path):
         before = set(tmp_path.rglob('*'))
         told = sandbox.run([*words, path], folder)
         assert 'Traceback' not in told.err, told.err[-2000:]
-        assert told.status in (0, 2), (told.status, told.err[-500:])
+        # 1: a recording with faults, or one of which nothing could be judged
+        assert told.status in (0, 1, 2), (told.status, told.err[-500:])
         assert told.grown < MEMORY
         assert find_control(told.out + told.err) == set()
         left = set(tmp_path.rglob('*')) - before

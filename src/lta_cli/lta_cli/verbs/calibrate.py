@@ -4,7 +4,6 @@ from pathlib import Path
 from typing import Annotated
 
 from lta_cli.options.study_command import report_command, StudyRun
-from lta_data.data_quality.free_swing import require_commands
 from lta_discovery.calibration.run import calibrate_vehicle
 from lta_discovery.progress import DiscoverProgress
 from lta_report.report import Report
@@ -51,7 +50,6 @@ def calibrate(
 
     Example: lta calibrate --vehicle gtmab --train A B --confirm C
     """
-    require_commands([*train, *(confirm or [])], robot)
     with DiscoverProgress(run.console) as progress:
         return calibrate_vehicle(
             vehicle, {'train': train, 'confirm': confirm or []}, robot, progress.show_stage

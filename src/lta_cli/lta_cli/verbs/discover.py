@@ -12,7 +12,6 @@ from lta_cli.options.common_options import (
 )
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
-from lta_data.data_quality.free_swing import require_commands
 from lta_discovery.demo.demo import run_discovery_demo
 from lta_discovery.demo.hidden_effect import DemoEffect
 from lta_discovery.flights.bags import Role
@@ -137,7 +136,6 @@ def discover(
             planned = plan_separating_flight(vehicle, *between, scenario, tell=progress.show_stage)
         write_next_flight(planned, vehicle, folder, json, console)
         return
-    require_commands([path for paths in bags.values() for path in paths], robot)
     hidden = None
     with DiscoverProgress(console) as progress:
         if vehicle is None:

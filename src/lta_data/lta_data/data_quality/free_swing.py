@@ -5,17 +5,12 @@ A powered flight whose commands were not recorded also swings a little, in circl
 hover. A free swing goes nowhere, follows the law of a pendulum, and loses energy.
 """
 
-from collections.abc import Sequence
 import math
-from pathlib import Path
 from typing import Final
 
 from lta_config.errors import BadInput
-from lta_data.bag.bag_folder import find_bag
-from lta_data.bag.reader import read_bag
-from lta_data.bag.recorded_flight import open_flight
 from lta_data.data_quality.motion import collect_poses, PoseSeries
-from lta_data.data_quality.recording import ChannelRecording, read_recording
+from lta_data.data_quality.recording import ChannelRecording
 from lta_data.data_quality.smoothing import hann_kernel, interpolate_on_grid, smooth_columns
 from lta_data.even_grid import build_uniform_time_grid
 import numpy as np
@@ -36,19 +31,13 @@ SLOWEST: Final = 0.5  # angular frequency of a swing, at least [rad/s]
 LOST: Final = 0.8  # of the energy of its first third a swing has in its last, at most
 
 
-def require_commands(bags: Sequence[Path], robot: str | None) -> None:
-    """
-    Raise `BadInput` for a flight without commands that is not proved to be a free swing.
-
-    `bags`: bag folders, results folders or .mcap files. `robot`: whose flight it is.
-    """
-    for path in bags:
-        recording, _ = read_recording(open_flight(read_bag(find_bag(path)), robot))
-        if reason := explain_no_swing(recording):
-            raise BadInput(
-                f"'{path}' has no commands, and {reason}; record the commands of the rotors, too, "
-                'or release the vehicle by hand and let it swing on the spot.'
-            )
+def require_commands(flight: str, recording: ChannelRecording) -> None:
+    """Raise `BadInput` for a flight without commands that is not proved to be a free swing."""
+    if reason := explain_no_swing(recording):
+        raise BadInput(
+            f"'{flight}' has no commands, and {reason}; record the commands of the rotors, too, "
+            'or release the vehicle by hand and let it swing on the spot.'
+        )
 
 
 def explain_no_swing(recording: ChannelRecording) -> str:

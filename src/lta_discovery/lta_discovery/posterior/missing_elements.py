@@ -298,7 +298,7 @@ class MissingElementSearch:
         for one, weight in zip(ranked, weights, strict=True):
             for k in one.elements:
                 shares[k] = shares.get(k, 0.0) + float(weight)
-        present = []
+        present, named = [], best
         for choice in best.model:
             names = [choice.element, *_list_alike(search, best, choice)]
             among = [not one.elements.isdisjoint(names) for one in ranked]
@@ -313,6 +313,11 @@ class MissingElementSearch:
                 titles = tuple(self._elements[k].name for k in names)
                 kind = self._elements[names[0]].kind
                 present.append(PresentElement(titles, kind, probability, gain))
+                if names[0] != choice.element:
+                    named = search.exchange(named, choice, names[0])
+        if named is not best:
+            # The values are those of what is named
+            final = self._try_to_fit(final, named) or final
         present.sort(key=lambda one: -one.gain)
         return MissingElements(
             tuple(present),

@@ -99,7 +99,7 @@ class ModelSearch:
                 if ranked[0].model in exchanged:
                     return ranked
                 exchanged.add(ranked[0].model)
-                self._exchange(ranked[0])
+                self._extend_by_exchange(ranked[0])
 
     def _extend(self, one: ScoredModel) -> None:
         """Look at the models with one element more or less."""
@@ -109,7 +109,7 @@ class ModelSearch:
         for choice in one.model:
             self.score(one.model - {choice}, one.trust)
 
-    def _exchange(self, one: ScoredModel) -> None:
+    def _extend_by_exchange(self, one: ScoredModel) -> None:
         """Look at the models with another size of an element, or another one in its place."""
         for choice in one.model:
             less = one.model - {choice}
@@ -135,6 +135,15 @@ class ModelSearch:
         self._best = max(self._best, scores[chosen])
         self._scored[model] = ScoredModel(model, scores[chosen], chosen)
         return self._scored[model]
+
+    def exchange(self, one: ScoredModel, choice: ElementChoice, element: int) -> ScoredModel:
+        """Return a model with another element in the place of one, in its most probable size."""
+        less = one.model - {choice}
+        every = [
+            self.score(less | {ElementChoice(element, size)}, one.trust)
+            for size in self.elements[element].sizes
+        ]
+        return max(every, key=lambda each: each.log_posterior)
 
     def restrict(self, one: ScoredModel) -> RestrictedEvidence:
         """Return the evidence of a model."""

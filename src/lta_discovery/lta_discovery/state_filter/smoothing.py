@@ -99,9 +99,9 @@ def filter_run(
     inside = slice(begin, end)
     moved = np.concatenate([flight.moved[inside], flight.defect[inside, :, None]], axis=2)
     off = np.concatenate([-flight.read_moved[inside], flight.left[inside, :, None]], axis=2)
-    known = np.isfinite(flight.left[inside])
-    known[:, :POSE] &= flight.count[inside, None] > 0.0
-    off[~known] = 0.0
+    measured = np.isfinite(flight.left[inside])
+    measured[:, :POSE] &= flight.count[inside, None] > 0.0
+    off[~measured] = 0.0
     begun = np.pad(flight.begun[k], ((0, 0), (0, 1)))
     if mix is not None:
         moved, off, begun = moved @ mix, off @ mix, begun @ mix
@@ -113,7 +113,7 @@ def filter_run(
         np.zeros((count, SIZE, columns)), np.zeros((count, SIZE, SIZE)),
     )  # fmt: skip
     _filter_run(
-        flight.step[inside], flight.push[inside], moved, off, known, flight.read[inside],
+        flight.step[inside], flight.push[inside], moved, off, measured, flight.read[inside],
         flight.felt[inside], flight.count[inside], begun, *describe_noise(noise),
         noise.white**2, run.number, run.which, run.rows, run.lower, run.innovations, run.gains,
         run.states, run.spread,
@@ -158,17 +158,17 @@ def log_slopes(noise: NoiseModel, runs: NoiseSlopes) -> Array:
     first, _, fading = (each[BODY:] for each in describe_noise(noise))
     memory = np.concatenate([noise.memory, np.full(POSE, noise.correlation)])
     size = 2.0 * first * (runs.first + (1.0 - fading**2) * runs.added)
-    kept = (runs.fading - 2.0 * fading * first * runs.added)[: AXES + POSE]
-    kept *= fading[: AXES + POSE] * PERIOD / memory
+    lasting = (runs.fading - 2.0 * fading * first * runs.added)[: AXES + POSE]
+    lasting *= fading[: AXES + POSE] * PERIOD / memory
     white = 2.0 * noise.white[:POSE] ** 2 * runs.white[:POSE]
     half = AXES // 2
     tracker, wrench = slice(AXES, AXES + POSE), slice(0, AXES)
     return np.concatenate([
         white.reshape(2, half).sum(axis=1),
         size[tracker].reshape(2, half).sum(axis=1),
-        [kept[tracker].sum()],
+        [lasting[tracker].sum()],
         size[wrench],
-        kept[wrench].reshape(2, half).sum(axis=1),
+        lasting[wrench].reshape(2, half).sum(axis=1),
     ])  # fmt: skip
 
 
@@ -178,7 +178,7 @@ def _filter_run(
     push: Array,
     moved: Array,
     off: Array,
-    known: NDArray[np.bool_],
+    measured: NDArray[np.bool_],
     read: Array,
     felt: Array,
     count: Array,
@@ -202,8 +202,8 @@ def _filter_run(
     f = np.diag(fading)
     for k in range(len(step)):
         n = 0
-        for c in range(known.shape[1]):
-            if known[k, c]:
+        for c in range(measured.shape[1]):
+            if measured[k, c]:
                 which[k, n] = c
                 rows[k, n, :BODY] = read[k, c]
                 rows[k, n, BODY : BODY + AXES] = felt[k, c]

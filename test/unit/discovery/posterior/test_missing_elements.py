@@ -23,12 +23,6 @@ VALUES = {
     'tracker_delay.delay': 0.03,
 }
 
-UNSOLVED = {
-    'rotor_fault.lost_3': pytest.mark.xfail(
-        reason='the value is that of the thrust in the file, from which it cannot be told'
-    )
-}
-
 
 def search(flights: list[MeasuredFlight]) -> MissingElements:
     vehicle = load_vehicle('gtmab')
@@ -58,9 +52,7 @@ def test_a_drag_that_only_a_tracker_has_seen_is_named_with_its_value() -> None:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(
-    'name', [pytest.param(name, marks=UNSOLVED.get(name, ())) for name in VALUES]
-)
+@pytest.mark.parametrize('name', VALUES)
 def test_each_of_several_effects_is_named_with_its_value(name: str) -> None:
     flights = [resample_flight(flown(CASES[name], seed)) for seed in (1, 2)]
     result = search(flights)

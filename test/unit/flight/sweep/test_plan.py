@@ -206,7 +206,7 @@ def test_what_cannot_be_flown_is_said_before_the_first_flight(vary, words):
         ({'vary': {HEAVY: ['1 g']}, 'cases': {'a': {HEAVY: '2 g'}}}, 'in both "vary" and "cases"'),
         (
             {'vary': {HEAVY: {'choice': [1], 'normal': {'mean': 1, 'deviation': 1}}}},
-            'has 2 distributions; give exactly one of normal, uni',
+            'needs exactly one of "normal", "uniform"',
         ),
     ],
 )
