@@ -150,8 +150,7 @@ class FlightSystem:
         self.channels = POSE if flight.has_only_pose else len(CHANNELS)
         self._terms = np.zeros((len(flight.time), AXES, 0))
         self._wrench = np.zeros((len(flight.time), AXES))
-        inverse = NominalVehicle.from_vehicle(vehicle).build_model().inverse
-        self._inverse = np.array(inverse).reshape(AXES, AXES)
+        self._inverse: Array | None = None
 
     def with_parameters(self, parameters: Sequence[FreeParameter]) -> 'FlightSystem':
         """Return the flight with other assumptions about its parameters."""
@@ -190,6 +189,8 @@ class FlightSystem:
         better = np.isfinite(there).all(axis=1, keepdims=True)
         out._motion = np.where(better, there, self._motion)
         out._wrench = np.where(better, wrench, 0.0)
+        inverse = NominalVehicle.from_vehicle(self.vehicle).build_model().inverse
+        out._inverse = np.array(inverse).reshape(AXES, AXES)
         return out
 
     def linearize(
@@ -247,10 +248,12 @@ class FlightSystem:
     ) -> tuple[Array, Array, Array, Array, Array]:
         """Return the states within each period, and its step, push, moved and defect."""
         n, replay = len(motion), self.replay
-        # Unexplained wrenches are those on the vehicle of the file: of one that is lighter in all
-        # respects, which moves alike, they must not be smaller
-        inverse = about.rows.body[BODY_PLACES['inverse']].reshape(AXES, AXES)
-        wrench = self._wrench[:-1, None] @ np.linalg.solve(inverse, self._inverse).T
+        # About a smoothed motion, unexplained wrenches are those on the vehicle of the file: on
+        # one that is lighter in all respects, which moves alike, they must not be smaller. From
+        # afar, a calibration finds better values where they are those on the vehicle itself.
+        own = about.rows.body[BODY_PLACES['inverse']].reshape(AXES, AXES)
+        inverse = own if self._inverse is None else self._inverse
+        wrench = self._wrench[:-1, None] @ np.linalg.solve(own, inverse).T
         latent = np.repeat(wrench, replay.span, axis=1)
         begin = np.ascontiguousarray(motion[:-1])
         states = replay.integrate_pieces(about.rows, about.ready, begin, latent)
@@ -273,7 +276,7 @@ class FlightSystem:
                 for each in np.broadcast_to([[-nudge], [nudge]], (2, n - 1, WIDTH))
             ]
             step[:-1, :, k] = _change_between(*pair) / (2.0 * NUDGE[k])
-        push[:-1] = b @ self._inverse
+        push[:-1] = b @ inverse
         moved[:-1, :, list(about.moving)] = b @ answers
         # The wrench is part of the state, and counts from 0
         defect[:-1] = _change_between(motion[1:], end) - _apply(push, self._wrench)[:-1]
