@@ -83,7 +83,7 @@ class LinearFlight:
     count: Array  # number of poses that a reading is the mean of, shape (n,)
     runs: Sequence[tuple[int, int]]  # first and end of the parts in which the motion is known
     # How the state that poses show at the beginning of each run depends on the frames of tracker
-    # and markers, shape (R, 12, K)
+    # and markers, shape (R, 12, K); 0 until the motion is smoothed
     begun: Array
     nominal: NominalVehicle  # the vehicle of this point
 
@@ -231,8 +231,10 @@ class FlightSystem:
             )
             change = [(after[0] - before[0])[0], _rotation_between(before[1][0], after[1][0])]
             read_moved[:, :POSE, k] = np.concatenate(change, axis=1) / turn.step
-            pair = (transform_to_map(first, rows.acting) for rows in (turn.before, turn.after))
-            begun[..., k] = _change_between(*pair) / turn.step
+            # From afar, a calibration finds better values where the first state does not turn
+            if self._inverse is not None:
+                pair = (transform_to_map(first, rows.acting) for rows in (turn.before, turn.after))
+                begun[..., k] = _change_between(*pair) / turn.step
         if m > POSE:
             parts = (left, read, felt, read_moved)
             self._linearize_sensors(states, about, parts, (step, push, moved))
