@@ -150,7 +150,9 @@ class FlightSystem:
         self.channels = POSE if flight.has_only_pose else len(CHANNELS)
         self._terms = np.zeros((len(flight.time), AXES, 0))
         self._wrench = np.zeros((len(flight.time), AXES))
-        self._inverse: Array | None = None
+        self._is_smooth = False
+        inverse = NominalVehicle.from_vehicle(vehicle).build_model().inverse
+        self._inverse = np.array(inverse).reshape(AXES, AXES)
 
     def with_parameters(self, parameters: Sequence[FreeParameter]) -> 'FlightSystem':
         """Return the flight with other assumptions about its parameters."""
@@ -189,8 +191,7 @@ class FlightSystem:
         better = np.isfinite(there).all(axis=1, keepdims=True)
         out._motion = np.where(better, there, self._motion)
         out._wrench = np.where(better, wrench, 0.0)
-        inverse = NominalVehicle.from_vehicle(self.vehicle).build_model().inverse
-        out._inverse = np.array(inverse).reshape(AXES, AXES)
+        out._is_smooth = True
         return out
 
     def linearize(
@@ -232,7 +233,7 @@ class FlightSystem:
             change = [(after[0] - before[0])[0], _rotation_between(before[1][0], after[1][0])]
             read_moved[:, :POSE, k] = np.concatenate(change, axis=1) / turn.step
             # From afar, a calibration finds better values where the first state does not turn
-            if self._inverse is not None:
+            if self._is_smooth:
                 pair = (transform_to_map(first, rows.acting) for rows in (turn.before, turn.after))
                 begun[..., k] = _change_between(*pair) / turn.step
         if m > POSE:
@@ -254,7 +255,7 @@ class FlightSystem:
         # one that is lighter in all respects, which moves alike, they must not be smaller. From
         # afar, a calibration finds better values where they are those on the vehicle itself.
         own = about.rows.body[BODY_PLACES['inverse']].reshape(AXES, AXES)
-        inverse = own if self._inverse is None else self._inverse
+        inverse = self._inverse if self._is_smooth else own
         wrench = self._wrench[:-1, None] @ np.linalg.solve(own, inverse).T
         latent = np.repeat(wrench, replay.span, axis=1)
         begin = np.ascontiguousarray(motion[:-1])
