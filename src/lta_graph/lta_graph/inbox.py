@@ -23,7 +23,7 @@ class MessageSchedule(Protocol):
     """Schedule of due messages, as an inbox uses it."""
 
     def count_due(self, name: str, now_ns: int, lag: int) -> int:
-        """Return how many messages of a topic must have come at a control step."""
+        """Return how many messages of a topic are due by a control step."""
         ...
 
     def find_message_number(self, name: str, expected: int, stamp_ns: int) -> int:
@@ -39,7 +39,7 @@ class GridSchedule:
         self._table = table
 
     def count_due(self, name: str, now_ns: int, lag: int) -> int:
-        """Return how many messages of a topic must have come at a control step."""
+        """Return how many messages of a topic are due by a control step."""
         return self._table.count_due(name, now_ns, lag)
 
     def find_message_number(self, name: str, expected: int, stamp_ns: int) -> int:
@@ -65,7 +65,7 @@ class RecordedSchedule:
         self._control_ns = table.control_ns
 
     def count_due(self, name: str, now_ns: int, lag: int) -> int:
-        """Return how many messages of a topic must have come at a control step."""
+        """Return how many messages of a topic are due by a control step."""
         # Sorted due times, so this counts the messages due by then
         return bisect_right(self._due.get(name, ()), now_ns - lag * self._control_ns)
 

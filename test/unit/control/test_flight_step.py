@@ -139,7 +139,7 @@ def test_the_estimator_sees_the_duties_of_the_step_before(monkeypatch):
 
 
 def test_the_autopilot_is_the_same_step_compiled():
-    """Any readings, lost sensors among them: every number it remembers, to the bit."""
+    """Its memory equals that of the plain function bit by bit, also while sensors are lost."""
     generator, pilot, memory = np.random.default_rng(6), Autopilot(DRONE), DroneMemory()
     np.testing.assert_array_equal(duties(pilot.memory), NONE)
     for k in range(600):

@@ -129,7 +129,7 @@ def _energy_over_power(
     deviation: float,
     sign: float,
 ) -> TimeEstimate:
-    """Return energy by power; more charge makes it longer (`sign` 1) or shorter (-1)."""
+    """Return how long an energy lasts, with its error; `sign` is -1 if charge shortens it."""
     p, inverse = state.spread, state.mean[INVERSE]
     time = energy / power
     # Partial derivatives of the time by charge, inverse capacity and power

@@ -178,7 +178,7 @@ def rotor_misalignment(p: Values, memory: Values, motion: VehicleMotion, thrust:
 
 
 def tilt_wrench(first: float, second: float, thrust: float, body: Values, o: int) -> Wrench:
-    """Return the additional wrench of one tilted rotor, whose numbers begin at o of the body."""
+    """Return the wrench that a tilt adds to a rotor; `o` is its first index in `body`."""
     # Single numbers, because a slice of the body would be copied, at the cost of everything else.
     x, y, z = body[o], body[o + 1], body[o + 2]
     a, b, c = body[o + 3], body[o + 4], body[o + 5]

@@ -4,6 +4,7 @@ Convert topics of a bag to tables: one row per message, one column per numeric f
 `/tf#drone` is a separate table: the transforms of one child frame of a topic.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import (
     Callable,
     Collection,
@@ -231,14 +232,14 @@ def can_pass_unchanged(entry: TopicMapping, mapping: MappingFile, theirs: str, o
     return theirs == ours and not has_parts and not moved
 
 
-class BagTableLog:
+class BagTableLog(ABC):
     """Base of the bag readers: the tables that the mapping uses, built on opening."""
 
     _tables: Mapping[str, LogTable]
 
+    @abstractmethod
     def _iterate_decodable(self) -> Iterator[tuple[str, int, Decode]]:
         """Yield topic, log time in ns and a decoding function of every message."""
-        raise NotImplementedError
 
     def list_bodies(self, topic: str) -> list[str]:
         """Return the tables of the bodies in a topic, as '/tf#drone'."""
