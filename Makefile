@@ -14,7 +14,7 @@ export VEHICLE
 enter := root='$(CURDIR)' && . tools/workspace.sh
 sources := config src test examples tools conftest.py
 
-.PHONY: help demo build contract test test-fast test-long test-packages bench bench-compare flights hops trust wrong-imports calibration-trials same sensitivity classes plan rgblimp forecasts crazyflie odometry faults real-firmware ros2 firmware rehearsal end-to-end mutation chaos soak docs reference pictures lock check format clean
+.PHONY: help demo build contract test test-fast test-long test-packages bench bench-compare flights hops trust wrong-imports calibration-trials same challenge classes real-flights forecasts crazyflie odometry faults real-firmware ros2 firmware rehearsal end-to-end mutation chaos soak docs reference pictures lock check format clean
 
 help:  ## show this list
 	@sed -n 's/^\([a-z0-9-]*\):[^#]*## \(.*\)/  make \1|\2/p' Makefile | awk -F '|' '{ printf "%-18s %s\n", $$1, $$2 }'
@@ -64,8 +64,8 @@ wrong-imports: test-environment  ## score how often a wrong unit or axis in an i
 calibration-trials: test-environment  ## calibrate vehicles with hidden calibrations, and count what is found (ARGS='--cases 100': an hour; resumes)
 	@$(enter) && .venv/bin/python test/score/calibration_trials.py $(ARGS)
 
-sensitivity: test-environment  ## double and halve each threshold of discovery, and see what changes (hours; ARGS='--only selection')
-	@$(enter) && .venv/bin/python test/score/sensitivity.py $(ARGS)
+challenge: test-environment  ## hide effects in flights of an independent simulator and score discovery (ARGS='--seed 1 --n 30': an hour; resumes)
+	@$(enter) && nice .venv/bin/python test/challenge/score.py $(ARGS)
 
 hops: test-environment  ## count the files, calls and returns of one step of each node (ARGS='navigator': list its calls)
 	@$(enter) && .venv/bin/python test/score/hops.py $(ARGS)
@@ -76,11 +76,8 @@ same: test-environment  ## compare simulations, commands and studies with their 
 classes: test-environment  ## compute which effects are indistinguishable (a minute)
 	@$(enter) && .venv/bin/python test/score/classes.py $(ARGS)
 
-plan: test-environment  ## score planned flights that should decide between two names (minutes)
-	@$(enter) && .venv/bin/python test/score/plan.py $(ARGS)
-
-rgblimp: test-environment  ## score forecasts of RGBlimp's real flights; writes docs/discovery_flights.md (minutes)
-	@$(enter) && nice .venv/bin/python test/score/rgblimp.py $(ARGS)
+real-flights: test-environment  ## study real flights of two blimps; writes docs/discovery_flights.md (ten minutes)
+	@$(enter) && nice .venv/bin/python test/score/real_flights.py $(ARGS)
 
 forecasts: test-environment  ## compare calibrated forecasts of real and simulated flights with two simple peers; writes docs/forecasts.md (half an hour; ARGS='--sets rgblimp')
 	@$(enter) && nice .venv/bin/python test/score/forecast_peers.py $(ARGS)

@@ -3,10 +3,11 @@ Write the CSV files of an afternoon with an unfamiliar blimp, as a motion-captur
 
     (root=$PWD; . tools/workspace.sh; .venv/bin/python examples/blimp_afternoon.py afternoon)
 
-The blimp is commanded by forces and moments. It comes from the independent simulator of `lta
-challenge`, which shares no code with the models of LTA. It differs from the vehicle file gtmab by
-what blimps differ in: 0.3 of the commanded forward force arrives, the pendulum is 40 % faster, the
-marker frame is 3 to 15 degrees off, and 0 to 50 mN of lift are different in each flight.
+The blimp is commanded by forces and moments. It comes from the independent simulator in
+test/challenge, which shares no code with the models of LTA. It differs from the vehicle file
+gtmab by what blimps differ in: 0.3 of the commanded forward force arrives, the pendulum is 40 %
+faster, the marker frame is 3 to 15 degrees off, and 0 to 50 mN of lift are different in each
+flight.
 
 `afternoon/tests` gets the tests and free flights, `afternoon/unseen` a step and flights that check
 the result, and `truth.json` what was hidden.
@@ -18,14 +19,18 @@ from dataclasses import replace
 import json
 import math
 from pathlib import Path
+import sys
 
-from lta_challenge.other.flight import FlightSimulator, TICK
-from lta_challenge.other.sensors import SensorSet
-from lta_challenge.other.truth import build_vehicle_truth, VehicleTruth
-from lta_challenge.other.wrench_flight import WrenchActuators, WrenchPilot
 from lta_model.vehicle import load_vehicle
 import numpy as np
 from scipy.spatial.transform import Rotation
+
+sys.path.append(str(Path(__file__).resolve().parents[1] / 'test'))
+
+from challenge.flight import FlightSimulator, TICK
+from challenge.sensors import SensorSet
+from challenge.truth import build_vehicle_truth, VehicleTruth
+from challenge.wrench_flight import WrenchActuators, WrenchPilot
 
 Draw = np.random.Generator
 LOWER = 1.4  # distance of the centre of gravity below the hull centre, relative to the file

@@ -11,12 +11,11 @@ UNIT: Final = Path(__file__).resolve().parent / 'unit'
 PACKAGE_TESTS: Final = {
     'lta_analysis': ('data/bag/test_table.py',),
     'lta_bridge': ('bridge',),
-    'lta_challenge': ('challenge',),
     'lta_cli': ('cli', 'security'),
     'lta_config': ('config', 'sim/test_flat.py', 'sim/test_kernel_cache.py'),
     'lta_control': ('control',),
     'lta_data': ('data',),
-    'lta_discovery': ('discovery',),
+    'lta_discovery': ('challenge', 'discovery'),
     'lta_emulation': (
         'bridge/crazyflie/test_crazyflie_flight.py',
         'bridge/crazyflie/test_emulated.py',

@@ -30,7 +30,6 @@ from lta_report.screenshots import write_pictures
 write_pictures(Path(sys.argv[1]), Path(sys.argv[2]))
 ' "$made/$name"/*.html "$made/$name.pictures"
     cp "$made/$name.pictures/$picture.png" "docs/images/$name.png"
-    [ ! -f "$made/$name/animation.svg" ] || cp "$made/$name/animation.svg" "docs/images/$name.svg"
 }
 
 compared() {
@@ -41,7 +40,8 @@ compared() {
 
 draw quick flight top ./lta fly --seed 1 --out
 draw quick compare top compared
-draw quick discover top ./lta discover --demo --seed 5 --out
+./lta discover --demo --seed 5 --out "$made/discover"
+cp "$made/discover/picture.svg" docs/images/discover.svg
 draw quick platforms top ./lta platforms --seeds 2 --out
 draw quick cells top ./lta cells --out
 draw quick energy_budget top ./lta energy budget --out

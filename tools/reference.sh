@@ -17,6 +17,5 @@ write verbs.md python -P -m lta_cli.reference verbs
 write parameters.md python -P -m lta_cli.reference parameters
 write vehicles.md python -P -m lta_cli.reference vehicles
 write vehicle_keys.md python -P -m lta_cli.reference vehicle_keys
-write discovery_thresholds.md python -P -m lta_cli.reference thresholds
 write images/graph.svg python -P -m lta_cli.reference graph
 python test/score/hardware_pages.py

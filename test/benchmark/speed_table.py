@@ -50,8 +50,7 @@ ABOUT: Final = {
     'reading.one_topic': 'reading one topic of it',
     'reading.rare_topic': 'reading a rare topic of it',
     'tables.one_topic': 'Odometry as columns',
-    'discover.look_180': 'discovery: a flight of 180 s fitted and every candidate tested; the '
-    'peer, a regression, is often wrong',
+    'discover.search_120': 'discovery: the search in two flights of 120 s, processor time',
     'command.help': '`lta --help`, processor time',
     'command.simulate': '`lta simulate`, a flight of 21 s with bag and page, processor time, warm '
     'cache',

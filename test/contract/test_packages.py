@@ -23,7 +23,6 @@ FOLDERS = [ROOT / 'config', *sorted(path.parent for path in ROOT.glob('src/*/set
 NAMES = {
     'lta_analysis',
     'lta_bridge',
-    'lta_challenge',
     'lta_cli',
     'lta_config',
     'lta_control',
@@ -91,7 +90,8 @@ CONDUCTORS = {  # start a graph and listen to it, record a flight as one, or ask
 }
 
 OPTIONAL = {'mavsdk', 'pvlib', 'pybamm'}  # what a test skips without
-HELPERS = {path.stem for path in (ROOT / 'test').rglob('*.py')} | {'oracle', 'vlc'} | OPTIONAL
+FOLDERS_OF_TESTS = {'challenge', 'oracle', 'vlc'}
+HELPERS = {path.stem for path in (ROOT / 'test').rglob('*.py')} | FOLDERS_OF_TESTS | OPTIONAL
 MODULES = 25  # of one folder
 CODE = re.compile(r'(from [\w.]+ )?import [\w., ]+\n')  # a line of code that is written to a file
 

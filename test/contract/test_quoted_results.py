@@ -7,7 +7,6 @@ command stores the new one, this test fails, and the page has to follow:
 - test/golden/paper_full.json: `./lta reproduce`
 - test/same/frozen/commands.csv: `make same ARGS=--freeze`
 - test/golden/mission_summer.json: `./lta mission greenhouse_summer --seeds 5 --json`, less `page`
-- docs/discovery_flights.md, between the marks: `make rgblimp`
 """
 
 import csv
@@ -97,12 +96,6 @@ QUOTES = {
         '| windy_field, {hull_8:.2f} m/s, expected wind 1 m/s |',
     ),
     'docs/validation.md': ('0.3 m is {hull_8:.2f} m/s at the hull',),
-    'README.md': (
-        'the position error of the authors\' model by {less_3s:.0f} % after 3 s and by'
-        ' {less_5s:.0f} % after 5 s',
-        'All {regimes} left-out regimes are predicted better, at worst with {worst:.2f} of the'
-        ' error.',
-    ),
 }  # fmt: skip
 POWER = re.compile(r'(?<![\d.])(\d+(?:\.\d+)?) (?:mW|W|kJ|minutes)(?![\w/])')
 # What the paper prints, what a vehicle file says, and what follows from a data sheet
@@ -176,20 +169,6 @@ def lived(net):
     return found
 
 
-def forecast():
-    """Return what the named effects gain on RGBlimp's flights, and in the worst regime."""
-    page = (ROOT / 'docs/discovery_flights.md').read_text(encoding='utf-8')
-    tables = re.search(r'<!-- rgblimp: begin -->(.*)<!-- rgblimp: end -->', page, re.DOTALL)[1]
-    ratio = re.search(r'\| named effects \| \d+ \| [\d. /]+ \| ([\d.]+) / ([\d.]+) \|', tables)
-    worst = re.findall(r'^\| (?:prop|mov).* at .* \| \d+ \| ([\d.]+) \|', tables, re.MULTILINE)
-    return {
-        'less_3s': 100.0 * (1.0 - float(ratio[1])),
-        'less_5s': 100.0 * (1.0 - float(ratio[2])),
-        'regimes': len(worst),
-        'worst': max(map(float, worst)),
-    }
-
-
 def frozen():
     """Return what hovering does to a cell, and at what light the array supplies loads. [klx]"""
     with (ROOT / 'test/same/frozen/commands.csv').open(encoding='utf-8', newline='') as file:
@@ -211,7 +190,7 @@ def frozen():
 @pytest.fixture(scope='module')
 def stored():
     values = reproduced()
-    return values | lived(values) | forecast() | frozen()
+    return values | lived(values) | frozen()
 
 
 def fill(quote, stored):

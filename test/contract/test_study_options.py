@@ -9,10 +9,11 @@ from typer.main import get_command
 
 OUTPUT = {'--out', '--json', '--no-page', '--pictures'}
 COMPUTING = {'--workers', '--scheduler', '--quick', '--retry-failed'}
-# Each computes one thing in seconds, so there is nothing to share out, shorten or resume
+# Each computes one thing, so there is nothing to share out, shorten or resume
 REPORTS = {
-    'calibrate', 'cells', 'compare', 'energy breakeven', 'hardware light', 'light calibrate',
-    'light link', 'replay', 'tests plan', 'tests read',
+    'calibrate', 'cells', 'compare', 'discover', 'effects try', 'energy breakeven',
+    'hardware light', 'light calibrate', 'light link', 'replay', 'tests between', 'tests plan',
+    'tests read',
 }  # fmt: skip
 
 

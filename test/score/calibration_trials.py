@@ -28,30 +28,31 @@ import time
 import traceback
 from typing import Any, Final, NamedTuple
 
-from lta_challenge.other.calibration_case import (
+from challenge.calibration_case import (
     CalibrationCase,
     draw_calibration,
     generate_calibration_case,
     misstate_thrusts,
     SECONDS,
 )
-from lta_challenge.other.effect_injection import HIDINGS
-from lta_challenge.other.wrench_flight import Course
-from lta_challenge.recording import write_bag
+from challenge.effect_injection import HIDINGS
+from challenge.recording import write_bag
+from challenge.wrench_flight import Course
 from lta_config.files import find_file
 from lta_discovery.calibration.calibrated_file import format_calibrated_vehicle
 from lta_discovery.calibration.calibration import calibrate_flights
 from lta_discovery.calibration.result import Calibration, find_main_score, ForecastScore
 from lta_discovery.calibration.scores import score_forecasts
-from lta_discovery.fit.bounds import apply_parameters
+from lta_discovery.discovery.conclusion import draw_conclusion
+from lta_discovery.discovery.forecast_comparison import COASTING
+from lta_discovery.discovery.run import DiscoveryRequest, study_usable_flights
+from lta_discovery.discovery.study import Discovery, TUNED
 from lta_discovery.flights.bags import read_bags, Role
 from lta_discovery.flights.usable_flights import select_usable_flights, UsableFlights
 from lta_discovery.model.calibration_parameters import list_calibration_parameters
 from lta_discovery.model.nominal import NominalVehicle
-from lta_discovery.model.parameters import NET_LIFT
-from lta_discovery.page.verdict_text import format_headline
-from lta_discovery.run import DiscoveryRequest, study_usable_flights
-from lta_discovery.selection.equivalence_classes import load_class_map
+from lta_discovery.model.parameters import apply_parameters, NET_LIFT
+from lta_discovery.planning.equivalence_classes import load_class_map
 from lta_discovery.state_filter.forecasts import forecast_flights, list_flight_parameters
 from lta_discovery.state_filter.noise_model import average_noise
 from lta_model.effects.protocol import AXES
@@ -220,7 +221,7 @@ def study_closed_loop(seed: int, number: int) -> Row:
         found = calibrate_flights(vehicle, str(path), usable.flights, lambda _what, _part: None)
         study = study_usable_flights(
             DiscoveryRequest(str(path), bags), vehicle, usable, lambda _what, _part: None
-        ).finding
+        )[0]
         return {
             'course': course,
             'draught': number % 2 == 1,
@@ -228,14 +229,13 @@ def study_closed_loop(seed: int, number: int) -> Row:
             'values': list_intervals(case, found),
             'scores': encode_score(find_main_score(found.scores['confirm'])),
             'oracle': score_oracle(case, vehicle, usable, found),
-            'verdict': study.verdict,
-            'named': [knob for effect in study.effects for knob in effect.knobs],
-            'unexplained': list(study.unexplained),
+            'verdict': draw_conclusion(study).verdict,
+            'named': list_names(study),
             'calibrated': study.calibration is not None,
             'final': [
-                (gap.after, gap.coast)
-                for gap in study.gaps
-                if gap.channel == 'position' and gap.horizon_s == AHEAD
+                (one.errors[TUNED].position, one.errors[COASTING].position)
+                for one in study.comparison.scores
+                if one.horizon == AHEAD
             ],
             'cpu_s': time.process_time() - began,
         }
@@ -292,6 +292,11 @@ def draw_effect(seed: int, number: int) -> dict[str, float]:
     return {name: float(size * draw.choice(hiding.signs))}
 
 
+def list_names(study: Discovery) -> list[str]:
+    """Return the names of effects and numbers in a study."""
+    return [one.present.names[0] for one in study.named if one.estimates]
+
+
 def study_case(seed: int, number: int) -> Row:
     """Return what discovery finds in a case, after a calibration and with a right file."""
     hidden, row = draw_effect(seed, number), dict[str, Any]()
@@ -302,18 +307,18 @@ def study_case(seed: int, number: int) -> Row:
             usable = select_usable_flights(read_bags(bags), vehicle)
             request = DiscoveryRequest(str(path), bags)
             began = time.process_time()
-            study = study_usable_flights(request, vehicle, usable, lambda _what, _part: None)
-            found = study.finding
+            study = study_usable_flights(request, vehicle, usable, lambda _what, _part: None)[0]
+            conclusion = draw_conclusion(study)
             one = load_class_map('pose' if is_driven(number) else 'wrench')
-            named = [knob for effect in found.effects for knob in effect.knobs]
+            named = list_names(study)
             row[kind] = {
-                'verdict': found.verdict,
+                'verdict': conclusion.verdict,
                 'named': named,
                 # Effects that poses cannot distinguish count as one
                 'right': {one.get(each, each) for each in named}
                 == {one.get(each, each) for each in hidden},
-                'calibrated': found.calibration is not None,
-                'headline': format_headline(found),
+                'calibrated': study.calibration is not None,
+                'headline': conclusion.headline,
                 'cpu_s': time.process_time() - began,
             }
     return {'hidden': hidden, **row}

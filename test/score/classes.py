@@ -1,7 +1,7 @@
 """
 Derive which names no data of a kind can tell apart: `make classes` (a minute).
 
-Writes `classes.yaml` beside `lta_discovery.selection.equivalence_classes`, and
+Writes `classes.yaml` beside `lta_discovery.planning.equivalence_classes`, and
 `docs/discovery_classes.md`.
 With --check nothing is written: exit status 1 if the file is not what is derived now.
 """
@@ -15,13 +15,13 @@ from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import list_free_parameters
 from lta_discovery.planning import class_derivation
 from lta_discovery.planning.class_derivation import EffectSeparability
-from lta_discovery.selection.equivalence_classes import DataKindClasses, FILE, FrozenClasses
+from lta_discovery.planning.equivalence_classes import DataKindClasses, FILE, FrozenClasses
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import yaml
 
 ROOT = Path(__file__).resolve().parents[2]
-TABLE = ROOT / 'src/lta_discovery/lta_discovery/selection' / FILE.name
+TABLE = ROOT / 'src/lta_discovery/lta_discovery/planning' / FILE.name
 PAGE = ROOT / 'docs/discovery_classes.md'
 NEAR = 0.9  # of a cosine, from which a pair is listed
 TOLD = {
@@ -138,7 +138,7 @@ def main() -> int:
         sys.stdout.write('as derived\n' if same else 'not as derived: run make classes\n')
         return 0 if same else 1
     head = (
-        '# Derived by `make classes`; see discovery/selection/equivalence_classes.py. '
+        '# Derived by `make classes`; see discovery/planning/equivalence_classes.py. '
         'Not to be edited.\n'
     )
     text = yaml.safe_dump(kept.model_dump(), sort_keys=False, width=120, default_flow_style=None)

@@ -1,10 +1,10 @@
 """
 Estimate battery sag from published Crazyflie flights: `make crazyflie`.
 
-A quadrotor has no righting moment, so a replay without its controller diverges within a second,
-and pieces of 6 s give no result. Instead, the force along the body axis, which the accelerometer
-measures, is compared with the thrust curve: does the ratio follow the voltage within a flight,
-with a drift in time as a second regressor, and between flights? Takes seconds.
+A quadrotor has no righting moment, so a model without its controller diverges within a second.
+Instead, the force along the body axis, which the accelerometer measures, is compared with the
+thrust curve: does the ratio follow the voltage within a flight, with a drift in time as a second
+regressor, and between flights? Takes seconds.
 Writes docs/discovery_flights.md.
 """
 
@@ -16,13 +16,7 @@ import warnings
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_config.schema.vehicle_file import load_vehicle_file
-from lta_discovery.flights.measured_flight import FlightStreams, PERIOD, resample_flight, Stream
-from lta_discovery.flights.windows import cut_into_pieces
 from lta_discovery.model.nominal import NominalVehicle
-from lta_discovery.replay.flight_linearizer import FlightLinearizer
-from lta_discovery.replay.linearized_flight import unchanged_vehicle_point
-from lta_discovery.replay.replay import FlightReplay, STEPS
-from lta_discovery.replay.sensing import SensorPlaces
 from lta_model.vehicle import Vehicle
 import numpy as np
 from numpy.typing import NDArray
@@ -36,10 +30,8 @@ BEGIN, END = '<!-- crazyflie: begin -->', '<!-- crazyflie: end -->'
 SECOND: Final = 100  # rows; all is averaged over one
 FLYING: Final = 0.3  # m; lower it may stand on the floor
 TURNING: Final = 0.1  # duty of every motor; less is a start or a landing
-HORIZONS: Final = (0.4, 1.0)  # s
 MOTORS: Final = [f'motor_motor_m{i}' for i in (1, 2, 3, 4)]
 FIRMWARE: Final = {'battery_compensation', 'battery_sag', 'thrust_polynomial'}
-POSE: Final = ['px', 'py', 'pz', 'qx', 'qy', 'qz', 'qw']
 
 
 @final
@@ -97,27 +89,6 @@ def by_pwm() -> Vehicle:
     return Vehicle(file.model_copy(update={'effects': effects, 'thrust_curve': curve}))
 
 
-def lost(path: Path) -> list[float]:
-    """Return how far a replay without a controller is off at HORIZONS. [m]"""
-    vehicle, table = by_pwm(), pd.read_csv(path)
-    time = table['t'].to_numpy(dtype=np.float64)
-    duty = Stream(time - time[0], np.nan_to_num(table[MOTORS].to_numpy() / 65535.0))
-    pose = Stream(time - time[0], table[POSE].to_numpy(dtype=np.float64))
-    flight = resample_flight(FlightStreams(pose, duty, floor=FLYING))
-    replay = FlightReplay(flight, cut_into_pieces(flight), vehicle.pack_command(()))
-    line = FlightLinearizer(replay, [], SensorPlaces.from_vehicle(vehicle, 101325.0))
-    with np.errstate(all='ignore'):
-        states = line.simulate_trajectory(
-            unchanged_vehicle_point(NominalVehicle.from_vehicle(vehicle), [], replay.cut)
-        )[:, ::STEPS]
-    out = []
-    for horizon in HORIZONS:
-        at = round(horizon / PERIOD)
-        off = states[:, at, :3] - flight.position[replay.cut.first + at]
-        out.append(float(np.nanmedian(np.linalg.norm(off, axis=-1))))
-    return out
-
-
 def main() -> None:
     """Score, print and write."""
     if not DATA.is_dir():
@@ -142,13 +113,7 @@ def main() -> None:
     volts = np.log([np.mean(one.voltage) for one in flights])
     ratios = np.log([np.mean(one.ratio) for one in flights])
     between = np.polyfit(volts, ratios, 1)[0]
-    off = lost(paths[-1])
-    text += [
-        '',
-        f'Between the {len(flights)} flights the exponent is {between:.2f}. Replayed without its '
-        f'controller, {flights[-1].name} is {off[0]:.2f} m off after {HORIZONS[0]} s and '
-        f'{off[1]:.2f} m after {HORIZONS[1]:.0f} s (medians).',
-    ]
+    text += ['', f'Between the {len(flights)} flights the exponent is {between:.2f}.']
     sys.stdout.write('\n'.join(text) + '\n')
     page = PAGE.read_text(encoding='utf-8')
     head, _, rest = page.partition(BEGIN)

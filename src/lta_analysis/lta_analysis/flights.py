@@ -7,12 +7,14 @@ from typing import Any
 
 from lta_config.parameter_override import parse_assignment
 from lta_data.bag.recording import open_recording, RobotRecording
+from lta_discovery.discovery.run import discover_effects, DiscoveryRequest
 from lta_discovery.forecast_study import build_report, study_forecasts
-from lta_discovery.run import discover_effects, DiscoveryRequest
 from lta_flight.flight_run import SilentObserver
 from lta_flight.flight_spec import build_loop, load_spec
 from lta_flight.report.results import compute_results
 from lta_flight.simulate import simulate_closed_loop, simulate_once, SimulationRequest
+from lta_report.report_output import PAGE, write_report
+from lta_report.results_folder import stage_results
 
 
 def simulate(
@@ -83,7 +85,7 @@ def discover(
     out: Path | str = 'runs/discover',
 ) -> dict[str, Any]:
     """
-    Find the effect that a vehicle file lacks, as `lta discover`.
+    Find what a vehicle file lacks, as `lta discover`.
 
     Returns
     -------
@@ -96,8 +98,10 @@ def discover(
         for role, paths in (('train', train), ('confirm', confirm), ('holdout', holdout))
     }
     request = DiscoveryRequest(vehicle, bags)  # type: ignore[arg-type]
-    result = discover_effects(request, Path(out), lambda _words, _share: None)
-    return dict(result.data)
+    report = discover_effects(request, lambda _words, _share: None)
+    with stage_results(Path(out), PAGE) as folder:
+        write_report(report, folder)
+    return dict(report.data)
 
 
 def forecast(

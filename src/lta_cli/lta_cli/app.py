@@ -93,13 +93,6 @@ VEHICLE: Final = VerbGroup(
         'urdf': Verb('vehicle.urdf', 'urdf'),
     },
 )
-CHALLENGE: Final = VerbGroup(
-    'Generate test flights with hidden effects and score how well discovery finds them.',
-    {
-        'make': Verb('challenge.make', 'make'),
-        'score': Verb('challenge.score', 'score'),
-    },
-)
 BAG: Final = VerbGroup(
     'Inspect, check, plot, repair and export recordings.',
     {
@@ -132,10 +125,11 @@ ENERGY: Final = VerbGroup(
     },
 )
 TESTS: Final = VerbGroup(
-    'Plan the tests of an afternoon that calibrate a vehicle, and read their logs.',
+    'Plan the tests that calibrate a vehicle, read their logs, and tell two effects apart.',
     {
         'plan': Verb('tests.plan', 'plan'),
         'read': Verb('tests.read', 'read'),
+        'between': Verb('tests.between', 'between'),
     },
 )
 CFD: Final = VerbGroup(
@@ -187,7 +181,6 @@ VERBS: Final[dict[str, Verb | VerbGroup]] = {
     'tests': TESTS,
     'calibrate': Verb('calibrate', 'calibrate', several=('--train', '--confirm')),
     'discover': Verb('discover', 'discover', several=('--train', '--confirm', '--holdout')),
-    'challenge': CHALLENGE,
     'import': Verb('import_', 'import_'),
     'report': Verb('report', 'report'),
     'reproduce': Verb('reproduce', 'reproduce'),

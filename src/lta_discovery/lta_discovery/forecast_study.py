@@ -24,7 +24,7 @@ from lta_discovery.calibration.verdict import format_error
 from lta_discovery.flights.bags import read_bags
 from lta_discovery.flights.role_assignment import Role
 from lta_discovery.flights.usable_flights import CALIBRATED, select_usable_flights
-from lta_discovery.page.formatting import DEGREES, format_number
+from lta_discovery.formatting import DEGREES, format_number
 from lta_discovery.state_filter.forecasts import (
     APART,
     FlightForecasts,

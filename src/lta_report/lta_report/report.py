@@ -124,7 +124,7 @@ class Report:
     closing: Sequence[str] = ()  # lines that only the terminal shows, after the headline
     json_name: str = ''  # name of the JSON file; the last word of the command by default
     # Further files of the results folder: name and content
-    outputs: Mapping[str, str] = field(default_factory=dict)
+    outputs: Mapping[str, str | bytes] = field(default_factory=dict)
     status: int = 0  # exit status of the command
     # 3-D view above all blocks and its time bar, as HTML, and the curves of its cursor
     scene: str = ''

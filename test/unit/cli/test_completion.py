@@ -71,7 +71,7 @@ def bag(tmp_path):
         ('lta effects try munk', ['munk_moment']),
         ('lta effects try munk_moment --se', ['--seed']),
         ('lta eff', ['effects']),
-        ('lta discover --between munk', ['munk_moment']),
+        ('lta tests between munk', ['munk_moment']),
         ('lta simulate --set vehicle.trim.h', ['vehicle.trim.heaviness=']),
         ('lta simulate --set mission.des.sc', ['mission.des.scan=']),
         ('lta simulate --set scenario.room.s', ['scenario.room.size=']),

@@ -5,8 +5,7 @@ from dataclasses import replace
 
 from lta_config.topics import load_topic_table
 from lta_control.cascade import Setpoint
-from lta_discovery.flights.measured_flight import FlightStreams, resample_flight, Stream
-from lta_discovery.flights.windows import cut_into_pieces
+from lta_discovery.flights.measured_flight import FlightStreams, Stream
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter, list_free_parameters
 from lta_discovery.model.quaternions import (
@@ -14,9 +13,6 @@ from lta_discovery.model.quaternions import (
     quaternion_product,
     rotation_matrix,
 )
-from lta_discovery.replay.flight_linearizer import FlightLinearizer
-from lta_discovery.replay.replay import FlightReplay
-from lta_discovery.replay.sensing import estimate_floor_pressure, SensorPlaces
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_spec import build_vehicle_scenario_stack, load_spec
 from lta_model.vehicle import load_vehicle, Vehicle
@@ -142,16 +138,6 @@ def nominal() -> tuple[NominalVehicle, list[FreeParameter]]:
     """Return the GT-MAB as its file has it, and its knobs."""
     vehicle = NominalVehicle.from_vehicle(load_vehicle('gtmab'))
     return vehicle, list_free_parameters(vehicle)
-
-
-def prepared(streams: FlightStreams, turned: list[FreeParameter]) -> FlightLinearizer:
-    """Return a flight ready to be linearised."""
-    vehicle, flight = load_vehicle('gtmab'), resample_flight(streams)
-    replay = FlightReplay(flight, cut_into_pieces(flight), vehicle.pack_command(()))
-    places = SensorPlaces.from_vehicle(vehicle, 101325.0)
-    return FlightLinearizer(
-        replay, turned, SensorPlaces.from_vehicle(vehicle, estimate_floor_pressure(flight, places))
-    )
 
 
 def _stream(rows: list[tuple[float, ...]]) -> Stream:

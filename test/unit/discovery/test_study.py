@@ -1,110 +1,266 @@
-"""A study says what is missing, by how much, and what it is worth on a flight it has not seen."""
+"""A study names what is missing and says what it is worth; its conclusion follows from both."""
 
-from lta_config.errors import BadInput
-from lta_discovery.calibration.first_step import calibrate_first
-from lta_discovery.flights.measured_flight import resample_flight
-from lta_discovery.forecast.held_out import count_learning_pieces
-from lta_discovery.study import DiscoveryStudy, study_flights
+from collections.abc import Sequence
+from dataclasses import replace
+import math
+from pathlib import Path
+from typing import Any
+
+from lta_config.files import find_file
+from lta_discovery.discovery.conclusion import draw_conclusion
+from lta_discovery.discovery.forecast_comparison import ForecastComparison
+from lta_discovery.discovery.overlay import build_overlay
+from lta_discovery.discovery.picture import draw_picture
+from lta_discovery.discovery.report import build_report
+from lta_discovery.discovery.run import format_learned_vehicle
+from lta_discovery.discovery.study import (
+    Discovery,
+    estimate_numbers,
+    FILE,
+    NAMED,
+    NamedElement,
+    study_flights,
+    TUNED,
+    WRITTEN,
+)
+from lta_discovery.flights.measured_flight import MeasuredFlight, resample_flight
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.posterior.missing_elements import MissingElements, PresentElement
+from lta_discovery.state_filter.forecasts import FlightForecasts
+from lta_discovery.state_filter.linear_flight import FlightSystem
+from lta_discovery.state_filter.noise_model import NoiseModel, wrench_floor
 from lta_model.vehicle import load_vehicle
+from lta_report.report_page import render_report
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
 import numpy as np
 import pytest
 
-from .hidden_cases import CASES, off_by_tolerance
+from .hidden_cases import CASES
 from .hidden_flight import flown
 
-ROLES = ('train', 'confirm', 'holdout')
-LENGTH = 44.0  # s
-TRUTH = 0.03  # N s/m
+Known = tuple[NominalVehicle, list[FreeParameter]]
+DRAG = 'linear_drag.surge'
+MODELS = (FILE, TUNED, NAMED, WRITTEN)
+GOOD = (0.3, 0.2, 0.05, 0.1)  # m; errors of these models along x
+COAST = 0.5  # m
+FORECAST = 'vehicle_file'  # topic
 
 
-# Half a minute; test_discover.py finds the same by the command, and reads it from its results.
-LONG = pytest.mark.long
+def forecast(flight: MeasuredFlight, error: float, coast: float = COAST) -> FlightForecasts:
+    """Return forecasts every 1.5 s whose position is off by an error along x at each horizon."""
+    starts = np.arange(flight.time[0] + 1.0, flight.time[-1] - 4.0, 1.5)
+    errors = np.zeros((len(starts), 2, 6))
+    coasting = errors.copy()
+    errors[..., 0], coasting[..., 0] = error, coast
+    return FlightForecasts(starts, (1.0, 3.0), errors, coasting, np.zeros(len(starts)))
 
 
-@pytest.fixture(scope='module')
-def studied() -> DiscoveryStudy:
-    """A vehicle within its tolerances, but for a linear drag that its file does not have."""
-    changes = {**off_by_tolerance(5), **CASES['linear_drag.surge']}
-    flights = [
-        (f'flight {k}', role, resample_flight(flown(changes, 500 + k, LENGTH)))
-        for k, role in enumerate(ROLES)
-    ]
-    return study_flights(load_vehicle('gtmab'), flights, seed=1)
-
-
-@LONG
-def test_the_hidden_effect_is_named_with_an_interval_about_the_truth(
-    studied: DiscoveryStudy,
-) -> None:
-    found = studied.finding
-    assert found.verdict == 'named'
-    assert [effect.name for effect in found.effects] == ['linear_drag']
-    (effect,) = found.effects
-    assert effect.knobs == ('linear_drag.surge',)
-    assert effect.confusable_with == ()
-    assert effect.log_evidence > 50.0
-    (value,) = effect.parameters
-    assert (value.name, value.unit, value.before) == ('surge', 'N s/m', 0.0)
-    low, high = value.ci95
-    assert low - 0.001 < TRUTH < high + 0.001
-    assert high - low < 0.3 * TRUTH
-    assert studied.learned.parameter_value('linear_drag', 'surge') == value.value
-    assert studied.learned.mass == studied.nominal.mass
-
-
-@LONG
-def test_the_ladder_ends_with_a_round_in_which_nothing_is_accepted(
-    studied: DiscoveryStudy,
-) -> None:
-    ladder = studied.finding.ladder
-    assert [sum(rung.accepted for rung in rungs) for rungs in ladder] == [1, 0, 0]
-    assert ladder[0][0].knob == 'linear_drag.surge'
-    # What the removal costs is what both flights won, less what they share of the tolerances.
-    won = ladder[0][0].train + ladder[0][0].confirm
-    assert studied.finding.effects[0].log_evidence == pytest.approx(won, rel=0.25)
-
-
-@LONG
-def test_the_gap_of_the_held_out_flight_shrinks_and_coast_is_far_off(
-    studied: DiscoveryStudy,
-) -> None:
-    found = studied.finding
-    gaps = {(gap.channel, gap.horizon_s): gap for gap in found.gaps}
-    assert found.held_out
-    assert {horizon for _, horizon in gaps} == {1.0, 2.0, 3.0, 5.0}
-    far = gaps['position', 5.0]
-    assert far.after < 0.6 * far.tuned < 0.6 * far.before < 0.1 * far.coast
-    assert far.shrink == pytest.approx(1.0 - far.after / far.before)
-    assert far.shrink_ci95[0] < far.shrink < far.shrink_ci95[1]
-    (shown,) = studied.comparisons
-    flight = shown.study_flight.flight
-    assert 1 < far.pieces <= len(flight.replay.first) - count_learning_pieces(flight)
-    sides = [gaps[axis, 5.0].after for axis in 'xyz']
-    assert far.after == pytest.approx(float(np.linalg.norm(sides)))
-
-
-def test_a_flight_too_short_for_two_pieces_is_refused() -> None:
-    short = resample_flight(flown({}, 7, 3.6))  # of which 2 s are warm-up
-    with pytest.raises(BadInput, match='Record more or longer flights'):
-        study_flights(load_vehicle('gtmab'), [('a', 'train', short), ('b', 'confirm', short)])
-
-
-def test_lifts_that_differ_by_flight_call_for_no_other_file() -> None:
-    """The file is right; the ballast differs between flights, by up to 12 mN."""
-    vehicle = load_vehicle('gtmab')
-    flights = []
-    for k, (role, lift) in enumerate((('train', 0.0), ('train', -0.012), ('confirm', 0.0))):
-        ballast = {'vehicle.effects.net_lift.force': {'value': lift, 'unit': 'N'}}
-        flights.append((f'flight {k}', role, resample_flight(flown(ballast, 520 + k, 30.0))))
-    first = calibrate_first(vehicle, 'gtmab', flights, lambda _what, _part: None)
-    assert first.calibration is None
-    low, high = (one.value for one in first.lifts)
-    assert high - low == pytest.approx(0.012, abs=0.001)
-    fixed, free = (
-        study_flights(vehicle, flights, 1, has_own_lifts=own).finding for own in (False, True)
+def make_study(
+    known: Known,
+    flight: MeasuredFlight,
+    present: Sequence[PresentElement] = (PresentElement((DRAG,), 'effect', 1.0, 41.0),),
+    errors: Sequence[float] = GOOD,
+    coast: float = COAST,
+    wrench: float = 1.0,
+    possible: Sequence[PresentElement] = (),
+) -> Discovery:
+    """Return a study put together by hand; `wrench`: unexplained one, in noise floors."""
+    nominal, parameters = known
+    values, covariance = np.zeros(len(parameters)), np.zeros((len(parameters),) * 2)
+    k = [one.name for one in parameters].index(DRAG)
+    values[k], covariance[k, k] = 0.03, 0.002**2
+    guess = NoiseModel.guess(nominal, flight)
+    noise = (replace(guess, wrench=wrench * wrench_floor(nominal)),)
+    none = (np.zeros((len(flight.time), 6)),)
+    missing = MissingElements(
+        tuple(present), tuple(possible), {DRAG: 0.99, 'quadratic_drag.surge': 0.03},
+        tuple(parameters), values, covariance, noise, none, 0.0 * values, noise, none, 1.0, (), (),
+    )  # fmt: skip
+    estimates = tuple(estimate_numbers(nominal, parameters[k], 0.03, 0.002))
+    named, maybe = (
+        tuple(NamedElement(one, estimates if one.kind == 'effect' else (), {}) for one in each)
+        for each in (present, possible)
     )
-    # No calibration can mend what the next flight does not have
-    assert [text.split(':')[0] for text in fixed.offsets] == ['net lift of flight 1']
-    assert free.offsets == ()
-    assert free.verdict == 'none'
-    assert free.unexplained == ()
+    numbers = any(one.kind == 'effect' for one in present)
+    names = MODELS if numbers else MODELS[:2]
+    forecasts = {
+        name: [forecast(flight, error, coast)]
+        for name, error in zip(names, errors[: len(names)], strict=True)
+    }
+    learned = parameters[k].apply_to(nominal, 0.03) if numbers else nominal
+    return Discovery(
+        load_vehicle('gtmab'), nominal, learned,
+        {'A': ('train', flight), 'B': ('holdout', flight)}, ('A',), missing, named, maybe,
+        ForecastComparison(('B',), (flight,), forecasts), True, ('A warning.',), None,
+    )  # fmt: skip
+
+
+def test_a_name_that_forecasts_need_is_advised(gtmab: Known, clean: FlightSystem) -> None:
+    one = draw_conclusion(make_study(gtmab, clean.flight))
+    assert one.verdict == 'named'
+    assert one.headline == 'The vehicle file lacks linear drag (surge) 0.0300 N s/m.'
+    assert one.details == (
+        'Position error 3 s ahead on held-out flights: 30 cm with the vehicle file, 20 cm with '
+        'its tolerances fitted, 5 cm with what is named as well.',
+    )
+    assert one.writes_file
+    assert one.advice.startswith('Use the corrected vehicle file')
+
+
+def test_what_cannot_be_told_apart_is_in_the_headline(gtmab: Known, clean: FlightSystem) -> None:
+    names = (DRAG, 'quadratic_drag.surge')
+    study = make_study(gtmab, clean.flight, [PresentElement(names, 'effect', 1.0, 41.0)])
+    one = draw_conclusion(study)
+    assert one.headline.endswith('linear drag (surge) 0.0300 N s/m or quadratic drag (surge).')
+    assert '--plan' in one.advice
+
+
+@pytest.mark.parametrize(
+    ('present', 'errors', 'coast', 'wrench', 'verdict', 'words'),
+    [
+        ((), GOOD, COAST, 1.0, 'none', 'nothing that the vehicle file lacks'),
+        ((), GOOD, COAST, 2.6, 'unexplained', 'A force in surge of 1 mN (RMS) acts'),
+        (('sway by heading',), GOOD, COAST, 1.0, 'unexplained', 'describes: sway by heading.'),
+        ((DRAG,), (0.3, 0.2, 0.1, 0.4), COAST, 1.0, 'named', 'lacks linear drag'),
+        ((DRAG,), GOOD, 0.04, 1.0, 'not_identifiable', 'inconclusive: linear drag (surge) 0.0300'),
+    ],
+)
+def test_the_conclusion_follows_from_names_and_forecasts(
+    gtmab: Known, clean: FlightSystem, present: Sequence[str], errors: Sequence[float],
+    coast: float, wrench: float, verdict: str, words: str,
+) -> None:  # fmt: skip
+    """Only a name whose file forecasts no worse than the old one is written."""
+    elements = [
+        PresentElement((name,), 'effect' if name == DRAG else 'force', 1.0, 41.0)
+        for name in present
+    ]
+    one = draw_conclusion(make_study(gtmab, clean.flight, elements, errors, coast, wrench))
+    assert one.verdict == verdict
+    assert words in one.headline
+    assert not one.writes_file
+
+
+def test_beside_an_unknown_force_a_name_is_only_possible(
+    gtmab: Known, clean: FlightSystem
+) -> None:
+    force = PresentElement(('sway by heading',), 'force', 1.0, 41.0)
+    drag = PresentElement((DRAG, 'quadratic_drag.surge'), 'effect', 1.0, 20.0)
+    study = make_study(gtmab, clean.flight, [force], possible=[drag])
+    one = draw_conclusion(study)
+    assert one.verdict == 'unexplained'
+    assert one.details[0] == (
+        'Beside it, linear drag (surge) 0.0300 N s/m or quadratic drag (surge) may be missing, '
+        'too.'
+    )
+    assert not one.writes_file
+    report = build_report(study, one, 'gtmab', (), ())
+    assert isinstance(report.data, dict)
+    assert report.data['effects'] == []
+    (maybe,) = report.data['possible']
+    assert (maybe['knobs'], maybe['log_evidence']) == ([DRAG], 20.0)
+    assert 'What may be missing' in render_report(report)
+
+
+def test_errors_and_their_ratio_are_those_of_the_forecasts(
+    gtmab: Known, clean: FlightSystem
+) -> None:
+    """Constant errors have a ratio without scatter."""
+    comparison = make_study(gtmab, clean.flight).comparison
+    assert comparison.main is not None
+    assert comparison.main.horizon == 3.0
+    assert comparison.main.errors[NAMED].position == pytest.approx(0.05)
+    ratio = comparison.compare(NAMED, TUNED)
+    assert ratio.value == pytest.approx(0.25)
+    few = len(np.unique(comparison.forecasts[NAMED][0].starts // 10.0)) < 4
+    assert math.isnan(ratio.ci95[0]) if few else ratio.ci95 == pytest.approx((0.25, 0.25))
+
+
+def test_a_flight_too_short_for_forecasts_has_names_without_errors(
+    gtmab: Known, clean: FlightSystem
+) -> None:
+    study = make_study(gtmab, clean.flight)
+    study = replace(study, comparison=ForecastComparison(('B',), (clean.flight,), {}))
+    conclusion = draw_conclusion(study)
+    assert (conclusion.verdict, conclusion.details) == ('named', ())
+    report = build_report(study, conclusion, 'gtmab', (), ())
+    assert isinstance(report.data, dict)
+    assert report.data['gaps'] == []
+    assert report.headline in render_report(report)
+    assert draw_picture(conclusion, study.comparison) == ''
+
+
+def test_the_picture_has_a_bar_for_each_model(gtmab: Known, clean: FlightSystem) -> None:
+    study = make_study(gtmab, clean.flight)
+    picture = draw_picture(draw_conclusion(study), study.comparison)
+    for words in (*MODELS, 'coasting', '5 cm', '50 cm', 'linear drag (surge)'):
+        assert f'>{words}' in picture or words in picture
+    assert picture.count('<rect') == len(MODELS) + 1
+
+
+def test_the_report_has_the_same_numbers_everywhere(gtmab: Known, clean: FlightSystem) -> None:
+    study = make_study(gtmab, clean.flight)
+    report = build_report(study, draw_conclusion(study), 'gtmab', (), ('Another warning.',))
+    assert isinstance(report.data, dict)
+    (one,) = report.data['effects']
+    assert (one['knobs'], one['log_evidence']) == ([DRAG], 41.0)
+    surge = one['parameters']['surge']
+    assert surge['value'] == pytest.approx(0.03)
+    assert surge['ci95'] == pytest.approx([0.03 - 1.96 * 0.002, 0.03 + 1.96 * 0.002])
+    far = next(each for each in report.data['gaps'] if each['horizon_s'] == 3.0)
+    assert [far[key] for key in ('before', 'tuned', 'after', 'written', 'coast')] == (
+        pytest.approx([*GOOD, COAST])
+    )
+    page = render_report(report)
+    for words in ('0.0300 N s/m', '41 nats', 'A warning.', 'Another warning.', report.headline):
+        assert words in page
+
+
+def test_the_learned_file_has_the_name_and_nothing_else(
+    gtmab: Known, clean: FlightSystem, tmp_path: Path
+) -> None:
+    path = tmp_path / 'vehicle.yaml'
+    text = find_file('vehicle', 'gtmab').read_text(encoding='utf-8')
+    path.write_text(format_learned_vehicle(text, make_study(gtmab, clean.flight)))
+    assert 'surge 0.0300 N s/m, 95 % 0.0261 to 0.0339' in path.read_text()
+    read = NominalVehicle.from_vehicle(load_vehicle(str(path)))
+    assert read.parameter_value('linear_drag', 'surge') == pytest.approx(0.03)
+    assert read.mass == gtmab[0].mass
+    assert read.parameter_value('linear_drag', 'heave') == gtmab[0].parameter_value(
+        'linear_drag', 'heave'
+    )
+
+
+def test_the_overlay_has_what_was_measured_and_forecast(
+    gtmab: Known, clean: FlightSystem, tmp_path: Path
+) -> None:
+    """By a reader of somebody else's: each forecast is off by its error."""
+    path = tmp_path / 'overlay.mcap'
+    path.write_bytes(build_overlay(make_study(gtmab, clean.flight).comparison, {}))
+    seen: dict[str, dict[int, Any]] = {}
+    with path.open('rb') as stream:
+        reader = make_reader(stream, decoder_factories=[DecoderFactory()])
+        for _, channel, message, content in reader.iter_decoded_messages():
+            seen.setdefault(channel.topic, {})[message.log_time] = content
+    assert {'/B/measured', f'/B/{FORECAST}', f'/B/{FORECAST}/error'} <= set(seen)
+    for time, off in seen[f'/B/{FORECAST}/error'].items():
+        a, b = (seen[f'/B/{kind}'][time].pose.pose.position for kind in (FORECAST, 'measured'))
+        assert off.vector.x == pytest.approx(a.x - b.x) == pytest.approx(-0.3)
+
+
+@pytest.mark.long
+def test_a_hidden_drag_is_named_with_its_value_and_shrinks_the_error() -> None:
+    roles = ('train', 'confirm', 'holdout')
+    flights = [
+        (f'flight {k}', role, resample_flight(flown(CASES[DRAG], 500 + k, 44.0)))
+        for k, role in enumerate(roles)
+    ]
+    study = study_flights(load_vehicle('gtmab'), flights)
+    assert [one.present.names for one in study.named] == [(DRAG,)]
+    (value,) = study.named[0].estimates
+    assert value.ci95[0] < 0.03 < value.ci95[1]
+    assert study.comparison.main is not None
+    errors = study.comparison.main.errors
+    assert errors[NAMED].position < 0.6 * errors[TUNED].position
+    assert errors[WRITTEN].position < errors[FILE].position

@@ -8,7 +8,7 @@ import sys
 
 from lta_config.atomic_file import PART_SUFFIX, release_folders
 from lta_config.errors import BadInput
-from lta_discovery.results.overlay import format_topic_names
+from lta_discovery.discovery.overlay import format_topic_names
 from lta_report.results_folder import check_creatable, resolve_folder, stage_results
 import pytest
 

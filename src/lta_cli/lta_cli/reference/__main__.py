@@ -11,7 +11,6 @@ PAGES = {  # page name to path below docs/, as `make reference` writes them
     'parameters': 'parameters.md',
     'vehicles': 'vehicles.md',
     'vehicle_keys': 'vehicle_keys.md',
-    'thresholds': 'discovery_thresholds.md',
     'graph': 'images/graph.svg',
 }
 

@@ -26,7 +26,6 @@ VALUES = {
         '--mount': 'mount',
         '--mapping': 'import mapping',
         '--cell': 'cell',
-        '--between': 'effect',
         '--topic': 'topic',
         '--topics': 'topic',
         'CHANNEL...': 'topic',
@@ -47,6 +46,7 @@ VALUES = {
     'lta reproduce': {'NAMES': 'row of the paper'},
     'lta effects': {'NAME': 'effect or try'},
     'lta effects try': {'NAME': 'effect'},
+    'lta tests between': {'FIRST': 'effect', 'SECOND': 'effect'},
 }
 
 

@@ -34,17 +34,17 @@ source of every bound. `name_1..` means one parameter per rotor.
 
 LAW = """
 ## A law without a name
-What no effect of the library describes, `lta discover` can describe by a law: a sum of products of
-measured quantities, which a vehicle file holds as data in its block `law`. It flies like an
-effect, as a force or moment about the hull centre: in the compiled kernel, in batches, on a GPU
-and in the graph. `lta vehicle show` prints it as a formula, and `lta effects new NAME --from
-RUN` writes a skeleton of an effect that computes the same, to be turned into the equations of the
-cause (unless its hidden state depends on the thrust). `lta discover` proposes a law
-([Laws](discovery.md#laws)), and replays a file that has one.
+What no effect of the library describes, a vehicle file can hold as a law: a sum of products of
+measured quantities in its block `law`. It flies like an effect, as a force or moment about the
+hull centre: in the compiled kernel, in batches, on a GPU and in the graph. `lta vehicle show`
+prints it as a formula, and `lta effects new NAME --from RUN` writes a skeleton of an effect that
+computes the same, to be turned into the equations of the cause (unless its hidden state depends
+on the thrust). [`lta discover`](discovery.md) names such a force by what it follows, and leaves
+the law to you.
 
 ```yaml
 law:
-  source: lta discover from runs/a, runs/b
+  source: fitted to runs/a, runs/b
   terms:
   - axis: yaw                                 # surge sway heave roll pitch yaw, map_x map_y map_z
     coefficient: -3.1e-4

@@ -2,24 +2,22 @@
 
 from typing import Annotated
 
-from lta_challenge.effect_trial import choose_trial_effect
-from lta_cli.options.common_options import check_picture_output, Json, Out, Pictures, plain_console
-from lta_cli.verbs.discover import show_result
+from lta_cli.options.study_command import report_command, StudyRun
 from lta_discovery.demo.demo import discover_hidden_effect
+from lta_discovery.demo.trial_effect import choose_trial_effect
 from lta_discovery.progress import DiscoverProgress
-from lta_report.results_folder import check_creatable, resolve_folder
+from lta_report.report import Report
 import typer
 
 
+@report_command('effects-try')
 def try_(
+    run: StudyRun,
     name: Annotated[
         str, typer.Argument(help='Effect, or one of its parameters, such as cg_offset.x.')
     ],
     seed: Annotated[int, typer.Option(help='Random seed of the flights.', min=0, max=2**20)] = 1,
-    out: Out = None,
-    pictures: Pictures = None,
-    json: Json = False,
-) -> None:
+) -> Report:
     """
     Hide an effect in simulated flights that excite it, and discover it.
 
@@ -29,11 +27,6 @@ def try_(
 
     Example: lta effects try motor_deadband
     """
-    console = plain_console(stderr=json)
-    check_picture_output(pictures)
     hidden = choose_trial_effect(name)
-    folder = resolve_folder(out, f'effects-{name}')
-    check_creatable(folder)
-    with DiscoverProgress(console) as progress:
-        result = discover_hidden_effect(hidden, seed, folder, progress.show_stage)
-    show_result(result, hidden, folder, console, pictures, json=json)
+    with DiscoverProgress(run.console) as progress:
+        return discover_hidden_effect(hidden, seed, run.folder, progress.show_stage)

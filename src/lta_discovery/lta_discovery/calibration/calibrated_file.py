@@ -8,10 +8,10 @@ from lta_config.files import parse_yaml
 from lta_config.vehicle_edit import set_yaml_values
 from lta_discovery.calibration.result import CalibratedValue, Calibration
 from lta_discovery.calibration.reversed_thrust import split_by_duty
+from lta_discovery.changed_quantities import list_changed_quantities, VehicleFileQuantity
+from lta_discovery.formatting import format_with_interval
 from lta_discovery.model.calibration_parameters import reversed_column
 from lta_discovery.model.nominal import NominalVehicle
-from lta_discovery.page.formatting import format_with_interval
-from lta_discovery.results.learned_file import list_changed_quantities, VehicleFileQuantity
 from lta_model.effects.protocol import AXES
 from lta_model.mass_properties import MassElement, MassProperties
 from lta_model.propulsion import geometric_column, RotorModel

@@ -15,14 +15,13 @@ from lta_discovery.calibration.prepared_flights import (
 from lta_discovery.calibration.result import CalibratedValue, Calibration, ForecastScore, WIDE
 from lta_discovery.calibration.reversed_thrust import state_by_duty
 from lta_discovery.calibration.scores import forecast_role, relative_error, score_forecasts
-from lta_discovery.fit.bounds import apply_parameters
 from lta_discovery.flights.role_assignment import Role
 from lta_discovery.model.calibration_parameters import (
     HEADING,
     ordinary_tolerances,
 )
 from lta_discovery.model.nominal import NominalVehicle
-from lta_discovery.model.parameters import FreeParameter, NET_LIFT
+from lta_discovery.model.parameters import apply_parameters, FreeParameter, NET_LIFT
 from lta_discovery.state_filter.noise_model import average_noise, NoiseModel
 from lta_discovery.state_filter.parameter_fit import fit_forecasts, ParameterFit
 from lta_model.vehicle import Vehicle

@@ -18,14 +18,14 @@ from lta_discovery.calibration.verdict import (
     format_inseparable,
     list_differences,
 )
-from lta_discovery.model.parameters import is_calibration, NET_LIFT
-from lta_discovery.page.formatting import (
+from lta_discovery.formatting import (
     DEGREES,
     format_number,
     format_parameter,
     format_with_interval,
     SHOWN_UNITS,
 )
+from lta_discovery.model.parameters import is_calibration, NET_LIFT
 from lta_report.formatting import Tile
 from lta_report.report import Emphasis, Picture, Report, TextSection, TextTable
 import plotly.graph_objects as go

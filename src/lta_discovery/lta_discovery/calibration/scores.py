@@ -43,13 +43,17 @@ def score_forecasts(
         tables = np.stack([coast, *both])
         measured = ~np.isnan(tables).any(axis=(0, 2))
         if measured.any():
-            rms = [_summarize(one[measured], headings[measured]) for one in tables]
+            rms = [summarize_errors(one[measured], headings[measured]) for one in tables]
             out.append(ForecastScore(horizon, rms[0], rms[1], rms[2], int(measured.sum())))
     return tuple(out)
 
 
-def _summarize(errors: Array, headings: Array) -> ForecastRms:
-    """Return RMS errors; infinite where a forecast diverged."""
+def summarize_errors(errors: Array, headings: Array) -> ForecastRms:
+    """
+    Return RMS errors; infinite where a forecast diverged.
+
+    `errors`: of poses, shape (N, 6). `headings`: in which the forecasts begin, shape (N,).
+    """
     nose = np.column_stack([np.cos(headings), np.sin(headings)])
     side = np.column_stack([-nose[:, 1], nose[:, 0]])
     with np.errstate(over='ignore', invalid='ignore'):

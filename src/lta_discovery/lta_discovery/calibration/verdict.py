@@ -6,10 +6,10 @@ from typing import Final
 
 from lta_discovery.calibration.result import CalibratedValue, Calibration, find_main_score
 from lta_discovery.calibration.scores import is_contradicted
+from lta_discovery.formatting import DEGREES, format_number
 from lta_discovery.model.calibration_parameters import GAIN_NAMES, HEADING
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import NET_LIFT
-from lta_discovery.page.formatting import DEGREES, format_number
 import numpy as np
 
 PENDULUM: Final = 0.1  # relative; a smaller change of the pendulum's rate is not reported

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 import shutil
 from typing import Final
@@ -14,8 +15,9 @@ from lta_discovery.demo.hidden_effect import (
     fly_hidden,
     VEHICLE,
 )
+from lta_discovery.discovery.run import discover_effects, DiscoveryRequest, Tell
 from lta_discovery.flights.bags import Role
-from lta_discovery.run import discover_effects, DiscoveryRequest, DiscoveryResult, Tell
+from lta_report.report import Report
 
 SECONDS: Final = 48.0  # of each flight
 FLIGHTS: Final[tuple[tuple[str, Role], ...]] = (
@@ -25,7 +27,7 @@ APART: Final = 1000  # between the seeds of two demonstrations, so that their fl
 DRAWS: Final = 12  # most effects that are drawn; each takes a quarter of the time of a study
 
 
-def run_discovery_demo(seed: int, folder: Path, tell: Tell) -> tuple[DemoEffect, DiscoveryResult]:
+def run_discovery_demo(seed: int, folder: Path, tell: Tell) -> Report:
     """
     Hide an effect that forecasts need, fly three flights with it, and search for it.
 
@@ -34,16 +36,26 @@ def run_discovery_demo(seed: int, folder: Path, tell: Tell) -> tuple[DemoEffect,
     """
     with _remove_if_aborted(folder):
         hidden, bags = draw_clear_effect(seed, folder, tell)
-        return hidden, discover_effects(DiscoveryRequest(VEHICLE, bags, seed), folder, tell)
+        return _discover(hidden, bags, tell)
 
 
-def discover_hidden_effect(
-    hidden: DemoEffect, seed: int, folder: Path, tell: Tell
-) -> DiscoveryResult:
+def discover_hidden_effect(hidden: DemoEffect, seed: int, folder: Path, tell: Tell) -> Report:
     """Fly three flights with an effect, and search for it; arguments as for the demonstration."""
     with _remove_if_aborted(folder):
-        bags = fly_all(hidden, seed, folder, tell)
-        return discover_effects(DiscoveryRequest(VEHICLE, bags, seed), folder, tell)
+        return _discover(hidden, fly_all(hidden, seed, folder, tell), tell)
+
+
+def _discover(hidden: DemoEffect, bags: Mapping[Role, Sequence[Path]], tell: Tell) -> Report:
+    """Return the report of a discovery that says what was hidden, too."""
+    report = discover_effects(DiscoveryRequest(VEHICLE, bags), tell)
+    assert isinstance(report.data, dict)
+    truth = {'name': hidden.name, 'value': hidden.value, 'unit': hidden.unit}
+    return replace(
+        report,
+        facts={**report.facts, 'hidden': str(hidden)},
+        data={**report.data, 'hidden': truth},
+        closing=(*report.closing, f'Hidden: {hidden}.'),
+    )
 
 
 def draw_clear_effect(
@@ -55,7 +67,7 @@ def draw_clear_effect(
         hidden = next(effects)
         bags = fly_all(hidden, seed, folder, tell)
         tell('checking that forecasts need the hidden effect', None)
-        if measure_forecast_gain(hidden, bags, seed).is_clear:
+        if measure_forecast_gain(hidden, bags).is_clear:
             return hidden, bags
         tell(f'forecasts do not need effect {count}: drawing another', None)
         shutil.rmtree(folder / 'flights')

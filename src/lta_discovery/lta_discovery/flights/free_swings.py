@@ -15,7 +15,7 @@ from typing import Final, final, NamedTuple
 
 from lta_discovery.flights.measured_flight import MeasuredFlight, PERIOD
 from lta_discovery.flights.role_assignment import Role
-from lta_discovery.flights.windows import find_usable_runs
+from lta_discovery.flights.usable_states import find_usable_runs
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.quaternions import (
     quaternion_exponential,

@@ -87,11 +87,6 @@ class MeasuredFlight:
         """Return whether only the pose was measured: no inertial unit, no other sensor."""
         return not np.isfinite(self.noise[6:]).any()
 
-    @property
-    def reading_deviation(self) -> Array:
-        """Return the standard deviation of a single reading by CHANNELS, shape (14,)."""
-        return np.concatenate([self.noise[:6] / np.sqrt(self.alike), self.noise[6:]])
-
     def with_marker_frame(self, turn: Array, shift: Array) -> 'MeasuredFlight':
         """
         Return the flight as markers would show it that are turned and moved on the vehicle.

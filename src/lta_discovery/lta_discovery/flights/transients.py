@@ -11,7 +11,7 @@ from typing import Final, final, NamedTuple
 
 from lta_discovery.flights.free_swings import find_swing_law, smooth_derivative, WINDOW
 from lta_discovery.flights.measured_flight import FlightStreams, MeasuredFlight, PERIOD
-from lta_discovery.flights.windows import find_usable_runs
+from lta_discovery.flights.usable_states import find_usable_runs
 from lta_discovery.model.quaternions import rotation_matrix
 import numpy as np
 from numpy.typing import NDArray

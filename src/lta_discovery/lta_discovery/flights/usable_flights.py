@@ -41,7 +41,7 @@ from lta_discovery.flights.sentence_merger import merge_sentences
 from lta_discovery.flights.streams import build_streams, convert_to_duties, has_commands
 from lta_discovery.flights.timestamp_repair import add_stamp_noise, repair_timestamps
 from lta_discovery.flights.transients import find_transients
-from lta_discovery.flights.windows import cut_into_pieces
+from lta_discovery.flights.usable_states import find_usable_runs, SHORTEST_RUN
 from lta_discovery.model.nominal import NominalVehicle
 from lta_model.vehicle import Vehicle
 from lta_report.formatting import format_count
@@ -140,7 +140,7 @@ def select_usable_flights(
                 f'{one.name}: only {seconds:.1f} s are usable, and {SHORTEST:g} s are needed; '
                 'the flight is left out.'
             )
-        elif not len(cut_into_pieces(flight).first):
+        elif _find_longest_run(flight) < SHORTEST_RUN:
             warnings.append(
                 f'{one.name}: the usable intervals are too short; the flight is left out.'
             )
@@ -415,6 +415,11 @@ def _list_data_warnings(name: str, flight: MeasuredFlight, streams: FlightStream
             'the time, so their thrust at lower duty is poorly known.'
         )
     return out
+
+
+def _find_longest_run(flight: MeasuredFlight) -> int:
+    """Return the length of the longest usable run of a flight, in grid points."""
+    return max((end - begin for begin, end in find_usable_runs(flight.usable)), default=0)
 
 
 def _usable_seconds(flight: MeasuredFlight) -> float:

@@ -2,7 +2,7 @@
 Choose the tests that a vehicle needs: rehearse each, and see which parameters it informs.
 
 A rehearsal flies the test with the model of the vehicle file and computes what its poses would
-teach (`selection.flight_information`). A test is needed if it teaches something much better than
+teach, with the filter of a calibration. A test is needed if it teaches something much better than
 all shorter ones.
 """
 
@@ -11,17 +11,7 @@ from dataclasses import dataclass, replace
 from typing import Final, final, Literal
 
 from lta_config.constants import STANDARD_GRAVITY
-from lta_discovery.fit.evidence import (
-    build_shared_prior,
-    compute_posterior,
-    per_flight_variance,
-    USUAL,
-    wrench_floor,
-)
-from lta_discovery.fit.flight_group import LinearizedGroup
-from lta_discovery.fit.joint_fit import JointFitter
 from lta_discovery.flights.measured_flight import CHANNELS, MeasuredFlight, PERIOD, Stream
-from lta_discovery.flights.windows import Windows
 from lta_discovery.lab_tests.design import (
     LabTest,
     LEAST_STEP,
@@ -41,16 +31,8 @@ from lta_discovery.model.calibration_parameters import (
 )
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.planning.rehearsal import POSE, TURN
-from lta_discovery.replay.knot_count import count_needed_knots
-from lta_discovery.replay.linearized_flight import unchanged_vehicle_point
+from lta_discovery.planning.rehearsal import measure_information, POSE, TURN
 from lta_discovery.replay.replay import FlightReplay, STEPS
-from lta_discovery.selection.flight_information import (
-    KNOWN,
-    measure_information,
-    measure_joint_information,
-)
-from lta_discovery.study import prepare_flight
 from lta_model.effects.protocol import AXES
 from lta_model.state import ACTUATORS
 from lta_model.vehicle import Vehicle
@@ -63,6 +45,7 @@ Commands = Literal['rotors', 'wrench']
 HOLD: Final = (0.4, 1.6)  # s; shortest and mean time for which a pilot holds a command
 MORE: Final = 2.0  # times the information of any shorter test; a test that has it is needed
 NONE: Final = np.zeros((0, len(AXES)))  # no commanded wrench
+KNOWN: Final = 0.8  # of the deviation before; a larger one means that no test teaches it
 LAW: Final = {'smaller': 'exponent', 'reverse': 'reverse'}  # that a variant shows
 HIGH: Final = 100.0  # m; rehearsals never meet the floor
 SEED: Final = 37  # of the commands of the free flight
@@ -223,20 +206,26 @@ def _measure_tests(
     That of a test with a partner is of both together. The deviation, shape (K,), is relative to
     that before.
     """
-    ready = [prepare_flight(vehicle, flight, knobs) for flight in flights]
-    knots = count_needed_knots(ready, nominal)
-    ready = [one.with_knots(knots) for one in ready]
-    floor, prior = wrench_floor(nominal), build_shared_prior(knobs)
-    points = [unchanged_vehicle_point(nominal, knobs, one.replay.cut) for one in ready]
-    fitter = JointFitter(nominal, ready, per_flight_variance(knobs), floor)
-    group: LinearizedGroup = fitter.linearize_flights(points[0].values, points, prior)
-    gains = measure_information(group, USUAL * floor, prior)
-    for k, other in enumerate(partners):
-        if other is not None:
-            gains[k] = measure_joint_information(group, USUAL * floor, prior, [other, k])
-    after = compute_posterior(group.reduce_flights(USUAL * floor), group.at, prior).covariance
-    before = np.diag(prior.covariance)[: len(knobs)]
-    return gains[:, : len(knobs)], np.sqrt(np.diag(after)[: len(knobs)] / before)
+    each = [measure_information(one, vehicle, nominal, knobs) for one in flights]
+    gains = np.array([
+        _add_information(each[k] + (0.0 if other is None else each[other]), knobs)
+        for k, other in enumerate(partners)
+    ])  # fmt: skip
+    before = np.array([knob.tolerance**-2.0 for knob in knobs])
+    remaining: Array = np.sqrt(before / (before + _add_information(np.sum(each, axis=0), knobs)))
+    return gains, remaining
+
+
+def _add_information(information: Array, knobs: Sequence[FreeParameter]) -> Array:
+    """
+    Return what some flights add to the inverse variance of each parameter, shape (K,).
+
+    With all other parameters free within their tolerances. `information`: shape (K, K).
+    """
+    before = np.array([knob.tolerance**-2.0 for knob in knobs])
+    after = np.diag(np.linalg.inv(information + np.diag(before)))
+    gain: Array = np.maximum(1.0 / after - before, 0.0)
+    return gain
 
 
 def rehearse_test(
@@ -261,8 +250,7 @@ def rehearse_test(
         wrench,
     )
     start = _release_state(test)[None]
-    whole = Windows(np.array([0]), count, start, np.ones((1, count), dtype=np.bool_))
-    replay = FlightReplay(blank, whole, vehicle.pack_command(()))
+    replay = FlightReplay(blank, np.array([0]), count, vehicle.pack_command(()))
     rows = replay.build_replay_rows(nominal)
     none = np.zeros((1, replay.span, len(AXES)))
     inputs = replay.compute_body_inputs(rows)

@@ -5,10 +5,10 @@ from typing import Any, Final
 
 from lta_config.command_line import format_lta_command
 from lta_config.constants import STANDARD_GRAVITY
+from lta_discovery.formatting import format_number, join_words
 from lta_discovery.lab_tests.design import Kind, LabTest, rest_duties, step_duties
 from lta_discovery.lab_tests.plan import LabPlan, PlannedTest
 from lta_discovery.lab_tests.words import format_amplitude, name_parameters
-from lta_discovery.page.formatting import format_number, join_words
 from lta_model.vehicle import Vehicle
 from lta_report.formatting import format_count, Tile
 from lta_report.report import Report, TextSection, TextTable

@@ -16,12 +16,12 @@ from lta_discovery.flights.usable_flights import (
     select_usable_flights,
     UsableFlights,
 )
+from lta_discovery.formatting import join_words
 from lta_discovery.lab_tests.design import LabTest
 from lta_discovery.lab_tests.log_folder import open_lab_folder
 from lta_discovery.lab_tests.plan import is_thrust_law, LabPlan, plan_lab_tests, PlannedTest
 from lta_discovery.lab_tests.recognition import recognise_tests, RecognisedTest
 from lta_discovery.lab_tests.words import format_instruction, name_parameters
-from lta_discovery.page.formatting import join_words
 from lta_model.vehicle import load_vehicle, Vehicle
 
 Tell = Callable[[str, float | None], None]

@@ -10,9 +10,9 @@ import math
 from typing import Final, final, NamedTuple
 
 from lta_discovery.flights.measured_flight import MeasuredFlight, PERIOD, Stream
+from lta_discovery.formatting import join_words
 from lta_discovery.lab_tests.design import Kind
 from lta_discovery.model.quaternions import rotation_matrix
-from lta_discovery.page.formatting import join_words
 from lta_model.effects.protocol import AXES
 from lta_model.vehicle import Vehicle
 from lta_report.formatting import format_count

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 import math
 from typing import Final
 
+from lta_discovery.formatting import DEGREES, format_number, format_parameter, join_words
 from lta_discovery.lab_tests.design import LabTest
-from lta_discovery.page.formatting import DEGREES, format_number, format_parameter, join_words
 
 # Words of effects whose parameters are axes; {} are the axes
 AXIS_WORDS: Final = {

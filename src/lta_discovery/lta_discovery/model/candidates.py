@@ -58,36 +58,12 @@ NO_CANDIDATE: Final = frozenset(
 )  # fmt: skip
 
 
-# Nats; prior cost of each way in which a vector can be present: one axis, the other, or both.
-WAYS: Final = math.log(3.0)
-
 _VECTOR_OF: Final = {name: vector for vector in VECTORS for name in vector}
 
 
 def vector_components(name: str) -> tuple[str, ...]:
     """Return the components of a candidate's vector; most candidates have one component."""
     return _VECTOR_OF.get(name, (name,))
-
-
-def vector_cost(name: str) -> float:
-    """Return the prior cost of choosing which components of a candidate are present. [nats]"""
-    return WAYS if name in _VECTOR_OF else 0.0
-
-
-def list_component_sizes(name: str, size: float = 1.0) -> tuple[dict[str, float], ...]:
-    """
-    Return the ways in which a candidate may be present: a component alone, or the whole vector.
-
-    Returns
-    -------
-    tuple of dict of str to float
-        Prior deviation of each component, in typical sizes; 0 for an absent one.
-
-    """
-    whole = dict.fromkeys(vector_components(name), size)
-    if len(whole) == 1:
-        return (whole,)
-    return {**dict.fromkeys(whole, 0.0), name: size}, whole
 
 
 def expand_vectors(names: Iterable[str]) -> set[str]:

@@ -6,7 +6,7 @@ standard deviation of the nominal model, as a *nuisance*; its typical size is th
 as a *candidate*. Some are both: a thrust error of 3 % is tolerance, one of 10 % is a discovery.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 import math
 from typing import Final, final, Literal
@@ -25,9 +25,9 @@ from lta_discovery.model.step_sizes import fine_step, first_step, STEP
 from lta_model.effects import EFFECTS
 from lta_model.effects.protocol import ActuatorEffect, AXES, MeasurementEffect, WrenchEffect
 from lta_model.state import ACTUATORS
+import numpy as np
+from numpy.typing import NDArray
 
-BEYOND: Final = 3.0  # standard deviations; an estimate may exceed its bounds by this
-STEEP: Final = 2.0  # largest factor by which a linear estimate exceeds the true value
 NET_LIFT: Final = 'net_lift.force'
 Target = tuple[str, str]
 Reach = Literal['chain', 'wrench', 'body', 'memory', 'reading', 'delay']
@@ -81,24 +81,6 @@ class FreeParameter:
         step = self.step if value == 0.0 else self.fine
         # The model may reject values outside the bounds
         return step if self.low <= value + step <= self.high else -step
-
-    def is_within_bounds(self, value: float, deviation: float) -> bool:
-        """
-        Return whether an estimate is compatible with the bounds.
-
-        For example, a leak larger than the envelope is rejected, however well it fits.
-        """
-        # Noise may push an estimate of a valid value slightly beyond its bound
-        near = BEYOND * deviation
-        return self.low - near <= value <= self.high + near
-
-    def is_plausible_estimate(self, value: float, deviation: float) -> bool:
-        """
-        Return whether a linear estimate may stand for a possible value.
-
-        It assumes a linear effect: a loss of 0.58 of the Munk moment looks like 1.19.
-        """
-        return self.is_within_bounds(value / STEEP, deviation / STEEP)
 
     @property
     def is_calibration(self) -> bool:
@@ -344,3 +326,16 @@ def _is_buildable(nominal: NominalVehicle, knob: FreeParameter) -> bool:
     except BadInput:
         return False
     return True
+
+
+def apply_parameters(
+    nominal: NominalVehicle, parameters: Sequence[FreeParameter], values: NDArray[np.float64]
+) -> tuple[NominalVehicle, NDArray[np.float64]]:
+    """Return the vehicle with the parameters set, and the values clipped to their bounds."""
+    out = values.copy()
+    for k, one in enumerate(parameters):
+        out[k] = min(max(values[k], one.low), one.high)
+        # A value of 0 must leave the vehicle unchanged: applying it would enable the effect
+        if out[k] != 0.0:
+            nominal = one.apply_to(nominal, float(out[k]))
+    return nominal, out

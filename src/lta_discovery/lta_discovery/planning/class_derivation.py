@@ -10,18 +10,17 @@ from dataclasses import dataclass
 import hashlib
 from typing import Any, Final, final
 
-from lta_discovery.fit.evidence import PieceReducer, wrench_floor
 from lta_discovery.flights.measured_flight import FlightStreams
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter, list_free_parameters
 from lta_discovery.planning.rehearsal import (
-    prepare_linearizer,
+    measure_information,
+    measure_rehearsal,
     Sensors,
     simulate_flight,
     with_course,
 )
 from lta_discovery.planning.separability import PairSeparability
-from lta_discovery.replay.linearized_flight import unchanged_vehicle_point
 from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec, load_spec
 from lta_model.effects import BUILT_IN, EFFECTS
 import numpy as np
@@ -31,7 +30,7 @@ from scipy.cluster.hierarchy import fcluster, linkage
 Array = NDArray[np.float64]
 
 VEHICLE: Final = 'gtmab'
-# |cosine| of equivalent effects: see `lta_discovery.selection.equivalence_classes`
+# |cosine| of equivalent effects: see `lta_discovery.planning.equivalence_classes`
 ALIKE: Final = 0.98
 SEEN: Final = 0.1  # significance of a typical size, below which an effect is unobservable
 FLIGHTS: Final = 3
@@ -125,13 +124,13 @@ def derive_classes(
             simulated[rich] = [
                 _simulate_streams(spec, seed, rich) for seed in range(1, flights + 1)
             ]
-        reduced = []
-        for streams in simulated[rich]:
-            flight = prepare_linearizer(streams, vehicle, turned, sensors)
-            nominal = NominalVehicle.from_vehicle(vehicle)
-            linear = flight.linearize(unchanged_vehicle_point(nominal, turned, flight.replay.cut))
-            # Deviations at the noise floor: nothing is missing in the simulation
-            reduced.append(PieceReducer(linear).eliminate_unknowns(wrench_floor(nominal)))
+        nominal = NominalVehicle.from_vehicle(vehicle)
+        reduced = [
+            measure_information(
+                measure_rehearsal(streams, vehicle, sensors), vehicle, nominal, turned
+            )
+            for streams in simulated[rich]
+        ]
         out[kind] = compare_candidates(
             PairSeparability(reduced, turned), PairSeparability(reduced, turned, MORE)
         )

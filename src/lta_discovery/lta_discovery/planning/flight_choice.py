@@ -10,8 +10,7 @@ from dataclasses import dataclass
 from typing import Any, Final, final, NamedTuple
 
 from lta_config.errors import BadInput, unknown_name_error
-from lta_config.vehicle_edit import set_yaml_values
-from lta_discovery.fit.evidence import PieceReducer, ReducedFlight, wrench_floor
+from lta_discovery.changed_quantities import format_hypothesis
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter, list_free_parameters
 from lta_discovery.planning.candidate_maneuvers import (
@@ -23,16 +22,14 @@ from lta_discovery.planning.candidate_maneuvers import (
 )
 from lta_discovery.planning.flight_safety import flight_extent, list_objections
 from lta_discovery.planning.rehearsal import (
-    prepare_linearizer,
+    measure_information,
+    measure_rehearsal,
     Sensors,
     simulate_flight,
     SimulatedFlight,
     with_course,
 )
 from lta_discovery.planning.separability import PairSeparability
-from lta_discovery.replay.flight_linearizer import FlightLinearizer
-from lta_discovery.replay.linearized_flight import unchanged_vehicle_point
-from lta_discovery.results.learned_file import list_changed_quantities
 from lta_flight.flight_spec import build_vehicle_scenario_stack, FlightSpec
 from lta_model.scenario import Scenario
 from lta_model.vehicle import Vehicle
@@ -73,10 +70,10 @@ class FlightChoice:
 @final
 class NextFlightPlanner:
     """
-    Plan the next flight of a vehicle.
+    Plan the next flight of a vehicle, about whose parameters earlier flights tell nothing.
 
-    `past_flights`: earlier flights, about the vehicle file. `knobs`: of the earlier flights; by
-    default those of a vehicle that is commanded by duties.
+    `text`: of its file. `parameters`: that may differ from it; by default those of a vehicle that
+    is commanded by duties.
     """
 
     def __init__(
@@ -84,16 +81,14 @@ class NextFlightPlanner:
         spec: FlightSpec,
         text: str,
         sensors: Sensors = 'all',
-        past_flights: Sequence[ReducedFlight] = (),
         tell: Tell = lambda _words, _share: None,
-        knobs: Sequence[FreeParameter] = (),
+        parameters: Sequence[FreeParameter] = (),
     ) -> None:
-        self.made, self.sensors, self.flown, self._tell = spec, sensors, list(past_flights), tell
+        self.made, self.sensors, self._tell = spec, sensors, tell
         self.vehicle, scenario, _ = build_vehicle_scenario_stack(spec)
         self.text, self.nominal = text, NominalVehicle.from_vehicle(self.vehicle)
-        self.knobs = list(knobs) or list_free_parameters(self.nominal)
+        self.knobs = list(parameters) or list_free_parameters(self.nominal)
         self._names = [knob.name for knob in self.knobs]
-        self._floor = wrench_floor(self.nominal)
         standing, top = self.vehicle.hull_height_on_floor, scenario.room.size.vector[2]
         # 0.6 m between hull and ceiling: twice the margin of `flight_safety`
         highest = top - vehicle_reach(self.vehicle)[1] - 0.6
@@ -110,20 +105,6 @@ class NextFlightPlanner:
             names = [knob.name for knob in self.knobs if knob.typical > 0.0]
             raise unknown_name_error('effect', name, names)
         return self.knobs[self._names.index(name)]
-
-    def fit_rival_value(
-        self, first: ParameterHypothesis, other: FreeParameter
-    ) -> ParameterHypothesis:
-        """Return the value of a rival that resembles a hypothesis most in the earlier flights."""
-        a, b = self._names.index(first.knob.name), self._names.index(other.name)
-        value = other.typical
-        if self.flown:
-            pair = PairSeparability(self.flown, self.knobs).compare_pair(a, b)
-            if pair.second > 0.0:
-                # Least-squares value of the rival that mimics the first
-                value = first.value * pair.shared / pair.second
-        within = float(np.clip(value, other.low, other.high))
-        return ParameterHypothesis(other, within if within != 0.0 else other.typical)
 
     def choose_flight(
         self, first: ParameterHypothesis, others: Sequence[ParameterHypothesis]
@@ -157,7 +138,7 @@ class NextFlightPlanner:
         flight, scenario = self._simulate_flight(spec, self.vehicle)
         if list_objections(flight, self.vehicle, scenario):
             return None
-        reduced = self._reduce_rehearsal(flight, self.nominal)
+        reduced = self._inform(flight, self.nominal)
         # Either effect may be the true one
         pairs = [(first, other) for other in others] + [(other, first) for other in others]
         return min(self.expected_evidence(reduced, *pair) for pair in pairs)
@@ -190,7 +171,7 @@ class NextFlightPlanner:
 
     def _fly_hypothesis(
         self, spec: FlightSpec, true: ParameterHypothesis
-    ) -> tuple[Vehicle, SimulatedFlight, ReducedFlight]:
+    ) -> tuple[Vehicle, SimulatedFlight, Array]:
         """Simulate a flight with a hypothesis as the truth; the controller uses the file."""
         nominal = true.knob.apply_to(self.nominal, true.value)
         content: Any = yaml.safe_load(format_hypothesis(self.text, self.vehicle, nominal))
@@ -199,7 +180,7 @@ class NextFlightPlanner:
         )
         vehicle = build_vehicle_scenario_stack(changed)[0]
         flight, _ = self._simulate_flight(spec, vehicle)
-        return vehicle, flight, self._reduce_rehearsal(flight, nominal)
+        return vehicle, flight, self._inform(flight, nominal)
 
     def _simulate_flight(
         self, spec: FlightSpec, vehicle: Vehicle
@@ -208,35 +189,16 @@ class NextFlightPlanner:
         nominal, scenario, policy = build_vehicle_scenario_stack(spec)
         return simulate_flight(vehicle, scenario, policy, SEED, Vehicle(nominal.file)), scenario
 
-    def _reduce_rehearsal(
-        self, rehearsed: SimulatedFlight, nominal: NominalVehicle
-    ) -> ReducedFlight:
-        """Return the reduced form of a simulated flight, about a vehicle."""
-        flight = prepare_linearizer(rehearsed.streams, self.vehicle, self.knobs, self.sensors)
-        return self.reduce_flight(flight, nominal)
-
-    def reduce_flight(self, flight: FlightLinearizer, nominal: NominalVehicle) -> ReducedFlight:
-        """Return the reduced form of a flight, about a vehicle."""
-        linear = flight.linearize(unchanged_vehicle_point(nominal, self.knobs, flight.replay.cut))
-        return PieceReducer(linear).eliminate_unknowns(self._floor)
+    def _inform(self, rehearsed: SimulatedFlight, nominal: NominalVehicle) -> Array:
+        """Return the information of a simulated flight, about a vehicle, shape (K, K)."""
+        flight = measure_rehearsal(rehearsed.streams, self.vehicle, self.sensors)
+        return measure_information(flight, self.vehicle, nominal, self.knobs)
 
     def expected_evidence(
-        self, reduced: ReducedFlight, true: ParameterHypothesis, other: ParameterHypothesis
+        self, reduced: Array, true: ParameterHypothesis, other: ParameterHypothesis
     ) -> float:
         """Return the expected evidence for a true effect over another, after two flights."""
         # Twice: the plan is to fly it two times
-        pairs = PairSeparability([*self.flown, reduced, reduced], self.knobs)
+        pairs = PairSeparability([reduced, reduced], self.knobs)
         a, b = (self._names.index(one.knob.name) for one in (true, other))
         return pairs.compare_pair(a, b).expected_log_bayes(true.value)
-
-
-def format_hypothesis(text: str, vehicle: Vehicle, nominal: NominalVehicle) -> str:
-    """
-    Return the text of a vehicle file with hypothetical effects.
-
-    Raise `BadInput` if the format has no place for a parameter, or the vehicle is impossible.
-    """
-    changed = list_changed_quantities(
-        text, vehicle, NominalVehicle.from_vehicle(vehicle), nominal, {}, 'supposed'
-    )
-    return set_yaml_values(text, {one.place: one.as_yaml for one in changed})

@@ -2,7 +2,7 @@
 
 from typing import Final, NamedTuple
 
-from lta_discovery.selection.equivalence_classes import is_equivalent, Kind
+from lta_discovery.planning.equivalence_classes import is_equivalent, Kind
 
 
 class MeasurementAdvice(NamedTuple):

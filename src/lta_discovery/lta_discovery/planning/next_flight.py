@@ -6,14 +6,11 @@ If no flight does, the sentence suggests a measurement instead.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any, Final, final
 
 from lta_config.errors import BadInput
 from lta_config.files import find_file, parse_yaml
-from lta_discovery.finding import NamedEffect
-from lta_discovery.fit.evidence import PieceReducer, ReducedFlight, wrench_floor
-from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.planning.equivalence_classes import is_equivalent, Kind
 from lta_discovery.planning.flight_choice import (
     FlightChoice,
     NextFlightPlanner,
@@ -22,16 +19,6 @@ from lta_discovery.planning.flight_choice import (
 )
 from lta_discovery.planning.measurement_advice import suggest_measurement
 from lta_discovery.planning.rehearsal import Sensors
-from lta_discovery.planning.separability import PairSeparability
-from lta_discovery.replay.linearized_flight import unchanged_vehicle_point
-from lta_discovery.selection.candidate_acceptance import TIE
-from lta_discovery.selection.equivalence_classes import (
-    classify_data_kind,
-    is_equivalent,
-    Kind,
-    list_equivalent_effects,
-)
-from lta_discovery.study import DiscoveryStudy
 from lta_flight.flight_spec import load_spec
 import yaml
 
@@ -39,7 +26,6 @@ FILE: Final = 'next_flight.yaml'
 SCENE: Final = 'hall'
 STRATEGY: Final = 'bag'
 MOST: Final = 4  # most rivals of one flight
-CERTAIN: Final = 'No effect found can be confused with another: there is no flight to plan.'
 BIG: Final = 2.0  # typical sizes; hypothetical size of an effect without earlier flights
 SEEN_BY: Final[dict[Kind, Sensors]] = {
     'all': 'all',
@@ -59,21 +45,12 @@ class NextFlightPlan:
     scenario: Mapping[str, Any] | None = None  # content of the file; None if no flight decides
     nats: float = 0.0  # expected log Bayes factor of the flight; 0 without one
 
-    def write(self, folder: Path) -> Path | None:
-        """Write the scenario into a folder; return its path, or None without a scenario."""
-        if self.scenario is None:
-            return None
-        path = folder / FILE
+    def format_scenario(self) -> str:
+        """Return the text of the scenario file."""
         head = f'# {self.text}\n# Fly it with: lta fly --scenario {FILE}\n'
-        text = yaml.safe_dump(self.scenario, sort_keys=False, default_flow_style=None, width=110)
-        try:
-            path.write_text(head + text, encoding='utf-8')
-        except OSError as error:
-            raise BadInput(
-                f"'{path}' cannot be written ({error.strerror}); check that its folder is "
-                'writable and has free space.'
-            ) from error
-        return path
+        return head + yaml.safe_dump(
+            self.scenario, sort_keys=False, default_flow_style=None, width=110
+        )
 
 
 def plan_separating_flight(
@@ -92,7 +69,7 @@ def plan_separating_flight(
     too low to fly in.
     """
     planner = NextFlightPlanner(
-        load_spec(vehicle, scene, STRATEGY, ''), _read_text(vehicle), SEEN_BY[kind], (), tell
+        load_spec(vehicle, scene, STRATEGY, ''), _read_text(vehicle), SEEN_BY[kind], tell
     )
     if first == second:
         raise BadInput(f"'{first}' is given twice; name two different effects.")
@@ -102,27 +79,41 @@ def plan_separating_flight(
     return plan_decision(planner, a, [b], kind)
 
 
-def plan_for_study(
-    study: DiscoveryStudy,
+def plan_next_flight(
     vehicle: str,
+    text: str,
+    names: Sequence[str],
+    values: Mapping[str, float],
+    kind: Kind,
     tell: Tell = lambda _words, _share: None,
     scene: str = SCENE,
 ) -> NextFlightPlan:
-    """Plan the flight that separates the strongest confusable effect of a study."""
-    one = next((one for one in study.finding.effects if one.confusable_with), None)
-    if one is None:
-        return NextFlightPlan(CERTAIN)
-    kind, text = _classify_study(study), study.calibrated_file or _read_text(vehicle)
+    """
+    Plan the flight that separates effects that earlier flights cannot tell apart.
+
+    Parameters
+    ----------
+    vehicle, text : str
+        Name of the vehicle, and its file, which the flight is planned about.
+    names : sequence of str
+        Of parameters, the one to separate from the others first.
+    values : mapping of str to float
+        Their estimates, relative to the file; a typical size where there is none.
+
+    """
     spec = load_spec(vehicle, scene, STRATEGY, '')
-    # After a calibration that file flies, and the flights are about its vehicle
+    # After a calibration that file flies
     spec = replace(spec, contents={**spec.contents, 'vehicle': parse_yaml(text, vehicle)})
-    knobs = study.flights[0].flight.knobs
-    planner = NextFlightPlanner(spec, text, SEEN_BY[kind], _reduce_flights(study), tell, knobs)
-    knob = planner.find_parameter(one.knobs[0])
-    first = ParameterHypothesis(knob, _estimate_changes(one, planner.knobs)[knob.name])
-    names = {each.name for each in planner.knobs}
-    rivals = [name for name in one.confusable_with if name in names and name != knob.name]
-    others = [planner.fit_rival_value(first, planner.find_parameter(name)) for name in rivals]
+    planner = NextFlightPlanner(spec, text, SEEN_BY[kind], tell)
+    effects = [name for name in names if name in {one.name for one in planner.knobs}]
+    if len(effects) < 2:
+        return NextFlightPlan(
+            f'No flight is planned to separate {_join_names(names)}: only effects can be flown.'
+        )
+    first, *others = [
+        ParameterHypothesis(one, values.get(one.name) or one.typical)
+        for one in map(planner.find_parameter, effects)
+    ]
     return plan_decision(planner, first, others, kind)
 
 
@@ -167,92 +158,6 @@ def _format_no_flight(name: str, others: tuple[str, ...], kind: Kind) -> str:
         f'No flight separates {_join_names((name, *others))}: '
         f'{suggest_measurement(name, others, kind)}.'
     )
-
-
-def add_confusable(study: DiscoveryStudy) -> DiscoveryStudy:
-    """
-    Add to the effects of a study all others that its flights cannot separate from them.
-
-    Besides ties of the refits, these are equivalents for the kind of data, and effects whose
-    expected evidence in these flights is below the required one.
-    """
-    if not study.finding.effects:
-        return study
-    kind = _classify_study(study)
-    flights = [one.flight for one in study.flights if one.role != 'holdout']
-    pairs = PairSeparability(_reduce_flights(study), flights[0].knobs)
-    effects = []
-    for one in study.finding.effects:
-        values = _estimate_changes(one, flights[0].knobs)
-        own = [name for knob in one.knobs for name in list_equivalent_effects(knob, kind)]
-        near = [
-            name for knob in one.knobs for name in pairs.list_confused(knob, values[knob], TIE)
-        ]
-        candidates = dict.fromkeys((*one.confusable_with, *own, *near))
-        both = [
-            other
-            for other in candidates
-            if any(pairs.can_replace(knob, values[knob], other) for knob in one.knobs)
-        ]
-        # Two named but equivalent effects are confusable as well.
-        # An effect is not confusable with itself
-        only = one.knobs[0] if len(one.knobs) == 1 else ''
-        effects.append(replace(one, confusable_with=tuple(n for n in both if n != only)))
-    return replace(study, finding=replace(study.finding, effects=tuple(effects)))
-
-
-def _estimate_changes(one: NamedEffect, knobs: Sequence[FreeParameter]) -> dict[str, float]:
-    """Return the change of each named parameter; its typical size if unknown."""
-    change = {each.name: each.value - each.before for each in one.parameters}
-    out = {}
-    for knob in knobs:
-        if knob.name in one.knobs:
-            moved = (
-                # Back from the model parameter to the unit of the free parameter
-                change[name] / rate
-                for (effect, name), rate in knob.moves.items()
-                if effect == one.name and rate and change.get(name)
-            )
-            out[knob.name] = next(moved, knob.typical)
-    return out
-
-
-def _reduce_flights(study: DiscoveryStudy) -> list[ReducedFlight]:
-    """Return the reduced training and confirming flights, about the vehicle file."""
-    out = []
-    for flight in (one.flight for one in study.flights if one.role != 'holdout'):
-        begin = unchanged_vehicle_point(study.nominal, flight.knobs, flight.replay.cut)
-        out.append(
-            PieceReducer(flight.linearize(begin)).eliminate_unknowns(wrench_floor(study.nominal))
-        )
-    return out
-
-
-def _classify_study(study: DiscoveryStudy) -> Kind:
-    """Return the kind of data of the training and confirming flights."""
-    return classify_data_kind(
-        [one.flight.replay.flight for one in study.flights if one.role != 'holdout']
-    )
-
-
-def format_next_step(study: DiscoveryStudy) -> str:
-    """Return the next step without a plan, as shown on every page."""
-    one = next((one for one in study.finding.effects if one.confusable_with), None)
-    if one is None:
-        return ''
-    kind = _classify_study(study)
-    rich: Kind = 'all' if kind == 'hover' else kind
-    name = one.knobs[0]
-    rivals = [o for o in one.confusable_with if o != name]
-    never = tuple(o for o in rivals if is_equivalent(name, o, rich))
-    rest = tuple(o for o in rivals if o not in never)
-    words = [_format_no_flight(name, never, rich)] if never else []
-    if rest:
-        words.append(
-            f'Repeat the command with --plan to plan a flight that separates {name} from '
-            f'{_join_names(rest, "or")}.'
-        )
-    return ' '.join(words)
 
 
 def _format_flight(name: str, names: tuple[str, ...], chosen: FlightChoice) -> str:

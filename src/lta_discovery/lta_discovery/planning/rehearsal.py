@@ -5,20 +5,26 @@ The controller uses one vehicle file, the simulation may use another. A tracker 
 measures the pose.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final, final, Literal
 
 from lta_config.topics import load_topic_table
-from lta_discovery.flights.measured_flight import FlightStreams, resample_flight, Stream
-from lta_discovery.flights.windows import cut_into_pieces
+from lta_discovery.flights.measured_flight import (
+    FlightStreams,
+    MeasuredFlight,
+    resample_flight,
+    Stream,
+)
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.model.quaternions import quaternion_exponential, quaternion_product
-from lta_discovery.replay.flight_linearizer import FlightLinearizer
-from lta_discovery.replay.knot_count import count_needed_knots
 from lta_discovery.replay.replay import FlightReplay
-from lta_discovery.replay.sensing import estimate_floor_pressure, SensorPlaces
+from lta_discovery.state_filter.kalman import filter_flight
+from lta_discovery.state_filter.likelihood import linearize_all
+from lta_discovery.state_filter.linear_flight import FlightSystem
+from lta_discovery.state_filter.noise_model import NoiseModel, wrench_floor
+from lta_discovery.state_filter.smoothing import smooth_flight
 from lta_flight.closed_loop import ClosedLoop
 from lta_flight.flight_spec import FlightSpec
 from lta_flight.flight_stack import FlightStack
@@ -35,8 +41,8 @@ Sensors = Literal['all', 'imu', 'pose', 'wrench']
 
 POSE: Final = 1e-3  # m; noise of a tracker of passive markers
 TURN: Final = 2.5e-3  # rad
+SMOOTHED: Final = 3  # times; each leaves the square of the error that the one before left
 CLEAR: Final = 0.05  # m above the standing height; below it the vehicle may touch the floor
-STANDARD: Final = 101325.0  # Pa
 KEPT: Final[dict[str, tuple[str, ...]]] = {
     'all': ('rates', 'force', 'range', 'pressure', 'voltage'),
     'imu': ('rates', 'force'),
@@ -146,37 +152,57 @@ def select_sensors(streams: FlightStreams, sensors: Sensors) -> FlightStreams:
     return replace(streams, others=others)
 
 
-def prepare_linearizer(
-    streams: FlightStreams, vehicle: Vehicle, knobs: list[FreeParameter], sensors: Sensors = 'all'
-) -> FlightLinearizer:
+def measure_rehearsal(
+    streams: FlightStreams, vehicle: Vehicle, sensors: Sensors = 'all'
+) -> MeasuredFlight:
     """
-    Prepare a simulated flight for linearization.
+    Return a simulated flight as a recording of it would be read.
 
     For `wrench` data, the command is the rotor wrench by the gains of the vehicle file, and the
     duties are unknown.
     """
     streams = select_sensors(streams, sensors)
-    still = vehicle.pack_command(())
     flight = resample_flight(streams)
-    if sensors == 'wrench':
-        nominal = NominalVehicle.from_vehicle(vehicle)
-        wrench = _rotor_wrench(FlightReplay(flight, cut_into_pieces(flight), still), nominal)
-        law = [nominal.parameter_value('wrench_gain', one.name) for one in WRENCH_GAIN.parameters]
-        # An axis without a gain shows nothing, whatever was commanded
-        commands = find_command(tuple(law), tuple(wrench.values.T))
-        wrench = replace(wrench, values=np.stack(commands, axis=-1))
-        silent = Stream(streams.commands.time[:1], 0.0 * streams.commands.values[:1])
-        flight = replace(flight, commands=silent, wrench=wrench)
-    # Two passes: the floor pressure needs the place of the barometer
-    places = SensorPlaces.from_vehicle(vehicle, STANDARD)
-    places = SensorPlaces.from_vehicle(vehicle, estimate_floor_pressure(flight, places))
-    ready = FlightLinearizer(FlightReplay(flight, cut_into_pieces(flight), still), knobs, places)
-    return ready.with_knots(count_needed_knots([ready], NominalVehicle.from_vehicle(vehicle)))
+    if sensors != 'wrench':
+        return flight
+    nominal = NominalVehicle.from_vehicle(vehicle)
+    wrench = _rotor_wrench(vehicle, flight, nominal)
+    law = [nominal.parameter_value('wrench_gain', one.name) for one in WRENCH_GAIN.parameters]
+    # An axis without a gain shows nothing, whatever was commanded
+    commands = find_command(tuple(law), tuple(wrench.values.T))
+    wrench = replace(wrench, values=np.stack(commands, axis=-1))
+    silent = Stream(streams.commands.time[:1], 0.0 * streams.commands.values[:1])
+    return replace(flight, commands=silent, wrench=wrench)
 
 
-def _rotor_wrench(replay: FlightReplay, nominal: NominalVehicle) -> Stream:
+def _rotor_wrench(vehicle: Vehicle, flight: MeasuredFlight, nominal: NominalVehicle) -> Stream:
     """Return force and moment of the rotors about the hull centre, body frame."""
+    replay = FlightReplay(flight, np.zeros(1, dtype=np.int64), 1, vehicle.pack_command(()))
     thrusts = replay.mean_thrusts(nominal.build_replay_rows())
     each = [np.concatenate([axis, np.cross(place, axis)]) for place, axis in nominal.rotors]
-    time = replay.flight.time[0] + replay.dt * np.arange(len(thrusts))
+    time = flight.time[0] + replay.dt * np.arange(len(thrusts))
     return Stream(time, thrusts[:, : len(each)] @ np.array(each))
+
+
+def measure_information(
+    flight: MeasuredFlight,
+    vehicle: Vehicle,
+    nominal: NominalVehicle,
+    parameters: Sequence[FreeParameter],
+) -> Array:
+    """
+    Return the information of all readings of a flight about K parameters, shape (K, K).
+
+    `nominal`: about which it is linearized. The unexplained wrench is at the noise floor, as
+    nothing is missing in a simulation. About a smoothed motion, the first state turns with the
+    frames of tracker and markers; otherwise its prior would seem to tell of them.
+    """
+    noise = replace(NoiseModel.guess(nominal, flight), wrench=wrench_floor(nominal))
+    system = FlightSystem(vehicle, flight, [])
+    for _ in range(SMOOTHED):
+        (linear,) = linearize_all([system], nominal, np.zeros(0))
+        smooth = smooth_flight(linear, noise, np.zeros(0))
+        system = system.with_motion(smooth.motion, smooth.wrench, nominal)
+    system = system.with_parameters(parameters)
+    (linear,) = linearize_all([system], nominal, np.zeros(len(parameters)))
+    return filter_flight(linear, noise).products[:-1, :-1]

@@ -5,16 +5,13 @@ Two parameters whose marginal columns are parallel are indistinguishable in such
 """
 
 from collections.abc import Sequence
-from typing import Final, final, NamedTuple
+from typing import final, NamedTuple
 
-from lta_discovery.fit.evidence import build_shared_prior, per_flight_variance, ReducedFlight
 from lta_discovery.model.parameters import FreeParameter
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-
-ALIKE: Final = 0.8  # cosine; below it two effects are never confused, only both weak
 
 
 @final
@@ -46,24 +43,23 @@ class ParameterPair(NamedTuple):
 @final
 class PairSeparability:
     """
-    Separability of parameters in flights of one vehicle.
+    Separability of K parameters in flights of one vehicle.
 
-    `flights`: about the vehicle file, or a common point. `times`: factor on the length of the
-    flights.
+    `flights`: information of each about the parameters, shape (K, K), about the vehicle file or a
+    common point. `times`: factor on the length of the flights.
     """
 
     def __init__(
-        self, flights: Sequence[ReducedFlight], knobs: Sequence[FreeParameter], times: float = 1.0
+        self, flights: Sequence[Array], knobs: Sequence[FreeParameter], times: float = 1.0
     ) -> None:
         self.knobs = list(knobs)
-        own = per_flight_variance(knobs)
-        at = np.flatnonzero(own)
+        tolerance = np.array([one.tolerance for one in knobs])
+        per_flight = np.array([one.per_flight for one in knobs], dtype=np.bool_)
+        at = np.flatnonzero(per_flight & (tolerance > 0.0))
         # Per-flight errors add to the shared value of the same parameter.
-        parts = [
-            self._eliminate_columns(times * f.products[:-1, :-1], at, own[at]) for f in flights
-        ]
+        parts = [self._eliminate_columns(times * one, at, tolerance[at] ** 2) for one in flights]
         self._products = np.sum(parts, axis=0)
-        self._variance = np.diag(build_shared_prior(knobs).covariance)
+        self._variance = np.where(per_flight, 0.0, tolerance**2)
 
     def _eliminate_columns(self, products: Array, at: NDArray[np.int64], variance: Array) -> Array:
         """Marginalize columns with a prior variance."""
@@ -96,33 +92,3 @@ class PairSeparability:
         if information * typical**2 < 1e-6:
             return 0.0
         return typical / float(np.sqrt(1.0 / information + max(0.0, self._variance[k])))
-
-    def can_replace(self, name: str, value: float, other: str) -> bool:
-        """
-        Return whether a candidate can take the value that mimics another.
-
-        For example, a clock that runs ahead would need a negative delay.
-        """
-        order = [knob.name for knob in self.knobs]
-        if name not in order or other not in order:
-            return True
-        pair = self.compare_pair(order.index(name), order.index(other))
-        if pair.second <= 0.0:
-            return True
-        best, deviation = value * pair.shared / pair.second, pair.second**-0.5
-        return self.knobs[order.index(other)].is_plausible_estimate(best, deviation)
-
-    def list_confused(self, name: str, value: float, least: float) -> list[str]:
-        """
-        Return the candidates that these flights confuse with one, the most similar first.
-
-        `least`: expected log Bayes factor of separable candidates [nats].
-        """
-        a = [knob.name for knob in self.knobs].index(name)
-        confused = []
-        for b, knob in enumerate(self.knobs):
-            if b != a and knob.typical > 0.0:
-                pair = self.compare_pair(a, b)
-                if abs(pair.cosine) > ALIKE and pair.expected_log_bayes(value) < least:
-                    confused.append((pair.expected_log_bayes(value), knob.name))
-        return [other for _, other in sorted(confused)]

@@ -11,9 +11,7 @@ from lta_config.constants import STANDARD_GRAVITY
 from lta_discovery.flights.measured_flight import PERIOD
 from lta_discovery.model.quaternions import rotation_matrix
 from lta_discovery.posterior.elements import ForceGroup
-from lta_discovery.replay.replay import STEPS
-from lta_discovery.state_filter.linear_flight import FlightSystem, LinearFlight
-from lta_discovery.unmodeled.generic_terms import (
+from lta_discovery.posterior.force_terms import (
     FlightBoundingBox,
     list_axis_terms,
     position_terms,
@@ -22,6 +20,8 @@ from lta_discovery.unmodeled.generic_terms import (
     TermInputs,
     thrust_terms,
 )
+from lta_discovery.replay.replay import STEPS
+from lta_discovery.state_filter.linear_flight import FlightSystem, LinearFlight
 from lta_model.effects.protocol import AXES as NAMES
 from lta_model.state import ROTOR, ROTOR_AXIS, ROTOR_PLACE
 import numpy as np

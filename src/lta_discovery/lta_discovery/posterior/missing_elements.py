@@ -13,7 +13,6 @@ import math
 from typing import Final, final, NamedTuple
 
 from lta_config.errors import BadInput
-from lta_discovery.fit.evidence import wrench_floor
 from lta_discovery.flights.measured_flight import MeasuredFlight
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
@@ -33,13 +32,15 @@ from lta_discovery.posterior.settings import (
     ALIKE,
     CAPS,
     CERTAIN,
+    LEAST_GAIN,
     STEPS,
+    UNEXPLAINED,
 )
 from lta_discovery.state_filter.kalman import filter_flight, FilteredFlight
 from lta_discovery.state_filter.likelihood import linearize_all, ParameterPrior
 from lta_discovery.state_filter.linear_flight import FlightSystem
 from lta_discovery.state_filter.noise_fit import log_prior_of_noise
-from lta_discovery.state_filter.noise_model import NoiseModel
+from lta_discovery.state_filter.noise_model import NoiseModel, wrench_floor
 from lta_discovery.state_filter.parameter_fit import fit_likelihood, ParameterFit
 from lta_discovery.state_filter.smoothing import smooth_flight
 from lta_model.vehicle import Vehicle
@@ -72,13 +73,19 @@ class PresentElement:
 class MissingElements:
     """What the flights tell of the elements that a vehicle file may lack."""
 
-    present: tuple[PresentElement, ...]  # the most decisive first
+    present: tuple[PresentElement, ...]  # the most decisive first; forces alone if there are any
+    possible: tuple[PresentElement, ...]  # what may be present beside forces
     probabilities: Mapping[str, float]  # of each element that any good model has
     parameters: tuple[FreeParameter, ...]  # shared ones, and those of each flight
     # Values of the best model, relative to the vehicle file, and their covariance
     values: Array
     covariance: Array
     noise: tuple[NoiseModel, ...]  # of each flight, beside that model
+    wrenches: tuple[Array, ...]  # that this model leaves unexplained, each (n, 6) [N, N m]
+    # The same without any element: within the tolerances of the file
+    bare_values: Array
+    bare_noise: tuple[NoiseModel, ...]
+    bare_wrenches: tuple[Array, ...]
     trust: float  # factor on the tolerances of the file
     models: tuple[ScoredModel, ...]  # the most probable first
     elements: tuple[Element, ...]
@@ -149,6 +156,8 @@ class MissingElementSearch:
             [NoiseModel.guess(self._nominal, one) for one in flights],
             [FlightSystem(vehicle, one, self.parameters) for one in flights],
         )
+        self._bare = self._begin
+        self._fits = list[ScoredModel]()
         self._elements = list_elements(self.parameters, ())
         self._wrenches = [np.zeros((len(one.time), 6, 0)) for one in flights]
 
@@ -156,7 +165,8 @@ class MissingElementSearch:
         """Search, and report an estimate of the progress."""
         # Once more about the motion that the first fit shows
         rough = self._fit(self._begin, self._begin.scored)
-        best = self._fit(rough, rough.scored)
+        best = self._bare = self._fit(rough, rough.scored)
+        self._fits = [best.scored]
         for number in range(STEPS):
             tell(1.0 - 0.8 ** (number + 1))
             search = self._look(best, best.noise)
@@ -165,9 +175,23 @@ class MissingElementSearch:
             if better is None:
                 break
             best = better
-        result = self._conclude(best, search, ranked)
+        result = self._conclude(self._settle(best), search, ranked)
         tell(1.0)
         return result
+
+    def _settle(self, best: '_FittedModel') -> '_FittedModel':
+        """
+        Return a fit again, from the numbers of the file for what is within its tolerance.
+
+        What can be scaled together without changing the motion (masses, thrust, drag) drifts in
+        steps from one model to the next.
+        """
+        inside = {k for one in best.scored.elements for k in self._elements[one].columns}
+        own = [k in inside for k in range(len(best.values))]
+        again = self._try_to_fit(
+            best._replace(values=np.where(own, best.values, 0.0)), best.scored
+        )
+        return best if again is None or again.log_posterior < best.log_posterior else again
 
     def _find_better(self, best: '_FittedModel', first: ScoredModel) -> '_FittedModel | None':
         """
@@ -175,22 +199,27 @@ class MissingElementSearch:
 
         `first`: the model to try first.
         """
-        tried = {best.scored.elements}
+        tried = {(best.scored.elements, math.inf)}
         for floors in (math.inf, *CAPS):
             most = floors * self._floor
-            one = first
+            one, begin = first, best
             if floors < math.inf:
                 if all(bool(np.all(each.wrench <= EVEN * most)) for each in best.noise):
                     continue
-                # What is missing raises the unexplained wrench, which then hides it
-                noise = [
-                    replace(each, wrench=np.minimum(each.wrench, most)) for each in best.noise
-                ]
-                one = self._look(best, noise).run(best.scored.model)[0]
-            if one.elements in tried:
+                # What is missing raises the unexplained wrench, which then hides it: from a lower
+                # one, the fit learns whether the rest asks for more
+                begin = best._replace(
+                    noise=[
+                        replace(each, wrench=np.minimum(each.wrench, most)) for each in best.noise
+                    ]
+                )
+                one = self._look(best, begin.noise).run(best.scored.model)[0]
+            # The same model from a lower wrench is worth a fit only where nothing explains much
+            is_same = one.elements == best.scored.elements
+            if (one.elements, floors) in tried or (is_same and floors < UNEXPLAINED):
                 continue
-            tried.add(one.elements)
-            after = self._try_to_fit(best, one)
+            tried.add((one.elements, floors))
+            after = self._try_to_fit(begin, one)
             if after is not None and after.log_posterior > best.log_posterior:
                 return after
         return None
@@ -198,9 +227,11 @@ class MissingElementSearch:
     def _try_to_fit(self, begin: '_FittedModel', one: ScoredModel) -> '_FittedModel | None':
         """Fit a model; None if the vehicle becomes impossible on the way."""
         try:
-            return self._fit(begin, one)
+            fit = self._fit(begin, one)
         except BadInput:
             return None
+        self._fits.append(fit.scored)
+        return fit
 
     def _fit(self, begin: '_FittedModel', one: ScoredModel) -> '_FittedModel':
         """Fit a model, from another one that is fitted."""
@@ -306,9 +337,11 @@ class MissingElementSearch:
             if probability < CERTAIN:
                 continue
             rival = next(one for one, some in zip(ranked, among, strict=True) if not some)
-            without = self._try_to_fit(final, rival)
-            gain = final.log_posterior - (without.log_posterior if without else -math.inf)
-            if gain >= math.log(CERTAIN / (1.0 - CERTAIN)):
+            self._try_to_fit(final, rival)
+            gain = final.log_posterior - max(
+                one.log_posterior for one in self._fits if one.elements.isdisjoint(names)
+            )
+            if gain >= LEAST_GAIN:
                 names.sort(key=lambda k: (self._elements[k].kind, -shares.get(k, 0.0)))
                 titles = tuple(self._elements[k].name for k in names)
                 kind = self._elements[names[0]].kind
@@ -319,13 +352,21 @@ class MissingElementSearch:
             # The values are those of what is named
             final = self._try_to_fit(final, named) or final
         present.sort(key=lambda one: -one.gain)
+        # Terms only resemble the form of an unknown force; what they leave is explained by effects
+        # that are not there. So beside a force no name is sure
+        forces = [one for one in present if one.kind == 'force']
         return MissingElements(
-            tuple(present),
+            tuple(forces or present),
+            tuple(one for one in present if forces and one.kind != 'force'),
             {self._elements[k].name: shares[k] for k in sorted(shares, key=lambda k: -shares[k])},
             tuple(self.parameters),
             final.values,
             final.covariance,
             tuple(final.noise),
+            tuple(one.wrench for one in final.systems),
+            self._bare.values,
+            tuple(self._bare.noise),
+            tuple(one.wrench for one in self._bare.systems),
             best.trust,
             tuple(ranked),
             tuple(self._elements),

@@ -147,13 +147,14 @@ class ModelSearch:
 
     def restrict(self, one: ScoredModel) -> RestrictedEvidence:
         """Return the evidence of a model."""
-        return self.evidence.restrict(self._compute_variance(one.model, one.trust))
+        return self.evidence.restrict(self.compute_variance(one.model, one.trust))
 
-    def _compute_variance(self, model: Model, trust: float) -> Array:
+    def compute_variance(self, model: Model, trust: float) -> Array:
+        """Return the prior variance of each column; 0 if it is absent, shape (K,)."""
         return compute_variance(self.elements, model, trust * self._tolerance)
 
     def _compute_log_posterior(self, model: Model, trust: float) -> float:
-        restricted = self.evidence.restrict(self._compute_variance(model, trust))
+        restricted = self.evidence.restrict(self.compute_variance(model, trust))
         inside = self._log_share_inside(model, restricted)
         return restricted.log_evidence + inside + log_prior(self.elements, model, trust)
 

@@ -28,7 +28,10 @@ HOPELESS: Final = 12.0  # nats below the best; such a model is not looked at mor
 STEPS: Final = 12  # from one model to a better one, most
 
 # Conclusion
-# Probability from which on something is said to be present, among the linear models and by the
-# fits with it and without it
-CERTAIN: Final = 0.95
+CERTAIN: Final = 0.95  # probability among the models from which on something is named
+# Nats by which a fit without a name has to be less probable. Flights in which a force of an
+# unknown form acts favour effects of the library by less than this, as a rule
+LEAST_GAIN: Final = 10.0
 ALIKE: Final = 0.95  # cosine of two columns beside the rest of the model; beyond it, one class
+UNEXPLAINED: Final = 2.5  # noise floors of an unexplained wrench from which on it is reported
+WORSE: Final = 1.05  # of the file's position error; a corrected file with more is not written

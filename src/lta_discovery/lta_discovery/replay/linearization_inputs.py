@@ -6,7 +6,6 @@ from typing import final, NamedTuple
 from lta_discovery.model.nominal import NominalVehicle, ReplayRows
 from lta_discovery.model.parameter_sets import ParameterSteps
 from lta_discovery.model.parameters import FreeParameter
-from lta_discovery.replay.linearized_flight import LinearizationPoint
 from lta_discovery.replay.replay import BodyInputs, FlightReplay
 import numpy as np
 from numpy.typing import NDArray
@@ -95,28 +94,33 @@ class _ParameterSets:
 def prepare_linearization(
     replay: FlightReplay,
     knobs: Sequence[FreeParameter],
-    point: LinearizationPoint,
+    nominal: NominalVehicle,
+    values: Array,
     columns: NDArray[np.bool_] | None = None,
 ) -> LinearizationInputs:
-    """Prepare a linearization about a point; raise BadInput for an impossible vehicle."""
-    sets, pairs, turned = _ParameterSets(replay, point.nominal), [], []
+    """
+    Prepare a linearization about a vehicle; raise BadInput for an impossible one.
+
+    `values`: of the parameters in this vehicle, relative to that of the file, shape (K,).
+    """
+    sets, pairs, turned = _ParameterSets(replay, nominal), [], []
     moving, reading = [], []
     base = sets.rows[0]
     for k, knob in enumerate(knobs):
         if columns is not None and not columns[k]:
             continue
-        value = float(point.values[k])
+        value = float(values[k])
         # Parameters of readings do not change the motion, and need no simulation.
         if knob.reaches != 'reading' or replay.delays_commands(knob):
             moving.append(k)
             pairs.append(sets.add_pair(knob, value))
             continue
         reading.append(k)
-        present, step = knob.enable_effect(point.nominal), knob.step_at(value)
-        turned_by = knob.apply_to(point.nominal, step)
-        after = replay.update_replay_rows(turned_by, point.nominal, base)
-        same = present is point.nominal
-        before = base if same else replay.update_replay_rows(present, point.nominal, base)
+        present, step = knob.enable_effect(nominal), knob.step_at(value)
+        turned_by = knob.apply_to(nominal, step)
+        after = replay.update_replay_rows(turned_by, nominal, base)
+        same = present is nominal
+        before = base if same else replay.update_replay_rows(present, nominal, base)
         turned.append(SensorStep(before, after, step))
     turns = sets.stack_parameter_sets(pairs)
     return LinearizationInputs(

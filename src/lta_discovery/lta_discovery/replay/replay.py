@@ -5,7 +5,7 @@ from functools import cached_property
 from typing import Final, final
 
 from lta_discovery.flights.measured_flight import MeasuredFlight, PERIOD, Stream
-from lta_discovery.flights.windows import fit_state_at, Windows
+from lta_discovery.flights.usable_states import fit_state_at
 from lta_discovery.flights.zero_order_hold import average_held_values
 from lta_discovery.model.nominal import NominalVehicle, ReplayRows
 from lta_discovery.model.parameter_sets import ParameterSteps
@@ -57,19 +57,22 @@ class BodyInputs:
 @final
 class FlightReplay:
     """
-    Replay a flight.
+    Replay pieces of a flight.
 
-    `still`, shape (COMMAND,): command of a vehicle at rest: `Vehicle.pack_command(())`.
+    `first`, shape (S,): grid point at which each piece begins. `length`: of all pieces, in grid
+    periods. `still`, shape (COMMAND,): command of a vehicle at rest: `Vehicle.pack_command(())`.
     """
 
-    def __init__(self, flight: MeasuredFlight, cut: Windows, still: Array) -> None:
-        self.flight, self.cut, self._still = flight, cut, still
+    def __init__(
+        self, flight: MeasuredFlight, first: NDArray[np.int64], length: int, still: Array
+    ) -> None:
+        self.flight, self._periods, self._still = flight, first, still
         self.dt = PERIOD / STEPS
         # One more piece than the flight: the last piece may reach past its end
-        count = (len(flight.time) + cut.length) * STEPS
+        count = (len(flight.time) + length) * STEPS
         self._steps = flight.time[0] + self.dt * np.arange(count)
-        self.first = cut.first * STEPS
-        self.span = cut.length * STEPS
+        self.first = first * STEPS
+        self.span = length * STEPS
         self._around = np.zeros((count, SURROUNDINGS))
         # Of the surroundings only the voltage is recorded; the others stay 0
         self._around[:, VOLTAGE] = self._interpolate_voltage(self._steps)
@@ -81,10 +84,6 @@ class FlightReplay:
         self._met[:, VOLTAGE] = self._interpolate_voltage(orders.time)
         self._known = self._measured_motion()
         self._rest = self._rest_commands()
-
-    def with_pieces(self, cut: Windows) -> 'FlightReplay':
-        """Return the same flight in other pieces."""
-        return FlightReplay(self.flight, cut, self._still)
 
     def _interpolate_voltage(self, time: Array) -> Array:
         """Return the voltage, 0 where it is unknown."""
@@ -254,7 +253,7 @@ class FlightReplay:
         """
         out = np.zeros((*states.shape[:2], WIDTH, WIDTH))
         load_body_kernel().jacobians(
-            turns.rows[0].copy(), turns.on[0], self.cut.first[which], states, turns.commands[0],
+            turns.rows[0].copy(), turns.on[0], self._periods[which], states, turns.commands[0],
             self._sparse, turns.memory[0], turns.wrench[0], latent, NUDGE, out,
         )  # fmt: skip
         return out
@@ -271,7 +270,7 @@ class FlightReplay:
         # Work space of the kernel
         answers = np.empty((len(turns.rows), states.shape[1], AXES))
         load_body_kernel().answers(
-            turns.rows, turns.on, turns.faced, self.cut.first[which], states, turns.commands,
+            turns.rows, turns.on, turns.faced, self._periods[which], states, turns.commands,
             self._sparse, turns.memory, turns.wrench, latent, turns.before, turns.after,
             turns.steps, answers, out,
         )  # fmt: skip

@@ -41,21 +41,3 @@ def discretize_dynamics(jacobian: Array, dt: float) -> tuple[Array, Array]:
     third = eye + (hf / 3.0) @ half
     b = dt * (eye + (hf / 2.0) @ third)
     return eye + jacobian @ b, b
-
-
-def propagate_changes(a: Array, push: Array) -> Array:
-    """
-    Propagate changes of the initial state, and inputs along the way.
-
-    `push`, shape (S, n, 12, C), is B g of each step and input. The result, shape
-    (S, n + 1, 12, 12 + C), holds the changes by the 12 of the initial state, then by each input.
-    """
-    pieces, steps, _, count = push.shape
-    out = np.zeros((pieces, steps + 1, WIDTH, WIDTH + count))
-    out[:, 0, :, :WIDTH] = np.eye(WIDTH)
-    for k in range(steps):
-        now = out[:, k + 1]
-        np.matmul(a[:, k], out[:, k], out=now)
-        # Columns of inputs also receive this step's push
-        now[..., WIDTH:] += push[:, k]
-    return out

@@ -12,11 +12,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final, final
 
-from lta_discovery.fit.bounds import apply_parameters
 from lta_discovery.flights.measured_flight import MeasuredFlight, PERIOD
-from lta_discovery.flights.windows import Windows
 from lta_discovery.model.nominal import NominalVehicle
-from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.model.parameters import apply_parameters, FreeParameter
 from lta_discovery.model.quaternions import (
     quaternion_conjugate,
     quaternion_exponential,
@@ -216,9 +214,7 @@ def _fly_forecasts(
     """Fly the model from each start without further readings; return the errors."""
     flight, count = system.flight, round(horizons[-1] / PERIOD)
     begun = apply_state_changes(linear.motion[starts], states[:, :BODY])
-    inside = np.ones((len(starts), count), dtype=np.bool_)
-    pieces = Windows(starts, count, begun, inside, 2)
-    replay = FlightReplay(flight, pieces, system.vehicle.pack_command(()))
+    replay = FlightReplay(flight, starts, count, system.vehicle.pack_command(()))
     time = PERIOD / STEPS * (np.arange(replay.span) + 0.5)
     faded = np.exp(-time[:, None] / noise.memory)
     out = np.full((len(starts), len(horizons), POSE), np.nan)

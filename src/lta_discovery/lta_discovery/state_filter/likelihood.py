@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from typing import Final, final, NamedTuple
 
 from lta_config.errors import BadInput
-from lta_discovery.fit.joint_fit import RAN_AWAY
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.parallel import map_parallel
@@ -21,6 +20,10 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+RAN_AWAY: Final = (
+    'The simulation of the recorded flights with this vehicle file diverges; correct the vehicle '
+    'file first.'
+)
 LONGEST: Final = 1.0  # prior deviations; of a step, beyond which the linearization is not trusted
 
 

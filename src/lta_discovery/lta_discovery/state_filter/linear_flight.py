@@ -12,11 +12,9 @@ from copy import copy
 from dataclasses import dataclass, replace
 from typing import final
 
-from lta_discovery.fit.bounds import apply_parameters
 from lta_discovery.flights.measured_flight import CHANNELS, MeasuredFlight, PERIOD
-from lta_discovery.flights.windows import Windows
 from lta_discovery.model.nominal import NominalVehicle
-from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.model.parameters import apply_parameters, FreeParameter
 from lta_discovery.model.quaternions import (
     quaternion_conjugate,
     quaternion_logarithm,
@@ -27,9 +25,8 @@ from lta_discovery.replay.linearization_inputs import (
     LinearizationInputs,
     prepare_linearization,
 )
-from lta_discovery.replay.linearized_flight import AXES, LinearizationPoint, SENSORS
 from lta_discovery.replay.reading_jacobian import reading_jacobians
-from lta_discovery.replay.replay import FlightReplay, STEPS
+from lta_discovery.replay.replay import AXES, FlightReplay, STEPS
 from lta_discovery.replay.sensing import (
     estimate_floor_pressure,
     ideal_readings,
@@ -137,14 +134,8 @@ class FlightSystem:
         readings, self._count = collect_readings(flight, self._motion)
         self._position, self._quaternion = readings[:, :3], readings[:, 3:]
         count = len(flight.time) - 1
-        every = Windows(
-            np.arange(count),
-            1,
-            np.where(np.isfinite(self._motion), self._motion, ABSENT)[:-1],
-            np.ones((count, 1), dtype=np.bool_),
-            2,
-        )
-        self.replay = FlightReplay(flight, every, vehicle.pack_command(()))
+        every = np.arange(count)
+        self.replay = FlightReplay(flight, every, 1, vehicle.pack_command(()))
         places = SensorPlaces.from_vehicle(vehicle, 0.0)
         self._places = SensorPlaces.from_vehicle(vehicle, estimate_floor_pressure(flight, places))
         self.channels = POSE if flight.has_only_pose else len(CHANNELS)
@@ -194,6 +185,11 @@ class FlightSystem:
         out._is_smooth = True
         return out
 
+    @property
+    def wrench(self) -> Array:
+        """What acts beside the model about which it is linearized, shape (n, 6). [N, N m]"""
+        return self._wrench
+
     def linearize(
         self, nominal: NominalVehicle, values: Array, columns: Flags | None = None
     ) -> LinearFlight:
@@ -206,9 +202,7 @@ class FlightSystem:
         parameters = self._own_parameters
         strengths = values[len(parameters) :]
         there, values = apply_parameters(nominal, parameters, values[: len(parameters)])
-        none = np.zeros((0, 0))
-        point = LinearizationPoint(there, np.append(values, np.zeros(len(SENSORS))), none)
-        about = prepare_linearization(self.replay, parameters, point, columns)
+        about = prepare_linearization(self.replay, parameters, there, values, columns)
         acting = about.rows.acting
         motion_there = np.where(np.isfinite(self._motion), self._motion, ABSENT)
         motion = transform_to_map(motion_there, acting)

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final
 
-from lta_discovery.fit.evidence import wrench_floor
+from lta_discovery.flights.usable_states import SHORTEST_RUN
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.parallel import map_parallel
 from lta_discovery.state_filter.kalman import AXES
@@ -14,8 +14,7 @@ from lta_discovery.state_filter.likelihood import (
     sum_likelihoods,
 )
 from lta_discovery.state_filter.linear_flight import LinearFlight
-from lta_discovery.state_filter.motion import SHORTEST
-from lta_discovery.state_filter.noise_model import GUESS_LOGARITHMS, NoiseModel
+from lta_discovery.state_filter.noise_model import GUESS_LOGARITHMS, NoiseModel, wrench_floor
 from lta_discovery.state_filter.smoothing import (
     filter_run,
     FilteredRun,
@@ -79,7 +78,7 @@ def _guess(nominal: NominalVehicle) -> Array:
 
 def _shorten(flights: Sequence[LinearFlight]) -> list[LinearFlight]:
     """Return the first part of each flight, which is enough to learn the noise."""
-    most = max(LEARNED // len(flights), SHORTEST)
+    most = max(LEARNED // len(flights), SHORTEST_RUN)
     parts = [_limit_runs(one.runs, most) for one in flights]
     return [
         replace(one, runs=runs, begun=one.begun[: len(runs)])

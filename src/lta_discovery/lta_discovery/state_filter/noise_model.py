@@ -21,6 +21,11 @@ FORCE: Final = 1e-3  # of the weight
 ARM: Final = 0.1  # m
 MEMORY: Final = 3.0  # s
 GRAVITY: Final = 9.81  # m/s2
+# Smallest relevant deviation of an unexplained force [N] and moment [N m], for a blimp of this
+# mass [kg] and inertia [kg m2]; it grows with them (`wrench_floor`)
+FLOOR: Final = np.array([4e-4, 4e-4, 4e-4, 8e-5, 8e-5, 4e-5])
+FLOOR_MASS: Final = 0.415
+FLOOR_INERTIA: Final = np.array([0.039, 0.039, 0.028])
 GUESS_LOGARITHMS: Final = np.log(
     np.concatenate([WHITE[[0, 3]], CORRELATED[[0, 3]], [CORRELATION], np.ones(8)])
 )
@@ -82,3 +87,10 @@ class NoiseModel:
 def average_noise(models: Sequence[NoiseModel]) -> NoiseModel:
     """Return the noise of flights of which nothing else is known: the geometric mean."""
     return models[0].with_logarithms(np.mean([one.logarithms for one in models], axis=0))
+
+
+def wrench_floor(nominal: NominalVehicle) -> Array:
+    """Return the noise floor of the unexplained wrench of a vehicle, shape (6,). [N, N m]"""
+    inertia = np.diag(nominal.inertia) / FLOOR_INERTIA
+    floor: Array = FLOOR * np.concatenate([np.full(3, nominal.mass / FLOOR_MASS), inertia])
+    return floor

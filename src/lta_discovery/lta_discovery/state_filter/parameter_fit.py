@@ -13,7 +13,6 @@ import math
 from typing import Final, final, Generic, NamedTuple, TypeVar
 
 from lta_config.errors import BadInput
-from lta_discovery.fit.joint_fit import RAN_AWAY
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.state_filter.forecast_sums import ForecastSum, HORIZONS, sum_forecasts
 from lta_discovery.state_filter.likelihood import (
@@ -22,6 +21,7 @@ from lta_discovery.state_filter.likelihood import (
     LikelihoodSum,
     linearize_all,
     ParameterPrior,
+    RAN_AWAY,
     spread_out,
     sum_likelihoods,
 )
@@ -39,7 +39,8 @@ LEARNING: Final = (1, 4)  # rounds before which the noise is learned
 DAMPINGS: Final = (0.0, 0.1, 1.0, 10.0, 100.0)  # of a step, until it helps
 MISFIT_RISE: Final = 0.5  # nats; tolerated increase of the misfit in a step
 ERROR_RISE: Final = 0.01  # of the mean logarithm of the errors; the same for forecasts
-SETTLED: Final = 0.02  # prior deviations; a fit ends with a shorter step
+SETTLED: Final = 0.02  # prior deviations; a fit from afar ends with a shorter step
+SETTLED_GAIN: Final = 0.02  # nats; a fit near its end ends with a step that gains less
 
 
 @final
@@ -135,7 +136,13 @@ def fit_likelihood(
         # From afar, bounded steps need not lower the misfit one by one
         lower = is_near or (bool(learning) and not left)
         after = search.step(point, point.sums.cost + MISFIT_RISE if lower else math.inf)
-        has_settled = after is None or search.has_settled(point.values, after.values)
+        if after is None:
+            has_settled = True
+        elif is_near:
+            # Prior deviations of what may be large are many times what the flights leave open
+            has_settled = point.sums.cost - after.sums.cost < SETTLED_GAIN
+        else:
+            has_settled = search.has_settled(point.values, after.values)
         point = point if after is None else after
         if has_settled and not left:
             break

@@ -5,14 +5,13 @@ from dataclasses import replace
 import math
 from pathlib import Path
 
-from lta_challenge.case import CaseFlight
-from lta_challenge.contradictions import find_contradictions
-from lta_challenge.other.calibration_case import CalibrationCase, generate_calibration_case
-from lta_challenge.other.flight import DutyPilot, FlightSimulator, TICK
-from lta_challenge.other.sensors import SensorSet
-from lta_challenge.other.truth import build_vehicle_truth, to_triple, VehicleTruth
-from lta_challenge.other.wrench_flight import Course, WrenchActuators, WrenchPilot
-from lta_challenge.recording import write_bag
+from challenge.calibration_case import CalibrationCase, generate_calibration_case
+from challenge.case import CaseFlight
+from challenge.flight import DutyPilot, FlightSimulator, TICK
+from challenge.recording import write_bag
+from challenge.sensors import SensorSet
+from challenge.truth import build_vehicle_truth, to_triple, VehicleTruth
+from challenge.wrench_flight import Course, WrenchActuators, WrenchPilot
 from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_config.vehicle_edit import set_yaml_values
@@ -31,14 +30,15 @@ from lta_discovery.calibration.result import (
     ForecastScore,
 )
 from lta_discovery.calibration.verdict import format_forecast_sentence, format_inseparable
-from lta_discovery.conclusion import draw_conclusion
-from lta_discovery.finding import StudyResult
+from lta_discovery.discovery.conclusion import draw_conclusion
+from lta_discovery.discovery.forecast_comparison import COASTING
+from lta_discovery.discovery.run import DiscoveryRequest, study_usable_flights
+from lta_discovery.discovery.study import Discovery, TUNED
 from lta_discovery.flights.bags import read_bags, Role
 from lta_discovery.flights.usable_flights import select_usable_flights
 from lta_discovery.model.calibration_parameters import list_calibration_parameters
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import list_free_parameters
-from lta_discovery.run import DiscoveryRequest, study_usable_flights
 from lta_model.effects.commands import WRENCH_GAIN
 from lta_model.vehicle import load_vehicle
 import numpy as np
@@ -287,14 +287,14 @@ def test_a_marker_frame_without_regard_to_the_nose_is_found(tmp_path: Path) -> N
     assert main.after.position < 0.5 * min(main.before.position, main.coast.position)
 
 
-def study_case(case: CalibrationCase, folder: Path) -> StudyResult:
+def study_case(case: CalibrationCase, folder: Path) -> Discovery:
     """Return what a discovery finds in the flights of a case."""
     vehicle, bags = load_vehicle('gtmab'), {'train': [], 'confirm': []}
     for flight in case.flights:
         bags['train' if flight.role == 'train' else 'confirm'].append(folder / flight.name)
     usable = select_usable_flights(read_bags(bags), vehicle)
     request = DiscoveryRequest('gtmab', bags)
-    return study_usable_flights(request, vehicle, usable, lambda _what, _part: None).finding
+    return study_usable_flights(request, vehicle, usable, lambda _what, _part: None)[0]
 
 
 @pytest.mark.long
@@ -307,10 +307,11 @@ def test_flights_in_closed_loop_are_calibrated_and_nothing_is_named(
     # A hover is nearly a coast: the share was 0.56 there
     assert_truth_is_found(case, found, share=0.75)
     study = study_case(case, tmp_path)
-    assert not study.effects
+    assert study.named == ()
     assert study.calibration is not None
-    (last,) = [one for one in study.gaps if one.channel == 'position' and one.horizon_s == 3.0]
-    assert last.after < last.coast
+    assert study.comparison.main is not None
+    errors = study.comparison.main.errors
+    assert errors[TUNED].position < errors[COASTING].position
 
 
 @pytest.mark.long
@@ -319,9 +320,7 @@ def test_a_controller_in_a_draught_shows_no_effect(tmp_path: Path, course: Cours
     """All that it commands is an answer to the air, which looks like anything."""
     case, _ = calibrate_case(6, tmp_path, effects={}, course=course, number=1)
     study = study_case(case, tmp_path)
-    assert not study.effects or study.verdict == 'not_identifiable'
-    assert draw_conclusion(study).advice != 'use'
-    assert find_contradictions(study) == []
+    assert not draw_conclusion(study).writes_file
 
 
 def test_the_gain_of_a_controller_that_dithers_nothing_is_found(tmp_path: Path) -> None:

@@ -1,13 +1,12 @@
 """A discovery calibrates first where its flights call for it, and only there."""
 
 from dataclasses import replace
-import io
 import itertools
 import math
 from pathlib import Path
 
-from lta_challenge.other.calibration_case import generate_calibration_case
-from lta_challenge.recording import write_bag
+from challenge.calibration_case import generate_calibration_case
+from challenge.recording import write_bag
 from lta_config.files import find_file
 from lta_config.vehicle_edit import set_yaml_values
 from lta_discovery.calibration import first_step
@@ -25,7 +24,6 @@ from lta_discovery.calibration.result import (
 )
 from lta_discovery.calibration.reversed_thrust import split_by_duty, state_by_duty
 from lta_discovery.calibration.verdict import format_lift_warning, list_differences
-from lta_discovery.finding import StudyResult
 from lta_discovery.flights.bags import read_bags
 from lta_discovery.flights.role_assignment import restrict_to_interval, Role
 from lta_discovery.flights.usable_flights import select_usable_flights
@@ -36,19 +34,10 @@ from lta_discovery.model.calibration_parameters import (
 )
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import list_free_parameters
-from lta_discovery.page.page import render_calibration
-from lta_discovery.page.verdict_text import (
-    format_advice,
-    format_headline,
-    list_learned_file_commands,
-)
-from lta_discovery.results.discovery_json import to_dict
-from lta_discovery.results.terminal import print_finding
 from lta_model.effects.protocol import AXES
 from lta_model.vehicle import load_vehicle, parse_vehicle, Vehicle
 import numpy as np
 import pytest
-from rich.console import Console
 
 
 @pytest.fixture(scope='module')
@@ -354,34 +343,6 @@ def test_calibrated_numbers_are_no_candidates(vehicle: Vehicle) -> None:
     assert after['helium_leak.rate'].per_flight
     assert after['helium_leak.rate'].tolerance == pytest.approx(1e-4)
     assert after['helium_leak.rate'].low == -math.inf
-
-
-def test_a_calibration_has_a_section_of_its_own(vehicle: Vehicle, tmp_path: Path) -> None:
-    nominal = NominalVehicle.from_vehicle(vehicle)
-    finding = StudyResult('none', (), (), (), (), False, (), (), 1, {}, 'gtmab')
-    assert render_calibration(finding) == ''
-    assert to_dict(finding)['calibration'] is None
-    lift = replace(make_value('net_lift.force', 0.0, 0.02, 1e-3, 'A'), unit='N')
-    finding = replace(finding, calibration=make_calibration(nominal, GAIN, lift))
-    headline = format_headline(finding)
-    assert headline.startswith(
-        'Calibrated first (surge: 30 % of the commanded force arrives; net lift: 20 mN above '
-        'that of the file). '
-    )
-    assert 'calibrated.yaml' in format_advice(finding)
-    commands = list_learned_file_commands(finding, tmp_path)
-    assert all('calibrated.yaml' in one for one in commands.values())
-    section = render_calibration(finding)
-    assert 'Calibration: numbers any vehicle file must have' in section
-    assert '50 cm with the vehicle file, 2 cm calibrated, 20 cm if the vehicle coasted' in section
-    file = io.StringIO()
-    print_finding(finding, Console(file=file, width=120))
-    said = file.getvalue()
-    for text in (section, said):
-        assert 'wrench gain (surge)' in text
-        assert 'net lift, A' in text
-    told = to_dict(finding)['calibration']
-    assert told['values'][0]['value'] == pytest.approx(0.3)
 
 
 def test_a_calibration_that_confirming_flights_contradict_is_not_advised(vehicle: Vehicle) -> None:

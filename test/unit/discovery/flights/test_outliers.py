@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from lta_discovery.flights.measured_flight import MeasuredFlight, Stream
 from lta_discovery.flights.outliers import find_outliers, remove_outliers
-from lta_discovery.replay.flight_linearizer import FlightLinearizer
+from lta_discovery.state_filter.linear_flight import FlightSystem
 import numpy as np
 import pytest
 
@@ -29,8 +29,8 @@ def test_noise_gaps_and_missing_channels_have_none() -> None:
     assert not find_outliers(np.full(100, np.nan), np.inf).any()
 
 
-def test_a_wild_pose_goes_as_a_whole_and_a_clean_flight_stays(clean: FlightLinearizer) -> None:
-    flight = clean.replay.flight
+def test_a_wild_pose_goes_as_a_whole_and_a_clean_flight_stays(clean: FlightSystem) -> None:
+    flight = clean.flight
     same, none = remove_outliers(flight)
     assert none == 0
     assert same is flight

@@ -14,7 +14,7 @@ from lta_discovery.flights.measured_flight import (
 )
 from lta_discovery.flights.noise import estimate_noise, estimate_pose_noise
 from lta_discovery.flights.streams import build_streams
-from lta_discovery.flights.windows import cut_into_pieces
+from lta_discovery.flights.usable_states import fit_state_at
 from lta_discovery.flights.zero_order_hold import average_held_values
 from lta_discovery.model.quaternions import quaternion_exponential
 import numpy as np
@@ -65,45 +65,13 @@ def test_a_gap_is_not_filled_and_the_floor_and_the_warm_up_do_not_count() -> Non
     assert np.isinf(found.noise[6:]).all()  # no other sensors
 
 
-def test_pieces_begin_in_the_state_of_the_closed_form() -> None:
-    cut = cut_into_pieces(resample_flight(helix(noise=0.001)), 6.0)
-    assert len(cut.first) == 5
-    assert (np.diff(cut.first) == 150).all()
-    expected = np.array([SPEED, 0.0, CLIMB, 0.0, 0.0, RATE])
-    np.testing.assert_allclose(
-        cut.start[:-1, 7:], np.tile(expected, (len(cut.start) - 1, 1)), atol=0.01
-    )
-    time = cut.first * PERIOD
-    np.testing.assert_allclose(cut.start[:, 2], 1.0 + CLIMB * time, atol=0.002)
-
-
-def test_windows_overlap() -> None:
-    """Each moment belongs to three of them; one in three is a piece, and as long."""
+def test_a_state_is_that_of_the_closed_form() -> None:
     flight = resample_flight(helix(noise=0.001))
-    cut, dense = cut_into_pieces(flight), cut_into_pieces(flight, overlaps=3)
-    assert (np.diff(dense.first) == 50).all()
-    np.testing.assert_array_equal(dense.first[::3], cut.first)
-    np.testing.assert_array_equal(dense.start[::3], cut.start)
-    np.testing.assert_array_equal(dense.inside[::3], cut.inside)
-
-
-@pytest.mark.parametrize(
-    ('seconds', 'pieces', 'longest'),
-    [(28.0, 5, 6.0), (15.0, 3, 6.0), (6.5, 2, 3.28), (4.5, 1, 4.5)],
-)
-def test_a_short_flight_is_cut_in_two_unless_it_is_a_piece(
-    seconds: float, pieces: int, longest: float
-) -> None:
-    """One piece alone tells nothing of the next; halves of a shorter flight forecast nothing."""
-    flight = resample_flight(helix(noise=0.001))
-    usable = flight.usable & (flight.time < flight.time[flight.usable][0] + seconds)
-    cut = cut_into_pieces(replace(flight, usable=usable))
-    used = cut.inside.sum(axis=1) * PERIOD
-    assert len(cut.first) == pieces
-    assert used.max() <= longest + 1e-9
-    assert used.min() >= 1.0
-    assert used.sum() == pytest.approx(usable.sum() * PERIOD, abs=2 * PERIOD)
-    assert (cut.first[1:] >= cut.first[:-1] + cut.inside.sum(axis=1)[:-1]).all()
+    for index in (100, 250, 400):
+        state = fit_state_at(flight, index)
+        assert state is not None
+        np.testing.assert_allclose(state[7:], [SPEED, 0.0, CLIMB, 0.0, 0.0, RATE], atol=0.01)
+        assert state[2] == pytest.approx(1.0 + CLIMB * index * PERIOD, abs=0.002)
 
 
 def test_a_bag_gives_poses_and_commands(tmp_path) -> None:

@@ -3,16 +3,13 @@
 from dataclasses import replace
 from typing import Final
 
-from lta_discovery.fit.evidence import build_shared_prior, per_flight_variance, wrench_floor
-from lta_discovery.fit.joint_fit import JointFitter
 from lta_discovery.flights.measured_flight import FlightStreams, PERIOD, resample_flight, Stream
-from lta_discovery.flights.windows import cut_into_pieces
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import list_free_parameters
-from lta_discovery.replay.flight_linearizer import FlightLinearizer
-from lta_discovery.replay.linearized_flight import unchanged_vehicle_point
 from lta_discovery.replay.replay import FlightReplay
-from lta_discovery.replay.sensing import SensorPlaces
+from lta_discovery.state_filter.linear_flight import FlightSystem
+from lta_discovery.state_filter.noise_model import NoiseModel
+from lta_discovery.state_filter.parameter_fit import fit_likelihood
 from lta_model.effects.protocol import AXES
 from lta_model.vehicle import load_vehicle, Vehicle
 import numpy as np
@@ -40,7 +37,7 @@ def seen(told: FlightStreams, rng: np.random.Generator) -> Stream:
 def commanded(vehicle: Vehicle, told: FlightStreams) -> Stream:
     """Return the wrench that the rotors gave, lag and all, too much of it ahead."""
     nominal, flight = NominalVehicle.from_vehicle(vehicle), resample_flight(told)
-    replay = FlightReplay(flight, cut_into_pieces(flight), vehicle.pack_command(()))
+    replay = FlightReplay(flight, np.arange(1), 1, vehicle.pack_command(()))
     thrusts = replay.mean_thrusts(nominal.build_replay_rows())
     out = np.zeros((len(thrusts), 6))
     for i, thrust in enumerate(thrusts.T[: len(nominal.rotors)], 1):
@@ -51,7 +48,7 @@ def commanded(vehicle: Vehicle, told: FlightStreams) -> Stream:
 
 
 @pytest.fixture(scope='module')
-def driven() -> FlightLinearizer:
+def driven() -> FlightSystem:
     """A GT-MAB that was told wrenches."""
     told, vehicle = flown({}, 5, 32.0), load_vehicle('gtmab')
     wrench = commanded(vehicle, told)
@@ -59,32 +56,27 @@ def driven() -> FlightLinearizer:
     only = FlightStreams(
         seen(told, np.random.default_rng(3)), still, floor=told.floor, wrench=wrench
     )
-    flight = resample_flight(only)
-    replay = FlightReplay(flight, cut_into_pieces(flight), vehicle.pack_command(()))
     known = list_free_parameters(NominalVehicle.from_vehicle(vehicle), wrench=True)
-    return FlightLinearizer(replay, known, SensorPlaces.from_vehicle(vehicle, 101325.0))
+    tolerances = [one for one in known if one.tolerance > 0.0]
+    return FlightSystem(vehicle, resample_flight(only), tolerances)
 
 
-def test_what_arrives_of_a_commanded_wrench_is_found(driven: FlightLinearizer) -> None:
+def test_what_arrives_of_a_commanded_wrench_is_found(driven: FlightSystem) -> None:
     """Four fifths ahead, all of it upwards, from poses at 30 Hz."""
     nominal = NominalVehicle.from_vehicle(load_vehicle('gtmab'))
-    floor, own = wrench_floor(nominal), per_flight_variance(driven.knobs)
-    start = unchanged_vehicle_point(nominal, driven.knobs, driven.replay.cut)
-    fitter = JointFitter(nominal, [driven], own, floor)
-    found = fitter.fit(
-        build_shared_prior(driven.knobs), fitter.linearize_flights(start.values, [start]), floor, 3
-    )
-    names = [knob.name for knob in driven.knobs]
+    noise = NoiseModel.guess(nominal, driven.flight)
+    found = fit_likelihood([driven], nominal, np.zeros(len(driven.parameters)), [noise])
+    names = [knob.name for knob in driven.parameters]
     for axis, gain in (('surge', ARRIVES), ('heave', 1.0)):
         k = names.index(f'wrench_gain.{axis}')
-        spread = float(np.sqrt(found.fitted.covariance[k, k]))
+        spread = float(np.sqrt(found.covariance[k, k]))
         assert spread < 0.1  # 0.2 before
-        assert abs(1.0 + found.fitted.mean[k] - gain) < 3.0 * spread + 0.03
+        assert abs(1.0 + found.values[k] - gain) < 3.0 * spread + 0.03
 
 
-def test_a_short_gap_ends_no_piece(driven: FlightLinearizer) -> None:
+def test_a_short_gap_ends_no_piece(driven: FlightSystem) -> None:
     """0.3 s without poses is flown through, 1.5 s is not, and nothing is made up in either."""
-    flight = driven.replay.flight
+    flight = driven.flight
     for begin, end in GAPS:
         inside = (flight.time > begin + 0.05) & (flight.time < end - 0.05)
         assert inside.any()
@@ -99,7 +91,6 @@ def test_poses_smoother_than_any_tracker_count_for_less() -> None:
     turn = np.column_stack([np.zeros((len(time), 3)), np.ones(len(time))])
     still = Stream(time[:1], np.zeros((1, 2)))
     smooth = resample_flight(FlightStreams(Stream(time, np.hstack([pose, turn])), still))
-    assert smooth.reading_deviation[:3] == pytest.approx(0.008)
     assert smooth.noise[:3] == pytest.approx(0.008 * 12.5**0.5)
     rng = np.random.default_rng(1)
     noisy = pose + 1e-3 * rng.standard_normal(pose.shape)

@@ -6,11 +6,11 @@ import math
 from pathlib import Path
 from typing import Any
 
-from lta_challenge.other.flight import FlightSimulator, SimulatedTrajectory, TICK
-from lta_challenge.other.sensors import SensorSet
-from lta_challenge.other.truth import build_vehicle_truth, to_triple, VehicleTruth
-from lta_challenge.other.wrench_flight import WrenchActuators
-from lta_challenge.recording import write_bag
+from challenge.flight import FlightSimulator, SimulatedTrajectory, TICK
+from challenge.recording import write_bag
+from challenge.sensors import SensorSet
+from challenge.truth import build_vehicle_truth, to_triple, VehicleTruth
+from challenge.wrench_flight import WrenchActuators
 from lta_model.vehicle import load_vehicle
 import numpy as np
 from numpy.typing import NDArray

@@ -74,28 +74,6 @@ def test_a_second_turn_adds_to_the_first(
         np.testing.assert_allclose(twice.actuators, once.actuators, rtol=1e-9, atol=1e-15)
 
 
-def test_a_leak_that_fills_the_envelope_cannot_be(
-    gtmab: tuple[NominalVehicle, list[FreeParameter]],
-) -> None:
-    leak = next(knob for knob in gtmab[1] if knob.name == 'helium_leak.rate')
-    assert leak.is_within_bounds(4e-5, 1e-6)
-    assert leak.is_within_bounds(-1e-5, 5e-6)  # for all that is known it may be none
-    assert not leak.is_within_bounds(-1e-5, 2e-6)
-    pure = next(knob for knob in gtmab[1] if knob.name == 'gas_purity.purity')
-    assert not pure.is_within_bounds(pure.high + 0.01, 0.001)
-
-
-def test_a_glance_may_overshoot_and_not_turn_round(
-    gtmab: tuple[NominalVehicle, list[FreeParameter]],
-) -> None:
-    munk = next(knob for knob in gtmab[1] if knob.name == 'munk_moment.lost')
-    assert munk.is_plausible_estimate(0.99, 0.015)  # 0.5 more, bent straight
-    assert not munk.is_within_bounds(0.99, 0.015)
-    assert not munk.is_plausible_estimate(2.2, 0.015)
-    drag = next(knob for knob in gtmab[1] if knob.name == 'linear_drag.heave')
-    assert not drag.is_plausible_estimate(-0.011, 0.0025)
-
-
 def test_a_step_stays_within_the_bounds_on_either_side() -> None:
     down = FreeParameter('k', 's', {('e', 'k'): 1.0}, -0.1, -0.1, low=-1.0, high=1.0)
     assert down.step_at(0.0) == -0.1

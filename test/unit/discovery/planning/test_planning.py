@@ -7,7 +7,7 @@ from lta_config.course import Course
 from lta_config.errors import BadInput
 from lta_config.files import find_file, load_yaml
 from lta_config.vehicle_edit import set_yaml_values
-from lta_discovery.finding import NamedEffect, StudyResult
+from lta_discovery.changed_quantities import format_hypothesis
 from lta_discovery.flights.measured_flight import FlightStreams, Stream
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
@@ -18,7 +18,6 @@ from lta_discovery.planning.candidate_maneuvers import (
     list_maneuvers,
 )
 from lta_discovery.planning.flight_choice import (
-    format_hypothesis,
     NextFlightPlanner,
     ParameterHypothesis,
     WANTED,
@@ -26,17 +25,11 @@ from lta_discovery.planning.flight_choice import (
 from lta_discovery.planning.flight_safety import flight_extent, list_objections
 from lta_discovery.planning.measurement_advice import suggest_measurement
 from lta_discovery.planning.next_flight import (
-    add_confusable,
-    CERTAIN,
-    FILE,
-    format_next_step,
     NextFlightPlan,
-    plan_for_study,
+    plan_next_flight,
     plan_separating_flight,
 )
-from lta_discovery.planning.rehearsal import prepare_linearizer, SimulatedFlight
-from lta_discovery.replay.flight_linearizer import FlightLinearizer
-from lta_discovery.study import DiscoveryStudy, StudyFlight
+from lta_discovery.planning.rehearsal import measure_rehearsal, SimulatedFlight
 from lta_flight.flight_spec import load_spec
 from lta_model.scenario import load_scenario, Scenario
 from lta_model.vehicle import load_vehicle
@@ -162,11 +155,10 @@ def test_the_flight_that_tells_two_drags_apart_changes_its_speed(
     assert scene.goal.time_limit.si == chosen.manoeuvre.length
 
 
-def test_where_nothing_in_flight_decides_it_says_what_to_measure(tmp_path) -> None:
+def test_where_nothing_in_flight_decides_it_says_what_to_measure() -> None:
     found = plan_separating_flight('gtmab', 'net_lift.force', 'payload.mass')
     assert found.scenario is None
     assert 'weigh the vehicle' in found.text
-    assert found.write(tmp_path) is None
     assert (
         'tracker record it'
         in plan_separating_flight('gtmab', 'tracker_delay.delay', 'clock_offset.offset').text
@@ -189,55 +181,35 @@ def test_what_cannot_be_planned_is_refused() -> None:
 def test_a_scenario_is_written_with_what_it_is_for(tmp_path) -> None:
     content = load_yaml(find_file('scenario', 'hall'))
     content['course'] = dict(build_maneuver('heights', SPACE, 20.0, 0.2).course)
-    path = NextFlightPlan('To tell a from b, climb.', content, 20.0).write(tmp_path)
-    assert path == tmp_path / FILE
+    path = tmp_path / 'next_flight.yaml'
+    path.write_text(NextFlightPlan('To tell a from b, climb.', content, 20.0).format_scenario())
     assert path.read_text().startswith('# To tell a from b, climb.\n')
     assert load_scenario(str(path)).course == Course.model_validate(content['course'])
 
 
-def test_a_study_with_a_doubtful_name_says_what_comes_next(
-    gtmab: Known, clean: FlightLinearizer
-) -> None:
-    lift = NamedEffect('net_lift', ('net_lift.force',), (), 30.0)
-    finding = StudyResult('named', (lift,), (), (), (), False, (), (), 1, {}, 'gtmab')
-    study = DiscoveryStudy(finding, gtmab[0], gtmab[0], [StudyFlight('a', 'train', clean)], ())
-    wide = add_confusable(study)
-    same = set(wide.finding.effects[0].confusable_with)
-    assert same >= {'gas_purity.purity', 'ballast.mass'}
-    assert 'payload.mass' not in same  # it lifts, and a payload weighs
-    assert 'linear_drag.surge' not in same
-    assert 'weigh the vehicle' in format_next_step(wide)
-    tied = replace(finding, effects=(replace(lift, confusable_with=('linear_drag.heave',)),))
-    assert '--plan' in format_next_step(replace(study, finding=tied))
-    assert format_next_step(study) == ''
-    assert plan_for_study(study, 'gtmab') == NextFlightPlan(CERTAIN)
+def test_what_no_flight_separates_is_said_of_names_of_a_study() -> None:
+    names = ('net_lift.force', 'payload.mass', 'ballast.mass')
+    plan = plan_next_flight('gtmab', TEXT, names, {'net_lift.force': -0.01}, 'all')
+    assert plan.scenario is None
+    assert plan.text.startswith('No flight separates net_lift.force, payload.mass and')
 
 
 def test_the_plan_after_a_calibration_flies_the_calibrated_file(
-    gtmab: Known, clean: FlightLinearizer, monkeypatch: pytest.MonkeyPatch
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """With the flights, and with their parameters, which those of the markers belong to."""
-
     class Planner(Exception):
         """What the planner was built with."""
 
-    def build(*given: object) -> None:
-        raise Planner(*given)
+    def build(*arguments: object) -> None:
+        raise Planner(*arguments)
 
     monkeypatch.setattr(next_flight, 'NextFlightPlanner', build)
-    lift = NamedEffect('net_lift', ('net_lift.force',), (), 30.0, ('payload.mass',))
-    finding = StudyResult('named', (lift,), (), (), (), False, (), (), 1, {}, 'gtmab')
     text = TEXT.replace('name: gtmab', 'name: calibrated', 1)
-    study = DiscoveryStudy(
-        finding, gtmab[0], gtmab[0], [StudyFlight('a', 'train', clean)], (), calibrated_file=text
-    )
     with pytest.raises(Planner) as caught:
-        plan_for_study(study, 'gtmab')
-    spec, given, _, past, _, knobs = caught.value.args
-    assert given == text
+        plan_next_flight('gtmab', text, ('net_lift.force', 'payload.mass'), {}, 'pose')
+    spec, own, sensors, _ = caught.value.args
+    assert (own, sensors) == (text, 'pose')
     assert spec.contents['vehicle']['name'] == 'calibrated'
-    assert len(past) == 1
-    assert knobs == clean.knobs
 
 
 def test_a_rehearsed_command_is_what_makes_the_rotor_wrench_by_the_gains_of_the_file(
@@ -252,7 +224,7 @@ def test_a_rehearsed_command_is_what_makes_the_rotor_wrench_by_the_gains_of_the_
     path = tmp_path / 'weak.yaml'
     path.write_text(set_yaml_values(TEXT, {'effects.wrench_gain': {'surge': gain}}))
     whole, weak = (
-        prepare_linearizer(streams, vehicle, [], 'wrench').replay.flight.wrench
+        measure_rehearsal(streams, vehicle, 'wrench').wrench
         for vehicle in (load_vehicle('gtmab'), load_vehicle(str(path)))
     )
     assert whole is not None

@@ -1,11 +1,11 @@
 """Forces of forms that the library does not have, as columns of a flight."""
 
-from lta_discovery.fit.evidence import wrench_floor
 from lta_discovery.flights.measured_flight import resample_flight
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.posterior.elements import ForceGroup
 from lta_discovery.posterior.force_columns import build_scene, compute_wrenches
 from lta_discovery.state_filter.linear_flight import FlightSystem, LinearFlight
+from lta_discovery.state_filter.noise_model import wrench_floor
 from lta_model.vehicle import load_vehicle
 import numpy as np
 from numpy.typing import NDArray

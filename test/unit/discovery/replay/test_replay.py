@@ -4,11 +4,12 @@ from dataclasses import replace
 
 from lta_config.schema.vehicle_law import HiddenState, Law, LawFactor, LawTerm
 from lta_discovery.flights.measured_flight import resample_flight, Stream
-from lta_discovery.flights.windows import cut_into_pieces
+from lta_discovery.flights.usable_states import fit_state_at
 from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
 from lta_discovery.model.replay_kernel import BODY_LAYOUT
-from lta_discovery.replay.flight_linearizer import FlightLinearizer
 from lta_discovery.replay.replay import FlightReplay, STEPS
+from lta_discovery.state_filter.linear_flight import FlightSystem
 from lta_model.effects import initial_memory
 from lta_model.effects.law import list_law_parameters
 from lta_model.vehicle import load_vehicle
@@ -20,18 +21,20 @@ import pytest
 from ..hidden_flight import flown  # noqa: TID252 - `test` is Python's own
 
 RIGID = 13
+FIRST, PERIODS = np.array([25]), 100  # a piece of 4 s, after the motors have settled
 
 
 def test_a_lagged_rotor_has_the_mean_thrust_of_its_closed_form(
-    gtmab: tuple[NominalVehicle, object], clean: FlightLinearizer
+    gtmab: tuple[NominalVehicle, object], clean: FlightSystem
 ) -> None:
     # Duty 0.5 from 3 ms after a bin began: m = 0.5 (1 - exp(-t / 72 ms)), T = a m^2 + b m.
-    flight, vehicle = clean.replay.flight, load_vehicle('gtmab')
+    flight, vehicle = clean.flight, load_vehicle('gtmab')
     begin = float(flight.time[0])
     order = Stream(np.array([begin, begin + 0.043]), np.array([[0.0] * 4, [0.5] * 4]))
     told = replace(flight, commands=order, voltage=np.full(len(flight.time), np.nan))
     rows = gtmab[0].build_replay_rows()
-    thrusts = FlightReplay(told, clean.replay.cut, vehicle.pack_command(())).mean_thrusts(rows)
+    replay = FlightReplay(told, np.arange(1), 1, vehicle.pack_command(()))
+    thrusts = replay.mean_thrusts(rows)
     a, b = vehicle.thrust_curve
     for k in (2, 3, 10):
         time = np.linspace(0.02 * k, 0.02 * (k + 1), 20001) - 0.043
@@ -53,11 +56,10 @@ def test_pieces_fly_as_the_kernel_flies(gtmab: tuple[NominalVehicle, object]) ->
     for order in orders[:800]:
         state = kernel.advance(state, model, order, (0.0,), 0.0025, 4)
         states.append(state[:RIGID])
-    cut = cut_into_pieces(flight, 4.0)
     unknown = replace(flight, voltage=np.full(len(flight.time), np.nan))
-    replay = FlightReplay(unknown, cut, load_vehicle('gtmab').pack_command(()))
+    replay = FlightReplay(unknown, FIRST, PERIODS, load_vehicle('gtmab').pack_command(()))
     rows = gtmab[0].build_replay_rows()
-    at = np.rint(flight.time[cut.first] / 0.01).astype(int)
+    at = np.rint(flight.time[FIRST] / 0.01).astype(int)
     assert at[0] + 400 <= 800
     start = np.array([states[k] if k < len(states) else states[0] for k in at])
     flown_on = replay.integrate_pieces(
@@ -112,9 +114,7 @@ def test_a_law_with_a_hidden_state_is_replayed(
         quaternion=truth[at, 3:7],
         voltage=np.full(len(at), np.nan),
     )
-    replay = FlightReplay(
-        flight, cut_into_pieces(flight, 4.0), load_vehicle('gtmab').pack_command(())
-    )
+    replay = FlightReplay(flight, FIRST, PERIODS, load_vehicle('gtmab').pack_command(()))
     rows = vehicle.build_replay_rows()
     ready = replay.compute_body_inputs(rows)
     place = BODY_LAYOUT.remembers['law'] - RIGID
@@ -124,7 +124,7 @@ def test_a_law_with_a_hidden_state_is_replayed(
     hidden = truth[np.minimum(index, len(truth) - 1), LAYOUT.remembers['law']][within]
     assert np.abs(hidden).max() > 0.02
     assert ready.memory[: len(index), place][within] == pytest.approx(hidden, abs=3e-3)
-    first = at[replay.cut.first]
+    first = at[FIRST]
     start, still = truth[first, :RIGID], np.zeros((len(first), replay.span, 6))
     lawless = gtmab[0].build_replay_rows()
     errors = []
@@ -137,23 +137,33 @@ def test_a_law_with_a_hidden_state_is_replayed(
 
 
 def test_a_commanded_wrench_moves_the_body_as_the_same_latent_one(
-    gtmab: tuple[NominalVehicle, object], clean: FlightLinearizer
+    gtmab: tuple[NominalVehicle, object], clean: FlightSystem
 ) -> None:
-    replay, rows = clean.replay, gtmab[0].build_replay_rows()
+    flight, rows = clean.flight, gtmab[0].build_replay_rows()
+    still = load_vehicle('gtmab').pack_command(())
     push = np.array([0.01, -0.004, 0.02, 1e-3, -2e-3, 5e-4])
-    order = Stream(replay.flight.time[:1], push[None])
-    told = FlightReplay(
-        replace(replay.flight, wrench=order), replay.cut, load_vehicle('gtmab').pack_command(())
-    )
-    still = np.zeros((len(replay.first), replay.span, 6))
-    commanded = told.integrate_pieces(
-        rows, told.compute_body_inputs(rows), replay.cut.start, still
-    )
-    latent = replay.integrate_pieces(
-        rows, replay.compute_body_inputs(rows), replay.cut.start, still + push
-    )
+    order = Stream(flight.time[:1], push[None])
+    state = fit_state_at(flight, int(FIRST[0]))
+    assert state is not None
+    told = FlightReplay(replace(flight, wrench=order), FIRST, PERIODS, still)
+    replay = FlightReplay(flight, FIRST, PERIODS, still)
+    none = np.zeros((1, replay.span, 6))
+    commanded = told.integrate_pieces(rows, told.compute_body_inputs(rows), state[None], none)
+    ready = replay.compute_body_inputs(rows)
+    latent = replay.integrate_pieces(rows, ready, state[None], none + push)
     np.testing.assert_allclose(commanded, latent, atol=1e-9)
-    alone = replay.integrate_pieces(
-        rows, replay.compute_body_inputs(rows), replay.cut.start, still
-    )
+    alone = replay.integrate_pieces(rows, ready, state[None], none)
     assert np.abs(latent - alone).max() > 0.1
+
+
+def test_a_turned_row_is_that_of_the_vehicle_built_anew(
+    gtmab: tuple[NominalVehicle, list[FreeParameter]],
+) -> None:
+    nominal, knobs = gtmab
+    base = nominal.build_replay_rows()
+    for knob in knobs:
+        turned = knob.apply_to(nominal, knob.step_at(0.0))
+        quick, slow = turned.update_replay_rows(nominal, base), turned.build_replay_rows()
+        for name in ('actuators', 'actuators_on', 'body', 'body_on'):
+            np.testing.assert_array_equal(getattr(quick, name), getattr(slow, name))
+        assert quick.acting == slow.acting

@@ -1,1 +1,0 @@
-"""Generate flights with hidden effects and score what discovery finds in them."""

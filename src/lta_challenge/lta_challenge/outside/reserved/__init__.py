@@ -1,1 +1,0 @@
-"""Forces written after discovery had begun to propose laws; no challenge draws them."""

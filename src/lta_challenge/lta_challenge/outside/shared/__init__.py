@@ -1,1 +1,0 @@
-"""Helpers shared by the kinds of forces outside the library."""

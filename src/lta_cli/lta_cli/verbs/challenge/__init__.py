@@ -1,1 +1,0 @@
-"""The `lta challenge` verbs, one file each."""

@@ -1,0 +1,189 @@
+"""
+Draw the conclusion of a study: the single source of its headline, advice and files.
+
+The search says what is present; forecasts decide whether its names are asserted and whether the
+corrected file is advised. Page, terminal, JSON and vehicle file follow from this module.
+"""
+
+from dataclasses import dataclass
+from typing import final, Literal
+
+from lta_discovery.calibration.verdict import format_error, list_differences
+from lta_discovery.discovery.forecast_comparison import COASTING, HorizonErrors
+from lta_discovery.discovery.study import (
+    Discovery,
+    FILE,
+    NAMED,
+    NamedElement,
+    ParameterEstimate,
+    TUNED,
+    WRITTEN,
+)
+from lta_discovery.formatting import (
+    append_unit,
+    format_number,
+    format_parameter,
+    format_with_interval,
+    join_words,
+    SHOWN_UNITS,
+)
+from lta_discovery.model.candidates import vector_components
+from lta_discovery.posterior.settings import UNEXPLAINED, WORSE
+from lta_discovery.state_filter.noise_model import average_noise, wrench_floor
+from lta_model.effects.protocol import AXES
+import numpy as np
+
+Verdict = Literal['none', 'named', 'unexplained', 'named+unexplained', 'not_identifiable']
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Conclusion:
+    """What the flights support, in words."""
+
+    verdict: Verdict
+    headline: str
+    details: tuple[str, ...]  # sentences that follow
+    advice: str  # what to do with the vehicle file
+    writes_file: bool  # whether the file with what is named is written
+
+
+def draw_conclusion(study: Discovery) -> Conclusion:
+    """Return the conclusion of a study."""
+    numbers = [one for one in study.named if one.present.kind != 'force']
+    forces = [one for one in study.named if one.present.kind == 'force']
+    main = study.comparison.main
+    rest = _format_unexplained(study, forces)
+    if main is not None and _is_beaten_by_coasting(main):
+        return Conclusion(
+            'not_identifiable', _format_inconclusive(main, numbers), _format_calibration(study),
+            'Record flights that move more, with all commands used, before you change the file.',
+            writes_file=False,
+        )  # fmt: skip
+    if not numbers:
+        headline = rest or 'These flights show nothing that the vehicle file lacks.'
+        return Conclusion(
+            'unexplained' if rest else 'none',
+            headline,
+            (*_list_possible(study), *_format_calibration(study), *_format_tuning(main)),
+            _advise_without_name(study),
+            writes_file=False,
+        )
+    names = join_words([format_element(one) for one in numbers])
+    verb = 'lacks' if any(one.present.kind == 'effect' for one in numbers) else 'has wrong'
+    is_better = main is None or main.errors[WRITTEN].position < WORSE * main.errors[FILE].position
+    doubt = any(one.alternatives for one in numbers)
+    advice = (
+        'Use the corrected vehicle file, vehicle.yaml in the results folder.'
+        if is_better
+        else 'Keep the vehicle file: the corrected one forecasts these flights worse.'
+    )
+    if is_better and doubt:
+        advice += ' These flights do not show which of the alternatives is right; see --plan.'
+    return Conclusion(
+        'named+unexplained' if rest else 'named',
+        f'The vehicle file {verb} {names}.',
+        tuple(filter(None, (
+            _format_gain(study, main), rest, *_format_calibration(study),
+        ))),
+        advice,
+        writes_file=is_better,
+    )  # fmt: skip
+
+
+def _is_beaten_by_coasting(main: HorizonErrors) -> bool:
+    """Return whether constant velocity forecasts positions better than every model."""
+    models = [one.position for name, one in main.errors.items() if name != COASTING]
+    return main.errors[COASTING].position <= min(models)
+
+
+def _format_inconclusive(main: HorizonErrors, numbers: list[NamedElement]) -> str:
+    names = join_words([format_element(one) for one in numbers])
+    may = f' {names} may be missing, but' if names else ''
+    return (
+        f'These flights are inconclusive:{may} {main.horizon:g} s ahead, coasting forecasts the '
+        f'position best, to {format_error(main.errors[COASTING].position)}.'
+    )
+
+
+def format_element(one: NamedElement) -> str:
+    """Return an element with its value and its alternatives: 'net lift 3.1 mN or ballast'."""
+    parts = [f'{format_parameter(each.name)} {_format_value(each)}' for each in one.estimates]
+    if one.present.kind == 'force':
+        return one.present.names[0]
+    return join_words([join_words(parts), *map(format_names, one.alternatives)], 'or')
+
+
+def format_names(name: str) -> str:
+    """Return an element in words, with all components of a vector."""
+    return join_words([format_parameter(part) for part in vector_components(name)])
+
+
+def _format_value(one: ParameterEstimate) -> str:
+    unit, factor = SHOWN_UNITS.get(one.unit, (one.unit, 1.0))
+    ends = (factor * one.ci95[0], factor * one.ci95[1])
+    return append_unit(format_with_interval(factor * one.value, ends)[0], unit)
+
+
+def _format_unexplained(study: Discovery, forces: list[NamedElement]) -> str:
+    """Return what no effect of the library explains, in a sentence; '' if nothing."""
+    if forces:
+        names = join_words([one.present.names[0] for one in forces])
+        return f'A force acts that no effect of the library describes: {names}.'
+    ratio = average_noise(study.missing.noise).wrench / wrench_floor(study.nominal)
+    k = int(np.argmax(ratio))
+    if ratio[k] < UNEXPLAINED:
+        return ''
+    size = average_noise(study.missing.noise).wrench[k]
+    unit = 'mN' if k < 3 else 'mN m'
+    kind = 'force' if k < 3 else 'moment'
+    return (
+        f'A {kind} in {AXES[k]} of {format_number(1e3 * size, 2)} {unit} (RMS) acts that follows '
+        'nothing that was measured.'
+    )
+
+
+def _format_gain(study: Discovery, main: HorizonErrors | None) -> str:
+    """Return what the names are worth in forecasts; '' if no flight is long enough."""
+    if main is None:
+        return ''
+    file, tuned, named = (
+        format_error(main.errors[name].position) for name in (FILE, TUNED, NAMED)
+    )
+    where = 'held-out flights' if study.held_out else 'the same flights'
+    return (
+        f'Position error {main.horizon:g} s ahead on {where}: {file} with the vehicle file, '
+        f'{tuned} with its tolerances fitted, {named} with what is named as well.'
+    )
+
+
+def _format_tuning(main: HorizonErrors | None) -> list[str]:
+    """Return what fitting the tolerances gains."""
+    if main is None:
+        return []
+    file, tuned = (format_error(main.errors[name].position) for name in (FILE, TUNED))
+    return [
+        f'Position error {main.horizon:g} s ahead: {file} with the vehicle file, {tuned} with its '
+        'tolerances fitted.'
+    ]
+
+
+def _format_calibration(study: Discovery) -> tuple[str, ...]:
+    """Return what was calibrated first."""
+    if study.calibration is None:
+        return ()
+    return (f'Calibrated first: {"; ".join(list_differences(study.calibration))}.',)
+
+
+def _list_possible(study: Discovery) -> tuple[str, ...]:
+    """Return what may be missing beside an unknown force."""
+    if not study.possible:
+        return ()
+    names = join_words([format_element(one) for one in study.possible])
+    return (f'Beside it, {names} may be missing, too.',)
+
+
+def _advise_without_name(study: Discovery) -> str:
+    if study.calibration is not None:
+        return 'Use the calibrated vehicle file, calibrated.yaml in the results folder.'
+    return 'Keep the vehicle file.'

@@ -1,0 +1,191 @@
+"""Run a discovery: read the bags, calibrate where needed, study the flights, report."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Final, final
+
+from lta_bridge.provenance import describe_environment, read_commit
+from lta_config.errors import BadInput
+from lta_config.files import find_file
+from lta_data.data_quality.free_swing import require_commands
+from lta_discovery.calibration.calibrated_file import (
+    format_calibration_source,
+    format_changed_vehicle,
+    VehicleUpdate,
+)
+from lta_discovery.calibration.calibrated_file import NAME as CALIBRATED
+from lta_discovery.calibration.first_step import (
+    build_calibrated_start,
+    calibrate_first,
+    CalibratedStart,
+    FirstStep,
+)
+from lta_discovery.calibration.verdict import format_lift_warning, list_differences
+from lta_discovery.discovery.conclusion import draw_conclusion, format_names
+from lta_discovery.discovery.overlay import build_overlay
+from lta_discovery.discovery.overlay import NAME as OVERLAY
+from lta_discovery.discovery.picture import draw_picture
+from lta_discovery.discovery.picture import NAME as PICTURE
+from lta_discovery.discovery.report import build_report
+from lta_discovery.discovery.study import Discovery, NamedElement, study_flights
+from lta_discovery.flights.bags import read_bags, Role
+from lta_discovery.flights.usable_flights import select_usable_flights, UsableFlights
+from lta_discovery.formatting import format_with_interval, join_words
+from lta_discovery.planning.equivalence_classes import classify_data_kind
+from lta_discovery.planning.next_flight import FILE as NEXT_FLIGHT
+from lta_discovery.planning.next_flight import plan_next_flight
+from lta_model.vehicle import load_vehicle, Vehicle
+from lta_report.report import Report
+import numpy as np
+
+VEHICLE: Final = 'vehicle.yaml'
+Tell = Callable[[str, float | None], None]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class DiscoveryRequest:
+    """Inputs of a discovery."""
+
+    vehicle: str  # name or file
+    bags: Mapping[Role, Sequence[Path]]  # 'train', 'confirm', 'holdout'
+    robot: str | None = None  # robot to read, where a bag holds several
+    plan: bool = False  # whether to plan the next flight
+    calibrate: bool = True  # whether to calibrate the vehicle first, where the flights call for it
+
+
+def discover_effects(request: DiscoveryRequest, tell: Tell) -> Report:
+    """
+    Study flights and return the report with all files.
+
+    Raises
+    ------
+    BadInput
+        If the flights are not usable.
+
+    """
+    vehicle = load_vehicle(request.vehicle)
+    flights = read_bags(request.bags, request.robot, lambda name: tell(f'reading {name}', None))
+    for one in flights:
+        require_commands(one.name, one.recording)
+    tell('checking data quality', None)
+    usable = select_usable_flights(flights, vehicle)
+    study, text = study_usable_flights(request, vehicle, usable, tell)
+    conclusion = draw_conclusion(study)
+    report = build_report(study, conclusion, request.vehicle, usable.cuts, usable.warnings)
+    origin = {**describe_environment(), 'flights': ', '.join(study.comparison.names)}
+    outputs: dict[str, str | bytes] = {OVERLAY: build_overlay(study.comparison, origin)}
+    if picture := draw_picture(conclusion, study.comparison):
+        outputs[PICTURE] = picture
+    if study.calibration is not None:
+        outputs[CALIBRATED] = text
+    if conclusion.writes_file:
+        outputs[VEHICLE] = format_learned_vehicle(text, study)
+    if request.plan:
+        report = _add_next_flight(report, outputs, request, study, text, tell)
+    return replace(report, outputs=outputs)
+
+
+def study_usable_flights(
+    request: DiscoveryRequest, vehicle: Vehicle, usable: UsableFlights, tell: Tell
+) -> tuple[Discovery, str]:
+    """
+    Return the study of usable flights, and the text of the vehicle file that was studied.
+
+    Raises
+    ------
+    BadInput
+        If the flights cannot be studied with this vehicle file.
+
+    """
+    try:
+        first = FirstStep()
+        if request.calibrate:
+            first = calibrate_first(vehicle, request.vehicle, usable.flights, tell)
+        text = find_file('vehicle', request.vehicle).read_text(encoding='utf-8')
+        start, remarks = _go_on_from(first, text, vehicle)
+        study = study_flights(
+            start.vehicle if start else vehicle,
+            usable.flights,
+            tell,
+            start.calibration if start else None,
+            bool(first.lifts),
+        )
+    except (np.linalg.LinAlgError, ArithmeticError) as fault:
+        names = ', '.join(name for name, _, _ in usable.flights)
+        raise BadInput(
+            f'The equations of the fit have no solution for {names} with {request.vehicle} '
+            f'({fault}); correct the values of the vehicle file that are far off, or leave out '
+            'the shortest flight.'
+        ) from fault
+    study = replace(study, warnings=(*remarks, *study.warnings))
+    return study, start.text if start else text
+
+
+def _go_on_from(
+    first: FirstStep, text: str, vehicle: Vehicle
+) -> tuple[CalibratedStart | None, list[str]]:
+    """Return the calibrated vehicle if the flights call for a calibration, and warnings."""
+    calibration = first.calibration
+    if calibration is None:
+        return None, [format_lift_warning(first.lifts)] if first.lifts else []
+    source = format_calibration_source(calibration.bags['train'], read_commit() or 'unknown')
+    try:
+        return build_calibrated_start(text, vehicle, calibration, source), []
+    except BadInput as fault:
+        return None, [
+            f'The vehicle file is off ({"; ".join(list_differences(calibration))}), but it was '
+            f'studied as it is, because the calibrated file cannot be written. {fault}'
+        ]
+
+
+def format_learned_vehicle(text: str, study: Discovery) -> str:
+    """
+    Return the text of a vehicle file with what is named, and nothing else changed.
+
+    Raise `BadInput` if the format has no place for a number.
+    """
+    notes = {
+        (effect, name): note for one in study.named for effect, name, note in _list_notes(one)
+    }
+    source = f'lta discover from {", ".join(study.learned_from)}, commit {read_commit()}'
+    change = VehicleUpdate(study.nominal, study.learned)
+    return format_changed_vehicle(text, study.vehicle, change, notes, source)
+
+
+def _list_notes(one: NamedElement) -> list[tuple[str, str, str]]:
+    """Return effect, parameter and note for each number of an element."""
+    instead = join_words([format_names(name) for name in one.alternatives], 'or')
+    out = []
+    for each in one.estimates:
+        value, low, high = format_with_interval(each.value, each.ci95)
+        note = f'{value} {each.unit}, 95 % {low} to {high}'
+        effect, _, name = each.name.partition('.')
+        out.append((effect, name, f'{note}; it may be {instead} instead' if instead else note))
+    return out
+
+
+def _add_next_flight(
+    report: Report,
+    outputs: dict[str, str | bytes],
+    request: DiscoveryRequest,
+    study: Discovery,
+    text: str,
+    tell: Tell,
+) -> Report:
+    """Return the report with the flight that tells alternatives apart, if there are any."""
+    doubtful = next((one for one in study.named if one.alternatives), None)
+    if doubtful is None:
+        words = 'No next flight is planned: no named effect has an alternative.'
+        return replace(report, closing=(*report.closing, words))
+    values = {
+        one.name: float(value)
+        for one, value in zip(study.missing.parameters, study.missing.values, strict=True)
+        if one.name in doubtful.present.names
+    }
+    kind = classify_data_kind([study.flights[name][1] for name in study.learned_from])
+    plan = plan_next_flight(request.vehicle, text, doubtful.present.names, values, kind, tell)
+    if plan.scenario is not None:
+        outputs[NEXT_FLIGHT] = plan.format_scenario()
+    return replace(report, closing=(*report.closing, plan.text))

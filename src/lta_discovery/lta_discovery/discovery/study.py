@@ -1,0 +1,290 @@
+"""
+Study the flights of one vehicle: what its file lacks, with values, and what that is worth.
+
+The search (`posterior.missing_elements`) learns from the training and confirming flights together.
+The forecasts that judge its result are those of flights that it has not seen, where there are any.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+import math
+from typing import Final, final, NamedTuple
+
+from lta_discovery.calibration.priors import apply_calibration, free_flight_lifts
+from lta_discovery.calibration.result import Calibration, WIDE
+from lta_discovery.discovery.forecast_comparison import (
+    compare_forecasts,
+    ComparedModel,
+    ForecastComparison,
+)
+from lta_discovery.flights.measured_flight import MeasuredFlight
+from lta_discovery.flights.outliers import remove_outliers
+from lta_discovery.flights.role_assignment import assign_roles, Role
+from lta_discovery.flights.sentence_merger import merge_sentences
+from lta_discovery.model.candidates import vector_components
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import apply_parameters, FreeParameter, list_free_parameters
+from lta_discovery.posterior.missing_elements import (
+    MissingElements,
+    MissingElementSearch,
+    PresentElement,
+)
+from lta_discovery.state_filter.forecast_sums import choose_horizons
+from lta_discovery.state_filter.linear_flight import FlightSystem
+from lta_model.effects import EFFECTS
+from lta_model.vehicle import Vehicle
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Progress = Callable[[str, float | None], None]
+
+# Names of the compared models
+FILE: Final = 'vehicle file'
+TUNED: Final = 'tolerances fitted'
+NAMED: Final = 'with what is named'
+WRITTEN: Final = 'vehicle.yaml'
+
+
+@final
+class ParameterEstimate(NamedTuple):
+    """Estimate of a number of the vehicle."""
+
+    name: str  # 'linear_drag.surge'; of the vehicle itself 'vehicle.mass', a factor
+    unit: str  # SI; '1' for a pure number
+    before: float  # value in the file; that of no effect where the file does not have it
+    value: float
+    ci95: tuple[float, float]
+    in_file: bool  # whether the file has the effect at all
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class NamedElement:
+    """Something that the file lacks, with its values."""
+
+    present: PresentElement
+    estimates: tuple[ParameterEstimate, ...]  # of the first name; none of a force
+    assumed: Mapping[str, float]  # numbers of an effect that were not fitted, in SI units
+
+    @property
+    def alternatives(self) -> tuple[str, ...]:
+        """What the flights cannot tell from it."""
+        return self.present.names[1:]
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class Discovery:
+    """What the flights of a vehicle tell of its file."""
+
+    vehicle: Vehicle
+    nominal: NominalVehicle  # of the file
+    learned: NominalVehicle  # with what is named and can be written, and nothing else
+    flights: Mapping[str, tuple[str, MeasuredFlight]]  # role and flight by name
+    learned_from: tuple[str, ...]  # names of the flights of the search, in its order
+    missing: MissingElements
+    named: tuple[NamedElement, ...]  # the most decisive first
+    possible: tuple[NamedElement, ...]  # what may be missing beside an unknown force
+    comparison: ForecastComparison
+    held_out: bool  # whether the forecasts are of flights that nothing was fitted to
+    warnings: tuple[str, ...]
+    calibration: Calibration | None  # of the vehicle before the search
+
+
+def study_flights(
+    vehicle: Vehicle,
+    flights: Sequence[Role],
+    tell: Progress = lambda what, part: None,
+    calibration: Calibration | None = None,
+    has_own_lifts: bool = False,
+) -> Discovery:
+    """
+    Find what a vehicle file lacks, and forecast flights with it.
+
+    Parameters
+    ----------
+    flights : sequence of (name, role, MeasuredFlight)
+        Role 'train', 'confirm' or 'holdout'. Where none confirms, training flights are split; a
+        single flight is split into three parts.
+    calibration : Calibration, optional
+        Of the vehicle, which then has the calibrated values.
+    has_own_lifts : bool
+        Whether the net lift of a flight says nothing about the next.
+
+    Raises
+    ------
+    BadInput
+        If there is no training flight, or the flights cannot be simulated with the file.
+
+    """
+    tell('preparing', 0.0)
+    nominal = NominalVehicle.from_vehicle(vehicle)
+    tidy, remarks = _remove_outliers(flights)
+    assigned, warnings = assign_roles(tidy)
+    used = [one for one in assigned if one[1] != 'holdout']
+    parameters = _list_parameters(nominal, used, calibration, has_own_lifts)
+    missing = MissingElementSearch(vehicle, [one for _, _, one in used], parameters).run(
+        lambda part: tell('searching', 0.02 + 0.78 * part)
+    )
+    named, possible = (
+        tuple(_describe_element(nominal, missing, one) for one in each)
+        for each in (missing.present, missing.possible)
+    )
+    tell('forecasting', 0.8)
+    held_out = any(role == 'holdout' for _, role, _ in assigned)
+    last = [one for one in assigned if one[1] == ('holdout' if held_out else 'confirm')]
+    if not held_out:
+        warnings.append(
+            'No flight was held out (--holdout): the forecasts are of flights that the search has '
+            'seen, and their errors may be too small.'
+        )
+    models, learned = _build_models(nominal, missing)
+    titles = _make_unique([name for name, _, _ in assigned], [role for _, role, _ in assigned])
+    by_title = dict(zip(titles, assigned, strict=True))
+    judged_flights = {title: each[2] for title, each in by_title.items() if each in last}
+    systems = [FlightSystem(vehicle, one, []) for one in judged_flights.values()]
+    comparison = compare_forecasts(
+        vehicle, judged_flights, models, parameters, choose_horizons(systems)
+    )
+    tell('done', 1.0)
+    return Discovery(
+        vehicle,
+        nominal,
+        learned,
+        {title: (role, flight) for title, (_, role, flight) in by_title.items()},
+        tuple(title for title, each in by_title.items() if each in used),
+        missing,
+        named,
+        possible,
+        comparison,
+        held_out,
+        (*warnings, *remarks),
+        calibration,
+    )
+
+
+def _make_unique(names: Sequence[str], roles: Sequence[str]) -> list[str]:
+    """Return names of flights; the parts of a flight that was split have their role as well."""
+    return [
+        name if names.count(name) == 1 else f'{name} ({role})'
+        for name, role in zip(names, roles, strict=True)
+    ]
+
+
+def _remove_outliers(flights: Sequence[Role]) -> tuple[list[Role], list[str]]:
+    """Remove outliers from the flights, and describe what was removed."""
+    out, remarks = [], []
+    for name, role, flight in flights:
+        clean, count = remove_outliers(flight)
+        out.append((name, role, clean))
+        if count:
+            remarks.append(f'{name}: outliers removed from the readings: {count}.')
+    return out, merge_sentences(remarks, len(flights))
+
+
+def _list_parameters(
+    nominal: NominalVehicle,
+    flights: Sequence[Role],
+    calibration: Calibration | None,
+    has_own_lifts: bool,
+) -> list[FreeParameter]:
+    """Return what may differ from the file."""
+    # The wrench is measured only where motor telemetry or a test stand gave it
+    parameters = list_free_parameters(
+        nominal, any(one.wrench is not None for _, _, one in flights)
+    )
+    if calibration is not None:
+        return apply_calibration(parameters, nominal, calibration.values)
+    return free_flight_lifts(parameters, nominal) if has_own_lifts else parameters
+
+
+def list_named_columns(missing: MissingElements) -> list[int]:
+    """Return the parameters of what is present and has a value, by index."""
+    names = {
+        part
+        for one in missing.present
+        if one.kind != 'force'
+        for part in vector_components(one.names[0])
+    }
+    return [
+        k for k, one in enumerate(missing.parameters) if one.name in names and not one.per_flight
+    ]
+
+
+def _build_models(
+    nominal: NominalVehicle, missing: MissingElements
+) -> tuple[list[ComparedModel], NominalVehicle]:
+    """Return the models whose forecasts are compared, and the vehicle that can be written."""
+    named = list_named_columns(missing)
+    parameters = missing.parameters
+    only, all_but_named = np.zeros((2, len(parameters)))
+    only[named] = missing.values[named]
+    for k, one in enumerate(parameters):
+        # What the best model has and no name says is within no tolerance
+        if k in named or one.tolerance > 0.0:
+            all_but_named[k] = missing.values[k]
+    learned = apply_parameters(nominal, parameters, only)[0]
+    bare = apply_parameters(nominal, parameters, missing.bare_values)[0]
+    models = [
+        ComparedModel(FILE, nominal, missing.bare_noise),
+        ComparedModel(TUNED, bare, missing.bare_noise),
+    ]
+    if named:
+        whole = apply_parameters(nominal, parameters, all_but_named)[0]
+        models.append(ComparedModel(NAMED, whole, missing.noise))
+        models.append(ComparedModel(WRITTEN, learned, missing.noise))
+    return models, learned
+
+
+def _describe_element(
+    nominal: NominalVehicle, missing: MissingElements, one: PresentElement
+) -> NamedElement:
+    """Return an element with its values in units of the file."""
+    if one.kind == 'force':
+        return NamedElement(one, (), {})
+    parts = vector_components(one.names[0])
+    estimates, assumed = list[ParameterEstimate](), dict[str, float]()
+    for k, parameter in enumerate(missing.parameters):
+        if parameter.name not in parts or parameter.per_flight:
+            continue
+        deviation = math.sqrt(max(float(missing.covariance[k, k]), 0.0))
+        estimates += estimate_numbers(nominal, parameter, float(missing.values[k]), deviation)
+        if parameter.name.partition('.')[0] not in nominal.effect_parameters:
+            assumed |= {
+                f'{effect}.{name}': value
+                for (effect, name), value in parameter.companions.items()
+                if (effect, name) not in parameter.moves and value != 0.0
+            }
+    return NamedElement(one, tuple(estimates), assumed)
+
+
+def estimate_numbers(
+    nominal: NominalVehicle, parameter: FreeParameter, change: float, deviation: float
+) -> list[ParameterEstimate]:
+    """
+    Return the numbers of its own effect that a parameter moves.
+
+    `change`, `deviation`: of the parameter, relative to the file.
+    """
+    own, begun, out = parameter.name.partition('.')[0], parameter.enable_effect(nominal), []
+    for (effect, name), rate in parameter.moves.items():
+        ends = (change - WIDE * deviation, change + WIDE * deviation)
+        if effect == 'vehicle':
+            # Logarithms of a factor
+            value, *interval = (math.exp(rate * each) for each in (change, *ends))
+            low, high = sorted(interval)
+            out.append(
+                ParameterEstimate(f'{effect}.{name}', '1', 1.0, value, (low, high), in_file=True)
+            )
+        elif effect == own:
+            before = begun.parameter_value(effect, name)
+            low, high = sorted(before + rate * end for end in ends)
+            in_file = effect in nominal.effect_parameters
+            unit = next(each.unit for each in EFFECTS[effect].parameters if each.name == name)
+            out.append(
+                ParameterEstimate(
+                    f'{effect}.{name}', unit, before, before + rate * change, (low, high), in_file
+                )
+            )
+    return out

@@ -1,1 +1,0 @@
-"""Locate discrepancies between the model of the vehicle file and the flights."""

@@ -1,1 +1,0 @@
-"""Estimate parameters and their evidence from flights."""

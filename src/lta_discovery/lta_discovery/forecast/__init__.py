@@ -1,1 +1,0 @@
-"""Compute prediction errors some seconds ahead, and fit parameters to them."""

@@ -1,1 +1,0 @@
-"""Propose a law, a sparse sum of terms, for a force that no effect of the library explains."""

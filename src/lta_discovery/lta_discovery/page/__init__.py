@@ -1,1 +1,0 @@
-"""Write the HTML page of a study: missing effects, evidence, and gain in prediction accuracy."""

@@ -1,1 +1,0 @@
-"""Select the missing effects: search, evidence, and acceptance."""

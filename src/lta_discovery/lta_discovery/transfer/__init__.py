@@ -1,1 +1,0 @@
-"""Identify effects by forecasts that transfer to regimes left out of the fit."""

@@ -1,1 +1,0 @@
-"""Detect and describe forces outside the library: generic rivals, oscillations, remainders."""

@@ -1,0 +1,1 @@
+"""Hide effects in flights of a simulator that shares no equation with the model, and score."""

@@ -1,0 +1,143 @@
+"""Names that are one to a kind of data: by hand, and as they are frozen."""
+
+import os
+from pathlib import Path
+import subprocess
+import sys
+
+from lta_config.errors import BadInput
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import FreeParameter
+from lta_discovery.planning.class_derivation import (
+    cluster_complete_linkage,
+    compare_candidates,
+    compute_registry_digest,
+    select_builtin_parameters,
+)
+from lta_discovery.planning.equivalence_classes import (
+    classify_data_kind,
+    find_kind_classes,
+    is_equivalent,
+    load_class_map,
+    load_frozen_classes,
+)
+from lta_discovery.planning.separability import PairSeparability, ParameterPair
+from lta_discovery.state_filter.linear_flight import FlightSystem
+from lta_model.effects import EFFECTS
+import numpy as np
+from numpy.typing import NDArray
+import pytest
+
+Known = tuple[NominalVehicle, list[FreeParameter]]
+
+
+def _knob(name: str, tolerance: float = 0.0, typical: float = 1.0) -> FreeParameter:
+    return FreeParameter(name, '1', {('effect', name): 1.0}, 1e-5, 1e-4, tolerance, typical)
+
+
+def _reduced(columns: list[list[float]]) -> NDArray[np.float64]:
+    """Return the information of readings of noise 1."""
+    table = np.array(columns, dtype=np.float64)
+    return table.T @ table
+
+
+def test_two_equal_columns_are_one_name_and_a_third_is_not() -> None:
+    knobs = [_knob('a'), _knob('b'), _knob('c')]
+    pairs = PairSeparability([_reduced([[3.0, 6.0, 0.0], [4.0, 8.0, 5.0]])], knobs)
+    assert pairs.compare_pair(0, 1).cosine == pytest.approx(1.0)
+    assert pairs.compare_pair(0, 2).cosine == pytest.approx(0.8)  # (3, 4) and (0, 5)
+    found = compare_candidates(pairs, pairs)
+    assert found.list_equivalence_classes() == [['a', 'b']]
+    assert found.reach == pytest.approx([5.0, 10.0, 5.0])
+
+
+def test_a_nuisance_takes_its_share_and_a_tolerance_caps() -> None:
+    # What (1, 0) leaves of (3, 4) once it may be anything is 4; within 0.5 it takes 9 / 5.
+    knobs = [_knob('a'), _knob('n', 1e6, 0.0)]
+    assert PairSeparability([_reduced([[3.0, 1.0], [4.0, 0.0]])], knobs).parameter_information(
+        0
+    ) == pytest.approx(16.0)
+    knobs = [_knob('a'), _knob('n', 0.5, 0.0)]
+    left = 25.0 - 9.0 / (1.0 + 4.0)
+    assert PairSeparability([_reduced([[3.0, 1.0], [4.0, 0.0]])], knobs).parameter_information(
+        0
+    ) == pytest.approx(left)
+    own = [_knob('a', 0.1), _knob('n', 0.5, 0.0)]
+    sigma = PairSeparability([_reduced([[3.0, 1.0], [4.0, 0.0]])], own).detection_sigma(0)
+    assert sigma == pytest.approx((1.0 / left + 0.01) ** -0.5)
+    many = PairSeparability([_reduced([[3.0, 1.0], [4.0, 0.0]])], own, 1e6).detection_sigma(0)
+    assert many == pytest.approx(10.0, rel=1e-3)  # a typical 1 by a tolerance of 0.1
+
+
+def test_flights_add_up_each_with_its_own_errors() -> None:
+    both = [[1.0, 1.0], [1.0, -1.0]]
+    own = FreeParameter('bias', '1', {('e', 'bias'): 1.0}, 1e-5, 1e-4, 0.5, 2.0, per_flight=True)
+    one = PairSeparability([_reduced(both[:1])], [_knob('a'), own])
+    two = PairSeparability([_reduced(both[:1]), _reduced(both[1:])], [_knob('a'), own])
+    assert one.parameter_information(0) == pytest.approx(1.0 / (1.0 + 0.25))
+    assert two.parameter_information(0) == pytest.approx(2.0 / (1.0 + 0.25))
+    # A bias that all flights share stands out of what each has of its own.
+    assert two.parameter_information(1) == pytest.approx(2.0 / (1.0 + 0.25))
+    assert two.detection_sigma(1) == pytest.approx(2.0 * (2.0 / 1.25) ** 0.5)
+
+
+def test_what_is_to_be_expected_of_one_name_over_the_other() -> None:
+    assert ParameterPair(4.0, 9.0, 0.0).expected_log_bayes(2.0) == 8.0
+    assert ParameterPair(4.0, 9.0, 3.0).expected_log_bayes(2.0) == pytest.approx(0.5 * 4.0 * 3.0)
+    assert ParameterPair(4.0, 9.0, 6.0).expected_log_bayes(2.0) == 0.0
+    assert ParameterPair(4.0, 9.0, -3.0).cosine == -0.5
+
+
+def test_every_two_of_a_group_are_alike() -> None:
+    # a is like b and b like c, but a is not like c: no chain.
+    cosine = np.array([[1.0, 0.99, 0.9], [0.99, 1.0, 0.985], [0.9, 0.985, 1.0]])
+    assert cluster_complete_linkage(cosine, 0.98) == [[0, 1], [2]]
+
+
+def test_the_frozen_file_is_that_of_the_candidates_as_they_are(gtmab: Known) -> None:
+    known = select_builtin_parameters(gtmab[1])
+    assert load_frozen_classes().digest == compute_registry_digest(known), 'run make classes'
+    names = {knob.name for knob in known if knob.typical > 0.0}
+    assert all(set(kind.reach) == names for kind in load_frozen_classes().kinds.values())
+
+
+@pytest.mark.long
+def test_the_frozen_classes_are_those_that_follow_now() -> None:
+    """From vehicle, gains, scene and simulator as they are, of which the digest knows nothing."""
+    script = Path(__file__).resolve().parents[3] / 'score/classes.py'
+    paths = {'PYTHONPATH': os.pathsep.join(sys.path)}
+    done = subprocess.run(
+        [sys.executable, script, '--check'],
+        env=os.environ | paths, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_effects_that_others_install_are_not_frozen(monkeypatch: pytest.MonkeyPatch) -> None:
+    places = [('vehicle', 'mass'), ('net_lift', 'force'), ('not_shipped', 'line')]
+    mass, lift, rope = (FreeParameter('.'.join(at), '1', {at: 1.0}, 1e-5, 1e-4) for at in places)
+    monkeypatch.setitem(EFFECTS, 'not_shipped', EFFECTS['net_lift'])
+    assert select_builtin_parameters([mass, lift, rope]) == [mass, lift]
+
+
+def test_one_constant_force_has_many_names_and_so_has_one_delay() -> None:
+    for kind in load_frozen_classes().kinds:
+        for name in ('payload.mass', 'ballast.mass', 'gas_purity.purity'):
+            assert is_equivalent('net_lift.force', name, kind)  # type: ignore[arg-type]
+        assert is_equivalent('tracker_delay.delay', 'clock_offset.offset', kind)  # type: ignore[arg-type]
+        # Only sensors on the clock of the commands tell a late command from a late pose.
+        one = is_equivalent('command_delay.delay', 'tracker_delay.delay', kind)  # type: ignore[arg-type]
+        assert one == (kind in ('pose', 'wrench'))
+        assert not is_equivalent('linear_drag.surge', 'cg_offset.x', kind)  # type: ignore[arg-type]
+    assert load_class_map('all')['payload.mass'] == load_class_map('all')['net_lift.force']
+    assert 'gyro_bias.x' in find_kind_classes('pose').unseen
+    assert not is_equivalent('unheard.of', 'net_lift.force', 'pose')
+
+
+def test_an_unknown_kind_is_refused() -> None:
+    with pytest.raises(BadInput, match=r"'smell'.*wrench"):
+        find_kind_classes('smell')  # type: ignore[arg-type]
+
+
+def test_the_kind_of_a_recording_is_seen(clean: FlightSystem) -> None:
+    assert classify_data_kind([clean.flight]) == 'all'
