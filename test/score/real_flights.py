@@ -25,7 +25,8 @@ from lta_report.report import Report
 PAGE: Final = Path(__file__).resolve().parents[2] / 'docs' / 'discovery_flights.md'
 BEGIN, END = '<!-- begin -->', '<!-- end -->'
 MODELS: Final = {
-    'coast': 'coasting', 'before': 'vehicle file', 'tuned': 'tolerances fitted',
+    'coast': 'coasting', 'before': 'vehicle file', 'calibrated': 'calibrated.yaml',
+    'tuned': 'tolerances fitted',
     'after': 'with what is named', 'written': 'vehicle.yaml',
 }  # fmt: skip
 SETS: Final = {'mocap_blimp': (MOCAP, list_mocap), 'rgblimp': (RGBLIMP, list_rgblimp)}

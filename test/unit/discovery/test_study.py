@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from lta_config.files import find_file
+from lta_discovery.calibration.result import CalibratedValue, Calibration
 from lta_discovery.discovery.conclusion import draw_conclusion
 from lta_discovery.discovery.forecast_comparison import ForecastComparison
 from lta_discovery.discovery.overlay import build_overlay
@@ -14,6 +15,7 @@ from lta_discovery.discovery.picture import draw_picture
 from lta_discovery.discovery.report import build_report
 from lta_discovery.discovery.run import format_learned_vehicle
 from lta_discovery.discovery.study import (
+    CALIBRATED,
     Discovery,
     estimate_numbers,
     FILE,
@@ -103,7 +105,7 @@ def test_a_name_that_forecasts_need_is_advised(gtmab: Known, clean: FlightSystem
     assert one.headline == 'The vehicle file lacks linear drag (surge) 0.0300 N s/m.'
     assert one.details == (
         'Position error 3 s ahead on held-out flights: 30 cm with the vehicle file, 20 cm with '
-        'its tolerances fitted, 5 cm with what is named as well.',
+        'fitted tolerances, 5 cm with what is named as well.',
     )
     assert one.writes_file
     assert one.advice.startswith('Use the corrected vehicle file')
@@ -140,6 +142,43 @@ def test_the_conclusion_follows_from_names_and_forecasts(
     assert one.verdict == verdict
     assert words in one.headline
     assert not one.writes_file
+
+
+def calibrate_study(study: Discovery, error: float) -> Discovery:
+    """Return a study whose vehicle was calibrated first; `error`: of its forecasts. [m]"""
+    file = study.nominal
+    gain = CalibratedValue('wrench_gain.surge', '1', '', 1.0, 0.3, (0.28, 0.32), True, True, ())
+    forecasts = {
+        FILE: study.comparison.forecasts[FILE],
+        CALIBRATED: [forecast(study.comparison.flights[0], error)],
+        **study.comparison.forecasts,
+    }
+    return replace(
+        study,
+        calibration=Calibration('gtmab', file, file, file, (gain,), {}, 'likelihood', {}),
+        comparison=replace(study.comparison, forecasts=forecasts),
+    )
+
+
+def test_what_is_named_has_to_forecast_no_worse_than_the_calibrated_file(
+    gtmab: Known, clean: FlightSystem
+) -> None:
+    study = make_study(gtmab, clean.flight)  # vehicle.yaml: 10 cm
+    better, worse = (draw_conclusion(calibrate_study(study, error)) for error in (0.2, 0.08))
+    assert better.writes_file
+    assert '30 cm with the vehicle file, 20 cm with calibrated.yaml' in better.details[0]
+    assert not worse.writes_file
+    assert worse.advice.startswith('Use the calibrated vehicle file')
+
+
+def test_without_a_name_the_headline_is_what_was_calibrated(
+    gtmab: Known, clean: FlightSystem
+) -> None:
+    one = draw_conclusion(calibrate_study(make_study(gtmab, clean.flight, ()), 0.08))
+    assert one.verdict == 'none'
+    assert 'surge: 30 % of the commanded force arrives' in one.headline
+    assert one.details[0] == 'These flights show nothing more that the vehicle file lacks.'
+    assert one.advice.startswith('Use the calibrated vehicle file')
 
 
 def test_beside_an_unknown_force_a_name_is_only_possible(

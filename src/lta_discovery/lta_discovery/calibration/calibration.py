@@ -56,14 +56,8 @@ def calibrate_flights(
     name: str,
     flights: Sequence[Role],
     tell: Progress,
-    with_flows: bool = True,
 ) -> Calibration:
-    """
-    Calibrate a vehicle with its training flights, and score the result on all.
-
-    `with_flows`: whether the calibrated vehicle has the fitted drag and added mass, too, which a
-    discovery names as effects.
-    """
+    """Calibrate a vehicle with its training flights, and score the result on all."""
     tell('preparing', 0.0)
     prepared = prepare_calibration(vehicle, flights)
     tell('fitting readings', 0.1)
@@ -83,7 +77,8 @@ def calibrate_flights(
     return Calibration(
         name,
         nominal,
-        built if with_flows else _build_calibrated_vehicle(nominal, knobs, best, False),
+        built,
+        _build_calibrated_vehicle(nominal, knobs, best, with_flows=False),
         (
             *_list_values(nominal, knobs, best, prepared.names['train']),
             *_list_free_heading(nominal, knobs),
@@ -147,7 +142,7 @@ def _choose_estimate(
     chosen = estimates[-1], nominal, score_forecasts(file, file)
     for one in estimates[:-1]:
         try:
-            built = _build_calibrated_vehicle(nominal, prepared.parameters, one, True)
+            built = _build_calibrated_vehicle(nominal, prepared.parameters, one, with_flows=True)
             scores = score_forecasts(file, forecast_role(prepared, 'train', built, noise))
         except BadInput:
             continue

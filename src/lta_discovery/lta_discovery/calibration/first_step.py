@@ -75,8 +75,9 @@ class FirstStep:
 class CalibratedStart:
     """The vehicle from which a discovery goes on."""
 
-    vehicle: Vehicle
+    vehicle: Vehicle  # with the drag and added mass of the file, which the discovery names
     text: str  # its file
+    calibrated: str  # the file that `lta calibrate` writes
     calibration: Calibration  # what was calibrated
 
 
@@ -98,7 +99,7 @@ def calibrate_first(
     suspicions = _list_suspicions(vehicle, fit_flights)
     if not suspicions:
         return FirstStep()
-    calibration = calibrate_flights(vehicle, name, fit_flights, tell, with_flows=False)
+    calibration = calibrate_flights(vehicle, name, fit_flights, tell)
     if _is_clearly_better(calibration, reasons := list(_list_reasons(calibration))):
         return FirstStep(_mark_reasons(calibration, reasons))
     if NET_LIFT not in suspicions:
@@ -107,7 +108,7 @@ def calibrate_first(
     if not lifts:
         # Training flights of one lift do not show that the confirming ones have another
         both = [(title, 'train', flight) for title, _, flight in fit_flights]
-        calibration = calibrate_flights(vehicle, name, both, tell, with_flows=False)
+        calibration = calibrate_flights(vehicle, name, both, tell)
         lifts = list(_list_different_lifts(calibration))
         alone = [role for _, role, _ in fit_flights].count('train') == 1
         if alone and _is_clearly_better(calibration, lifts):
@@ -222,7 +223,7 @@ def build_calibrated_start(
     text: str, vehicle: Vehicle, calibration: Calibration, source: str
 ) -> CalibratedStart:
     """
-    Return the calibrated vehicle and its file.
+    Return the calibrated vehicle and its files.
 
     Raises
     ------
@@ -230,5 +231,7 @@ def build_calibrated_start(
         If the vehicle file has no place for a number.
 
     """
-    new = format_calibrated_vehicle(text, vehicle, calibration, source)
-    return CalibratedStart(parse_vehicle(new, NAME), new, calibration)
+    whole = format_calibrated_vehicle(text, vehicle, calibration, source)
+    rest = replace(calibration, calibrated=calibration.without_flows)
+    start = format_calibrated_vehicle(text, vehicle, rest, source)
+    return CalibratedStart(parse_vehicle(start, NAME), start, whole, calibration)

@@ -15,22 +15,21 @@ from lta_discovery.calibration.verdict import (
     format_error,
     format_forecast_sentence,
     format_headline,
+    format_in_unit,
     format_inseparable,
+    format_name,
     list_differences,
 )
 from lta_discovery.formatting import (
     DEGREES,
     format_number,
-    format_parameter,
-    format_with_interval,
-    SHOWN_UNITS,
 )
-from lta_discovery.model.parameters import is_calibration, NET_LIFT
+from lta_discovery.model.parameters import NET_LIFT
 from lta_report.formatting import Tile
 from lta_report.report import Emphasis, Picture, Report, TextSection, TextTable
 import plotly.graph_objects as go
 
-FIRST_STEP: Final = 'Calibration: numbers any vehicle file must have'
+FIRST_STEP: Final = 'Calibration: numbers beyond tolerance'
 METHODS: Final = {
     'likelihood': 'all readings, with an unexplained force',
     'forecasts': 'forecasts, which follow something that the model lacks',
@@ -109,36 +108,12 @@ def _build_tiles(calibration: Calibration) -> list[Tile]:
     return tiles
 
 
-def _format_in_unit(one: CalibratedValue) -> tuple[str, str, str]:
-    """Return file value, value and interval with a unit that reads well."""
-    unit, factor = SHOWN_UNITS.get(one.unit, (one.unit, 1.0))
-    if one.unit == 'N':
-        unit, factor = 'mN', 1e3
-    elif one.unit == 'm':
-        unit, factor = 'cm', 100.0
-    elif one.unit == 'N/s':
-        unit, factor = 'mN/min', 6e4
-    before, value = factor * one.before, factor * one.value
-    now, low, high = format_with_interval(value, (factor * one.ci95[0], factor * one.ci95[1]))
-    end = '' if unit == '1' else f' {unit}'
-    return f'{format_number(before)}{end}', f'{now}{end}', f'{low} to {high}'
-
-
-def _format_name(one: CalibratedValue) -> str:
-    effect, _, part = one.name.partition('.')
-    if effect == 'vehicle':
-        return 'mass (factor)' if part == 'mass' else f'inertia in {part} (factor)'
-    if effect == 'helium_leak':
-        return 'loss of lift'
-    return format_parameter(one.name)
-
-
 def _build_value_table(heading: str, values: Sequence[CalibratedValue]) -> TextTable:
     """Return the table of some values; those beyond tolerance are bold."""
     rows = []
     for one in sorted(values, key=lambda each: (not each.is_far, not each.is_known)):
-        before, now, interval = _format_in_unit(one)
-        name = Emphasis(_format_name(one)) if one.is_far else _format_name(one)
+        before, now, interval = format_in_unit(one)
+        name = Emphasis(format_name(one)) if one.is_far else format_name(one)
         rows.append([name, before, now, interval, format_inseparable(one)])
     note = 'Bold: the vehicle file is off by more than its tolerance explains.'
     return TextTable(heading, HEADS, rows, note)
@@ -149,10 +124,10 @@ def build_first_step_table(calibration: Calibration) -> TextTable:
     rows = []
     for one in calibration.values:
         lift = bool(one.flight) and one.name == NET_LIFT
-        if one.is_known and (lift or (one.is_far and not one.flight and is_calibration(one.name))):
-            before, now, interval = _format_in_unit(one)
+        if one.is_known and (lift or (one.is_far and not one.flight)):
+            before, now, interval = format_in_unit(one)
             where = f', {one.flight}' if one.flight else ''
-            rows.append([f'{_format_name(one)}{where}', before, now, interval])
+            rows.append([f'{format_name(one)}{where}', before, now, interval])
     return TextTable(FIRST_STEP, HEADS[:-1], rows)
 
 
@@ -161,8 +136,8 @@ def _build_flight_tables(calibration: Calibration) -> list[TextTable]:
     rows = []
     for one in calibration.values:
         if one.flight and one.is_known:
-            before, now, interval = _format_in_unit(one)
-            rows.append([one.flight, _format_name(one), before, now, interval])
+            before, now, interval = format_in_unit(one)
+            rows.append([one.flight, format_name(one), before, now, interval])
     heads = ('flight', 'value', 'vehicle file', 'calibrated', '95 % interval')
     return [TextTable('Each flight', heads, rows)] if rows else []
 

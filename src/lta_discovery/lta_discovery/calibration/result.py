@@ -72,10 +72,11 @@ class Calibration:
     """Result of a calibration."""
 
     vehicle: str  # name or file
-    # Of the vehicle file, and calibrated, with the mean net lift of the flights; without drag and
-    # added mass if those are left to a discovery
+    # Of the vehicle file, and calibrated, with the mean net lift of the flights
     nominal: NominalVehicle
     calibrated: NominalVehicle
+    # The same with the file's drag and added mass, which a discovery names as effects
+    without_flows: NominalVehicle
     values: tuple[CalibratedValue, ...]  # of the vehicle, then by flight
     # Of forecasts of the training and of the confirming flights
     scores: Mapping[str, tuple[ForecastScore, ...]]

@@ -6,7 +6,13 @@ from typing import Final
 
 from lta_discovery.calibration.result import CalibratedValue, Calibration, find_main_score
 from lta_discovery.calibration.scores import is_contradicted
-from lta_discovery.formatting import DEGREES, format_number
+from lta_discovery.formatting import (
+    DEGREES,
+    format_number,
+    format_parameter,
+    format_with_interval,
+    SHOWN_UNITS,
+)
 from lta_discovery.model.calibration_parameters import GAIN_NAMES, HEADING
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import NET_LIFT
@@ -19,6 +25,7 @@ AXIS_WORDS: Final = {
 }  # fmt: skip
 DIVERGED: Final = 1e3  # m; no forecast over some seconds is off by more
 LATE: Final = 0.03  # s; a shorter delay is not reported
+LISTED: Final = 4  # numbers beyond tolerance that have no words of their own
 SIDES: Final = ('yaw', 'pitch', 'roll')
 
 
@@ -42,6 +49,7 @@ def list_differences(calibration: Calibration) -> list[str]:
         *_marker_clauses(calibration),
         *_pendulum_clauses(calibration),
         *_delay_clauses(calibration),
+        *_other_clauses(calibration),
     ]
 
 
@@ -132,6 +140,25 @@ def _delay_clauses(calibration: Calibration) -> Iterator[str]:
         yield f'commands act {format_number(late.value, 2)} s late'
 
 
+def _other_clauses(calibration: Calibration) -> Iterator[str]:
+    """Yield the other numbers of the vehicle that are beyond tolerance, the clearest first."""
+    others = [
+        one
+        for one in calibration.values
+        if one.is_far
+        and not one.flight
+        and one.name not in {*GAIN_NAMES, 'command_delay.delay', 'cg_height.z'}
+        and not one.name.startswith(('marker_offset.', 'vehicle.roll', 'vehicle.pitch'))
+        and not one.name.partition('.')[2].startswith(('thrust', 'reverse', 'exponent'))
+    ]
+    others.sort(key=lambda one: -abs(one.value - one.before) / one.deviation)
+    for one in others[:LISTED]:
+        before, now, _ = format_in_unit(one)
+        yield f'{format_name(one)} {now} (vehicle file: {before})'
+    if others[LISTED:]:
+        yield f'{len(others) - LISTED} more numbers'
+
+
 def format_headline(calibration: Calibration) -> str:
     """Return the result in one sentence."""
     if calibration.method == 'file':
@@ -168,6 +195,31 @@ def format_forecast_sentence(calibration: Calibration) -> str:
     elif last.after[0] >= last.coast[0]:
         text += ' The calibrated model does not beat coasting, so do not rely on its forecasts.'
     return text
+
+
+def format_in_unit(one: CalibratedValue) -> tuple[str, str, str]:
+    """Return file value, value and interval with a unit that reads well."""
+    unit, factor = SHOWN_UNITS.get(one.unit, (one.unit, 1.0))
+    if one.unit == 'N':
+        unit, factor = 'mN', 1e3
+    elif one.unit == 'm':
+        unit, factor = 'cm', 100.0
+    elif one.unit == 'N/s':
+        unit, factor = 'mN/min', 6e4
+    before, value = factor * one.before, factor * one.value
+    now, low, high = format_with_interval(value, (factor * one.ci95[0], factor * one.ci95[1]))
+    end = '' if unit == '1' else f' {unit}'
+    return f'{format_number(before)}{end}', f'{now}{end}', f'{low} to {high}'
+
+
+def format_name(one: CalibratedValue) -> str:
+    """Return the name of a number in words."""
+    effect, _, part = one.name.partition('.')
+    if effect == 'vehicle':
+        return 'mass (factor)' if part == 'mass' else f'inertia in {part} (factor)'
+    if effect == 'helium_leak':
+        return 'loss of lift'
+    return format_parameter(one.name)
 
 
 def format_error(metres: float, digits: int = 2) -> str:

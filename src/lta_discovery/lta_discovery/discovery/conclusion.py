@@ -11,6 +11,7 @@ from typing import final, Literal
 from lta_discovery.calibration.verdict import format_error, list_differences
 from lta_discovery.discovery.forecast_comparison import COASTING, HorizonErrors
 from lta_discovery.discovery.study import (
+    CALIBRATED,
     Discovery,
     FILE,
     NAMED,
@@ -61,22 +62,30 @@ def draw_conclusion(study: Discovery) -> Conclusion:
             writes_file=False,
         )  # fmt: skip
     if not numbers:
-        headline = rest or 'These flights show nothing that the vehicle file lacks.'
+        calibrated = _format_calibration(study)
+        more = ' more' if calibrated else ''
+        headline, *details = (
+            *calibrated,
+            rest or f'These flights show nothing{more} that the vehicle file lacks.',
+        )
         return Conclusion(
             'unexplained' if rest else 'none',
             headline,
-            (*_list_possible(study), *_format_calibration(study), *_format_tuning(main)),
+            (*details, *_list_possible(study), *_format_tuning(main)),
             _advise_without_name(study),
             writes_file=False,
         )
     names = join_words([format_element(one) for one in numbers])
     verb = 'lacks' if any(one.present.kind == 'effect' for one in numbers) else 'has wrong'
-    is_better = main is None or main.errors[WRITTEN].position < WORSE * main.errors[FILE].position
+    reference = FILE if study.calibration is None else CALIBRATED
+    is_better = main is None or (
+        main.errors[WRITTEN].position < WORSE * main.errors[reference].position
+    )
     doubt = any(one.alternatives for one in numbers)
     advice = (
         'Use the corrected vehicle file, vehicle.yaml in the results folder.'
         if is_better
-        else 'Keep the vehicle file: the corrected one forecasts these flights worse.'
+        else f'{_advise_without_name(study)} With what is named it forecasts these flights worse.'
     )
     if is_better and doubt:
         advice += ' These flights do not show which of the alternatives is right; see --plan.'
@@ -147,32 +156,36 @@ def _format_gain(study: Discovery, main: HorizonErrors | None) -> str:
     """Return what the names are worth in forecasts; '' if no flight is long enough."""
     if main is None:
         return ''
-    file, tuned, named = (
-        format_error(main.errors[name].position) for name in (FILE, TUNED, NAMED)
-    )
     where = 'held-out flights' if study.held_out else 'the same flights'
-    return (
-        f'Position error {main.horizon:g} s ahead on {where}: {file} with the vehicle file, '
-        f'{tuned} with its tolerances fitted, {named} with what is named as well.'
-    )
+    return _format_errors(main, f' on {where}', [TUNED, NAMED])
 
 
 def _format_tuning(main: HorizonErrors | None) -> list[str]:
     """Return what fitting the tolerances gains."""
-    if main is None:
-        return []
-    file, tuned = (format_error(main.errors[name].position) for name in (FILE, TUNED))
-    return [
-        f'Position error {main.horizon:g} s ahead: {file} with the vehicle file, {tuned} with its '
-        'tolerances fitted.'
+    return [] if main is None else [_format_errors(main, '', [TUNED])]
+
+
+def _format_errors(main: HorizonErrors, where: str, names: list[str]) -> str:
+    """Return the position errors of the file, the calibrated one and other models."""
+    sizes = {name: format_error(one.position) for name, one in main.errors.items()}
+    words = {
+        FILE: 'with the vehicle file',
+        CALIBRATED: 'with calibrated.yaml',
+        TUNED: 'with fitted tolerances',
+        NAMED: 'with what is named as well',
+    }
+    parts = [
+        f'{sizes[name]} {words[name]}' for name in (FILE, CALIBRATED, *names) if name in sizes
     ]
+    return f'Position error {main.horizon:g} s ahead{where}: {", ".join(parts)}.'
 
 
 def _format_calibration(study: Discovery) -> tuple[str, ...]:
     """Return what was calibrated first."""
     if study.calibration is None:
         return ()
-    return (f'Calibrated first: {"; ".join(list_differences(study.calibration))}.',)
+    differences = '; '.join(list_differences(study.calibration))
+    return (f'The vehicle file is off, and was calibrated first: {differences}.',)
 
 
 def _list_possible(study: Discovery) -> tuple[str, ...]:

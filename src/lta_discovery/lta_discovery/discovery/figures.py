@@ -4,12 +4,12 @@ from collections.abc import Iterator
 from typing import Final
 
 from lta_discovery.discovery.forecast_comparison import COASTING
-from lta_discovery.discovery.study import Discovery, FILE, NAMED, TUNED, WRITTEN
+from lta_discovery.discovery.study import CALIBRATED, Discovery, FILE, NAMED, TUNED, WRITTEN
 from lta_discovery.flights.measured_flight import MeasuredFlight, PERIOD
 from lta_discovery.model.quaternions import quaternion_exponential, quaternion_product
 from lta_discovery.state_filter.forecasts import FlightForecasts
 from lta_model.effects.protocol import AXES
-from lta_report.palette import ESTIMATE, GOOD, LAMP, TRUTH, WALL
+from lta_report.palette import ESTIMATE, GOOD, LAMP, SETPOINT, TRUTH, WALL
 from lta_report.report import Block, Picture, ReportSection
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,14 @@ from plotly.subplots import make_subplots
 
 Array = NDArray[np.float64]
 
-COLOURS: Final = {COASTING: WALL, FILE: ESTIMATE, TUNED: LAMP, NAMED: TRUTH, WRITTEN: GOOD}
+COLOURS: Final = {
+    COASTING: WALL,
+    FILE: ESTIMATE,
+    CALIBRATED: SETPOINT,
+    TUNED: LAMP,
+    NAMED: TRUTH,
+    WRITTEN: GOOD,
+}
 TICKS: Final = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500]  # cm
 SIDES: Final = ('x [m]', 'y [m]', 'z [m]')
 THIN: Final = 5  # grid points from one drawn sample to the next, 0.2 s
@@ -43,7 +50,8 @@ def build_pictures(study: Discovery) -> Iterator[Block]:
     """Yield forecasts along the first judged flight, and what stays unexplained in each flight."""
     comparison = study.comparison
     if comparison.scores:
-        last = NAMED if NAMED in comparison.forecasts else TUNED
+        best = (NAMED, CALIBRATED, TUNED)
+        last = next(name for name in best if name in comparison.forecasts)
         yield _draw_forecasts(
             comparison.names[0],
             comparison.flights[0],

@@ -9,6 +9,7 @@ from lta_discovery.discovery.conclusion import Conclusion, format_names
 from lta_discovery.discovery.figures import build_forecast_picture, build_pictures
 from lta_discovery.discovery.forecast_comparison import COASTING, ErrorRatio, HorizonErrors
 from lta_discovery.discovery.study import (
+    CALIBRATED,
     Discovery,
     FILE,
     NAMED,
@@ -275,6 +276,7 @@ def _encode_score(one: HorizonErrors) -> list[dict[str, Any]]:
     after = NAMED if NAMED in one.errors else TUNED
     models = {
         'before': FILE,
+        'calibrated': CALIBRATED,
         'tuned': TUNED,
         'after': after,
         'written': WRITTEN,

@@ -71,15 +71,15 @@ def discover_effects(request: DiscoveryRequest, tell: Tell) -> Report:
         require_commands(one.name, one.recording)
     tell('checking data quality', None)
     usable = select_usable_flights(flights, vehicle)
-    study, text = study_usable_flights(request, vehicle, usable, tell)
+    study, text, calibrated = study_usable_flights(request, vehicle, usable, tell)
     conclusion = draw_conclusion(study)
     report = build_report(study, conclusion, request.vehicle, usable.cuts, usable.warnings)
     origin = {**describe_environment(), 'flights': ', '.join(study.comparison.names)}
     outputs: dict[str, str | bytes] = {OVERLAY: build_overlay(study.comparison, origin)}
     if picture := draw_picture(conclusion, study.comparison):
         outputs[PICTURE] = picture
-    if study.calibration is not None:
-        outputs[CALIBRATED] = text
+    if calibrated:
+        outputs[CALIBRATED] = calibrated
     if conclusion.writes_file:
         outputs[VEHICLE] = format_learned_vehicle(text, study)
     if request.plan:
@@ -89,9 +89,11 @@ def discover_effects(request: DiscoveryRequest, tell: Tell) -> Report:
 
 def study_usable_flights(
     request: DiscoveryRequest, vehicle: Vehicle, usable: UsableFlights, tell: Tell
-) -> tuple[Discovery, str]:
+) -> tuple[Discovery, str, str]:
     """
-    Return the study of usable flights, and the text of the vehicle file that was studied.
+    Return the study of usable flights, and the texts of the studied and of the calibrated file.
+
+    The latter is '' if no calibration came first.
 
     Raises
     ------
@@ -120,7 +122,7 @@ def study_usable_flights(
             'the shortest flight.'
         ) from fault
     study = replace(study, warnings=(*remarks, *study.warnings))
-    return study, start.text if start else text
+    return (study, start.text, start.calibrated) if start else (study, text, '')
 
 
 def _go_on_from(

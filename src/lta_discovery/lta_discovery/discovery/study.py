@@ -41,6 +41,7 @@ Progress = Callable[[str, float | None], None]
 
 # Names of the compared models
 FILE: Final = 'vehicle file'
+CALIBRATED: Final = 'calibrated.yaml'
 TUNED: Final = 'tolerances fitted'
 NAMED: Final = 'with what is named'
 WRITTEN: Final = 'vehicle.yaml'
@@ -108,7 +109,7 @@ def study_flights(
         Role 'train', 'confirm' or 'holdout'. Where none confirms, training flights are split; a
         single flight is split into three parts.
     calibration : Calibration, optional
-        Of the vehicle, which then has the calibrated values.
+        Of the vehicle, which then has the calibrated values, but drag and added mass of the file.
     has_own_lifts : bool
         Whether the net lift of a flight says nothing about the next.
 
@@ -139,7 +140,7 @@ def study_flights(
             'No flight was held out (--holdout): the forecasts are of flights that the search has '
             'seen, and their errors may be too small.'
         )
-    models, learned = _build_models(nominal, missing)
+    models, learned = _build_models(nominal, missing, calibration)
     titles = _make_unique([name for name, _, _ in assigned], [role for _, role, _ in assigned])
     by_title = dict(zip(titles, assigned, strict=True))
     judged_flights = {title: each[2] for title, each in by_title.items() if each in last}
@@ -213,7 +214,7 @@ def list_named_columns(missing: MissingElements) -> list[int]:
 
 
 def _build_models(
-    nominal: NominalVehicle, missing: MissingElements
+    nominal: NominalVehicle, missing: MissingElements, calibration: Calibration | None
 ) -> tuple[list[ComparedModel], NominalVehicle]:
     """Return the models whose forecasts are compared, and the vehicle that can be written."""
     named = list_named_columns(missing)
@@ -226,10 +227,12 @@ def _build_models(
             all_but_named[k] = missing.values[k]
     learned = apply_parameters(nominal, parameters, only)[0]
     bare = apply_parameters(nominal, parameters, missing.bare_values)[0]
-    models = [
-        ComparedModel(FILE, nominal, missing.bare_noise),
-        ComparedModel(TUNED, bare, missing.bare_noise),
-    ]
+    file = nominal if calibration is None else calibration.nominal
+    models = [ComparedModel(FILE, file, missing.bare_noise)]
+    if calibration is not None:
+        noise = tuple(calibration.noise.values())
+        models.append(ComparedModel(CALIBRATED, calibration.calibrated, noise))
+    models.append(ComparedModel(TUNED, bare, missing.bare_noise))
     if named:
         whole = apply_parameters(nominal, parameters, all_but_named)[0]
         models.append(ComparedModel(NAMED, whole, missing.noise))

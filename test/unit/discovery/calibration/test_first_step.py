@@ -80,7 +80,8 @@ def make_calibration(
     """Return a calibration with some values and a forecast error. [m]"""
     score = make_score((0.2, 0.3), (0.5, 0.2), (after, 0.4 * after))
     calibrated = nominal.with_value('wrench_gain', 'surge', 0.3)
-    return Calibration('gtmab', nominal, calibrated, values, {'train': (score,)}, 'likelihood', {})
+    scores = {'train': (score,)}
+    return Calibration('gtmab', nominal, calibrated, calibrated, values, scores, 'likelihood', {})
 
 
 GAIN = make_value('wrench_gain.surge', 1.0, 0.3, 0.01)
@@ -196,6 +197,22 @@ def test_the_first_line_names_the_reason(
     unknown = make_calibration(found.nominal, half, after=math.nan)
     monkeypatch.setattr(first_step, 'calibrate_flights', lambda *_, **__: unknown)
     assert calibrate_first(vehicle, 'gtmab', wrong, lambda _what, _part: None) == FirstStep()
+
+
+def test_every_number_beyond_tolerance_is_reported(vehicle: Vehicle) -> None:
+    """Numbers without words of their own by their value, the clearest first."""
+    drag, lever, lift = (
+        make_value('linear_drag.sway', 0.0, 0.05, 0.005),
+        make_value('wrench_gain.pitch_from_surge', 0.0, 0.02, 0.001),
+        make_value('net_lift.force', 0.0, 0.01, 0.001, flight='A'),
+    )
+    found = make_calibration(NominalVehicle.from_vehicle(vehicle), drag, lever, lift, GAIN)
+    first, second, third, fourth = list_differences(found)
+    assert first == 'surge: 30 % of the commanded force arrives'
+    assert second.startswith('net lift: 10 mN')
+    assert third.startswith('wrench gain (pitch from surge) 0.020')
+    assert fourth.startswith('linear drag (sway) 0.050')
+    assert fourth.endswith('(vehicle file: 0)')
 
 
 def test_a_discovery_does_not_go_on_from_what_confirming_flights_contradict(
@@ -462,6 +479,7 @@ def test_a_rough_calibration_replaces_a_file_that_does_not_beat_coasting(
     nominal = NominalVehicle.from_vehicle(vehicle)
     rough = Calibration(
         'gtmab',
+        nominal,
         nominal,
         nominal,
         (gain,),
