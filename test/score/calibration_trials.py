@@ -231,7 +231,7 @@ def study_closed_loop(seed: int, number: int) -> Row:
             'oracle': score_oracle(case, vehicle, usable, found),
             'verdict': draw_conclusion(study).verdict,
             'named': list_names(study),
-            'calibrated': study.calibration is not None,
+            'calibrated': study.first.calibration is not None,
             'final': [
                 (one.errors[TUNED].position, one.errors[COASTING].position)
                 for one in study.comparison.scores
@@ -317,7 +317,7 @@ def study_case(seed: int, number: int) -> Row:
                 # Effects that poses cannot distinguish count as one
                 'right': {one.get(each, each) for each in named}
                 == {one.get(each, each) for each in hidden},
-                'calibrated': study.calibration is not None,
+                'calibrated': study.first.calibration is not None,
                 'headline': conclusion.headline,
                 'cpu_s': time.process_time() - began,
             }

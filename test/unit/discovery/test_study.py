@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from lta_config.files import find_file
+from lta_discovery.calibration.first_step import FirstStep
 from lta_discovery.calibration.result import CalibratedValue, Calibration
 from lta_discovery.discovery.conclusion import draw_conclusion
 from lta_discovery.discovery.forecast_comparison import ForecastComparison
@@ -95,7 +96,7 @@ def make_study(
     return Discovery(
         load_vehicle('gtmab'), nominal, learned,
         {'A': ('train', flight), 'B': ('holdout', flight)}, ('A',), missing, named, maybe,
-        ForecastComparison(('B',), (flight,), forecasts), True, ('A warning.',), None,
+        ForecastComparison(('B',), (flight,), forecasts), True, ('A warning.',), FirstStep(),
     )  # fmt: skip
 
 
@@ -144,10 +145,16 @@ def test_the_conclusion_follows_from_names_and_forecasts(
     assert not one.writes_file
 
 
-def calibrate_study(study: Discovery, error: float) -> Discovery:
-    """Return a study whose vehicle was calibrated first; `error`: of its forecasts. [m]"""
+def calibrate_study(study: Discovery, error: float, is_start: bool = True) -> Discovery:
+    """
+    Return a study whose vehicle was calibrated.
+
+    `error`: of its forecasts [m]. `is_start`: whether the search went on from the calibrated file.
+    """
     file = study.nominal
     gain = CalibratedValue('wrench_gain.surge', '1', '', 1.0, 0.3, (0.28, 0.32), True, True, ())
+    calibration = Calibration('gtmab', file, file, file, (gain,), {}, 'likelihood', {})
+    first = FirstStep(calibration) if is_start else FirstStep(alternative=calibration)
     forecasts = {
         FILE: study.comparison.forecasts[FILE],
         CALIBRATED: [forecast(study.comparison.flights[0], error)],
@@ -155,7 +162,7 @@ def calibrate_study(study: Discovery, error: float) -> Discovery:
     }
     return replace(
         study,
-        calibration=Calibration('gtmab', file, file, file, (gain,), {}, 'likelihood', {}),
+        first=first,
         comparison=replace(study.comparison, forecasts=forecasts),
     )
 
@@ -168,17 +175,31 @@ def test_what_is_named_has_to_forecast_no_worse_than_the_calibrated_file(
     assert better.writes_file
     assert '30 cm with the vehicle file, 20 cm with calibrated.yaml' in better.details[0]
     assert not worse.writes_file
+    assert worse.writes_calibrated
     assert worse.advice.startswith('Use the calibrated vehicle file')
 
 
+@pytest.mark.parametrize('is_start', [True, False])
 def test_without_a_name_the_headline_is_what_was_calibrated(
-    gtmab: Known, clean: FlightSystem
+    gtmab: Known, clean: FlightSystem, *, is_start: bool
 ) -> None:
-    one = draw_conclusion(calibrate_study(make_study(gtmab, clean.flight, ()), 0.08))
+    one = draw_conclusion(calibrate_study(make_study(gtmab, clean.flight, ()), 0.08, is_start))
     assert one.verdict == 'none'
     assert 'surge: 30 % of the commanded force arrives' in one.headline
     assert one.details[0] == 'These flights show nothing more that the vehicle file lacks.'
     assert one.advice.startswith('Use the calibrated vehicle file')
+
+
+def test_a_calibration_that_forecasts_worse_than_the_file_is_not_advised(
+    gtmab: Known, clean: FlightSystem
+) -> None:
+    study = calibrate_study(
+        make_study(gtmab, clean.flight, ()), 0.4, is_start=False
+    )  # file: 30 cm
+    one = draw_conclusion(study)
+    assert one.headline == 'These flights show nothing that the vehicle file lacks.'
+    assert one.advice == 'Keep the vehicle file.'
+    assert not one.writes_calibrated
 
 
 def test_beside_an_unknown_force_a_name_is_only_possible(

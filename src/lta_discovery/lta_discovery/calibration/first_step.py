@@ -13,7 +13,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, final
 
-from lta_discovery.calibration.calibrated_file import format_calibrated_vehicle, NAME
 from lta_discovery.calibration.calibration import calibrate_flights
 from lta_discovery.calibration.prepared_flights import fit_quickly, prepare_calibration
 from lta_discovery.calibration.result import (
@@ -32,7 +31,7 @@ from lta_discovery.calibration.scores import (
 from lta_discovery.flights.role_assignment import assign_roles, Role
 from lta_discovery.model.parameters import NET_LIFT
 from lta_discovery.state_filter.noise_model import average_noise
-from lta_model.vehicle import parse_vehicle, Vehicle
+from lta_model.vehicle import Vehicle
 import numpy as np
 
 Progress = Callable[[str, float | None], None]
@@ -66,19 +65,10 @@ class FirstStep:
     """What the check of the calibration found."""
 
     calibration: Calibration | None = None  # to go on from; None if the file is good enough
+    # One that is no reason to go on from, but may forecast better than what is found
+    alternative: Calibration | None = None
     # The lowest and the highest net lift, if the flights differ in it and the file is kept
     lifts: tuple[CalibratedValue, ...] = ()
-
-
-@final
-@dataclass(frozen=True, slots=True)
-class CalibratedStart:
-    """The vehicle from which a discovery goes on."""
-
-    vehicle: Vehicle  # with the drag and added mass of the file, which the discovery names
-    text: str  # its file
-    calibrated: str  # the file that `lta calibrate` writes
-    calibration: Calibration  # what was calibrated
 
 
 def calibrate_first(
@@ -102,8 +92,10 @@ def calibrate_first(
     calibration = calibrate_flights(vehicle, name, fit_flights, tell)
     if _is_clearly_better(calibration, reasons := list(_list_reasons(calibration))):
         return FirstStep(_mark_reasons(calibration, reasons))
+    usable = calibration.method != 'file' and not is_contradicted(calibration.scores)
+    alternative = calibration if usable else None
     if NET_LIFT not in suspicions:
-        return FirstStep()
+        return FirstStep(alternative=alternative)
     lifts = list(_list_different_lifts(calibration))
     if not lifts:
         # Training flights of one lift do not show that the confirming ones have another
@@ -114,7 +106,9 @@ def calibrate_first(
         if alone and _is_clearly_better(calibration, lifts):
             return FirstStep(_mark_reasons(calibration, lifts))
     # By whatever the values are fitted, the readings of each flight tell its lift
-    return FirstStep(lifts=tuple(lifts) if calibration.method != 'file' else ())
+    if calibration.method == 'file':
+        lifts = []
+    return FirstStep(alternative=alternative, lifts=tuple(lifts))
 
 
 def _is_clearly_better(calibration: Calibration, reasons: Sequence[CalibratedValue]) -> bool:
@@ -217,21 +211,3 @@ def _list_different_lifts(calibration: Calibration) -> Iterator[CalibratedValue]
 def is_difference_clear(one: CalibratedValue, least: float) -> bool:
     """Return whether a value is off by more than a size and by more than its interval explains."""
     return one.is_known and abs(one.value - one.before) > max(least, SURE * one.deviation)
-
-
-def build_calibrated_start(
-    text: str, vehicle: Vehicle, calibration: Calibration, source: str
-) -> CalibratedStart:
-    """
-    Return the calibrated vehicle and its files.
-
-    Raises
-    ------
-    BadInput
-        If the vehicle file has no place for a number.
-
-    """
-    whole = format_calibrated_vehicle(text, vehicle, calibration, source)
-    rest = replace(calibration, calibrated=calibration.without_flows)
-    start = format_calibrated_vehicle(text, vehicle, rest, source)
-    return CalibratedStart(parse_vehicle(start, NAME), start, whole, calibration)

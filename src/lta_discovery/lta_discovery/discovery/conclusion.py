@@ -6,7 +6,7 @@ corrected file is advised. Page, terminal, JSON and vehicle file follow from thi
 """
 
 from dataclasses import dataclass
-from typing import final, Literal
+from typing import Final, final, Literal
 
 from lta_discovery.calibration.verdict import format_error, list_differences
 from lta_discovery.discovery.forecast_comparison import COASTING, HorizonErrors
@@ -34,6 +34,11 @@ from lta_discovery.state_filter.noise_model import average_noise, wrench_floor
 from lta_model.effects.protocol import AXES
 import numpy as np
 
+# Without a name, by the better file
+ADVICE: Final = {
+    FILE: 'Keep the vehicle file.',
+    CALIBRATED: 'Use the calibrated vehicle file, calibrated.yaml in the results folder.',
+}
 Verdict = Literal['none', 'named', 'unexplained', 'named+unexplained', 'not_identifiable']
 
 
@@ -47,6 +52,7 @@ class Conclusion:
     details: tuple[str, ...]  # sentences that follow
     advice: str  # what to do with the vehicle file
     writes_file: bool  # whether the file with what is named is written
+    writes_calibrated: bool  # whether the calibrated file is written
 
 
 def draw_conclusion(study: Discovery) -> Conclusion:
@@ -55,14 +61,15 @@ def draw_conclusion(study: Discovery) -> Conclusion:
     forces = [one for one in study.named if one.present.kind == 'force']
     main = study.comparison.main
     rest = _format_unexplained(study, forces)
+    base = _choose_base(study, main)
+    calibrated = _format_calibration(study, base)
     if main is not None and _is_beaten_by_coasting(main):
         return Conclusion(
-            'not_identifiable', _format_inconclusive(main, numbers), _format_calibration(study),
+            'not_identifiable', _format_inconclusive(main, numbers), calibrated,
             'Record flights that move more, with all commands used, before you change the file.',
-            writes_file=False,
+            writes_file=False, writes_calibrated=False,
         )  # fmt: skip
     if not numbers:
-        calibrated = _format_calibration(study)
         more = ' more' if calibrated else ''
         headline, *details = (
             *calibrated,
@@ -72,20 +79,18 @@ def draw_conclusion(study: Discovery) -> Conclusion:
             'unexplained' if rest else 'none',
             headline,
             (*details, *_list_possible(study), *_format_tuning(main)),
-            _advise_without_name(study),
+            ADVICE[base],
             writes_file=False,
+            writes_calibrated=base == CALIBRATED,
         )
     names = join_words([format_element(one) for one in numbers])
     verb = 'lacks' if any(one.present.kind == 'effect' for one in numbers) else 'has wrong'
-    reference = FILE if study.calibration is None else CALIBRATED
-    is_better = main is None or (
-        main.errors[WRITTEN].position < WORSE * main.errors[reference].position
-    )
+    is_better = main is None or main.errors[WRITTEN].position < WORSE * main.errors[base].position
     doubt = any(one.alternatives for one in numbers)
     advice = (
         'Use the corrected vehicle file, vehicle.yaml in the results folder.'
         if is_better
-        else f'{_advise_without_name(study)} With what is named it forecasts these flights worse.'
+        else f'{ADVICE[base]} With what is named it forecasts these flights worse.'
     )
     if is_better and doubt:
         advice += ' These flights do not show which of the alternatives is right; see --plan.'
@@ -93,11 +98,21 @@ def draw_conclusion(study: Discovery) -> Conclusion:
         'named+unexplained' if rest else 'named',
         f'The vehicle file {verb} {names}.',
         tuple(filter(None, (
-            _format_gain(study, main), rest, *_format_calibration(study),
+            _format_gain(study, main), rest, *calibrated,
         ))),
         advice,
         writes_file=is_better,
+        writes_calibrated=base == CALIBRATED,
     )  # fmt: skip
+
+
+def _choose_base(study: Discovery, main: HorizonErrors | None) -> str:
+    """Return the file without names that forecasts better: the vehicle file or the calibrated."""
+    if study.first.calibration is not None:
+        return CALIBRATED
+    if main is None or CALIBRATED not in main.errors:
+        return FILE
+    return min((FILE, CALIBRATED), key=lambda name: main.errors[name].position)
 
 
 def _is_beaten_by_coasting(main: HorizonErrors) -> bool:
@@ -180,12 +195,13 @@ def _format_errors(main: HorizonErrors, where: str, names: list[str]) -> str:
     return f'Position error {main.horizon:g} s ahead{where}: {", ".join(parts)}.'
 
 
-def _format_calibration(study: Discovery) -> tuple[str, ...]:
-    """Return what was calibrated first."""
-    if study.calibration is None:
+def _format_calibration(study: Discovery, base: str) -> tuple[str, ...]:
+    """Return what the calibration found, if the calibrated file is the better one."""
+    calibration = study.first.calibration or study.first.alternative
+    if calibration is None or base == FILE:
         return ()
-    differences = '; '.join(list_differences(study.calibration))
-    return (f'The vehicle file is off, and was calibrated first: {differences}.',)
+    differences = '; '.join(list_differences(calibration)) or 'several numbers by little'
+    return (f'The vehicle file is off, and was calibrated: {differences}.',)
 
 
 def _list_possible(study: Discovery) -> tuple[str, ...]:
@@ -194,9 +210,3 @@ def _list_possible(study: Discovery) -> tuple[str, ...]:
         return ()
     names = join_words([format_element(one) for one in study.possible])
     return (f'Beside it, {names} may be missing, too.',)
-
-
-def _advise_without_name(study: Discovery) -> str:
-    if study.calibration is not None:
-        return 'Use the calibrated vehicle file, calibrated.yaml in the results folder.'
-    return 'Keep the vehicle file.'

@@ -95,7 +95,8 @@ def _build_tiles(study: Discovery) -> Iterator[Tile]:
 
 
 def _build_calibration_tables(study: Discovery) -> list[TextTable]:
-    return [] if study.calibration is None else [build_first_step_table(study.calibration)]
+    calibration = study.first.calibration or study.first.alternative
+    return [] if calibration is None else [build_first_step_table(calibration)]
 
 
 def _build_named_tables(study: Discovery) -> Iterator[TextTable | TextSection]:
@@ -209,6 +210,7 @@ def _encode(
 ) -> dict[str, Any]:
     """Return the content of discovery.json, in SI units."""
     missing = study.missing
+    calibration = study.first.calibration or study.first.alternative
     return {
         'schema': SCHEMA,
         'vehicle': name,
@@ -245,7 +247,7 @@ def _encode(
              'reason': cut.reason}
             for cut in cuts
         ],
-        'calibration': study.calibration and encode_calibration(study.calibration),
+        'calibration': calibration and encode_calibration(calibration),
         'warnings': warnings,
     }  # fmt: skip
 

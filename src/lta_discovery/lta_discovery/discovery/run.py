@@ -10,17 +10,14 @@ from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_data.data_quality.free_swing import require_commands
 from lta_discovery.calibration.calibrated_file import (
+    format_calibrated_vehicle,
     format_calibration_source,
     format_changed_vehicle,
     VehicleUpdate,
 )
 from lta_discovery.calibration.calibrated_file import NAME as CALIBRATED
-from lta_discovery.calibration.first_step import (
-    build_calibrated_start,
-    calibrate_first,
-    CalibratedStart,
-    FirstStep,
-)
+from lta_discovery.calibration.first_step import calibrate_first, FirstStep
+from lta_discovery.calibration.result import Calibration
 from lta_discovery.calibration.verdict import format_lift_warning, list_differences
 from lta_discovery.discovery.conclusion import draw_conclusion, format_names
 from lta_discovery.discovery.overlay import build_overlay
@@ -35,7 +32,7 @@ from lta_discovery.formatting import format_with_interval, join_words
 from lta_discovery.planning.equivalence_classes import classify_data_kind
 from lta_discovery.planning.next_flight import FILE as NEXT_FLIGHT
 from lta_discovery.planning.next_flight import plan_next_flight
-from lta_model.vehicle import load_vehicle, Vehicle
+from lta_model.vehicle import load_vehicle, parse_vehicle, Vehicle
 from lta_report.report import Report
 import numpy as np
 
@@ -78,7 +75,7 @@ def discover_effects(request: DiscoveryRequest, tell: Tell) -> Report:
     outputs: dict[str, str | bytes] = {OVERLAY: build_overlay(study.comparison, origin)}
     if picture := draw_picture(conclusion, study.comparison):
         outputs[PICTURE] = picture
-    if calibrated:
+    if conclusion.writes_calibrated:
         outputs[CALIBRATED] = calibrated
     if conclusion.writes_file:
         outputs[VEHICLE] = format_learned_vehicle(text, study)
@@ -93,7 +90,7 @@ def study_usable_flights(
     """
     Return the study of usable flights, and the texts of the studied and of the calibrated file.
 
-    The latter is '' if no calibration came first.
+    The latter is '' without a calibration.
 
     Raises
     ------
@@ -101,19 +98,29 @@ def study_usable_flights(
         If the flights cannot be studied with this vehicle file.
 
     """
+    text = find_file('vehicle', request.vehicle).read_text(encoding='utf-8')
+    calibrated, first, remarks = '', FirstStep(), tuple[str, ...]()
     try:
-        first = FirstStep()
         if request.calibrate:
             first = calibrate_first(vehicle, request.vehicle, usable.flights, tell)
-        text = find_file('vehicle', request.vehicle).read_text(encoding='utf-8')
-        start, remarks = _go_on_from(first, text, vehicle)
-        study = study_flights(
-            start.vehicle if start else vehicle,
-            usable.flights,
-            tell,
-            start.calibration if start else None,
-            bool(first.lifts),
-        )
+        if first.lifts:
+            remarks = (format_lift_warning(first.lifts),)
+        if calibration := first.calibration or first.alternative:
+            try:
+                calibrated = _format_calibrated(text, vehicle, calibration)
+                if first.calibration is not None:
+                    # The search judges drag and added mass itself
+                    part = replace(calibration, calibrated=calibration.without_flows)
+                    text = _format_calibrated(text, vehicle, part)
+                    vehicle = parse_vehicle(text, CALIBRATED)
+            except BadInput as fault:
+                first = FirstStep(lifts=first.lifts)
+                remarks = (
+                    f'The vehicle file is off ({"; ".join(list_differences(calibration))}), but '
+                    'it was studied as it is, because the calibrated file cannot be written. '
+                    f'{fault}',
+                )
+        study = study_flights(vehicle, usable.flights, tell, first)
     except (np.linalg.LinAlgError, ArithmeticError) as fault:
         names = ', '.join(name for name, _, _ in usable.flights)
         raise BadInput(
@@ -121,25 +128,12 @@ def study_usable_flights(
             f'({fault}); correct the values of the vehicle file that are far off, or leave out '
             'the shortest flight.'
         ) from fault
-    study = replace(study, warnings=(*remarks, *study.warnings))
-    return (study, start.text, start.calibrated) if start else (study, text, '')
+    return replace(study, warnings=(*remarks, *study.warnings)), text, calibrated
 
 
-def _go_on_from(
-    first: FirstStep, text: str, vehicle: Vehicle
-) -> tuple[CalibratedStart | None, list[str]]:
-    """Return the calibrated vehicle if the flights call for a calibration, and warnings."""
-    calibration = first.calibration
-    if calibration is None:
-        return None, [format_lift_warning(first.lifts)] if first.lifts else []
+def _format_calibrated(text: str, vehicle: Vehicle, calibration: Calibration) -> str:
     source = format_calibration_source(calibration.bags['train'], read_commit() or 'unknown')
-    try:
-        return build_calibrated_start(text, vehicle, calibration, source), []
-    except BadInput as fault:
-        return None, [
-            f'The vehicle file is off ({"; ".join(list_differences(calibration))}), but it was '
-            f'studied as it is, because the calibrated file cannot be written. {fault}'
-        ]
+    return format_calibrated_vehicle(text, vehicle, calibration, source)
 
 
 def format_learned_vehicle(text: str, study: Discovery) -> str:

@@ -10,8 +10,9 @@ from dataclasses import dataclass
 import math
 from typing import Final, final, NamedTuple
 
+from lta_discovery.calibration.first_step import FirstStep
 from lta_discovery.calibration.priors import apply_calibration, free_flight_lifts
-from lta_discovery.calibration.result import Calibration, WIDE
+from lta_discovery.calibration.result import WIDE
 from lta_discovery.discovery.forecast_comparison import (
     compare_forecasts,
     ComparedModel,
@@ -45,6 +46,9 @@ CALIBRATED: Final = 'calibrated.yaml'
 TUNED: Final = 'tolerances fitted'
 NAMED: Final = 'with what is named'
 WRITTEN: Final = 'vehicle.yaml'
+
+
+NO_CALIBRATION: Final = FirstStep()
 
 
 @final
@@ -90,15 +94,14 @@ class Discovery:
     comparison: ForecastComparison
     held_out: bool  # whether the forecasts are of flights that nothing was fitted to
     warnings: tuple[str, ...]
-    calibration: Calibration | None  # of the vehicle before the search
+    first: FirstStep  # calibration of the vehicle before the search
 
 
 def study_flights(
     vehicle: Vehicle,
     flights: Sequence[Role],
     tell: Progress = lambda what, part: None,
-    calibration: Calibration | None = None,
-    has_own_lifts: bool = False,
+    first: FirstStep = NO_CALIBRATION,
 ) -> Discovery:
     """
     Find what a vehicle file lacks, and forecast flights with it.
@@ -108,10 +111,9 @@ def study_flights(
     flights : sequence of (name, role, MeasuredFlight)
         Role 'train', 'confirm' or 'holdout'. Where none confirms, training flights are split; a
         single flight is split into three parts.
-    calibration : Calibration, optional
-        Of the vehicle, which then has the calibrated values, but drag and added mass of the file.
-    has_own_lifts : bool
-        Whether the net lift of a flight says nothing about the next.
+    first : FirstStep
+        After a calibration to go on from, the vehicle has the calibrated values, but drag and
+        added mass of the file.
 
     Raises
     ------
@@ -124,7 +126,7 @@ def study_flights(
     tidy, remarks = _remove_outliers(flights)
     assigned, warnings = assign_roles(tidy)
     used = [one for one in assigned if one[1] != 'holdout']
-    parameters = _list_parameters(nominal, used, calibration, has_own_lifts)
+    parameters = _list_parameters(nominal, used, first)
     missing = MissingElementSearch(vehicle, [one for _, _, one in used], parameters).run(
         lambda part: tell('searching', 0.02 + 0.78 * part)
     )
@@ -140,7 +142,7 @@ def study_flights(
             'No flight was held out (--holdout): the forecasts are of flights that the search has '
             'seen, and their errors may be too small.'
         )
-    models, learned = _build_models(nominal, missing, calibration)
+    models, learned = _build_models(nominal, missing, first)
     titles = _make_unique([name for name, _, _ in assigned], [role for _, role, _ in assigned])
     by_title = dict(zip(titles, assigned, strict=True))
     judged_flights = {title: each[2] for title, each in by_title.items() if each in last}
@@ -161,7 +163,7 @@ def study_flights(
         comparison,
         held_out,
         (*warnings, *remarks),
-        calibration,
+        first,
     )
 
 
@@ -187,17 +189,16 @@ def _remove_outliers(flights: Sequence[Role]) -> tuple[list[Role], list[str]]:
 def _list_parameters(
     nominal: NominalVehicle,
     flights: Sequence[Role],
-    calibration: Calibration | None,
-    has_own_lifts: bool,
+    first: FirstStep,
 ) -> list[FreeParameter]:
     """Return what may differ from the file."""
     # The wrench is measured only where motor telemetry or a test stand gave it
     parameters = list_free_parameters(
         nominal, any(one.wrench is not None for _, _, one in flights)
     )
-    if calibration is not None:
-        return apply_calibration(parameters, nominal, calibration.values)
-    return free_flight_lifts(parameters, nominal) if has_own_lifts else parameters
+    if first.calibration is not None:
+        return apply_calibration(parameters, nominal, first.calibration.values)
+    return free_flight_lifts(parameters, nominal) if first.lifts else parameters
 
 
 def list_named_columns(missing: MissingElements) -> list[int]:
@@ -214,7 +215,7 @@ def list_named_columns(missing: MissingElements) -> list[int]:
 
 
 def _build_models(
-    nominal: NominalVehicle, missing: MissingElements, calibration: Calibration | None
+    nominal: NominalVehicle, missing: MissingElements, first: FirstStep
 ) -> tuple[list[ComparedModel], NominalVehicle]:
     """Return the models whose forecasts are compared, and the vehicle that can be written."""
     named = list_named_columns(missing)
@@ -227,9 +228,9 @@ def _build_models(
             all_but_named[k] = missing.values[k]
     learned = apply_parameters(nominal, parameters, only)[0]
     bare = apply_parameters(nominal, parameters, missing.bare_values)[0]
-    file = nominal if calibration is None else calibration.nominal
+    file = nominal if first.calibration is None else first.calibration.nominal
     models = [ComparedModel(FILE, file, missing.bare_noise)]
-    if calibration is not None:
+    if calibration := first.calibration or first.alternative:
         noise = tuple(calibration.noise.values())
         models.append(ComparedModel(CALIBRATED, calibration.calibrated, noise))
     models.append(ComparedModel(TUNED, bare, missing.bare_noise))

@@ -308,7 +308,7 @@ def test_flights_in_closed_loop_are_calibrated_and_nothing_is_named(
     assert_truth_is_found(case, found, share=0.75)
     study = study_case(case, tmp_path)
     assert study.named == ()
-    assert study.calibration is not None
+    assert study.first.calibration is not None
     assert study.comparison.main is not None
     errors = study.comparison.main.errors
     assert errors[TUNED].position < errors[COASTING].position
