@@ -29,12 +29,12 @@ from scipy.optimize import minimize
 Array = NDArray[np.float64]
 
 LEARNED: Final = 1500  # grid points of all flights from which the forces are learned; 60 s
-ITERATIONS: Final = 30  # most steps of the search
+ITERATIONS: Final = 100  # most steps of the search
 # Standard deviation of the logarithm of each learned number about its first guess
 SPREAD: Final = np.array([1.0] * 4 + [0.3] + [3.0] * 6 + [0.7] * 2)
 FURTHEST: Final = 2.5  # of these deviations; bounds of the search
 BEND: Final = 0.05  # of the prior deviation of a number, for a curvature
-SETTLED: Final = 1e-8  # of the cost; the search ends at a smaller gain
+SETTLED: Final = 0.05  # nats; the search ends with a step that gains less
 SENSOR: Final = 5  # of these numbers, the first, that belong to the sensors of a flight
 
 
@@ -141,7 +141,7 @@ def _maximize(
         return cost, unit * slopes
 
     best = minimize(
-        measure_scaled, np.zeros(len(which)), method='L-BFGS-B', jac=True,
+        measure_scaled, np.zeros(len(which)), method='SLSQP', jac=True,
         bounds=list(zip(*((bounds - start) / unit), strict=True)),
         options={'maxiter': ITERATIONS, 'ftol': SETTLED},
     )  # fmt: skip
