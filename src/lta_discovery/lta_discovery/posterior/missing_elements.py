@@ -33,6 +33,7 @@ from lta_discovery.posterior.settings import (
     CAPS,
     CERTAIN,
     LEAST_GAIN,
+    NEGLIGIBLE,
     STEPS,
     UNEXPLAINED,
 )
@@ -334,7 +335,7 @@ class MissingElementSearch:
             names = [choice.element, *_list_alike(search, best, choice)]
             among = [not one.elements.isdisjoint(names) for one in ranked]
             probability = float(weights[among].sum())
-            if probability < CERTAIN:
+            if probability < CERTAIN or self._is_negligible(choice, final.values):
                 continue
             rival = next(one for one, some in zip(ranked, among, strict=True) if not some)
             self._try_to_fit(final, rival)
@@ -371,6 +372,12 @@ class MissingElementSearch:
             tuple(ranked),
             tuple(self._elements),
         )
+
+    def _is_negligible(self, choice: ElementChoice, values: Array) -> bool:
+        """Return whether an effect is too small to be told from an error of the model."""
+        one = self._elements[choice.element]
+        size = np.abs(values[list(one.columns)]) if one.kind == 'effect' else math.inf
+        return bool(np.all(size < NEGLIGIBLE * np.array(one.unit)))
 
 
 def _build_term(k: int, deviation: float) -> FreeParameter:

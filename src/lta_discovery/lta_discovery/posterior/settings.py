@@ -32,6 +32,9 @@ CERTAIN: Final = 0.95  # probability among the models from which on something is
 # Nats by which a fit without a name has to be less probable. Flights in which a force of an
 # unknown form acts favour effects of the library by less than this, as a rule
 LEAST_GAIN: Final = 10.0
+# Typical sizes of an effect; a smaller one is taken for an error of the model, as of a drag beside
+# a strong wind
+NEGLIGIBLE: Final = 0.02
 ALIKE: Final = 0.95  # cosine of two columns beside the rest of the model; beyond it, one class
 UNEXPLAINED: Final = 2.5  # noise floors of an unexplained wrench from which on it is reported
 WORSE: Final = 1.05  # of the file's position error; a corrected file with more is not written

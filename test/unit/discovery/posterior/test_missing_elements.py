@@ -3,7 +3,9 @@
 from lta_discovery.flights.measured_flight import FlightStreams, MeasuredFlight, resample_flight
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import list_free_parameters
+from lta_discovery.posterior import missing_elements
 from lta_discovery.posterior.missing_elements import MissingElements, MissingElementSearch
+from lta_discovery.posterior.settings import NEGLIGIBLE
 from lta_model.vehicle import load_vehicle
 import numpy as np
 import pytest
@@ -39,6 +41,14 @@ def find_value(result: MissingElements, name: str) -> tuple[float, float]:
 def without_sensors(streams: FlightStreams) -> MeasuredFlight:
     """Return a flight that only a tracker has seen."""
     return resample_flight(FlightStreams(streams.pose, streams.commands, floor=streams.floor))
+
+
+def test_an_effect_of_negligible_size_is_not_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A drag of 0.03 N s/m is within an order of magnitude of a typical one."""
+    flight = without_sensors(flown(CASES['linear_drag.surge'], 1, 24.0))
+    for least, count in ((NEGLIGIBLE, 1), (10.0, 0)):
+        monkeypatch.setattr(missing_elements, 'NEGLIGIBLE', least)
+        assert len(search([flight]).present) == count
 
 
 def test_a_drag_that_only_a_tracker_has_seen_is_named_with_its_value() -> None:
