@@ -21,6 +21,7 @@ from lta_discovery.calibration.prepared_flights import prepare_calibration, Prep
 from lta_discovery.calibration.result import find_main_score, ForecastRms, ForecastScore
 from lta_discovery.calibration.scores import score_forecasts
 from lta_discovery.calibration.verdict import format_error
+from lta_discovery.error_picture import COLOURS
 from lta_discovery.flights.bags import read_bags
 from lta_discovery.flights.role_assignment import Role
 from lta_discovery.flights.usable_flights import CALIBRATED, select_usable_flights
@@ -35,11 +36,11 @@ from lta_discovery.state_filter.likelihood import linearize_all, ParameterPrior
 from lta_discovery.state_filter.noise_fit import learn_noise
 from lta_discovery.state_filter.noise_model import average_noise, NoiseModel
 from lta_model.vehicle import load_vehicle, Vehicle
+from lta_report.drawing import add_legend, create_figure
 from lta_report.formatting import Tile
 from lta_report.json_value import to_json_value
 from lta_report.report import Picture, Report, TextSection, TextTable
 import numpy as np
-import plotly.graph_objects as go
 
 Tell = Callable[[str, float | None], None]
 
@@ -219,7 +220,7 @@ def _format_errors(errors: ForecastRms) -> list[str]:
 
 def _build_picture(study: ForecastStudy, main: ForecastScore) -> Picture:
     """Return the position error of each forecast by its start."""
-    figure, flights = go.Figure(), study.forecasts
+    figure, flights = add_legend(create_figure()), study.forecasts
     h = flights[0].horizons.index(main.horizon)
     for kind, field in KINDS.items():
         errors = np.concatenate([getattr(one, field)[:, h, :3] for one in flights])
@@ -227,7 +228,7 @@ def _build_picture(study: ForecastStudy, main: ForecastScore) -> Picture:
             x=np.concatenate([one.starts for one in flights]),
             y=100.0 * np.linalg.norm(errors, axis=1),
             text=np.repeat(study.names, [len(one.starts) for one in flights]),
-            name=kind, mode='markers',
+            name=kind, mode='markers', marker={'color': COLOURS[kind]},
         )  # fmt: skip
     figure.update_xaxes(title='start of the forecast [s]')
     figure.update_yaxes(title='position error [cm]', type='log')

@@ -20,6 +20,7 @@ from lta_discovery.calibration.verdict import (
     format_name,
     list_differences,
 )
+from lta_discovery.error_picture import draw_errors
 from lta_discovery.formatting import (
     DEGREES,
     format_number,
@@ -27,7 +28,6 @@ from lta_discovery.formatting import (
 from lta_discovery.model.parameters import NET_LIFT
 from lta_report.formatting import Tile
 from lta_report.report import Emphasis, Picture, Report, TextSection, TextTable
-import plotly.graph_objects as go
 
 FIRST_STEP: Final = 'Calibration: numbers beyond tolerance'
 METHODS: Final = {
@@ -203,22 +203,11 @@ def _build_pictures(calibration: Calibration) -> list[Picture]:
     scores = calibration.scores.get(role, ())
     if not scores:
         return []
-    figure = go.Figure()
-    for name, key in (
-        ('coasting', 'coast'),
-        ('vehicle file', 'before'),
-        ('calibrated', 'after'),
-    ):
-        x = [one.horizon for one in scores]
-        y = [100.0 * getattr(one, key)[0] for one in scores]
-        figure.add_scatter(x=x, y=y, name=name, mode='lines+markers')
-    figure.update_xaxes(title='time ahead [s]')
-    figure.update_yaxes(
-        title='position error [cm]', type='log',
-        tickvals=[0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500],
-    )  # fmt: skip
-    caption = f'RMS over all forecasts of the {role} flights.'
-    return [Picture('forecasts', 'Forecast errors', caption, figure)]
+    models = {'coasting': 'coast', 'vehicle file': 'before', 'calibrated': 'after'}
+    errors = {name: [getattr(one, key)[0] for one in scores] for name, key in models.items()}
+    where = 'confirming' if role == 'confirm' else 'training'
+    caption = f'RMS over all forecasts of the {where} flights.'
+    return [draw_errors([one.horizon for one in scores], errors, caption)]
 
 
 def _encode_score(one: ForecastScore) -> dict[str, Any]:

@@ -7,8 +7,8 @@ from typing import Final
 
 from lta_discovery.calibration.verdict import format_error
 from lta_discovery.discovery.conclusion import Conclusion
-from lta_discovery.discovery.figures import COLOURS
 from lta_discovery.discovery.forecast_comparison import ForecastComparison
+from lta_discovery.error_picture import COLOURS
 
 NAME: Final = 'picture.svg'
 WIDTH: Final = 760  # px

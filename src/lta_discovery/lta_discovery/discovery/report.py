@@ -33,7 +33,7 @@ from lta_discovery.state_filter.noise_model import average_noise, wrench_floor
 from lta_model.effects.protocol import AXES
 from lta_report.formatting import Tile
 from lta_report.json_value import to_json_value
-from lta_report.report import Report, ReportSection, TextSection, TextTable
+from lta_report.report import Picture, Report, ReportSection, TextSection, TextTable
 
 SCHEMA: Final = 1  # of discovery.json
 LEAST_PROBABILITY: Final = 0.02  # of an element that the table of candidates lists
@@ -63,8 +63,7 @@ def build_report(
         blocks=(
             *_build_calibration_tables(study),
             *_build_named_tables(study),
-            *([_build_forecast_table(study)] if study.comparison.scores else []),
-            build_forecast_picture(study),
+            *_build_forecast_blocks(study),
             *build_pictures(study),
             ReportSection('What was considered', list(_build_details(study)), folded=True),
             *([TextSection('Warnings', words, bullets=True, printed=True)] if words else []),
@@ -89,9 +88,8 @@ def _build_tiles(study: Discovery) -> Iterator[Tile]:
     if main is not None:
         for name, errors in main.errors.items():
             value, _, unit = format_error(errors.position).partition(' ')
-            yield Tile(
-                name.capitalize(), value, unit, f'position error {main.horizon:g} s ahead, RMS'
-            )
+            title = name if name.endswith('.yaml') else name.capitalize()
+            yield Tile(title, value, unit, f'position error {main.horizon:g} s ahead, RMS')
 
 
 def _build_calibration_tables(study: Discovery) -> list[TextTable]:
@@ -144,6 +142,13 @@ def _list_rows(one: NamedElement) -> Iterator[list[str]]:
             evidence,
             others,
         ]
+
+
+def _build_forecast_blocks(study: Discovery) -> list[Picture | TextTable]:
+    """Return figure and table of the forecast errors; nothing if no flight is long enough."""
+    if not study.comparison.scores:
+        return []
+    return [build_forecast_picture(study), _build_forecast_table(study)]
 
 
 def _build_forecast_table(study: Discovery) -> TextTable:
