@@ -37,6 +37,7 @@ from lta_report.report import Report
 import numpy as np
 
 VEHICLE: Final = 'vehicle.yaml'
+CALIBRATION: Final = 0.2  # share of the calibration in the progress of a study
 Tell = Callable[[str, float | None], None]
 
 
@@ -102,7 +103,8 @@ def study_usable_flights(
     calibrated, first, remarks = '', FirstStep(), tuple[str, ...]()
     try:
         if request.calibrate:
-            first = calibrate_first(vehicle, request.vehicle, usable.flights, tell)
+            part = _tell_part(tell, 0.0, CALIBRATION)
+            first = calibrate_first(vehicle, request.vehicle, usable.flights, part)
         if first.lifts:
             remarks = (format_lift_warning(first.lifts),)
         if calibration := first.calibration or first.alternative:
@@ -110,17 +112,18 @@ def study_usable_flights(
                 calibrated = _format_calibrated(text, vehicle, calibration)
                 if first.calibration is not None:
                     # The search judges drag and added mass itself
-                    part = replace(calibration, calibrated=calibration.without_flows)
-                    text = _format_calibrated(text, vehicle, part)
+                    rest = replace(calibration, calibrated=calibration.without_flows)
+                    text = _format_calibrated(text, vehicle, rest)
                     vehicle = parse_vehicle(text, CALIBRATED)
             except BadInput as fault:
+                if first.calibration is not None:
+                    differences = '; '.join(list_differences(calibration))
+                    remarks = (
+                        f'The vehicle file is off ({differences}), but it was studied as it is, '
+                        f'because the calibrated file cannot be written. {fault}',
+                    )
                 first = FirstStep(lifts=first.lifts)
-                remarks = (
-                    f'The vehicle file is off ({"; ".join(list_differences(calibration))}), but '
-                    'it was studied as it is, because the calibrated file cannot be written. '
-                    f'{fault}',
-                )
-        study = study_flights(vehicle, usable.flights, tell, first)
+        study = study_flights(vehicle, usable.flights, _tell_part(tell, CALIBRATION, 1.0), first)
     except (np.linalg.LinAlgError, ArithmeticError) as fault:
         names = ', '.join(name for name, _, _ in usable.flights)
         raise BadInput(
@@ -129,6 +132,15 @@ def study_usable_flights(
             'the shortest flight.'
         ) from fault
     return replace(study, warnings=(*remarks, *study.warnings)), text, calibrated
+
+
+def _tell_part(tell: Tell, begin: float, end: float) -> Tell:
+    """Return how to tell the progress of a part of the whole, from its own share."""
+
+    def tell_whole(what: str, share: float | None) -> None:
+        tell(what, None if share is None else begin + (end - begin) * share)
+
+    return tell_whole
 
 
 def _format_calibrated(text: str, vehicle: Vehicle, calibration: Calibration) -> str:
