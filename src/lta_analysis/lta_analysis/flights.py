@@ -2,9 +2,11 @@
 
 from collections.abc import Mapping, Sequence
 from itertools import product
+import operator
 from pathlib import Path
 from typing import Any
 
+from lta_config.errors import BadInput
 from lta_config.parameter_override import parse_assignment
 from lta_data.bag.recording import open_recording, RobotRecording
 from lta_discovery.discovery.run import discover_effects, DiscoveryRequest
@@ -18,9 +20,9 @@ from lta_report.results_folder import stage_results
 
 
 def simulate(
-    vehicle: str = 'gtmab',
-    scenario: str = 'lamp_room',
-    strategy: str = 'bag',
+    vehicle: Path | str = 'gtmab',
+    scenario: Path | str = 'lamp_room',
+    strategy: Path | str = 'bag',
     seed: int = 1,
     changes: Mapping[str, object] | None = None,
     out: Path | str | None = None,
@@ -35,16 +37,30 @@ def simulate(
     """
     words = tuple(f'{path}={value}' for path, value in (changes or {}).items())
     folder = None if out is None else Path(out)
-    request = SimulationRequest(vehicle, scenario, strategy, '', seed, words, folder)
+    number = read_count('seed', seed)
+    request = SimulationRequest(
+        str(vehicle), str(scenario), str(strategy), '', number, words, folder
+    )
     return open_recording(simulate_once(request, SilentObserver())[0].bag)
+
+
+def read_count(name: str, value: Any) -> int:  # noqa: ANN401 - what a notebook gives
+    """Return a whole number of 0 or more, also of numpy; raise `BadInput` for others."""
+    try:
+        number = operator.index(value)
+    except TypeError:
+        number = -1
+    if number < 0:
+        raise BadInput(f'{name} is {value!r}, but must be a whole number, 0 or more.')
+    return number
 
 
 def sweep(
     values: Mapping[str, Sequence[object]],
     seeds: int = 1,
-    vehicle: str = 'gtmab',
-    scenario: str = 'lamp_room',
-    strategy: str = 'bag',
+    vehicle: Path | str = 'gtmab',
+    scenario: Path | str = 'lamp_room',
+    strategy: Path | str = 'bag',
 ) -> list[dict[str, Any]]:
     """
     Fly every combination of some values, one after the other, without recording.
@@ -64,21 +80,22 @@ def sweep(
         One for each flight: the values, `seed`, and the results as `lta simulate --json` has them.
 
     """
-    base = load_spec(vehicle, scenario, strategy, '')
+    base = load_spec(str(vehicle), str(scenario), str(strategy), '')
+    count = read_count('seeds', seeds)
     rows = []
     for chosen in product(*values.values()):
         row = dict(zip(values, chosen, strict=True))
         spec = base.with_values(
             dict(parse_assignment(f'{path}={value}') for path, value in row.items())
         )
-        for seed in range(1, seeds + 1):
+        for seed in range(1, count + 1):
             view, _ = simulate_closed_loop(build_loop(spec, seed), None, SilentObserver())
             rows.append({**row, 'seed': seed, **compute_results(view).to_dict()})
     return rows
 
 
 def discover(
-    vehicle: str,
+    vehicle: Path | str,
     train: Sequence[Path | str],
     confirm: Sequence[Path | str] = (),
     holdout: Sequence[Path | str] = (),
@@ -97,7 +114,7 @@ def discover(
         role: [Path(bag) for bag in paths]
         for role, paths in (('train', train), ('confirm', confirm), ('holdout', holdout))
     }
-    request = DiscoveryRequest(vehicle, bags)  # type: ignore[arg-type]
+    request = DiscoveryRequest(str(vehicle), bags)  # type: ignore[arg-type]
     report = discover_effects(request, lambda _words, _share: None)
     with stage_results(Path(out), PAGE) as folder:
         write_report(report, folder)
@@ -105,7 +122,7 @@ def discover(
 
 
 def forecast(
-    vehicle: str, flights: Sequence[Path | str], robot: str | None = None
+    vehicle: Path | str, flights: Sequence[Path | str], robot: str | None = None
 ) -> dict[str, Any]:
     """
     Judge a vehicle file by forecasts of recorded flights, as `lta simulate --forecasts`.
@@ -116,5 +133,5 @@ def forecast(
         The content of forecasts.json: `pandas.DataFrame(result['rows'])` is a table.
 
     """
-    result = build_report(study_forecasts(vehicle, [Path(bag) for bag in flights], robot))
+    result = build_report(study_forecasts(str(vehicle), [Path(bag) for bag in flights], robot))
     return dict(result.data)

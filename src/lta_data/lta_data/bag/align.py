@@ -113,8 +113,10 @@ def align_tables(
     """
     if method not in METHODS:
         raise unknown_name_error('method', method, list(METHODS))
-    if gap is not None and not gap > 0.0:
-        raise BadInput(f'The maximum gap {gap} s is not positive; give a gap above 0 s.')
+    if gap is not None and not is_within(gap, np.inf):
+        raise BadInput(
+            f'The maximum gap is {gap!r}, but must be a number above 0; give it in seconds.'
+        )
     if not tables:
         raise BadInput('No topics to align were given; name at least one.')
     data: dict[str, NDArray[Any]] = {}
@@ -139,6 +141,11 @@ def sort_rows(stamps: Stamps) -> SortedRows:
     return SortedRows(stamps[order][last], order[last])
 
 
+def is_within(value: object, most: float) -> bool:
+    """Return whether a value is a number above 0 and at most `most`."""
+    return isinstance(value, int | float | np.number) and bool(0.0 < value <= most)
+
+
 def maximum_gap(rows: SortedRows, gap: float | None) -> float:
     """Return the maximum gap of a topic. [ns]"""
     if gap is not None:
@@ -148,9 +155,9 @@ def maximum_gap(rows: SortedRows, gap: float | None) -> float:
 
 def build_even_clock(tables: Sequence[RecordingTable], rate: float) -> Stamps:
     """Return an even clock over all rows of some tables; rate in Hz. [ns]"""
-    if not 0.0 < rate <= 1e6:
+    if not is_within(rate, 1e6):
         raise BadInput(
-            f'The rate {rate} Hz is out of range; give a rate above 0 and at most 1e6 Hz.'
+            f'The rate is {rate!r}, but must be a number above 0 and at most 1e6; give it in Hz.'
         )
     stamps = [table.stamp_ns for table in tables if len(table)]
     if not stamps:

@@ -116,9 +116,11 @@ def test_clocks(flight_bag):
         build_even_clock([numbers('a', [0, 1_770_000_000_000], x=[0, 0])], 50.0)
     for wrong, said in [
         ({'rate': 5.0, 'on': 'odom'}, r"Both rate=5.0 Hz and on='odom' were given"),
-        ({'rate': 0.0}, 'The rate 0.0 Hz is out of range'),
+        ({'rate': 0.0}, 'The rate is 0.0, but must be a number above 0'),
+        ({'rate': '50'}, "The rate is '50', but must be a number above 0"),
         ({'method': 'cubic'}, "Unknown method 'cubic'; known: linear, previous"),
-        ({'gap': -1.0}, 'The maximum gap -1.0 s is not positive'),
+        ({'gap': -1.0}, 'The maximum gap is -1.0, but must be a number above 0'),
+        ({'gap': '1'}, "The maximum gap is '1', but must be a number above 0"),
         ({'on': 'imu'}, "Unknown topic 'imu'"),
     ]:
         with pytest.raises(BadInput, match=said):

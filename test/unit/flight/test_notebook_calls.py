@@ -1,0 +1,28 @@
+"""What a notebook may pass to `lta_analysis`: numbers of numpy and paths; a word is refused."""
+
+import lta_analysis
+from lta_config.errors import BadInput
+from lta_config.files import find_file
+import numpy as np
+import pytest
+
+
+def test_a_path_and_a_numpy_number_are_as_good_as_a_name_and_an_int():
+    named = lta_analysis.sweep({'scenario.goal.time_limit': ['1 s']}, seeds=1)
+    by_path = lta_analysis.sweep(
+        {'scenario.goal.time_limit': ['1 s']},
+        seeds=np.int64(1),
+        vehicle=find_file('vehicle', 'gtmab'),
+        scenario=find_file('scenario', 'lamp_room'),
+    )
+    assert by_path == named
+    assert [row['seed'] for row in named] == [1]
+
+
+@pytest.mark.parametrize('seed', ['x', '1', 1.5, -1, None])
+def test_a_seed_that_is_no_whole_number_is_refused(seed, tmp_path):
+    with pytest.raises(BadInput, match=f'seed is {seed!r}, but must be a whole number'):
+        lta_analysis.simulate(seed=seed, out=tmp_path / 'out')
+    with pytest.raises(BadInput, match=f'seeds is {seed!r}, but must be a whole number'):
+        lta_analysis.sweep({}, seeds=seed)
+    assert not (tmp_path / 'out').exists()
