@@ -44,6 +44,10 @@ ALWAYS: Final = (
     'here. Weigh the vehicle to fix them.',
     'Net lift is that of a flight: a payload, ballast, gas or the temperature change it alike.',
 )
+NEXT: Final = (
+    f'Next: lta discover with --vehicle {NAME} and flights that took no part finds what the file '
+    'still lacks.'
+)
 ONLY_POSE: Final = (
     'Only poses were recorded, so the delay of the commands cannot be separated from the clock '
     'offset or the age of a pose.'
@@ -86,7 +90,7 @@ def build_report(calibration: Calibration, calibrated_file: str | None) -> Repor
             'estimated from': METHODS[calibration.method],
             **{role: ', '.join(names) for role, names in calibration.bags.items() if names},
         },
-        closing=(format_forecast_sentence(calibration),),
+        closing=(format_forecast_sentence(calibration), *([NEXT] if outputs else ())),
         outputs=outputs,
     )
 
@@ -94,7 +98,9 @@ def build_report(calibration: Calibration, calibrated_file: str | None) -> Repor
 def _build_tiles(calibration: Calibration) -> list[Tile]:
     """Return the tiles: differences, and the forecast error."""
     scores = calibration.scores.get('confirm') or calibration.scores.get('train', ())
-    count = sum(one.is_far for one in calibration.values)
+    # What a headline names: numbers of the vehicle, and the net lift of the flights
+    far = {one.name for one in calibration.values if one.is_far}
+    count = len(far & {NET_LIFT, *(one.name for one in calibration.values if not one.flight)})
     tiles = [Tile('Beyond tolerance', str(count), '', 'of the calibrated numbers, in bold')]
     if scores:
         last = find_main_score(scores)

@@ -142,13 +142,18 @@ def _delay_clauses(calibration: Calibration) -> Iterator[str]:
 
 def _other_clauses(calibration: Calibration) -> Iterator[str]:
     """Yield the other numbers of the vehicle that are beyond tolerance, the clearest first."""
+    worded = {*GAIN_NAMES}
+    if any(_delay_clauses(calibration)):
+        worded.add('command_delay.delay')
+    if any(_pendulum_clauses(calibration)):
+        worded |= {'vehicle.roll', 'vehicle.pitch', 'cg_height.z'}
     others = [
         one
         for one in calibration.values
         if one.is_far
         and not one.flight
-        and one.name not in {*GAIN_NAMES, 'command_delay.delay', 'cg_height.z'}
-        and not one.name.startswith(('marker_offset.', 'vehicle.roll', 'vehicle.pitch'))
+        and one.name not in worded
+        and not one.name.startswith('marker_offset.')
         and not one.name.partition('.')[2].startswith(('thrust', 'reverse', 'exponent'))
     ]
     others.sort(key=lambda one: -abs(one.value - one.before) / one.deviation)

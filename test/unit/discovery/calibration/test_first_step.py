@@ -375,6 +375,24 @@ def test_a_calibration_that_confirming_flights_contradict_is_not_advised(vehicle
     )
 
 
+def test_the_headline_does_not_contradict_the_tile_below_it(vehicle: Vehicle) -> None:
+    """A delay of 20 ms and a pendulum a little faster have no words of their own."""
+    nominal = NominalVehicle.from_vehicle(vehicle)
+    late = make_value('command_delay.delay', 0.0, 0.02, 0.003)
+    slow = make_value('vehicle.roll', 1.0, 1.1, 0.01)
+    bias = make_value('imu_bias.x', 0.0, 1.0, 0.01, flight='A')
+    report = build_report(make_calibration(nominal, late, slow, bias), 'a file')
+    assert (report.tiles[0].name, report.tiles[0].value) == ('Beyond tolerance', '2')
+    assert report.headline == (
+        'Inertia in roll (factor) 1.100 (vehicle file: 1); command delay 0.020 (vehicle file: 0).'
+    )
+    assert 'lta discover' in report.closing[-1]
+    report = build_report(make_calibration(nominal, bias), None)
+    assert report.tiles[0].value == '0'
+    assert report.headline == 'The vehicle file is within its tolerances.'
+    assert len(report.closing) == 1
+
+
 def rotor_wrench(nominal: NominalVehicle, rotor: int, duty: float) -> np.ndarray:
     a, b = (nominal.parameter_value('thrust_curve', f'{part}_{rotor}') for part in 'ab')
     thrust = a * duty * abs(duty) + b * duty
