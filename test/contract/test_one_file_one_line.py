@@ -73,16 +73,16 @@ SECOND = """
 from types import SimpleNamespace
 
 from lta_model.effects.protocol import VehicleMotion
-from lta_model.effects.surfaces import guide_rope as rope
+from lta_model.effects.surfaces import tether as rope
 import numpy as np
 from oracle.parameters import Given
 from scipy.spatial.transform import Rotation
-from second import guide_rope
+from second import tether
 
 turn, nothing = Rotation.from_euler('xyz', (0.3, -0.4, 2.0)).as_matrix(), (0.0, 0.0, 0.0)
 for height in (-1.0, 0.5, 9.0):
     scene = SimpleNamespace(position=np.array([1.0, 2.0, height]), up=turn[2])
-    told, _ = guide_rope(Given({'line': 0.03, 'length': 2.0}), None, scene, None)
+    told, _ = tether(Given({'line': 0.03, 'length': 2.0}), None, scene, None)
     motion = VehicleMotion((1.0, 2.0, height), tuple(turn.ravel()), *3 * (nothing,), (), (), ())
     wrench = rope((0.03, 2.0), (), motion, ())
     assert np.allclose(wrench, told, rtol=1e-12, atol=0.0), height
@@ -126,9 +126,18 @@ def python(tmp_path, *arguments, **more):
 
 @pytest.fixture
 def titled():
-    """What the tutorial of an effect writes, by the file and whether above or below a line."""
-    todo = steps('docs/tutorials/your_effect.md')
-    return {(step.path, step.where): step.text for step in todo if isinstance(step, Written)}
+    """
+    What the tutorial of an effect writes, by the file and whether above or below a line.
+
+    Under another name: who follows the tutorial has its effect, and runs this test.
+    """
+    todo = [step for step in steps('docs/tutorials/your_effect.md') if isinstance(step, Written)]
+    return {
+        (step.path, step.where): step.text.replace('guide_rope', 'tether').replace(
+            'GUIDE_ROPE', 'TETHER'
+        )
+        for step in todo
+    }
 
 
 @pytest.mark.parametrize('plain', ['1', pytest.param('0', marks=pytest.mark.long)])
@@ -143,19 +152,19 @@ def test_an_effect_with_the_test_of_its_tutorial(tmp_path, titled, plain):
     surfaces.write_text(text.replace(f'\n{before}', f'\n{rope}{before}'), encoding='utf-8')
     line = titled[f'{source}/__init__.py', 'below']
     with_line(folder / '__init__.py', '    surfaces.FLOOR_CONTACT,', line)
-    its_test = tmp_path / 'test_guide_rope.py'
+    its_test = tmp_path / 'test_tether.py'
     its_test.write_text(titled['test/unit/sim/test_guide_rope.py', ''])
     once = ('-m', 'pytest', '-q', '-p', 'no:cacheprovider')
     assert '3 passed' in python(tmp_path, *once, its_test, **more)
     shutil.copytree(ROOT / 'test/property', tmp_path / 'property')
-    words = ('-n', '0', '--import-mode=importlib', 'property', '-k', 'guide_rope')
+    words = ('-n', '0', '--import-mode=importlib', 'property', '-k', 'tether')
     laws = python(tmp_path, *once, *words, **more)
     assert ' passed' in laws
     shutil.copytree(ROOT / 'test/unit/sim/oracle', tmp_path / 'oracle')
     given = 'from oracle.parameters import at_centre, NONE\n\n\n'
     (tmp_path / 'second.py').write_text(given + titled['test/unit/sim/oracle/lift.py', 'above'])
     said = python(tmp_path, '-c', SECOND + PAGE)
-    assert '| `guide_rope` | A rope that hangs to the floor' in said
+    assert '| `tether` | Weight of a rope that hangs to the floor' in said
 
 
 def test_a_strategy(tmp_path):
