@@ -50,6 +50,18 @@ class Transient(NamedTuple):
     reason: str
 
 
+def format_cut(part: Transient, begin: float) -> str:
+    """
+    Return what is cut of a flight that begins at `begin` [s], and why.
+
+    With a single time in each place, so that such sentences of several flights merge.
+    """
+    seconds = f'{part.to_s - part.from_s:.1f} s'
+    if part.from_s <= begin:
+        return f'the first {seconds} are cut: {part.reason}.'
+    return f'{seconds} are cut, beginning at {part.from_s:.1f} s: {part.reason}.'
+
+
 def find_transients(flight: MeasuredFlight, streams: FlightStreams) -> list[Transient]:
     """Return the transients of a flight, in the order of time."""
     begin = float(flight.time[0])

@@ -40,7 +40,7 @@ from lta_discovery.flights.noisy_intervals import ExcludedInterval, remove_noisy
 from lta_discovery.flights.sentence_merger import merge_sentences
 from lta_discovery.flights.streams import build_streams, convert_to_duties, has_commands
 from lta_discovery.flights.timestamp_repair import add_stamp_noise, repair_timestamps
-from lta_discovery.flights.transients import find_transients
+from lta_discovery.flights.transients import find_transients, format_cut
 from lta_discovery.flights.usable_states import find_usable_runs, SHORTEST_RUN
 from lta_discovery.model.nominal import NominalVehicle
 from lta_model.vehicle import Vehicle
@@ -320,10 +320,7 @@ def _clean_flight(
         cuts.append(
             ExcludedInterval(one.name, f'{pose}/pose', part.from_s, part.to_s, f'{part.reason}.')
         )
-        warnings.append(
-            f'{one.name}: {part.to_s - part.from_s:.1f} s are cut, from {part.from_s:.1f} to '
-            f'{part.to_s:.1f} s: {part.reason}.'
-        )
+        warnings.append(f'{one.name}: {format_cut(part, float(flight.time[0]))}')
         flight = replace(flight, usable=flight.usable & ~inside)
     flight, loud = remove_noisy_intervals(one.name, flight)
     cuts += loud
