@@ -44,9 +44,9 @@ def format_quantity(value: float | Sequence[float], unit: str, source: str) -> d
 def _describe_source(sweep: TunnelSweep, axes: Sequence[Axis]) -> str:
     """Return the source of the coefficients of three axes."""
     solved = [axis for axis in axes if select_solved_points(sweep, axis)]
-    hand = [axis for axis in axes if axis not in solved]
+    rest = [axis for axis in axes if axis not in solved]
     sources = [f'{sweep.engine}, {sweep.fidelity}: {", ".join(solved)}'] if solved else []
-    return '; '.join(sources + ([f'by hand: {", ".join(hand)}'] if hand else []))
+    return '; '.join(sources + ([f'analytic estimate: {", ".join(rest)}'] if rest else []))
 
 
 def _format_drag(

@@ -23,7 +23,7 @@ from lta_windtunnel.tunnel import INCIDENCES, SPEEDS
 from lta_windtunnel.tunnel_model import TunnelModel
 
 BYTES_A_CELL: Final = 4_000  # peak of snappyHexMesh, which needs more than the solvers
-BY_HAND: Final = 'by hand'
+ESTIMATE: Final = 'analytic estimate'
 ESTIMATE_QUALITY: Final = FlowQuality(spread=0.0, window=0.0, cells=0, seconds=0.0)
 
 
@@ -103,7 +103,7 @@ def estimate_drag(model: TunnelModel, air: Air) -> dict[Axis, list[SweepPoint]]:
 def build_sweep(
     model: TunnelModel, vehicle: str, fidelity: str, air: Air, axes: dict[str, list[SweepPoint]],
     blows: dict[str, Blow], refused: dict[str, str], coarse: dict[str, SweepPoint] | None = None,
-    engine: str = BY_HAND,
+    engine: str = ESTIMATE,
 ) -> TunnelSweep:  # fmt: skip
     """Build a sweep from the results of `solve_sweep` and the solver's name."""
     return TunnelSweep.model_validate({

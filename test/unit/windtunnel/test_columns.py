@@ -104,7 +104,7 @@ def test_a_sweep_becomes_a_file_that_is_read_and_says_what_is_by_hand():
     content = yaml.safe_load(format_aero_file(gtmab(up_left=UP)))
     read = validate_content(AeroFile, content, 'the text')
     assert read.aero.thrust_allocation['up_right'].force.vector[1] == pytest.approx(-0.013)
-    assert 'by hand: surge, sway, heave' in read.aero.quadratic_drag.force.source
+    assert 'analytic estimate: surge, sway, heave' in read.aero.quadratic_drag.force.source
     assert 'yaw: analytic estimate, no flow was solved' in read.evidence.warnings
 
 

@@ -23,7 +23,7 @@ SETTINGS: Final = (ESTIMATE, LAMP, GOOD, TRUTH, SETPOINT)
 
 
 def draw_drag(sweep: TunnelSweep, turning: bool) -> Figure:
-    """Plot drag along, or moment about, three axes: points, fit and estimate by hand."""
+    """Plot drag along, or moment about, three axes: points, fit and analytic estimate."""
     figure = create_figure()
     axes = [axis for axis in AXES if (axis in ABOUT) == turning]
     fits = fit_drag_by_axis(sweep)
@@ -33,7 +33,7 @@ def draw_drag(sweep: TunnelSweep, turning: bool) -> Figure:
         points = select_solved_points(sweep, axis)
         figure.add_trace(
             Scatter(
-                x=[p.speed for p in hand], y=opposing_drag(axis, hand), name=f'{axis}, by hand',
+                x=[p.speed for p in hand], y=opposing_drag(axis, hand), name=f'{axis}, analytic',
                 mode='lines', line={'color': colour, 'width': 1, 'dash': 'dot'},
                 # With points, theirs name the colour
                 showlegend=not points,

@@ -29,7 +29,7 @@ INTRODUCTION: Final = (
 )
 DRAWN: Final = (
     'Points: drag from the flow solver, with its variation over the averaging window. '
-    'Lines: the fit that flight simulations use. Dotted: analytical estimate, which should '
+    'Lines: the fit that flight simulations use. Dotted: analytic estimate, which should '
     'agree within a factor of two.'
 )
 METHOD: Final = (
@@ -128,4 +128,4 @@ def build_tiles(sweep: TunnelSweep) -> list[Tile]:
 
 
 def _describe_source(sweep: TunnelSweep, axis: Axis) -> str:
-    return 'from the flow solver' if select_solved_points(sweep, axis) else 'analytical estimate'
+    return 'from the flow solver' if select_solved_points(sweep, axis) else 'analytic estimate'

@@ -42,7 +42,7 @@ def build_drag_table(sweep: TunnelSweep) -> TextTable:
         'D1 (linear drag) in N s/m and N m s, D2 (quadratic drag) in N s2/m2 and N m s2, '
         'about the hull centre. Fit error: at the worst point. At the middle speed: mesh, '
         'additional drag on a coarser mesh; hull, share of the hull in the drag; ratio to '
-        'estimate, drag divided by the analytical estimate.'
+        'estimate, drag divided by the analytic estimate.'
     )
     return TextTable('Drag', heads, rows, note)
 
