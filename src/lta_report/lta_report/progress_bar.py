@@ -67,11 +67,14 @@ class ProgressBar:
             speed_estimate_period=period,
         )
         self._task = self._bar.add_task(begin, total=total, **fields)
-        self._begun = time.monotonic()
+        # Start and last progress [s], and the share that was complete at the start
+        self._begun = self._moved = self._before = 0.0
         self._over = threading.Event()
 
     def __enter__(self) -> Self:
         """Show the bar."""
+        self._before = self._share
+        self._begun = self._moved = time.monotonic()
         self._bar.start()
         if not self._console.is_terminal:
             # In a thread of its own, as a step may last for minutes without an update
@@ -88,23 +91,35 @@ class ProgressBar:
         while not self._over.wait(EVERY):
             self.write_line()
 
+    @property
+    def _share(self) -> float:
+        """Completed share; 0 without a total."""
+        task = self._bar.tasks[0]
+        return task.completed / task.total if task.total else 0.0
+
     def write_line(self) -> None:
         """Write the current work to stderr, with its share and the time left as far as known."""
-        sys.stderr.write(f'{self._describe(time.monotonic() - self._begun)} ...\n')
+        sys.stderr.write(f'{self._describe()} ...\n')
         sys.stderr.flush()
 
     def update_bar(self, **change: Any) -> None:  # noqa: ANN401 - as rich takes them
         """Change description, total, completed, or fields; `advance` adds to completed."""
+        share = self._share
         self._bar.update(self._task, **change)
+        if self._share != share:
+            self._moved = time.monotonic()
 
-    def _describe(self, elapsed: float) -> str:
+    def _describe(self) -> str:
         """Return the current work with its share and the time left, as far as known."""
-        task = self._bar.tasks[0]
-        share = task.completed / task.total if task.total else 0.0
+        name, share = self._bar.tasks[0].description, self._share
         if not 0.0 < share < 1.0:
-            return task.description
-        left = elapsed * (1.0 / share - 1.0)
-        return f'{task.description}: {100.0 * share:.0f} %, about {left / 60.0:.1f} min left'
+            return name
+        text = f'{name}: {100.0 * share:.0f} %'
+        # By the pace up to the last progress: a long step without one, such as a compilation, does
+        # not make the rest longer. When that time is over, nothing is known.
+        pace = (share - self._before) / max(self._moved - self._begun, 1e-9)
+        left = (1.0 - share) / pace - (time.monotonic() - self._moved) if pace > 0.0 else 0.0
+        return f'{text}, about {left / 60.0:.1f} min left' if left > 0.0 else text
 
     def wait_for(self, what: str) -> None:
         """

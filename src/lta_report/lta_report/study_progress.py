@@ -50,6 +50,7 @@ class StudyProgress(ProgressBar):
     def skip_items(self, count: int) -> None:
         """Count items as finished before the work begins."""
         self._done += count
+        self.update_bar(completed=self._done)
 
     def count_item(self, word: str = '', lost: int = 0) -> None:
         """Count an item under a word; `lost` is the number of workers that died so far."""

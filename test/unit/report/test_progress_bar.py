@@ -5,20 +5,52 @@ from types import SimpleNamespace
 
 from lta_report import progress_bar
 from lta_report.progress_bar import ProgressBar
+from lta_report.study_progress import StudyProgress
+import pytest
 from rich.console import Console
 from waiting import wait_until
 
 
-def test_a_line_says_how_far_it_is(capsys, monkeypatch):
+@pytest.fixture
+def clock(monkeypatch):
     clock = SimpleNamespace(now=0.0)
     monkeypatch.setattr(progress_bar.time, 'monotonic', lambda: clock.now)
+    return clock
+
+
+def test_a_line_says_how_far_it_is(capsys, clock):
     with ProgressBar(Console(file=io.StringIO()), begin='wind', total=4.0) as bar:
         assert capsys.readouterr().err == ''
-        bar.update_bar(advance=1, description='turns')
         clock.now = 90.0
+        bar.update_bar(advance=1, description='turns')
+        bar.write_line()
+        clock.now = 150.0
         bar.write_line()
     # A quarter took 1.5 minutes, so three quarters take 4.5
-    assert capsys.readouterr().err == 'turns: 25 %, about 4.5 min left ...\n'
+    assert capsys.readouterr().err == (
+        'turns: 25 %, about 4.5 min left ...\nturns: 25 %, about 3.5 min left ...\n'
+    )
+
+
+def test_a_step_that_lasts_long_does_not_make_the_rest_longer(capsys, clock):
+    """A tenth is done in 6 s; then a compilation lasts for minutes."""
+    with ProgressBar(Console(file=io.StringIO()), begin='missions', total=1.0) as bar:
+        clock.now = 6.0
+        bar.update_bar(completed=0.1)
+        for clock.now in (60.0, 120.0, 180.0):
+            bar.write_line()
+    assert capsys.readouterr().err == 3 * 'missions: 10 % ...\n'
+
+
+def test_what_was_done_before_says_nothing_about_the_pace(capsys, clock):
+    """Of ten items eight are stored; the ninth takes a minute, and so does the tenth."""
+    progress = StudyProgress(Console(file=io.StringIO()), 10, unit='flights')
+    progress.skip_items(8)
+    with progress:
+        clock.now = 60.0
+        progress.count_item()
+        progress.write_line()
+    assert capsys.readouterr().err == 'flights: 90 %, about 1.0 min left ...\n'
 
 
 def test_a_long_step_without_an_update_is_not_silent(capsys, monkeypatch):
