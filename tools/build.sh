@@ -68,4 +68,4 @@ echo "PYTHONPATH $root/install/python" >>install/environment
 # Once, not by a dozen processes at the same time when the first graph starts.
 .venv/bin/python -P -m compileall -q -j 0 config src
 echo "$wanted" >"$stamp"
-echo "workspace: ready after $(($(date +%s) - begun)) s."
+echo "workspace: ready (took $(($(date +%s) - begun)) s)."

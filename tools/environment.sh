@@ -163,4 +163,4 @@ telling=
 # pymavlink's dialects. What does not compile stays as it is, as with pip.
 (cd "$venv" && bin/python -P -m compileall -q -j 0 -x '/(tests|dialects)/' lib >>install.log 2>&1) || :
 echo "$level $wanted" >"$stamp"
-echo "environment: ready after $(($(date +%s) - begun)) s."
+echo "environment: ready (took $(($(date +%s) - begun)) s)."

@@ -362,7 +362,7 @@ def main() -> None:
                 package.build(Path(work))
     except OSError as error:
         sys.exit(f'messages: {names} not built: {error}.')
-    sys.stdout.write(f'messages: ready after {time.monotonic() - begun:.0f} s.\n')
+    sys.stdout.write(f'messages: ready (took {time.monotonic() - begun:.0f} s).\n')
 
 
 if __name__ == '__main__':
