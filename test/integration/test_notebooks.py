@@ -20,8 +20,9 @@ def read_cells(name):
 
 @pytest.fixture
 def run_notebook(tmp_path, monkeypatch):
-    """Return a function that runs a notebook and returns what it prints and its variables."""
-    monkeypatch.chdir(tmp_path)
+    """Return a function that runs a notebook in its folder: what it prints and its variables."""
+    (tmp_path / 'examples').mkdir()
+    monkeypatch.chdir(tmp_path / 'examples')
 
     def run(name):
         space, said = {'__name__': '__main__'}, io.StringIO()
@@ -56,6 +57,8 @@ def test_a_first_flight(run_notebook):
     said, space = run_notebook('first_flight')
     assert 0.5 < space['height'].max() < 0.55  # the altitude of the mission is 0.5 m
     assert abs(space['error']).mean() < 0.02  # docs/analysis.md
+    assert Path('../runs/notebook-first/bag').exists()
+    assert list(Path().iterdir()) == []
     assert re.match(r'highest 0\.5\d m, flown \d\d\.\d s\nerror of the airspeed: \d', said)
 
 
@@ -89,4 +92,4 @@ def test_from_a_log_to_an_effect(run_notebook):
     assert effect['name'] == 'linear_drag'
     assert effect['parameters']['surge']['value'] == pytest.approx(0.04, rel=0.1)
     assert 'linear_drag.surge = 0.0' in said
-    assert Path('runs/notebook-log/found/report.html').exists()
+    assert Path('../runs/notebook-log/found/report.html').exists()
