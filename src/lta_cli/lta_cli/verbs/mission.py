@@ -33,7 +33,8 @@ def mission(
     Simulate a solar-powered mission: perch and charge, fly if energy allows, return before dark.
 
     A mission file defines the beacons to visit, the light in which to charge, and the reserve.
-    Flights use the compiled model and controller; perching is simulated in steps of 30 s. Three
+    Flights use the compiled model and controller, which a first run compiles for some minutes;
+    perching is simulated in steps of 30 s. Three
     schedules run on the same days: ours, which uses the light forecast and the estimated charge,
     and a fixed duty cycle that either stays awake or sleeps between flights.
 
