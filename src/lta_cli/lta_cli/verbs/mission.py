@@ -34,9 +34,9 @@ def mission(
 
     A mission file defines the beacons to visit, the light in which to charge, and the reserve.
     Flights use the compiled model and controller, which a first run compiles for some minutes;
-    perching is simulated in steps of 30 s. Three
-    schedules run on the same days: ours, which uses the light forecast and the estimated charge,
-    and a fixed duty cycle that either stays awake or sleeps between flights.
+    perching is simulated in steps of 30 s. Three schedules run on the same days: ours, which uses
+    the light forecast and the estimated charge, and a fixed duty cycle that either stays awake or
+    sleeps between flights.
 
     Writes a page, mission.json (SI units), and missions.jsonl with the log of each run. To resume
     a stopped run, repeat the command with the same --out.
