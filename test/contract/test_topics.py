@@ -24,7 +24,7 @@ from lta_graph.launches import DRONE_NODES, FLY
 from lta_graph.ros.message_validation import find_message_type
 from lta_graph.ros.node import ACKNOWLEDGE_TIME, GraphSettings
 from lta_graph.ros.parameters import build_descriptor, iterate_fields
-from lta_graph.ros.qos import select_profile
+from lta_graph.ros.qos import select_profile, select_reader_profile
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
 from lta_sim.simulator_settings import SimulatorSettings
@@ -200,11 +200,14 @@ def test_a_replay_runs_or_plays_every_node_of_the_graph():
 
 
 @each_topic
-def test_both_ends_offer_and_ask_the_same_quality(name):
+def test_whoever_asks_for_reliable_messages_gets_them(name):
     topic: Topic = TABLE[name]
     real, step = select_profile(topic, lockstep=False), select_profile(topic, lockstep=True)
-    reliable = ReliabilityPolicy.BEST_EFFORT if topic.qos == 'sensor' else None
-    assert real.reliability == (reliable or ReliabilityPolicy.RELIABLE)
+    assert real.reliability == ReliabilityPolicy.RELIABLE
+    assert select_reader_profile(topic, lockstep=True) == step
+    asked = select_reader_profile(topic, lockstep=False)
+    best_effort = asked.reliability == ReliabilityPolicy.BEST_EFFORT
+    assert best_effort == (topic.qos == 'sensor')
     latched = DurabilityPolicy.TRANSIENT_LOCAL
     assert (real.durability == latched) == (topic.qos == 'latched')
     if topic.repeatable:
@@ -212,7 +215,7 @@ def test_both_ends_offer_and_ask_the_same_quality(name):
         assert step.depth * topic.period_ns >= 10 * 10**9 or not topic.period_ns
 
 
-def test_the_sensors_are_best_effort_and_the_command_is_one_deep():
+def test_five_sensors_are_read_best_effort_and_the_command_is_one_deep():
     assert {name for name, topic in TABLE.topics.items() if topic.qos == 'sensor'} == {
         'imu',
         'range',

@@ -16,7 +16,7 @@ from typing import Any, Self
 
 from lta_config.topics import load_topic_table
 from lta_graph.ros.message_validation import find_message_type
-from lta_graph.ros.qos import select_profile
+from lta_graph.ros.qos import select_profile, select_reader_profile
 from rcl_interfaces.srv import SetParameters
 import rclpy
 from rclpy.context import Context
@@ -144,7 +144,7 @@ class Peer:
     def hear(self, name: str, callback: Callable[[Any], object]) -> None:
         """Listen to a topic of the table."""
         row = TABLE[name]
-        quality = select_profile(row, lockstep=False)
+        quality = select_reader_profile(row, lockstep=False)
 
         def take(message: Any) -> None:
             self.heard[name] += 1

@@ -1,5 +1,6 @@
 """The bridge node between a graph and an emulated Crazyflie, over UDP and by unmodified cflib."""
 
+from collections import Counter
 from contextlib import ExitStack
 import signal
 
@@ -299,6 +300,14 @@ def test_simulated_time_is_refused_by_hardware(peer, bridge):
     assert (answer.successful, 'wall clock' in answer.reason) == (False, True)
     assert peer.set('crazyflie_bridge', 'use_sim_time', False).successful
     assert bridge.poll() is None
+
+
+def test_a_subscription_by_the_defaults_of_ros_gets_the_sensors(peer, bridge):
+    heard = Counter()
+    for name in ('imu', 'range', 'pressure'):
+        kind = find_message_type(TABLE[name])
+        peer.node.create_subscription(kind, name, lambda _, name=name: heard.update([name]), 10)
+    peer.until(lambda: len(heard) == 3)
 
 
 def test_leaving_in_flight_comes_down_and_disarms(peer, drone, bridge):

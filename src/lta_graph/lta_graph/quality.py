@@ -1,8 +1,9 @@
 """
 Quality of service by topic: one profile in real time, another in lockstep.
 
-Real time uses the usual ROS 2 profiles. In lockstep no message may be lost, and a node that joins
-late must still get the first one. So every repeatable topic is reliable, transient local and deep.
+Real time uses the profiles of REP-2003: publishers are reliable, and our nodes read sensors best
+effort. In lockstep no message may be lost, and a node that joins late must still get the first
+one. So every repeatable topic is reliable, transient local and deep.
 Plain data, for programs without rclpy; `lta_graph.ros.qos` returns the same as rclpy's profiles.
 """
 
@@ -20,7 +21,7 @@ class QualityOfService(NamedTuple):
 
 
 REAL_TIME: Final[dict[Qos, QualityOfService]] = {
-    'sensor': QualityOfService(5, reliability='best_effort'),
+    'sensor': QualityOfService(5),
     'command': QualityOfService(1),
     'default': QualityOfService(10),
     'latched': QualityOfService(1, durability='transient_local'),
@@ -30,7 +31,7 @@ LOCKSTEP_HISTORY_NS = 20_000_000_000  # of graph time: how far a slow reader may
 
 
 def select_quality(topic: Topic, lockstep: bool) -> QualityOfService:
-    """Return the quality that publishers and subscribers of a topic use."""
+    """Return the quality that the publishers of a topic offer."""
     # Other topics are one-off events that a late node must not get again
     if not (lockstep and topic.repeatable):
         return REAL_TIME[topic.qos]

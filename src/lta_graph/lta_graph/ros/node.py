@@ -21,7 +21,7 @@ from lta_graph.ros.contained_node import ContainedNode
 from lta_graph.ros.message_validation import find_message_type, MESSAGES, MessageValidator
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.publisher_conflict import PublisherConflict
-from lta_graph.ros.qos import select_profile
+from lta_graph.ros.qos import select_profile, select_reader_profile
 from lta_graph.ros.reader_links import LINKS_TASK
 from lta_graph.ros.replay_due import DUE, subscribe_inbox_schedule
 from lta_graph.ros.stamps import from_stamp, to_stamp
@@ -136,7 +136,7 @@ class GraphNode(ContainedNode):
                 find_message_type(topic),
                 name,
                 self._build_input_receiver(inbox, name, topic.stamped, on_step),
-                select_profile(topic, self.lockstep),
+                select_reader_profile(topic, self.lockstep),
             )
         self._trigger = trigger
         if self.replayed:
@@ -146,9 +146,8 @@ class GraphNode(ContainedNode):
     def subscribe_raw(self, name: str, callback: Callable[[bytes], None]) -> Subscription:
         """Return a subscription that gets a topic's messages in serialised form."""
         row = self.table[name]
-        return self.create_subscription(
-            find_message_type(row), name, callback, select_profile(row, self.lockstep), raw=True
-        )
+        quality = select_reader_profile(row, self.lockstep)
+        return self.create_subscription(find_message_type(row), name, callback, quality, raw=True)
 
     def _build_input_receiver(
         self, inbox: Inbox, name: str, stamped: bool, on_step: Callable[[InboxStep], None]
@@ -171,7 +170,7 @@ class GraphNode(ContainedNode):
             self.soundness.validate(row, name, message)
             callback(message)
 
-        quality = select_profile(row, self.lockstep)
+        quality = select_reader_profile(row, self.lockstep)
         return self.create_subscription(find_message_type(row), name, receive_message, quality)
 
     def _run_complete_steps(self, inbox: Inbox, on_step: Callable[[InboxStep], None]) -> None:
