@@ -61,7 +61,9 @@ BAROMETER = 30e3, 125e3  # Pa, the range of the BMP388
 FARTHEST = (
     100.0  # m; upper bound for the range finder of a small drone, whatever the message declares
 )
-YAW_DRIFT = 1e-3  # of the heading after the calibration [rad/s]: an assumption
+YAW_DRIFT = 1e-3  # of the heading after the calibration [rad/s]: as measured in simulated flights
+# Of the first heading [rad]: the gyroscope's noise turns it by 3e-4 rad within a second
+YAW_START = 1e-3
 # Of the range finder's constant offset [m]: an assumption, within the 2 cm of the VL53L1x
 RANGE_OFFSET = 0.01
 # Of the altitude filter's variance of the climb rate. Its acceleration noise covers faults of the
@@ -135,7 +137,7 @@ def from_estimate(stamp: Time, estimate: MotionEstimate, ground: GroundMotion) -
     )
     # [rad2] Roll and pitch are bounded by gravity; yaw drifts with the gyroscope
     pose_covariance[21] = pose_covariance[28] = 0.02**2
-    pose_covariance[35] = (YAW_DRIFT * estimate.flight_time) ** 2
+    pose_covariance[35] = YAW_START**2 + (YAW_DRIFT * estimate.flight_time) ** 2
     message.pose.covariance = pose_covariance
     yaw = yaw_from_quaternion(estimate.attitude)
     message.twist.covariance = _build_twist_covariance(

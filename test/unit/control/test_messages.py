@@ -91,6 +91,13 @@ def test_odom_has_the_velocity_over_ground():
     assert twist.covariance[7] == pytest.approx(0.01)
 
 
+@pytest.mark.parametrize(('seconds', 'deviation'), [(0.0, 1e-3), (60.0, 0.06)])
+def test_the_heading_is_never_certain(seconds, deviation):
+    """It drifts by 0.06 rad a minute; a filter that fuses it cannot use a variance of 0."""
+    covariance = odometry(FLYING._replace(flight_time=seconds)).pose.covariance
+    assert math.sqrt(covariance[35]) == pytest.approx(deviation, rel=1e-3)
+
+
 def test_a_covariance_turns_with_the_nose():
     left = (0.0, 0.0, math.sin(math.pi / 4), math.cos(math.pi / 4))
     covariance = odometry(FLYING._replace(attitude=left)).twist.covariance
