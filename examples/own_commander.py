@@ -4,7 +4,8 @@ Fly by commands in plain rclpy: take off, go to the lamp, land.
     ./lta launch fly commanded:=true strategy:=homing
     ./lta run examples/own_commander.py --ros-args -r __ns:=/lta1
 
-Each action ends with an outcome and the reason in words. Ctrl-C here cancels nothing: the drone
+Each action ends with an outcome and the reason in words; of a refused one, the navigator logs the
+reason. Ctrl-C here cancels nothing: the drone
 finishes its task, then holds until the next command or until the energy reserve lands it.
 
 Exit status 0: it stayed at the lamp and landed. 1: it did not, or its navigator is gone, for
@@ -31,14 +32,17 @@ class Commander(Node):
         kinds = {'take_off': TakeOff, 'go_to_lamp': GoToLamp, 'land': Land}
         self.actions = {name: ActionClient(self, kinds[name], name) for name in kinds}
 
-    def fly(self, name: str, goal: Any) -> Any:
-        """Send a goal, wait for its end, and return the result."""
+    def fly(self, name: str, goal: Any) -> int | None:
+        """Send a goal, wait for its end, and return the outcome; None if it is refused."""
         action = self.actions[name]
         action.wait_for_server()
         sent = action.send_goal_async(goal, feedback_callback=self.show_feedback)
-        result = self.wait(action, self.wait(action, sent).get_result_async()).result
+        handle = self.wait(action, sent)
+        if not handle.accepted:
+            return None
+        result = self.wait(action, handle.get_result_async()).result
         self.get_logger().info(f'{name}: outcome {result.outcome}, {result.message}')
-        return result
+        return int(result.outcome)
 
     def wait(self, action: ActionClient, future: Future) -> Any:
         """Serve this node until a future is done; end it if the server of the action is gone."""
@@ -58,16 +62,15 @@ def main() -> None:
     rclpy.init()
     commander = Commander()
     # Refused until the simulator flies and the estimator has calibrated its biases
-    refused = TakeOff.Result.REFUSED
-    while (result := commander.fly('take_off', TakeOff.Goal(height=0.6))).outcome == refused:
+    while (outcome := commander.fly('take_off', TakeOff.Goal(height=0.6))) is None:
         rclpy.spin_once(commander, timeout_sec=1.0)
-    outcomes = [result.outcome]
-    if result.outcome == TakeOff.Result.SUCCEEDED:
+    outcomes = [outcome]
+    if outcome == TakeOff.Result.SUCCEEDED:
         # Where it fails, the drone holds
-        outcomes.append(commander.fly('go_to_lamp', GoToLamp.Goal()).outcome)
-        outcomes.append(commander.fly('land', Land.Goal()).outcome)
+        outcomes.append(commander.fly('go_to_lamp', GoToLamp.Goal()))
+        outcomes.append(commander.fly('land', Land.Goal()))
     rclpy.shutdown()
-    sys.exit(max(STATUSES.get(outcome, 1) for outcome in outcomes))
+    sys.exit(max(STATUSES.get(each, 1) for each in outcomes))
 
 
 if __name__ == '__main__':

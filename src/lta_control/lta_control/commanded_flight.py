@@ -82,7 +82,6 @@ class TaskOutcome(IntEnum):
     """How a task ended; the numbers are those of the .action files."""
 
     SUCCEEDED = 0
-    REFUSED = 1
     TIMEOUT = 2
     RESERVE = 3
     FAULT = 4
@@ -181,14 +180,13 @@ class CommandedFlight:
         self._obstacle = ''  # why nothing can be commanded now
 
     def request(self, kind: TaskKind, value: float = 0.0) -> FlightTask:
-        """Return a new task; it has a result already if it was refused."""
-        task, now = FlightTask(kind, value), self._situation
-        if now is None or (why := self._find_obstacle(now, kind, value)):
-            why = 'no light block has come yet' if now is None else why
-            task.result = TaskResult(TaskOutcome.REFUSED, why)
-            return task
+        """Return a new task; raise `BadInput` if there is an obstacle."""
+        if why := self.find_obstacle(kind, value):
+            raise BadInput(why)
+        now = self._situation
+        assert now is not None  # else there is an obstacle
         self._end_task(TaskOutcome.CANCELED, 'a landing was commanded')
-        self._task = task
+        task = self._task = FlightTask(kind, value)
         if kind is TaskKind.TAKE_OFF:
             self._height = value or now.settings.altitude
             self.mission = Mission(
@@ -247,9 +245,11 @@ class CommandedFlight:
         self._apply_reserve(inputs)
         return self._step_phase(inputs, measured)
 
-    def _find_obstacle(self, now: GuidanceInputs, kind: TaskKind, value: float) -> str:
-        """Return why a task is refused, or ''."""
-        phase = self.mission.phase
+    def find_obstacle(self, kind: TaskKind, value: float = 0.0) -> str:
+        """Return why a task cannot begin now, or ''."""
+        now, phase = self._situation, self.mission.phase
+        if now is None:
+            return 'no light block has come yet'
         if self._obstacle:
             return self._obstacle
         if kind is TaskKind.LAND:

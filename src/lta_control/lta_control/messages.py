@@ -368,15 +368,13 @@ def to_frequencies(message: LampPeaks) -> tuple[float, ...]:
     return tuple(message.beacon[0].frequency) if message.beacon else ()
 
 
-def request_task(
-    flight: CommandedFlight, kind: TaskKind, goal: TakeOff.Goal | GoToLamp.Goal | Land.Goal
-) -> FlightTask:
-    """Request the task of a goal: a height [m], the frequency of a lamp [Hz], or none."""
+def to_task(goal: TakeOff.Goal | GoToLamp.Goal | Land.Goal) -> tuple[TaskKind, float]:
+    """Return the task of a goal, with a height [m], the frequency of a lamp [Hz], or 0."""
     if isinstance(goal, TakeOff.Goal):
-        return flight.request(kind, float(goal.height))
+        return TaskKind.TAKE_OFF, float(goal.height)
     if isinstance(goal, GoToLamp.Goal):
-        return flight.request(kind, float(goal.frequency))
-    return flight.request(kind)
+        return TaskKind.GO_TO_LAMP, float(goal.frequency)
+    return TaskKind.LAND, 0.0
 
 
 def from_task_progress(kind: TaskKind, flight: CommandedFlight) -> dict[str, float | bool]:

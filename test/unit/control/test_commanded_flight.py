@@ -178,10 +178,11 @@ def test_a_landing_ends_on_the_ground_and_the_drone_can_take_off_again(holds):
 def refuse(drone, kind, value=0.0):
     """Request a task that is refused, and return why; nothing changes."""
     before = drone.flight.mission
-    task = drone.flight.request(kind, value)
-    assert outcome(task) is TaskOutcome.REFUSED
+    why = drone.flight.find_obstacle(kind, value)
+    with pytest.raises(BadInput, match=re.escape(why)):
+        drone.flight.request(kind, value)
     assert drone.flight.mission == before
-    return task.result.message
+    return why
 
 
 def test_nothing_begins_before_the_first_light_block():

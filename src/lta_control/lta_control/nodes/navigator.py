@@ -21,12 +21,12 @@ from lta_control.messages import (
     from_setpoint,
     from_task_progress,
     from_task_result,
-    request_task,
     to_air_motions,
     to_attitude,
     to_cascade_measurement,
     to_diodes,
     to_lamp,
+    to_task,
     update_reserve_report,
 )
 from lta_control.mission import MissionSettings
@@ -118,7 +118,8 @@ class Navigator(GraphNode):
                 self,
                 action,
                 kind.value,
-                partial(request_task, flight, kind),
+                lambda goal: flight.find_obstacle(*to_task(goal)),
+                lambda goal: flight.request(*to_task(goal)),
                 flight.cancel,
                 partial(from_task_result, flight),
                 partial(from_task_progress, kind, flight),

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from typing import Any, final, Generic, TypeVar
 
 from lta_graph.ros.contained_node import ContainedNode
-from rclpy.action.server import ActionServer, CancelResponse, ServerGoalHandle
+from rclpy.action.server import ActionServer, CancelResponse, GoalResponse, ServerGoalHandle
 from rclpy.task import Future
 
 Task = TypeVar('Task')
@@ -20,15 +20,16 @@ class GoalServer(Generic[Task]):
     """
     Serve one action.
 
-    A refused goal is accepted and ends at once, because only then does its client get a result
-    with the reason.
+    A goal that cannot begin is refused. ROS tells its client no reason: the node logs it.
 
     Parameters
     ----------
     node : ContainedNode
         The node; it calls `update` after each step.
+    find_obstacle : callable
+        Return why a goal is refused, or ''.
     begin : callable
-        Return the task of a goal.
+        Return the task of a goal that is not refused.
     cancel : callable
         End a task early; returns whether it was still flown.
     get_result : callable
@@ -43,12 +44,14 @@ class GoalServer(Generic[Task]):
         node: ContainedNode,
         action: Any,  # noqa: ANN401 - a generated type
         name: str,
+        find_obstacle: Callable[[Any], str],
         begin: Callable[[Any], Task],
         cancel: Callable[[Task], bool],
         get_result: Callable[[Task], tuple[bool, dict[str, Any]] | None],
         get_feedback: Callable[[], dict[str, Any]],
     ) -> None:
-        self._action, self._begin, self._cancel = action, begin, cancel
+        self._action, self._name, self._logger = action, name, node.get_logger()
+        self._find_obstacle, self._begin, self._cancel = find_obstacle, begin, cancel
         self._get_result, self._get_feedback = get_result, get_feedback
         self._running: dict[bytes, tuple[ServerGoalHandle, Task, Future]] = {}
         self._server = ActionServer(
@@ -56,6 +59,7 @@ class GoalServer(Generic[Task]):
             action,
             name,
             self._execute,
+            goal_callback=node.contain(self._on_goal),
             handle_accepted_callback=node.contain(self._on_accepted),
             cancel_callback=node.contain(self._on_cancel),
         )
@@ -67,6 +71,13 @@ class GoalServer(Generic[Task]):
                 ended.set_result(None)
             else:
                 goal.publish_feedback(self._action.Feedback(**self._get_feedback()))
+
+    def _on_goal(self, goal: Any) -> GoalResponse:  # noqa: ANN401 - a message
+        """Refuse a goal, or accept it: it begins once it has a handle, before any other event."""
+        if why := self._find_obstacle(goal):
+            self._logger.warning(f'{self._name} is refused: {why}')
+            return GoalResponse.REJECT
+        return GoalResponse.ACCEPT
 
     def _on_accepted(self, goal: ServerGoalHandle) -> None:
         key = bytes(goal.goal_id.uuid)
