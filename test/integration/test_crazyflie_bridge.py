@@ -23,6 +23,7 @@ from lta_graph.ros.stamps import from_stamp
 from lta_model.vehicle import load_vehicle
 from nav_msgs.msg import Odometry
 import pytest
+from rcl_interfaces.msg import Log
 from rcl_interfaces.srv import GetParameters
 from rclpy.duration import Duration
 from std_srvs.srv import SetBool, Trigger
@@ -161,7 +162,8 @@ def test_sensors_come_in_our_units_on_our_clock(peer, drone, bridge):
 
 
 def test_motors_turn_only_armed_and_ramp_down_when_commands_stop(peer, drone, bridge, hear):
-    heard = []
+    heard, logged = [], []
+    peer.node.create_subscription(Log, '/rosout', logged.append, 100)
     peer.hear('battery', heard.append)
     peer.until(lambda: heard)
     send = commanding(peer)
@@ -174,6 +176,16 @@ def test_motors_turn_only_armed_and_ramp_down_when_commands_stop(peer, drone, br
     hear(lambda facts: 'disarmed: the newest command' in safety(facts))
     assert not drone.firmware.supervisor.armed
     assert not drone.firmware.supervisor.is_locked
+    # The landing is shorter than the time between two reports
+    for level, words in (
+        (Log.WARN, 'safety: landing: the newest command is '),
+        (Log.INFO, 'safety: OK again, disarmed: the newest command is '),
+    ):
+        peer.until(
+            lambda level=level, words=words: any(
+                each.level == level and each.msg.startswith(words) for each in logged
+            )
+        )
 
 
 def test_it_arms_once_the_nodes_hear_each_other(peer, drone, bridge):

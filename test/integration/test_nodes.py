@@ -318,6 +318,14 @@ def test_turned_over_the_motors_stop_for_good(controller, hear):
     assert estimate(controller, step + 4) == [0.0] * 4
 
 
+def test_a_fault_at_the_very_end_is_logged(peer):
+    with running('lta_control.nodes.controller', *ARMED) as process:
+        assert peer.ask(Trigger, 'emergency_stop').success
+        process.send_signal(signal.SIGINT)  # before the next look at the health
+        _, errors = process.communicate(timeout=PATIENCE)
+    assert errors.count('motors: emergency stop') == 1
+
+
 def test_disarmed_motors_stand_still_and_armed_ones_turn(flown):
     step = flying_controller(flown)
     assert flown.ask(SetBool, 'arm', data=False).success

@@ -5,7 +5,8 @@ from collections.abc import Iterator
 from lta_bridge.crazyflie.bridge_core import BridgeCore
 from lta_bridge.crazyflie.buoyancy import BuoyancyMonitor
 from lta_bridge.crazyflie.connection_manager import CONNECTING, ConnectionManager
-from lta_bridge.crazyflie.safety import SafetyInputs, SafetyStage, SILENT
+from lta_bridge.crazyflie.safety import DELIBERATE, SafetyInputs, SafetyStage, SILENT
+from lta_bridge.crazyflie.supervisor_word import explain_fault
 from lta_graph.health import HealthFact, HealthLevel
 
 NOT_CONFIGURED = 'not configured'
@@ -69,7 +70,11 @@ def _describe_safety(bridge: BridgeCore, inputs: SafetyInputs) -> HealthFact:
         'voltage': f'{inputs.voltage:.2f}',
         'motors': ' '.join(f'{duty:.2f}' for duty in duties),
     }
-    level = HealthLevel.ERROR if state.stage is SafetyStage.STOPPED else HealthLevel.OK
+    level = HealthLevel.OK
+    if state.stage is SafetyStage.STOPPED or explain_fault(inputs.word):
+        level = HealthLevel.ERROR
+    elif state.stage is SafetyStage.LANDING and state.why not in DELIBERATE:
+        level = HealthLevel.WARN
     message = f'{state.stage.value}: {state.why}' if state.why else state.stage.value
     if sensor := bridge.find_stuck_sensor():
         level, message = HealthLevel.ERROR, f'{message}; the {sensor} repeats its reading'

@@ -25,6 +25,8 @@ HANDING: Final = 0.3  # s during which the hand-over is repeated: it is not conf
 SETTLING: Final = 10.0  # s for the firmware to land after the hand-over
 LEAVE: Final = 15.0  # s at most to land and to confirm disarming before the link is closed
 STOPS: Final = 10  # emergency stops sent in a row: they are not confirmed
+# Why a person ends a flight, which is no fault
+ON_REQUEST, DEACTIVATED = DELIBERATE = ('on request', 'deactivated')
 
 
 class SafetyStage(StrEnum):
@@ -140,7 +142,7 @@ def find_landing_reason(
 ) -> str:
     """Return why a flight must end at a time [s] despite fresh commands; empty to continue."""
     if not inputs.active:
-        return 'deactivated'
+        return DEACTIVATED
     if inputs.silence > SILENT:
         return f'the Crazyflie has sent nothing for {inputs.silence:.1f} s'
     # low_since is infinite while the voltage is fine, so this is then false
@@ -253,7 +255,7 @@ def _step_arming(
     request: SafetyRequest,
     limits: SafetyLimits,
 ) -> tuple[SafetyState, SafetyOutputs]:
-    why = 'on request' if request.arm is False else find_arming_refusal(state, inputs, limits)
+    why = ON_REQUEST if request.arm is False else find_arming_refusal(state, inputs, limits)
     if why or now - state.since > ASKING:
         why = why or f'the Crazyflie did not confirm the arming within {ASKING:.0f} s'
         return _enter_disarmed(state, now, why), SafetyOutputs(arm=False)
@@ -278,7 +280,7 @@ def _step_ready(
             state, now, 'the Crazyflie disarmed itself, because it stood still for too long'
         ), QUIET
     why = (
-        'on request'
+        ON_REQUEST
         if request.arm is False
         # The flight time does not count yet.
         else find_landing_reason(state._replace(began=now), now, inputs, limits)
@@ -304,7 +306,7 @@ def _step_flying(
         return _enter_disarmed(
             state, now, 'the Crazyflie disarmed itself, because its motors were idle'
         ), QUIET
-    why = 'on request' if request.arm is False else find_landing_reason(state, now, inputs, limits)
+    why = ON_REQUEST if request.arm is False else find_landing_reason(state, now, inputs, limits)
     stale = find_stale_input(inputs)
     if why or stale:
         landing = _enter_stage(state, SafetyStage.LANDING, now, why or stale, curable=bool(stale))

@@ -180,6 +180,7 @@ class CrazyflieBridge(DeviceNode):
         while flew and self._is_linked and self._bridge.is_armed and time.monotonic() < until:
             self._tick_and_wait()
         if flew:  # let a recorder receive the reason before this node shuts down
+            self.update_health()
             self.publish_health()
 
     def _tick_and_wait(self) -> None:
@@ -318,7 +319,10 @@ class CrazyflieBridge(DeviceNode):
         self._was_up = up
         # Each request counts for one tick only
         request, self._request = self._request, SafetyRequest()
+        before = self._bridge.state.stage
         self._bridge.tick(time.monotonic(), now_ns, up, self.active, request)
+        if self._bridge.state.stage is not before:
+            self.update_health()  # a landing may be over before the next look
         self._arm_controller()
         # A fresh connection needs time for its first log packets
         if up and time.monotonic() - self._connected > DEAD:
@@ -365,15 +369,18 @@ class CrazyflieBridge(DeviceNode):
                     )
                     out['battery'].publish(messages.to_battery(stamp, power.voltage, current))
 
-    def publish_health(self) -> None:
+    def update_health(self) -> None:
         """Report the health of the link and the drone."""
-        self._find_rivals()
         why, attempts = describe_connection(self._keeper)
         inputs = self._bridge.collect_safety_inputs(
             self.graph_time_ns(), self._is_linked, self.active
         )
         for fact in describe_health(self._bridge, why, attempts, self._link.protocol, inputs):
-            self.health.report(fact.task, fact.level, fact.message, **fact.values)
+            self.health.set_fact(fact)
+
+    def publish_health(self) -> None:
+        """Look for rivals, and report."""
+        self._find_rivals()
         super().publish_health()
 
 

@@ -162,7 +162,7 @@ class LiveViewNode(GraphNode):
                 entities.append(self._scene.draw_path())
             server.send_message(self._scene_topic, encode_scene_update(entities, stamp), stamp)
 
-    def publish_health(self) -> None:
+    def update_health(self) -> None:
         """Report the number of viewers, and of sent and dropped messages."""
         sent, left_out = self._feed.sent, self._feed.left_out
         viewers = self._server.audience.viewer_count
@@ -177,7 +177,6 @@ class LiveViewNode(GraphNode):
             left_out=sum(left_out.values()),
             **{f'{name} left_out': count for name, count in left_out.items()},
         )
-        super().publish_health()
 
     def close(self) -> None:
         """Disconnect all viewers."""

@@ -115,13 +115,12 @@ class TeensyBridge(DeviceNode):
                     raise
                 time.sleep(AGAIN)
 
-    def publish_health(self) -> None:
+    def update_health(self) -> None:
         """Report the health of the board and its link."""
         # A refusal was reported in on_configure; do not replace it
         if self._reader is not None or not self.refusal:
             fact = describe_health(self._reader, self.graph_time_ns(), self.active)
             self.health.report(fact.task, fact.level, fact.message, **fact.values)
-        super().publish_health()
 
     def _publish_light(self, came: LightBlock | LightPeaks) -> None:
         """Publish a block or peaks; called in the reader's thread."""

@@ -113,11 +113,10 @@ class TrackerNode(GraphNode):
     def _on_estimate(self, odom: Odometry) -> None:
         self._correction.add_estimate(from_stamp(odom.header.stamp), from_odometry(odom))
 
-    def publish_health(self) -> None:
+    def update_health(self) -> None:
         """Report the health of the tracker."""
         fact = self._tracked.describe_health(self.graph_time_ns())
         self.health.report(fact.task, fact.level, fact.message, **fact.values)
-        super().publish_health()
 
 
 def main(args: list[str] | None = None) -> None:

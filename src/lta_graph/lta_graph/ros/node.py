@@ -235,6 +235,7 @@ class GraphNode(ContainedNode):
         if (unsound := self.soundness.unsound).count:
             self.health.set_fact(unsound.build_fact(MESSAGES))
         self._warn_missing_inputs(now)
+        self.update_health()
         if self.health.changed or now - self._reported >= REPORT_PERIOD:
             # Asking the middleware takes longer than all the rest
             self.health.report(
@@ -263,6 +264,9 @@ class GraphNode(ContainedNode):
                 f'waiting for messages on {", ".join(sorted(absent))} from {", ".join(sources)}; '
                 'start the missing nodes'
             )
+
+    def update_health(self) -> None:
+        """Report what a node looks up, every `WATCH_PERIOD`; a subclass may override this."""
 
     def publish_health(self) -> None:
         """Publish all facts immediately, and log what has changed."""
@@ -306,7 +310,9 @@ class GraphNode(ContainedNode):
             yield
 
     def close(self) -> None:
-        """Wait for the acknowledgement of the last messages; called on every exit but SIGKILL."""
+        """Report the last changes, and wait for acknowledgements; on every exit but SIGKILL."""
+        if self.health.changed:
+            self.publish_health()
         deadline = time.monotonic() + self.farewell
         for publisher in self.publishers:
             # All publishers share one time limit

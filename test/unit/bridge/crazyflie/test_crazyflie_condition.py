@@ -6,6 +6,7 @@ from lta_bridge.crazyflie import readings
 from lta_bridge.crazyflie.bridge_core import BridgeCore
 from lta_bridge.crazyflie.health_diagnostics import describe_connection, describe_health
 from lta_bridge.crazyflie.safety import SafetyInputs, SafetyStage, SafetyState
+from lta_bridge.crazyflie.supervisor_word import SupervisorBit
 from lta_config.schema.crazyflie_file import load_crazyflie
 from lta_graph.health import HealthLevel
 from lta_model.vehicle import load_vehicle
@@ -54,6 +55,17 @@ def test_what_is_said_of_the_motors():
     told = fact('safety', bridge)
     assert (told.level, told.message) == (HealthLevel.OK, 'flying')
     assert told.values['motors'] == '0.50 0.25 0.00 1.00'
+    for why, level in (
+        ('the battery has only 3.10 V', HealthLevel.WARN),
+        ('on request', HealthLevel.OK),
+        ('deactivated', HealthLevel.OK),
+    ):
+        bridge.state = SafetyState(SafetyStage.LANDING, why=why)
+        told = fact('safety', bridge)
+        assert (told.level, told.message) == (level, f'landing: {why}')
+    bridge.state = SafetyState(SafetyStage.DISARMED, why='it has tipped over')
+    for bit in (SupervisorBit.TUMBLED, SupervisorBit.LOCKED, SupervisorBit.CRASHED):
+        assert fact('safety', bridge, word=int(bit)).level == HealthLevel.ERROR
     bridge.state = SafetyState(SafetyStage.STOPPED, why='emergency stop')
     told = fact('safety', bridge)
     assert (told.level, told.message) == (HealthLevel.ERROR, 'stopped: emergency stop')
