@@ -72,17 +72,15 @@ class FrameTree:
         return turn, place
 
 
-def resolve_all(bag: Bag, prefixes: dict[str, str], cut: bool = False) -> set[str]:
+def resolve_all(bag: Bag, cut: bool = False) -> set[str]:
     """
     Resolve each frame of each message of a bag to the map at its stamp; return the frames.
 
-    `prefixes` is what the frames of each robot begin with on /tf. A flight that was cut off may
-    have messages before its first transform and after its last.
+    A flight that was cut off may have messages before its first transform and after its last.
     """
     tree, found = FrameTree(bag), set()
     for topic, _, data in bag.iterate_messages([name for name in bag.topics if name[1:3] != 'tf']):
         message = bag.decode(topic, data)
-        prefix = prefixes.get(topic.split('/')[1], '')
         for part in getattr(message, 'markers', [message]):
             if not hasattr(part, 'header'):
                 continue
@@ -90,7 +88,6 @@ def resolve_all(bag: Bag, prefixes: dict[str, str], cut: bool = False) -> set[st
             if cut and at and not tree.begin <= at <= tree.end:
                 continue
             for frame in {part.header.frame_id, getattr(part, 'child_frame_id', '')} - {''}:
-                named = frame if frame == 'map' else prefix + frame
-                tree.locate(named, at)
-                found.add(named)
+                tree.locate(frame, at)
+                found.add(frame)
     return found

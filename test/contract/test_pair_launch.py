@@ -73,16 +73,16 @@ def test_without_a_recording_nobody_waits_for_a_recorder():
 def test_each_has_a_live_view_of_its_own_where_one_is_asked_for():
     assert not any('live' in name.split('/') for name in nodes(PAIR))
     found = nodes(PAIR, live='true', live_port2='9000')
-    alone = nodes(FLY, live='true')['live']
+    alone = nodes(FLY, live='true', frame_prefix='lta1/')['live']
     assert found['lta1/live'] == alone
-    assert found['lta2/live'] == {**alone, 'port': 9000}
+    assert found['lta2/live'] == {**alone, 'frame_prefix': 'lta2/', 'port': 9000}
     ports = {item.name: item.default for item in PAIR.list_arguments() if 'port' in item.name}
     assert ports['live_port1'] != ports['live_port2']
 
 
 def test_the_frames_of_each_have_its_name():
     found = nodes(PAIR, robot2='other')
-    for name in ('description', 'estimator', 'simulator'):
+    for name in {name.rpartition('/')[2] for name in found} - {'recorder'}:
         assert found[f'lta1/{name}']['frame_prefix'] == 'lta1/'
         assert found[f'other/{name}']['frame_prefix'] == 'other/'
 

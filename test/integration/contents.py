@@ -9,16 +9,21 @@ from rosbags.highlevel import AnyReader
 AROUND_NS = 60 * 10**9  # before and after a flight, in which its nodes load and end
 
 
-def contents(bag: Path) -> dict[str, list[tuple[int, bytes]]]:
+def contents(bag: Path, prefix: str = '') -> dict[str, list[tuple[int, bytes]]]:
     """
     Return log times and values by topic, as the genuine rosbags library reads them.
 
-    The values are encoded again, since the middleware leaves old memory between them.
+    The values are encoded again, since the middleware leaves old memory between them. `prefix` is
+    removed from the frames of the headers.
     """
     found = defaultdict(list)
     with AnyReader([bag]) as reader:
         for connection, log_time, data in reader.messages():
             message = reader.deserialize(data, connection.msgtype)
+            if hasattr(message, 'header'):
+                message.header.frame_id = message.header.frame_id.removeprefix(prefix)
+            if hasattr(message, 'child_frame_id'):
+                message.child_frame_id = message.child_frame_id.removeprefix(prefix)
             values = reader.typestore.serialize_cdr(message, connection.msgtype)
             found[connection.topic].append((log_time, bytes(values)))
     return found

@@ -106,7 +106,7 @@ def check_whole(path, call):
             # What lags may be answered after the end: the last step is not awaited by all.
             due = TABLE.count_due(name, end)
             assert due - 1 <= bag.topics[full].count <= due, name
-    assert resolve_all(bag, {}) > {'map', 'odom', 'base_link', 'imu_link'}
+    assert resolve_all(bag) > {'map', 'odom', 'base_link', 'imu_link'}
     for key in ('seed', 'commit', 'config_sha256', 'vehicle_file', 'scenario_file', 'strategy'):
         assert bag.provenance[key]
     status, table = call('bag', 'info', path)

@@ -71,7 +71,6 @@ def test_each_flies_as_it_would_alone(call, scenario, tmp_path, pair):
         'lta2': 'reached',
     }
     assert float(told['lta2']['time_s']) > float(told['lta1']['time_s']) + 0.1
-    both = contents(bag)
     for robot, seed, offset in (('lta1', 8, 0.0), ('lta2', 7, OFFSET)):
         alone = tmp_path / f'alone-{robot}'
         changes = (f'scenario.start.position.1={offset} m',)
@@ -80,7 +79,7 @@ def test_each_flies_as_it_would_alone(call, scenario, tmp_path, pair):
         )
         flown, _ = simulate_once(order, FlightProgress(Console(quiet=True)))
         assert flown.outcome == 'reached'
-        single = contents(flown.bag)
+        both, single = contents(bag, prefix=f'{robot}/'), contents(flown.bag)
         for name in REPEATABLE:
             assert single[f'/lta1/{name}'], name
             assert both[f'/{robot}/{name}'] == single[f'/lta1/{name}'], (robot, name)
@@ -88,7 +87,7 @@ def test_each_flies_as_it_would_alone(call, scenario, tmp_path, pair):
             named = read_frames(bag, topic, f'{robot}/')
             assert named == read_frames(flown.bag, topic, '') != [], (robot, topic)
 
-    found = resolve_all(read_bag(bag), {'lta1': 'lta1/', 'lta2': 'lta2/'})
+    found = resolve_all(read_bag(bag))
     links = ('odom', 'base_link', 'imu_link', 'range_link', 'panel_link')
     assert found == {'map', *(f'{robot}/{link}' for robot in ('lta1', 'lta2') for link in links)}
 

@@ -152,7 +152,7 @@ class FlyArguments(DroneArguments, PacedArguments):
         True, 'Whether to publish robot_description, /tf_static and the scene for RViz.'
     )
     frame_prefix: str = setting(
-        '', 'Prefix of the frames on /tf, such as lta1/, for several drones.'
+        '', 'Prefix of all frames but map, such as lta1/, for several drones.'
     )
     # For launches of several drones
     recorder: bool = setting(True, 'Whether a recorder of its own records this drone.')

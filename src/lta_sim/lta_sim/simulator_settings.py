@@ -35,10 +35,6 @@ class SimulatorSettings(Settings):
         high=LARGEST_OFFSET,
         fixed=True,
     )
-    frame_prefix: str = setting(
-        '', 'Prefix of the frames on /tf_static, except map, such as lta1/, for several drones.',
-        fixed=True,
-    )  # fmt: skip
     commanded: bool = setting(
         False,
         'Whether the flight is commanded by actions: then neither a reached lamp nor the time '

@@ -100,14 +100,14 @@ def test_a_rod_joins_the_ends_of_its_stroke():
 
 def test_descriptions_are_urdf_scene_and_fixed_frames():
     vehicle = load_vehicle('gtmab')
-    found = dict(iterate_descriptions(vehicle, load_scenario('lamp_room'), 'lta1/'))
+    found = dict(iterate_descriptions(vehicle, load_scenario('lamp_room')))
     assert found['robot_description'].data == build_urdf(vehicle)
     assert {marker.ns for marker in found['scene'].markers} >= {'room', 'goal'}
     frames = {one.child_frame_id: one for one in found['/tf_static'].transforms}
-    assert set(frames) == {f'lta1/{frame.name}' for frame in list_fixed_frames(vehicle)}
-    fixed = frames['lta1/range_link']
+    assert set(frames) == {frame.name for frame in list_fixed_frames(vehicle)}
+    fixed = frames['range_link']
     frame = next(f for f in list_fixed_frames(vehicle) if f.name == 'range_link')
-    assert fixed.header.frame_id == 'lta1/base_link'
+    assert fixed.header.frame_id == 'base_link'
     assert fixed.transform.translation.z == pytest.approx(frame.place[2])
     turn = fixed.transform.rotation
     assert (turn.x, turn.y, turn.z, turn.w) == pytest.approx(frame.turn)

@@ -41,7 +41,7 @@ def pose(message):
 
 
 def test_every_frame_of_every_message_resolves_to_the_map_at_its_stamp(bag):
-    assert resolve_all(bag, {}) == {'map', 'odom', 'base_link', *LINKS}
+    assert resolve_all(bag) == {'map', 'odom', 'base_link', *LINKS}
 
 
 def test_the_links_of_the_urdf_are_frames(bag):

@@ -18,21 +18,19 @@ from std_msgs.msg import String
 from tf2_msgs.msg import TFMessage
 
 
-def iterate_descriptions(
-    vehicle: Vehicle, scenario: Scenario | None, prefix: str = ''
-) -> Iterator[tuple[str, Any]]:
+def iterate_descriptions(vehicle: Vehicle, scenario: Scenario | None) -> Iterator[tuple[str, Any]]:
     """
     Yield topic and message of each description.
 
     `vehicle`: the drone. `scenario`: the room of a simulated drone; None for a real one, whose
-    place in it is not known. `prefix`: prefix of the frames, such as 'lta1/', for several drones.
+    place in it is not known.
     """
     yield 'robot_description', String(data=build_urdf(vehicle))
     if scenario is not None:
         yield 'scene', build_marker_array(draw_static_scene(scenario))
     # Fixed frames hold at all times, so their stamp is zero
     fixed = [
-        build_transform(Time(), (frame.parent, frame.name), frame.place, frame.turn, prefix)
+        build_transform(Time(), (frame.parent, frame.name), frame.place, frame.turn)
         for frame in list_fixed_frames(vehicle)
     ]
     yield '/tf_static', TFMessage(transforms=fixed)

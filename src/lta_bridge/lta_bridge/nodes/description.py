@@ -17,14 +17,14 @@ from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
 from lta_graph.ros.qos import select_profile
-from lta_graph.ros.transforms import from_odometry
+from lta_graph.ros.transforms import from_odometry, prefix_frames
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
 from nav_msgs.msg import Odometry
 
 
 class DescriptionSettings(Settings):
-    """Parameters of the description node: the vehicle, its scene, and its frames."""
+    """Parameters of the description node: the vehicle, its scene, and its pose."""
 
     vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
     pose: Literal['', 'odom', 'ground_truth/odom'] = setting(
@@ -34,9 +34,6 @@ class DescriptionSettings(Settings):
     )
     scene: str = setting(
         '', 'Scenario, name or file, whose room is drawn; none by default.', fixed=True
-    )
-    frame_prefix: str = setting(
-        '', 'Prefix of all frames but map, such as lta1/, for several drones.', fixed=True
     )
 
 
@@ -49,10 +46,9 @@ class DescriptionNode(GraphNode):
             name: self.create_output(name) for name in self.table.published_by('description')
         }
         settings = NodeParameters(self, DescriptionSettings).value
-        self._prefix = settings.frame_prefix
         scenario = load_scenario(settings.scene) if settings.scene else None
         vehicle = load_vehicle(settings.vehicle)
-        for name, message in iterate_descriptions(vehicle, scenario, self._prefix):
+        for name, message in iterate_descriptions(vehicle, scenario):
             outputs[name].publish(message)
         if settings.pose:
             row = self.table['/tf']
@@ -68,7 +64,9 @@ class DescriptionNode(GraphNode):
         )
 
     def _on_pose(self, odom: Odometry) -> None:
-        self._tf.publish(from_odometry(odom, self._prefix))
+        moved = from_odometry(odom)
+        prefix_frames(self.frame_prefix, moved)
+        self._tf.publish(moved)
 
 
 def main(args: list[str] | None = None) -> None:

@@ -27,6 +27,7 @@ from lta_graph.ros.message_validation import decode_message, find_message_type
 from lta_graph.ros.node import GraphNode
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.process import run_node
+from lta_graph.ros.transforms import add_prefix
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
 from nav_msgs.msg import Odometry
@@ -152,14 +153,23 @@ class LiveViewNode(GraphNode):
             return
         entities = self._scene.draw_moving(state)
         if server.has_viewers(self._tf_topic):
-            frames = encode_frame_transforms(self._scene.list_frames(state), stamp)
-            server.send_message(self._tf_topic, frames, stamp)
+            frames = [
+                frame._replace(
+                    parent=add_prefix(self.frame_prefix, frame.parent),
+                    name=add_prefix(self.frame_prefix, frame.name),
+                )
+                for frame in self._scene.list_frames(state)
+            ]
+            server.send_message(self._tf_topic, encode_frame_transforms(frames, stamp), stamp)
         if server.has_viewers(self._scene_topic):
             if server.audience.has_new_viewer(self._scene_topic):
                 # A new viewer needs the static scene once
                 entities += [*self._scene.standing, self._scene.draw_path()]
             elif self._path.try_acquire(now):
                 entities.append(self._scene.draw_path())
+            entities = [
+                item._replace(frame=add_prefix(self.frame_prefix, item.frame)) for item in entities
+            ]
             server.send_message(self._scene_topic, encode_scene_update(entities, stamp), stamp)
 
     def update_health(self) -> None:

@@ -59,11 +59,6 @@ class TrackerSettings(Settings):
         high=1.0,
         fixed=True,
     )
-    frame_prefix: str = setting(
-        '',
-        'Prefix of the frames on /tf, except map, such as lta1/, for several drones.',
-        fixed=True,
-    )
 
 
 class TrackerNode(GraphNode):
@@ -82,7 +77,6 @@ class TrackerNode(GraphNode):
             round(1e9 * settings.delay),
         )
         self._correction = MapCorrection()
-        self._prefix = settings.frame_prefix
         self.subscribe_topic('odom', self._on_estimate)
         self._frame = settings.frame
         if not settings.frame:
@@ -107,7 +101,7 @@ class TrackerNode(GraphNode):
             self._truth.publish(to_odometry(stamp, frame, motion))
             odom = self._correction.locate_odom(motion.stamp_ns, motion.pose)
             if odom is not None:
-                moved = build_transform(stamp, (frame, 'odom'), *odom, self._prefix)
+                moved = build_transform(stamp, (frame, 'odom'), *odom)
                 self._tf.publish(TFMessage(transforms=[moved]))
 
     def _on_estimate(self, odom: Odometry) -> None:

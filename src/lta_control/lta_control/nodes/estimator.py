@@ -35,12 +35,9 @@ from lta_msgs.msg import LampPeaks
 
 
 class EstimatorParameters(EstimatorSettings):
-    """Settings of the filters, the vehicle, and the names of its frames on /tf."""
+    """Settings of the filters, and the vehicle."""
 
     vehicle: str = setting('gtmab', 'Vehicle name or file.', fixed=True)
-    frame_prefix: str = setting(
-        '', 'Prefix of the frames on /tf, such as lta1/, for several drones.', fixed=True
-    )
 
 
 class Estimator(GraphNode):
@@ -52,7 +49,6 @@ class Estimator(GraphNode):
         self._odom = self.create_output('odom')
         self._tf = self.create_output('/tf')
         self._settings = NodeParameters(self, EstimatorParameters)
-        self._prefix = self._settings.value.frame_prefix
         vehicle = load_vehicle(self._settings.value.vehicle)
         self._names = vehicle.rotor_names
         self._body = build_estimator_model(vehicle)
@@ -104,7 +100,7 @@ class Estimator(GraphNode):
         self._airspeed.publish(from_airspeed(stamp, self._estimate, self._ground))
         odom = from_estimate(stamp, self._estimate, self._ground)
         self._odom.publish(odom)
-        self._tf.publish(from_odometry(odom, self._prefix))
+        self._tf.publish(from_odometry(odom))
         if learning:
             self.health.report('estimate', *describe_calibration(self._estimate, self._body))
 

@@ -141,12 +141,12 @@ def read_raw_facts(
 
 
 def read_frame_id(flight: RecordedFlight, name: str, data: bytes) -> str:
-    """Return the frame of a message; '' if it has none or cannot be decoded."""
+    """Return the frame of a message without the robot's name; '' if it has none."""
     try:
         header = getattr(flight.bag.decode(name, data), 'header', None)
     except (BadInput, KeyError):
         return ''
-    return str(getattr(header, 'frame_id', ''))
+    return str(getattr(header, 'frame_id', '')).removeprefix(f'{flight.robot}/')
 
 
 def build_compared_flight(

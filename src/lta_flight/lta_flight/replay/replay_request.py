@@ -158,8 +158,25 @@ def build_launch_arguments(
         # The player records the answers itself
         'record': 'false',
         'strategy': select_strategy(order, provenance),
+        'frame_prefix': find_frame_prefix(flight),
         **select_files(order, provenance, folder),
     }
+
+
+def find_frame_prefix(flight: RecordedFlight) -> str:
+    """Return the name of the robot as prefix, if the recorded frames have it."""
+    table, prefix = load_topic_table(), f'{flight.robot}/'
+    own = (
+        f'/{prefix}{name}'
+        for name in flight.topics
+        if name in table.topics and table[name].stamped and table[name].frame not in ('', 'map')
+    )
+    first = next(flight.bag.iterate_messages(list(own)), None)
+    if first is None:
+        return ''
+    name, _, data = first
+    message: Any = flight.bag.decode(name, data)
+    return prefix if message.header.frame_id.startswith(prefix) else ''
 
 
 def select_files(

@@ -10,7 +10,7 @@ logged.
 from collections.abc import Callable, Iterator
 from functools import partial
 import time
-from typing import Any, Literal
+from typing import Any, cast, Literal
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from lta_config.settings import setting, Settings
@@ -25,6 +25,7 @@ from lta_graph.ros.qos import select_profile, select_reader_profile
 from lta_graph.ros.reader_links import LINKS_TASK
 from lta_graph.ros.replay_due import DUE, subscribe_inbox_schedule
 from lta_graph.ros.stamps import from_stamp, to_stamp
+from lta_graph.ros.transforms import prefix_frames
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.duration import Duration
@@ -56,6 +57,23 @@ class GraphSettings(Settings):
         'crazyflie (a real drone).',
         fixed=True,
     )
+    frame_prefix: str = setting(
+        '',
+        'Prefix of all frames but map, in headers and on /tf, such as lta1/, for several drones.',
+        fixed=True,
+    )
+
+
+class FramePublisher(Publisher):
+    """A publisher that gives the frames of its messages the prefix of the robot."""
+
+    frame_prefix = ''
+
+    def publish(self, msg: Any) -> None:  # noqa: ANN401 - of its type, or serialised
+        """Publish a message; one that is serialised stays as it is."""
+        if self.frame_prefix and not isinstance(msg, bytes):
+            prefix_frames(self.frame_prefix, msg)
+        super().publish(msg)
 
 
 class GraphNode(ContainedNode):
@@ -71,6 +89,7 @@ class GraphNode(ContainedNode):
         self.role = role or name
         graph = NodeParameters(self, GraphSettings).value
         self.lockstep = graph.time == 'lockstep'
+        self.frame_prefix = graph.frame_prefix
         self.replayed = self.lockstep and graph.source == 'replay'
         self.running = True
         self.farewell = ACKNOWLEDGE_TIME
@@ -104,9 +123,14 @@ class GraphNode(ContainedNode):
         files load.
         """
         topic = self.table[name]
-        publisher = self.create_publisher(
-            find_message_type(topic), name, select_profile(topic, self.lockstep)
+        quality = select_profile(topic, self.lockstep)
+        publisher = cast(
+            'FramePublisher',
+            self.create_publisher(
+                find_message_type(topic), name, quality, publisher_class=FramePublisher
+            ),
         )
+        publisher.frame_prefix = self.frame_prefix
         self._writers[name] = publisher
         return publisher
 

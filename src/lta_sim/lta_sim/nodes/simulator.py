@@ -106,8 +106,7 @@ class Simulator(GraphNode):
 
     def _publish_start(self) -> None:
         """Publish where the drone starts in the map; only viewers and recorder read it."""
-        start = from_start(self._world.start_pose, self._settings.frame_prefix)
-        self.create_output('/tf_static').publish(start)
+        self.create_output('/tf_static').publish(from_start(self._world.start_pose))
 
     def _list_awaited_roles(self) -> set[str]:
         """Return the roles of the nodes to wait for; raise `BadInput` for an unknown one."""

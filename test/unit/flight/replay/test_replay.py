@@ -204,7 +204,11 @@ def test_nodes_are_those_of_the_graph():
 
 def flight(**told):
     topics = ['photodiodes', 'odom', 'energy/reserve', 'imu']
-    return SimpleNamespace(provenance=told, robot='lta2', topics=topics)
+    message = SimpleNamespace(header=SimpleNamespace(frame_id='lta2/odom'))
+    bag = SimpleNamespace(
+        iterate_messages=lambda names: iter([(names[0], 0, b'')]), decode=lambda *_: message
+    )
+    return SimpleNamespace(provenance=told, robot='lta2', topics=topics, bag=bag)
 
 
 def test_a_replay_starts_the_player_and_the_nodes_with_what_the_bag_carries(tmp_path):
@@ -223,6 +227,7 @@ def test_a_replay_starts_the_player_and_the_nodes_with_what_the_bag_carries(tmp_
     assert player['roles'] == 'estimator demodulator energy_monitor'
     assert (player['time'], player['source'], player['robot']) == ('lockstep', 'replay', 'lta2')
     assert player['answers'] == str(tmp_path / 'bag')
+    assert by_name['controller']['frame_prefix'] == 'lta2/'  # as that of the recorded frames
     assert (by_name['navigator']['altitude'], by_name['navigator']['speed']) == (0.6, 0.3)
     carried = Path(by_name['controller']['vehicle'])
     assert yaml.safe_load(carried.read_text(encoding='utf-8')) == yaml.safe_load(text)
