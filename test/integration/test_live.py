@@ -166,7 +166,8 @@ def drawn(viewer):
 def figures_are_told(viewer):
     """Every figure of a diagnostic array that the layouts plot is one that a flight tells."""
     told = set()
-    arrays = [name for name, row in TABLE.topics.items() if row.message == 'DiagnosticArray']
+    kind = 'diagnostic_msgs/msg/DiagnosticArray'
+    arrays = [name for name, row in TABLE.topics.items() if row.type == kind]
     for name in arrays:
         for _, message in seen(viewer, name):
             for status in message.status:
