@@ -28,6 +28,7 @@ from .peer import complaints, Peer, running, TABLE
 ROTORS = ['up_left', 'up_right', 'forward_left', 'forward_right']
 STEP = TABLE.control_ns
 ARMED = ('-p', 'armed:=true')
+BEST_EFFORT, RELIABLE = ReliabilityPolicy.BEST_EFFORT, ReliabilityPolicy.RELIABLE
 AGAIN = 5.0  # wall seconds without an answer after which an estimate is sent again
 
 
@@ -316,6 +317,38 @@ def test_turned_over_the_motors_stop_for_good(controller, hear):
     assert not refused.success
     assert 'emergency stop' in refused.message
     assert estimate(controller, step + 4) == [0.0] * 4
+
+
+def test_qualities_are_overridden_by_the_parameters_of_ros(peer):
+    words = (
+        '-p', 'qos_overrides./lta1/odom.publisher.reliability:=best_effort',
+        '-p', 'qos_overrides./lta1/imu.subscription.reliability:=reliable',
+    )  # fmt: skip
+    with running('lta_control.nodes.estimator', *words):
+        for topic, find, reliability in (
+            ('/lta1/odom', peer.node.get_publishers_info_by_topic, BEST_EFFORT),
+            ('/lta1/imu', peer.node.get_subscriptions_info_by_topic, RELIABLE),
+        ):
+            found = peer.until(lambda find=find, topic=topic: find(topic))
+            assert [each.qos_profile.reliability for each in found] == [reliability]
+
+
+@pytest.mark.parametrize(
+    ('words', 'sentence'),
+    [
+        ('reliability:=good', 'override for policy `reliability`: `good`'),
+        ('depth:=deep', "expecting type 'INTEGER'"),
+        ('liveliness:=automatic', 'The node estimator has no parameter'),
+        ('depth:=1 -p time:=lockstep', 'The node estimator has no parameter'),
+    ],
+)
+def test_an_override_that_cannot_be_is_refused(domain_id, words, sentence):
+    given = f'-p qos_overrides./lta1/odom.publisher.{words}'.split()
+    with running('lta_control.nodes.estimator', *given) as process:
+        _, errors = process.communicate(timeout=PATIENCE)
+        assert process.returncode == 2
+    assert sentence in errors
+    assert 'Traceback' not in errors
 
 
 def test_a_fault_at_the_very_end_is_logged(peer):

@@ -14,8 +14,7 @@ from rclpy.utilities import remove_ros_args
 LOG_FOLDER = 'ROS_LOG_DIR'  # a user who sets it wants ROS's log files
 OPTIONS = ('-p', '--param')
 # Declared by rclpy in every node, so not worth listing in an error message
-ROS_OWN = ('use_sim_time', 'start_type_description_service')
-ROS_PREFIX = 'qos_overrides.'
+ROS_OWN = ('use_sim_time', 'start_type_description_service', 'qos_overrides.')
 
 
 def initialize_ros(arguments: Sequence[str], context: Context | None = None) -> None:
@@ -60,8 +59,8 @@ def reject_unknown_parameters(node: Node, arguments: Sequence[str]) -> None:
     """
     parameters = node.get_parameters_by_prefix('')
     for name in list_parameter_names(arguments, node.get_name()):
-        if name not in parameters and not name.startswith(ROS_PREFIX):
-            own = ', '.join(sorted(item for item in parameters if item not in ROS_OWN))
+        if name not in parameters:
+            own = ', '.join(sorted(item for item in parameters if not item.startswith(ROS_OWN)))
             raise BadInput(f"The node {node.get_name()} has no parameter '{name}'; known: {own}.")
 
 

@@ -21,7 +21,7 @@ from lta_graph.ros.contained_node import ContainedNode
 from lta_graph.ros.message_validation import find_message_type, MESSAGES, MessageValidator
 from lta_graph.ros.parameters import NodeParameters
 from lta_graph.ros.publisher_conflict import PublisherConflict
-from lta_graph.ros.qos import select_profile, select_reader_profile
+from lta_graph.ros.qos import reject_bad_overrides, select_profile, select_reader_profile
 from lta_graph.ros.reader_links import LINKS_TASK
 from lta_graph.ros.replay_due import DUE, subscribe_inbox_schedule
 from lta_graph.ros.stamps import from_stamp, to_stamp
@@ -30,6 +30,7 @@ from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.duration import Duration
 from rclpy.publisher import Publisher
+from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.subscription import Subscription
 
 WATCH_PERIOD = 0.1  # wall seconds between checks for missing inputs
@@ -90,6 +91,8 @@ class GraphNode(ContainedNode):
         graph = NodeParameters(self, GraphSettings).value
         self.lockstep = graph.time == 'lockstep'
         self.frame_prefix = graph.frame_prefix
+        # In lockstep no message may be lost
+        self._overrides = None if self.lockstep else QoSOverridingOptions.with_default_policies()
         self.replayed = self.lockstep and graph.source == 'replay'
         self.running = True
         self.farewell = ACKNOWLEDGE_TIME
@@ -124,12 +127,17 @@ class GraphNode(ContainedNode):
         """
         topic = self.table[name]
         quality = select_profile(topic, self.lockstep)
-        publisher = cast(
-            'FramePublisher',
-            self.create_publisher(
-                find_message_type(topic), name, quality, publisher_class=FramePublisher
-            ),
-        )
+        with reject_bad_overrides(self.get_name()):
+            publisher = cast(
+                'FramePublisher',
+                self.create_publisher(
+                    find_message_type(topic),
+                    name,
+                    quality,
+                    publisher_class=FramePublisher,
+                    qos_overriding_options=self._overrides,
+                ),
+            )
         publisher.frame_prefix = self.frame_prefix
         self._writers[name] = publisher
         return publisher
@@ -155,13 +163,9 @@ class GraphNode(ContainedNode):
             self.table, self.role, topics, trigger, self.lockstep, self.replayed
         )
         for name in topics:
-            topic = self.table[name]
-            self._inputs[name] = self.create_subscription(
-                find_message_type(topic),
-                name,
-                self._build_input_receiver(inbox, name, topic.stamped, on_step),
-                select_reader_profile(topic, self.lockstep),
-            )
+            stamped = self.table[name].stamped
+            receive = self._build_input_receiver(inbox, name, stamped, on_step)
+            self._inputs[name] = self._subscribe(name, receive)
         self._trigger = trigger
         if self.replayed:
             then = partial(self._run_complete_steps, inbox, on_step)
@@ -169,9 +173,21 @@ class GraphNode(ContainedNode):
 
     def subscribe_raw(self, name: str, callback: Callable[[bytes], None]) -> Subscription:
         """Return a subscription that gets a topic's messages in serialised form."""
+        return self._subscribe(name, callback, raw=True)
+
+    def _subscribe(
+        self, name: str, callback: Callable[[Any], None], *, raw: bool = False
+    ) -> Subscription:
         row = self.table[name]
-        quality = select_reader_profile(row, self.lockstep)
-        return self.create_subscription(find_message_type(row), name, callback, quality, raw=True)
+        with reject_bad_overrides(self.get_name()):
+            return self.create_subscription(
+                find_message_type(row),
+                name,
+                callback,
+                select_reader_profile(row, self.lockstep),
+                raw=raw,
+                qos_overriding_options=self._overrides,
+            )
 
     def _build_input_receiver(
         self, inbox: Inbox, name: str, stamped: bool, on_step: Callable[[InboxStep], None]
@@ -194,8 +210,7 @@ class GraphNode(ContainedNode):
             self.soundness.validate(row, name, message)
             callback(message)
 
-        quality = select_reader_profile(row, self.lockstep)
-        return self.create_subscription(find_message_type(row), name, receive_message, quality)
+        return self._subscribe(name, receive_message)
 
     def _run_complete_steps(self, inbox: Inbox, on_step: Callable[[InboxStep], None]) -> None:
         """Run all steps whose inputs are complete."""

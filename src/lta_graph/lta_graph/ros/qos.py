@@ -1,7 +1,12 @@
 """Profiles of rclpy for the quality of service of each topic, see `lta_graph.quality`."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from lta_config.errors import BadInput
 from lta_config.topics import Topic
 from lta_graph.quality import select_quality
+from rclpy.exceptions import InvalidParameterTypeException
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 
@@ -22,3 +27,14 @@ def select_reader_profile(topic: Topic, lockstep: bool) -> QoSProfile:
         # A repeated reading comes too late, and a driver of others may offer no more
         profile.reliability = ReliabilityPolicy.BEST_EFFORT
     return profile
+
+
+@contextmanager
+def reject_bad_overrides(name: str) -> Iterator[None]:
+    """Raise `BadInput` for a parameter `qos_overrides.*` of a node that names no quality."""
+    try:
+        yield
+    except (InvalidParameterTypeException, RuntimeError) as error:
+        if 'qos' in str(error).lower():
+            raise BadInput(f'{name}: {error}.') from None
+        raise
