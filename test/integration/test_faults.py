@@ -7,7 +7,7 @@ import signal
 import subprocess
 import time
 
-from lta_config.topics import load_topic_table
+from lta_config.topics import load_topic_table, robot_topic
 from lta_data.bag.reader import read_bag
 from lta_graph.health import find_stalling_roles
 import pytest
@@ -64,7 +64,7 @@ def test_what_is_a_second_old_survives_the_recorder(lta, call, flying, tmp_path,
     for name, topic in TABLE.topics.items():
         if topic.source == 'every node' or not topic.period_ns:
             continue
-        full = f'/lta1/{name}'
+        full = robot_topic('lta1', name)
         times = sorted(when for _, when, _ in bag.iterate_messages([full]))
         # In real time DDS may take a moment to bring a node and the recorder together.
         assert times[0] <= TABLE.start_ns + topic.latency_ns + SECOND, name
@@ -95,7 +95,7 @@ def test_a_full_disk_ends_the_flight_with_a_sentence_and_a_bag_that_opens(lta, s
     result = lta.run('fly', '--no-page', '--out', small_disk / 'out')
     assert result.returncode == 2
     (sentence,) = [line for line in result.stderr.splitlines() if line]
-    assert 'The disk' in sentence
+    assert 'the disk is nearly full' in sentence
     assert 'free disk space' in sentence
     bag = read_bag(small_disk / 'out' / 'bag')
     assert bag.is_complete

@@ -403,7 +403,10 @@ def test_a_flight_in_real_time_is_open_to_people(lta, peer, flying, hear, tmp_pa
             assert quality.reliability == expected.reliability, name
             assert quality.durability == expected.durability, name
     imu = peer.node.get_subscriptions_info_by_topic('/lta1/imu')
-    assert {info.qos_profile.reliability for info in imu} == {ReliabilityPolicy.BEST_EFFORT}
+    assert {info.node_name: info.qos_profile.reliability for info in imu} == {
+        'estimator': BEST_EFFORT,
+        'recorder': RELIABLE,
+    }
 
     asked = ['gains.altitude_kp', 'vehicle', 'armed']
     told = peer.ask(DescribeParameters, 'controller/describe_parameters', names=asked).descriptors
