@@ -17,7 +17,8 @@ from typing import Final, final, NamedTuple
 from lta_config.errors import to_one_line
 
 ENDS_RUN: Final = 'ends_run'  # value in `state`: whether the node's fault ends the others, too
-MAX_NEWS: Final = 100  # changes of level that are kept until the next report
+MAX_NEWS: Final = 100  # changes of status that are kept until the next report
+NUMBERS: Final = re.compile(r'[0-9.]+')  # which may differ between reports of one fault
 CLOCK_TOLERANCE: Final = 0.3  # s; a stamp further ahead of ours means a changed clock
 
 
@@ -39,6 +40,13 @@ class HealthFact:
     level: HealthLevel
     message: str
     values: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def status(self) -> str:
+        """Level and message without numbers, as the same fault has others; '' if all is well."""
+        if self.level == HealthLevel.OK:
+            return ''
+        return f'{self.level}: {NUMBERS.sub("#", self.message)}'
 
     def parse_numbers(self, *names: str) -> tuple[float, ...] | None:
         """Return values as finite numbers; None if one is missing or invalid."""
@@ -62,12 +70,12 @@ class Health:
     def report(self, task: str, level: HealthLevel, message: str, **values: object) -> None:
         """Set the status of one task."""
         before = self._facts.get(task)
-        # A changed message alone waits for the next periodic report
-        is_news = before is None or before.level != level
-        self.changed |= is_news
         text = dict(zip(values, map(str, values.values()), strict=True))
         fact = self._facts[task] = HealthFact(task, level, message, text)
-        if is_news:
+        # Another fault at the same level waits for the next periodic report, and is not lost
+        is_new_level = before is None or before.level != level
+        self.changed |= is_new_level
+        if before is None or before.status != fact.status:
             self._news.append(fact)
 
     def set_fact(self, fact: HealthFact) -> None:
@@ -79,7 +87,7 @@ class Health:
         return task in self._facts
 
     def take_news(self) -> list[HealthFact]:
-        """Return, once, the facts with new levels, oldest first, and then all present ones."""
+        """Return, once, the facts with a new status, oldest first, and then all present ones."""
         news = [*self._news, *self.facts]
         self._news.clear()
         return news
@@ -104,7 +112,6 @@ def stamp_age(stamp_ns: int | None, now_ns: int) -> float:
     return passed if passed >= -CLOCK_TOLERANCE else math.inf
 
 
-NUMBERS = re.compile(r'[0-9.]+')  # numbers, which may differ between reports of one fault
 LOG_WINDOW = 10.0  # wall s in which one status of a task gets two lines, and is then counted
 LINES_PER_STATUS = (
     2  # the first recurrence gets one, so that a brief fault does not hide a later one
@@ -159,10 +166,7 @@ class HealthLog:
         """Return the lines that facts call for at a time [s], in the order of the facts."""
         lines = []
         for fact in facts:
-            status = ''
-            if fact.level > HealthLevel.OK:
-                # The same fault with other numbers is not a new one
-                status = f'{fact.level}: {NUMBERS.sub("#", fact.message)}'
+            status = fact.status
             task = self._tasks.get(fact.task)
             if task is None:
                 if not status:

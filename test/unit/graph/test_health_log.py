@@ -47,6 +47,13 @@ def test_a_fault_between_two_reports_is_not_missed():
     health.report('link', OK, 'connected')
     heard = log.update(health.take_news(), 0.0)
     assert heard == [(ERROR, 'link: lost'), (OK, 'link: OK again, connected')]
+    for fault in ('holding for 3 s', 'holding for 4 s', 'landing'):  # of one level
+        health.report('link', WARN, fault)
+    health.report('link', OK, 'connected')
+    heard = log.update(health.take_news(), 0.05)
+    assert [line.text for line in heard] == [
+        'link: holding for 3 s', 'link: landing', 'link: OK again, connected',
+    ]  # fmt: skip
     assert log.update(health.take_news(), 0.1) == []
 
 
