@@ -6,7 +6,7 @@ from lta_discovery.demo.hidden_effect import DemoEffect, fly_hidden
 import pytest
 
 DRAG = DemoEffect('linear_drag.surge', 0.04, 'N s/m')
-SECONDS = (30.0, 14.0, 14.0)  # tests damage the first flight only
+SECONDS = 30.0
 
 
 @pytest.fixture(scope='session')
@@ -14,7 +14,6 @@ def hidden_bags(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path, P
     """Three flights of a GT-MAB with more drag than its file says."""
     folder = tmp_path_factory.mktemp('hidden')
     a, b, c = (
-        fly_hidden(DRAG, 40 + k, seconds, folder / name)
-        for k, (name, seconds) in enumerate(zip('ABC', SECONDS, strict=True))
+        fly_hidden(DRAG, 40 + k, SECONDS, folder / name) for k, name in enumerate('ABC')
     )
     return a, b, c

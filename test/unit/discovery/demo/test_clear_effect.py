@@ -75,7 +75,7 @@ def test_the_gain_is_that_of_the_effect_that_flew(hidden_bags: tuple[Path, Path,
     roles: tuple[Role, ...] = 'train', 'confirm', 'holdout'
     bags = {role: [bag] for role, bag in zip(roles, hidden_bags, strict=True)}
     true = measure_forecast_gain(DRAG, bags)
-    assert min(true.before, true.tuned) > 1.4 * true.after  # the flights are short
+    assert min(true.before, true.tuned) > 1.8 * true.after  # the flights are short
     other = measure_forecast_gain(DemoEffect('cg_offset.x', 0.006, 'm'), bags)
     assert other.before == pytest.approx(true.before)
-    assert not other.is_clear
+    assert min(other.before, other.tuned) < other.after
