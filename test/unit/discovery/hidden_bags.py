@@ -13,7 +13,5 @@ SECONDS = 30.0
 def hidden_bags(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path, Path]:
     """Three flights of a GT-MAB with more drag than its file says."""
     folder = tmp_path_factory.mktemp('hidden')
-    a, b, c = (
-        fly_hidden(DRAG, 40 + k, SECONDS, folder / name) for k, name in enumerate('ABC')
-    )
+    a, b, c = (fly_hidden(DRAG, 40 + k, SECONDS, folder / name) for k, name in enumerate('ABC'))
     return a, b, c
