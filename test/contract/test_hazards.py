@@ -139,7 +139,7 @@ BARRIERS = {
     ),
     'a rotor that holds down obeys': Barrier(
         f'{BRIDGE}/crazyflie/safety.py',
-        "why = 'on request' if request.arm is False else find_landing_reason(state, now, inputs, "
+        "why = ON_REQUEST if request.arm is False else find_landing_reason(state, now, inputs, "
         'limits)', 'why = find_landing_reason(state, now, inputs, limits)',
         f'{UNIT}/test_buoyancy.py',
     ),

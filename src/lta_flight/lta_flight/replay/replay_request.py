@@ -175,8 +175,9 @@ def find_frame_prefix(flight: RecordedFlight) -> str:
     if first is None:
         return ''
     name, _, data = first
-    message: Any = flight.bag.decode(name, data)
-    return prefix if message.header.frame_id.startswith(prefix) else ''
+    # A recording may have another type under this name
+    header = getattr(flight.bag.decode(name, data), 'header', None)
+    return prefix if getattr(header, 'frame_id', '').startswith(prefix) else ''
 
 
 def select_files(

@@ -220,7 +220,7 @@ def test_what_cannot_be_exported_is_one_sentence(flight_bag, mixed_bag, tmp_path
         (ExportRequest('xls'), 'a', "Unknown format 'xls'; known: csv, mat, parquet"),
         (ExportRequest('csv', ('imu',)), 'a', "Unknown topic 'imu'; known: energy/reserve, odom"),
         (ExportRequest('csv'), 'busy', 'is not empty; choose another folder'),
-        (ExportRequest('csv', rate=-1.0), 'a', 'The rate -1.0 Hz is out of range'),
+        (ExportRequest('csv', rate=-1.0), 'a', 'The rate is -1.0, but must be a number above 0'),
         (ExportRequest('csv', rate=1.0, method='x'), 'a', "Unknown method 'x'"),
     ]:
         with pytest.raises(BadInput, match=said):
