@@ -266,31 +266,27 @@ class MissingElementSearch:
             values,
             covariance,
             fit.noise,
-            self._smooth(begin.systems, systems, fit, forces),
+            self._smooth(begin.systems, fit, forces),
         )
 
     def _smooth(
         self,
         begin: Sequence[FlightSystem],
-        systems: Sequence[FlightSystem],
         fit: ParameterFit,
         forces: Sequence[Array],
     ) -> list[FlightSystem]:
         """
         Return flights that are linearized about the most probable motion of a fit.
 
-        `systems`: with the parameters of the fit. `forces`: wrench of the forces of its model in
-        each flight, shape (n, 6).
+        `forces`: wrench of the forces of its model in each flight, shape (n, 6).
         """
-        flights = linearize_all(systems, self._nominal, fit.values)
 
         def smooth(k: int) -> FlightSystem:
-            smooth = smooth_flight(flights[k], fit.noise[k], fit.own[k][0])
-            return begin[k].with_motion(
-                smooth.motion, smooth.wrench + forces[k], flights[k].nominal
-            )
+            flight = fit.flights[k]
+            smooth = smooth_flight(flight, fit.noise[k], fit.own[k][0])
+            return begin[k].with_motion(smooth.motion, smooth.wrench + forces[k], flight.nominal)
 
-        return map_parallel(smooth, range(len(flights)))
+        return map_parallel(smooth, range(len(begin)))
 
     def _look(self, about: '_FittedModel', noise: Sequence[NoiseModel]) -> ModelSearch:
         """Linearize the flights with all columns, and return a search among the models."""

@@ -33,7 +33,9 @@ ITERATIONS: Final = 100  # most steps of the search
 # Standard deviation of the logarithm of each learned number about its first guess
 SPREAD: Final = np.array([1.0] * 4 + [0.3] + [3.0] * 6 + [0.7] * 2)
 FURTHEST: Final = 2.5  # of these deviations; bounds of the search
-BEND: Final = 0.05  # of the prior deviation of a number, for a curvature
+# About how well flights tell the logarithms, the unit of the search: white noise from thousands of
+# readings, slow forces from tens of their memories
+KNOWN: Final = np.array([0.01] * 2 + [0.05] * 2 + [0.1] * 7 + [0.25] * 2)
 SETTLED: Final = 0.05  # nats; the search ends with a step that gains less
 SENSOR: Final = 5  # of these numbers, the first, that belong to the sensors of a flight
 
@@ -128,13 +130,7 @@ def _maximize(
     least[SENSOR : SENSOR + AXES] = np.log(wrench_floor(flights[0].nominal))
     bounds = np.maximum(bounds, (least - begin[0])[which])
     start = np.clip(np.zeros(len(which)), *bounds)
-    # In the unit in which each number is known, as white noise is much better than slow forces
-    slopes = measure(start)[1]
-    bends = [
-        (measure(start + one)[1] - slopes)[k] / one[k]
-        for k, one in enumerate(np.diag(BEND * SPREAD[which]))
-    ]
-    unit = 1.0 / np.sqrt(np.maximum(bends, SPREAD[which] ** -2.0))
+    unit = KNOWN[which]
 
     def measure_scaled(part: Array) -> tuple[float, Array]:
         cost, slopes = measure(start + unit * part)

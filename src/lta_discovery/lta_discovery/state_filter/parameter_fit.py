@@ -54,6 +54,7 @@ class ParameterFit:
     own: tuple[tuple[Array, Array], ...]
     noise: tuple[NoiseModel, ...]  # of each flight
     evidence: float  # log density of the readings, without a constant [nats]
+    flights: tuple[LinearFlight, ...]  # linearized about the values
 
 
 @final
@@ -98,6 +99,11 @@ class _Search(Generic[Sums]):
                 break
         return None
 
+    def expect_gain(self, at: _Point[Sums]) -> float:
+        """Return by how much the best step lowers the cost, as far as the flights are linear."""
+        after = self.prior.step(at.values, at.sums.inner, at.sums.pull)
+        return 0.5 * float((at.sums.pull * self.prior.free) @ (after - at.values))
+
     def has_settled(self, before: Array, after: Array) -> bool:
         """Return whether no parameter has moved far."""
         free = self.prior.free
@@ -133,17 +139,19 @@ def fit_likelihood(
             noise = learn_noise(point.flights, prior, point.values, noise, is_near)
             point = point._replace(sums=evaluate(point.flights, point.values))
             left, has_settled = left[1:], False
-        # From afar, bounded steps need not lower the misfit one by one
-        lower = is_near or (bool(learning) and not left)
-        after = search.step(point, point.sums.cost + MISFIT_RISE if lower else math.inf)
-        if after is None:
+        # Prior deviations of what may be large are many times what the flights leave open
+        if is_near and search.expect_gain(point) < SETTLED_GAIN:
             has_settled = True
-        elif is_near:
-            # Prior deviations of what may be large are many times what the flights leave open
-            has_settled = point.sums.cost - after.sums.cost < SETTLED_GAIN
         else:
-            has_settled = search.has_settled(point.values, after.values)
-        point = point if after is None else after
+            # From afar, bounded steps need not lower the misfit one by one
+            lower = is_near or (bool(learning) and not left)
+            after = search.step(point, point.sums.cost + MISFIT_RISE if lower else math.inf)
+            has_settled = after is None or (
+                point.sums.cost - after.sums.cost < SETTLED_GAIN
+                if is_near
+                else search.has_settled(point.values, after.values)
+            )
+            point = point if after is None else after
         if has_settled and not left:
             break
     return _complete(point, prior, noise, np.linalg.inv, point.sums.near_evidence)
@@ -196,4 +204,6 @@ def _complete(
     covariance = spread_out(spread(inner), prior.free)
     filtered = filter_all(point.flights, noise)
     own = tuple(estimate_own(one.products, prior, covariance) for one in filtered)
-    return ParameterFit(point.values, covariance, own, tuple(noise), evidence)
+    return ParameterFit(
+        point.values, covariance, own, tuple(noise), evidence, tuple(point.flights)
+    )
