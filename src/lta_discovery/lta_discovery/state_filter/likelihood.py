@@ -6,6 +6,7 @@ eliminated from the products of the filter.
 """
 
 from collections.abc import Sequence
+import math
 from typing import Final, final, NamedTuple
 
 from lta_config.errors import BadInput
@@ -24,7 +25,6 @@ RAN_AWAY: Final = (
     'The simulation of the recorded flights with this vehicle file diverges; correct the vehicle '
     'file first.'
 )
-LONGEST: Final = 1.0  # prior deviations; of a step, beyond which the linearization is not trusted
 
 
 @final
@@ -52,20 +52,27 @@ class ParameterPrior(NamedTuple):
         free: NDArray[np.bool_] = (self.deviation > 0.0) & ~self.own
         return free
 
-    def step(self, values: Array, inner: Array, pull: Array, damping: float = 0.0) -> Array:
+    def step(
+        self,
+        values: Array,
+        inner: Array,
+        pull: Array,
+        damping: float = 0.0,
+        longest: float = math.inf,
+    ) -> Array:
         """
         Return the values after a bounded Newton step.
 
-        `damping`: of the method of Levenberg and Marquardt, in whose step every parameter may
-        move further.
+        `damping`: of the method of Levenberg and Marquardt. `longest`: how far a parameter may
+        move, in prior deviations.
         """
         free = self.free
         out = values.copy()
         own = inner[np.ix_(free, free)]
         change = np.linalg.solve(own + damping * np.diag(np.diag(own)), pull[free])
-        longest = (LONGEST if damping == 0.0 else np.inf) * self.deviation[free]
+        most = longest * self.deviation[free]
         out[free] = np.clip(
-            values[free] + np.clip(change, -longest, longest), self.low[free], self.high[free]
+            values[free] + np.clip(change, -most, most), self.low[free], self.high[free]
         )
         return out
 

@@ -36,6 +36,8 @@ Sums = TypeVar('Sums', LikelihoodSum, ForecastSum)
 
 ROUNDS: Final = 10  # most linearizations
 LEARNING: Final = (1, 4)  # rounds before which the noise is learned
+# Prior deviations; longest step of a parameter from afar, where a model is not linear
+LONGEST: Final = 1.0
 DAMPINGS: Final = (0.0, 0.1, 1.0, 10.0, 100.0)  # of a step, until it helps
 MISFIT_RISE: Final = 0.5  # nats; tolerated increase of the misfit in a step
 ERROR_RISE: Final = 0.01  # of the mean logarithm of the errors; the same for forecasts
@@ -75,6 +77,7 @@ class _Search(Generic[Sums]):
     nominal: NominalVehicle
     prior: ParameterPrior
     evaluate: Callable[[Sequence[LinearFlight], Array], Sums]
+    longest: float = LONGEST  # of an undamped step [prior deviations]
 
     def look(self, values: Array) -> _Point[Sums]:
         """Linearize about some values; raise `BadInput` if the vehicle is impossible there."""
@@ -88,7 +91,8 @@ class _Search(Generic[Sums]):
     def step(self, at: _Point[Sums], limit: float) -> _Point[Sums] | None:
         """Return a point whose cost is below a limit, after a step; None if no step gets there."""
         for damping in DAMPINGS:
-            after = self.prior.step(at.values, at.sums.inner, at.sums.pull, damping)
+            longest = self.longest if damping == 0.0 else math.inf
+            after = self.prior.step(at.values, at.sums.inner, at.sums.pull, damping, longest)
             try:
                 there = self.look(after)
             except BadInput:
@@ -132,7 +136,9 @@ def fit_likelihood(
     def evaluate(flights: Sequence[LinearFlight], values: Array) -> LikelihoodSum:
         return sum_likelihoods(filter_all(flights, noise), prior, values)
 
-    search = _Search(systems, nominal, prior, evaluate)
+    # Limits on some parameters bend a step, which near the best values need not end well
+    longest = math.inf if is_near else LONGEST
+    search = _Search(systems, nominal, prior, evaluate, longest)
     point, left, has_settled = search.look(begin), list(learning), False
     for number in range(rounds):
         if left and (has_settled or (number >= left[0] and not is_near)):
