@@ -28,6 +28,7 @@ import time
 import traceback
 from typing import Any, Final, NamedTuple
 
+import add_paths  # noqa: F401
 from challenge.calibration_case import (
     CalibrationCase,
     draw_calibration,

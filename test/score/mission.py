@@ -2,6 +2,7 @@
 
 import sys
 
+import add_paths  # noqa: F401
 from leg_validation import compare_leg_with_loop
 from lta_config.schema.mission_file import load_mission
 from lta_studies.mission.scene import MissionScene
