@@ -5,8 +5,8 @@ Fly by commands in plain rclpy: take off, go to the lamp, land.
     ./lta run examples/own_commander.py --ros-args -r __ns:=/lta1
 
 Each action ends with an outcome and the reason in words; of a refused one, the navigator logs the
-reason. Ctrl-C here cancels nothing: the drone
-finishes its task, then holds until the next command or until the energy reserve lands it.
+reason. Ctrl-C here cancels nothing: the drone finishes its task, then holds until the next command
+or until the energy reserve lands it.
 
 Exit status 0: it stayed at the lamp and landed. 1: it did not, or its navigator is gone, for
 example because the drone left the room. 3: a time limit passed.

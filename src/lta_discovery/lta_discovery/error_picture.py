@@ -8,7 +8,7 @@ from lta_report.drawing import add_legend, create_figure
 from lta_report.palette import ESTIMATE, GOOD, LAMP, SETPOINT, TRUTH, WALL
 from lta_report.report import Picture
 
-# By the name of the model; others have the last one
+# By the name of the model
 COLOURS: Final = {
     'coasting': WALL,
     'vehicle file': ESTIMATE,

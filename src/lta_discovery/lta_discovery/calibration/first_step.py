@@ -70,6 +70,11 @@ class FirstStep:
     # The lowest and the highest net lift, if the flights differ in it and the file is kept
     lifts: tuple[CalibratedValue, ...] = ()
 
+    @property
+    def compared(self) -> Calibration | None:
+        """The calibration whose forecasts are compared with the others, whatever it is for."""
+        return self.calibration or self.alternative
+
 
 def calibrate_first(
     vehicle: Vehicle, name: str, flights: Sequence[Role], tell: Progress

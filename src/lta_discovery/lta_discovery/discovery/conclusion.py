@@ -197,7 +197,7 @@ def _format_errors(main: HorizonErrors, where: str, names: list[str]) -> str:
 
 def _format_calibration(study: Discovery, base: str) -> tuple[str, ...]:
     """Return what the calibration found, if the calibrated file is the better one."""
-    calibration = study.first.calibration or study.first.alternative
+    calibration = study.first.compared
     if calibration is None or base == FILE:
         return ()
     differences = '; '.join(list_differences(calibration)) or 'several numbers by little'

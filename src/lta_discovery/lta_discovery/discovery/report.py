@@ -93,7 +93,7 @@ def _build_tiles(study: Discovery) -> Iterator[Tile]:
 
 
 def _build_calibration_tables(study: Discovery) -> list[TextTable]:
-    calibration = study.first.calibration or study.first.alternative
+    calibration = study.first.compared
     return [] if calibration is None else [build_first_step_table(calibration)]
 
 
@@ -215,7 +215,7 @@ def _encode(
 ) -> dict[str, Any]:
     """Return the content of discovery.json, in SI units."""
     missing = study.missing
-    calibration = study.first.calibration or study.first.alternative
+    calibration = study.first.compared
     return {
         'schema': SCHEMA,
         'vehicle': name,

@@ -107,7 +107,7 @@ def study_usable_flights(
             first = calibrate_first(vehicle, request.vehicle, usable.flights, part)
         if first.lifts:
             remarks = (format_lift_warning(first.lifts),)
-        if calibration := first.calibration or first.alternative:
+        if calibration := first.compared:
             try:
                 calibrated = _format_calibrated(text, vehicle, calibration)
                 if first.calibration is not None:

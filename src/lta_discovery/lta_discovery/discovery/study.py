@@ -47,7 +47,6 @@ TUNED: Final = 'tolerances fitted'
 NAMED: Final = 'with what is named'
 WRITTEN: Final = 'vehicle.yaml'
 
-
 NO_CALIBRATION: Final = FirstStep()
 
 
@@ -230,7 +229,7 @@ def _build_models(
     bare = apply_parameters(nominal, parameters, missing.bare_values)[0]
     file = nominal if first.calibration is None else first.calibration.nominal
     models = [ComparedModel(FILE, file, missing.bare_noise)]
-    if calibration := first.calibration or first.alternative:
+    if calibration := first.compared:
         noise = tuple(calibration.noise.values())
         models.append(ComparedModel(CALIBRATED, calibration.calibrated, noise))
     models.append(ComparedModel(TUNED, bare, missing.bare_noise))

@@ -37,4 +37,6 @@ LEAST_GAIN: Final = 10.0
 NEGLIGIBLE: Final = 0.02
 ALIKE: Final = 0.95  # cosine of two columns beside the rest of the model; beyond it, one class
 UNEXPLAINED: Final = 2.5  # noise floors of an unexplained wrench from which on it is reported
-WORSE: Final = 1.05  # of the file's position error; a corrected file with more is not written
+# Of the position error of the vehicle file, or of the calibrated one; a corrected file with more
+# is not written
+WORSE: Final = 1.05
