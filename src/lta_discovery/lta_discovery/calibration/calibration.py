@@ -14,7 +14,12 @@ from lta_discovery.calibration.prepared_flights import (
 )
 from lta_discovery.calibration.result import CalibratedValue, Calibration, ForecastScore, WIDE
 from lta_discovery.calibration.reversed_thrust import state_by_duty
-from lta_discovery.calibration.scores import forecast_role, relative_error, score_forecasts
+from lta_discovery.calibration.scores import (
+    forecast_role,
+    is_nowhere_worse,
+    relative_error,
+    score_forecasts,
+)
 from lta_discovery.flights.role_assignment import Role
 from lta_discovery.model.calibration_parameters import (
     HEADING,
@@ -135,7 +140,8 @@ def _choose_estimate(
     """
     Return the estimate that forecasts the training flights best, its vehicle and its scores.
 
-    None is returned that forecasts them worse than the vehicle file.
+    None is returned that forecasts them worse than the vehicle file. Where the file is better at
+    some horizon, what a fit gains at another one is gained on these flights alone.
     """
     nominal, error = prepared.nominal, math.inf
     file = forecast_role(prepared, 'train', nominal, noise)
@@ -148,7 +154,8 @@ def _choose_estimate(
             continue
         now = relative_error(scores)
         preferred = one.method == chosen[0].method or math.isinf(error)
-        if now < min(1.0, error if preferred else BETTER * error):
+        is_better = now < min(1.0, error if preferred else BETTER * error)
+        if is_better and is_nowhere_worse(scores):
             chosen, error = (one, built, scores), now
     return chosen
 

@@ -205,7 +205,7 @@ def _format_calibration(study: Discovery, base: str) -> tuple[str, ...]:
 
 
 def _list_possible(study: Discovery) -> tuple[str, ...]:
-    """Return what may be missing beside an unknown force."""
+    """Return what may be missing beside an unknown force, and makes forecasts better."""
     if not study.possible:
         return ()
     names = join_words([format_element(one) for one in study.possible])

@@ -6,7 +6,7 @@ The forecasts that judge its result are those of flights that it has not seen, w
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import math
 from typing import Final, final, NamedTuple
 
@@ -48,6 +48,7 @@ NAMED: Final = 'with what is named'
 WRITTEN: Final = 'vehicle.yaml'
 
 NO_CALIBRATION: Final = FirstStep()
+NO_GAIN: Final = 1.0  # error of a forecast by that of another one
 
 
 @final
@@ -89,7 +90,8 @@ class Discovery:
     learned_from: tuple[str, ...]  # names of the flights of the search, in its order
     missing: MissingElements
     named: tuple[NamedElement, ...]  # the most decisive first
-    possible: tuple[NamedElement, ...]  # what may be missing beside an unknown force
+    # What may be missing beside an unknown force, and makes forecasts better
+    possible: tuple[NamedElement, ...]
     comparison: ForecastComparison
     held_out: bool  # whether the forecasts are of flights that nothing was fitted to
     warnings: tuple[str, ...]
@@ -146,9 +148,17 @@ def study_flights(
     by_title = dict(zip(titles, assigned, strict=True))
     judged_flights = {title: each[2] for title, each in by_title.items() if each in last}
     systems = [FlightSystem(vehicle, one, []) for one in judged_flights.values()]
-    comparison = compare_forecasts(
-        vehicle, judged_flights, models, parameters, choose_horizons(systems)
-    )
+    horizons = choose_horizons(systems)
+    comparison = compare_forecasts(vehicle, judged_flights, models, parameters, horizons)
+    if possible:
+        each = _build_possible_models(nominal, missing)
+        alone = compare_forecasts(vehicle, judged_flights, each, parameters, horizons)
+        both = replace(comparison, forecasts={**comparison.forecasts, **alone.forecasts})
+        possible = tuple(
+            one
+            for one in possible
+            if both.compare(one.present.names[0], TUNED).ci95[1] < NO_GAIN
+        )
     tell('done', 1.0)
     return Discovery(
         vehicle,
@@ -238,6 +248,22 @@ def _build_models(
         models.append(ComparedModel(NAMED, whole, missing.noise))
         models.append(ComparedModel(WRITTEN, learned, missing.noise))
     return models, learned
+
+
+def _build_possible_models(
+    nominal: NominalVehicle, missing: MissingElements
+) -> list[ComparedModel]:
+    """Return the vehicle with each of the elements that may be present beside a force."""
+    out = []
+    for one in missing.possible:
+        parts = vector_components(one.names[0])
+        values = np.array([
+            value if parameter.name in parts or parameter.tolerance > 0.0 else 0.0
+            for parameter, value in zip(missing.parameters, missing.values, strict=True)
+        ])  # fmt: skip
+        built = apply_parameters(nominal, missing.parameters, values)[0]
+        out.append(ComparedModel(one.names[0], built, missing.bare_noise))
+    return out
 
 
 def _describe_element(
