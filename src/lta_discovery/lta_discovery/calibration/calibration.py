@@ -12,14 +12,15 @@ from lta_discovery.calibration.prepared_flights import (
     prepare_calibration,
     PreparedCalibration,
 )
-from lta_discovery.calibration.result import CalibratedValue, Calibration, ForecastScore, WIDE
-from lta_discovery.calibration.reversed_thrust import state_by_duty
-from lta_discovery.calibration.scores import (
-    forecast_role,
-    is_nowhere_worse,
-    relative_error,
-    score_forecasts,
+from lta_discovery.calibration.result import (
+    CalibratedValue,
+    Calibration,
+    find_main_score,
+    ForecastScore,
+    WIDE,
 )
+from lta_discovery.calibration.reversed_thrust import state_by_duty
+from lta_discovery.calibration.scores import forecast_role, relative_error, score_forecasts
 from lta_discovery.flights.role_assignment import Role
 from lta_discovery.model.calibration_parameters import (
     HEADING,
@@ -40,7 +41,7 @@ KNOWN: Final = 0.7  # of the deviation before; a value with a larger one was not
 ALIKE: Final = 0.85  # correlation; values above it cannot be separated
 FAR: Final = 3.0  # tolerances; a value further from the file is reported first
 # Of the forecast error of a fit to all readings; a fit to the forecasts themselves needs less, as
-# it follows the noise in them
+# it follows the noise in them, and one from another start less than that
 BETTER: Final = 0.9
 MAP: Final = 'the direction of the axes of the map'
 
@@ -140,10 +141,10 @@ def _choose_estimate(
     """
     Return the estimate that forecasts the training flights best, its vehicle and its scores.
 
-    None is returned that forecasts them worse than the vehicle file. Where the file is better at
-    some horizon, what a fit gains at another one is gained on these flights alone.
+    One of less preference has to be clearly better than all before it. None is returned that
+    forecasts worse than the vehicle file, or positions at the horizon that headlines state.
     """
-    nominal, error = prepared.nominal, math.inf
+    nominal, limit = prepared.nominal, 1.0
     file = forecast_role(prepared, 'train', nominal, noise)
     chosen = estimates[-1], nominal, score_forecasts(file, file)
     for one in estimates[:-1]:
@@ -152,11 +153,12 @@ def _choose_estimate(
             scores = score_forecasts(file, forecast_role(prepared, 'train', built, noise))
         except BadInput:
             continue
-        now = relative_error(scores)
-        preferred = one.method == chosen[0].method or math.isinf(error)
-        is_better = now < min(1.0, error if preferred else BETTER * error)
-        if is_better and is_nowhere_worse(scores):
-            chosen, error = (one, built, scores), now
+        error = relative_error(scores)
+        if error < limit:
+            main = find_main_score(scores)
+            if main.after.position <= main.before.position:
+                chosen = one, built, scores
+        limit = min(limit, BETTER * error)
     return chosen
 
 

@@ -88,11 +88,6 @@ def _relative_error(scores: Sequence[ForecastScore], parts: int) -> float:
     return float(np.sqrt(np.mean(np.square(ratios)))) if ratios else 1.0
 
 
-def is_nowhere_worse(scores: Sequence[ForecastScore]) -> bool:
-    """Return whether the vehicle file forecasts positions better at no horizon."""
-    return all(one.after.position <= one.before.position for one in scores)
-
-
 def is_contradicted(scores: Mapping[str, Sequence[ForecastScore]]) -> bool:
     """Return whether the vehicle file forecasts positions of the confirming flights better."""
     return relative_position_error(scores.get('confirm', ())) > WORSE

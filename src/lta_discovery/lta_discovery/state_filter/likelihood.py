@@ -68,9 +68,7 @@ class ParameterPrior(NamedTuple):
         move, in prior deviations.
         """
         free = self.free
-        out, start, most = values.copy(), values[free], longest * self.deviation[free]
-        low = np.maximum(self.low[free] - start, -most)
-        high = np.minimum(self.high[free] - start, most)
+        out, low, high = values.copy(), (self.low - values)[free], (self.high - values)[free]
         own, force = inner[np.ix_(free, free)], pull[free]
         own = own + damping * np.diag(np.diag(own))
         change, moving = np.zeros(len(force)), np.ones(len(force), dtype=np.bool_)
@@ -82,7 +80,8 @@ class ParameterPrior(NamedTuple):
                 break
             change = np.clip(change, low, high)
             moving &= inside
-        out[free] = start + change
+        most = longest * self.deviation[free]
+        out[free] += np.clip(change, -most, most)
         return out
 
 

@@ -36,5 +36,5 @@ def test_a_step_moves_the_others_as_is_best_beside_what_is_at_its_bound() -> Non
     bounded = ParameterPrior(deviation, -far, np.array([0.5, np.inf]), own)
     np.testing.assert_allclose(free.step(np.zeros(2), inner, pull), [2.0, -1.0])
     np.testing.assert_allclose(bounded.step(np.zeros(2), inner, pull), [0.5, -0.25])
-    np.testing.assert_allclose(free.step(np.zeros(2), inner, pull, longest=0.5), [0.5, -0.25])
-    np.testing.assert_allclose(free.step(np.zeros(2), inner, pull, 1.0), [12 / 15, -3 / 15])
+    np.testing.assert_allclose(free.step(np.zeros(2), inner, pull, longest=0.5), [0.5, -0.5])
+    np.testing.assert_allclose(free.step(np.zeros(2), inner, pull, 1.0), [0.8, -0.2])
