@@ -4,7 +4,7 @@ Write the CSV files of an afternoon with an unfamiliar blimp, as a motion-captur
     (root=$PWD; . tools/workspace.sh; .venv/bin/python examples/blimp_afternoon.py afternoon)
 
 The blimp is commanded by forces and moments. It comes from the independent simulator in
-test/challenge, which shares no code with the models of LTA. It differs from the vehicle file
+campaigns/challenge, which shares no code with the models of LTA. It differs from the vehicle file
 gtmab by what blimps differ in: 0.3 of the commanded forward force arrives, the pendulum is 40 %
 faster, the marker frame is 3 to 15 degrees off, and 0 to 50 mN of lift are different in each
 flight.
@@ -25,12 +25,12 @@ from lta_model.vehicle import load_vehicle
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-sys.path.append(str(Path(__file__).resolve().parents[1] / 'test'))
+sys.path.append(str(Path(__file__).resolve().parents[1]))
 
-from challenge.flight import FlightSimulator, TICK
-from challenge.sensors import SensorSet
-from challenge.truth import build_vehicle_truth, VehicleTruth
-from challenge.wrench_flight import WrenchActuators, WrenchPilot
+from campaigns.challenge.flight import FlightSimulator, TICK
+from campaigns.challenge.sensors import SensorSet
+from campaigns.challenge.truth import build_vehicle_truth, VehicleTruth
+from campaigns.challenge.wrench_flight import WrenchActuators, WrenchPilot
 
 Draw = np.random.Generator
 LOWER = 1.4  # distance of the centre of gravity below the hull centre, relative to the file

@@ -25,11 +25,11 @@ from time_report import TimeReport
 
 ROOT = Path(__file__).resolve().parents[1]
 Called = Callable[..., tuple[int, Any]]
-MARKED = ('unit', 'property', 'contract', 'integration', 'benchmark')
+MARKED = ('unit', 'property', 'contract', 'integration')
 
 # Tests of cores run without a built workspace as well.
 sys.path += [str(path.parent) for path in sorted(ROOT.glob('src/*/setup.py'))]
-sys.path.append(str(ROOT / 'config'))
+sys.path += [str(ROOT / 'config'), str(ROOT)]
 
 # No time counts: a test must pass while other programs use all cores.
 settings.register_profile(
@@ -102,7 +102,7 @@ def call(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) ->
 @pytest.fixture(autouse=True)
 def domain_id(request: pytest.FixtureRequest) -> Iterator[int]:
     """Set a ROS_DOMAIN_ID that is this test's alone (0 where no graph is started)."""
-    if not any(request.node.get_closest_marker(name) for name in ('integration', 'benchmark')):
+    if not request.node.get_closest_marker('integration'):
         yield 0
         return
     with free_domain() as domain:

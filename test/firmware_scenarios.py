@@ -1,7 +1,7 @@
 """
 Scripts that show what a Crazyflie does with its motors in each relevant situation.
 
-`test/score/real_firmware.py` plays them against the firmware and stores the outcomes in
+`campaigns/firmware.py` plays them against the firmware and stores the outcomes in
 `test/golden/crazyflie_firmware.json`; `test_firmware_contract.py` plays them against the emulator.
 A script is a list of packets with times. An outcome lists when the supervisor's status word
 changed and when the motors started and stopped.

@@ -15,7 +15,7 @@ PACKAGE_TESTS: Final = {
     'lta_config': ('config', 'sim/test_flat.py', 'sim/test_kernel_cache.py'),
     'lta_control': ('control',),
     'lta_data': ('data',),
-    'lta_discovery': ('challenge', 'discovery'),
+    'lta_discovery': ('discovery',),
     'lta_emulation': (
         'bridge/crazyflie/test_crazyflie_flight.py',
         'bridge/crazyflie/test_emulated.py',
@@ -62,15 +62,12 @@ PACKAGE_TESTS: Final = {
     'lta_vehicle': ('vehicle',),
     'lta_vlc': ('vlc',),
     'lta_windtunnel': ('windtunnel',),
-    # Shared, or of tools, benchmarks and campaigns, which `make test` alone runs
+    # Shared, or of tools and campaigns, which `make test` alone runs
     '': (
-        'benchmark',
+        'campaigns',
         'conftest.py',
         'report_flight.py',
         'test_build.py',
-        'test_chaos.py',
-        'test_hops.py',
-        'test_mutation.py',
         'test_same.py',
     ),
 }

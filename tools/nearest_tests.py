@@ -15,7 +15,7 @@ import sys
 from typing import Final
 
 ROOT: Final = Path(__file__).resolve().parents[1]
-FOLDERS: Final = ('config/', 'src/', 'test/')
+FOLDERS: Final = ('campaigns/', 'config/', 'src/', 'test/')
 Imports = Mapping[Path, frozenset[str]]
 
 
@@ -38,7 +38,7 @@ def module_of(path: Path, root: Path) -> str:
     parts = path.relative_to(root).with_suffix('').parts
     if parts[0] == 'test':
         return parts[-1]
-    name = parts[2:] if parts[0] == 'src' else parts[1:]
+    name = parts[{'src': 2, 'config': 1, 'campaigns': 0}[parts[0]] :]
     return '.'.join(name[:-1] if name[-1] == '__init__' else name)
 
 

@@ -5,6 +5,8 @@
 # page in the folder that is given last.
 set -eu
 cd "$(dirname "$0")/.."
+root=$PWD
+. tools/workspace.sh
 wanted=" $* "
 made=$(mktemp -d)
 trap 'rm -rf "$made"' EXIT

@@ -18,4 +18,3 @@ write parameters.md python -P -m lta_cli.reference parameters
 write vehicles.md python -P -m lta_cli.reference vehicles
 write vehicle_keys.md python -P -m lta_cli.reference vehicle_keys
 write images/graph.svg python -P -m lta_cli.reference graph
-python test/score/hardware_pages.py

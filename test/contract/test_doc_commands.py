@@ -2,7 +2,9 @@
 
 from importlib.util import find_spec
 import re
+import shlex
 
+from campaigns.harness import build_parser, list_campaigns
 from doc_blocks import blocks, PAGES, pieces, ROOT, run, settings_spoken, simple, spoken, stage
 from lta_cli.app import build_app, join_verb, repeat_options
 from lta_config.files import list_shipped_names
@@ -45,6 +47,10 @@ def check(words):
     program, *rest = words
     if program in {'./lta', 'lta'}:
         parse(rest)
+    elif program == 'make' and rest[:1] == ['campaign'] and rest[1:]:
+        assert rest[1] in list_campaigns(), f'{rest[1]} is no campaign'
+        options = ' '.join(rest[2:]).removeprefix('ARGS=').replace('...', '.')
+        build_parser(rest[1]).parse_args(shlex.split(options))
     elif program == 'make' and '-C' not in rest:
         targets = {word for word in rest if '=' not in word}
         assert targets <= TARGETS, f'{targets - TARGETS} are no targets of the Makefile'

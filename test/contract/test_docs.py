@@ -16,7 +16,7 @@ PAGES = [ROOT / 'README.md', ROOT / 'CONTRIBUTING.md', *sorted(ROOT.glob('docs/*
 LINK = re.compile(r'\]\(<?([^)\s>]+)>?(?:\s+"[^"]*")?\)|\b(?:src|href)="([^"]+)"')
 MODULE = re.compile(r'`(lta_[a-z]+(?:\.\w+)+)(?:\(\))?`')
 SCRIPT = re.compile(r'`((?:\w+/)*\w+\.py)`')
-PYTHON = [path for folder in ('config', 'examples', 'src', 'test', 'tools')
+PYTHON = [path for folder in ('campaigns', 'config', 'examples', 'src', 'test', 'tools')
           for path in ROOT.glob(f'{folder}/**/*.py')]  # fmt: skip
 NAMED = {'flight': RobotRecording, 'odom': RecordingTable, 'lta_analysis': lta_analysis}
 ATTRIBUTE = re.compile(rf'`[^`\n]*?\b({"|".join(NAMED)})\.(\w+)\(')
@@ -78,6 +78,6 @@ def test_the_page_of_the_effects_is_that_of_the_registry():
 def test_every_picture_has_the_command_that_draws_it():
     drawn = re.findall(r'^draw \w+ (\w+)', (ROOT / 'tools/pictures.sh').read_text(), re.MULTILINE)
     there = {path.stem for path in (ROOT / 'docs/images').glob('*.png')}
-    # Of a test, of a program among the examples, and composed of a page's planes by hand.
-    assert there - set(drawn) == {'energy_monitor', 'hull_shapes', 'cfd_gtmab', 'cfd_slices'}
+    # Of a program among the examples, and composed of a page's planes by hand.
+    assert there - set(drawn) == {'hull_shapes', 'cfd_gtmab', 'cfd_slices'}
     assert set(drawn) <= there

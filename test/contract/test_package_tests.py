@@ -45,7 +45,7 @@ def test_a_test_without_a_place_is_reported():
 
 def test_each_package_has_the_test_arguments_of_colcon_meta():
     names = yaml.safe_load((ROOT / 'colcon.meta').read_text('utf-8'))['names']
-    python = {'pytest-args': ['-m', 'not long and not benchmark']}
+    python = {'pytest-args': ['-m', 'not long']}
     tested = {name: python for name in PACKAGE_TESTS if name}
     assert names == tested | {'lta_msgs': {'cmake-args': ['-DBUILD_TESTING=OFF']}}
 

@@ -90,7 +90,7 @@ CONDUCTORS = {  # start a graph and listen to it, record a flight as one, or ask
 }
 
 OPTIONAL = {'mavsdk', 'pvlib', 'pybamm'}  # what a test skips without
-FOLDERS_OF_TESTS = {'challenge', 'oracle', 'vlc'}
+FOLDERS_OF_TESTS = {'campaigns', 'oracle', 'vlc'}
 HELPERS = {path.stem for path in (ROOT / 'test').rglob('*.py')} | FOLDERS_OF_TESTS | OPTIONAL
 MODULES = 25  # of one folder
 CODE = re.compile(r'(from [\w.]+ )?import [\w., ]+\n')  # a line of code that is written to a file

@@ -1,15 +1,8 @@
-"""A dozen faults in three whole graphs: what `make chaos` does with each kind, many times."""
+"""A dozen faults in three whole graphs: what `make campaign chaos` does with each, many times."""
 
-from pathlib import Path
-import sys
-
+from campaigns.chaos import TOGETHER
+from campaigns.harness import Case, try_alone
 import pytest
-
-FOLDER = Path(__file__).resolve().parents[1] / 'score'
-sys.path.append(str(FOLDER))
-
-from campaign import Case, tried_once  # noqa: E402
-from chaos_together import TOGETHER  # noqa: E402
 
 LIMIT = 600.0  # s; twenty where nobody else works
 
@@ -19,7 +12,7 @@ LIMIT = 600.0  # s; twenty where nobody else works
     [pytest.param(way, marks=() if way == 'lockstep' else pytest.mark.long) for way in TOGETHER],
 )
 def test_each_fault_is_named_and_survived_or_ends_in_order(way):
-    outcome = tried_once(Case(way, 0), FOLDER / 'chaos_together.py', LIMIT)
+    outcome = try_alone('chaos', Case(f'together {way}', 0), (), LIMIT)
     assert outcome['wrong'] == '', outcome
 
 

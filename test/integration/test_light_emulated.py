@@ -128,9 +128,8 @@ def test_its_peaks_are_those_of_its_lamp(built, switched_on):
 
 
 def test_what_a_world_shows_comes_through_the_bridge_whole(built, tmp_path):
-    """As in `make end-to-end`: the rows are in memory that a program of the host shares."""
-    sys.path.append(str(FIRMWARE.parents[1] / 'test/score'))
-    light_core = import_module('end_to_end').EmulatedCore
+    """The rows are in memory that a program of the host shares, as in campaigns/end_to_end.py."""
+    light_core = import_module('campaigns.end_to_end').EmulatedCore
     link, blocks, shown = LightBoard(LIGHT, DIODES), [], 0
     with (
         light_core(built / 'flight.elf', tmp_path) as board,

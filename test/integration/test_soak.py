@@ -1,15 +1,9 @@
-"""A minute of `make soak`: the graph flies from lantern to lantern and loses nothing."""
+"""A minute of `make campaign soak`: the graph flies from lantern to lantern and loses nothing."""
 
-from pathlib import Path
-import sys
-
+from campaigns.soak import NODES, soaked
 import pytest
 
 pytestmark = pytest.mark.long
-
-sys.path.append(str(Path(__file__).resolve().parents[1] / 'score'))
-
-from soak import NODES, soaked  # noqa: E402
 
 SECONDS = 60.0  # of wall time
 

@@ -13,10 +13,9 @@ from copy import deepcopy
 from functools import partial
 import gc
 import math
-from pathlib import Path
-import sys
 from typing import Any
 
+from campaigns.chaos_spoilt import over_fields, spoil, SPOILT
 from lta_bridge.nodes.crazyflie_bridge import CrazyflieBridge
 from lta_bridge.nodes.live import LiveViewNode, REPLACED
 from lta_bridge.nodes.teleop import Teleop
@@ -38,9 +37,6 @@ from rclpy.serialization import serialize_message
 
 from .good_messages import good
 from .peer import TABLE
-
-sys.path.append(str(Path(__file__).resolve().parents[1] / 'score'))
-from chaos_spoilt import over_fields, spoil, SPOILT
 
 NODES: dict[str, type[GraphNode]] = {
     'estimator': Estimator,

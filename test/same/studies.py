@@ -4,9 +4,9 @@ import sys
 
 from commands import list_numbers, ROOT
 
-sys.path.append(str(ROOT / 'test'))
+sys.path.append(str(ROOT))
 
-from challenge.trial import run_trial
+from campaigns.challenge.trial import run_trial
 
 SEED, SECONDS = 17, (30.0, 40.0)
 CASES = range(8)

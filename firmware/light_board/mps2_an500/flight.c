@@ -1,4 +1,4 @@
-/* The light board on an emulated Cortex-M7 in a simulated world: `make end-to-end`.
+/* The light board on an emulated Cortex-M7 in a simulated world: `make campaign end_to_end`.
  *
  * Converter and link are memory that a program of the host shares, which takes the place of DMA: rows
  * come in at CONVERTER, frames go out at LINK, as to the USB controller of a Teensy. What the bridge

@@ -324,7 +324,7 @@ def test_two_hours_cost_some_megabytes_of_indexes(tmp_path):
 
 
 def test_small_messages_are_written_by_the_chunk(tmp_path, monkeypatch):
-    """What one costs in time is measured by test/benchmark/record.py."""
+    """What one costs in time is measured by campaigns/bench_graph.py."""
     data, writes, write = bytes(500), [], os.pwrite
 
     def counted(fd, data, offset):

@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 from typing import Any
 
-from challenge.recording import write_bag
+from campaigns.challenge.recording import write_bag
 from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_config.vehicle_edit import set_yaml_values

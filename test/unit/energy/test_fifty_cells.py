@@ -4,7 +4,7 @@ The monitor over cells of unknown charge that feed flights, through the simulato
 16 cells, and 50 by `make test-long`.
 
 The cells differ from their file by the tolerances in `metered`. Readings come once a second here,
-which leaves the filter less to work with than the ten of the graph; `test/score/energy_monitor.py`
+which leaves the filter less to work with than the ten of the graph; an earlier campaign
 measures all of it at ten.
 """
 

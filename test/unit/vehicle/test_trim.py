@@ -2,7 +2,7 @@
 
 import math
 
-from challenge.recording import write_bag
+from campaigns.challenge.recording import write_bag
 from lta_config.errors import BadInput
 from lta_data.bag.recorded_flight import open_flight
 from lta_model.vehicle import load_vehicle

@@ -2,10 +2,10 @@
 Find MAVLink 2 frames in a stream of bytes, and decode them with pymavlink.
 
 pymavlink's own parser believes the length in a damaged header and skips the frames within it: in a
-torn stream with 18,664 intact frames it finds 17,414, and this search finds all of them
-(test/score/mutated_frames.py). After a wrong checksum the search goes on one byte later. The
-checksum of a message that is not in the dialect cannot be verified; it is accepted if another
-frame follows directly, and counted separately.
+torn stream with 18,664 intact frames it found 17,414, and this search finds all of them. After a
+wrong checksum the search goes on one byte later. The checksum of a message that is not in the
+dialect cannot be verified; it is accepted if another frame follows directly, and counted
+separately.
 """
 
 from collections.abc import Iterator

@@ -16,7 +16,7 @@ from lta_discovery.planning.equivalence_classes import find_kind_classes
 from lta_model.effects import get_effect
 from lta_model.vehicle import load_vehicle
 
-STRENGTH: Final = 40.0  # sigma in the flights of `make classes`, which are longer
+STRENGTH: Final = 40.0  # sigma in the flights of `make campaign classes`, which are longer
 FAINT: Final = 3.0  # sigma; discovery names nothing below it
 LARGEST: Final = 8.0  # typical sizes
 LEAST: Final = 1.0  # typical sizes; even where less would be visible

@@ -1,5 +1,5 @@
 """
-The emulator does what the real firmware did: `make real-firmware` kept it, commit and all.
+The emulator does what the real firmware did: `make campaign firmware` kept it, commit and all.
 
 The same scripts, played to the emulator at a clock of its own; words, motors and their times must
 be those of test/golden/crazyflie_firmware.json.
@@ -88,7 +88,7 @@ def without(told, bit):
 
 
 def test_the_record_is_of_the_present_app():
-    """Or run `make real-firmware FIRMWARE=/path ARGS='--steps record suite page'` again."""
+    """Or run `make campaign firmware ARGS='--firmware /path --record'` again."""
     digest = hashlib.sha256()
     for path in sorted(app_files()):
         digest.update(path.read_bytes())

@@ -1,9 +1,8 @@
-"""The trust checks, by few of the flights and corruptions of `make trust`."""
+"""The trust checks, by few of the flights and corruptions of `make campaign trust`."""
 
 from dataclasses import replace
-from pathlib import Path
-import sys
 
+from campaigns import ROOT, trust_corruptions, trust_flights
 from lta_data.data_quality.duplicate_runs import find_duplicate_runs
 from lta_data.data_quality.finding import Severity
 from lta_data.data_quality.registry import CHECKS, run_checks
@@ -11,27 +10,11 @@ from lta_data.data_quality.roles import vector_name
 import numpy as np
 import pytest
 
-FOLDER = Path(__file__).resolve().parents[3] / 'score'
-
 
 @pytest.fixture(scope='module')
-def bench():
-    """Return the modules of the score."""
-    sys.path.insert(0, str(FOLDER))
-    import trust_corruptions
-    import trust_flights
-
-    yield trust_flights, trust_corruptions
-    sys.path.remove(str(FOLDER))
-    for name in [name for name in sys.modules if name.startswith('trust_')]:
-        sys.modules.pop(name)
-
-
-@pytest.fixture(scope='module')
-def clean(bench):
+def clean():
     """Return a few clean simulated flights."""
-    flights, _ = bench
-    return [flights.simulated(seed) for seed in (1, 5, 6, 32)]
+    return [trust_flights.simulated(seed) for seed in (1, 5, 6, 32)]
 
 
 def test_clean_simulated_flights_have_no_findings_and_each_check_is_pure(clean):
@@ -49,12 +32,11 @@ CASES = {
 
 
 @pytest.mark.parametrize('kind', CASES)
-def test_corruptions_of_simulated_flights_are_found(bench, clean, kind):
-    _, corruptions = bench
+def test_corruptions_of_simulated_flights_are_found(clean, kind):
     rng = np.random.default_rng(list(kind.encode()))
     done = missed = 0
     for attempt in range(200):
-        wrong = corruptions.CORRUPTIONS[kind](clean[attempt % len(clean)], rng)
+        wrong = trust_corruptions.CORRUPTIONS[kind](clean[attempt % len(clean)], rng)
         if wrong is None:
             continue
         names = {*wrong.names, *map(vector_name, wrong.names)}
@@ -68,15 +50,13 @@ def test_corruptions_of_simulated_flights_are_found(bench, clean, kind):
     assert missed == 0  # of these few; docs/trust.md has the shares of many
 
 
-def test_every_kind_of_check_is_scored(bench):
-    _, corruptions = bench
-    assert set(corruptions.CORRUPTIONS) == set(CHECKS) == set(CASES)
+def test_every_kind_of_check_is_scored():
+    assert set(trust_corruptions.CORRUPTIONS) == set(CHECKS) == set(CASES)
 
 
-def test_one_run_again_is_found_and_two_runs_are_not(bench, clean):
-    _, corruptions = bench
+def test_one_run_again_is_found_and_two_runs_are_not(clean):
     first, second = clean[:2]
-    copy = corruptions.twin(first, np.random.default_rng(4))
+    copy = trust_corruptions.twin(first, np.random.default_rng(4))
     found = find_duplicate_runs([('a', first), ('b', second), ('copy of a', copy.recording)])
     assert list(found) == ['copy of a']
     (twin,) = found['copy of a']
@@ -84,7 +64,7 @@ def test_one_run_again_is_found_and_two_runs_are_not(bench, clean):
     assert "'a'" in twin.evidence
 
 
-def test_two_flights_of_one_plan_in_still_air_are_two(bench, clean):
+def test_two_flights_of_one_plan_in_still_air_are_two(clean):
     seeds = [
         replace(clean[0], provenance={'data': 'simulated', 'seed': seed})
         for seed in ('1', '2', '2')
@@ -94,18 +74,17 @@ def test_two_flights_of_one_plan_in_still_air_are_two(bench, clean):
     assert "'b'" in found['c'][0].evidence
 
 
-def test_real_flights_are_clean_and_rgblimp_is_told_to_be_filtered(bench):
-    flights, _ = bench
-    if not flights.rgblimp_files():
+def test_real_flights_are_clean_and_rgblimp_is_told_to_be_filtered():
+    if not trust_flights.rgblimp_files():
         pytest.skip('needs ../shared/data (published flights of others)')
-    for path in flights.rgblimp_files()[::20]:
-        found = run_checks(flights.rgblimp(path)).findings
+    for path in trust_flights.rgblimp_files()[::20]:
+        found = run_checks(trust_flights.rgblimp(path)).findings
         assert {(f.kind, f.severity) for f in found} == {('filtered', Severity.WARNING)}
-    for path in flights.crazyflie_files()[:2]:
-        assert run_checks(flights.crazyflie(path)).findings == ()
+    for path in trust_flights.crazyflie_files()[:2]:
+        assert run_checks(trust_flights.crazyflie(path)).findings == ()
 
 
 def test_the_page_tells_of_every_kind():
-    page = (FOLDER.parents[1] / 'docs/trust.md').read_text(encoding='utf-8')
+    page = (ROOT / 'docs/trust.md').read_text(encoding='utf-8')
     rows = {line.split('|')[1].strip() for line in page.splitlines() if line.startswith('| ')}
     assert {*CHECKS, 'twin'} <= rows

@@ -5,13 +5,13 @@ from dataclasses import replace
 import math
 from pathlib import Path
 
-from challenge.calibration_case import CalibrationCase, generate_calibration_case
-from challenge.case import CaseFlight
-from challenge.flight import DutyPilot, FlightSimulator, TICK
-from challenge.recording import write_bag
-from challenge.sensors import SensorSet
-from challenge.truth import build_vehicle_truth, to_triple, VehicleTruth
-from challenge.wrench_flight import Course, WrenchActuators, WrenchPilot
+from campaigns.challenge.calibration_case import CalibrationCase, generate_calibration_case
+from campaigns.challenge.case import CaseFlight
+from campaigns.challenge.flight import DutyPilot, FlightSimulator, TICK
+from campaigns.challenge.recording import write_bag
+from campaigns.challenge.sensors import SensorSet
+from campaigns.challenge.truth import build_vehicle_truth, to_triple, VehicleTruth
+from campaigns.challenge.wrench_flight import Course, WrenchActuators, WrenchPilot
 from lta_config.errors import BadInput
 from lta_config.files import find_file
 from lta_config.vehicle_edit import set_yaml_values
@@ -302,7 +302,7 @@ def study_case(case: CalibrationCase, folder: Path) -> Discovery:
 def test_flights_in_closed_loop_are_calibrated_and_nothing_is_named(
     tmp_path: Path, course: Course
 ) -> None:
-    """A controller without dither; `make calibration-trials` has more, also with a draught."""
+    """A controller without dither; `make campaign calibration` has more, also with a draught."""
     case, found = calibrate_case(6, tmp_path, effects={}, course=course)
     # A hover is nearly a coast: the share was 0.56 there
     assert_truth_is_found(case, found, share=0.75)

@@ -5,8 +5,8 @@ import itertools
 import math
 from pathlib import Path
 
-from challenge.calibration_case import generate_calibration_case
-from challenge.recording import write_bag
+from campaigns.challenge.calibration_case import generate_calibration_case
+from campaigns.challenge.recording import write_bag
 from lta_config.files import find_file
 from lta_config.vehicle_edit import set_yaml_values
 from lta_discovery.calibration import first_step

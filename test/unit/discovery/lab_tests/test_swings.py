@@ -6,11 +6,11 @@ import math
 from pathlib import Path
 from typing import Any
 
-from challenge.flight import FlightSimulator, SimulatedTrajectory, TICK
-from challenge.recording import write_bag
-from challenge.sensors import SensorSet
-from challenge.truth import build_vehicle_truth, to_triple, VehicleTruth
-from challenge.wrench_flight import WrenchActuators
+from campaigns.challenge.flight import FlightSimulator, SimulatedTrajectory, TICK
+from campaigns.challenge.recording import write_bag
+from campaigns.challenge.sensors import SensorSet
+from campaigns.challenge.truth import build_vehicle_truth, to_triple, VehicleTruth
+from campaigns.challenge.wrench_flight import WrenchActuators
 from lta_model.vehicle import load_vehicle
 import numpy as np
 from numpy.typing import NDArray

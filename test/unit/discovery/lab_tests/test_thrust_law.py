@@ -7,9 +7,9 @@ import math
 from pathlib import Path
 from types import ModuleType
 
-from challenge.flight import FlightSimulator, TICK
-from challenge.sensors import SensorSet
-from challenge.truth import Six, VehicleTruth
+from campaigns.challenge.flight import FlightSimulator, TICK
+from campaigns.challenge.sensors import SensorSet
+from campaigns.challenge.truth import Six, VehicleTruth
 from lta_discovery.lab_tests.design import LabTest
 from lta_discovery.lab_tests.plan import plan_lab_tests
 from lta_discovery.lab_tests.reading import read_lab_tests

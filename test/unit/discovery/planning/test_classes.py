@@ -1,10 +1,6 @@
 """Names that are one to a kind of data: by hand, and as they are frozen."""
 
-import os
-from pathlib import Path
-import subprocess
-import sys
-
+from campaigns.harness import Case, try_alone
 from lta_config.errors import BadInput
 from lta_discovery.model.nominal import NominalVehicle
 from lta_discovery.model.parameters import FreeParameter
@@ -96,7 +92,9 @@ def test_every_two_of_a_group_are_alike() -> None:
 
 def test_the_frozen_file_is_that_of_the_candidates_as_they_are(gtmab: Known) -> None:
     known = select_builtin_parameters(gtmab[1])
-    assert load_frozen_classes().digest == compute_registry_digest(known), 'run make classes'
+    assert load_frozen_classes().digest == compute_registry_digest(known), (
+        'run make campaign classes'
+    )
     names = {knob.name for knob in known if knob.typical > 0.0}
     assert all(set(kind.reach) == names for kind in load_frozen_classes().kinds.values())
 
@@ -104,13 +102,8 @@ def test_the_frozen_file_is_that_of_the_candidates_as_they_are(gtmab: Known) -> 
 @pytest.mark.long
 def test_the_frozen_classes_are_those_that_follow_now() -> None:
     """From vehicle, gains, scene and simulator as they are, of which the digest knows nothing."""
-    script = Path(__file__).resolve().parents[3] / 'score/classes.py'
-    paths = {'PYTHONPATH': os.pathsep.join(sys.path)}
-    done = subprocess.run(
-        [sys.executable, script, '--check'],
-        env=os.environ | paths, capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stdout + done.stderr
+    done = try_alone('classes', Case('all', 0), (), 600.0)
+    assert done['wrong'] == ''
 
 
 def test_effects_that_others_install_are_not_frozen(monkeypatch: pytest.MonkeyPatch) -> None:

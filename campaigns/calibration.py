@@ -1,0 +1,373 @@
+"""
+Score calibrations that are hidden in flights of the independent simulator.
+
+`calibration`: gains of 0.2 to 3 of either sign, markers up to 20 degrees and 15 cm off, a net lift
+of up to 25 mN in each flight, and commands up to 0.4 s late; two of three vehicles are commanded
+by a wrench, the third by duties. `lta calibrate` sees two training flights and a confirming one.
+Its intervals are compared with the truth, and its forecasts of the confirming flight with those of
+the oracle, the vehicle file with all true values.
+
+`discovery`: the model of the vehicle lacks an effect in every second case. `lta discover` has to
+calibrate the vehicle, name the effect and nothing else. It also studies the same vehicle with a
+right file, for comparison.
+
+`closed-loop`: a controller flies by the state alone, without dither, at rest, in a circle or from
+place to place; every second case has a draught of 1 cm/s, which its commands answer. A gain of
+0.3, 20 mN of lift, markers turned by 8 degrees and commands 0.2 s late are hidden, and no effect:
+`lta calibrate` has to find them, and `lta discover` may name nothing.
+"""
+
+from argparse import Namespace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+import math
+from pathlib import Path
+import tempfile
+import time
+from typing import Any, Final
+
+from lta_config.files import find_file
+from lta_discovery.calibration.calibrated_file import format_calibrated_vehicle
+from lta_discovery.calibration.calibration import calibrate_flights
+from lta_discovery.calibration.result import Calibration, find_main_score, ForecastScore
+from lta_discovery.calibration.scores import score_forecasts
+from lta_discovery.discovery.conclusion import draw_conclusion
+from lta_discovery.discovery.forecast_comparison import COASTING
+from lta_discovery.discovery.run import DiscoveryRequest, study_usable_flights
+from lta_discovery.discovery.study import Discovery, TUNED
+from lta_discovery.flights.bags import read_bags, Role
+from lta_discovery.flights.usable_flights import select_usable_flights, UsableFlights
+from lta_discovery.model.calibration_parameters import list_calibration_parameters
+from lta_discovery.model.nominal import NominalVehicle
+from lta_discovery.model.parameters import apply_parameters, NET_LIFT
+from lta_discovery.planning.equivalence_classes import load_class_map
+from lta_discovery.state_filter.forecasts import forecast_flights, list_flight_parameters
+from lta_discovery.state_filter.noise_model import average_noise
+from lta_model.effects.protocol import AXES
+from lta_model.vehicle import load_vehicle, Vehicle
+import numpy as np
+
+from campaigns.challenge.calibration_case import (
+    CalibrationCase,
+    draw_calibration,
+    generate_calibration_case,
+    misstate_thrusts,
+    SECONDS,
+)
+from campaigns.challenge.effect_injection import HIDINGS
+from campaigns.challenge.recording import write_bag
+from campaigns.challenge.wrench_flight import Course
+from campaigns.harness import Campaign, Case, Row, Rows
+
+ROLES: Final = ('train', 'train', 'confirm')
+COURSES: Final[tuple[Course, ...]] = ('hover', 'circle', 'places')
+AHEAD: Final = 3.0  # s
+SHORTER: Final = (40.0, 60.0)  # s; flights of a study
+# Effects that are no calibration, and visible in poses
+EFFECTS: Final = (
+    *(f'{effect}.{axis}' for effect in ('linear_drag', 'quadratic_drag')
+      for axis in ('surge', 'heave')),
+    'rotational_drag.yaw',
+    'added_mass.surge',
+    'added_mass.heave',
+    'steady_wind.x',
+)  # fmt: skip
+
+
+def is_driven(number: int) -> bool:
+    """Return whether the vehicle of a case is commanded by duties."""
+    return number % 3 == 2
+
+
+def record_case(
+    seed: int,
+    number: int,
+    folder: Path,
+    effects: Mapping[str, float] | None = None,
+    is_right: bool = False,
+    course: Course | None = None,
+) -> tuple[CalibrationCase, Path, dict[Role, list[Path]]]:
+    """Generate a case; write its bags and its vehicle file."""
+    vehicle, rotors = load_vehicle('gtmab'), is_driven(number) and course is None
+    seconds = SECONDS if effects is None else SHORTER
+    case = generate_calibration_case(
+        vehicle, seed, number, ROLES, seconds, rotors, effects, is_right, course
+    )
+    text = find_file('vehicle', 'gtmab').read_text(encoding='utf-8')
+    if rotors and not is_right:
+        text = misstate_thrusts(text, vehicle, draw_calibration(vehicle, seed, number, rotors))
+    path = folder / 'vehicle.yaml'
+    path.write_text(text, encoding='utf-8')
+    bags: dict[Role, list[Path]] = {'train': [], 'confirm': []}
+    for flight in case.flights:
+        write_bag(folder / flight.name, flight.streams, vehicle.rotor_names, {})
+        bags['train' if flight.role == 'train' else 'confirm'].append(folder / flight.name)
+    return case, path, bags
+
+
+def list_intervals(case: CalibrationCase, found: Calibration) -> list[Row]:
+    """Return all values with a known truth: truth, estimate and interval."""
+    truths = case.list_true_values(load_vehicle('gtmab'))
+    rows = []
+    for one in found.values:
+        truth = truths.get(one.name) if not one.flight else None
+        if one.flight and one.name == 'net_lift.force':
+            truth = case.lifts[one.flight]
+        elif one.flight and one.name == 'helium_leak.rate':
+            truth = -case.trends[one.flight]
+        if truth is not None:
+            row = {'name': one.name, 'truth': truth, 'value': one.value, 'ci95': one.ci95}
+            rows.append({**row, 'known': one.is_known, 'far': one.is_far})
+    return rows
+
+
+def list_commanded_axes(case: CalibrationCase) -> list[bool]:
+    """Return the axes on which a wrench is commanded."""
+    axes = () if case.shares else (0, 1, 2, 5) if case.is_steered else (0, 2, 5)
+    return [axis in axes for axis in range(6)]
+
+
+def find_oracle(case: CalibrationCase, vehicle: Vehicle) -> NominalVehicle:
+    """Return the vehicle file with all true values."""
+    nominal = NominalVehicle.from_vehicle(vehicle)
+    knobs = list_calibration_parameters(nominal, list_commanded_axes(case), True)
+    values = np.zeros(len(knobs))
+    truths = case.list_true_values(load_vehicle('gtmab'))
+    for k, knob in enumerate(knobs):
+        if knob.name not in truths:
+            continue
+        (effect, parameter), truth = next(iter(knob.moves)), truths[knob.name]
+        if effect == 'vehicle':
+            values[k] = math.log(truth)
+        elif knob.name.endswith('.thrust'):
+            values[k] = truth - 1.0
+        else:
+            values[k] = truth - nominal.parameter_value(effect, parameter)
+    oracle = apply_parameters(nominal, knobs, values)[0]
+    if case.shares:
+        for k, column in enumerate(case.truth.columns, start=1):
+            for axis, number in zip(AXES, column, strict=True):
+                # Negative where the file has the axis of the rotor the other way round
+                number *= math.copysign(1.0, case.shares[k - 1])
+                oracle = oracle.with_value('rotor_thrust', f'{axis}_{k}', number)
+    return oracle
+
+
+def score_oracle(
+    case: CalibrationCase, vehicle: Vehicle, usable: UsableFlights, found: Calibration
+) -> float:
+    """Return the oracle's position error 3 s ahead in the confirming flight. [m]"""
+    taught = [case.lifts[one.name] for one in case.flights if one.role == 'train']
+    oracle = find_oracle(case, vehicle).with_value(*NET_LIFT.split('.'), float(np.mean(taught)))
+    flights = [flight for _, role, flight in usable.flights if role == 'confirm']
+    parameters = list_calibration_parameters(oracle, list_commanded_axes(case), True)
+    noise = average_noise(list(found.noise.values()))
+    told = forecast_flights(
+        vehicle, oracle, flights, list_flight_parameters(oracle, parameters),
+        [noise] * len(flights),
+    )  # fmt: skip
+    return find_main_score(score_forecasts(told, told)).after.position
+
+
+def encode_score(score: ForecastScore) -> Row:
+    """Return position and attitude errors by coasting, the file and the calibration."""
+    return {kind: list(getattr(score, kind)) for kind in ('coast', 'before', 'after')}
+
+
+def run_case(seed: int, number: int) -> Row:
+    began = time.process_time()
+    with tempfile.TemporaryDirectory() as place:
+        folder = Path(place)
+        case, path, bags = record_case(seed, number, folder)
+        vehicle = load_vehicle(str(path))
+        usable = select_usable_flights(read_bags(bags), vehicle)
+        found = calibrate_flights(vehicle, str(path), usable.flights, lambda _what, _part: None)
+        row: Row = {'method': found.method, 'values': list_intervals(case, found)}
+        if scores := found.scores.get('confirm'):
+            row['scores'] = encode_score(find_main_score(scores))
+            row['oracle'] = score_oracle(case, vehicle, usable, found)
+        try:
+            text = format_calibrated_vehicle(path.read_text(), vehicle, found, 'a trial')
+            (folder / 'calibrated.yaml').write_text(text)
+            load_vehicle(str(folder / 'calibrated.yaml'))
+            row['file'] = True
+        except Exception as fault:  # whatever a user would meet
+            row['file'] = str(fault)
+    return {**row, 'cpu_s': time.process_time() - began}
+
+
+def study_closed_loop(seed: int, number: int) -> Row:
+    """Return what a calibration and a discovery make of flights in closed loop."""
+    began, course = time.process_time(), COURSES[number % len(COURSES)]
+    with tempfile.TemporaryDirectory() as place:
+        case, path, bags = record_case(seed, number, Path(place), {}, course=course)
+        vehicle = load_vehicle(str(path))
+        usable = select_usable_flights(read_bags(bags), vehicle)
+        found = calibrate_flights(vehicle, str(path), usable.flights, lambda _what, _part: None)
+        study = study_usable_flights(
+            DiscoveryRequest(str(path), bags), vehicle, usable, lambda _what, _part: None
+        )[0]
+        return {
+            'course': course,
+            'draught': number % 2 == 1,
+            'method': found.method,
+            'values': list_intervals(case, found),
+            'scores': encode_score(find_main_score(found.scores['confirm'])),
+            'oracle': score_oracle(case, vehicle, usable, found),
+            'verdict': draw_conclusion(study).verdict,
+            'named': list_names(study),
+            'calibrated': study.first.calibration is not None,
+            'final': [
+                (one.errors[TUNED].position, one.errors[COASTING].position)
+                for one in study.comparison.scores
+                if one.horizon == AHEAD
+            ],
+            'cpu_s': time.process_time() - began,
+        }
+
+
+def list_closed_loop_table(rows: Sequence[Row]) -> Iterator[str]:
+    """Yield the lines of the table of cases in closed loop."""
+    yield f'effects named in {sum(bool(row["named"]) for row in rows)}'
+    for air in (False, True):
+        some = [row for row in rows if row['draught'] is air]
+        values = [one for row in some for one in row['values']]
+        inside = sum(map(is_inside, values))
+        verdicts = sorted(row['verdict'] for row in some)
+        final = [pair for row in some for pair in row['final']]
+        yield (
+            f'{"with" if air else "without"} a draught: {inside} of {len(values)} inside; '
+            f'{", ".join(f"{verdicts.count(one)} {one}" for one in dict.fromkeys(verdicts))}; '
+            f'final model better than coasting in {sum(a < b for a, b in final)} of {len(final)}'
+        )
+
+
+def draw_effect(seed: int, number: int) -> dict[str, float]:
+    """Return the effect that the model of a case lacks; none in every second case."""
+    if number % 2:
+        return {}
+    draw = np.random.default_rng([seed, number, 99])
+    name = str(draw.choice(EFFECTS))
+    hiding = HIDINGS[name]
+    # The larger half of the range, so that flights of less than a minute show it
+    least = math.sqrt(hiding.least * hiding.most)
+    size = least * (hiding.most / least) ** draw.random()
+    return {name: float(size * draw.choice(hiding.signs))}
+
+
+def list_names(study: Discovery) -> list[str]:
+    """Return the names of effects and numbers in a study."""
+    return [one.present.names[0] for one in study.named if one.estimates]
+
+
+def study_case(seed: int, number: int) -> Row:
+    """Return what discovery finds in a case, after a calibration and with a right file."""
+    hidden, row = draw_effect(seed, number), dict[str, Any]()
+    for kind, is_right in (('calibrated', False), ('right', True)):
+        with tempfile.TemporaryDirectory() as place:
+            _, path, bags = record_case(seed, number, Path(place), hidden, is_right)
+            vehicle = load_vehicle(str(path))
+            usable = select_usable_flights(read_bags(bags), vehicle)
+            request = DiscoveryRequest(str(path), bags)
+            began = time.process_time()
+            study = study_usable_flights(request, vehicle, usable, lambda _what, _part: None)[0]
+            conclusion = draw_conclusion(study)
+            one = load_class_map('pose' if is_driven(number) else 'wrench')
+            named = list_names(study)
+            row[kind] = {
+                'verdict': conclusion.verdict,
+                'named': named,
+                # Effects that poses cannot distinguish count as one
+                'right': {one.get(each, each) for each in named}
+                == {one.get(each, each) for each in hidden},
+                'calibrated': study.first.calibration is not None,
+                'headline': conclusion.headline,
+                'cpu_s': time.process_time() - began,
+            }
+    return {'hidden': hidden, **row}
+
+
+def list_study_table(rows: Sequence[Row]) -> Iterator[str]:
+    """Yield the lines of the table of some studies."""
+    for kind, words in (('calibrated', 'wrong file, calibrated first'), ('right', 'right file')):
+        for hides, what in ((True, 'an effect'), (False, 'nothing')):
+            some = [row[kind] for row in rows if bool(row['hidden']) is hides]
+            right = sum(one['right'] for one in some)
+            false = sum(bool(one['named']) and not one['right'] for one in some)
+            yield (
+                f'{words}, hidden {what}: {right} of {len(some)} right, wrong names in {false}, '
+                f'calibrated {sum(one["calibrated"] for one in some)}'
+            )
+
+
+def is_inside(value: Row) -> bool:
+    """Return whether an interval contains the truth."""
+    return bool(value['ci95'][0] <= value['truth'] <= value['ci95'][1])
+
+
+def list_calibration_table(rows: Sequence[Row]) -> Iterator[str]:
+    """Yield the lines of the table of some cases."""
+    yield f'by likelihood {sum(row["method"] == "likelihood" for row in rows)}'
+    yield f'vehicle file written {sum(row["file"] is True for row in rows)}'
+    values = [one for row in rows for one in row['values']]
+    for words, some in (
+        ('all values', values),
+        ('learned from the flights', [one for one in values if one['known']]),
+        ('not learned', [one for one in values if not one['known']]),
+    ):
+        inside = sum(map(is_inside, some))
+        share = 100.0 * inside / len(some) if some else math.nan
+        yield f'truth inside the 95 % interval, {words}: {inside} of {len(some)} ({share:.1f} %)'
+    groups: dict[str, list[Row]] = {}
+    for one in values:
+        groups.setdefault(one['name'].partition('.')[0].partition('_1')[0], []).append(one)
+    for name, some in sorted(groups.items()):
+        yield f'  {name}: {sum(map(is_inside, some))} of {len(some)}'
+    scored = [row for row in rows if 'oracle' in row]
+    ratios = [row['scores']['after'][0] / row['oracle'] for row in scored]
+    if ratios:
+        good = sum(one <= 1.1 for one in ratios)
+        yield (
+            f'position error at 3 s by the oracle: median {np.median(ratios):.3f}, 90 % below '
+            f'{np.quantile(ratios, 0.9):.3f}, at most 1.1 in {good} of {len(ratios)}'
+        )
+        for key, words in (('after', 'calibrated'), ('before', 'file'), ('coast', 'coasting')):
+            errors = [100.0 * row['scores'][key][0] for row in scored]
+            yield f'position error at 3 s, {words}: median {np.median(errors):.2f} cm'
+        better = sum(row['scores']['after'][0] < row['scores']['coast'][0] for row in scored)
+        yield f'better than coasting: {better} of {len(scored)}'
+
+
+def run(case: Case, options: Namespace) -> Row:
+    """Return the row of a case."""
+    row = RUNS[case.kind](options.seed, case.number)
+    return {**row, 'driven': is_driven(case.number)}
+
+
+def list_table(rows: Rows, options: Namespace) -> Iterator[str]:
+    """Yield the tables by kind, those of calibrations by kind of command as well."""
+    tables = [
+        ('calibration', 'wrench', list_calibration_table),
+        ('calibration', 'rotors', list_calibration_table),
+        ('discovery', '', list_study_table),
+        ('closed-loop', '', list_closed_loop_table),
+    ]
+    for kind, command, lines in tables:
+        some = [
+            row
+            for case, row in rows.items()
+            if case.kind == kind
+            and (not command or is_driven(case.number) is (command == 'rotors'))
+        ]
+        if some:
+            yield f'**{kind} {command}**: {len(some)} cases, seed {options.seed}'
+            yield ''
+            yield from (f'- {line}' for line in lines([row for row in some if 'driven' in row]))
+
+
+RUNS: Final[Mapping[str, Callable[[int, int], Row]]] = {
+    'calibration': run_case, 'discovery': study_case, 'closed-loop': study_closed_loop,
+}  # fmt: skip
+CAMPAIGN: Final = Campaign(
+    lambda options: ['calibration'], run, list_table, each=20, alone=True,
+    hidden=('discovery', 'closed-loop'),
+)  # fmt: skip

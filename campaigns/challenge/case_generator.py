@@ -1,0 +1,197 @@
+"""Generate a case; it depends on seed, number and kind only."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+import math
+from typing import Any, Final, final
+
+from lta_model.vehicle import Vehicle
+import numpy as np
+
+from campaigns.challenge.air import MovingAir, RoomAirMotion, UnsteadyWind
+from campaigns.challenge.case import (
+    CaseFlight,
+    ChallengeCase,
+    Kind,
+    KINDS,
+    LEARNED,
+    ROLES,
+    SECONDS,
+)
+from campaigns.challenge.effect_injection import draw_hidden_effects, inject_effects, true_values
+from campaigns.challenge.flight import FlightSimulator, SimulatedTrajectory
+from campaigns.challenge.pilot import SwingingPilot
+from campaigns.challenge.sensors import SensorSet, STAMPS, Stamps
+from campaigns.challenge.sizing import draw_unlisted, scale_unlisted, wrench_strength
+from campaigns.challenge.tolerance import apply_flight_errors, perturb_vehicle
+from campaigns.challenge.truth import build_vehicle_truth, VehicleTruth
+from campaigns.challenge.unlisted import UNLISTED
+
+Draw = np.random.Generator
+
+CODE: Final = 6  # part of the random seed
+DRAUGHTY: Final = 0.25  # share of the clean cases that have a draught
+DRAUGHT: Final = (1e-3, 3e-3)  # m/s; range of its rms
+TILT: Final = 0.03  # rad; initial tilt
+SPEED: Final = 0.01  # m/s and rad/s; initial velocity and rates
+START: Final = (1.2, 1.7)  # m; range of the initial height
+SIZES: Final = (2.0, 40.0)  # noise floors; strength of an effect outside the library
+TRIALS: Final = 4  # draws of such an effect, and flights that scale each of them
+COURSE: Final = 'swinging'
+
+
+@final
+class OtherCaseGenerator:
+    """
+    Generator of one case.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        Vehicle of the file.
+    seed, number : int
+        Seed of the challenge and number of the case.
+    kind : str, optional
+        Kind of hidden effects; random by default.
+    seconds : pair of float
+        Range of flight lengths. [s]
+
+    """
+
+    def __init__(
+        self,
+        vehicle: Vehicle,
+        seed: int,
+        number: int,
+        kind: Kind | None = None,
+        seconds: tuple[float, float] = SECONDS,
+    ) -> None:
+        self._file, self._number, self._seconds = build_vehicle_truth(vehicle), number, seconds
+        self._root = [seed, number, CODE]
+        kinds, weights = list(KINDS), list(KINDS.values())
+
+        random_kind = kinds[int(self._create_random_generator(0).choice(len(kinds), p=weights))]
+        self.kind: Kind = kind or random_kind
+
+    def _create_random_generator(self, part: int) -> Draw:
+        return np.random.default_rng([*self._root, part])
+
+    def generate_case(self, roles: Sequence[str] = ROLES) -> ChallengeCase:
+        """Generate the case with one flight per role."""
+        count = {'clean': 0, 'single': 1, 'pair': 2, 'outside': 0, 'mixed': 1}[self.kind]
+        hidden = draw_hidden_effects(count, self._create_random_generator(1))
+        truth = inject_effects(
+            perturb_vehicle(self._file, self._create_random_generator(2)), hidden
+        )
+        stamps, draught = self._draw_conditions()
+        truth = replace(truth, draught=draught)
+        name, numbers, floors, size = '', dict[str, float](), 0.0, 0.0
+        if self.kind in ('outside', 'mixed'):
+            name, numbers, floors = self._draw_detectable_disturbance(truth)
+            both = [self._simulate_flight(truth, index, name, numbers)[0] for index in LEARNED]
+            size = wrench_strength(*(path.unlisted for path in both))
+        flights = tuple(
+            self._record_flight(truth, index, role, stamps, name, numbers)
+            for index, role in enumerate(roles)
+        )
+        answer = {
+            'kind': self.kind,
+            'hidden': [{'knob': knob, 'value': value} for knob, value in hidden.items()],
+            'outside': name,
+            'floors': floors,
+            'size': size,
+            'strange': {name: numbers} if name else {},
+            'courses': {flight.name: flight.course for flight in flights},
+            'nominal': self._truth_to_dict(truth, hidden),
+            'stamps': stamps,
+            'draught': draught,
+        }
+        return ChallengeCase(self._number, flights, answer)
+
+    def _truth_to_dict(self, truth: VehicleTruth, hidden: dict[str, float]) -> dict[str, Any]:
+        """Return a vehicle as JSON data."""
+        return {
+            'given': true_values(truth, self._file, hidden),
+            'mass': truth.mass,
+            'displaced': truth.displaced,
+            'inertia': np.diag(truth.inertia).tolist(),
+        }
+
+    def _draw_conditions(self) -> tuple[Stamps, float]:
+        """Draw the mode of the stamps and the draught. [m/s]"""
+        draw = self._create_random_generator(3)
+        stamps = STAMPS[int(draw.integers(len(STAMPS)))]
+        draughty, size = draw.random() < DRAUGHTY, float(draw.uniform(*DRAUGHT))
+        # A draught is not a hidden effect: clean cases test whether it causes a wrong name
+        return stamps, size if draughty and self.kind == 'clean' else 0.0
+
+    def _draw_detectable_disturbance(
+        self, truth: VehicleTruth
+    ) -> tuple[str, dict[str, float], float]:
+        """Draw and scale an effect outside the library until a flight shows it clearly."""
+        draw = self._create_random_generator(4)
+        best: tuple[str, dict[str, float], float] = ('', {}, 0.0)
+        for _ in range(TRIALS):
+            name, numbers = draw_unlisted(draw)
+            aim = SIZES[0] * (SIZES[1] / SIZES[0]) ** draw.random()
+            for _ in range(TRIALS):
+                floors = wrench_strength(
+                    self._simulate_flight(truth, 0, name, numbers)[0].unlisted
+                )
+                # Keep the strongest kind so far, and its latest scaling
+                if floors > best[2] or name == best[0]:
+                    best = name, numbers, floors
+                if floors == 0.0 or 0.8 < floors / aim < 1.25:
+                    break
+                numbers = scale_unlisted(name, numbers, min(max(aim / floors, 0.1), 10.0))
+            if SIZES[0] <= best[2] <= 1.25 * SIZES[1]:
+                break
+        return best
+
+    def _simulate_flight(
+        self, truth: VehicleTruth, index: int, name: str, numbers: dict[str, float]
+    ) -> tuple[SimulatedTrajectory, VehicleTruth, Draw]:
+        """Simulate one flight; its generator goes on into the sensors."""
+        draw = self._create_random_generator(10 + index)
+        seconds = float(round(draw.uniform(*self._seconds)))
+        truth = apply_flight_errors(truth, draw)
+        air: list[MovingAir] = []
+        if any(truth.wind):
+            air.append(UnsteadyWind(truth, seconds, draw))
+        if truth.draught:
+            air.append(RoomAirMotion(truth.draught, seconds, draw))
+        pilot = SwingingPilot(seconds, self._file, draw)
+        begin = draw_initial_state(pilot.heading, draw)
+        unlisted = UNLISTED[name].make(numbers) if name else None
+        return (
+            FlightSimulator(truth, pilot, air, unlisted).simulate_flight(begin, seconds),
+            truth,
+            draw,
+        )
+
+    def _record_flight(
+        self,
+        truth: VehicleTruth,
+        index: int,
+        role: str,
+        stamps: Stamps,
+        name: str,
+        numbers: dict[str, float],
+    ) -> CaseFlight:
+        """Simulate one flight and its sensors."""
+        path, truth, draw = self._simulate_flight(truth, index, name, numbers)
+        streams = SensorSet(path, truth, stamps, draw).record_streams()
+        bag = role if index < len(ROLES) else f'{role}_{index + 1}'
+        return CaseFlight(bag, role, COURSE, streams)
+
+
+def draw_initial_state(heading: float, draw: Draw) -> list[float]:
+    """Draw a state near rest and nearly upright."""
+    nod, bank = (0.5 * TILT * float(each) for each in draw.standard_normal(2))
+    c, s = math.cos(0.5 * heading), math.sin(0.5 * heading)
+    # Product of the heading quaternion and a small rotation (nod and bank are half angles)
+    turn = [c, c * bank - s * nod, c * nod + s * bank, s]
+    length = math.sqrt(sum(each * each for each in turn))
+    place = [*(0.3 * draw.standard_normal(2)).tolist(), float(draw.uniform(*START))]
+    velocity, rates = (SPEED * draw.standard_normal(6)).reshape(2, 3).tolist()
+    return [*place, *velocity, *(each / length for each in turn), *rates]

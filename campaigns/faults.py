@@ -1,0 +1,73 @@
+"""
+Inject faults into flights of emulated hardware, and into the link of the light board.
+
+Each kind of `fault_kinds.py` comes at a random moment of a flight, by turns of one that is
+commanded by duties (GT-MAB, even numbers) and by setpoints (multirotor, odd numbers); those of
+`light_trial.py` turn no motor.
+"""
+
+from argparse import Namespace
+from collections.abc import Iterator, Sequence
+from typing import Final
+
+from campaigns.fault_kinds import FaultKind, KINDS
+from campaigns.fault_trial import Trial
+from campaigns.graph_trial import try_flight
+from campaigns.harness import Campaign, Case, Row, Rows
+from campaigns.light_trial import LIGHT_KINDS, LightTrial
+
+
+def run(case: Case, options: Namespace) -> Row:
+    """Return the row of a trial."""
+    if case.kind in LIGHT_KINDS:
+        return try_flight(lambda folder, peer: LightTrial(*case, folder, peer).watch())
+    return try_flight(lambda folder, peer: Trial(*case, folder, peer).fly())
+
+
+def list_table(rows: Rows, options: Namespace) -> Iterator[str]:
+    """Yield the tables of flights and of the light link."""
+    yield '| fault | outcome of the flight | by duties | by setpoints | as stated |'
+    yield '|---|---|---|---|---|'
+    for name, kind in KINDS.items():
+        some = {case: row for case, row in rows.items() if case.kind == name}
+        if some:
+            times = [
+                format_times(stated, [row for case, row in some.items() if case.number % 2 == way])
+                for way, stated in enumerate(kind.stated)
+            ]
+            cells = (kind.about, describe_end(kind), *times, format_share(list(some.values())))
+            yield f'| {" | ".join(cells)} |'
+    yield ''
+    yield '| fault of the light link | outcome of the light | longest time | as stated |'
+    yield '|---|---|---|---|'
+    for name, light in LIGHT_KINDS.items():
+        found = [row for case, row in rows.items() if case.kind == name]
+        if found:
+            then = 'reported, and back after the repair' if light.word else 'continues'
+            cells = (light.about, then, format_times(0.0, found), format_share(found))
+            yield f'| {" | ".join(cells)} |'
+
+
+def format_times(stated: float, rows: Sequence[Row]) -> str:
+    """Return the stated and the longest time; those that hung have none. [s]"""
+    times = [row['took'] for row in rows if row.get('took') is not None]
+    longest = f'{max(times):.1f} s' if times else '-'
+    return f'{stated:.1f} s; {longest}' if stated else longest
+
+
+def format_share(rows: Sequence[Row]) -> str:
+    """Return how many were as stated."""
+    return f'{sum(not row["wrong"] for row in rows)} of {len(rows)}'
+
+
+def describe_end(kind: FaultKind) -> str:
+    """Return what becomes of a flight, in words."""
+    if not any(kind.stated):
+        return 'cannot be armed'
+    return 'flies on, and lands on request' if kind.flies_on else kind.ends
+
+
+CAMPAIGN: Final = Campaign(
+    lambda options: [*KINDS, *LIGHT_KINDS], run, list_table, each=20, page='hardware_faults.md',
+    alone=True, side=0, patience=240.0,
+)  # fmt: skip
