@@ -28,13 +28,13 @@ FAILING = (
     ('launch', 'fly', 'source:=replay', 'replay:=/nowhere'),
     ('launch', 'fly', 'live:=true', 'live_port:=BUSY'),
     ('launch', 'fly', 'vehicle:=nothing'),
-    ('launch', 'pair', 'bag:=full'),
+    ('launch', 'fleet', 'bag:=full'),
     ('launch', 'fly', 'strategy:=./full/kept.py'),
 )
 RUNNING = (
     ('launch', 'fly', 'time:=realtime'),
     ('launch', 'fly', 'time:=lockstep', 'bag:=own'),
-    ('launch', 'pair'),
+    ('launch', 'fleet'),
     ('fly', '--out', 'own'),
 )
 SIGNALS = (signal.SIGINT, signal.SIGINT, signal.SIGTERM)
