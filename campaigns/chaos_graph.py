@@ -137,7 +137,7 @@ class Graph:
         for status in array.status:
             if status.hardware_id != ROBOT:
                 continue
-            self.facts[status.name] = status
+            self.facts[status.name.rpartition('/')[2]] = status
             if status.level[0] == ERROR:
                 self.told.append((now, f'{status.name}: {status.message}'))
 

@@ -301,7 +301,7 @@ def listen(peer: Peer, facts: dict[str, str]) -> None:
     """Keep the newest message of each task in /diagnostics."""
 
     def hear(array: DiagnosticArray) -> None:
-        facts.update((status.name, status.message) for status in array.status)
+        facts.update((status.name.rpartition('/')[2], status.message) for status in array.status)
 
     peer.node.create_subscription(DiagnosticArray, '/diagnostics', hear, 100)
 

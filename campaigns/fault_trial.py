@@ -286,5 +286,5 @@ def words(told: Any) -> set[str]:
     return {
         status.message
         for status in told.status
-        if re.fullmatch('crazyflie_bridge: (link|safety)', status.name)
+        if re.fullmatch('(.*/)?crazyflie_bridge: (link|safety)', status.name)
     }

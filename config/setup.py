@@ -38,7 +38,6 @@ setup(
         ('share/lta_config/foxglove', ['foxglove/lta.json']),
         ('share/lta_config/plotjuggler', ['plotjuggler/lta.xml']),
         ('share/lta_config/aero', sorted(map(str, Path('aero').glob('*.json')))),
-        ('share/lta_config/launch', sorted(map(str, Path('launch').glob('*.launch.py')))),
         *(
             (f'share/lta_config/{folder}', sorted(map(str, Path(folder).glob('*.yaml'))))
             for folder in FOLDERS
@@ -49,7 +48,7 @@ setup(
     zip_safe=False,
     maintainer='LTA maintainers',
     maintainer_email='maintainers@users.noreply.github.com',
-    description='Every fact in one place: topics, vehicles, scenarios, gains and launch files.',
+    description='Every fact in one place: topics, vehicles, scenarios and gains.',
     license='Apache-2.0',
     entry_points={'console_scripts': []},
 )

@@ -11,6 +11,7 @@ UNIT: Final = Path(__file__).resolve().parent / 'unit'
 PACKAGE_TESTS: Final = {
     'lta_analysis': ('data/bag/test_table.py', 'flight/test_notebook_calls.py'),
     'lta_bridge': ('bridge',),
+    'lta_bringup': ('graph/test_bringup.py',),
     'lta_cli': ('cli', 'security'),
     'lta_config': ('config', 'sim/test_flat.py', 'sim/test_kernel_cache.py'),
     'lta_control': ('control',),

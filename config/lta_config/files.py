@@ -120,7 +120,6 @@ FOLDERS = {
     'vehicle': 'vehicles',
     'scenario': 'scenarios',
     'gains': 'control',
-    'launch file': 'launch',
     'sweep': 'sweeps',
     'manoeuvre': 'manoeuvres',
     'mount': 'mounts',
@@ -187,7 +186,7 @@ def _format_lines(first: int, second: int) -> str:
 
 @cache
 def share_folder() -> Path:
-    """Return the folder with LTA's own data: topics.yaml, vehicles/, scenarios/, launch/ ..."""
+    """Return the folder with LTA's own data: topics.yaml, vehicles/, scenarios/ ..."""
     here = Path(__file__).resolve()
     for parent in here.parents:
         # The source tree has topics.yaml next to the package, an installation in share/
@@ -200,14 +199,12 @@ def share_folder() -> Path:
     )
 
 
-def list_shipped_names(folder: str, suffix: str = '.yaml') -> list[str]:
+def list_shipped_names(folder: str) -> list[str]:
     """Return the names of the files in one folder of `share_folder()`."""
-    return sorted(
-        path.name.removesuffix(suffix) for path in (share_folder() / folder).glob(f'*{suffix}')
-    )
+    return sorted(path.stem for path in (share_folder() / folder).glob('*.yaml'))
 
 
-def find_file(kind: str, name: str, suffix: str = '.yaml') -> Path:
+def find_file(kind: str, name: str) -> Path:
     """
     Return the path of a file given by name or path.
 
@@ -215,21 +212,19 @@ def find_file(kind: str, name: str, suffix: str = '.yaml') -> Path:
     a slash or ends in `.yaml`). Raise `BadInput` if there is no such file; the message lists the
     shipped names.
     """
-    if '/' in name or name.endswith((suffix, '.yaml', '.yml')):
+    if '/' in name or name.endswith(('.yaml', '.yml')):
         path = Path(os.path.expanduser(name))  # noqa: PTH111 - Path's own fails for ~nobody
         if not path.is_file():
-            raise BadInput(
-                f'There is no {kind.removesuffix(" file")} file {path}; check the path.'
-            )
+            raise BadInput(f'There is no {kind} file {path}; check the path.')
         return path
     folder = FOLDERS[kind]
-    names = list_shipped_names(folder, suffix)
+    names = list_shipped_names(folder)
     if name not in names:
-        own = Path(f'{name}{suffix}')
+        own = Path(f'{name}.yaml')
         if own.is_file():
             raise BadInput(f"No {kind} '{name}' is shipped; for the file here, give './{own}'.")
         raise unknown_name_error(kind, name, names)
-    return share_folder() / folder / f'{name}{suffix}'
+    return share_folder() / folder / f'{name}.yaml'
 
 
 def load_yaml(path: Path) -> Any:  # noqa: ANN401 - YAML holds anything

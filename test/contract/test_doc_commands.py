@@ -7,8 +7,7 @@ import shlex
 from campaigns.harness import build_parser, list_campaigns
 from doc_blocks import blocks, PAGES, pieces, ROOT, run, settings_spoken, simple, spoken, stage
 from lta_cli.app import build_app, join_verb, repeat_options
-from lta_config.files import list_shipped_names
-from lta_graph.launch_plan import find_launch, LAUNCH_SUFFIX
+from lta_graph.launches import find_launch, LAUNCHES
 import pytest
 from typer.main import get_command
 
@@ -87,8 +86,8 @@ def test_a_setting_in_running_text_is_one_of_a_launch_file_or_of_a_node(page, of
     if of_node:
         assert f'`{name}`' in (ROOT / 'docs/parameters.md').read_text()
         return
-    launches = map(find_launch, list_shipped_names('launch', LAUNCH_SUFFIX))
-    assert name in {argument.name for launch in launches for argument in launch.list_arguments()}
+    known = {item.name for each in LAUNCHES.values() for item in each.list_arguments()}
+    assert name in known
 
 
 def spoken_words(words):

@@ -64,7 +64,8 @@ def pytest_pycollect_makemodule(path, parent): pass
 
 def test_the_tests_run_beside_the_plugins_of_jazzy(tmp_path):
     """Their hooks have arguments that pytest 9 has no more."""
-    for name in ('launch_testing', 'launch_testing_ros'):
+    # The names of the plugins of launch_testing, launch_testing_ros and launch_pytest
+    for name in ('launch_testing', 'launch_ros', 'launch_pytest'):
         (tmp_path / f'{name}.py').write_text(PLUGIN, encoding='utf-8')
         info = tmp_path / f'{name}-3.4.3.dist-info'
         info.mkdir()

@@ -6,7 +6,7 @@ import re
 from lta_bridge.bag.background_writer import FLUSH_PERIOD, REFRESH_PERIOD
 from lta_bridge.nodes.recorder import LOOK_PERIOD
 from lta_bridge.recorder_settings import RecorderSettings, RobotOrigin
-from lta_graph.launches import FLY, PAIR
+from lta_graph.launches import FLEET, FLY
 from lta_graph.ros.parameters import iterate_fields
 import pytest
 
@@ -19,7 +19,7 @@ SETTINGS = {
 }
 
 
-@pytest.mark.parametrize('launch', [FLY, PAIR], ids=['fly', 'pair'])
+@pytest.mark.parametrize('launch', [FLY, FLEET], ids=['fly', 'fleet'])
 def test_every_setting_is_a_launch_argument_that_reaches_the_recorder(launch):
     declared = {item.name: item for item in launch.list_arguments()}
     given = {

@@ -4,7 +4,7 @@ from pathlib import Path
 import re
 
 from lta_cli.app import build_app
-from lta_graph.launches import EMULATED, FLY, PAIR
+from lta_graph.launches import EMULATED, FLEET, FLY
 import pytest
 from typer.main import get_command
 
@@ -35,7 +35,7 @@ def test_what_commands_write_by_default_is_in_runs():
     assert [name for name, path in found.items() if path.parts[0] != 'runs'] == []
 
 
-@pytest.mark.parametrize('launch', [FLY, PAIR, EMULATED], ids=['fly', 'pair', 'emulated'])
+@pytest.mark.parametrize('launch', [FLY, FLEET, EMULATED], ids=['fly', 'fleet', 'emulated'])
 def test_launches_record_into_runs(launch):
     assert launch.arguments().bag == 'runs/bag'
 

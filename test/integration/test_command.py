@@ -38,7 +38,7 @@ COMMANDS = {
     'time': (['fly', '--time', 'slow'], "Invalid value for '--time'"),
     'option': (['fly', '--sped', '2'], 'No such option: --sped'),
     'verb': (['flie'], "No such command 'flie'"),
-    'launch file': (['launch', 'soar'], "Unknown launch file 'soar'; known: emulated, fly, pair."),
+    'launch file': (['launch', 'soar'], "Unknown launch file 'soar'; known: emulated, fleet"),
     'launch path': (['launch', './x.launch.py'], 'x.launch.py; check the path.'),
     'launch argument': (['launch', 'fly', 'sed:=2'], "Unknown launch argument 'sed'"),
     'launch pair': (['launch', 'fly', 'seed=2'], "'seed=2' is not a launch argument"),

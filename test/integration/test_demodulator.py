@@ -41,7 +41,7 @@ class Listening(Peer):
     def _hear_facts(self, message):
         for status in message.status:
             values = {pair.key: pair.value for pair in status.values}
-            self.facts[status.name] = (status.message, values)
+            self.facts[status.name.rpartition('/')[2]] = (status.message, values)
 
     def meet(self):
         """Send blocks until one is answered."""

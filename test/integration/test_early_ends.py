@@ -9,7 +9,7 @@ import pytest
 
 LINES = 3  # at most
 LAUNCH_FLY = ('launch', 'fly', 'time:=realtime')
-LAUNCH_PAIR = ('launch', 'pair')
+LAUNCH_FLEET = ('launch', 'fleet')
 MOMENTS = [0.2, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 4.5, 5.0, 6.0, 7.0]  # s after the start
 
 
@@ -27,7 +27,7 @@ def busy_port():
         (*LAUNCH_FLY, 'bag:=full'),
         pytest.param((*LAUNCH_FLY, 'source:=replay', 'replay:=/nowhere'), marks=pytest.mark.long),
         pytest.param((*LAUNCH_FLY, 'live:=true', 'live_port:=BUSY'), marks=pytest.mark.long),
-        pytest.param((*LAUNCH_PAIR, 'bag:=full'), marks=pytest.mark.long),
+        pytest.param((*LAUNCH_FLEET, 'bag:=full'), marks=pytest.mark.long),
         pytest.param(('fly', '--out', 'full'), marks=pytest.mark.long),
         pytest.param(('fly', '--live', '--live-port', 'BUSY'), marks=pytest.mark.long),
     ],
@@ -50,7 +50,7 @@ def test_bad_arguments_start_nothing(lta, busy_port, tmp_path, monkeypatch, word
     'words',
     [
         LAUNCH_FLY,
-        pytest.param(LAUNCH_PAIR, marks=pytest.mark.long),
+        pytest.param(LAUNCH_FLEET, marks=pytest.mark.long),
         pytest.param(('fly',), marks=pytest.mark.long),
     ],
 )

@@ -84,7 +84,7 @@ class Vehicle:
 
     def _on_health(self, message: DiagnosticArray) -> None:
         for status in message.status:
-            self.facts[status.name] = (status.level[0], status.message)
+            self.facts[status.name.rpartition('/')[2]] = (status.level[0], status.message)
 
     def until(self, condition) -> None:
         wait_until(

@@ -75,7 +75,7 @@ def test_a_listener_hears_its_own_robot_alone(domain_id):
     node = rclpy.create_node('teller', context=context)
     publisher = node.create_publisher(DiagnosticArray, '/diagnostics', 10)
     told = [
-        DiagnosticStatus(name='simulator: flight', hardware_id=robot, message=robot)
+        DiagnosticStatus(name=f'{robot}/simulator: flight', hardware_id=robot, message=robot)
         for robot in ('lta1', 'lta2')
     ]
     with DiagnosticsListener('lta2') as second, DiagnosticsListener() as first:

@@ -98,7 +98,7 @@ def facts(folder, task):
         (status.message, {item.key: item.value for item in status.values})
         for topic, _, data in bag.iterate_messages(['/diagnostics'])
         for status in bag.decode(topic, data).status
-        if status.name == f'recorder: {task}'
+        if status.name.rpartition('/')[2] == f'recorder: {task}'
     ]
 
 

@@ -31,7 +31,7 @@ class Drone(Peer):
         self.asked[from_stamp(message.header.stamp)] = message.pose.position.z
 
     def _hear_facts(self, message):
-        self.facts |= {status.name: status.message for status in message.status}
+        self.facts |= {status.name.rpartition('/')[2]: status.message for status in message.status}
 
     @property
     def mission(self):

@@ -114,7 +114,7 @@ def flight(ros, bag) -> Started:
         .replace('walls: open', 'walls: solid')
     )
     words = (f'bag:={bag}', f'scenario:={room}')
-    launch = ros.start('launch', 'lta_config', 'fly.launch.py', *words)
+    launch = ros.start('launch', 'lta_bringup', 'fly.launch.py', *words)
     for name in ALL_NODES:
         ros.wait(f'/lta1/{name}\n', 'node', 'list')
     ros.run('topic', 'echo', '--once', '/lta1/odom', TABLE['odom'].type)
@@ -135,7 +135,7 @@ def test_run_with_arguments_of_the_program(ros):
 
 
 def test_launch_shows_the_arguments(ros):
-    said = ros.run('launch', 'lta_config', 'fly.launch.py', '--show-args')
+    said = ros.run('launch', 'lta_bringup', 'fly.launch.py', '--show-args')
     names = {argument.name for argument in FLY.list_arguments()}
     assert {line.strip()[1:-2] for line in said.splitlines() if line.endswith("':")} == names
 
@@ -256,7 +256,7 @@ def test_ctrl_c_ends_the_flight_and_its_bag_is_read_by_others(ros, flight, bag):
 
 
 def test_two_drones_have_a_namespace_each(ros, tmp_path):
-    with ros.running('launch', 'lta_config', 'pair.launch.py', f'bag:={tmp_path / "bag"}'):
+    with ros.running('launch', 'lta_bringup', 'fleet.launch.py', f'bag:={tmp_path / "bag"}'):
         for robot in ('lta1', 'lta2'):
             ros.wait(f'/{robot}/controller\n', 'node', 'list')
 

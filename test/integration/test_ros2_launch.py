@@ -14,7 +14,8 @@ import pytest
 from .command import NODES, ROOT
 from .ros_checkouts import CHECKOUTS, WITHOUT
 
-FLY = ROOT / 'config/launch/fly.launch.py'
+LAUNCHES = ROOT / 'src/lta_bringup/launch'
+FLY = LAUNCHES / 'fly.launch.py'
 # What `ros2 launch FILE NAME:=VALUE ...` does once it has parsed its command line
 LAUNCH = """
 import sys
@@ -63,14 +64,14 @@ def test_a_killed_node_is_named_and_ends_the_run(
     assert 'Traceback' not in run.text
 
 
-@pytest.mark.parametrize(('name', 'last'), [('fly', 'description'), ('pair', 'recorder')])
+@pytest.mark.parametrize(('name', 'last'), [('fly', 'description'), ('fleet', 'recorder')])
 @pytest.mark.parametrize(('number', 'status'), [(signal.SIGINT, 0), (signal.SIGTERM, 1)])
 def test_an_early_stop_leaves_no_traceback_no_node_and_no_file(
     ros2_launch, lta, tmp_path, monkeypatch, name, last, number, status
 ):
     """As long as launch starts processes, it waits without end for one that is killed."""
     monkeypatch.setenv('TMPDIR', str(tmp_path))
-    run = ros2_launch(ROOT / f'config/launch/{name}.launch.py', f'bag:={tmp_path / "bag"}')
+    run = ros2_launch(LAUNCHES / f'{name}.launch.py', f'bag:={tmp_path / "bag"}')
     run.said(f'[{last}-')
     if number == signal.SIGINT:
         run.interrupt()
@@ -82,12 +83,12 @@ def test_an_early_stop_leaves_no_traceback_no_node_and_no_file(
     assert list(tmp_path.rglob('*launch_*')) == []
 
 
-@pytest.mark.parametrize('name', ['fly', 'pair'])
+@pytest.mark.parametrize('name', ['fly', 'fleet'])
 def test_a_flight_to_its_end_is_status_0(ros2_launch, scenario, tmp_path, monkeypatch, name):
     monkeypatch.setenv('TMPDIR', str(tmp_path))
     room = scenario(time_limit='2 s')
     words = ('time:=lockstep', f'scenario:={room}', f'bag:={tmp_path / "bag"}')
-    run = ros2_launch(ROOT / f'config/launch/{name}.launch.py', *words)
+    run = ros2_launch(LAUNCHES / f'{name}.launch.py', *words)
     assert run.end() == 0, run.text
     assert (tmp_path / 'bag/metadata.yaml').exists()
     assert list(tmp_path.rglob('*launch_*')) == []

@@ -133,9 +133,9 @@ class Trial:
         self.node.publish_health()
         told = self.said['/diagnostics'][-1].status
         return {
-            status.name: (status.message, *(item.value for item in status.values))
-            for status in told
-            if status.level > bytes([HealthLevel.OK]) and not status.name.endswith(': inputs')
+            each.name.rpartition('/')[2]: (each.message, *(item.value for item in each.values))
+            for each in told
+            if each.level > bytes([HealthLevel.OK]) and not each.name.endswith(': inputs')
         }
 
     @property

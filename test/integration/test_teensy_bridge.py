@@ -66,7 +66,7 @@ class Bench(Peer):
     def _hear_facts(self, message):
         for status in message.status:
             values = {pair.key: pair.value for pair in status.values}
-            self.facts[status.name] = (status.level[0], status.message, values)
+            self.facts[status.name.rpartition('/')[2]] = (status.level[0], status.message, values)
 
     def _answer(self):
         while self._running:

@@ -34,7 +34,8 @@ class Cockpit:
         peer.node.create_timer(0.02, self._go_on)
 
     def _told(self, array: DiagnosticArray):
-        self.facts.update({status.name: status.message for status in array.status})
+        for status in array.status:
+            self.facts[status.name.rpartition('/')[2]] = status.message
 
     def _go_on(self):
         now = self.peer.node.get_clock().now().to_msg()

@@ -74,7 +74,7 @@ def test_a_tracker_tells_the_truth_by_our_clock(domain_id, words, topic, told):
         heard, facts, begun = [], {}, []
 
         def noted(array: DiagnosticArray):
-            facts.update({status.name: status for status in array.status})
+            facts.update({status.name.rpartition('/')[2]: status for status in array.status})
 
         peer.hear('ground_truth/odom', heard.append)
         peer.hear('/diagnostics', noted)

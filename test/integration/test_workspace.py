@@ -19,7 +19,7 @@ import time
 
 from diagnostic_msgs.msg import DiagnosticArray
 from lta_graph.child_process import build_node_environment as node_environment
-from lta_graph.launches import FLY
+from lta_graph.launches import FLY, LAUNCHES
 from ports import free_port
 import pytest
 import rclpy
@@ -52,7 +52,7 @@ import json
 import sys
 
 from lta_graph.launcher import Launcher
-from lta_graph.launches import FLY
+from lta_graph.launches import FLY, LAUNCHES
 
 assert find_spec('lta_sim') is None
 plan = FLY.build_plan(json.loads(sys.argv[1]))
@@ -209,11 +209,10 @@ def test_data_is_installed_with_lta_config(installed):
         if path.suffix in kinds and path.name != 'package.xml'
     }
     assert Path('topics.yaml') in expected
-    expected |= {
-        path.relative_to(ROOT / 'config') for path in (ROOT / 'config/launch').glob('*.launch.py')
-    }
     missing = {str(path) for path in expected if not (share / path).is_file()}
     assert not missing, 'config/setup.py does not install these'
+    launches = installed / 'lta_bringup' / 'share' / 'lta_bringup' / 'launch'
+    assert {path.name for path in launches.iterdir()} == {f'{name}.launch.py' for name in LAUNCHES}
 
 
 @pytest.mark.parametrize(('package', 'executable'), NODES)

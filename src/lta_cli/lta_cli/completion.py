@@ -23,10 +23,9 @@ from typer.core import TyperGroup
 
 # The packages that declare what is in the table of commands
 PACKAGES: Final = (
-    'lta_cli', 'lta_config', 'lta_control', 'lta_data', 'lta_energy', 'lta_flight', 'lta_model',
-    'lta_studies', 'lta_vlc',
+    'lta_cli', 'lta_config', 'lta_control', 'lta_data', 'lta_energy', 'lta_flight', 'lta_graph',
+    'lta_model', 'lta_studies', 'lta_vlc',
 )  # fmt: skip
-SUFFIXES: Final = {'launch file': '.launch.py'}
 # Vehicle and scenario of a command line that names none
 DEFAULTS: Final = {'vehicle': 'gtmab', 'scenario': 'lamp_room'}
 Values = Iterator[tuple[str, str]]  # with a description, or ''
@@ -169,7 +168,7 @@ def list_values(values: str | list[str], line: Line, table: Mapping[str, Any]) -
     if isinstance(values, list):
         yield from ((value, '') for value in values)
     elif values in FOLDERS:
-        for name in list_shipped_names(FOLDERS[values], SUFFIXES.get(values, '.yaml')):
+        for name in list_shipped_names(FOLDERS[values]):
             yield name, ''
     elif values:
         yield from LISTS[values](line, table)
@@ -179,6 +178,12 @@ def list_strategies(line: Line, table: Mapping[str, Any]) -> Values:
     """Yield the registered strategies."""
     del line
     yield from ((name, '') for name in table['strategies'])
+
+
+def list_launches(line: Line, table: Mapping[str, Any]) -> Values:
+    """Yield the shipped launches."""
+    del line
+    yield from ((name, '') for name in table['launches'])
 
 
 def list_effects(line: Line, table: Mapping[str, Any]) -> Values:
@@ -241,12 +246,11 @@ def list_topics(line: Line, table: Mapping[str, Any]) -> Values:
 
 def list_launch_arguments(line: Line, table: Mapping[str, Any]) -> Values:
     """Yield the arguments of a shipped launch; a file of the user is not run for a prompt."""
-    from lta_graph.launch_plan import find_launch
+    from lta_graph.launches import LAUNCHES
 
     del table
-    name = str(line.get('file', ''))
-    if name in list_shipped_names(FOLDERS['launch file'], SUFFIXES['launch file']):
-        for item in find_launch(name).list_arguments():
+    if launch := LAUNCHES.get(str(line.get('file', ''))):
+        for item in launch.list_arguments():
             yield f'{item.name}:=', item.description
 
 
@@ -257,5 +261,6 @@ LISTS: Final[dict[str, Callable[[Line, Mapping[str, Any]], Values]]] = {
     'topic': list_topics,
     'flight path': list_flight_paths,
     'vehicle path': list_vehicle_paths,
+    'launch': list_launches,
     'launch argument': list_launch_arguments,
 }

@@ -69,6 +69,10 @@ RANGE_OFFSET = 0.01
 # Of the altitude filter's variance of the climb rate. Its acceleration noise covers faults of the
 # model; docs/control.md has the measured errors.
 CLIMB_SHARE = 0.2
+# Root mean square errors of simulated flights in still air, gusts and 0.4 m/s of wind, in which a
+# drone sways while its biases are calibrated: of roll and pitch [rad], and of the rates [rad/s]
+LEVEL_SIGMA = 0.01
+RATE_SIGMA = 0.002
 TILT_SIGMA = 0.015  # [rad] of the tilt, which turns the velocity: measured in flights
 
 
@@ -135,8 +139,8 @@ def from_estimate(stamp: Time, estimate: MotionEstimate, ground: GroundMotion) -
     pose_covariance[14] = (
         estimate.altitude.p[0] + RANGE_OFFSET**2 if is_known else UNKNOWN_VARIANCE
     )
-    # [rad2] Roll and pitch are bounded by gravity; yaw drifts with the gyroscope
-    pose_covariance[21] = pose_covariance[28] = 0.02**2
+    # Roll and pitch are bounded by gravity; yaw drifts with the gyroscope
+    pose_covariance[21] = pose_covariance[28] = LEVEL_SIGMA**2
     pose_covariance[35] = YAW_START**2 + (YAW_DRIFT * estimate.flight_time) ** 2
     message.pose.covariance = pose_covariance
     yaw = yaw_from_quaternion(estimate.attitude)
@@ -197,7 +201,7 @@ def _build_twist_covariance(
     x, y, _ = up_in_body(estimate.attitude)
     level = x * x * covariance[0] + 2.0 * x * y * covariance[1] + y * y * covariance[7]
     covariance[14] = CLIMB_SHARE * estimate.altitude.p[3] + TILT_SIGMA**2 * square + level
-    covariance[21] = covariance[28] = covariance[35] = 1e-4
+    covariance[21] = covariance[28] = covariance[35] = RATE_SIGMA**2
     return covariance
 
 

@@ -196,8 +196,8 @@ def find_stalling_roles(facts: Iterable[HealthFact]) -> list[str]:
     """
     Return the roles that keep others waiting, in alphabetical order.
 
-    `facts`: the newest facts of all nodes, with tasks named 'NODE: TASK' as on /diagnostics. With
-    several robots the robot's name comes first (`lta2/estimator: inputs`).
+    `facts`: the newest facts of all nodes, with tasks named 'NODE: TASK', or 'ROBOT/NODE: TASK' as
+    on /diagnostics.
     """
     # `waiting` are roles that report missing inputs, `suspects` the roles they wait for
     waiting, suspects = set(), set()

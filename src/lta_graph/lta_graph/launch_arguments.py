@@ -74,6 +74,35 @@ class EmulatedArguments(DroneArguments):
     beacon: float = setting(0.0, "With light_peaks:=true, the lamp's frequency in Hz.")
 
 
+class FleetArguments(PacedArguments):
+    """Arguments of `fleet`."""
+
+    n: int = setting(2, 'Number of drones, 1 to 10.', low=1, high=10)
+    robot: str = setting('lta', 'Namespace of each drone, before its number.')
+    vehicle: str = setting(
+        'gtmab', 'Vehicle: a shipped name, or the path of a file; several, as a,b, take turns.'
+    )
+    gains: str = setting(
+        'gtmab',
+        'Gains of the controllers: a shipped name, or a file; several, as a,b, take turns.',
+    )
+    strategy: str = setting(
+        'bag',
+        'Navigation strategy: bag, des, dga, homing, or a file; several, as a,b, take turns.',
+    )
+    seed: int = setting(1, 'Random seed of the first drone; each next drone has the next.')
+    offset_x: float = setting(
+        0.0, "Offset of the first start from the scenario's along map x, in metres."
+    )
+    offset_y: float = setting(
+        0.0, "Offset of the first start from the scenario's along map y, in metres."
+    )
+    spacing: float = setting(
+        1.5, 'Distance between two starts along y, and from the sixth drone on along x, in metres.'
+    )
+    live_port: int = setting(8765, 'Port of the first live view; each next drone has the next.')
+
+
 class FlyArguments(DroneArguments, PacedArguments):
     """Arguments of `fly`, and what follows from them."""
 

@@ -7,14 +7,13 @@ ROS 2 is installed (`ros.launch_description`). A launch file is a Python file th
 """
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 import json
 import math
 from typing import Any, final, get_args
 
 from lta_config.errors import BadInput, unknown_name_error
-from lta_config.files import find_file, format_error
-from lta_config.python_file import run_python_file
+from lta_config.files import format_error
 from lta_config.settings import Settings
 from lta_config.topics import is_name
 from pydantic import ValidationError
@@ -135,9 +134,6 @@ def format_ros_yaml(value: Parameter) -> str:
     return json.dumps(value, ensure_ascii=False) if isinstance(value, str) else repr(value)
 
 
-LAUNCH_SUFFIX = '.launch.py'
-
-
 @final
 @dataclass(frozen=True, slots=True)
 class LaunchArgument:
@@ -188,22 +184,6 @@ class Launch:
             raise BadInput(f'The launch argument {format_error(error)}') from None
         words = (self.name, *(f'{name}:={value}' for name, value in values.items()))
         return LaunchPlan(tuple(self.list_processes(model)), words)
-
-
-def find_launch(name: str) -> Launch:
-    """
-    Return the launch of a shipped name such as `fly`, or of a launch file.
-
-    Raise `BadInput` if there is no such file, or it cannot be run or defines no launch.
-    """
-    path = find_file('launch file', name, LAUNCH_SUFFIX)
-    launch = getattr(run_python_file(path, 'a launch file'), 'LAUNCH', None)
-    if not isinstance(launch, Launch):
-        raise BadInput(
-            f"'{path}' defines no LAUNCH; start it with ros2 launch, or define one as "
-            'docs/add.md shows.'
-        )
-    return replace(launch, name=name)
 
 
 def parse_arguments(texts: Iterable[str]) -> dict[str, str]:

@@ -1,28 +1,32 @@
 """
-The shipped launches: `fly`, one drone; `pair`, two; `emulated`, one on emulated hardware.
+The shipped launches: `fly`, one drone; `fleet`, several; `emulated`, one on emulated hardware.
 
 `DRONE_NODES` says which nodes a drone has, when each starts, and with which parameters.
 """
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from functools import partial
+from pathlib import Path
 from typing import Any, final
 
-from lta_config.settings import setting, Settings
+from lta_config.errors import BadInput, unknown_name_error
+from lta_config.python_file import run_python_file
+from lta_config.settings import Settings
 from lta_graph.launch_arguments import (
     DroneArguments,
     EmulatedArguments,
+    FleetArguments,
     FlyArguments,
     PacedArguments,
 )
 from lta_graph.launch_plan import Launch, LaunchProcess, Parameter
-from pydantic import create_model
 
 LANDING_GRACE = 23.0  # s from SIGINT to SIGTERM: a real drone lands first, which is recorded
 VIEWER_GRACE = 1.0  # s from SIGINT to SIGTERM: nothing is lost with a live view
 EMULATION_PATIENCE = 60.0  # s that a bridge waits for the emulated hardware, which loads a model
-FLEET_SPACING = 2.0  # m between the starts of two drones of a fleet
+# Where the five drones of a row start, in spacings along map y; the first where that of `fly` does
+FLEET_ROW = (0, -1, 1, -2, 2)
+LAUNCH_SUFFIX = '.launch.py'
 # Arguments that each drone of a fleet has for itself
 PER_DRONE = ('robot', 'vehicle', 'gains', 'strategy', 'seed', 'offset_x', 'offset_y', 'live_port')
 
@@ -217,53 +221,43 @@ def list_emulated(arguments: EmulatedArguments) -> list[LaunchProcess]:
     return [hardware, *list_drone(drone)]
 
 
-def build_fleet(name: str, count: int) -> Launch:
+def list_fleet(arguments: FleetArguments) -> list[LaunchProcess]:
     """
-    Return the launch of several drones in one scene, one bag and one /clock.
+    Return the graphs of several drones in one scene, and their one recorder.
 
-    It starts the graph of `fly` once in each namespace, and one recorder. The drones do not feel
-    each other: they do not touch, stir each other's air or stand in each other's light. So each
-    flies exactly as it would alone, in lockstep to the last bit of its topics. They are kept
-    within 0.1 s of each other in time, and the first one's simulator tells /clock for all. Whose
-    flight is over stands still until those of the others are; then the launch ends.
+    It is the graph of `fly` once in each namespace, with one /clock. The drones do not feel each
+    other: they do not touch, stir each other's air or stand in each other's light. So each flies
+    exactly as it would alone, in lockstep to the last bit of its topics. They are kept within
+    0.1 s of each other in time, and the first one's simulator tells /clock for all. Whose flight
+    is over stands still until those of the others are; then the launch ends.
     """
-    first = FlyArguments()
-    fields: dict[str, Any] = {}
-    for k in range(count):
-        defaults = {
-            'robot': f'lta{k + 1}',
-            'seed': first.seed + k,
-            'offset_y': first.offset_y - FLEET_SPACING * k,
-            'live_port': first.live_port + k,
-        }
-        for each in PER_DRONE:
-            info = FlyArguments.model_fields[each]
-            default = defaults.get(each, info.default)
-            about = f'Drone {k + 1}: {info.description}'
-            fields[f'{each}{k + 1}'] = (info.annotation, setting(default, about))
-    model = create_model('FleetArguments', __base__=PacedArguments, **fields)
-    return Launch(name, model, partial(list_fleet, count=count))
-
-
-def list_fleet(arguments: PacedArguments, count: int) -> list[LaunchProcess]:
-    """Return the graphs of several drones, and their recorder."""
-    own = [
-        {name: getattr(arguments, f'{name}{k + 1}') for name in PER_DRONE} for k in range(count)
-    ]
-    robots = [each['robot'] for each in own]
+    robots = [f'{arguments.robot}{k + 1}' for k in range(arguments.n)]
     drones = [
         FlyArguments(
             **copy_fields(arguments, PacedArguments),
-            **each,
+            robot=robot,
+            vehicle=select_in_turn(arguments.vehicle, k),
+            gains=select_in_turn(arguments.gains, k),
+            strategy=select_in_turn(arguments.strategy, k),
+            seed=arguments.seed + k,
+            offset_x=arguments.offset_x + arguments.spacing * (k // 5),
+            offset_y=arguments.offset_y + arguments.spacing * FLEET_ROW[k % 5],
+            live_port=arguments.live_port + k,
             recorder=False,
             clock=k == 0,
             peers=' '.join(robots[:k] + robots[k + 1 :]),
-            frame_prefix=f'{robots[k]}/',
+            frame_prefix=f'{robot}/',
         )
-        for k, each in enumerate(own)
+        for k, robot in enumerate(robots)
     ]
     processes = [process for drone in drones for process in list_drone(drone)]
     return [*processes, build_recorder(drones)] if arguments.record else processes
+
+
+def select_in_turn(values: str, k: int) -> str:
+    """Return the value of drone k from one for all, or several that take turns."""
+    words = values.split(',')
+    return words[k % len(words)]
 
 
 def build_recorder(drones: list[FlyArguments]) -> LaunchProcess:
@@ -286,4 +280,27 @@ def copy_fields(arguments: Settings, model: type[Settings]) -> dict[str, Any]:
 
 FLY = Launch('fly', FlyArguments, list_drone)
 EMULATED = Launch('emulated', EmulatedArguments, list_emulated)
-PAIR = build_fleet('pair', 2)
+FLEET = Launch('fleet', FleetArguments, list_fleet)
+LAUNCHES = {launch.name: launch for launch in (EMULATED, FLEET, FLY)}
+
+
+def find_launch(name: str) -> Launch:
+    """
+    Return the launch of a shipped name such as `fly`, or of a launch file.
+
+    Raise `BadInput` if there is none, or it cannot be run or defines no launch.
+    """
+    if name in LAUNCHES:
+        return LAUNCHES[name]
+    if '/' not in name and not name.endswith(LAUNCH_SUFFIX):
+        raise unknown_name_error('launch file', name, list(LAUNCHES))
+    path = Path(name)
+    if not path.is_file():
+        raise BadInput(f'There is no launch file {path}; check the path.')
+    launch = getattr(run_python_file(path, 'a launch file'), 'LAUNCH', None)
+    if not isinstance(launch, Launch):
+        raise BadInput(
+            f"'{path}' defines no LAUNCH; start it with ros2 launch, or define one as "
+            'docs/add.md shows.'
+        )
+    return replace(launch, name=name)

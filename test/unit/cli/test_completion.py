@@ -64,7 +64,7 @@ def bag(tmp_path):
         ('lta vehicle show rg', ['rgblimp']),
         ('lta vehicle diff gtmab --set trim.h', ['trim.heaviness=']),
         ('lta sweep heav', ['heaviness']),
-        ('lta launch fl', ['fly']),
+        ('lta launch fl', ['fleet', 'fly']),
         ('lta launch fly replay', ['replay:=']),
         ('lta effects munk', ['munk_moment']),
         ('lta effects try', ['try']),

@@ -124,8 +124,7 @@ def test_what_is_not_a_file(tmp_path):
 
 def test_names_are_shipped_files_and_paths_are_paths(tmp_path, monkeypatch):
     (tmp_path / 'vehicles').mkdir()
-    (tmp_path / 'launch').mkdir()
-    for name in ('vehicles/b.yaml', 'vehicles/a.yaml', 'launch/fly.launch.py', 'own.yaml'):
+    for name in ('vehicles/b.yaml', 'vehicles/a.yaml', 'own.yaml'):
         (tmp_path / name).touch()
     monkeypatch.setattr(files, 'share_folder', lambda: tmp_path)
     monkeypatch.chdir(tmp_path)
@@ -133,7 +132,6 @@ def test_names_are_shipped_files_and_paths_are_paths(tmp_path, monkeypatch):
     assert find_file('vehicle', 'a') == tmp_path / 'vehicles/a.yaml'
     assert find_file('vehicle', 'own.yaml') == Path('own.yaml')
     assert find_file('vehicle', 'vehicles/b.yaml') == Path('vehicles/b.yaml')
-    assert find_file('launch file', 'fly', '.launch.py') == tmp_path / 'launch/fly.launch.py'
     for name in ('c', '', '..', 'A'):
         with pytest.raises(BadInput, match=r"^Unknown vehicle '.*'; known: a, b\.$"):
             find_file('vehicle', name)

@@ -2,9 +2,15 @@
 
 import math
 
+from lta_control.altitude import AltitudeEstimate
+from lta_control.estimator import MotionEstimate
 from lta_control.odometry import ground_filter
 from lta_control.odometry.airspeed import HullDragModel
-from lta_control.odometry.ground_motion import ground_step, ModelledMotion
+from lta_control.odometry.ground_motion import (
+    ground_step,
+    ModelledMotion,
+    read_modelled_motion,
+)
 from lta_control.odometry.ground_state import GroundMotion, GroundSettings, rotate_covariance
 from lta_control.odometry.lamp_sighting import build_sighting, LampSighting, TRUSTED
 from lta_control.sighting import LampPosition
@@ -70,6 +76,36 @@ def test_a_drone_that_stands_tells_little_of_the_wind():
     held, free = (math.sqrt(states[on_ground].rows[5][5]) for on_ground in (True, False))
     # Of the wind across, by a bearing that does not change
     assert held > 1.5 * free
+
+
+def test_a_drone_that_stands_still_stays_where_it_is_and_tells_nothing_of_the_wind():
+    standing = resting()._replace(on_ground=True, stands=True)
+    state = fly(1.0, standing)
+    state = state._replace(mean=(1.0, 2.0, 0.0, 0.0, 0.3, 0.0, *state.mean[6:]))
+    after = fly(60.0, standing, state)
+    assert after.position == (1.0, 2.0)
+    assert after.velocity == (0.0, 0.0)
+    # By 1 cm, and 1 cm more in a second
+    assert after.position_covariance == pytest.approx((62.0e-4, 0.0, 62.0e-4), rel=0.01)
+    assert after.velocity_covariance == pytest.approx((1e-4, 0.0, 1e-4))
+    assert after.mean[4] == 0.3
+    assert after.rows[4][4] == pytest.approx(SETTINGS.wind**2 + 61.0 * SETTINGS.gusts**2)
+    # It begins to drift with the air as soon as it is off the floor
+    assert fly(1.0, resting(), after).velocity[0] > 0.01
+
+
+def test_a_drone_stands_still_on_the_floor_without_motors():
+    height = AltitudeEstimate(height=0.4, climb=0.0)
+    still = MotionEstimate(ready=True, altitude=height, rates=(0.002, -0.002, 0.002))
+    assert read_modelled_motion(still, 0.4).stands
+    duties = (0.3, *still.duties[1:])
+    for moving in (
+        still._replace(duties=duties),
+        still._replace(rates=(0.0, 0.0, -0.1)),
+        still._replace(altitude=height._replace(climb=-0.2)),
+        still._replace(altitude=height._replace(height=0.5)),
+    ):
+        assert not read_modelled_motion(moving, 0.4).stands
 
 
 def test_the_frame_begins_where_the_biases_are_known():

@@ -7,7 +7,7 @@ from lta_config.files import find_file, list_shipped_names
 from lta_control.strategies import STRATEGIES
 from lta_flight.preflight import check_plan
 from lta_graph.launch_plan import LaunchPlan, LaunchProcess
-from lta_graph.launches import EMULATED, FLY, PAIR
+from lta_graph.launches import EMULATED, FLEET, FLY
 import pytest
 
 
@@ -186,7 +186,7 @@ def other(tmp_path):
     return path
 
 
-@pytest.mark.parametrize('launch', [FLY, PAIR], ids=['fly', 'pair'])
+@pytest.mark.parametrize('launch', [FLY, FLEET], ids=['fly', 'fleet'])
 def test_a_lamp_that_nobody_listens_for_is_refused_for_every_drone(launch, other):
     check_plan(launch.build_plan({}))
     with pytest.raises(BadInput, match='flickers at 230 Hz, but the demodulator listens at 150'):
@@ -212,7 +212,7 @@ def test_a_demodulator_that_is_set_to_the_lamp_hears_it(other):
 
 
 def test_two_nodes_of_one_name_are_refused():
-    check_plan(PAIR.build_plan({}))
+    plan = FLY.build_plan({})
     with pytest.raises(BadInput) as caught:
-        check_plan(PAIR.build_plan({'robot2': 'lta1'}))
+        check_plan(LaunchPlan(plan.processes * 2))
     assert str(caught.value).startswith("2 nodes have the name '/lta1/simulator'; give each robot")

@@ -6,20 +6,27 @@ import textwrap
 from lta_config.errors import BadInput
 from lta_config.settings import setting, Settings
 from lta_graph.launch_plan import (
-    find_launch,
     format_ros_yaml,
     Launch,
     LaunchPlan,
     LaunchProcess,
     parse_arguments,
 )
-from lta_graph.launches import build_fleet, FLY
+from lta_graph.launches import find_launch, FLEET, FLY
 import pytest
 import yaml
 
-THREE = """
-from lta_graph.launches import build_fleet
-LAUNCH = build_fleet('three', 3)
+OWN = """
+from lta_graph.launch_arguments import FlyArguments
+from lta_graph.launch_plan import Launch, LaunchProcess
+from lta_graph.launches import list_drone
+
+
+def list_mine(arguments):
+    return [*list_drone(arguments), LaunchProcess('mine', 'lidar', 'lidar', '/lta1')]
+
+
+LAUNCH = Launch('mine', FlyArguments, list_mine)
 """
 
 
@@ -187,16 +194,13 @@ def test_one_process_runs_all_nodes_but_those_apart_and_gets_the_arguments():
 
 def test_a_launch_is_called_by_its_name_or_by_the_path_of_a_file(write):
     assert find_launch('fly').arguments is FLY.arguments
-    path = write(THREE)
+    path = write(OWN)
     launch = find_launch(str(path))
-    plan = launch.build_plan({'seed3': '9'})
-    assert plan.words == (str(path), 'seed3:=9')  # for the process that runs several nodes
-    assert plan.namespaces == ['lta1', 'lta2', 'lta3', '']
-    nodes = {plan.label(each): each.parameters for each in plan.processes}
-    assert nodes['lta3/simulator']['seed'] == 9
-    assert nodes['lta2/simulator']['peers'] == 'lta1 lta3'
-    assert [nodes[f'lta{k}/simulator']['clock'] for k in (1, 2, 3)] == [True, False, False]
-    assert nodes['recorder']['lta3.offset_y'] == -4.0
+    plan = launch.build_plan({'seed': '9'})
+    assert plan.words == (str(path), 'seed:=9')  # for the process that runs several nodes
+    *drone, own = plan.processes
+    assert drone == list(FLY.build_plan({'seed': '9'}).processes)
+    assert plan.label(own) == 'lidar'
 
 
 @pytest.mark.parametrize(
@@ -213,14 +217,14 @@ def test_a_file_without_a_launch_is_one_sentence(write, text, sentence):
 
 
 def test_a_launch_that_is_not_there_is_one_sentence(tmp_path):
-    with pytest.raises(BadInput, match=r"^Unknown launch file 'fli'; known: emulated, fly, pair"):
+    with pytest.raises(BadInput, match=r"^Unknown launch file 'fli'; known: emulated, fleet, fly"):
         find_launch('fli')
     with pytest.raises(BadInput, match=r'^There is no launch file .*none\.launch\.py; check the'):
         find_launch(str(tmp_path / 'none.launch.py'))
 
 
 def test_a_fleet_of_one_is_the_flight_with_a_recorder_of_its_own():
-    fleet = build_fleet('one', 1).build_plan({})
+    fleet = FLEET.build_plan({'n': '1'})
     alone = FLY.build_plan({'frame_prefix': 'lta1/', 'recorder': 'false'})
     assert fleet.processes[:-1] == alone.processes
     assert (fleet.processes[-1].name, fleet.processes[-1].namespace) == ('recorder', '/')

@@ -16,9 +16,11 @@ def clock(monkeypatch):
 
 def said(*names):
     """Return what nodes say, written as 'ROBOT/NODE'."""
-    split = [name.rpartition('/') for name in names]
     return DiagnosticArray(
-        status=[DiagnosticStatus(name=f'{node}: state', hardware_id=it) for it, _, node in split]
+        status=[
+            DiagnosticStatus(name=f'{name}: state', hardware_id=name.rpartition('/')[0])
+            for name in names
+        ]
     )
 
 

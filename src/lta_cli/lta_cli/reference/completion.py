@@ -6,6 +6,7 @@ from typing import Any, get_args, get_origin, Literal
 from lta_cli.app import build_app
 from lta_control.strategies import STRATEGIES
 from lta_flight.flight_spec import SETTINGS
+from lta_graph.launches import LAUNCHES
 from lta_model.effects import EFFECTS
 from lta_model.effects.protocol import describe_effect
 from pydantic import BaseModel
@@ -41,7 +42,7 @@ VALUES = {
     'lta mission': {'NAME': 'mission'},
     'lta sweep': {'FILE': 'sweep'},
     'lta platforms': {'FILE': 'comparison'},
-    'lta launch': {'FILE': 'launch file', '[NAME:=VALUE]...': 'launch argument'},
+    'lta launch': {'FILE': 'launch', '[NAME:=VALUE]...': 'launch argument'},
     'lta cells': {'TABLE': 'cell table'},
     'lta reproduce': {'NAMES': 'row of the paper'},
     'lta effects': {'NAME': 'effect or try'},
@@ -58,6 +59,7 @@ def build_table() -> dict[str, Any]:
             setting for root, model in SETTINGS.items() for setting in list_settings(model, root)
         ),
         'strategies': list(STRATEGIES),
+        'launches': list(LAUNCHES),
         'effects': {name: describe_effect(effect) for name, effect in EFFECTS.items()},
         'effect parameters': {
             f'effects.{name}.{parameter.name}': parameter.unit

@@ -42,7 +42,7 @@ def render_page() -> str:
         format_model_section(f'{package} {node}', model)
         for package, node, model in iterate_settings_models()
     ]
-    about = 'Arguments as `NAME:=VALUE`. `--show-args` lists those of `pair` and `emulated`.'
+    about = 'Arguments as `NAME:=VALUE`. `--show-args` lists those of `fleet` and `emulated`.'
     tables.append(format_model_section('lta launch fly', FLY.arguments, about))
     return HEAD + ''.join(tables)
 

@@ -11,7 +11,6 @@ from lta_cli.options.common_options import plain_console
 from lta_config.atomic_file import reserve_folder
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.errors import BadInput
-from lta_config.files import find_file
 from lta_data.bag.reader import read_bag
 from lta_data.bag.recorded_flight import list_robots
 from lta_flight.flight import describe_line, is_refusal, parse_status
@@ -19,7 +18,8 @@ from lta_flight.flight_run import EXIT_STATUSES
 from lta_flight.graph import list_bags, run_graph
 from lta_flight.preflight import check_plan
 from lta_flight.report.page import write_page
-from lta_graph.launch_plan import find_launch, Launch, LAUNCH_SUFFIX, LaunchPlan, parse_arguments
+from lta_graph.launch_plan import Launch, LaunchPlan, parse_arguments
+from lta_graph.launches import find_launch, LAUNCH_SUFFIX, LAUNCHES
 from lta_report.results_folder import format_page_line
 from rich.table import Table
 import typer
@@ -31,8 +31,8 @@ def launch(
     file: Annotated[
         str,
         typer.Argument(
-            help='Launch file (./*.launch.py), or the name fly, pair or emulated for a shipped '
-            'file.'
+            help='Launch file (./*.launch.py), or the name fly, fleet or emulated for a '
+            'shipped one.'
         ),
     ],
     arguments: Annotated[
@@ -73,8 +73,8 @@ def launch(
     if alone and os.environ.get('LTA_UNDERLAY') != WHEELS and shutil.which('ros2'):
         # Replaces this process, so signals and the exit status are those of ros2 launch
         words = [f'{name}:={value}' for name, value in pairs.items()]
-        path = find_file('launch file', file, LAUNCH_SUFFIX)
-        os.execvp('ros2', ['ros2', 'launch', str(path), *words])
+        where = ['lta_bringup', f'{file}{LAUNCH_SUFFIX}'] if file in LAUNCHES else [file]
+        os.execvp('ros2', ['ros2', 'launch', *where, *words])
     outcomes: list[str] = []  # of the simulated flights
 
     def on_line(node: str, line: str) -> None:

@@ -35,7 +35,7 @@ def report(
 
     Example: lta report runs/20261120-lamp_room-1/bag --pictures thesis/figures
 
-    Example: lta report pair/bag --robot lta2
+    Example: lta report fleet/bag --robot lta2
     """
     bag = find_bag(bag)
     stored = read_bag(bag)

@@ -26,6 +26,7 @@ covariance grows to that of the prior.
 
 On the ground, or held by hand, an unknown contact may hold the drone against the wind. The process
 noise of the drift is larger there, so that a drone that does not move tells little of the wind.
+While it stands still there, its velocity over ground is zero, whatever the wind.
 
 The wind is expected to change little. Innovations of bearings that stay on one side show gusts,
 and the process noise then grows with them (covariance matching: Mehra, Approaches to adaptive
@@ -59,6 +60,7 @@ from lta_control.odometry.lamp_sighting import LampSighting, NEAREST
 
 SLIP = 0.03  # m in one second: error of the position beyond that of the velocity
 DRAG_ERROR = 0.2  # relative error of the drag's slope
+STANDS = 0.01  # m/s of a drone that stands still, and m in one second
 CONTACT = 0.04  # m/s in one second: floor or hand against the wind
 ASIDE = 0.1  # m: lamp and diode ring have an extent, which displaces a near lamp
 OVER = 1.2  # m: largest difference of height, which adds to the distance of a near lamp
@@ -147,6 +149,26 @@ def predict_motion(
         rows=tuple([tuple(row) for row in after]),
         moved=(0.0, 0.0),
         elapsed=0.0,
+    )
+
+
+def hold_still(before: GroundMotion, after: GroundMotion) -> GroundMotion:
+    """
+    Return the prediction `after` for a drone that stood still since `before`.
+
+    Its velocity over ground is zero within `STANDS`, and independent of all else, such as of a
+    wind against which the floor holds it. So its position has the covariance that it had.
+    """
+    rows = [list(row) for row in after.rows]
+    for i in (X, Y, DRIFT_X, DRIFT_Y):
+        is_place = i in (X, Y)
+        for j in range(len(rows)):
+            rows[i][j] = rows[j][i] = before.rows[i][j] if is_place else 0.0
+        rows[i][i] += STANDS * STANDS * (before.elapsed if is_place else 1.0)
+    drift = -after.air[0], -after.air[1]
+    return after._replace(
+        mean=(*after.mean[:DRIFT_X], *drift, *after.mean[WIND_X:]),
+        rows=tuple(map(tuple, rows)),
     )
 
 

@@ -10,7 +10,7 @@ from typing import NamedTuple, TYPE_CHECKING
 
 from lta_control.attitude import Vector, yaw_from_quaternion
 from lta_control.odometry.airspeed import HullDragModel
-from lta_control.odometry.ground_filter import correct_motion, predict_motion
+from lta_control.odometry.ground_filter import correct_motion, hold_still, predict_motion
 from lta_control.odometry.ground_state import (
     DRIFT_X,
     DRIFT_Y,
@@ -30,6 +30,10 @@ if TYPE_CHECKING:
 
 PERIOD = 0.1  # s between predictions of the covariance
 NEAR_GROUND = 0.03  # m above the height on the floor, up to which the drone may stand
+# A drone on the floor stands still if it turns and climbs no faster, and no motor pushes it
+STILL_RATE = 0.03  # rad/s, 15 times the noise; wind that could move it makes it sway faster
+STILL_CLIMB = 0.05  # m/s
+STILL_DUTY = 0.01  # with which no motor moves a drone
 
 
 class ModelledMotion(NamedTuple):
@@ -43,6 +47,7 @@ class ModelledMotion(NamedTuple):
     surge: float
     sway: float
     on_ground: bool = False  # whether the drone may stand on the floor, or be held there
+    stands: bool = False  # whether it stands still there
 
 
 def is_on_ground(height: float, standing_height: float) -> bool:
@@ -53,13 +58,18 @@ def is_on_ground(height: float, standing_height: float) -> bool:
 def read_modelled_motion(estimate: 'MotionEstimate', standing_height: float) -> ModelledMotion:
     """Return what the filter takes from the estimator's state."""
     speed, yaw = estimate.airspeed, yaw_from_quaternion(estimate.attitude)
+    on_ground = is_on_ground(estimate.altitude.height, standing_height)
     return ModelledMotion(
         estimate.ready,
         yaw,
         estimate.rates[2],
         speed.model_surge,
         speed.model_sway,
-        is_on_ground(estimate.altitude.height, standing_height),
+        on_ground,
+        on_ground
+        and max(map(abs, estimate.rates)) < STILL_RATE
+        and abs(estimate.altitude.climb) < STILL_CLIMB
+        and max(map(abs, estimate.duties)) < STILL_DUTY,
     )
 
 
@@ -93,7 +103,7 @@ def ground_step(
     """Return the motion over ground one step later, from the newest modelled motion."""
     if not state.rows:
         state = start_ground_motion(settings)
-    ready, yaw, yaw_rate, surge, sway, on_ground = motion
+    ready, yaw, yaw_rate, surge, sway, on_ground, stands = motion
     cos, sin = math.cos(yaw), math.sin(yaw)
     air = cos * surge - sin * sway, sin * surge + cos * sway
     mean, moved = state.mean, state.moved
@@ -120,6 +130,8 @@ def ground_step(
     bearing = 0.0 if sighting is None else yaw - yaw_rate * sighting.age + sighting.bearing
     try:
         after = predict_motion(settings, hull, state, (cos, sin))
+        if stands:
+            after = hold_still(state, after)
         if sighting is not None:
             after = correct_motion(
                 settings, after, sighting, bearing, state.doubted + state.elapsed

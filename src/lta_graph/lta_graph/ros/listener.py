@@ -36,9 +36,9 @@ class DiagnosticsListener:
 
     def __init__(self, *robots: str) -> None:
         names = robots or ('lta1',)
-        # The prefix is empty with one robot, so that messages name its nodes alone
-        self._prefix = {name: f'{name}/' if name and len(names) > 1 else '' for name in names}
-        self._robot = names[0]
+        self._robots, self._robot = set(names), names[0]
+        # Of one robot, messages name its nodes alone
+        self._common = f'{names[0]}/' if len(names) == 1 else ''
         self.facts: dict[str, HealthFact] = {}
         self._stamp = Time()  # of the newest report: the graph's time
         self._received_at: dict[str, float] = {}
@@ -64,7 +64,7 @@ class DiagnosticsListener:
         self._stack.close()
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
-        ours = [status for status in message.status if status.hardware_id in self._prefix]
+        ours = [status for status in message.status if status.hardware_id in self._robots]
         if ours:
             # Time of the first report of any node; discovery is allowed DISCOVERY from then
             self._begun = self._begun or time.monotonic()
@@ -73,7 +73,7 @@ class DiagnosticsListener:
             values = {item.key: item.value for item in status.values}
             # Any node may publish here: an undefined level is capped at the worst one
             level = HealthLevel(min(int.from_bytes(status.level, 'little'), HealthLevel.STALE))
-            task = self._prefix[status.hardware_id] + status.name
+            task = status.name.removeprefix(self._common)
             self.facts[task] = HealthFact(task, level, status.message, values)
             self._received_at[task.partition(':')[0]] = time.monotonic()
 
@@ -93,7 +93,7 @@ class DiagnosticsListener:
         """Report a fault of a node at level ERROR, so that the recorder stores it."""
         status = DiagnosticStatus(
             level=DiagnosticStatus.ERROR,
-            name=LAUNCHER_TASK,
+            name=f'{self._robot}/{LAUNCHER_TASK}'.strip('/'),
             message=sentence,
             hardware_id=self._robot,
         )

@@ -318,7 +318,8 @@ class GraphNode(ContainedNode):
             DiagnosticStatus(
                 # The level is a `byte`, which rclpy represents as a bytes object of length 1
                 level=bytes([fact.level]),
-                name=f'{self.get_name()}: {fact.task}',
+                # With the robot's name, as others tell robots apart by this alone
+                name=f'{self.get_fully_qualified_name().strip("/")}: {fact.task}',
                 message=fact.message,
                 hardware_id=self.get_namespace().strip('/'),
                 values=[KeyValue(key=key, value=value) for key, value in fact.values.items()],

@@ -24,7 +24,8 @@ from lta_config.errors import BadInput
 from lta_config.files import share_folder
 from lta_graph.health import ENDS_RUN, HealthLevel
 from lta_graph.interrupts import catch_stops
-from lta_graph.launch_plan import find_launch, LaunchProcess, parse_arguments
+from lta_graph.launch_plan import LaunchProcess, parse_arguments
+from lta_graph.launches import find_launch
 from lta_graph.reach import PROFILE_VARIABLE
 from lta_graph.ros.command_line import initialize_ros, reject_unknown_parameters
 from lta_graph.ros.contained_node import give_arguments
@@ -57,7 +58,7 @@ class RunningNode:
 USAGE = """Usage: ros2 run lta_graph one_process FILE [NAME:=VALUE] ...
 
 Run the nodes of a launch file that share a process, such as one_process fly seed:=2. The arguments
-are those of the launch file: ros2 launch lta_config fly.launch.py --show-args.
+are those of the launch file: ros2 launch lta_bringup fly.launch.py --show-args.
 """
 
 

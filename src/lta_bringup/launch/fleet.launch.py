@@ -1,13 +1,13 @@
 """
-Two drones in one scene, one bag and one /clock.
+One to ten drones in one scene, one bag and one /clock.
 
-ros2 launch lta_config pair.launch.py seed2:=7  where ROS 2 Jazzy is installed
-lta launch pair seed2:=7  where it is not
+ros2 launch lta_bringup fleet.launch.py n:=3  where ROS 2 Jazzy is installed
+lta launch fleet n:=3  where it is not
 """
 
-from lta_graph.launches import PAIR
+from lta_graph.launches import FLEET
 
-LAUNCH = PAIR
+LAUNCH = FLEET
 
 
 def generate_launch_description() -> object:

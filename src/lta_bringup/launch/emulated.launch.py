@@ -1,7 +1,7 @@
 """
 The graph of a real drone on emulated hardware; `lta call crazyflie_bridge/arm true` flies.
 
-ros2 launch lta_config emulated.launch.py vehicle:=multirotor  where ROS 2 Jazzy is installed
+ros2 launch lta_bringup emulated.launch.py vehicle:=multirotor  where ROS 2 Jazzy is installed
 lta launch emulated vehicle:=multirotor  where it is not
 """
 

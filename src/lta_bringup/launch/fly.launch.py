@@ -1,7 +1,7 @@
 """
 One flight of a drone.
 
-ros2 launch lta_config fly.launch.py seed:=2  where ROS 2 Jazzy is installed
+ros2 launch lta_bringup fly.launch.py seed:=2  where ROS 2 Jazzy is installed
 lta launch fly seed:=2  where it is not
 """
 
