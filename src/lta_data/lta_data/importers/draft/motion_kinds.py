@@ -9,14 +9,9 @@ from collections.abc import Sequence
 from typing import Final
 
 from lta_config.constants import STANDARD_GRAVITY
-from lta_data.importers.draft.attitude_readings import (
-    AttitudeReading,
-    body_rates_of,
-    differentiate,
-    fit_scale,
-    list_readings,
-)
-from lta_data.importers.draft.column_groups import ColumnGroup, Columns
+from lta_data.importers.draft.attitude_readings import AttitudeReading, list_readings
+from lta_data.importers.draft.column_groups import ATTITUDES, ColumnGroup, Columns
+from lta_data.importers.draft.kinematics import body_rates_of, differentiate, fit_scale
 from lta_data.importers.draft.name_hints import KINDS, parse_column_name
 from lta_data.importers.log_table import Numbers
 import numpy as np
@@ -49,7 +44,7 @@ def settle_kinds(
 def _find_places(groups: Sequence[ColumnGroup]) -> list[ColumnGroup]:
     """Return groups in which vectors without a kind that stand for a body are its places."""
     bodies = [_list_words(one) - KINDS['quaternion'] - KINDS['euler']
-              for one in groups if one.kind in ('quaternion', 'euler')]  # fmt: skip
+              for one in groups if one.kind in ATTITUDES]  # fmt: skip
     has_place = any(group.kind == 'position' for group in groups)
     placed = []
     for group in groups:
@@ -77,10 +72,10 @@ def _settle_kind(
         return group
     at = seconds[:LOOKED_AT]
     others = [one for one in groups if one is not group and one.role != 'setpoint']
-    attitudes = [one for one in others if one.kind in ('quaternion', 'euler')]
+    attitudes = [one for one in others if one.kind in ATTITUDES]
     readings = [
         reading for one in attitudes
-        for reading in list_readings(one, one.stack(table)[:LOOKED_AT])
+        for reading in list_readings(one, one.stack(table)[:LOOKED_AT]) if not reading.cost
     ]  # fmt: skip
     turning = _explain_by_turning(rows, readings, at)
     if group.kind != 'rates' and turning > CLEAR:
@@ -101,6 +96,9 @@ def _settle_kind(
         ):
             why = f'{", ".join(others_turn[0].columns)} are its derivative'
             return group._replace(kind='euler', reason=why)
+    if not group.kind and _turns_by_rates(group, rows, others, table, at):
+        why = 'the rates are its derivative, as angles'
+        return group._replace(kind='euler', reason=why)
     if group.kind != 'velocity':
         for place in (one for one in others if one.kind == 'position'):
             speed = differentiate(place.stack(table)[:LOOKED_AT], at)
@@ -111,6 +109,23 @@ def _settle_kind(
     if not group.kind and _feels_gravity(rows):
         return group._replace(kind='acceleration', reason='it feels gravity')
     return group
+
+
+def _turns_by_rates(
+    group: ColumnGroup,
+    rows: Numbers,
+    others: Sequence[ColumnGroup],
+    table: Columns,
+    seconds: Numbers,
+) -> bool:
+    """Return whether a vector is three angles, whose body rates the log has."""
+    rates = [one.stack(table)[:LOOKED_AT] for one in others if one.kind == 'rates']
+    readings = list_readings(group._replace(kind='euler'), rows) if rates else ()
+    return any(
+        _explain_changes(one, body_rates_of(reading.turn, seconds), seconds) > CLEAR
+        for reading in readings
+        for one in rates
+    )
 
 
 def _explain_by_turning(

@@ -83,7 +83,7 @@ KINDS: Final[dict[str, frozenset[str]]] = {
     name: frozenset(words.split())
     for name, words in {
         'quaternion': 'q quat quaternion orientation rotation attitude att',
-        'euler': 'e euler rpy angles angle ang attitude att orientation',
+        'euler': 'e euler rpy angles angle ang attitude att orientation rotvec rvec helical',
         'rates': 'w wb omega gyro gyr gyros gyroscope rates rate angular avl angvel pqr o turn',
         'acceleration': 'a acc accel acceleration accelerometer accelerations specific',
         'velocity': 'v vel velocity vb speed linear twist',

@@ -3,27 +3,24 @@
 from collections.abc import Mapping, Sequence
 from typing import Any, Final, final, NamedTuple
 
-from lta_data.importers.draft.attitude_readings import (
-    FLIP,
-    is_flipped,
-    MotionEvidence,
-)
 from lta_data.importers.draft.axis_commands import explain_lacking, LINEAR
 from lta_data.importers.draft.bodies import choose_body, HELD
 from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.column_groups import (
+    ATTITUDES,
     ColumnGroup,
     Columns,
     group_columns,
     measure_length,
 )
 from lta_data.importers.draft.generic_commands import ask_for_meanings, list_generic_commands
+from lta_data.importers.draft.kinematics import find_sensor_axes, MotionEvidence, SENSOR_AXES
 from lta_data.importers.draft.motion_draft import draft_motion, MotionDraft
 from lta_data.importers.draft.motion_kinds import settle_kinds
 from lta_data.importers.draft.name_hints import parse_column_name, UNIT_WORDS
 from lta_data.importers.draft.scalar_draft import draft_scalars
 from lta_data.importers.draft.time_base import find_time_base, TimeBase
-from lta_data.importers.draft.vertical import find_axes, VerticalAxes
+from lta_data.importers.draft.vertical import find_axes, name_axes, spread_axes, VerticalAxes
 from lta_data.importers.log_table import Numbers
 import numpy as np
 
@@ -130,8 +127,11 @@ def _sort_groups(
             if role == 'setpoint' and kind in ('velocity', 'rates'):
                 topic = 'setpoint/velocity'
         members = topics.setdefault(topic, {})
-        # An attitude as quaternion and as angles: the quaternion has no convention to guess
-        if kind not in members or (kind == 'attitude' and group.kind == 'quaternion'):
+        # Of an attitude in several forms, the one with the least to guess
+        if kind not in members or (
+            kind == 'attitude'
+            and ATTITUDES.index(group.kind) < ATTITUDES.index(members[kind].kind)
+        ):
             members[kind] = group
             why = group.reason + _describe_length(group, table)
             reading = group.kind
@@ -147,7 +147,7 @@ def _sort_groups(
 
 def _part_of(group: ColumnGroup) -> str:
     """Return the part of a message that a group is."""
-    return 'attitude' if group.kind in ('quaternion', 'euler') else group.kind
+    return 'attitude' if group.kind in ATTITUDES else group.kind
 
 
 def _role_of_nameless(groups: Sequence[ColumnGroup]) -> str:
@@ -211,12 +211,13 @@ def _draft_inertial(
     if turn is None or 'rates' not in alone:
         drafted = draft_motion('imu', time.seconds, alone, numbers, choices)
         return entry | drafted.parts
-    if is_flipped(numbers['rates'], turn, time.seconds):
-        body = 'FRD' if axes is None or axes.body == 'FLU' else 'FLU'
-        entry['body'] = body
-        choices.add_reason('imu: axes', alone['rates'].columns, body,
-                           'the rates have y and z opposite to the attitude')  # fmt: skip
-        numbers = {kind: values * FLIP for kind, values in numbers.items()}
+    turned, fit = find_sensor_axes(numbers['rates'], turn, time.seconds)
+    if turned is not SENSOR_AXES[0]:
+        entry['body'] = name_axes(spread_axes('FLU' if axes is None else axes.body) @ turned)
+        choices.add_reason('imu: axes', alone['rates'].columns, str(entry['body']),
+                           'in these axes, the rates are the derivative of the attitude by '
+                           f'{100 * fit.share:.0f} %')  # fmt: skip
+        numbers = {kind: values @ turned.T for kind, values in numbers.items()}
     return entry | draft_motion('imu', time.seconds, alone, numbers, choices, turn).parts
 
 
