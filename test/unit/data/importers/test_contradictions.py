@@ -30,9 +30,8 @@ Y_UP = Rotation.from_euler('x', -90.0, degrees=True)  # of the world: its y is o
 def y_up(f: Flight, body: Rotation) -> dict[str, Array]:
     """Return a pose with y up, of a body with its axes turned."""
     q = (Y_UP * turned(f) * body.inv()).as_quat()
-    return (
-        timed(f) | three('', Y_UP.apply(f['p'])) | {f'q{a}': q[:, k] for k, a in enumerate('xyzw')}
-    )
+    pose: dict[str, Array] = {f'q{axis}': q[:, k] for k, axis in enumerate('xyzw')}
+    return timed(f) | three('', Y_UP.apply(f['p'])) | pose
 
 
 # Read against the names or the usual axes, as the motion says

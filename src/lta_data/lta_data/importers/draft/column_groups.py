@@ -237,12 +237,12 @@ def _group_stem(
         order = tuple(axis for axis in axes if axis in 'wxyz')
         group = _build('quaternion', role, axes, order, unit, f'axes w, x, y, z of {label}')
         rows = group.stack(table)
-        if kind == 'quaternion' or _has_unit_length(rows / measure_length(rows)):
+        if kind == 'quaternion' or has_unit_length(rows / measure_length(rows)):
             return group
     for four in FOURS:
         if {*four} <= {*axes} and len(axes) == 4 and kind in ('quaternion', 'euler', ''):
             group = _build('quaternion', role, axes, four, unit, f'four columns of {label}')
-            if _has_unit_length(group.stack(table)):
+            if has_unit_length(group.stack(table)):
                 return group
     # The derivative of an angle: dphi, dang_phi
     derived = any(word[:1] == 'd' and match_kind([word[1:]]) == 'euler' for word in stem)
@@ -388,7 +388,7 @@ def _group_nameless(
     rest = [column for column in rest[1:] if np.isfinite(table[column]).mean() > 0.5]
     for index in range(len(rest) - 3):
         four = tuple(rest[index : index + 4])
-        if _has_unit_length(np.stack([table[column] for column in four], axis=1)):
+        if has_unit_length(np.stack([table[column] for column in four], axis=1)):
             why = 'four adjacent columns of length one'
             yield ColumnGroup('quaternion', '', four, ('0', '1', '2', '3'), '', why)
             rest = [column for column in rest if column not in four]
@@ -420,7 +420,7 @@ def measure_length(rows: Numbers) -> float:
     return float(f'{usual:.6g}') if is_other else 1.0
 
 
-def _has_unit_length(rows: Numbers) -> bool:
+def has_unit_length(rows: Numbers) -> bool:
     """Return whether rows are quaternions: of length one, and not one of four alone."""
     length = np.linalg.norm(rows, axis=1)
     good = np.isfinite(length)

@@ -28,7 +28,7 @@ from lta_data.importers.draft.kinematics import (
     MotionEvidence,
     score_attitude,
 )
-from lta_data.importers.draft.name_hints import UNIT_WORDS
+from lta_data.importers.draft.name_hints import parse_column_name, UNIT_WORDS
 from lta_data.importers.log_table import Numbers
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -169,6 +169,12 @@ def _choose_reading(
         if ways[best][0] > FORWARD and forward[best] - forward[level[0]] > CLEARLY:
             first = readings[best]
             why = f'the vehicle moves where it points ({100 * ways[best][0]:.0f} % of the way)'
+        elif len(group.columns) == 3 and not _are_named(group):
+            senses = [one for one in readings if one.entry.get('signs') == [1, -1, 1]]
+            options = [(one.label, '') for one in (first, *senses[:1])]
+            question = 'Nothing tells the sign of the pitch; that of a Crazyflie is inverted.'
+            first = labels[choices.decide(key, options, question)]
+            why = choices.explain(key)
         elif ways[best][0] < FORWARD and is_compass(group, numbers):
             senses = [one for one in (readings[best], *readings) if 'offsets' in one.entry]
             options = [(one.label, '') for one in (first, *senses[:1])]
@@ -177,6 +183,12 @@ def _choose_reading(
             why = choices.explain(key)
     choices.add_reason(f'{topic}: orientation', group.columns, first.label, why)
     return first
+
+
+def _are_named(group: ColumnGroup) -> bool:
+    """Return whether angles, a quaternion or a matrix have names that say what they are."""
+    names = [parse_column_name(column) for column in group.columns]
+    return group.kind != 'euler' or any(name.axis in group.axes for name in names)
 
 
 def _is_unclear_heading(readings: Sequence[AttitudeReading], numbers: Numbers) -> bool:
@@ -424,7 +436,9 @@ def _draft_velocity(
             if one == frame or (1.0 - other.share) < UNLIKE * left
         ]
         moving = float(np.nanpercentile(np.linalg.norm(speed, axis=1), 75.0)) > SPEEDS[0]
-        if len(close) > 1 and 'velocity.frame' in choices.settled:
+        if turn is None and fit.share < UNRELATED:
+            frame, why = 'body', f'{why}; in body axes, nothing checks it'
+        elif len(close) > 1 and 'velocity.frame' in choices.settled:
             frame = choices.settled['velocity.frame']
         elif fit.share < UNRELATED and moving and key not in choices.answers:
             options = [('none', 'left out'), *((one, '') for one in fits)]
