@@ -1,5 +1,6 @@
 """Topics with several bodies, and numbers without names, in bags of ROS 2."""
 
+from operator import attrgetter
 from typing import Any
 
 from lta_data.importers.draft.draft_mapping import draft_mapping, MappingDraft
@@ -134,3 +135,53 @@ def test_an_attitude_that_is_nan_throughout_is_left_out(tmp_path):
     draft = draft_bag(tmp_path / 'a.mcap', write_named_poses, f, {'ball': f['p']})
     readings = {one.part: one.reading for one in draft.choices.reasons}
     assert readings['ground_truth/odom: orientation'] == 'left out'
+
+
+def write_values(writer, topic, f, rows):
+    kind = writer.register_msgdef('crazyflie_interfaces/msg/LogDataGeneric', GENERIC)
+    for time, row in zip(f['t'], rows, strict=True):
+        head, at = stamp(time)
+        message = {'header': head, 'timestamp': round(1e3 * time), 'values': row.tolist()}
+        writer.write_message(topic, kind, message, at, at)
+
+
+@pytest.mark.parametrize('parts', ['pqvw', 'wqvp', 'qp'])
+def test_values_without_names_are_what_their_motion_says(parts, tmp_path, bring):
+    f = lab_flight()
+    rows = np.hstack([f[part] for part in parts])
+    source = tmp_path / 'a.mcap'
+    draft = draft_bag(source, lambda writer, f, _: write_values(writer, '/cf7/a', f, rows), f, {})
+    assert draft.choices.questions == []
+    odometry = bring(source, draft.text).messages['/lta1/ground_truth/odom']
+    for part, path, axes in (
+        ('p', 'pose.pose.position', 'xyz'), ('q', 'pose.pose.orientation', 'xyzw'),
+        ('v', 'twist.twist.linear', 'xyz'), ('w', 'twist.twist.angular', 'xyz'),
+    ):  # fmt: skip
+        got = [[attrgetter(f'{path}.{axis}')(one) for axis in axes] for one in odometry]
+        if part in parts:
+            np.testing.assert_allclose(got, f[part], atol=1e-6)
+
+
+def test_the_sign_of_a_pitch_without_a_name_is_asked(tmp_path):
+    f = lab_flight()
+    rows = np.hstack([f['p'], np.degrees(f['rpy'])])
+    source = tmp_path / 'a.mcap'
+    draft = draft_bag(source, lambda writer, f, _: write_values(writer, '/cf7/a', f, rows), f, {})
+    (question,) = draft.choices.questions
+    assert [name for name, _ in question.options] == [
+        'ZYX, deg, body to world', 'ZYX, deg, body to world, pitch inverted',
+    ]  # fmt: skip
+
+
+def test_which_block_of_values_commands_is_asked(tmp_path):
+    f = lab_flight()
+
+    def write(writer, f, bodies):
+        write_named_poses(writer, f, bodies)
+        write_values(writer, '/cf7/block', f, 0.5 + 0.1 * np.sin(f['p'] @ np.ones((3, 2))))
+
+    draft = draft_bag(tmp_path / 'a.mcap', write, f, {'cf7': f['p']})
+    assert [one.key for one in draft.choices.questions] == ['commands.table']
+    assert 'motors' not in draft.text
+    draft = draft_mapping(tmp_path / 'a.mcap', {'commands.table': '/cf7/block'})
+    assert yaml.safe_load(draft.text)['topics'][1]['table'] == '/cf7/block'

@@ -279,25 +279,6 @@ def test_the_file_of_a_tracker_has_its_names_in_several_lines(bring, tmp_path):
     assert 'Marker1' not in str(mapping['topics'])
 
 
-def test_a_tracker_that_counts_frames_is_asked_for_its_rate(tmp_path):
-    """As Vicon writes it: frames, an axis times an angle, millimetres, units below the names."""
-    f = lab_flight()
-    turn = Rotation.from_quat(f['q']).as_rotvec()
-    rows = [
-        ','.join(f'{value:.9g}' for value in (i + 1, 0, *turn[i], *(1000.0 * f['p'][i])))
-        for i in range(len(turn))
-    ]
-    head = ['Objects', '50', 'Frame,Sub Frame,RX,RY,RZ,TX,TY,TZ', ',,rad,rad,rad,mm,mm,mm']
-    source = tmp_path / 'vicon.csv'
-    source.write_text('\n'.join([*head, *rows]) + '\n')
-    assert [one.key for one in draft_mapping(source, {}).choices.questions] == ['time.rate']
-    mapping = yaml.safe_load(draft_mapping(source, {'time.rate': '50'}).text)
-    (topic,) = mapping['topics']
-    assert mapping['time'] == {'rate': '50 Hz'}
-    assert topic['orientation']['rotation_vector'] == ['RX [rad]', 'RY [rad]', 'RZ [rad]']
-    assert topic['position']['unit'] == 'mm'
-
-
 def import_drafted(bring, source, answers=None):
     """Draft, require that nothing is open, import, and return the truth topic as arrays."""
     draft = draft_mapping(source, answers or {})

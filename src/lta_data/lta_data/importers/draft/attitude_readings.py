@@ -1,28 +1,29 @@
 """Try the readings of an attitude: order, direction, sequence, unit; physics decides."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from types import MappingProxyType
 from typing import Any, Final, final, NamedTuple
 
-from lta_data.data_quality.smoothing import hann_kernel, smooth_columns
-from lta_data.importers.draft.column_groups import ColumnGroup, measure_length
+from lta_data.importers.draft.column_groups import ColumnGroup, find_turn, measure_length
 from lta_data.importers.draft.name_hints import HEADINGS, parse_column_name, WORDS
 from lta_data.importers.log_table import Numbers
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-KERNEL: Final = 0.25  # that smooths both sides of a comparison [s]
 LONGEST: Final = 20_000  # rows that are looked at
 UNCLEAR: Final = (7.0, 40.0)  # a larger heading is unlikely in radians, and is in degrees
 UPRIGHT: Final = (3.3, 1.65)  # a larger roll or pitch is in degrees
 STILL: Final = 1.0  # a vehicle in flight turns by more, in degrees
-LATEST: Final = 0.3  # that a derived velocity is late: labs filter it [s]
 CLEAR: Final = 0.05  # advantage of a reading that decides
 SAME: Final = 3.0  # readings that differ by less are the same in this flight [deg]
-SMOOTHED: Final = 9  # rows over which a speed is averaged
-FLIP: Final = np.array([1.0, -1.0, -1.0])  # of y and z: FRD instead of FLU
-UNUSUAL: Final = 0.1  # of a score, that flipped axes of a sensor must gain
-AGREE: Final = 0.6  # explained share of a motion that counts as agreement
+RARE: Final = 0.1  # of a score, that a rare reading must gain
+# Signs of yaw, pitch and roll that are tried after the usual ones
+RARE_SENSES: Final = (
+    (-1, 1, 1), (-1, -1, 1), (1, 1, -1), (1, -1, -1), (-1, 1, -1), (-1, -1, -1),
+)  # fmt: skip
+NOTHING: Final[Mapping[str, str]] = MappingProxyType({})
+# Words for axis times angle, as RX, RY and RZ of Vicon
+ROTATION_VECTORS: Final = frozenset(['r', 'rotvec', 'rvec', 'helical'])
 
 
 @final
@@ -32,72 +33,69 @@ class AttitudeReading(NamedTuple):
     label: str
     entry: dict[str, Any]
     turn: Rotation
-
-
-@final
-class MotionEvidence(NamedTuple):
-    """Quantities of one table on its times, shape (n, 3) each; None where they are missing."""
-
-    seconds: Numbers
-    position: Numbers | None
-    velocity: Numbers | None
-    rates: Numbers | None
-    acceleration: Numbers | None
-    # Of an inertial sensor, whose y and z may both point the other way
-    sensed: Numbers | None = None
-
-
-@final
-class ScaleFit(NamedTuple):
-    """
-    Least-squares factor of a measured on a derived vector, and the share it explains.
-
-    `axes` is the mean share of the single axes, so that a turning vehicle's yaw does not hide the
-    sign of its pitch.
-    """
-
-    factor: float
-    share: float
-    axes: float = 0.0
-
-    @property
-    def score(self) -> float:
-        """How well both agree, from -1 to 1."""
-        return 0.5 * (self.share + self.axes)
+    cost: float = 0.0  # that its score must gain, as it is rare or contradicts the names
 
 
 def list_readings(
-    group: ColumnGroup, numbers: Numbers, sequence: str = ''
+    group: ColumnGroup, numbers: Numbers, stated: Mapping[str, str] = NOTHING
 ) -> Iterator[AttitudeReading]:
     """
     Yield the readings of a group, the conventional one first.
 
-    `sequence`: of the angles about x, y and z, as the file states it; '' if it does not.
+    `stated`: what the file states: 'sequence' of the angles about x, y and z, and whether the
+    'elements' of a matrix follow each other 'by column'.
     """
     if group.kind == 'quaternion':
         yield from _read_quaternions(group, numbers)
+    elif group.kind == 'matrix':
+        yield from _read_matrices(group, numbers, stated)
     else:
-        if group.axes == ('x', 'y', 'z') and group.columns[0].lower().startswith('rx'):
+        sequence = stated.get('sequence', '')
+        words = parse_column_name(group.columns[0]).words
+        if group.axes == ('x', 'y', 'z') and words & ROTATION_VECTORS and not sequence:
             yield from _read_vectors(group, numbers)
-        yield from _read_angles(group, numbers, sequence if group.axes == ('x', 'y', 'z') else '')
+        yield from _read_angles(group, numbers, sequence if len(group.columns) == 3 else '')
+
+
+def _read_both_ways(
+    label: str, entry: dict[str, Any], turn: Rotation, cost: float = 0.0
+) -> Iterator[AttitudeReading]:
+    """Yield an attitude from body to world, and as its inverse."""
+    for direction, one in (('body to world', turn), ('world to body', turn.inv())):
+        yield AttitudeReading(f'{label}, {direction}', entry | {'direction': direction}, one, cost)
 
 
 def _read_quaternions(group: ColumnGroup, numbers: Numbers) -> Iterator[AttitudeReading]:
-    orders = ('xyzw', 'wxyz')
     columns = dict(zip(group.axes, group.columns, strict=True))
     named, length = 'w' in columns, measure_length(numbers)
-    for order in orders[:1] if named else orders:
-        listed = [columns[axis] for axis in 'xyzw'] if named else list(group.columns)
+    ours = [columns[axis] for axis in 'xyzw'] if named else list(group.columns)
+    words = ''.join(group.axes) if named else 'xyzw'
+    readings: list[tuple[str, list[str], str, bool]] = [(words, ours, 'xyzw', False)]
+    if named:
+        # The names in one order, and the numbers in the other
+        readings += [
+            ('xyzw against the names', [columns[axis] for axis in 'wxyz'], 'xyzw', True),
+            ('wxyz against the names', ours, 'wxyz', True),
+        ]
+    else:
+        readings.append(('wxyz', ours, 'wxyz', False))
+    for label, listed, order, is_rare in readings:
         indices = [group.columns.index(column) for column in listed]
         rows = numbers[:, indices] if order == 'xyzw' else numbers[:, indices][:, [1, 2, 3, 0]]
         turn = Rotation.from_quat(_fill_rows(rows, [0.0, 0.0, 0.0, 1.0]))
-        for direction in ('body to world', 'world to body'):
-            entry: dict[str, Any] = {'quaternion': listed, 'order': order, 'direction': direction}
-            entry |= {} if length == 1.0 else {'length': length}
-            label = f'quaternion {order if not named else "".join(group.axes)}, {direction}'
-            yield AttitudeReading(
-                label, entry, turn if direction == 'body to world' else turn.inv()
-            )
+        entry: dict[str, Any] = {'quaternion': listed, 'order': order}
+        entry |= {} if length == 1.0 else {'length': length}
+        yield from _read_both_ways(f'quaternion {label}', entry, turn, RARE * is_rare)
+
+
+def _read_matrices(
+    group: ColumnGroup, numbers: Numbers, stated: Mapping[str, str]
+) -> Iterator[AttitudeReading]:
+    rows = _fill_rows(numbers, np.eye(3).ravel().tolist())
+    readings = [*_read_both_ways('matrix', {'matrix': list(group.columns)},
+                                 Rotation.from_matrix(rows.reshape(-1, 3, 3)))]  # fmt: skip
+    by_column = stated.get('elements') == 'by column'
+    yield from readings[::-1][:1] if by_column else readings
 
 
 def _read_vectors(group: ColumnGroup, numbers: Numbers) -> Iterator[AttitudeReading]:
@@ -105,12 +103,8 @@ def _read_vectors(group: ColumnGroup, numbers: Numbers) -> Iterator[AttitudeRead
     vectors = _fill_rows(numbers, [0.0] * 3)
     unit = 'deg' if np.abs(vectors).max() > UNCLEAR[0] or group.unit.startswith('deg') else 'rad'
     turn = Rotation.from_rotvec(vectors, degrees=unit == 'deg')
-    for direction in ('body to world', 'world to body'):
-        entry = {'rotation_vector': list(group.columns), 'unit': unit, 'direction': direction}
-        yield AttitudeReading(
-            f'rotation vector, {unit}, {direction}', entry,
-            turn if direction == 'body to world' else turn.inv(),
-        )  # fmt: skip
+    entry = {'rotation_vector': list(group.columns), 'unit': unit}
+    yield from _read_both_ways(f'rotation vector, {unit}', entry, turn)
 
 
 def _read_angles(group: ColumnGroup, numbers: Numbers, sequence: str) -> Iterator[AttitudeReading]:
@@ -122,6 +116,7 @@ def _read_angles(group: ColumnGroup, numbers: Numbers, sequence: str) -> Iterato
         for one in ((sequence,) if sequence else usual)
     ]
     angles = _fill_rows(numbers, [0.0] * len(group.columns))
+    named = [group.unit.replace('°', 'deg')] if group.unit and not find_turn(angles) else []
     for unit in _list_angle_units(group, angles):
         for direction in ('body to world', 'world to body'):
             for name, order in orders:
@@ -140,9 +135,13 @@ def _read_angles(group: ColumnGroup, numbers: Numbers, sequence: str) -> Iterato
                     if compass:
                         entry['offsets'] = [float(f'{one:.9g}') for one in offsets]
                     label = f'{name}, {unit}, {direction}{_describe_sense(signs, compass)}'
-                    yield AttitudeReading(
-                        label, entry, turn if direction == 'body to world' else turn.inv()
+                    rare = [one.startswith(unit) for one in named] == [False] or (
+                        not compass and tuple(signs) in RARE_SENSES
                     )
+                    yield AttitudeReading(
+                        label, entry, turn if direction == 'body to world' else turn.inv(),
+                        RARE * rare,
+                    )  # fmt: skip
 
 
 def _list_senses(
@@ -157,7 +156,7 @@ def _list_senses(
     else:
         senses = [([1, 1, 1], False), ([1, -1, 1], False)]
         senses = senses[::-1] if is_crazyflie(group) else senses
-        senses += [] if inverse else [([-1, 1, 1], False), ([-1, -1, 1], False)]
+        senses += [] if inverse else [(list(signs), False) for signs in RARE_SENSES]
     if not inverse and is_compass(group, angles):
         senses += [([-1, -1, 1][: len(group.columns)], True)]
         senses += [([-1, 1, 1], True)] if len(group.columns) == 3 else []
@@ -170,7 +169,8 @@ def _describe_sense(signs: list[int], compass: bool) -> str:
         heading = ', heading clockwise from north' if compass else ''
         return f'{heading}, roll and pitch taken as 0'
     words = [', heading clockwise from north' if compass else ', yaw inverted'] * (signs[0] < 0)
-    return ''.join([*words, ', pitch inverted' * (signs[1] < 0)])
+    words += [', pitch inverted' * (signs[1] < 0), ', roll inverted' * (signs[2] < 0)]
+    return ''.join(words)
 
 
 def is_compass(group: ColumnGroup, angles: Numbers) -> bool:
@@ -188,9 +188,12 @@ def is_crazyflie(group: ColumnGroup) -> bool:
 
 
 def _list_angle_units(group: ColumnGroup, angles: Numbers) -> tuple[str, ...]:
-    """Return the units that angles can have by their names and sizes."""
+    """Return the units that angles can have by their turns, their names and sizes."""
+    if wrapped := find_turn(angles):
+        return (wrapped,)
     if group.unit:
-        return ('deg',) if group.unit.startswith(('deg', '°')) else ('rad',)
+        # A name may be wrong, which only other quantities can show
+        return ('deg', 'rad') if group.unit.startswith(('deg', '°')) else ('rad', 'deg')
     sizes = np.percentile(np.abs(angles), 99.0, axis=0)
     spread = np.ptp(np.percentile(angles, [1.0, 99.0], axis=0), axis=0)
     tilted = len(sizes) == 3 and bool((sizes[:2] > UPRIGHT).any())
@@ -206,187 +209,6 @@ def _fill_rows(rows: Numbers, instead: list[float]) -> Numbers:
         good &= (rows != 0.0).any(axis=1)
     filled: Numbers = np.where(good.reshape(-1, 1), rows, np.asarray(instead))
     return filled
-
-
-def fit_scale(
-    measured: Numbers, derived: Numbers, seconds: Numbers, latest: float = 0.0
-) -> ScaleFit:
-    """
-    Fit a factor of a measured on a derived vector after smoothing both; means are kept.
-
-    `latest`: the measured vector may be as late as this, by a filter. [s]
-    """
-    step = float(np.median(np.diff(seconds))) if len(seconds) > 1 else 0.0
-    good = np.isfinite(measured).all(axis=1) & np.isfinite(derived).all(axis=1)
-    if not step > 0.0 or good.sum() < 20:
-        return ScaleFit(float('nan'), 0.0)
-    weights = hann_kernel(KERNEL, step)
-    left, right = (_smooth_finite(side, np.asarray(good), weights) for side in (measured, derived))
-    most = min(round(latest / step), int(good.sum()) // 2)
-    lates = {int(late) for late in np.linspace(0, most, 7)}
-    fits = [_fit_late(left, right, np.asarray(good), late) for late in sorted(lates)]
-    return max(fits, key=lambda fit: fit.share)
-
-
-def _smooth_finite(side: Numbers, good: NDArray[np.bool_], weights: Numbers) -> Numbers:
-    """Smooth a vector, and clip the glitches of a tracker, which would decide a fit."""
-    smooth = smooth_columns(np.where(good.reshape(-1, 1), side, 0.0), weights)
-    end = np.percentile(np.abs(smooth[good]), 99.0, axis=0)
-    return np.clip(smooth, -end, end)
-
-
-def _fit_late(measured: Numbers, derived: Numbers, good: NDArray[np.bool_], late: int) -> ScaleFit:
-    """Fit a factor where the measured vector is late by some samples."""
-    both = good[late:] & good[: len(good) - late]
-    left, right = measured[late:][both], derived[: len(good) - late][both]
-    power = float((right * right).sum())
-    total = float((left * left).sum())
-    if power <= 0.0 or total <= 0.0:
-        return ScaleFit(float('nan'), 0.0)
-    product = float((left * right).sum())
-    # The squared cosine between both, with the sign of the factor
-    share = product * abs(product) / (power * total)
-    products = (left * right).sum(axis=0)
-    powers = np.maximum((left * left).sum(axis=0) * (right * right).sum(axis=0), 1e-300)
-    axes = float(np.mean(products * np.abs(products) / powers))
-    return ScaleFit(total / product if share > 0.0 else float('nan'), share, axes)
-
-
-def differentiate(values: Numbers, seconds: Numbers) -> Numbers:
-    """Return the derivative at the samples."""
-    rising = np.concatenate(([True], np.diff(seconds) > 0.0))
-    rates = np.full(values.shape, np.nan)
-    if rising.sum() > 2:
-        rates[rising] = np.gradient(values[rising], seconds[rising], axis=0)
-    return rates
-
-
-def body_rates_of(turn: Rotation, seconds: Numbers) -> Numbers:
-    """Return the body rates of an attitude, shape (n, 3). [rad/s]"""
-    step = np.diff(seconds)
-    step = np.where(step > 0.0, step, np.nan)
-    rates = (turn[:-1].inv() * turn[1:]).as_rotvec() / step[:, None]
-    return np.concatenate([rates, rates[-1:]])
-
-
-def score_reading(reading: AttitudeReading, evidence: MotionEvidence) -> tuple[float, list[str]]:
-    """Return how well a reading agrees with the other quantities, and the reasons."""
-    scores, reasons = [], []
-    seconds, turn = evidence.seconds, reading.turn
-    if evidence.rates is not None:
-        fit = fit_scale(evidence.rates, body_rates_of(turn, seconds), seconds, LATEST)
-        scores.append(_score_rates(fit))
-        reasons.append(f'the rates follow from it by {100 * max(0.0, fit.share):.0f} %')
-    if evidence.velocity is not None and evidence.position is not None:
-        speed = differentiate(evidence.position, seconds)
-        derived = turn.inv().apply(np.nan_to_num(speed))
-        body = fit_scale(evidence.velocity, derived, seconds, LATEST)
-        world = fit_scale(evidence.velocity, speed, seconds, LATEST)
-        # Of a velocity in world axes, the same for all readings
-        scores.append(max(body.score, world.score))
-        if body.share > world.share:
-            reasons.append(f'the body velocity by {100 * body.share:.0f} %')
-    if evidence.acceleration is not None or evidence.sensed is not None:
-        as_logged, reason = _score_inertial(turn, evidence, np.ones(3))
-        flipped, other = _score_inertial(turn, evidence, FLIP)
-        # The axes of most sensors are those of the attitude
-        if np.mean(flipped) > np.mean(as_logged) + UNUSUAL:
-            as_logged, reason = [one - UNUSUAL for one in flipped], other
-        scores += as_logged
-        reasons.append(reason)
-    return (float(np.mean(scores)) if scores else 0.0), reasons
-
-
-def is_flipped(rates: Numbers, turn: Rotation, seconds: Numbers) -> bool:
-    """Return whether y and z of a sensor point the other way than those of an attitude."""
-    count = min(len(seconds), len(turn), len(rates))
-    derived = body_rates_of(turn[:count], seconds[:count])
-    shares = [
-        fit_scale(rates[:count], derived * sign, seconds[:count], LATEST).share
-        for sign in (np.ones(3), FLIP)
-    ]
-    return shares[1] > shares[0] + UNUSUAL
-
-
-def _score_rates(fit: ScaleFit) -> float:
-    # A factor of 57.3 is a unit of the rates, or of the angles
-    right = any(abs(np.log(fit.factor / one)) < 0.25 for one in (1.0, 57.3)) if (
-        fit.share > 0.0) else False  # fmt: skip
-    return fit.score if right else 0.5 * fit.score
-
-
-def _score_inertial(
-    turn: Rotation, evidence: MotionEvidence, flip: Numbers
-) -> tuple[list[float], str]:
-    """Return the scores of an attitude by an inertial sensor, whose axes may be flipped."""
-    scores, reasons = [], []
-    if evidence.sensed is not None:
-        derived = body_rates_of(turn, evidence.seconds)
-        fit = fit_scale(evidence.sensed * flip, derived, evidence.seconds, LATEST)
-        scores.append(_score_rates(fit))
-        reasons.append(f'the rates of the IMU follow from it by {100 * max(0.0, fit.share):.0f} %')
-    if evidence.acceleration is not None:
-        felt = evidence.acceleration * flip
-        pull = turn.apply(np.nan_to_num(felt))
-        share = float(np.linalg.norm(pull.mean(axis=0)) / (np.linalg.norm(pull, axis=1).mean()
-                                                            or 1.0))  # fmt: skip
-        tilt = _explain_tilt(turn, felt, pull.mean(axis=0), evidence)
-        scores.append(share if tilt is None else 0.5 * (share + tilt))
-        reasons.append(f'gravity keeps its direction by {100 * share:.0f} %')
-    return scores, '; '.join(reasons)
-
-
-def _explain_tilt(
-    turn: Rotation, felt: Numbers, gravity: Numbers, evidence: MotionEvidence
-) -> float | None:
-    """
-    Return the share of what an accelerometer feels beside its mean that the attitude explains.
-
-    It feels gravity where the vehicle tilts, and what the position accelerates by, in any unit.
-    None without a position: a rotorcraft that tilts feels nothing aside.
-    """
-    step = float(np.median(np.diff(evidence.seconds))) if len(evidence.seconds) > 1 else 0.0
-    if evidence.position is None or not step > 0.0:
-        return None
-    finite = np.isfinite(np.hstack([evidence.position, felt]))
-    good: NDArray[np.bool_] = np.asarray(finite.all(axis=1))
-    if good.sum() < 20:
-        return None
-    weights = hann_kernel(KERNEL, step)
-    place = smooth_columns(np.where(good[:, None], evidence.position, 0.0), weights)
-    pull = differentiate(differentiate(place, evidence.seconds), evidence.seconds)
-    sides = (felt, turn.inv().apply(np.tile(gravity, (len(felt), 1))),
-             turn.inv().apply(np.nan_to_num(pull)))  # fmt: skip
-    rows = np.flatnonzero(good)
-    measured, tilted, moved = (
-        (smooth := _smooth_finite(side, good, weights)[rows]) - smooth.mean(axis=0)
-        for side in sides
-    )
-    # The unit of the position is not known yet
-    power = float((moved * moved).sum())
-    scale = max(0.0, float(((measured - tilted) * moved).sum()) / power) if power > 0.0 else 0.0
-    left = ((measured - tilted - scale * moved) ** 2).sum(axis=0)
-    total = np.maximum((measured**2).sum(axis=0), 1e-300)
-    return float(np.mean(np.clip(1.0 - left / total, -1.0, 1.0)))
-
-
-def measure_forwardness(turn: Rotation, evidence: MotionEvidence) -> tuple[float, float]:
-    """
-    Return how steadily a vehicle moves along one direction of its body, and along its x axis.
-
-    An airship moves where it points; with a wrong sign of its heading, it would not. Both are at
-    most 1.
-    """
-    if evidence.position is None:
-        return 0.0, 0.0
-    speed = differentiate(evidence.position, evidence.seconds)
-    speed = smooth_columns(np.nan_to_num(speed), np.full(SMOOTHED, 1.0 / SMOOTHED))
-    fast = np.linalg.norm(speed, axis=1)
-    moving = np.flatnonzero(fast > 0.5 * float(np.percentile(fast, 90.0)))
-    if not len(moving) or not fast[moving].all():
-        return 0.0, 0.0
-    along = (turn.inv().apply(speed)[moving] / fast[moving, None]).mean(axis=0)
-    return float(np.linalg.norm(along)), float(along[0])
 
 
 def typical_difference(one: Rotation, other: Rotation) -> float:

@@ -5,11 +5,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final, final, NamedTuple
 
-from lta_config.errors import BadInput, unknown_name_error
-from lta_config.schema.import_file import FIELD_AXES, ImportMapping
+from lta_config.errors import BadInput
+from lta_config.schema.import_file import FIELD_AXES
 from lta_data.importers.axes import signed_permutation
 from lta_data.importers.draft.array_commands import ask_for_columns
-from lta_data.importers.draft.bodies import STILL
+from lta_data.importers.draft.bag_bodies import choose_body, choose_moving, read_tables
 from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.clock_alignment import TimedTable
 from lta_data.importers.draft.column_groups import ColumnGroup
@@ -19,17 +19,19 @@ from lta_data.importers.draft.name_hints import (
     ACTUATORS,
     COMMANDS,
     JOYSTICKS,
+    match_kind,
     match_role,
     parse_column_name,
     TIMES,
 )
 from lta_data.importers.draft.scalar_draft import draft_scalars
+from lta_data.importers.draft.table_draft import draft_table
+from lta_data.importers.draft.time_base import TimeBase
 from lta_data.importers.draft.vertical import CONFLICT, find_axes, VerticalAxes
 from lta_data.importers.formats import FORMATS
 from lta_data.importers.log_table import LogTable, Numbers
 from lta_data.importers.message_parts import SHAPES
-from lta_data.importers.protocol import LogReader
-from lta_data.importers.readers.bag_tables import BagTableLog, BODIES, CHILD, FURTHER
+from lta_data.importers.readers.bag_tables import BODIES, CHILD, FURTHER
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -50,10 +52,13 @@ POSES: Final = (
     'geometry_msgs/msg/TransformStamped',
     'geometry_msgs/msg/PoseWithCovarianceStamped',
 )
+GENERIC: Final = 'crazyflie_interfaces/msg/LogDataGeneric'  # values without names
 ROLES: Final = {'truth': 'ground_truth/odom', 'estimate': 'odom', 'setpoint': 'setpoint/pose'}
 CLOCK: Final = 1.0  # between stamp and log time; more is another clock, not a delay [s]
 RISES: Final = 0.9  # share of the steps of a clock
 ARRAY: Final = 'data['  # in the columns of an array
+NO_STATES: Final = ('rcl_interfaces/', 'diagnostic_msgs/', 'rosgraph_msgs/')  # of a graph
+SENSED: Final = frozenset(['vbat', 'battery', 'bat', 'pm', 'imu', 'range', 'status', 'state'])
 NO_NUMBERS: Final = ('header.', 'layout.')  # beginnings of columns that command nothing
 KINDS: Final = {'position': 'position', 'orientation': 'attitude'}
 
@@ -76,12 +81,14 @@ def draft_bag_topics(path: Path, choices: DraftChoices) -> BagDraft:
     log = FORMATS['bag'].opened(path, None)
     types = {name: topic.definition.type_name for name, topic in sorted(log.raw.items())}
     if not any(kind in POSES for kind in types.values()):
-        types |= _choose_body(path, log, types, choices)
-    chosen = _choose_topics(types, choices)
+        types |= choose_body(path, log, types, f'{ROLES["truth"]}.table', choices)
+    chosen = _choose_topics(path, types, choices)
     commands = [] if 'wrench_command' in chosen else _list_command_topics(types)
     poses = {ours: name for ours, name in chosen.items() if ours in ROLES.values()}
+    if poses and not commands and 'wrench_command' not in chosen:
+        commands = _ask_for_commands(types, choices)
     read = [name for ours, name in chosen.items() if ours in (*poses, 'wrench_command')]
-    tables, foreign = _replace_foreign_stamps(_read_tables(path, [*read, *commands]), choices)
+    tables, foreign = _replace_foreign_stamps(read_tables(path, [*read, *commands]), choices)
     entries, groups, tracked = [], dict[str, list[ColumnGroup]](), None
     # ROS states metres and z up; a log shows where that is not so
     choices.settled.setdefault('position.unit', 'm')
@@ -100,6 +107,8 @@ def draft_bag_topics(path: Path, choices: DraftChoices) -> BagDraft:
             if tracked is None and ours != ROLES['setpoint']:
                 tracked = _place_in_our_axes(name, tables[name], drafted, axes)
         entries.append(entry)
+    if not poses:
+        entries += _draft_nameless(path, types, [*chosen.values(), *commands], choices)
     entries += _draft_commands({one: tables[one] for one in commands if one in tables},
                                tracked, choices)  # fmt: skip
     entries = [
@@ -114,38 +123,45 @@ def draft_bag_topics(path: Path, choices: DraftChoices) -> BagDraft:
     return BagDraft(entries, groups, tables)
 
 
-def _choose_body(
-    path: Path, log: LogReader, types: Mapping[str, str], choices: DraftChoices
-) -> dict[str, str]:
-    """Return the table of the vehicle in a topic of several bodies, such as /tf, and its type."""
-    assert isinstance(log, BagTableLog)
-    tables = {
-        name: kind
-        for topic, kind in types.items()
-        if kind in BODIES and not topic.endswith('_static')
-        for name in log.list_bodies(topic)
-    }
-    if not tables:
-        return {}
-    extents = {}
-    for name, table in _read_tables(path, [*tables]).items():
-        place = [f'{FURTHER[tables[name]]["position"].place}.{axis}' for axis in 'xyz']
-        rows = np.stack([table.columns[one] for one in place], axis=1)
-        low, high = np.nanpercentile(rows, [2.0, 98.0], axis=0)
-        extents[name] = float(np.max(high - low))
-    names = sorted(extents, key=lambda name: -extents[name])
-    options = [(name, f'moves over {extents[name]:.3g}') for name in names]
-    key = f'{ROLES["truth"]}.table'
-    others = [name for name in names[1:] if extents[name] > STILL * extents[names[0]]]
-    if others and key not in choices.answers:
-        chosen = choices.decide(key, options, 'The bag has the poses of several bodies.')
-    else:
-        chosen = choices.override(key, names[0])
-        listed = ', '.join(f'{name} ({words})' for name, words in options)
-        choices.add_reason('body', [chosen], chosen, f'of {listed}')
-    if chosen not in tables:
-        raise unknown_name_error(f'answer to {key}', chosen, names)
-    return {chosen: tables[chosen]}
+def _ask_for_commands(types: Mapping[str, str], choices: DraftChoices) -> list[str]:
+    """Return the topic of values without names that the user says are commands, if any."""
+    topics = [
+        name for name, kind in types.items()
+        if kind == GENERIC and not match_kind(words := parse_column_name(name).words)
+        and not words & SENSED
+    ]  # fmt: skip
+    if not topics:
+        return []
+    options = [('none', 'none of them'), *((name, 'its values are commands') for name in topics)]
+    question = 'The names of values in a log block are not in the bag. Which are the commands?'
+    chosen = choices.decide('commands.table', options, question)
+    return [] if chosen == 'none' else [chosen]
+
+
+def _draft_nameless(
+    path: Path, types: Mapping[str, str], others: Sequence[str], choices: DraftChoices
+) -> list[dict[str, Any]]:
+    """Return the entries of topics whose types say nothing, by the names and motion of fields."""
+    names = [
+        name for name, kind in types.items()
+        if name not in others and kind not in BODIES and not kind.startswith(NO_STATES)
+    ]  # fmt: skip
+    drafts = []
+    for name, table in read_tables(path, names).items():
+        columns = {
+            one: cells for one, cells in table.columns.items()
+            if not one.startswith(NO_NUMBERS) and not _is_time(one, cells)
+        }  # fmt: skip
+        if columns and len(table) > 1:
+            drafts.append(draft_table(name, columns, choices, TimeBase(_count_seconds(table), {})))
+    entries: dict[str, dict[str, Any]] = {}
+    # The topic with the most parts of a motion before the others
+    for draft in sorted(drafts, key=lambda draft: -len(draft.groups)):
+        for entry in draft.entries:
+            # Rotors only where a topic is named after them
+            if entry['topic'] not in (*entries, 'motors'):
+                entries[entry['topic']] = _list_axes(draft.axes) | entry
+    return [*entries.values()]
 
 
 def _replace_foreign_stamps(
@@ -171,13 +187,13 @@ def count_changing_commands(path: Path) -> int:
     raw = FORMATS['bag'].opened(path, None).raw
     types = {name: topic.definition.type_name for name, topic in raw.items()}
     wrenches = [name for name, kind in types.items() if BY_TYPE.get(kind) == 'wrench_command']
-    tables = _read_tables(path, [*wrenches, *_list_command_topics(types)])
+    tables = read_tables(path, [*wrenches, *_list_command_topics(types)])
     return sum(_changes(column) for table in tables.values() for name, column in
                table.columns.items() if not name.startswith(NO_NUMBERS)
                and not _is_time(name, column))  # fmt: skip
 
 
-def _choose_topics(types: Mapping[str, str], choices: DraftChoices) -> dict[str, str]:
+def _choose_topics(path: Path, types: Mapping[str, str], choices: DraftChoices) -> dict[str, str]:
     """Return the topics whose types say what they are, by our topic."""
     candidates: dict[str, list[tuple[str, str]]] = {}
     for name, kind in types.items():
@@ -192,8 +208,10 @@ def _choose_topics(types: Mapping[str, str], choices: DraftChoices) -> dict[str,
     chosen = {}
     for ours, fitting in candidates.items():
         table = fitting[0][0]
-        if len(fitting) > 1:
-            question = f'Several topics of the bag can be {ours}.'
+        question = f'Several topics of the bag can be {ours}.'
+        if len(fitting) > 1 and ours in ROLES.values():
+            table = choose_moving(path, dict(fitting), f'{ours}.table', question, choices)
+        elif len(fitting) > 1:
             table = choices.decide(f'{ours}.table', fitting, question)
         chosen[ours] = choices.override(f'{ours}.table', table)
     return {ours: name for ours, name in chosen.items() if name in types}
@@ -207,18 +225,6 @@ def _list_command_topics(types: Mapping[str, str]) -> list[str]:
         if kind not in POSES and kind not in BY_TYPE and kind not in BODIES
         and parse_column_name(name).words & (ACTUATORS | COMMANDS | JOYSTICKS)
     ]  # fmt: skip
-
-
-def _read_tables(path: Path, names: Sequence[str]) -> Mapping[str, LogTable]:
-    """Return topics as tables, with a column for each number; those without a message lack."""
-    if not names:
-        return {}
-    number = {'effort': {'column': '-'}}
-    topics = [{'topic': 'motors', 'table': one, 'actuators': {'any': number}} for one in names]
-    head = {'schema': 1, 'name': 'draft', 'about': 'A draft.', 'format': 'bag', 'data': 'measured'}
-    log = FORMATS['bag'].opened(path, ImportMapping.model_validate({**head, 'topics': topics}))
-    there = {name: set[str]() for name in names if name in log.columns}
-    return next(iter(log.iterate_tables(there, lambda _: None)))
 
 
 def _group_pose(kind: str, table: LogTable) -> dict[str, ColumnGroup]:
@@ -266,12 +272,15 @@ def _list_differences(drafted: MotionDraft, axes: VerticalAxes | None) -> dict[s
         {key: value for key, value in part.items() if key not in fixed} != usual[name]
         for name, part in drafted.parts.items()
     )
-    differences = dict(drafted.parts) if differs else {}
-    if axes is not None and axes.world != 'ENU':
-        differences['world'] = axes.world
-    if axes is not None and axes.body != 'FLU':
-        differences['body'] = axes.body
-    return differences
+    return (dict(drafted.parts) if differs else {}) | _list_axes(axes)
+
+
+def _list_axes(axes: VerticalAxes | None) -> dict[str, Any]:
+    """Return the axes of an entry, where they are not ours."""
+    if axes is None:
+        return {}
+    ours = {'world': 'ENU', 'body': 'FLU'}
+    return {key: getattr(axes, key) for key in ours if getattr(axes, key) != ours[key]}
 
 
 def _place_in_our_axes(

@@ -1,6 +1,7 @@
 """Group the columns of a table: vectors, quaternions, Euler angles, and single columns."""
 
 from collections.abc import Iterator, Mapping, Sequence
+import re
 from typing import Final, final, NamedTuple
 
 from lta_data.importers.draft.axis_commands import find_named_axes
@@ -33,6 +34,15 @@ KIND_OF_UNIT: Final = {
 }  # fmt: skip
 ANGLE_AXES: Final = {'roll': 'x', 'pitch': 'y', 'yaw': 'z'}
 FOURS: Final = (('0', '1', '2', '3'), ('1', '2', '3', '4'))
+ATTITUDES: Final = ('quaternion', 'matrix', 'euler')  # kinds of groups
+# An element of a matrix, by one number or by row and column: Rot[0], R11, r_1_1
+ELEMENT: Final = re.compile(r'(.*?\D)(\d)(?:[\])(_,.\[]{0,2}(\d))?[\])]?')
+ELEMENTS: Final = tuple(
+    ' '.join(indices) for first in (0, 1) for indices in (
+        [str(first + k) for k in range(9)],
+        [f'{first + i}{first + j}' for i in range(3) for j in range(3)],
+    )
+)  # fmt: skip
 GEODETIC: Final = ('lat', 'lon', 'alt')
 FULL_TURN: Final = 360.0  # degrees; larger numbers are in 1e-7 degrees, and altitudes in mm
 # Factors of a fix to degrees and metres, by the unit of its altitude
@@ -47,7 +57,7 @@ Columns = Mapping[str, Numbers]
 class ColumnGroup(NamedTuple):
     """Columns that belong together."""
 
-    # 'position', 'velocity', 'rates', 'acceleration', 'force', 'torque', 'quaternion', 'euler'
+    # 'position', 'velocity', 'rates', 'acceleration', 'force', 'torque' or one of ATTITUDES
     kind: str
     role: str  # 'truth', 'estimate', 'setpoint', or '' if the names do not say
     # x, y, z; of a quaternion as the log has them; of Euler angles roll, pitch, yaw, or yaw alone;
@@ -82,7 +92,12 @@ def group_columns(
     commands = [*find_named_axes(named, has_linear=has_linear).values()]
     names = [name for name in named if name not in commands]
     stems: dict[tuple[tuple[str, ...], str], dict[str, ColumnName]] = {}
-    letters = [*_group_letters(names)]
+    matrices = [*_group_matrices(names, table)]
+    in_matrix = {column for group in matrices for column in group.columns}
+    named, names = (
+        [name for name in some if name.column not in in_matrix] for some in (named, names)
+    )
+    letters = [*matrices, *_group_letters(names)]
     lettered = {column for group in letters for column in group.columns}
     for name in names:
         # The w of u, v, w is no part of a quaternion with x, y, z
@@ -123,17 +138,21 @@ def _complete_angles(
             if of == stem and named and not unit and {*one} & {*ANGLES.values()}
         ]  # fmt: skip
         for angle in {*ANGLES.values()} & {*axes}:
-            wraps = _wraps_at_pi(table[axes[angle].column])
+            wraps = find_turn(table[axes[angle].column]) == 'rad'
             if len(others) == 1 and angle not in others[0] and not wraps:
                 others[0][angle] = axes.pop(angle)
 
 
-def _wraps_at_pi(values: Numbers) -> bool:
-    """Return whether an angle jumps from one end of +-pi to the other: it is in radians."""
-    angles = np.asarray(values, dtype=np.float64)
-    angles = angles[np.isfinite(angles)]
-    jumps = np.abs(np.diff(angles)) > 1.5 * np.pi
-    return bool(np.abs(angles).max(initial=0.0) < 1.01 * np.pi and jumps.any())
+def find_turn(angles: Numbers) -> str:
+    """Return the unit of angles that jump by a full turn, 'rad' or 'deg'; '' without a jump."""
+    for unit, turn in (('rad', 2.0 * np.pi), ('deg', 360.0)):
+        for one in np.atleast_2d(np.asarray(angles, dtype=np.float64).T):
+            finite = one[np.isfinite(one)]
+            if not len(finite) or np.ptp(finite) > 1.01 * turn:
+                continue
+            if (np.abs(np.diff(finite)) > 0.8 * turn).any():
+                return unit
+    return ''
 
 
 def _is_marker(group: ColumnGroup, groups: Sequence[ColumnGroup]) -> bool:
@@ -157,7 +176,7 @@ def _group_heading(names: list[ColumnName], groups: list[ColumnGroup]) -> Column
         for name in names
         if name.axis == 'yaw' and not {'rates', 'setpoint'} & {*_describe(name)}
     ]
-    if len(headings) != 1 or 'position' not in kinds or kinds & {'quaternion', 'euler'}:
+    if len(headings) != 1 or 'position' not in kinds or kinds & {*ATTITUDES}:
         return None
     (one,) = headings
     why = 'a heading without roll and pitch'
@@ -218,12 +237,12 @@ def _group_stem(
         order = tuple(axis for axis in axes if axis in 'wxyz')
         group = _build('quaternion', role, axes, order, unit, f'axes w, x, y, z of {label}')
         rows = group.stack(table)
-        if kind == 'quaternion' or _has_unit_length(rows / measure_length(rows)):
+        if kind == 'quaternion' or has_unit_length(rows / measure_length(rows)):
             return group
     for four in FOURS:
         if {*four} <= {*axes} and len(axes) == 4 and kind in ('quaternion', 'euler', ''):
             group = _build('quaternion', role, axes, four, unit, f'four columns of {label}')
-            if _has_unit_length(group.stack(table)):
+            if has_unit_length(group.stack(table)):
                 return group
     # The derivative of an angle: dphi, dang_phi
     derived = any(word[:1] == 'd' and match_kind([word[1:]]) == 'euler' for word in stem)
@@ -271,6 +290,27 @@ def _are_angles(axes: Mapping[str, ColumnName], table: Columns) -> bool:
     """Return whether RX, RY and RZ stand beside a place TX, TY and TZ."""
     names = {column.lower().split(' ')[0] for column in table}
     return {'tx', 'ty', 'tz'} <= names and len(axes) == 3
+
+
+def _group_matrices(names: Sequence[ColumnName], table: Columns) -> Iterator[ColumnGroup]:
+    """Yield nine columns that are the elements of a rotation matrix, row by row in their names."""
+    families: dict[str, dict[str, str]] = {}
+    for name in names:
+        if match := ELEMENT.fullmatch(name.column):
+            families.setdefault(match[1], {})[match[2] + (match[3] or '')] = name.column
+    for stem, family in families.items():
+        columns = tuple(family[index] for index in sorted(family))
+        if ' '.join(sorted(family)) not in ELEMENTS:
+            continue
+        rows = np.stack([table[column] for column in columns], axis=1).astype(np.float64)
+        rows = rows[np.isfinite(rows).all(axis=1)].reshape(-1, 3, 3)
+        if (
+            len(rows)
+            and np.median(np.abs(rows @ rows.mT - np.eye(3)).max(axis=(1, 2))) < UNIT_NORM
+        ):
+            words = parse_column_name(columns[0]).words
+            why = f'the elements of {stem.strip(" [(_.")} are those of a rotation'
+            yield ColumnGroup('matrix', match_role(words), columns, tuple(sorted(family)), '', why)
 
 
 def _group_letters(names: list[ColumnName]) -> Iterator[ColumnGroup]:
@@ -348,7 +388,7 @@ def _group_nameless(
     rest = [column for column in rest[1:] if np.isfinite(table[column]).mean() > 0.5]
     for index in range(len(rest) - 3):
         four = tuple(rest[index : index + 4])
-        if _has_unit_length(np.stack([table[column] for column in four], axis=1)):
+        if has_unit_length(np.stack([table[column] for column in four], axis=1)):
             why = 'four adjacent columns of length one'
             yield ColumnGroup('quaternion', '', four, ('0', '1', '2', '3'), '', why)
             rest = [column for column in rest if column not in four]
@@ -380,7 +420,7 @@ def measure_length(rows: Numbers) -> float:
     return float(f'{usual:.6g}') if is_other else 1.0
 
 
-def _has_unit_length(rows: Numbers) -> bool:
+def has_unit_length(rows: Numbers) -> bool:
     """Return whether rows are quaternions: of length one, and not one of four alone."""
     length = np.linalg.norm(rows, axis=1)
     good = np.isfinite(length)

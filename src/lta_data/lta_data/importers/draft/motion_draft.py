@@ -5,35 +5,39 @@ from typing import Any, Final, final, NamedTuple
 
 from lta_config.constants import STANDARD_GRAVITY
 from lta_data.importers.draft.attitude_readings import (
-    AGREE,
     AttitudeReading,
-    body_rates_of,
     CLEAR,
-    differentiate,
-    fit_scale,
-    FLIP,
     is_compass,
     is_crazyflie,
-    is_flipped,
-    LATEST,
     list_readings,
     LONGEST,
-    measure_forwardness,
-    MotionEvidence,
     SAME,
-    score_reading,
     typical_difference,
     UNCLEAR,
 )
 from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.column_groups import ColumnGroup, FIX_SCALES
-from lta_data.importers.draft.name_hints import UNIT_WORDS
+from lta_data.importers.draft.kinematics import (
+    AGREE,
+    body_rates_of,
+    differentiate,
+    find_sensor_axes,
+    fit_scale,
+    LATEST,
+    measure_forwardness,
+    MotionEvidence,
+    score_attitude,
+)
+from lta_data.importers.draft.name_hints import parse_column_name, UNIT_WORDS
 from lta_data.importers.log_table import Numbers
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 LENGTHS: Final = {'m': 1.0, 'cm': 0.01, 'mm': 0.001}
 DEGREE: Final = np.pi / 180.0
+RATE_UNITS: Final = {'rad/s': 1.0, 'deg/s': 180.0 / np.pi}
+NEAR: Final = 0.7  # logarithm of a factor, within which noise can move it
+UNRELATED: Final = 0.3  # explained share of a motion below which two contradict each other
 UNLIKE: Final = 1.3  # times as much unexplained decides between two frames
 ALIKE: Final = 0.02  # scores of readings that agree equally well
 FORWARD: Final = 0.85  # of the way is along one direction of the body of an airship
@@ -41,6 +45,7 @@ AHEAD: Final = 0.3  # weight of a motion along x, which tells a compass heading 
 CLEARLY: Final = 0.15  # by which another reading must keep to its direction less
 APART: Final = 15.0  # between body and world axes; below it, the better of two is taken [deg]
 EXTENTS: Final = (0.3, 30.0)  # usual extents of a flight in a laboratory [m]
+IMPOSSIBLE: Final = 60.0  # speed of no vehicle in a laboratory [m/s]
 SPEEDS: Final = (0.02, 20.0)  # usual speeds of a vehicle in flight [m/s]
 
 
@@ -83,8 +88,8 @@ def draft_motion(
     turn = turn if reading is None else reading.turn
     if raw.sensed is not None and turn is not None and raw.acceleration is not None:
         # The accelerometer in the axes of the attitude
-        turned = FLIP if is_flipped(raw.sensed, turn, seconds) else np.ones(3)
-        raw = raw._replace(acceleration=raw.acceleration * turned)
+        axes, _ = find_sensor_axes(raw.sensed, turn, seconds)
+        raw = raw._replace(acceleration=raw.acceleration @ axes.T)
     scales['rates'] = _draft_rates(topic, groups, raw, turn, parts, choices)
     scales['position'] = _draft_position(topic, groups, raw, scales, turn, parts, choices)
     scales['velocity'] = _draft_velocity(topic, groups, raw, scales, turn, parts, choices)
@@ -118,18 +123,19 @@ def _choose_reading(
     choices: DraftChoices,
 ) -> AttitudeReading:
     """Return the reading that agrees best with the rest, or the answer of the user."""
-    readings = list(list_readings(group, numbers, choices.settled.get('sequence', '')))
+    readings = list(list_readings(group, numbers, choices.settled))
     key = f'{topic}.orientation'
     answer = choices.override(key, '')
     labels = {reading.label: reading for reading in readings}
-    scored = [score_reading(reading, evidence) for reading in readings]
+    scored = [score_attitude(reading.turn, evidence) for reading in readings]
+    scored = [(score - one.cost, why) for (score, why), one in zip(scored, readings, strict=True)]
     # At a similar score, the conventional reading is the first
     most = max(score for score, _ in scored)
     best = next(i for i, (score, _) in enumerate(scored) if score > most - ALIKE)
     first = readings[best]
     rivals = [
         reading for i, reading in enumerate(readings)
-        if scored[best][0] - scored[i][0] < CLEAR
+        if scored[best][0] - scored[i][0] < CLEAR and not reading.cost
         and typical_difference(first.turn, reading.turn) > SAME
     ]  # fmt: skip
     if answer:
@@ -141,7 +147,7 @@ def _choose_reading(
         if rivals and scored[best][0] > 0.3:
             options = [(one.label, 'agrees equally well') for one in (first, *rivals[:3])]
             first = labels[choices.decide(key, options, f'Several readings fit: {why}.')]
-    elif _is_unclear_heading(readings, numbers):
+    elif not group.unit and _is_unclear_heading(readings, numbers):
         units = {one.entry['unit']: one.label for one in reversed(readings)}
         options = [(units[unit], '') for unit in ('rad', 'deg')]
         first = labels[choices.decide(key, options, 'Nothing tells the unit of the heading.')]
@@ -163,6 +169,12 @@ def _choose_reading(
         if ways[best][0] > FORWARD and forward[best] - forward[level[0]] > CLEARLY:
             first = readings[best]
             why = f'the vehicle moves where it points ({100 * ways[best][0]:.0f} % of the way)'
+        elif len(group.columns) == 3 and not _are_named(group):
+            senses = [one for one in readings if one.entry.get('signs') == [1, -1, 1]]
+            options = [(one.label, '') for one in (first, *senses[:1])]
+            question = 'Nothing tells the sign of the pitch; that of a Crazyflie is inverted.'
+            first = labels[choices.decide(key, options, question)]
+            why = choices.explain(key)
         elif ways[best][0] < FORWARD and is_compass(group, numbers):
             senses = [one for one in (readings[best], *readings) if 'offsets' in one.entry]
             options = [(one.label, '') for one in (first, *senses[:1])]
@@ -171,6 +183,12 @@ def _choose_reading(
             why = choices.explain(key)
     choices.add_reason(f'{topic}: orientation', group.columns, first.label, why)
     return first
+
+
+def _are_named(group: ColumnGroup) -> bool:
+    """Return whether angles, a quaternion or a matrix have names that say what they are."""
+    names = [parse_column_name(column) for column in group.columns]
+    return group.kind != 'euler' or any(name.axis in group.axes for name in names)
 
 
 def _is_unclear_heading(readings: Sequence[AttitudeReading], numbers: Numbers) -> bool:
@@ -231,6 +249,8 @@ def _draft_rates(
     group = groups.get('rates')
     if group is None or raw.rates is None:
         return 0.0
+    key = f'{topic}.rates.unit'
+    named = _named_unit(group)
     unit, why, frame = '', '', ''
     if turn is not None:
         derived = body_rates_of(turn, raw.seconds)
@@ -242,10 +262,19 @@ def _draft_rates(
         frame = max(fits, key=lambda one: fits[one].share - 0.02 * (one == 'world'))
         fit = fits[frame]
         if fit.share > AGREE:
-            unit = 'deg/s' if abs(np.log(fit.factor / 57.3)) < 0.5 else 'rad/s'
             why = f'{fit.factor:.3g} times the derivative of the attitude ({frame} axes)'
-    named = _named_unit(group)
-    if named:
+            far = {one: abs(np.log(fit.factor / factor)) for one, factor in RATE_UNITS.items()}
+            unit = min(far, key=lambda one: far[one])
+            options = [(one, '') for one in sorted(far, key=lambda one: far[one])]
+            if named and named[0] != unit:
+                question = f'The names say {named[0]}, but the rates are {why}.'
+                unit = choices.decide(key, options, question)
+                why = choices.explain(key)
+            elif far[unit] > NEAR:
+                question = f'The rates are {why}: the unit of time, angles or rates is another.'
+                unit = choices.decide(key, options, question)
+                why = choices.explain(key)
+    if not unit and named:
         unit, why = named[0], 'the unit in the names'
     if not unit:
         size = float(np.nanpercentile(np.abs(raw.rates), 99.0))
@@ -254,10 +283,10 @@ def _draft_rates(
         if 3.0 < size <= 12.0:
             options = [('rad/s', f'up to {size / DEGREE:.0f} deg/s'),
                        ('deg/s', f'up to {size:.1f} deg/s')]  # fmt: skip
-            unit = choices.decide(f'{topic}.rates.unit', options, f'The rates reach {size:.3g}.')
-    unit = choices.override(f'{topic}.rates.unit', unit)
+            unit = choices.decide(key, options, f'The rates reach {size:.3g}.')
+    unit = choices.override(key, unit)
     parts['rates'] = _build_vector(group, unit)
-    if frame == 'world' and unit and 'world' in why:
+    if frame == 'world' and fit.share > AGREE:
         parts['rates']['frame'] = 'world'
     choices.add_reason(f'{topic}: rates', group.columns, unit, why)
     return DEGREE if unit == 'deg/s' else 1.0
@@ -288,24 +317,19 @@ def _draft_position(
     unit, why = (named[0], 'the unit in the names') if named else ('', '')
     speed = differentiate(raw.position, raw.seconds)
     fast = float(np.nanpercentile(np.linalg.norm(speed, axis=1), 75.0))
-    velocity = groups.get('velocity')
-    if not unit and velocity is not None and raw.velocity is not None:
-        measured = raw.velocity
-        best = max(
-            (fit_scale(measured, derived, raw.seconds, LATEST)
-             for derived in (speed, speed if turn is None else
-                             turn.inv().apply(np.nan_to_num(speed)))),
-            key=lambda fit: fit.share,
-        )  # fmt: skip
-        named_unit = _named_unit(velocity)
-        if best.share > AGREE:
-            factor = best.factor * (named_unit[1] if named_unit else 1.0)
-            near = {one: abs(np.log(factor / scale)) for one, scale in LENGTHS.items()}
-            unit = min(near, key=lambda one: near[one])
-            why = f'the velocity is {best.factor:.3g} times its derivative'
-            # Both can be in mm: the factor alone does not say it
-            if not named_unit and fast * LENGTHS[unit] > SPEEDS[1]:
-                unit = ''
+    by_motion, factor = _find_length_unit(groups.get('velocity'), raw, speed, turn)
+    why = why or f'the velocity is {factor:.3g} times its derivative'
+    # Both can be in mm: the factor alone does not say it
+    if not unit and by_motion and fast * LENGTHS[by_motion] < SPEEDS[1]:
+        unit = by_motion
+    elif unit and by_motion not in ('', unit):
+        question = f'The names say {unit}, but the velocity is {factor:.3g} times the derivative.'
+        unit = choices.decide(key, [(by_motion, ''), (unit, '')], question)
+        why = choices.explain(key)
+    elif unit and fast * LENGTHS[unit] > IMPOSSIBLE:
+        options = [(one, f'{fast * LENGTHS[one]:.3g} m/s') for one in ('mm', 'cm', 'm')]
+        unit = choices.decide(key, options, f'The names say {unit}, which is too fast a flight.')
+        why = choices.explain(key)
     if not unit:
         extent = float(np.max(np.nanpercentile(raw.position, 98, axis=0)
                               - np.nanpercentile(raw.position, 2, axis=0)))  # fmt: skip
@@ -321,8 +345,47 @@ def _draft_position(
     unit = choices.override(key, unit)
     choices.settled.setdefault('position.unit', unit)
     parts['position'] = _build_vector(group, unit)
+    if _is_mirrored(turn, raw) and 'orientation' in parts:
+        options = [('yes', 'y of the place counts the other way'), ('no', 'it flies sideways')]
+        question = 'The vehicle moves where it points only if y of its place is mirrored.'
+        if choices.decide(f'{topic}.position.mirrored', options, question) == 'yes':
+            parts['position']['scale'] = [1.0, -1.0, 1.0]
     choices.add_reason(f'{topic}: position', group.columns, unit, why)
     return LENGTHS.get(unit, 1.0)
+
+
+def _is_mirrored(turn: Rotation | None, raw: MotionEvidence) -> bool:
+    """Return whether a place contradicts an attitude that rates confirm: it is left-handed."""
+    sensed = raw.rates if raw.rates is not None else raw.sensed
+    if turn is None or sensed is None or raw.position is None:
+        return False
+    if find_sensor_axes(sensed, turn, raw.seconds)[1].share < AGREE:
+        return False
+    mirrored = raw._replace(position=raw.position * [1.0, -1.0, 1.0])
+    steady, other = (measure_forwardness(turn, one)[0] for one in (raw, mirrored))
+    return other > FORWARD and other > steady + CLEARLY
+
+
+def _find_length_unit(
+    group: ColumnGroup | None, raw: MotionEvidence, speed: Numbers, turn: Rotation | None
+) -> tuple[str, float]:
+    """
+    Return the unit of a place by a velocity in m/s, and the factor of both; '' without one.
+
+    `speed`: the derivative of the place.
+    """
+    if group is None or raw.velocity is None:
+        return '', 0.0
+    turned = speed if turn is None else turn.inv().apply(np.nan_to_num(speed))
+    fits = [fit_scale(raw.velocity, one, raw.seconds, LATEST) for one in (speed, turned)]
+    best = max(fits, key=lambda fit: fit.share)
+    if best.share < AGREE:
+        return '', 0.0
+    named = _named_unit(group)
+    factor = best.factor * (named[1] if named else 1.0)
+    far = {one: abs(np.log(factor / scale)) for one, scale in LENGTHS.items()}
+    unit = min(far, key=lambda one: far[one])
+    return (unit, best.factor) if far[unit] < NEAR else ('', 0.0)
 
 
 def _list_length_units(fast: float, extent: float) -> list[str]:
@@ -372,12 +435,22 @@ def _draft_velocity(
             for one, other in fits.items()
             if one == frame or (1.0 - other.share) < UNLIKE * left
         ]
-        if len(close) > 1 and 'velocity.frame' in choices.settled:
+        moving = float(np.nanpercentile(np.linalg.norm(speed, axis=1), 75.0)) > SPEEDS[0]
+        if turn is None and fit.share < UNRELATED:
+            frame, why = 'body', f'{why}; in body axes, nothing checks it'
+        elif len(close) > 1 and 'velocity.frame' in choices.settled:
             frame = choices.settled['velocity.frame']
+        elif fit.share < UNRELATED and moving and key not in choices.answers:
+            options = [('none', 'left out'), *((one, '') for one in fits)]
+            question = f'The velocity contradicts the position: {why}.'
+            frame = choices.decide(key, options, question)
         elif len(close) > 1 and _differs(turn) and key not in choices.answers:
             options = [(one, f'{100 * fits[one].share:.0f} % explained') for one in close]
             frame = choices.decide(key, options, 'The velocity fits in both frames.')
     frame = choices.settled.setdefault('velocity.frame', choices.override(key, frame))
+    if frame == 'none':
+        choices.add_reason(f'{topic}: velocity', group.columns, 'left out', why)
+        return scale
     if frame == 'world' and turn is None:
         choices.add_reason(f'{topic}: velocity', group.columns, 'left out',
                            'in world axes, and no attitude turns it into body axes')  # fmt: skip

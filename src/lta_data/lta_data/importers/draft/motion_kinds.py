@@ -9,14 +9,9 @@ from collections.abc import Sequence
 from typing import Final
 
 from lta_config.constants import STANDARD_GRAVITY
-from lta_data.importers.draft.attitude_readings import (
-    AttitudeReading,
-    body_rates_of,
-    differentiate,
-    fit_scale,
-    list_readings,
-)
-from lta_data.importers.draft.column_groups import ColumnGroup, Columns
+from lta_data.importers.draft.attitude_readings import AttitudeReading, list_readings
+from lta_data.importers.draft.column_groups import ATTITUDES, ColumnGroup, Columns
+from lta_data.importers.draft.kinematics import body_rates_of, differentiate, fit_scale
 from lta_data.importers.draft.name_hints import KINDS, parse_column_name
 from lta_data.importers.log_table import Numbers
 import numpy as np
@@ -49,7 +44,7 @@ def settle_kinds(
 def _find_places(groups: Sequence[ColumnGroup]) -> list[ColumnGroup]:
     """Return groups in which vectors without a kind that stand for a body are its places."""
     bodies = [_list_words(one) - KINDS['quaternion'] - KINDS['euler']
-              for one in groups if one.kind in ('quaternion', 'euler')]  # fmt: skip
+              for one in groups if one.kind in ATTITUDES]  # fmt: skip
     has_place = any(group.kind == 'position' for group in groups)
     placed = []
     for group in groups:
@@ -77,10 +72,10 @@ def _settle_kind(
         return group
     at = seconds[:LOOKED_AT]
     others = [one for one in groups if one is not group and one.role != 'setpoint']
-    attitudes = [one for one in others if one.kind in ('quaternion', 'euler')]
+    attitudes = [one for one in others if one.kind in ATTITUDES]
     readings = [
         reading for one in attitudes
-        for reading in list_readings(one, one.stack(table)[:LOOKED_AT])
+        for reading in list_readings(one, one.stack(table)[:LOOKED_AT]) if not reading.cost
     ]  # fmt: skip
     turning = _explain_by_turning(rows, readings, at)
     if group.kind != 'rates' and turning > CLEAR:
@@ -91,7 +86,8 @@ def _settle_kind(
             why = 'its columns follow roll, pitch and yaw, and not their derivatives'
             return group._replace(kind='euler', reason=why)
         derived = differentiate(rows, at)
-        if not attitudes and _follows_course(rows, others, table, at):
+        places = [one.stack(table)[:LOOKED_AT] for one in others if one.kind == 'position']
+        if not attitudes and any(follows_course(rows, place, at) for place in places):
             why = 'its last column follows the course of the vehicle'
             return group._replace(kind='euler', reason=why)
         others_turn = [one for one in others if one.kind in ('rates', '')]
@@ -101,6 +97,9 @@ def _settle_kind(
         ):
             why = f'{", ".join(others_turn[0].columns)} are its derivative'
             return group._replace(kind='euler', reason=why)
+    if not group.kind and _turns_by_rates(group, rows, others, table, at):
+        why = 'the rates are its derivative, as angles'
+        return group._replace(kind='euler', reason=why)
     if group.kind != 'velocity':
         for place in (one for one in others if one.kind == 'position'):
             speed = differentiate(place.stack(table)[:LOOKED_AT], at)
@@ -108,9 +107,26 @@ def _settle_kind(
             if moving > CLEAR:
                 why = f'{100 * moving:.0f} % of it is the derivative of {", ".join(place.columns)}'
                 return group._replace(kind='velocity', reason=why)
-    if not group.kind and _feels_gravity(rows):
+    if not group.kind and feels_gravity(rows):
         return group._replace(kind='acceleration', reason='it feels gravity')
     return group
+
+
+def _turns_by_rates(
+    group: ColumnGroup,
+    rows: Numbers,
+    others: Sequence[ColumnGroup],
+    table: Columns,
+    seconds: Numbers,
+) -> bool:
+    """Return whether a vector is three angles, whose body rates the log has."""
+    rates = [one.stack(table)[:LOOKED_AT] for one in others if one.kind == 'rates']
+    readings = list_readings(group._replace(kind='euler'), rows) if rates else ()
+    return any(
+        explain_changes(one, body_rates_of(reading.turn, seconds), seconds) > CLEAR
+        for reading in readings
+        for one in rates
+    )
 
 
 def _explain_by_turning(
@@ -121,7 +137,7 @@ def _explain_by_turning(
     for reading in readings:
         derived = body_rates_of(reading.turn, seconds)
         in_world = reading.turn.apply(np.nan_to_num(derived))
-        shares += [_explain_changes(rows, one, seconds) for one in (derived, in_world)]
+        shares += [explain_changes(rows, one, seconds) for one in (derived, in_world)]
     return max(shares)
 
 
@@ -130,10 +146,10 @@ def _explain_by_moving(
 ) -> float:
     """Return the largest share of a vector that a velocity explains, in world or body axes."""
     turned = [reading.turn.inv().apply(np.nan_to_num(speed)) for reading in readings]
-    return max(_explain_changes(rows, one, seconds) for one in (speed, *turned))
+    return max(explain_changes(rows, one, seconds) for one in (speed, *turned))
 
 
-def _explain_changes(rows: Numbers, derived: Numbers, seconds: Numbers) -> float:
+def explain_changes(rows: Numbers, derived: Numbers, seconds: Numbers) -> float:
     """Return the share of the changes that is explained: all constant vectors are alike."""
     left, right = (side - np.nanmean(side, axis=0) for side in (rows, derived))
     return fit_scale(left, right, seconds).share
@@ -152,24 +168,21 @@ def _are_angles(rows: Numbers, readings: Sequence[AttitudeReading]) -> bool:
     return False
 
 
-def _follows_course(
-    rows: Numbers, others: Sequence[ColumnGroup], table: Columns, seconds: Numbers
-) -> bool:
-    """Return whether the last of three columns is a heading along which the vehicle moves."""
-    for place in (one for one in others if one.kind == 'position'):
-        speed = differentiate(place.stack(table)[:LOOKED_AT], seconds)
-        fast = np.linalg.norm(speed[:, :2], axis=1)
-        moving = np.isfinite(fast) & (fast > 0.5 * np.nanpercentile(fast, 90.0))
-        course = np.unwrap(np.arctan2(speed[moving, 1], speed[moving, 0]))
-        for scale in (1.0, np.pi / 180.0):
-            heading = np.unwrap(scale * rows[moving, 2])
-            apart = heading - course
-            if np.ptp(course) > 1.0 and np.std(apart) < 0.2 * np.std(course):
-                return True
-    return False
+def follows_course(rows: Numbers, place: Numbers, seconds: Numbers) -> bool:
+    """Return whether the last of three columns is a heading along which a place moves."""
+    speed = differentiate(place, seconds)
+    fast = np.linalg.norm(speed[:, :2], axis=1)
+    moving = np.isfinite(fast) & (fast > 0.5 * np.nanpercentile(fast, 90.0))
+    course = np.unwrap(np.arctan2(speed[moving, 1], speed[moving, 0]))
+    if not len(course) or np.ptp(course) < 1.0:
+        return False
+    return any(
+        np.std(np.unwrap(scale * rows[moving, 2]) - course) < 0.2 * np.std(course)
+        for scale in (1.0, np.pi / 180.0)
+    )
 
 
-def _feels_gravity(rows: Numbers) -> bool:
+def feels_gravity(rows: Numbers) -> bool:
     """Return whether the length of a vector is that of gravity in a usual unit."""
     low, felt, high = np.nanpercentile(np.linalg.norm(rows, axis=1), [10.0, 50.0, 90.0])
     fits = any(abs(felt / one - 1.0) < 0.1 for one in GRAVITIES)

@@ -75,6 +75,8 @@ JOINED: Final = re.compile(
 TURNED: Final = re.compile(r'(tau|cmd|[uftm])(roll|pitch|yaw|phi|theta|psi)')
 # A rate behind its angle: rollrate, yawspeed
 SPUN: Final = re.compile(r'(roll|pitch|yaw|phi|theta|psi)(rate|speed|vel|dot)')
+# A velocity behind its axis: xdot
+MOVED: Final = re.compile(r'([xyz])(vel|speed|dot)')
 # The frame of a quantity, which is not what it is: XToGlobal1
 FRAME: Final = re.compile(r'to|wrt|global\d?')
 WORDS: Final = re.compile(r'[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+\d?|[A-Z]+\d?|\d+')
@@ -83,7 +85,7 @@ KINDS: Final[dict[str, frozenset[str]]] = {
     name: frozenset(words.split())
     for name, words in {
         'quaternion': 'q quat quaternion orientation rotation attitude att',
-        'euler': 'e euler rpy angles angle ang attitude att orientation',
+        'euler': 'e euler rpy angles angle ang attitude att orientation rotvec rvec helical',
         'rates': 'w wb omega gyro gyr gyros gyroscope rates rate angular avl angvel pqr o turn',
         'acceleration': 'a acc accel acceleration accelerometer accelerations specific',
         'velocity': 'v vel velocity vb speed linear twist',
@@ -227,6 +229,8 @@ def _find_axis(column: str, words: Sequence[str], unit: str) -> ColumnName:
         if joined := JOINED.fullmatch(word) or TURNED.fullmatch(word):
             stem = (*words[:index], joined[1], *words[index + 1 :])
             return ColumnName(column, stem, ANGLES.get(joined[2], joined[2]), unit)
+        if moved := MOVED.fullmatch(word):
+            return ColumnName(column, (*words[:index], 'vel', *words[index + 1 :]), moved[1], unit)
         if spun := SPUN.fullmatch(word):
             stem = (*words[:index], 'rate', *words[index + 1 :])
             return ColumnName(column, stem, ANGLES[spun[1]], unit)

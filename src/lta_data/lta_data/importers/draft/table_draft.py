@@ -3,27 +3,25 @@
 from collections.abc import Mapping, Sequence
 from typing import Any, Final, final, NamedTuple
 
-from lta_data.importers.draft.attitude_readings import (
-    FLIP,
-    is_flipped,
-    MotionEvidence,
-)
 from lta_data.importers.draft.axis_commands import explain_lacking, LINEAR
 from lta_data.importers.draft.bodies import choose_body, HELD
 from lta_data.importers.draft.choices import DraftChoices
 from lta_data.importers.draft.column_groups import (
+    ATTITUDES,
     ColumnGroup,
     Columns,
     group_columns,
     measure_length,
 )
 from lta_data.importers.draft.generic_commands import ask_for_meanings, list_generic_commands
+from lta_data.importers.draft.kinematics import find_sensor_axes, MotionEvidence, SENSOR_AXES
 from lta_data.importers.draft.motion_draft import draft_motion, MotionDraft
 from lta_data.importers.draft.motion_kinds import settle_kinds
-from lta_data.importers.draft.name_hints import parse_column_name, UNIT_WORDS
+from lta_data.importers.draft.name_hints import match_role, parse_column_name, UNIT_WORDS
 from lta_data.importers.draft.scalar_draft import draft_scalars
+from lta_data.importers.draft.state_vectors import find_state_vectors
 from lta_data.importers.draft.time_base import find_time_base, TimeBase
-from lta_data.importers.draft.vertical import find_axes, VerticalAxes
+from lta_data.importers.draft.vertical import find_axes, name_axes, spread_axes, VerticalAxes
 from lta_data.importers.log_table import Numbers
 import numpy as np
 
@@ -49,8 +47,14 @@ class TableDraft(NamedTuple):
     motion: MotionDraft | None  # of the first topic with a pose or a velocity
 
 
-def draft_table(name: str, table: Columns, choices: DraftChoices) -> TableDraft:
-    """Return the topics that a table fills; `name` is '' for a single table."""
+def draft_table(
+    name: str, table: Columns, choices: DraftChoices, time: TimeBase | None = None
+) -> TableDraft:
+    """
+    Return the topics that a table fills.
+
+    `name`: '' for a single table. `time`: of the rows, where no column has it.
+    """
     numbers = {column: cells for column, cells in table.items() if cells.dtype.kind in 'fiub'}
     answers = {column: choices.find_answer(f'{column}.command') for column in numbers}
     generic = list_generic_commands([parse_column_name(one) for one in numbers])
@@ -65,12 +69,16 @@ def draft_table(name: str, table: Columns, choices: DraftChoices) -> TableDraft:
     )
     open_ = ask_for_meanings(generic, '', choices)
     singles += [parse_column_name(column) for column in decided if column not in open_]
-    time = find_time_base(name, table, groups, choices)
+    time = time or find_time_base(name, table, groups, choices)
     if name:
         # The file of a sensor often says what it is
         whole = parse_column_name(name.replace('/', '_') + '_columns')
         singles = [single._replace(stem=(*whole.stem, *single.stem)) for single in singles
                    if single.stem] if len(table) > 2 else singles  # fmt: skip
+    taken = {column for group in groups for column in group.columns}
+    groups += find_state_vectors(
+        [one for one in numbers if one not in taken], numbers, time.seconds
+    )
     candidates = groups
     groups = choose_body(settle_kinds(groups, numbers, time.seconds), numbers, choices)
     lost = {c for one in candidates for c in one.columns if not one.kind} - {
@@ -125,13 +133,17 @@ def _sort_groups(
         elif kind == 'acceleration' or (kind == 'rates' and (own | words) & INERTIAL):
             topic = 'imu'
         else:
-            role = group.role or _role_by_motion(group, topics, table, nameless_role)
+            role = group.role or match_role(words)
+            role = role or _role_by_motion(group, topics, table, nameless_role)
             topic = choices.override(f'{group.columns[0]}.topic', TOPICS[role])
             if role == 'setpoint' and kind in ('velocity', 'rates'):
                 topic = 'setpoint/velocity'
         members = topics.setdefault(topic, {})
-        # An attitude as quaternion and as angles: the quaternion has no convention to guess
-        if kind not in members or (kind == 'attitude' and group.kind == 'quaternion'):
+        # Of an attitude in several forms, the one with the least to guess
+        if kind not in members or (
+            kind == 'attitude'
+            and ATTITUDES.index(group.kind) < ATTITUDES.index(members[kind].kind)
+        ):
             members[kind] = group
             why = group.reason + _describe_length(group, table)
             reading = group.kind
@@ -147,7 +159,7 @@ def _sort_groups(
 
 def _part_of(group: ColumnGroup) -> str:
     """Return the part of a message that a group is."""
-    return 'attitude' if group.kind in ('quaternion', 'euler') else group.kind
+    return 'attitude' if group.kind in ATTITUDES else group.kind
 
 
 def _role_of_nameless(groups: Sequence[ColumnGroup]) -> str:
@@ -211,12 +223,13 @@ def _draft_inertial(
     if turn is None or 'rates' not in alone:
         drafted = draft_motion('imu', time.seconds, alone, numbers, choices)
         return entry | drafted.parts
-    if is_flipped(numbers['rates'], turn, time.seconds):
-        body = 'FRD' if axes is None or axes.body == 'FLU' else 'FLU'
-        entry['body'] = body
-        choices.add_reason('imu: axes', alone['rates'].columns, body,
-                           'the rates have y and z opposite to the attitude')  # fmt: skip
-        numbers = {kind: values * FLIP for kind, values in numbers.items()}
+    turned, fit = find_sensor_axes(numbers['rates'], turn, time.seconds)
+    if turned is not SENSOR_AXES[0]:
+        entry['body'] = name_axes(spread_axes('FLU' if axes is None else axes.body) @ turned)
+        choices.add_reason('imu: axes', alone['rates'].columns, str(entry['body']),
+                           'in these axes, the rates are the derivative of the attitude by '
+                           f'{100 * fit.share:.0f} %')  # fmt: skip
+        numbers = {kind: values @ turned.T for kind, values in numbers.items()}
     return entry | draft_motion('imu', time.seconds, alone, numbers, choices, turn).parts
 
 

@@ -61,6 +61,8 @@ def find_time_base(
     count = len(next(iter(table.values())))
     rows = np.arange(count, dtype=np.float64)
     rate, why = _derive_rate(table, groups)
+    if stated := choices.settled.get('rate'):
+        rate, why = float(stated), 'the rate that the file states'
     key = f'{prefix}time.rate'
     if rate:
         rate_text = choices.override(key, f'{rate:g}')
@@ -179,7 +181,10 @@ def _read_time_column(
             (one, f'{1.0 / (_median_step(cells) * UNITS[one][1]):.4g} rows per second')
             for one in fitting or EPOCHS
         ]
-        unit = choices.decide(key, options, 'The rate of the rows is plausible in each unit.')
+        question = 'The rate of the rows is plausible in each unit.'
+        if len(fitting) == 1:
+            question = 'The unit in the name gives a rate of the rows that no flight log has.'
+        unit = choices.decide(key, options, question)
         why = choices.explain(key)
     unit = choices.override(key, unit)
     choices.add_reason(f'{prefix}time', [column], unit, why)
@@ -194,13 +199,15 @@ def _find_time_unit(
 ) -> tuple[str, str]:
     """Return the unit of times and the reason; '' if several fit."""
     named = UNIT_WORDS.get(parse_column_name(column).unit, ('',))[0]
+    fitting = _list_units(cells)
     if named in EPOCHS:
-        return named, 'the unit in the name'
+        # A name may be wrong: no flight log has a row every 20 s
+        doubtful = fitting and named not in fitting
+        return ('', '') if doubtful else (named, 'the unit in the name')
     first = float(cells[np.isfinite(cells)][0])
     for unit, least in EPOCHS.items():
         if least <= first < least * 10.0:
             return unit, 'the size of a time since 1970'
-    fitting = _list_units(cells)
     rate, _ = _derive_rate(table, groups)
     if rate:
         step = _median_step(cells)

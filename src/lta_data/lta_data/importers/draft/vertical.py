@@ -2,17 +2,26 @@
 
 from typing import Final, final, NamedTuple
 
+from lta_config.schema.import_file import FIELD_AXES
 from lta_data.data_quality.motion import PoseSeries, VectorSeries
 from lta_data.data_quality.motion_scales import fit_tilt, TILT
-from lta_data.importers.draft.attitude_readings import MotionEvidence
+from lta_data.importers.axes import signed_permutation
 from lta_data.importers.draft.choices import DraftChoices
+from lta_data.importers.draft.kinematics import differentiate, fit_scale, MotionEvidence
 from lta_data.importers.log_table import Numbers
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 Axes = str | list[str]
-DOWN: Final = ['x', '-y', '-z']
+# World and body axes whose x, y or z points up; the opposite where it points down
+UPWARDS: Final[tuple[Axes, ...]] = (['y', 'z', 'x'], 'Y_UP', 'ENU')
+DOWNWARDS: Final[tuple[Axes, ...]] = (['z', 'y', '-x'], ['x', 'z', '-y'], ['x', '-y', '-z'])
+NAMED_BODIES: Final = ('FLU', 'FRD', 'Y_UP')
 LOW: Final = 0.05  # heights beyond it say where the floor is [m]
+LEVEL: Final = 0.9  # mean cosine to the vertical of the axis of a vehicle in flight, at least
+TURNING: Final = 0.85  # mean cosine of every other pair of axes of a vehicle that turns, at most
+PULLS: Final = 0.1  # share of what an accelerometer feels beside gravity that tells its sign
+FLATTER: Final = 3.0  # times as far along z as along y moves what can have y up
 UP_BY_NAME: Final = {
     'ned': (-1, 'the names north, east, down'), 'latlonalt': (1, 'altitudes count up'),
 }  # fmt: skip
@@ -26,6 +35,15 @@ class VerticalAxes(NamedTuple):
     world: Axes
     body: Axes
     reason: str
+
+
+@final
+class _Vertical(NamedTuple):
+    """The axes of world and body that are along the vertical, and whether they point alike."""
+
+    world: int
+    body: int
+    same: bool
 
 
 def find_axes(
@@ -48,79 +66,158 @@ def find_axes(
     """
     if turn is None:
         return _find_without_attitude(evidence, axis_names, choices)
-    level = np.abs(turn.as_matrix()[:, range(3), range(3)]).mean(axis=0)
-    # The body axis that stays along its world axis while the vehicle yaws
-    if level[1] > 0.9 and level[2] < 0.85:
-        choices.add_reason('axes', [], 'Y_UP', 'the y axis of the body stays along that of the '
-                           'world while the vehicle turns')  # fmt: skip
-        return VerticalAxes('Y_UP', 'Y_UP', 'y up')
-    same = float(np.mean(turn.as_matrix()[:, 2, 2])) > 0.0
+    vertical = _find_vertical(evidence, turn)
     floats = choices.vehicle is not None and choices.vehicle.floats
-    sign, why = _vote_up(evidence, turn, axis_names, None if floats else same)
+    sign, why = _vote_up(evidence, turn, vertical, '' if vertical.world != 2 else axis_names,
+                         with_tilt=not floats)  # fmt: skip
     usual = choices.settled.get(CONFLICT, '')
-    if not sign and usual:
-        sign, why = (1 if usual == 'up' else -1), f'z {usual}, as messages of ROS have it'
+    letter = 'xyz'[vertical.world]
+    if not sign and (usual or vertical.world != 2):
+        sign = 1 if vertical.world != 2 or usual == 'up' else -1
+        why = f'z {usual}, as messages of ROS have it' if vertical.world == 2 else (
+            f'the {"xyz"[vertical.body]} axis of the body stays along {letter} of the world while '
+            'the vehicle turns')  # fmt: skip
     if not sign:
         options = [('up', 'z of the world points up'), ('down', 'z of the world points down')]
         answer = choices.decide(CONFLICT, options, why)
         sign, why = (1 if answer == 'up' else -1), choices.explain(CONFLICT)
     sign = {'up': 1, 'down': -1}.get(choices.override(CONFLICT, ''), sign)
-    down: Axes = 'NED' if axis_names == 'ned' else DOWN
-    body_up = sign if same else -sign
-    axes = VerticalAxes('ENU' if sign > 0 else down, 'FLU' if body_up > 0 else 'FRD', why)
-    choices.add_reason('axes: world', [], _format_axes(axes.world), why)
-    relation = 'is along' if same else 'is opposite to'
-    choices.add_reason('axes: body', [], _format_axes(axes.body),
-                       f'z of the body {relation} z of the world')  # fmt: skip
-    return axes
+    world = (UPWARDS if sign > 0 else DOWNWARDS)[vertical.world]
+    if axis_names == 'ned' and vertical.world == 2 and sign < 0:
+        world = 'NED'
+    body_up = sign if vertical.same else -sign
+    body = name_axes(spread_axes((UPWARDS if body_up > 0 else DOWNWARDS)[vertical.body]))
+    choices.add_reason('axes: world', [], _format_axes(world), why)
+    relation = 'is along' if vertical.same else 'is opposite to'
+    choices.add_reason('axes: body', [], _format_axes(body),
+                       f'{"xyz"[vertical.body]} of the body {relation} {letter} of the '
+                       'world')  # fmt: skip
+    return VerticalAxes(world, body, why)
+
+
+def spread_axes(axes: Axes) -> Numbers:
+    """Return the matrix from axes of a log to ours, shape (3, 3)."""
+    return signed_permutation(FIELD_AXES[axes] if isinstance(axes, str) else axes)
+
+
+def name_axes(matrix: Numbers) -> Axes:
+    """Return the axes of a body by the matrix from them to ours: a name, or our axes in theirs."""
+    listed = tuple(
+        ('-' if row.sum() < 0.0 else '') + 'xyz'[int(np.abs(row).argmax())]
+        for row in np.asarray(matrix)
+    )
+    return next((name for name in NAMED_BODIES if FIELD_AXES[name] == listed), [*listed])
 
 
 def _format_axes(axes: Axes) -> str:
-    return axes if isinstance(axes, str) else f'[{", ".join(axes)}] (z down)'
+    if isinstance(axes, str):
+        return axes
+    up = axes[2]
+    return f'[{", ".join(axes)}] ({up[-1]} {"down" if up[0] == "-" else "up"})'
+
+
+def _find_vertical(evidence: MotionEvidence, turn: Rotation) -> _Vertical:
+    """
+    Return the vertical axes: along what an accelerometer feels, else those that stay together.
+
+    A vehicle in flight keeps one axis of its body along the vertical while it yaws.
+    """
+    means = turn.as_matrix().mean(axis=0)
+    sizes = np.abs(means)
+    world, body = (int(one) for one in np.unravel_index(sizes.argmax(), sizes.shape))
+    others = np.delete(sizes.ravel(), 3 * world + body)
+    if sizes[world, body] < LEVEL or others.max() > TURNING:
+        world = body = 2
+    if (pull := _mean_pull(evidence, turn)) is not None:
+        world = int(np.abs(pull).argmax())
+        body = int(sizes[world].argmax())
+    return _Vertical(world, body, bool(means[world, body] > 0.0))
+
+
+def _mean_pull(evidence: MotionEvidence, turn: Rotation) -> Numbers | None:
+    """Return the mean specific force in the world if most of it has one direction. [m/s2]"""
+    if evidence.acceleration is None:
+        return None
+    pull: Numbers = turn.apply(np.nan_to_num(evidence.acceleration)).mean(axis=0)
+    size = float(np.linalg.norm(pull))
+    return pull if size > 3.0 and np.abs(pull).max() > 0.7 * size else None
 
 
 def _vote_up(
-    evidence: MotionEvidence, turn: Rotation, axis_names: str, same: bool | None
+    evidence: MotionEvidence,
+    turn: Rotation,
+    vertical: _Vertical,
+    axis_names: str,
+    *,
+    with_tilt: bool,
 ) -> tuple[int, str]:
     """
-    Return whether z of the world points up (1) or down (-1), and why; 0 if nothing says it.
+    Return whether the vertical axis of the world points up (1) or down (-1), and why.
 
-    `same`: whether z of the body is along that of the world; None if its tilt says nothing.
+    0 if nothing says it, or if gravity and the rest contradict each other. `with_tilt`: the tilt
+    of the vehicle may say it.
     """
-    if evidence.acceleration is not None:
-        pull = turn.apply(np.nan_to_num(evidence.acceleration)).mean(axis=0)
-        size = float(np.linalg.norm(pull))
-        if size > 3.0 and abs(pull[2]) > 0.7 * size:
-            word = 'up' if pull[2] > 0.0 else 'down'
-            return (1 if pull[2] > 0.0 else -1), (
-                f'the accelerometer feels {abs(pull[2]):.3g} m/s2 along '
-                f'{"+" if pull[2] > 0 else "-"}z at rest, so z points {word}'
-            )
-    if by_name := UP_BY_NAME.get(axis_names):
-        return by_name
-    by_height, why = _judge_heights(evidence.position)
-    by_tilt, share = (0, 0.0) if same is None else _judge_tilt(evidence, turn, same)
+    letter = 'xyz'[vertical.world]
+    by_name, named = UP_BY_NAME.get(axis_names, (0, ''))
+    by_height, heights = _judge_heights(evidence.position, vertical.world)
+    if (pull := _mean_pull(evidence, turn)) is not None:
+        felt = float(pull[vertical.world])
+        sign = 1 if felt > 0.0 else -1
+        words = (
+            f'the accelerometer feels {abs(felt):.3g} m/s2 along {"+" if sign > 0 else "-"}'
+            f'{letter} at rest, so {letter} points {"up" if sign > 0 else "down"}'
+        )
+        against = by_name or by_height
+        if against in (0, sign) or _judge_pulls(evidence, turn, pull) > 0:
+            return sign, words
+        return 0, (
+            f'{words}; but {named or heights}. The accelerometer, or the position, can have '
+            'the other sign.'
+        )
+    if by_name:
+        return by_name, named
+    by_tilt, share = (0, 0.0)
+    if with_tilt and (vertical.world, vertical.body) == (2, 2):
+        by_tilt, share = _judge_tilt(evidence, turn, vertical.same)
     if by_tilt and by_height and by_tilt != by_height:
-        return 0, f'{why}, but the vehicle accelerates against its tilt; both readings fit.'
+        return 0, f'{heights}, but the vehicle accelerates against its tilt; both readings fit.'
     if by_tilt:
         return by_tilt, (
             f'the vehicle accelerates towards its tilt ({100 * share:.0f} % explained)'
-            + (f'; {why}' if by_height else '')
+            + (f'; {heights}' if by_height else '')
         )
     if by_height:
-        return by_height, why
+        return by_height, heights
     return 0, f'No accelerometer is there, and {_describe_heights(evidence.position)}.'
 
 
-def _judge_heights(position: Numbers | None) -> tuple[int, str]:
-    """Return which way is up if the floor is at zero."""
+def _judge_pulls(evidence: MotionEvidence, turn: Rotation, pull: Numbers) -> int:
+    """
+    Return whether an accelerometer feels what the place accelerates by (1), or the opposite (-1).
+
+    0 if nothing of it can be told.
+    """
+    if evidence.position is None or evidence.acceleration is None:
+        return 0
+    count = min(len(turn), len(evidence.position))
+    seconds = evidence.seconds[:count]
+    moved = differentiate(differentiate(evidence.position[:count], seconds), seconds)
+    felt = turn[:count].apply(np.nan_to_num(evidence.acceleration[:count])) - pull
+    fit = fit_scale(felt, moved - np.nanmean(moved, axis=0), seconds)
+    against = fit_scale(-felt, moved - np.nanmean(moved, axis=0), seconds)
+    return int(fit.share > PULLS) - int(against.share > PULLS)
+
+
+def _judge_heights(position: Numbers | None, axis: int = 2) -> tuple[int, str]:
+    """Return which way an axis points if the floor is at zero."""
     if position is None:
         return 0, ''
-    low, high = np.nanpercentile(position[:, 2], [2.0, 98.0])
+    low, high = np.nanpercentile(position[:, axis], [2.0, 98.0])
+    why = f'{"xyz"[axis]} is {low:.3g} to {high:.3g} m, and the floor is at zero'
     if low > -LOW and high > LOW:
-        return 1, f'z is {low:.3g} to {high:.3g} m, and the floor is at zero'
+        return 1, why
     if high < LOW and low < -LOW:
-        return -1, f'z is {low:.3g} to {high:.3g} m, and the floor is at zero'
+        return -1, why
     return 0, ''
 
 
@@ -157,18 +254,32 @@ def _find_without_attitude(
     body: Axes = 'FLU'
     if evidence.acceleration is not None:
         felt = np.nanmedian(evidence.acceleration, axis=0)
-        body = 'FRD' if felt[2] < 0.0 else 'FLU'
-        choices.add_reason('axes: body', [], body, f'gravity at rest: {felt[2]:.3g} m/s2 along z')
+        axis = int(np.abs(felt).argmax())
+        body = name_axes(spread_axes((UPWARDS if felt[axis] > 0.0 else DOWNWARDS)[axis]))
+        why = f'gravity at rest: {felt[axis]:.3g} m/s2 along {"xyz"[axis]}'
+        choices.add_reason('axes: body', [], _format_axes(body), why)
     world: Axes = 'ENU'
     if evidence.position is not None:
         sign, why = UP_BY_NAME.get(axis_names) or _judge_heights(evidence.position)
+        options = [('up', 'z points up'), ('down', 'z points down')]
+        if axis_names not in UP_BY_NAME and _can_be_y_up(evidence.position, sign):
+            options.append(('y', 'y points up, as in files of Motive'))
+            sign = 0
+        answer = choices.override(CONFLICT, '')
         if not sign:
-            options = [('up', 'z points up'), ('down', 'z points down')]
             why = f'No attitude is there, and {_describe_heights(evidence.position)}.'
             answer = choices.decide(CONFLICT, options, why)
-            sign, why = (1 if answer == 'up' else -1), choices.explain(CONFLICT)
-        sign = {'up': 1, 'down': -1}.get(choices.override(CONFLICT, ''), sign)
-        down: Axes = 'NED' if axis_names == 'ned' else DOWN
-        world = 'ENU' if sign > 0 else down
+            why = choices.explain(CONFLICT)
+        sign = {'up': 1, 'down': -1, 'y': 1}.get(answer, sign)
+        world = (UPWARDS if sign > 0 else DOWNWARDS)[1 if answer == 'y' else 2]
+        if axis_names == 'ned' and sign < 0:
+            world = 'NED'
         choices.add_reason('axes: world', [], _format_axes(world), why)
     return VerticalAxes(world, body, '')
+
+
+def _can_be_y_up(position: Numbers, sign: int) -> bool:
+    """Return whether y of a place can be its height: above a floor, and z is not so or far."""
+    spread = np.ptp(np.nanpercentile(position, [2.0, 98.0], axis=0), axis=0)
+    above = _judge_heights(position, 1)[0] > 0
+    return above and (sign <= 0 or bool(spread[2] > FLATTER * spread[1]))

@@ -1,7 +1,7 @@
 """Detect how a text with columns is written: delimiter, comments, lines before the names."""
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 import csv
 from itertools import chain
 from pathlib import Path
@@ -131,9 +131,15 @@ def _detect_lines(path: Path, lines: Sequence[str]) -> TextFormat:
         if above is not None:
             names = [_add_unit(name, unit) for name, unit in zip(above, names, strict=True)]
             before = []
-    if joined := _join_lines_of_names([lines[i] for i in plain], mark, cells):
+    stated = read_statements(path)
+    if bodies := [*filter(None, stated.get('bodies', '').split('\t'))]:
+        if names is None and cells == 3 * len(bodies):
+            names = [f'{body} {axis}' for body in bodies for axis in 'XYZ']
+        names = names and _add_stated_units(stated, _name_bodies(names, bodies))
+        before = []
+    elif joined := _join_lines_of_names([lines[i] for i in plain], mark, cells):
         # The mapping lists them, too
-        names, before = _add_stated_units(path, joined), []
+        names, before = _add_stated_units(stated, joined), []
     # The line with the names is read by its position, unless it is a comment or not there
     if names is not None and before and plain and plain[-1] == before[-1]:
         return TextFormat(
@@ -237,21 +243,40 @@ def _join_lines_of_names(lines: Sequence[str], mark: str | None, cells: int) -> 
     split = [
         [cell.strip().strip('"') for cell in line.strip('\r\n').split(mark)] for line in lines
     ]
-    rows = [row for row in reversed(split) if len(row) == cells and not any(map(_is_number, row))]
+    # A line that names bodies may end with the name of the last one
+    rows = [
+        row + [''] * (cells - len(row))
+        for row in reversed(split)
+        if (len(row) == cells or (1 < len(row) < cells and not row[0]))
+        and not any(map(_is_number, row))
+    ]
+    units = rows.pop(0) if len(rows) > 1 and _are_units(rows[0]) else [''] * cells
     if not rows or _are_units(rows[0]) or len({*filter(None, rows[0])}) == sum(map(bool, rows[0])):
         return []
     names = rows[0]
-    for above, higher in zip(rows[1:], [*rows[2:], []], strict=True):
+    for above, higher in zip(rows[1:], [*rows[2:], []], strict=False):
+        words = _spread(above, names)
         filled = [name for name in names if name]
         # Identifiers tell columns apart, but mean nothing to a reader
         are_same = len({*filled}) < len(filled)
-        if are_same and not _divide_alike(above, higher) and 'ID' not in above[:2]:
+        if are_same and not _divide_alike(words, higher) and 'ID' not in words[:2]:
             # A word that stands once labels the line, and not a column with a name
             names = [
-                f'{word} {name}'.strip() if not name or above.count(word) > 1 else name
-                for word, name in zip(above, names, strict=True)
+                f'{word} {name}'.strip() if not name or words.count(word) > 1 else name
+                for word, name in zip(words, names, strict=True)
             ]
-    return _make_unique(names)
+    return [_add_unit(name, unit) for name, unit in zip(_make_unique(names), units, strict=True)]
+
+
+def _spread(words: Sequence[str], names: Sequence[str]) -> list[str]:
+    """Return the words of a line, each also above the columns up to the next word."""
+    if not any(word and names.count(name) > 1 for word, name in zip(words, names, strict=True)):
+        return [*words]
+    spread: list[str] = []
+    for word, name in zip(words, names, strict=True):
+        goes_on = not word and names.count(name) > 1 and spread
+        spread.append(spread[-1] if goes_on else word)
+    return spread
 
 
 def _divide_alike(ids: Sequence[str], names: Sequence[str]) -> bool:
@@ -263,25 +288,55 @@ def _divide_alike(ids: Sequence[str], names: Sequence[str]) -> bool:
 
 def read_statements(path: Path) -> dict[str, str]:
     """
-    Return what a tracker's file states before its columns: unit of lengths, sequence of angles.
+    Return what a tracker's file states before its columns.
 
-    Motive writes names and values in turn in the first line.
+    'length': unit of lengths; 'sequence': of the angles about x, y and z; 'rate': rows per second;
+    'bodies': their names, with a tab between; 'elements': 'by column' of a rotation matrix. Motive
+    writes names and values in turn in the first line, QTM a name and its values in each line, and
+    Vicon the rate in a line of its own.
     """
-    cells = split_cells(next(_read_lines(path), ''), ',')
+    lines = [line.strip() for line in _read_lines(path)]
+    cells = split_cells(lines[0], ',') if lines else []
     pairs = dict(zip(cells[::2], cells[1::2], strict=False))
-    unit = LENGTH_UNITS.get(pairs.get('Length Units', '').lower(), '')
-    rotation = pairs.get('Rotation Type', '')
-    stated = {'length': unit} if unit else {}
-    return stated | ({'sequence': rotation} if sorted(rotation) == [*'XYZ'] else {})
+    stated = {
+        'length': LENGTH_UNITS.get(pairs.get('Length Units', '').lower(), ''),
+        'sequence': pairs.get('Rotation Type', ''),
+        'rate': pairs.get('Export Frame Rate', ''),
+    }
+    if sorted(stated['sequence']) != [*'XYZ']:
+        del stated['sequence']
+    if cells[:1] in (['Objects'], ['Trajectories']) and len(lines) > 1:
+        stated['rate'] = lines[1].strip(',')
+    if lines and lines[0].startswith('NO_OF_FRAMES'):
+        keys = dict(line.split('\t', 1) for line in lines if '\t' in line)
+        names = keys.get('BODY_NAMES') or keys.get('MARKER_NAMES', '')
+        # As QTM exports: mm, degrees about x, y and z of the body
+        stated |= {'length': 'mm', 'sequence': 'XYZ', 'elements': 'by column', 'bodies': names,
+                   'rate': keys.get('FREQUENCY', '')}  # fmt: skip
+    if not _is_number(stated['rate']):
+        del stated['rate']
+    return {key: value for key, value in stated.items() if value}
 
 
-def _add_stated_units(path: Path, names: Sequence[str]) -> list[str]:
+def _name_bodies(names: Sequence[str], bodies: Sequence[str]) -> list[str]:
+    """Return names that begin with their body, which QTM writes only before the first of each."""
+    body, named = '', []
+    for name in names:
+        owners = [one for one in bodies if name.startswith(f'{one} ')]
+        body = max(owners, key=len, default=body)
+        bare = re.sub(r' \(\d+\)$', '', name)
+        named.append(name if owners or not body else f'{body} {bare}')
+    return _make_unique(named)
+
+
+def _add_stated_units(stated: Mapping[str, str], names: Sequence[str]) -> list[str]:
     """Return the names of a tracker's columns with the units that its file states."""
-    stated = read_statements(path)
-    turned = 'deg' if 'sequence' in stated else ''
-    units = {'Position': stated.get('length', ''), 'Rotation': turned}
+    length, turned = stated.get('length', ''), 'deg' if 'sequence' in stated else ''
+    units = {'Position': length, 'Rotation': turned}
+    if 'bodies' in stated:
+        units = dict.fromkeys('XYZ', length) | dict.fromkeys(('Roll', 'Pitch', 'Yaw'), turned)
     return [
-        next((f'{name} [{unit}]' for word, unit in units.items() if unit and f'{word} ' in name),
+        next((f'{name} [{unit}]' for word, unit in units.items() if unit and word in name.split()),
              name)
         for name in names
     ]  # fmt: skip
