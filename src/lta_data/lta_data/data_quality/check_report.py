@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 import json
 from pathlib import Path
+from textwrap import fill
 from typing import Final, final
 
 from lta_data.bag.bag_folder import find_bag
@@ -15,7 +16,6 @@ from lta_data.data_quality.recording import ChannelRecording, read_recording
 from lta_data.data_quality.registry import QualityReport, run_checks
 from lta_report.progress_bar import ProgressBar
 from rich.console import Console
-from rich.padding import Padding
 from rich.progress import BarColumn, TextColumn
 from rich.text import Text
 
@@ -27,7 +27,7 @@ STYLES: Final = {
 }
 
 WIDEST: Final = 120  # characters of a line, also in a pipe
-INDENT: Final = 4  # characters before the evidence
+INDENT: Final = '    '  # before the evidence
 
 
 @final
@@ -129,8 +129,9 @@ def print_findings(one: CheckedRecording, console: Console) -> None:
         head.append(f'  {finding.kind}  ').append(finding.channel, 'bold')
         head.append(f'  {finding.from_s:.2f} to {finding.to_s:.2f} s')
         console.print(head, soft_wrap=True)
-        evidence = Padding(Text(finding.evidence), (0, 0, 0, INDENT), expand=False)
-        console.print(evidence, width=width)
+        # By `textwrap`, as rich fills lines with spaces
+        evidence = fill(finding.evidence, width, initial_indent=INDENT, subsequent_indent=INDENT)
+        console.print(Text(evidence), soft_wrap=True)
     if one.report.status == 'clean':
         console.print('clean', style='green')
     elif one.report.status == 'not checked':

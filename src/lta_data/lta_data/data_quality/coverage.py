@@ -6,9 +6,12 @@ from typing import Final, final, NamedTuple
 from lta_data.bag.channels import SignalChannel
 from lta_data.data_quality import roles
 from lta_data.data_quality.check_context import CheckContext
+from lta_data.data_quality.checks.constant_channels import is_constant
 from lta_data.data_quality.checks.stamps import is_regular
 from lta_data.data_quality.checks.units import SIZES
 from lta_data.data_quality.finding import QualityFinding, Severity
+from lta_data.data_quality.limits import QualityLimits
+from lta_data.data_quality.runs import find_coarse_unit
 from lta_data.data_quality.valid_ranges import COUNTS, RANGES, SPREAD
 import numpy as np
 
@@ -16,6 +19,7 @@ KIND: Final = 'missing'
 POSE: Final = ('position', 'attitude')  # that a model of a vehicle needs
 SENSED: Final = ('rates', 'force')
 RULES: Final = (*(one.names for one in RANGES), *(one.names for one in SIZES), COUNTS, SPREAD)
+MOVING: Final = ('position', 'attitude', 'velocity', 'rates', 'force')
 WORDS: Final = {'turning': 'rates', 'force': 'acceleration'}
 
 
@@ -43,17 +47,24 @@ def describe_coverage(evidence: CheckContext) -> Coverage:
         if count < least:
             unjudged.append(f"'{topic}' is too short: {count} messages, and {least} are needed.")
             continue
-        one = _describe_topic(topic, channels)
+        one = _describe_topic(topic, channels, evidence.limits)
         sentences += one.judged
         unjudged += one.unjudged
         missing += one.missing
         ruleless += [] if one.judged else [topic]
     if ruleless:
         unjudged.append(f'No rule is there for the numbers of {", ".join(map(repr, ruleless))}.')
+    if not by_topic:
+        unjudged.append('It has no message whose numbers can be read.')
+    placed = any(pose.position is not None for pose in evidence.poses)
+    if placed and all(pose.attitude is None for pose in evidence.poses):
+        unjudged.append('It has no attitude: frames, axes and rates are not judged.')
     return Coverage(tuple(sentences), tuple(unjudged), tuple(missing))
 
 
-def _describe_topic(topic: str, channels: Sequence[SignalChannel]) -> Coverage:
+def _describe_topic(
+    topic: str, channels: Sequence[SignalChannel], limits: QualityLimits
+) -> Coverage:
     """Return what was judged of a topic with enough messages."""
     measured: dict[str, bool] = {}
     for channel in channels:
@@ -80,8 +91,28 @@ def _describe_topic(topic: str, channels: Sequence[SignalChannel]) -> Coverage:
         )
         for name in absent
     )  # fmt: skip
-    sentences = (f"{', '.join(there)} of '{topic}' ({len(time)} messages)",) if there else ()
-    irregular = () if is_regular(time) else (
-        f"The stamps of '{topic}' are irregular: lost messages cannot be counted.",
-    )  # fmt: skip
-    return Coverage(sentences, irregular if there else (), missing)
+    if not there:
+        return Coverage((), (), missing)
+    unjudged = []
+    if not is_regular(time):
+        unjudged.append(f"The stamps of '{topic}' are irregular: lost messages cannot be counted.")
+    span = float(np.ptp(time))
+    if span < limits.pair_time and any(name in measured for name in MOVING):
+        unjudged.append(
+            f"'{topic}' is too short to compare motions (units, axes, clocks): {span:.1f} s, and "
+            f'{limits.pair_time:g} s are needed.'
+        )
+    coarse = [
+        f'{channel.field.rpartition(".")[2]} to {unit:.2g} {channel.unit}'.rstrip()
+        for channel in channels
+        if roles.match_noisy_quantity(channel)
+        and (unit := find_coarse_unit(channel.values))
+        and not is_constant(channel)
+    ]
+    if coarse:
+        unjudged.append(
+            f"'{topic}' is rounded ({', '.join(coarse)}), which hides its noise: equal, extreme "
+            'and repeated values of these are not judged.'
+        )
+    text = f"{', '.join(there)} of '{topic}' ({len(time)} messages)"
+    return Coverage((text,), tuple(unjudged), missing)

@@ -71,7 +71,7 @@ class QualityLimits(Settings):
         unit='m/s2',
     )
     jump_size: float = setting(
-        0.1,
+        0.04,
         'Smallest jump of a position that is reported, beyond what the speed before it allows.',
         unit='m',
     )

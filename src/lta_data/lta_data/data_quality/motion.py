@@ -7,12 +7,13 @@ from typing import final
 
 from lta_data.bag.channels import SignalChannel
 from lta_data.data_quality import roles
-from lta_data.data_quality.smoothing import sort_samples, steady_arrivals
+from lta_data.data_quality.smoothing import sort_samples, spread_evenly
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 Array = NDArray[np.float64]
+MEANT = 0.1  # length of a mean of quaternions that is still an attitude
 
 
 @final
@@ -22,7 +23,16 @@ class VectorSeries:
 
     name: str  # topic and path without the axis: 'imu/angular_velocity'
     time: Array  # increasing, shape (n,) [s]
-    values: Array  # shape (n, 3)
+    values: Array  # shape (n, 3); (n, 4) for a quaternion
+
+    def spread(self) -> 'VectorSeries':
+        """Return the vector on an even grid where its messages came irregularly."""
+        time, values = spread_evenly(self.time, self.values)
+        if self.values.shape[1] == 4:
+            size = np.linalg.norm(values, axis=1)
+            good = size > MEANT
+            time, values = time[good], values[good] / size[good, None]
+        return VectorSeries(self.name, time, values)
 
     def differentiate(self) -> tuple[Array, Array]:
         """Return the times of the derivative between samples, and the derivative."""
@@ -71,7 +81,7 @@ def collect_vectors(
             time, values = sort_samples(channels[names[0]].time, table)
             # Fewer samples do not allow two derivatives
             if len(time) > 3:
-                vectors[topic] = VectorSeries(f'{topic}/{path}', steady_arrivals(time), values)
+                vectors[topic] = VectorSeries(f'{topic}/{path}', time, values)
     return vectors
 
 
@@ -98,9 +108,7 @@ def collect_attitudes(channels: Mapping[str, SignalChannel]) -> dict[str, Vector
         if len(time) > 3:
             # Upper case: intrinsic yaw, pitch, roll
             turns = Rotation.from_euler('ZYX', angles).as_quat()
-            attitudes[topic] = VectorSeries(
-                f'{topic}/{path}', steady_arrivals(time), remove_sign_jumps(turns)
-            )
+            attitudes[topic] = VectorSeries(f'{topic}/{path}', time, remove_sign_jumps(turns))
     return attitudes
 
 
@@ -111,8 +119,8 @@ def remove_sign_jumps(turns: Array) -> Array:
     return np.asarray(turns * np.concatenate(([1.0], np.cumprod(flips)))[:, None])
 
 
-def collect_poses(channels: Mapping[str, SignalChannel]) -> list[PoseSeries]:
-    """Return the topics with the motion of the vehicle, trackers first."""
+def collect_poses(channels: Mapping[str, SignalChannel], evenly: bool = True) -> list[PoseSeries]:
+    """Return the topics with the motion of the vehicle, trackers first; evenly for derivatives."""
     place = collect_vectors(channels, roles.POSITION, 'xyz')
     attitude = collect_attitudes(channels)
     speed = collect_vectors(channels, roles.SPEED, 'xyz')
@@ -122,7 +130,9 @@ def collect_poses(channels: Mapping[str, SignalChannel]) -> list[PoseSeries]:
     for topic in topics:
         tracked = bool(roles.TRACKED.match(topic))
         if tracked or topic == 'odom' or roles.is_instrument_topic(topic):
-            parts = (table.get(topic) for table in (place, attitude, speed, turning))
+            parts = [table.get(topic) for table in (place, attitude, speed, turning)]
+            if evenly:
+                parts = [part and part.spread() for part in parts]
             poses.append(PoseSeries(topic, tracked, *parts))
     return sorted(poses, key=lambda pose: not pose.tracked)
 
@@ -132,7 +142,9 @@ def collect_inertials(channels: Mapping[str, SignalChannel]) -> list[InertialSer
     rates = collect_vectors(channels, roles.RATES, 'xyz')
     force = collect_vectors(channels, roles.FORCE, 'xyz')
     return [
-        InertialSeries(topic, rates.get(topic), force.get(topic))
+        InertialSeries(
+            topic, *(part and part.spread() for part in (rates.get(topic), force.get(topic)))
+        )
         for topic in dict.fromkeys((*rates, *force))
     ]
 

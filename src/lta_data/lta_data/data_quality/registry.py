@@ -64,8 +64,10 @@ class QualityReport:
 
     @property
     def status(self) -> str:
-        """'findings', 'clean', or 'not checked' if nothing could be judged."""
-        return 'findings' if self.findings else 'clean' if self.judged else 'not checked'
+        """'findings', 'clean', or 'not checked' if nothing but notes came of it."""
+        if not (self.judged or self.is_grave):
+            return 'not checked'
+        return 'findings' if self.findings else 'clean'
 
     @property
     def is_grave(self) -> bool:

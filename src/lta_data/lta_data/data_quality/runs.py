@@ -1,9 +1,13 @@
-"""Find runs of samples that fulfil a condition."""
+"""Find runs of samples that fulfil a condition, and the resolution that makes equal ones usual."""
 
 from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
+
+SAME = 1e-9  # of the range of a channel; smaller changes are rounding errors of a computer
+NEAR = 0.05  # of a unit of the resolution
+COARSE = 2.0  # units; readings that change less at random follow each other predictably
 
 
 def find_runs(true: NDArray[np.bool_]) -> NDArray[np.int64]:
@@ -25,3 +29,20 @@ def merge_runs(bounds: NDArray[np.int64], apart: int) -> Iterator[tuple[int, int
             held = begin, end
     if held is not None:
         yield held
+
+
+def find_coarse_unit(values: NDArray[np.float64]) -> float:
+    """
+    Return the unit to which readings are rounded, if that hides their noise; 0 otherwise.
+
+    Rounded readings of a smooth motion repeat, rest at extremes and come again, by no fault.
+    """
+    values = values[np.isfinite(values)]
+    steps = np.abs(np.diff(values))
+    moving = steps[steps > SAME * np.ptp(values)] if len(values) else steps
+    if not len(moving):
+        return 0.0
+    units = moving / moving.min()
+    on_scale = np.percentile(np.abs(units - np.round(units)), 98.0) < NEAR
+    noise = float(np.median(np.abs(np.diff(values, 2))))
+    return float(moving.min()) if on_scale and noise < COARSE * moving.min() else 0.0

@@ -1,16 +1,15 @@
 """Resample channels to an even grid and smooth them, so that derivatives can be compared."""
 
 from lta_config.limits import GRID
-from lta_data.even_grid import FINEST
+from lta_data.even_grid import build_uniform_time_grid, FINEST
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 HOLE = 4.0  # periods without a sample that count as a gap
-HURRIED = 0.3  # of a period; shorter steps follow a late message
-OFTEN = 0.02  # share of such steps from which times are those of arrivals
-AROUND = 0.3  # over which arrivals are averaged [s]
-LATEST = 3.0  # periods by which a message arrives late, at most
+TOGETHER = 32  # messages that a network may deliver at once
+UNEVEN = 0.3  # of a period by which steps of a steady rhythm differ, at most
+OFTEN = 0.02  # share of larger differences from which a rhythm is not steady
 
 
 def sort_samples(time: Array, values: Array) -> tuple[Array, Array]:
@@ -25,32 +24,37 @@ def sort_samples(time: Array, values: Array) -> tuple[Array, Array]:
 
 
 def median_period(time: Array) -> float:
-    """Return the median time between samples; NaN for fewer than two. [s]"""
-    return float(np.median(np.diff(time))) if len(time) > 1 else float('nan')
-
-
-def steady_arrivals(time: Array) -> Array:
     """
-    Return the times of an even rhythm where messages were stamped on arrival, late by chance.
+    Return the median time between samples; NaN for fewer than two. [s]
 
-    A derivative over two messages that arrived together is meaningless. Other times are returned
-    as they are. `time`: increasing, shape (n,) [s].
+    Over several samples, since a network may deliver some together.
+    """
+    apart = min(TOGETHER, len(time) - 1)
+    if apart < 1:
+        return float('nan')
+    return float(np.median(time[apart:] - time[:-apart])) / apart
+
+
+def spread_evenly(time: Array, values: Array) -> tuple[Array, Array]:
+    """
+    Return samples on an even grid where messages came irregularly, as when stamped on arrival.
+
+    A difference of two samples that came together is no derivative: they count as one, at their
+    mean time. Times of a steady rhythm are returned as they are; holes stay.
+
+    `time`, shape (n,): increasing [s]. `values`, shape (n, k).
     """
     step, usual = np.diff(time), median_period(time)
-    if len(time) < 10 or not usual > 0.0 or np.mean(step < HURRIED * usual) < OFTEN:
-        return time
-    half = max(2, round(AROUND / usual / 2))
-    evened = time.copy()
-    cuts = np.flatnonzero(step > HOLE * usual) + 1
-    for rows in np.split(np.arange(len(time)), cuts):
-        if len(rows) > 2 * half:
-            count = np.arange(len(rows))
-            # A line through the stretch, so that its ends are averaged without a bias
-            line = np.polyval(np.polyfit(count, time[rows], 1), count)
-            late = (time[rows] - line)[:, None]
-            evened[rows] = line + smooth_columns(late, hann_kernel(2.0 * half, 1.0))[:, 0]
-    rising = bool((np.diff(evened) > 0.0).all())
-    return evened if rising and np.abs(evened - time).max() < LATEST * usual else time
+    if len(time) < TOGETHER or np.mean(np.abs(step - usual) > UNEVEN * usual) < OFTEN:
+        return time, values
+    starts = np.concatenate(([0], np.flatnonzero(step > UNEVEN * usual) + 1))
+    count = np.diff(np.append(starts, len(time)))
+    means = np.add.reduceat(np.column_stack([time, values]), starts) / count[:, None]
+    grid = build_uniform_time_grid(means[0, 0], means[-1, 0], usual, len(time))
+    if len(grid) < TOGETHER:
+        return time, values
+    table, there = interpolate_on_grid(means[:, 0], means[:, 1:], grid)
+    return grid[there], table[there]
 
 
 def interpolate_on_grid(

@@ -4,7 +4,8 @@ from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import median_filter
+from scipy.ndimage import median_filter, uniform_filter1d
+from scipy.spatial.transform import Rotation
 
 Array = NDArray[np.float64]
 
@@ -15,38 +16,49 @@ CLEAR: Final = 12.0  # standard deviations off the usual change
 LEAST: Final = 0.02  # m, or quaternion component
 REACH: Final = 0.5  # that a vehicle may accelerate within a gap [m/s2]
 RETURNS: Final = 0.5  # of the jump, at most, that the pose behind it is off
-QUIET: Final = 0.3  # quantile of the changes that no jump has, however many there are
-NOISE: Final = 1.19  # that quantile of the length of white noise, in standard deviations
+BODIES: Final = 4  # that a tracker may report in turn
+QUIET: Final = 0.2  # quantile of the changes that no jump has, however many there are
+NOISE: Final = 1.0  # that quantile of the length of white noise, in standard deviations
 BURST: Final = 2.0  # times its usual speed a vehicle changes its speed from pose to pose, at most
 
 
-def find_steps(time: Array, changes: Array, least: float) -> tuple[Any, Array]:
+def find_steps(time: Array, poses: Array, least: float) -> tuple[Any, Array]:
     """
     Return which changes from pose to pose no inertia allows, and by how much they are off.
 
     A vehicle keeps its speed from one pose to the next, but for noise and for what a collision
-    takes away. So does one of two bodies that a tracker reports in turn, over two poses.
+    takes away. Where a tracker reports several bodies in turn, each keeps its own.
 
-    `time`: increasing, shape (n,) [s]. `changes`, shape (n - 1, 3): ways [m] or turns [rad].
-    `least`: size of a step [m or rad].
+    `time`: increasing, shape (n,) [s]. `poses`: positions, shape (n, 3) [m], or quaternions,
+    shape (n, 4). `least`: size of a step [m or rad].
     """
-    step = np.diff(time)[:, None]
-    ways = [(changes, step)]
-    if len(changes) > AROUND:
-        # Back to the same of two bodies, if they alternate
-        ways.append((changes[1:] + changes[:-1], step[1:] + step[:-1]))
+    count = len(time) - 1
     slopes, usual = [], []
-    for change, lasting in ways:
-        slope = median_filter(change / lasting, size=(AROUND, 1), mode='nearest')
-        usual.append(np.quantile(np.linalg.norm(change - slope * lasting, axis=1), QUIET))
-        slopes.append(np.pad(slope, ((0, len(changes) - len(slope)), (0, 0)), mode='edge'))
+    for apart in range(1, BODIES + 1):
+        change, step = _measure_changes(poses, apart), (time[apart:] - time[:-apart])[:, None]
+        # Not the median of quotients, since messages that come together have no time between them
+        way = median_filter(change, size=(AROUND, 1), mode='nearest')
+        slope = way / uniform_filter1d(step, AROUND, axis=0, mode='nearest')
+        usual.append(np.quantile(np.linalg.norm(change - way, axis=1), QUIET))
+        slopes.append(np.pad(slope, ((0, count - len(slope)), (0, 0)), mode='edge'))
     paces = np.array([np.linalg.norm(slope, axis=1) for slope in slopes])
-    # Where poses of two bodies alternate, the speed over two poses is the true one
-    slope = np.array(slopes)[paces.argmin(axis=0), np.arange(len(changes))]
-    off, pace = np.linalg.norm(changes - slope * step, axis=1), paces.min(axis=0)
-    fast = float(np.quantile(pace, 0.75))
-    allowed = np.maximum(CLEAR * min(usual) / NOISE, BURST * fast * step[:, 0])
-    return off > np.maximum(allowed + REACH * step[:, 0] ** 2, least), off
+    # Where bodies alternate, the speed from one pose to the next of the same body is the true one
+    slope = np.array(slopes)[paces.argmin(axis=0), np.arange(count)]
+    step = np.diff(time)
+    off = np.linalg.norm(_measure_changes(poses, 1) - slope * step[:, None], axis=1)
+    fast = float(np.quantile(paces.min(axis=0), 0.75))
+    allowed = np.maximum(
+        CLEAR * min(usual) / NOISE, BURST * fast * np.maximum(step, np.median(step))
+    )
+    return off > np.maximum(allowed + REACH * step**2, least), off
+
+
+def _measure_changes(poses: Array, apart: int) -> Array:
+    """Return ways [m], or turns [rad], between poses so many rows apart, shape (n - apart, 3)."""
+    if poses.shape[1] == 3:
+        return np.asarray(poses[apart:] - poses[:-apart])
+    turn = Rotation.from_quat(poses)
+    return (turn[:-apart].inv() * turn[apart:]).as_rotvec()
 
 
 def find_tracker_jumps(time: Array, poses: Array) -> Any:  # noqa: ANN401 - an array of bool

@@ -59,13 +59,24 @@ def test_a_gap_on_irregular_stamps_is_found_and_losses_are_not_counted():
     assert any('irregular' in sentence for sentence in report.unjudged)
 
 
-@pytest.mark.parametrize(('rate', 'late'), [(50.0, 0.006), (100.0, 0.004), (200.0, 0.002)])
-def test_stamps_of_arrivals_that_are_late_break_no_rule(rate, late):
+def burst(rng, sent):
+    return np.where(rng.random(len(sent)) < 0.03, rng.uniform(0.0, 0.08, len(sent)), 0.0)
+
+
+@pytest.mark.parametrize(('rate', 'delays'), [
+    (50.0, lambda rng, sent: rng.exponential(0.006, len(sent))),
+    (200.0, lambda rng, sent: rng.exponential(0.006, len(sent))),
+    (50.0, lambda rng, sent: rng.uniform(0.0, 0.015, len(sent))),
+    (100.0, lambda rng, sent: np.abs(rng.normal(0.0, 0.006, len(sent)))),
+    (100.0, burst),  # a network that halts now and then
+    (100.0, lambda rng, sent: -sent % 0.04),  # four at once
+])  # fmt: skip
+def test_stamps_of_arrivals_that_are_late_break_no_rule(rate, delays):
     rng = np.random.default_rng(5)
     recording = record()
     count = len(next(iter(recording.channels.values())).time)
     sent = np.arange(count) / rate
-    time = np.maximum.accumulate(sent + rng.exponential(late, count)) + np.arange(count) * 1e-6
+    time = np.maximum.accumulate(sent + delays(rng, sent)) + np.arange(count) * 1e-6
     # The same poses in less time
     quicker = {name: rate / 50.0 if 'twist' in name else 1.0 for name in recording.channels}
     channels = {
@@ -73,3 +84,46 @@ def test_stamps_of_arrivals_that_are_late_break_no_rule(rate, late):
         for name, one in recording.channels.items()
     }
     assert run_checks(ChannelRecording(channels, {'data': 'measured'})).findings == ()
+
+
+@pytest.mark.parametrize('digits', [2, 3])
+def test_rounded_readings_of_a_slow_motion_break_no_rule(digits):
+    channels = {
+        name: SignalChannel(name, one.unit, one.time, np.round(one.values, digits))
+        for name, one in record().channels.items()
+    }
+    report = run_checks(ChannelRecording(channels, {'data': 'measured'}))
+    assert not report.is_grave
+    assert any('is rounded (x to 0.0' in sentence for sentence in report.unjudged)
+
+
+def test_a_rounded_reading_that_freezes_and_jumps_is_found():
+    time = np.arange(3000) * 0.02
+    place = np.round(1.5 * np.sin(0.4 * time), 2)
+    place[1500:1550] = place[1500]
+    channels = make('ground_truth/odom', ['pose.pose.position.x'], place, time)
+    (finding,) = run_checks(ChannelRecording(channels, {'data': 'measured'})).findings
+    assert (finding.kind, finding.from_s) == ('frozen', pytest.approx(30.0, abs=0.1))
+
+
+def test_notes_alone_are_no_check():
+    channels = {
+        name: SignalChannel(name, '', one.time, np.full(len(one.time), np.nan))
+        for name, one in record().channels.items()
+        if 'twist' not in name
+    }
+    report = run_checks(ChannelRecording(channels, {'data': 'measured'}))
+    assert report.findings
+    assert (report.status, report.judged) == ('not checked', ())
+
+
+def test_what_is_too_short_or_not_there_is_said():
+    short = {
+        name: SignalChannel(name, '', one.time[:200], one.values[:200])
+        for name, one in record().channels.items()
+        if 'position' in name
+    }
+    said = ' '.join(run_checks(ChannelRecording(short, {'data': 'measured'})).unjudged)
+    assert 'too short to compare motions' in said
+    assert 'It has no attitude' in said
+    assert 'no message' in run_checks(ChannelRecording({})).unjudged[0]

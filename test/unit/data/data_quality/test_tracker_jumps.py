@@ -96,6 +96,31 @@ def test_another_body_in_some_of_the_poses(rate: float, each: int) -> None:
     assert 'jumps' in finding.evidence
 
 
+@pytest.mark.parametrize('rate', [10.0, 50.0, 200.0])
+@pytest.mark.parametrize('bodies', [3, 4])
+def test_several_bodies_in_turn(rate: float, bodies: int) -> None:
+    time, place, turn = circling(rate)
+    place += np.arange(len(time))[:, None] % bodies * np.array([1.0, 0.4, 0.0])
+    assert find_impossible(time, place, turn)
+
+
+@pytest.mark.parametrize('size', [0.05, 0.3])
+def test_a_step_that_stays(size: float) -> None:
+    time, place, turn = circling(50.0)
+    place[1000:, 0] += size
+    (finding,) = find_impossible(time, place, turn)
+    assert finding.from_s == pytest.approx(time[1000])
+
+
+@pytest.mark.parametrize('rate', [20.0, 100.0])
+def test_a_pose_that_freezes_and_jumps(rate: float) -> None:
+    time, place, turn = circling(rate)
+    for begin in np.flatnonzero(np.diff(time // 4.0)):
+        held = slice(begin, begin + round(0.5 * rate))
+        place[held] = place[begin]
+    assert find_impossible(time, place, turn)
+
+
 @pytest.mark.parametrize('rate', [10.0, 50.0])
 @pytest.mark.parametrize('degrees', [90.0, 180.0])
 def test_a_heading_that_turns_in_one_frame(rate: float, degrees: float) -> None:
@@ -107,10 +132,12 @@ def test_a_heading_that_turns_in_one_frame(rate: float, degrees: float) -> None:
     assert f'{degrees:.0f} degrees' in finding.evidence
 
 
-@pytest.mark.parametrize('share', [0.1, 0.3, 0.45])
+@pytest.mark.parametrize('share', [0.1, 0.3, 0.45, 1.0])
 def test_two_poses_of_one_body_in_turn(share: float) -> None:
     time, place, turn = circling(50.0)
     odd = np.random.default_rng(3).random(len(time)) < share
+    if share == 1.0:
+        odd = np.arange(len(time)) % 2 == 0
     flipped = (turn * Rotation.from_euler('z', 180.0, degrees=True)).as_quat()
     turn = Rotation.from_quat(np.where(odd[:, None], flipped, turn.as_quat()))
     assert find_impossible(time, place, turn)

@@ -14,7 +14,7 @@ from lta_data.data_quality.checks.constant_channels import is_constant
 from lta_data.data_quality.checks.freezes import ends_with_jump, find_initial_run_end, START
 from lta_data.data_quality.finding import CheckVerdict, QualityFinding, Severity
 from lta_data.data_quality.limits import QualityLimits
-from lta_data.data_quality.runs import find_runs
+from lta_data.data_quality.runs import find_coarse_unit, find_runs
 import numpy as np
 
 KIND = 'clipped'
@@ -50,7 +50,7 @@ def find_pileups(
             : find_initial_run_end(np.diff(channel.values, prepend=channel.values[:1]) == 0.0)
         ] = False
     values, time = channel.values[good], channel.time[good]
-    if len(values) < limits.least_samples or is_constant(channel):
+    if len(values) < limits.least_samples or is_constant(channel) or find_coarse_unit(values):
         return
     levels, counts = np.unique(values, return_counts=True)
     for side, word in ((0, 'lowest'), (-1, 'highest')):

@@ -12,6 +12,7 @@ from lta_data.data_quality import roles
 from lta_data.data_quality.check_context import CheckContext
 from lta_data.data_quality.finding import CheckVerdict, QualityFinding, Severity
 from lta_data.data_quality.limits import QualityLimits
+from lta_data.data_quality.runs import find_coarse_unit
 import numpy as np
 from numpy.typing import NDArray
 
@@ -47,7 +48,7 @@ def hash_windows(values: NDArray[np.float64], length: int) -> NDArray[np.uint64]
 def find_repeats(channel: SignalChannel, limits: QualityLimits) -> Iterator[QualityFinding]:
     """Yield the repeated stretches of one channel."""
     values, length = channel.values, limits.duplicated_samples
-    if len(values) < 2 * length:
+    if len(values) < 2 * length or find_coarse_unit(values):
         return
     finite = np.isfinite(values)
     single = np.where(finite, values, 0.0).astype(np.float32)

@@ -14,7 +14,7 @@ from lta_data.data_quality.check_context import CheckContext
 from lta_data.data_quality.checks.constant_channels import is_constant
 from lta_data.data_quality.finding import CheckVerdict, QualityFinding, Severity
 from lta_data.data_quality.limits import QualityLimits
-from lta_data.data_quality.runs import find_runs
+from lta_data.data_quality.runs import find_coarse_unit, find_runs
 from lta_data.data_quality.smoothing import median_period
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 KIND = 'frozen'
 START = 3  # samples within which a run counts as starting at the beginning
 RELEASED = 5.0  # least jump at the end of a freeze, in usual steps
+HIDDEN = 2.5  # units to which readings are rounded; a motion may change them so much at once
 NOTHING = 1e-9  # residual speed of a simulated vehicle at rest
 USUAL = 90.0  # percentile of the run lengths that counts as regular
 
@@ -51,7 +52,10 @@ def find_channel_freezes(
         equal[: find_initial_run_end(equal)] = False
     runs = find_runs(equal)
     lengths = runs[:, 1] - runs[:, 0]
+    # Of each value, most of which are read once
+    holds = np.diff(np.flatnonzero(np.concatenate(([True], ~equal, [True]))))
     low, high = np.nanmin(values), np.nanmax(values)
+    hidden = HIDDEN * find_coarse_unit(values)
     for (begin, end), length in zip(runs.tolist(), lengths.tolist(), strict=True):
         held = values[begin]
         # A run at an extreme is clipping, which another check reports
@@ -61,11 +65,12 @@ def find_channel_freezes(
             and channel.topic.startswith('ground_truth')
             and (end == len(equal) or abs(held) < NOTHING)
         )
-        if piled or rests or length + 1 < limits.frozen_samples:
+        # Rounded readings of a slow motion repeat; those of a frozen one jump when it goes on
+        slow = hidden and not abs(values[min(end + 1, len(equal))] - held) > hidden
+        if piled or rests or slow or length + 1 < limits.frozen_samples:
             continue
-        others = np.delete(lengths, np.flatnonzero(runs[:, 0] == begin))
         # Sample-and-hold data have long runs all the time.
-        usual = np.percentile(others, USUAL) if len(others) else 0.0
+        usual = np.percentile(holds, USUAL)
         # Share of equal neighbours outside this run: how often the sensor repeats a value anyway
         share = (equal.sum() - length) / max(1, len(equal) - length)
         # Probability of such a run at any position, if equal neighbours were independent.

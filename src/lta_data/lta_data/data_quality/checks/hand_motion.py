@@ -124,6 +124,8 @@ def measure_tremor(vector: VectorSeries, values: Array, limits: QualityLimits) -
     def level(low: float, high: float) -> Array:
         # Near the Nyquist frequency, interpolation has removed the power
         inside = (lines >= low) & (lines <= min(high, 0.9 * lines[-1]))
+        if not inside.any():  # too many messages in a moment to resolve a band
+            return np.zeros(len(starts))
         # Scaled to the width of the tremor band, so that levels are comparable.
         width = limits.tremor_high - limits.tremor_low
         mean = power[:, inside].mean(axis=1)

@@ -8,13 +8,12 @@ from lta_data.data_quality import roles
 from lta_data.data_quality.check_context import CheckContext
 from lta_data.data_quality.finding import CheckVerdict, QualityFinding, Severity
 from lta_data.data_quality.limits import QualityLimits
-from lta_data.data_quality.motion import InertialSeries, PoseSeries
+from lta_data.data_quality.motion import collect_poses, InertialSeries, PoseSeries
 from lta_data.data_quality.runs import find_runs, merge_runs
 from lta_data.data_quality.tracker_jumps import find_steps
 from lta_data.data_quality.valid_ranges import build_light_ranges, CELLS, RANGES, ValidRange
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 KIND = 'impossible'
 LOST = 'lost'  # key of a finding about values that are not there, rather than wrong
@@ -38,7 +37,7 @@ def find_impossible_values(evidence: CheckContext) -> CheckVerdict:
         findings += find_unnormalized_quaternions(
             [c for c in channels.values() if c.topic == topic]
         )
-    for pose in evidence.poses:
+    for pose in collect_poses(channels, evenly=False):
         findings += find_jumps(pose, limits)
     for sensor in evidence.inertials:
         findings += find_missing_gravity(sensor, limits)
@@ -138,13 +137,8 @@ def find_jumps(pose: PoseSeries, limits: QualityLimits) -> Iterator[QualityFindi
     ):
         if vector is None or len(vector.time) < limits.least_samples:
             continue
-        if unit == 'm':
-            changes = np.diff(vector.values, axis=0)
-        else:
-            turn = Rotation.from_quat(vector.values)
-            changes = (turn[:-1].inv() * turn[1:]).as_rotvec()
         step = np.diff(vector.time)
-        bad, off = find_steps(vector.time, changes, least)
+        bad, off = find_steps(vector.time, vector.values, least)
         if not bad.any():
             continue
         size = float(off[bad].max())

@@ -8,7 +8,7 @@ from lta_data.data_quality.check_context import CheckContext
 from lta_data.data_quality.finding import CheckVerdict, QualityFinding, Severity
 from lta_data.data_quality.limits import QualityLimits
 from lta_data.data_quality.runs import find_runs
-from lta_data.data_quality.smoothing import steady_arrivals
+from lta_data.data_quality.smoothing import median_period, TOGETHER
 import numpy as np
 from numpy.typing import NDArray
 
@@ -105,15 +105,15 @@ def find_gaps(topic: str, time: Array, limits: QualityLimits) -> Iterator[Qualit
         )  # fmt: skip
     if not regular:
         return
-    # A step of n periods lacks n - 1 messages; a late message makes none
-    lost = np.round(np.diff(steady_arrivals(time)) / usual) - 1.0
-    # Gaps have been reported above.
-    lost[gaps] = 0.0
+    # n periods over some messages lack the rest; one that is late lacks none. Gaps are above
+    whole = np.diff(time)
+    whole[gaps] = usual
+    lost = np.round(np.diff(np.cumsum(whole)[::TOGETHER]) / usual) - TOGETHER
     missing = float(lost[lost > 0.0].sum())
     if missing > limits.dropout_share * (len(time) + missing):
-        at = np.flatnonzero(lost > 0.0)
+        at = np.flatnonzero(lost > 0.0) * TOGETHER
         yield QualityFinding(
-            KIND, topic, float(time[at[0]]), float(time[at[-1] + 1]),
+            KIND, topic, float(time[at[0]]), float(time[at[-1] + TOGETHER]),
             f'{missing:.0f} of {len(time) + missing:.0f} messages are missing in small gaps.',
             Severity.WARNING, {'missing': missing},
         )  # fmt: skip
@@ -126,8 +126,9 @@ def is_regular(time: Array) -> bool:
     if not len(step):
         return True
     usual = float(np.median(step))
+    together = usual < REGULAR * median_period(time)
     # 1.4826: standard deviation from the median absolute deviation
-    return 1.4826 * float(np.median(np.abs(step - usual))) <= REGULAR * usual
+    return not together and 1.4826 * float(np.median(np.abs(step - usual))) <= REGULAR * usual
 
 
 def find_stamp_jumps(
