@@ -72,7 +72,7 @@ format: test-environment  ## format the sources
 	@.venv/bin/ruff format --quiet $(sources)
 
 campaign: test-environment  ## score, measure or fly for minutes or hours: make campaign NAME (without NAME: list them)
-	@$(enter) && nice .venv/bin/python -m campaigns $(name) $(ARGS)
+	@$(enter) && PYTHONPATH="$$root:$$PYTHONPATH" nice .venv/bin/python -P -m campaigns $(name) $(ARGS)
 
 same: test-environment  ## compare simulations, commands and studies with their stored results (minutes; ARGS=--freeze: store them)
 	@$(enter) && .venv/bin/python test/same/same.py $(ARGS)

@@ -56,11 +56,11 @@ def find_state_vectors(
             if share > CLEAR:
                 kinds[place] = 'position', f'{_name(moved)} are its derivative'
                 kinds[moved] = 'velocity', f'the derivative of {_name(place)}'
-    _add_lonely(kinds, blocks, rows, at)
+    _add_single(kinds, blocks, rows, at)
     return [_build(block, *kind) for block, kind in kinds.items()]
 
 
-def _add_lonely(
+def _add_single(
     kinds: dict[Block, tuple[str, str]],
     blocks: Sequence[Block],
     rows: Mapping[Block, Numbers],
