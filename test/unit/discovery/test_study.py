@@ -212,7 +212,7 @@ def test_beside_an_unknown_force_a_name_is_only_possible(
     assert one.verdict == 'unexplained'
     assert one.details[0] == (
         'Beside it, linear drag (surge) 0.0300 N s/m or quadratic drag (surge) may be missing, '
-        'too.'
+        'too; it makes forecasts better.'
     )
     assert not one.writes_file
     report = build_report(study, one, 'gtmab', (), ())

@@ -209,4 +209,5 @@ def _list_possible(study: Discovery) -> tuple[str, ...]:
     if not study.possible:
         return ()
     names = join_words([format_element(one) for one in study.possible])
-    return (f'Beside it, {names} may be missing, too.',)
+    subject = 'it makes' if len(study.possible) == 1 else 'each makes'
+    return (f'Beside it, {names} may be missing, too; {subject} forecasts better.',)
