@@ -9,7 +9,7 @@ converter. The graph flies both over UDP and a serial port, in real time, as it 
 """
 
 from argparse import ArgumentParser, Namespace
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 import mmap
@@ -325,26 +325,32 @@ def run(case: Case, options: Namespace) -> Row:
 
 
 def list_table(rows: Rows, options: Namespace) -> Iterator[str]:
-    """Yield each flight."""
-
-    def cell(value: float | None, digits: int = 1) -> str:
-        return '-' if value is None else f'{value:.{digits}f}'
-
+    """Yield the span of each figure over the flights, by light board."""
     reached = sum(row.get('reached') is not None for row in rows.values())
     stopped = sum(row.get('took') is not None for row in rows.values())
     yield f'{reached} of {len(rows)} flights reached the lamp; the motors of {stopped} stopped.'
     yield ''
     yield (
-        '| light board | seed | start [m from the lamp] | reached after [s] | closest [m] | '
+        '| light board | flights | start [m from the lamp] | reached after [s] | closest [m] | '
         'motors stopped after [s] | missed exchanges |'
     )
     yield '|---|---|---|---|---|---|---|'
-    for case, row in rows.items():
-        yield (
-            f'| {case.kind} | {case.number} | {cell(row.get("begun"))} | '
-            f'{cell(row.get("reached"))} | {cell(row.get("closest"), 2)} | '
-            f'{cell(row.get("took"))} | {row.get("missed", "-")} |'
+    for kind in dict.fromkeys(case.kind for case in rows):
+        some = [row for case, row in rows.items() if case.kind == kind]
+        figures = (('begun', 1), ('reached', 1), ('closest', 2), ('took', 1), ('missed', 0))
+        cells = (
+            format_span([row[name] for row in some if row.get(name) is not None], digits)
+            for name, digits in figures
         )
+        yield f'| {kind} | {len(some)} | {" | ".join(cells)} |'
+
+
+def format_span(values: Sequence[float], digits: int) -> str:
+    """Return the lowest and the highest value, '-' without any."""
+    if not values:
+        return '-'
+    low, high = f'{min(values):.{digits}f}', f'{max(values):.{digits}f}'
+    return low if low == high else f'{low} to {high}'
 
 
 def add_arguments(parser: ArgumentParser) -> None:

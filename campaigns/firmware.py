@@ -20,7 +20,7 @@ import subprocess
 import sys
 from typing import Any, Final
 
-from firmware_scenarios import APP, app_files, ARMING, BUILDS, SCENARIOS, SOLD
+from firmware_scenarios import APP, app_files, ARMING, BUILDS, SOLD
 
 from campaigns import ROOT
 from campaigns.fault_kinds import KINDS
@@ -125,7 +125,7 @@ def list_table(rows: Rows, options: Namespace) -> Iterator[str]:
 
 
 def list_record(kept: dict[str, Any]) -> Iterator[str]:
-    """Yield the tables of the suite, of duties and of scripts."""
+    """Yield the tables of the suite and of duties."""
     suites = [kept['builds'][name].get('suite', {}) for name in BUILDS]
     heads = ' | '.join(WORDS[name] for name in BUILDS)
     yield f'| test suite | {heads} |'
@@ -137,10 +137,6 @@ def list_record(kept: dict[str, Any]) -> Iterator[str]:
     yield f'| duty | our app: {volts} | as sold: {volts} |'
     yield '|---' * (1 + 2 * len(VOLTAGES)) + '|'
     yield from list_ratios(kept)
-    yield ''
-    yield f'| script | {heads} |'
-    yield '|---' * (1 + len(BUILDS)) + '|'
-    yield from list_scenarios(kept)
 
 
 def list_ratios(kept: dict[str, Any]) -> Iterator[str]:
@@ -152,18 +148,6 @@ def list_ratios(kept: dict[str, Any]) -> Iterator[str]:
             for voltage in VOLTAGES
         ]
         yield f'| {duty:.2f} | ' + ' | '.join(cells) + ' |'
-
-
-def list_scenarios(kept: dict[str, Any]) -> Iterator[str]:
-    """Yield the lines of the table of outcomes."""
-    for name, scenario in SCENARIOS.items():
-        cells = []
-        for each in BUILDS:
-            told = kept['builds'][each]['scenarios'].get(name, ())
-            cells.append(
-                ', '.join(f'{motors} {word:#04x} at {at:.1f} s' for at, word, motors in told)
-            )
-        yield f'| {scenario.about} | ' + ' | '.join(cells) + ' |'
 
 
 CAMPAIGN: Final = Campaign(

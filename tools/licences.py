@@ -5,7 +5,7 @@ Write docs/licences.md: the licence of every package that LTA is installed with.
 licence expression, its classifiers, its licence field, ROS's package.xml.
 """
 
-from collections.abc import Iterator
+from collections import defaultdict
 from importlib import metadata
 from pathlib import Path
 import re
@@ -37,8 +37,8 @@ ROS_NAMES: Final = {
 HEAD: Final = """# Licences
 
 LTA is under the Apache License 2.0. `make lock` wrote this list of all that it is installed with
-from what each package says of itself; the versions are those of `locked/`, by hash. Nothing of
-it is copied into LTA.
+from what each package says of itself, in the versions of `locked/`. Nothing of it is copied into
+LTA.
 
 The base install has nothing under the GPL alone (`test_locked.py`). docutils, which colcon brings,
 names the GPL for a few of its files beside the public domain and BSD of the rest. pymavlink
@@ -53,10 +53,10 @@ The pages that LTA writes contain two libraries of JavaScript with their licence
 """
 
 
-def packages(lock: str) -> Iterator[tuple[str, str]]:
-    """Yield name and version of each package of a locked file."""
+def packages(lock: str) -> list[str]:
+    """Return the name of each package of a locked file."""
     text = (ROOT / f'locked/{lock}.txt').read_text(encoding='utf-8')
-    yield from re.findall(r'^([\w.-]+)==(\S+)', text, re.MULTILINE)
+    return re.findall(r'^([\w.-]+)==', text, re.MULTILINE)
 
 
 def licence(name: str) -> str:
@@ -90,11 +90,12 @@ def page() -> str:
     """Return the page."""
     parts = [HEAD]
     for lock, about in LOCKS.items():
-        rows = (f'| {name} | {version} | {licence(name)} |' for name, version in packages(lock))
+        under: dict[str, list[str]] = defaultdict(list)
+        for name in packages(lock):
+            under[licence(name)].append(name)
+        rows = (f'| {each} | {", ".join(under[each])} |' for each in sorted(under))
         parts.append(
-            '\n'.join(
-                [f'## {about}', '', '| package | version | licence |', '|---|---|---|', *rows, '']
-            )
+            '\n'.join([f'## {about}', '', '| licence | packages |', '|---|---|', *rows, ''])
         )
     return '\n'.join(parts)
 

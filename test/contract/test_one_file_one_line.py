@@ -92,7 +92,7 @@ from lta_cli.reference.effects_page import render_page
 
 print(render_page())
 """
-GREET = "    'greet': Verb('greet', 'greet'),"
+GREET = "        'greet': Verb('greet', 'greet'),"
 
 
 def with_copy(tmp_path, package):
@@ -191,7 +191,7 @@ def test_a_link_that_the_connection_manager_opens_and_closes(tmp_path):
 def test_a_verb(tmp_path):
     folder = with_copy(tmp_path, 'lta_cli')
     (folder / 'verbs/greet.py').write_text(VERB)
-    with_line(folder / 'app.py', "    'doctor': Verb('doctor', 'doctor'),", GREET)
+    with_line(folder / 'app.py', "        'doctor': Verb('doctor', 'doctor'),", GREET)
     call = (
         'import sys; sys.argv = ["lta", "greet"]; '
         'from lta_cli.app import run_command_line; run_command_line()'

@@ -83,4 +83,4 @@ def test_no_verb_declares_an_option_of_all_studies(options):
         file = dict(list_verbs())[words]
         text = Path(file).read_text()
         assert not re.search(rf"'(?:{names})'", text), words
-        assert not re.search(r'WorkerCount|ResumedOut|\bOut\b|\bJson\b|RetryFailed', text), words
+        assert not re.search(r'WorkerCount|\bOut\b|\bJson\b|RetryFailed', text), words

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 import errno
 from importlib import import_module
 import inspect
+import os
 from pathlib import Path
 import sys
 from typing import Annotated, Any, Final, final
@@ -157,48 +158,67 @@ HARDWARE: Final = VerbGroup(
         'wiring': Verb('hardware.wiring', 'wiring'),
     },
 )
-VERBS: Final[dict[str, Verb | VerbGroup]] = {
-    'fly': Verb('fly', 'fly', needs_graph=True),
-    'simulate': Verb('simulate', 'simulate', several=('--commands',)),
-    'replay': Verb('replay', 'replay', needs_graph=True),
-    'launch': Verb('launch', 'launch', {'allow_interspersed_args': True}, needs_graph=True),
-    'call': Verb('call', 'call', needs_graph=True),
-    'run': Verb('run', 'run', {'ignore_unknown_options': True, 'allow_interspersed_args': False}),
-    'mission': Verb('mission', 'mission'),
-    'sweep': Verb('sweep', 'sweep'),
-    'cluster': CLUSTER,
-    'tune': Verb('tune', 'tune'),
-    'wind': Verb('wind', 'wind'),
-    'platforms': Verb('platforms', 'platforms'),
-    'vehicle': VEHICLE,
-    'cells': Verb('cells', 'cells'),
-    'cfd': CFD,
-    'light': LIGHT,
-    'energy': ENERGY,
-    'bag': BAG,
-    'hardware': HARDWARE,
-    'compare': Verb('compare', 'compare'),
-    'tests': TESTS,
-    'calibrate': Verb('calibrate', 'calibrate', several=('--train', '--confirm')),
-    'discover': Verb('discover', 'discover', several=('--train', '--confirm', '--holdout')),
-    'import': Verb('import_', 'import_'),
-    'report': Verb('report', 'report'),
-    'reproduce': Verb('reproduce', 'reproduce'),
-    'effects': Verb('effects', 'effects'),
-    # Not a group: `lta effects NAME` shows an effect
-    'effects try': Verb('effects_try', 'try_'),
-    'effects new': Verb('effects_new', 'new'),
-    'doctor': Verb('doctor', 'doctor'),
+# In the order of `lta --help`, which has a frame for each family
+FAMILIES: Final[Mapping[str, Mapping[str, Verb | VerbGroup]]] = {
+    'Fly': {
+        'fly': Verb('fly', 'fly', needs_graph=True),
+        'simulate': Verb('simulate', 'simulate', several=('--commands',)),
+        'replay': Verb('replay', 'replay', needs_graph=True),
+        'launch': Verb('launch', 'launch', {'allow_interspersed_args': True}, needs_graph=True),
+        'call': Verb('call', 'call', needs_graph=True),
+        'run': Verb(
+            'run', 'run', {'ignore_unknown_options': True, 'allow_interspersed_args': False}
+        ),
+        'mission': Verb('mission', 'mission'),
+        'sweep': Verb('sweep', 'sweep'),
+    },
+    'Analyse': {
+        'import': Verb('import_', 'import_'),
+        'bag': BAG,
+        'report': Verb('report', 'report'),
+        'compare': Verb('compare', 'compare'),
+    },
+    'Learn': {
+        'tests': TESTS,
+        'calibrate': Verb('calibrate', 'calibrate', several=('--train', '--confirm')),
+        'discover': Verb('discover', 'discover', several=('--train', '--confirm', '--holdout')),
+        'effects': Verb('effects', 'effects'),
+        # Not a group: `lta effects NAME` shows an effect
+        'effects try': Verb('effects_try', 'try_'),
+        'effects new': Verb('effects_new', 'new'),
+    },
+    'Design': {
+        'vehicle': VEHICLE,
+        'tune': Verb('tune', 'tune'),
+        'wind': Verb('wind', 'wind'),
+        'platforms': Verb('platforms', 'platforms'),
+        'light': LIGHT,
+        'energy': ENERGY,
+        'cells': Verb('cells', 'cells'),
+        'cfd': CFD,
+    },
+    'Hardware': {'hardware': HARDWARE},
+    'Tools': {
+        'doctor': Verb('doctor', 'doctor'),
+        'cluster': CLUSTER,
+        'reproduce': Verb('reproduce', 'reproduce'),
+    },
 }
+FAMILY: Final = {name: family for family, verbs in FAMILIES.items() for name in verbs}
+VERBS: Final = {name: verb for verbs in FAMILIES.values() for name, verb in verbs.items()}
 
 
 class OrderedGroup(TyperGroup):
     """A command group that lists verbs in the order of `VERBS`; Typer would put groups last."""
 
-    def list_commands(self, ctx: object) -> list[str]:
-        """Return the names of the registered verbs."""
-        del ctx
-        return [name for name in VERBS if name in self.commands]
+    def list_commands(self, ctx: Any) -> list[str]:  # noqa: ANN401 - as in Click
+        """Return the names of the registered verbs; those of one word to a shell."""
+        shell = ctx is not None and ctx.resilient_parsing
+        return [name for name in VERBS if name in self.commands and not (shell and ' ' in name)]
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:  # noqa: ANN401 - as in Click
+        """Return name and command of the first words, and the other words."""
+        return super().resolve_command(ctx, join_verb(args))
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:  # noqa: ANN401 - as in Click
         """Parse the command line, and keep its words for the page of a study."""
@@ -232,6 +252,7 @@ def add_verbs(
     app: typer.Typer, verbs: Mapping[str, Verb | VerbGroup], words: Sequence[str] | None
 ) -> None:
     """Add the named verb, or all verbs, to an app."""
+    panels = FAMILY if verbs is VERBS else {}  # a group may have a verb of the same name
     if words is None:
         for name, verb in verbs.items():
             add_verb(app, name, verb, None)
@@ -248,7 +269,9 @@ def add_verbs(
                 else unwrap_paragraphs(verb.read_docstring())
             )
             # A placeholder that shows the help text but cannot run
-            app.command(name, context_settings=ANYTHING, help=text)(require_verb)
+            app.command(
+                name, context_settings=ANYTHING, help=text, rich_help_panel=panels.get(name)
+            )(require_verb)
 
 
 def add_verb(
@@ -325,6 +348,13 @@ def root_options(
     ] = False,
 ) -> None:
     """Simulate, fly, record and understand lighter-than-air micro-drones."""
+
+
+def complete() -> None:
+    """Answer a shell that asks, in the environment, how a line may go on; exit."""
+    line = os.environ.get('COMP_WORDS') or os.environ.get('_TYPER_COMPLETE_ARGS') or ''
+    # Only the verb that the line names is imported
+    build_app(join_verb(line.split()[1:]))(prog_name='lta')
 
 
 def run_command_line(loaded: Callable[[], None] = lambda: None) -> int:

@@ -39,8 +39,8 @@ def main() -> NoReturn:
     if not sys.warnoptions:
         os.environ.setdefault('PYTHONWARNINGS', 'ignore::RuntimeWarning')
         warnings.simplefilter('ignore', RuntimeWarning)
-    if COMPLETION in os.environ:  # the shell waits for an answer: import no command
-        from lta_cli.completion import complete
+    if COMPLETION in os.environ:
+        from lta_cli.app import complete
 
         complete()
     # Check before the imports load rclpy

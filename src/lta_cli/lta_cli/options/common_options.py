@@ -1,6 +1,6 @@
 """Define the options that commands share: the vehicle, where results go, and who computes them."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 import json
 import os
 from pathlib import Path
@@ -8,18 +8,35 @@ import sys
 from typing import Annotated, Any, final
 
 from lta_config.errors import strip_control_codes
+from lta_config.files import FOLDERS, list_shipped_names
 from lta_report.browser import find_chromium
 from lta_report.results_folder import check_creatable
 from rich.console import Console, ConsoleOptions, RenderableType
 from rich.segment import Segment
 import typer
 
+
+def complete_names(kind: str) -> Callable[[str], list[str]]:
+    """Return the function with which a shell completes the name of a shipped file."""
+
+    def find(incomplete: str) -> list[str]:
+        return [name for name in list_shipped_names(FOLDERS[kind]) if name.startswith(incomplete)]
+
+    return find
+
+
 VehicleName = Annotated[
     str,
     typer.Argument(
-        metavar='VEHICLE', help='Name of a shipped vehicle, or path of a vehicle file.'
+        metavar='VEHICLE',
+        help='Name of a shipped vehicle, or path of a vehicle file.',
+        autocompletion=complete_names('vehicle'),
     ),
 ]
+VehicleOption = Annotated[
+    str, typer.Option(help='Vehicle name or file.', autocompletion=complete_names('vehicle'))
+]
+RobotOption = Annotated[str | None, typer.Option(help='Robot; needed if a bag has several.')]
 UNLIMITED = 10_000  # columns; wider than any table
 # JSON goes to stdout, tables then go to stderr
 Json = Annotated[bool, typer.Option('--json', help='Print the results as JSON.')]
@@ -46,13 +63,7 @@ def folder_option(text: str) -> Any:  # noqa: ANN401 - as typer.Option
     return typer.Option(help=text, parser=parse_folder, metavar='FOLDER')
 
 
-Out = Annotated[
-    Path | None, folder_option('Folder of the results; runs/<time>-<name> by default.')
-]
-ResumedOut = Annotated[
-    Path | None,
-    folder_option('Folder of the results, in which a stopped study resumes; in runs/ by default.'),
-]
+Out = Annotated[Path | None, folder_option('Folder of the results; in runs/ by default.')]
 Pictures = Annotated[
     Path | None,
     typer.Option(

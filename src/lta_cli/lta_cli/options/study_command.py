@@ -19,7 +19,6 @@ from lta_cli.options.common_options import (
     Pictures,
     plain_console,
     print_json,
-    ResumedOut,
     RetryFailed,
     Scheduler,
     WorkerCount,
@@ -101,8 +100,7 @@ def study_command(
     --quick that the study reads from `run`. `resumes`: whether the study stores finished work in
     its folder, which may therefore exist.
     """
-    out = {'out': ResumedOut} if resumes else {}
-    options = {QUICK: build_quick_option(quick), **COMPUTING, **OUTPUT, **out}
+    options = {QUICK: build_quick_option(quick), **COMPUTING, **OUTPUT}
     preset = {} if isinstance(quick, str) else quick
     return partial(build_command, name, options, preset, resumes)
 

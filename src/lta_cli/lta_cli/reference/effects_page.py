@@ -28,19 +28,19 @@ Generated from `lta_model.effects` by `./lta effects --markdown > docs/effects.m
 The vehicle model is the sum of these effects. Each is a function in
 `src/lta_model/lta_model/effects/` whose docstring has its equations, limitations and sources. A
 vehicle file enables an effect under `effects:` by giving a parameter a value other than its null
-value. With null values the effect changes nothing, to the last bit. `./lta effects NAME` shows the
-source of every bound. `name_1..` means one parameter per rotor.
+value, which is 0 unless the table says otherwise. With null values the effect changes nothing, to
+the last bit. `./lta effects NAME` shows the bounds and their source. `name_1..` means one
+parameter per rotor.
 """
 
 LAW = """
 ## A law without a name
 What no effect of the library describes, a vehicle file can hold as a law: a sum of products of
 measured quantities in its block `law`. It flies like an effect, as a force or moment about the
-hull centre: in the compiled kernel, in batches, on a GPU and in the graph. `lta vehicle show`
-prints it as a formula, and `lta effects new NAME --from RUN` writes a skeleton of an effect that
-computes the same, to be turned into the equations of the cause (unless its hidden state depends
-on the thrust). [`lta discover`](discovery.md) names such a force by what it follows, and leaves
-the law to you.
+hull centre. `lta vehicle show` prints it as a formula, and `lta effects new NAME --from RUN`
+writes a skeleton of an effect that computes the same, to be turned into the equations of the cause
+(unless its hidden state depends on the thrust). [`lta discover`](discovery.md) names such a force
+by what it follows, and leaves the law to you.
 
 ```yaml
 law:
@@ -60,9 +60,8 @@ law:
 ```
 
 Numbers are in SI. Within the region the law applies in full. Outside of a range it falls smoothly
-to zero over half of the width of the range, on each side; a flight says once which quantity was
-out of its range, by more than a tenth of half of the width (not in a batch). Forces along `map_x`,
-`map_y`, `map_z` have the directions of the map. A hidden state follows a product of factors, its
+to zero over half of the width of the range, on each side. Forces along `map_x`, `map_y`, `map_z`
+have the directions of the map. A hidden state follows a product of factors, its
 drive, from `start` (0 by default) when a flight begins, with a lag of first order
 (`time_constant`) or second order (`frequency` in rad/s, `damping`):
 
@@ -98,10 +97,10 @@ KINDS: dict[type, tuple[str, str]] = {
 
 
 def _format_parameter(parameter: EffectParameter, name: str) -> str:
-    """Return a parameter with its unit, null value and bounds."""
-    unit = '' if parameter.unit == '1' else f' {parameter.unit}'
+    """Return a parameter with its unit, and its null value if that is not 0."""
+    unit = '' if parameter.unit == '1' else f' [{parameter.unit}]'
     null = f', null {parameter.null:g}' if parameter.null else ''
-    return f'`{name}` {parameter.low:g} to {parameter.high:g}{unit}{null}'
+    return f'`{name}`{unit}{null}'
 
 
 def format_parameters(effect: Effect) -> Iterator[str]:
@@ -113,17 +112,17 @@ def format_parameters(effect: Effect) -> Iterator[str]:
             for parameter in effect.each
         )
         return
-    # Parameters with equal unit and bounds share one entry
-    groups: dict[tuple[object, ...], list[str]] = {}
+    # Parameters with equal unit and null value share one entry
+    groups: dict[tuple[str, float], list[str]] = {}
     for parameter in effect.parameters:
         # 'thrust_1' to 'thrust_8' become 'thrust_1..'
         stem = re.sub(r'_\d+$', '_1..', parameter.name)
-        key = (parameter.unit, parameter.null, parameter.low, parameter.high)
+        key = (parameter.unit, parameter.null)
         names = groups.setdefault(key, [])
         if stem not in names:
             names.append(stem)
-    for (unit, null, low, high), names in groups.items():
-        like = EffectParameter('', str(unit), float(null), float(low), float(high), 1.0, '')  # type: ignore[arg-type]
+    for (unit, null), names in groups.items():
+        like = EffectParameter('', unit, null, null, null, 1.0, '')
         yield _format_parameter(like, '`, `'.join(names))
 
 

@@ -14,9 +14,6 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 PACKAGES = ('lta_sim', 'lta_vlc', 'lta_control', 'lta_energy', 'lta_bridge')
-TABLE = """| parameter | default | unit | bounds | meaning |
-|---|---|---|---|---|
-"""
 HEAD = """# Parameters
 
 Generated from the settings of the nodes by `python -m lta_cli.reference parameters >
@@ -59,25 +56,21 @@ def iterate_settings_models() -> Iterator[tuple[str, str, type[BaseModel]]]:
 
 
 def format_model_section(title: str, model: type[BaseModel], about: str = '') -> str:
-    """Return a heading and the table of a model's parameters."""
+    """Return a heading and the list of a model's parameters."""
     rows = ''.join(format_parameter_row(*leaf) for leaf in iterate_fields(model()))
     text = f'\n## {title}\n' + (f'{about}\n\n' if about else '\n')
-    return (
-        f'{text}| parameter | default | unit | bounds | meaning |\n|---|---|---|---|---|\n{rows}'
-    )
+    return text + rows
 
 
 def format_parameter_row(name: str, info: FieldInfo, value: Any) -> str:  # noqa: ANN401 - of the parameter's type
-    """Return one parameter as a row of the table."""
+    """Return one parameter as an item of the list: name, default, bounds and meaning."""
     extra = info.json_schema_extra if isinstance(info.json_schema_extra, dict) else {}
     fixed = ' *Fixed.*' if extra.get('read_only') else ''
-    # A bar would end the cell of the table
-    about = (info.description or '').replace('|', '\\|')
-    cells = (
-        f'`{name}`',
-        f'`{default}`' if (default := format_default(value)) else '',
-        str(extra.get('unit') or ''),
-        format_bounds(info),
-        about + fixed,
+    about = info.description or ''
+    unit = str(extra.get('unit') or '')
+    unit = '' if unit == '1' else unit  # a pure number
+    default = format_default(value)
+    number = ', '.join(
+        filter(None, (f'`{default}` {unit}'.strip() if default else unit, format_bounds(info)))
     )
-    return '| ' + ' | '.join(cells) + ' |\n'
+    return f'- `{name}`{f" ({number})" if number else ""}: {about}{fixed}\n'

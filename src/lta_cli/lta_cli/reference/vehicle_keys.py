@@ -9,29 +9,27 @@ from lta_config.quantity import format_bounds as format_quantity_bounds
 from lta_config.quantity import Quantity, UNITS
 from lta_config.schema.vehicle_file import VehicleFile
 from lta_config.settings import format_bounds
-from lta_model.effects import EFFECTS
 from pydantic import BaseModel, WrapValidator
 
 HEAD: Final = """# Every key of a vehicle file
 
 Generated from the schema by `python -m lta_cli.reference vehicle_keys > docs/vehicle_keys.md`.
 
-A number is `{value: 7, unit: g, source: "kitchen scale"}`; `value` is a list where the table says
-so. Any unit that converts to the one of the table will do. An assumed number may also have a
-`range: [low, high]` and a `range_source`. `NAME` stands for a name of your own. Keys in **bold**
-must be there; the others have a default, or switch something on. `./lta vehicle new` writes a file
-from size, mass and motors, `./lta vehicle check` names what is wrong with one, and
+A number is `{value: 7, unit: g, source: "kitchen scale"}`, with a list as `value` where several
+are asked for. Any unit that converts to the one in brackets will do. An assumed number may also
+have a `range: [low, high]` and a `range_source`. `NAME` stands for a name of your own. Keys in
+**bold** must be there; the others have a default, or switch something on. `./lta vehicle new`
+writes a file from size, mass and motors, `./lta vehicle check` names what is wrong with one, and
 [the tutorial](tutorials/your_vehicle.md) shows how to change it.
 
 """
-COLUMNS: Final = '| key | value | meaning |\n|---|---|---|\n'
 Entry = tuple[str, Any]
 
 
 def render_page() -> str:
     """Return the page: a section for each block of the file."""
     sections = list(_iterate_sections('', VehicleFile))
-    return HEAD + '\n'.join(sections) + _format_effects()
+    return HEAD + '\n'.join(sections)
 
 
 def _iterate_sections(path: str, model: type[BaseModel]) -> Iterator[str]:
@@ -47,8 +45,8 @@ def _iterate_sections(path: str, model: type[BaseModel]) -> Iterator[str]:
         text = comments.get(name, '')
         if key == 'effects':
             kind, text = (
-                '[block](#effects)',
-                'What is on beyond weight, buoyancy, drag and thrust.',
+                '[block](effects.md)',
+                'A block of parameters for each effect beyond weight, buoyancy, drag and thrust.',
             )
         if inner is not None:
             place = '.'.join(filter(None, (path, key, *steps)))
@@ -56,10 +54,10 @@ def _iterate_sections(path: str, model: type[BaseModel]) -> Iterator[str]:
             kind = f'[block](#{place.lower().replace(".", "")})'
             text = text or inspect.cleandoc(inner.__doc__ or '').splitlines()[0]
         cell = ', '.join(filter(None, (kind, bounds)))
-        rows.append(f'| {label} | {cell} | {text} |\n'.replace('  ', ' '))
+        rows.append(f'- {label} ({cell}){f": {text}" if text else ""}\n')
     about = inspect.cleandoc(model.__doc__ or '').split('\n\nAttributes\n')[0]
     title = f'## {path}\n{about}\n\n' if path else ''
-    yield f'{title}{COLUMNS}{"".join(rows)}'
+    yield f'{title}{"".join(rows)}'
     for place, inner in below:
         yield from _iterate_sections(place, inner)
 
@@ -122,15 +120,3 @@ def _read_comments(model: type[BaseModel]) -> dict[str, str]:
             comments[field[1]] = (field[2] or above).replace('|', '\\|')
         above = ''
     return comments
-
-
-def _format_effects() -> str:
-    """Return the section of `effects`, whose keys are those of the registry."""
-    rows = ''.join(
-        f'| `{effect.name}` | {", ".join(f"`{each.name}`" for each in effect.parameters)} |\n'
-        for effect in EFFECTS.values()
-    )
-    return (
-        '\n## effects\nEach effect has a block of its parameters; [effects](effects.md) explains '
-        f'them and gives their units.\n\n| effect | parameters |\n|---|---|\n{rows}'
-    )

@@ -1,62 +1,82 @@
-"""Generate the page of the `lta` verbs from their help texts."""
+"""
+Generate the page of the `lta` verbs from their help texts.
 
-from collections.abc import Iterator
-from typing import Any
+It leaves to `lta VERB --help` what follows the first paragraph, except examples, and prints the
+options that many verbs share once.
+"""
 
-from lta_cli.app import build_app
+from collections import Counter
+from collections.abc import Collection, Iterator
+from typing import Any, Final
+
+from lta_cli.app import build_app, FAMILIES
 from typer.main import get_command
 
-HEAD = """# Verbs
+HEAD: Final = """# Verbs
 
 Generated from the command line by `python -m lta_cli.reference verbs > docs/verbs.md`.
 
-`lta VERB --help` shows the same in the terminal. Results go to `runs/<time>-<name>/`. Exit status
-0: done. 1: the run failed. 2: bad input, one sentence on stderr. Flights
-also end with 3: out of time, or 4: the drone left the room.
+The verbs are grouped as in `lta --help`; `lta VERB --help` says more about each. Results go to
+`runs/<time>-<name>/`. Exit status 0: done. 1: the run failed. 2: bad input, one sentence on
+stderr. 130: Ctrl-C. Flights also end with 3: out of time, or 4: the drone left the room.
+
+## Common options
+Verbs that have them list their names under "Also".
+
 """
+COMMON: Final = 5  # verbs that must have an option, with the same help, to print it once
 
 
 def render_page() -> str:
-    """Return the page: a section for each verb, in the order of `lta --help`."""
-    sections = (
-        format_verb_section(words, verb) for words, verb in iterate_verbs(get_command(build_app()))
+    """Return the page: a section for each verb, by family, in the order of `lta --help`."""
+    app = get_command(build_app())
+    families = {
+        family: [each for name in names for each in iterate_verbs(app, name)]
+        for family, names in FAMILIES.items()
+    }
+    rows = Counter(
+        row for verbs in families.values() for _, verb in verbs for row in iterate_rows(verb)
     )
-    return HEAD + ''.join(sections)
+    common = [row for row, count in rows.items() if count >= COMMON]
+    sections = (
+        f'\n## {family}\n' + ''.join(format_verb_section(*each, common) for each in verbs)
+        for family, verbs in families.items()
+    )
+    return HEAD + ''.join(common) + ''.join(sections)
 
 
-def iterate_verbs(command: Any, words: str = 'lta') -> Iterator[tuple[str, Any]]:  # noqa: ANN401 - Typer's
-    """Yield the full name and the command of every verb, each group before its members."""
-    # The root command has no section
-    if words != 'lta':
-        yield words, command
+def iterate_verbs(parent: Any, name: str, title: str = '### lta') -> Iterator[tuple[str, Any]]:  # noqa: ANN401 - Typer's
+    """Yield heading and command of a verb, then of its members, one level below."""
+    command, title = parent.commands[name], f'{title} {name}'
+    yield title, command
     if hasattr(command, 'commands'):
-        for name in command.list_commands(None):
-            yield from iterate_verbs(command.commands[name], f'{words} {name}')
+        for member in command.list_commands(None):
+            yield from iterate_verbs(command, member, f'#{title}')
 
 
-def format_verb_section(words: str, verb: Any) -> str:  # noqa: ANN401 - a command of Typer
-    """Return a verb's heading, help text and table of arguments and options."""
-    # A group is a level-2 heading, its verbs are level 3
-    deep = '#' * words.count(' ')
-    text = f'\n#{deep} {words}\n{format_docstring(verb.help or "")}'
-    rows = [
-        format_argument_row(param)
-        for param in verb.params
-        if not param.hidden and param.name != 'help'
-    ]
-    if rows:
-        text += '\n| argument or option | meaning | default |\n|---|---|---|\n' + ''.join(rows)
+def iterate_rows(verb: Any) -> Iterator[str]:  # noqa: ANN401 - a command of Typer
+    """Yield the item of each argument and option."""
+    for param in verb.params:
+        if not param.hidden and param.name != 'help':
+            yield format_argument_row(param)
+
+
+def format_verb_section(title: str, verb: Any, common: Collection[str]) -> str:  # noqa: ANN401 - Typer's
+    """Return a verb's heading, help text and list of the arguments and options of its own."""
+    text = f'\n{title}\n{format_docstring(verb.help or "")}'
+    rows = list(iterate_rows(verb))
+    if own := [row for row in rows if row not in common]:
+        text += f'\n{"".join(own)}'
+    if shared := [row.split(': ')[0].removeprefix('- ') for row in rows if row in common]:
+        text += f'\nAlso: {", ".join(shared)}.\n'
     return text
 
 
 def format_docstring(text: str) -> str:
     """Format a docstring as Markdown, with examples as code."""
-    paragraphs = [' '.join(part.split()) for part in text.split('\n\n')]
-    lines = [
-        escape_markdown(p) if not p.startswith('Example') else format_example(p)
-        for p in paragraphs
-        if p
-    ]
+    first, *others = (' '.join(part.split()) for part in text.split('\n\n'))
+    lines = [escape_markdown(first)]
+    lines += [format_example(part) for part in others if part.startswith('Example')]
     return '\n\n'.join(lines) + '\n'
 
 
@@ -67,27 +87,27 @@ def format_example(paragraph: str) -> str:
 
 
 def format_argument_row(param: Any) -> str:  # noqa: ANN401 - a parameter of Typer
-    """Return one argument or option as a row of the table."""
+    """Return one argument or option as an item of the list."""
     if param.opts[0].startswith('-'):
         names = ', '.join(f'`{name}`' for name in (*param.opts, *param.secondary_opts))
     else:
         names = f'`{param.metavar or param.name.upper()}`'
-    default = '*required*' if param.required else format_option_default(param)
-    return f'| {names} | {escape_markdown(param.help or "")} | {default} |\n'
+    default = '*Required.*' if param.required else format_option_default(param)
+    return f'- {names}: {escape_markdown(param.help or "")} {default}'.rstrip() + '\n'
 
 
 def format_option_default(param: Any) -> str:  # noqa: ANN401 - a parameter of Typer
     """Format the default of an option; empty if there is none."""
     if isinstance(param.show_default, str):
-        return escape_markdown(param.show_default)
+        return f'Default: {escape_markdown(param.show_default)}.'
     value = param.default
-    # False is the default of every flag and not worth a column entry
+    # False is the default of every flag and not worth a word
     if not param.show_default or value is None or value is False or value in ('', (), []):
         return ''
     if value is True:
-        return f'`{param.opts[0]}`'
+        return f'Default: `{param.opts[0]}`.'
     values = value if isinstance(value, list | tuple) else [value]
-    return ' '.join(f'`{item}`' for item in values)
+    return f'Default: {" ".join(f"`{item}`" for item in values)}.'
 
 
 def escape_markdown(text: str) -> str:

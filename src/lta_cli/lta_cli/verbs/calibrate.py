@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Annotated
 
+from lta_cli.options.common_options import RobotOption
 from lta_cli.options.study_command import report_command, StudyRun
 from lta_discovery.calibration.run import calibrate_vehicle
 from lta_discovery.progress import DiscoverProgress
@@ -27,9 +28,7 @@ def calibrate(
             metavar='BAG...', help='Other flights, whose forecasts test the calibration.'
         ),
     ] = None,
-    robot: Annotated[
-        str | None, typer.Option(help='Robot whose flight is used; needed if a bag has several.')
-    ] = None,
+    robot: RobotOption = None,
 ) -> Report:
     """
     Calibrate a vehicle file from flights: gains, delay, lift, markers, balance.

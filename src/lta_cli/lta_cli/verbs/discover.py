@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Annotated
 
+from lta_cli.options.common_options import RobotOption
 from lta_cli.options.study_command import report_command, StudyRun
 from lta_config.errors import BadInput
 from lta_discovery.demo.demo import run_discovery_demo
@@ -34,9 +35,7 @@ def discover(
             metavar='BAG...', help='Flights whose forecasts judge the result; nothing is fitted.'
         ),
     ] = None,
-    robot: Annotated[
-        str | None, typer.Option(help='Robot whose flight is used; needed if a bag has several.')
-    ] = None,
+    robot: RobotOption = None,
     demo: Annotated[
         bool,
         typer.Option(
@@ -54,9 +53,7 @@ def discover(
             help='Calibrate the vehicle first, where the flights call for it.',
         ),
     ] = True,
-    seed: Annotated[
-        int, typer.Option(help='Random seed of the demonstration.', min=0, max=2**31 - 1)
-    ] = 1,
+    seed: Annotated[int, typer.Option(help='Random seed of --demo.', min=0, max=2**31 - 1)] = 1,
 ) -> Report:
     """
     Find where a vehicle's model disagrees with its flights, and name what is missing.

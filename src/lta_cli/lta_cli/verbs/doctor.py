@@ -2,15 +2,14 @@
 
 from contextlib import nullcontext
 from dataclasses import asdict
-from typing import Annotated
 
 from lta_cli.doctor import exit_status, iterate_check_results, print_checks
-from lta_cli.options.common_options import plain_console, print_json
+from lta_cli.options.common_options import Json, plain_console, print_json
 import typer
 
 
 def doctor(
-    json: Annotated[bool, typer.Option('--json', help='Print JSON instead of a table.')] = False,
+    json: Json = False,
 ) -> None:
     """
     Check Python, wheels, DDS discovery, ports and disk, and suggest fixes.

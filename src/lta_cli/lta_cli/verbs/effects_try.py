@@ -16,7 +16,7 @@ def try_(
     name: Annotated[
         str, typer.Argument(help='Effect, or one of its parameters, such as cg_offset.x.')
     ],
-    seed: Annotated[int, typer.Option(help='Random seed of the flights.', min=0, max=2**20)] = 1,
+    seed: Annotated[int, typer.Option(help='Random seed.', min=0, max=2**20)] = 1,
 ) -> Report:
     """
     Hide an effect in simulated flights that excite it, and discover it.

@@ -5,7 +5,14 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 from lta_bridge.live.address import PORT
-from lta_cli.options.common_options import Json, Out, plain_console, print_json
+from lta_cli.options.common_options import (
+    complete_names,
+    Json,
+    Out,
+    plain_console,
+    print_json,
+    VehicleOption,
+)
 from lta_cli.options.flight_output import flight_to_dict, format_outcome, print_files
 from lta_config.errors import BadInput
 from lta_control.strategies import STRATEGIES
@@ -23,8 +30,10 @@ KNOWN = ', '.join(STRATEGIES)
 
 
 def fly(
-    vehicle: Annotated[str, typer.Option(help='Vehicle name or file.')] = 'gtmab',
-    scenario: Annotated[str, typer.Option(help='Scenario name or file.')] = 'lamp_room',
+    vehicle: VehicleOption = 'gtmab',
+    scenario: Annotated[
+        str, typer.Option(help='Scenario name or file.', autocompletion=complete_names('scenario'))
+    ] = 'lamp_room',
     strategy: Annotated[
         str, typer.Option(help=f'Navigation strategy: {KNOWN}, or a file such as ./mine.py.')
     ] = 'bag',
@@ -51,7 +60,7 @@ def fly(
     live_port: Annotated[
         int, typer.Option(help='Port for Foxglove, with --live.', min=1, max=65535)
     ] = PORT,
-    page: Annotated[bool, typer.Option(help='Write an HTML report of the flight.')] = True,
+    page: Annotated[bool, typer.Option(help='Write an HTML report.')] = True,
     json: Json = False,
 ) -> None:
     """

@@ -17,7 +17,7 @@ def mission(
     seeds: Annotated[
         int, typer.Option(help='Number of runs, each with different weather.', min=1, max=1000)
     ] = 1,
-    seed: Annotated[int, typer.Option(help='Random seed of the first run.', min=0)] = 1,
+    seed: Annotated[int, typer.Option(help='Random seed.', min=0)] = 1,
     schedule: Annotated[
         Literal['all', 'by light', 'duty cycle', 'duty cycle, asleep'],
         typer.Option(

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Annotated
 
 from lta_bridge.playback.settings import FOREVER
+from lta_cli.options.common_options import RobotOption
 from lta_cli.options.study_command import report_command, StudyRun
 from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.recorded_flight import open_flight
@@ -45,9 +46,7 @@ def replay(
         str | None,
         typer.Option(help='Controller gains to use instead of the recorded ones, name or file.'),
     ] = None,
-    robot: Annotated[
-        str | None, typer.Option(help='Robot to replay; needed if the bag has several.')
-    ] = None,
+    robot: RobotOption = None,
     rate: Annotated[
         float | None,
         typer.Option(

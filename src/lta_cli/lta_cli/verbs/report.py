@@ -8,6 +8,7 @@ from lta_cli.options.common_options import (
     folder_option,
     Pictures,
     plain_console,
+    RobotOption,
 )
 from lta_config.errors import BadInput
 from lta_data.bag.bag_folder import find_bag
@@ -25,9 +26,7 @@ def report(
         Path | None,
         folder_option('Folder of report.html or report-ROBOT.html; that of the bag by default.'),
     ] = None,
-    robot: Annotated[
-        str | None, typer.Option(help='Robot to report on; needed if the bag has several.')
-    ] = None,
+    robot: RobotOption = None,
     pictures: Pictures = None,
 ) -> None:
     """

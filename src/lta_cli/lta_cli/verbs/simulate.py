@@ -5,7 +5,13 @@ from pathlib import Path
 from typing import Annotated
 
 from lta_cli.app import WORDS
-from lta_cli.options.common_options import Json, Out, plain_console, print_json
+from lta_cli.options.common_options import (
+    complete_names,
+    Json,
+    Out,
+    plain_console,
+    print_json,
+)
 from lta_cli.options.flight_output import flight_to_dict, format_outcome, print_files
 from lta_cli.options.study_command import is_unset, publish_report, StudyRun
 from lta_config.command_line import format_lta_command, relative_path
@@ -35,11 +41,17 @@ def simulate(
     context: typer.Context,
     vehicle: Annotated[
         str | None,
-        typer.Option(help=f'Vehicle name or file; {VEHICLE}, or the recorded one, by default.'),
+        typer.Option(
+            help=f'Vehicle name or file; {VEHICLE}, or the recorded one, by default.',
+            autocompletion=complete_names('vehicle'),
+        ),
     ] = None,
     scenario: Annotated[
         str | None,
-        typer.Option(help=f'Scenario name or file; {SCENARIO}, or the recorded one, by default.'),
+        typer.Option(
+            help=f'Scenario name or file; {SCENARIO}, or the recorded one, by default.',
+            autocompletion=complete_names('scenario'),
+        ),
     ] = None,
     strategy: Annotated[
         str, typer.Option(help=f'Navigation strategy: {KNOWN}, or a file such as ./mine.py.')

@@ -4,7 +4,7 @@ from pathlib import Path
 import sys
 from typing import Annotated
 
-from lta_cli.options.common_options import plain_console
+from lta_cli.options.common_options import Json, plain_console
 from lta_data.data_quality.check_report import (
     check_bags,
     CheckedRecording,
@@ -21,7 +21,7 @@ def check(
     robot: Annotated[
         str | None, typer.Option(help='Robot to check; by default every robot in a bag.')
     ] = None,
-    json: Annotated[bool, typer.Option('--json', help='Print JSON instead of a table.')] = False,
+    json: Json = False,
 ) -> None:
     """
     Check the data quality of recordings before drawing conclusions from them.

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Annotated, final
 
-from lta_cli.options.common_options import folder_option, plain_console, print_json
+from lta_cli.options.common_options import folder_option, plain_console, print_json, RobotOption
 from lta_data.bag.recording import open_recording
 from lta_data.export.run import export_recording, ExportRequest, ExportResult, FORMATS
 from lta_report.progress_bar import ProgressBar
@@ -55,9 +55,7 @@ def export(
         str,
         typer.Option(help='Interpolation for --rate: previous (hold the last value) or linear.'),
     ] = 'previous',
-    robot: Annotated[
-        str | None, typer.Option(help='Robot to export; needed if the bag has several.')
-    ] = None,
+    robot: RobotOption = None,
     json: Annotated[
         bool, typer.Option('--json', help='Print the list of written files as JSON.')
     ] = False,

@@ -4,7 +4,7 @@ from pathlib import Path
 import sys
 from typing import Annotated
 
-from lta_cli.options.common_options import plain_console
+from lta_cli.options.common_options import Json, plain_console
 from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.info import print_bag_info, summarize_bag
 import typer
@@ -12,7 +12,7 @@ import typer
 
 def info(
     path: Annotated[Path, typer.Argument(help='Bag folder, results folder or .mcap file.')],
-    json: Annotated[bool, typer.Option('--json', help='Print JSON instead of a table.')] = False,
+    json: Json = False,
 ) -> None:
     """
     Show the contents of a bag: topics, counts, rates, duration and provenance.

@@ -5,7 +5,7 @@ import math
 from pathlib import Path
 from typing import Annotated
 
-from lta_cli.options.common_options import plain_console
+from lta_cli.options.common_options import plain_console, RobotOption
 from lta_config.errors import BadInput
 from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.channels import read_all_channels
@@ -38,9 +38,7 @@ def plot(
     end: Annotated[float, typer.Option('--to', help='End time in seconds.')] = math.inf,
     png: Annotated[Path | None, typer.Option(help='PNG file to write; needs Chromium.')] = None,
     html: Annotated[Path | None, typer.Option(help='Interactive HTML page to write.')] = None,
-    robot: Annotated[
-        str | None, typer.Option(help='Robot to plot; needed if the bag has several.')
-    ] = None,
+    robot: RobotOption = None,
 ) -> None:
     """
     List the channels of a recording, or plot some of them.

@@ -7,7 +7,7 @@ import sys
 from typing import Annotated
 
 from lta_bridge.bag.storage import StorageFault
-from lta_cli.options.common_options import folder_option, plain_console
+from lta_cli.options.common_options import folder_option, Json, plain_console
 from lta_data.bag.bag_folder import find_bag
 from lta_data.bag.recover import recover_bag
 from lta_report.progress_bar import ProgressBar
@@ -30,7 +30,7 @@ def recover(
         Path | None,
         folder_option('Folder for the new bag; BAG-recovered next to the original by default.'),
     ] = None,
-    json: Annotated[bool, typer.Option('--json', help='Print the result as JSON.')] = False,
+    json: Json = False,
 ) -> None:
     """
     Recover a damaged bag into a new, complete, indexed one.

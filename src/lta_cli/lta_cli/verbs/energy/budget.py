@@ -3,6 +3,7 @@
 from functools import partial
 from typing import Annotated
 
+from lta_cli.options.common_options import VehicleOption
 from lta_cli.options.study_command import study_command, StudyRun
 from lta_flight.flight_spec import load_spec
 from lta_report.report import Report
@@ -15,7 +16,7 @@ import typer
 
 @study_command('budget', quick={'seeds': 1})
 def budget(
-    vehicle: Annotated[str, typer.Option(help='Vehicle name or file.')] = 'gtmab',
+    vehicle: VehicleOption = 'gtmab',
     multirotor: Annotated[
         str, typer.Option('--beside', help='Multirotor to compare with, name or file.')
     ] = 'multirotor',

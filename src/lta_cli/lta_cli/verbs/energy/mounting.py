@@ -5,6 +5,7 @@ from itertools import chain
 from operator import attrgetter
 from typing import Annotated
 
+from lta_cli.options.common_options import VehicleOption
 from lta_cli.options.study_command import study_command, StudyRun
 from lta_config.command_line import format_lta_command, relative_path
 from lta_config.files import find_file, load_yaml
@@ -33,9 +34,7 @@ def mounting(
             'bottom and top.'
         ),
     ] = None,
-    vehicle: Annotated[
-        str, typer.Option(help='Vehicle that carries the panels, name or file.')
-    ] = 'gtmab',
+    vehicle: VehicleOption = 'gtmab',
     misplaced: Annotated[
         float,
         typer.Option(help='Forward displacement of the panels in the misplaced variant, in cm; '

@@ -12,7 +12,7 @@ from lta_bridge.crazyflie.links import create_link
 from lta_bridge.crazyflie.log_table import BLOCKS
 from lta_bridge.hardware.drone import DEADLINE
 from lta_bridge.hardware.motor import interrupt_on_signals, MotorBench, MotorTurnResult
-from lta_cli.options.common_options import plain_console, print_json
+from lta_cli.options.common_options import Json, plain_console, print_json, VehicleOption
 from lta_config.errors import BadInput, unknown_name_error
 from lta_config.schema.crazyflie_file import find_crazyflie, MOTORS
 from lta_model.vehicle import load_vehicle
@@ -33,14 +33,14 @@ def bench(
     uri: Annotated[str, typer.Option(help='URI of the Crazyflie.')] = (
         'radio://0/80/2M/E7E7E7E7E7'
     ),
-    vehicle: Annotated[str, typer.Option(help='Vehicle that the Crazyflie flies.')] = 'gtmab',
+    vehicle: VehicleOption = 'gtmab',
     duty: Annotated[
         float, typer.Option(help='Motor duty as a fraction of full power.', min=0.01, max=MOST)
     ] = 0.1,
     seconds: Annotated[
         float, typer.Option(help='Duration in seconds.', min=0.2, max=LONGEST)
     ] = 2.0,
-    json: Annotated[bool, typer.Option('--json', help='Print the result as JSON.')] = False,
+    json: Json = False,
 ) -> None:
     """
     Turn one motor of a TETHERED drone at low duty, after a typed confirmation.

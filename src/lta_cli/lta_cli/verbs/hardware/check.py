@@ -7,7 +7,7 @@ from lta_bridge.devices import format_udev_rules, RULES_FILE
 from lta_bridge.hardware.check import HardwareCheckRequest, run_hardware_check
 from lta_bridge.hardware.results_formatting import format_diode_rows, format_stream_rows, to_json
 from lta_cli.doctor import exit_status, print_checks
-from lta_cli.options.common_options import plain_console, print_json
+from lta_cli.options.common_options import Json, plain_console, print_json, VehicleOption
 from lta_report.progress_bar import ProgressBar
 from lta_vlc.settings import DemodulationSettings
 from rich.console import Console
@@ -26,7 +26,7 @@ def check(
             help='Port of the light board, or udp://HOST:PORT; by default the first found.'
         ),
     ] = '',
-    vehicle: Annotated[str, typer.Option(help='Vehicle that the hardware belongs to.')] = 'gtmab',
+    vehicle: VehicleOption = 'gtmab',
     frequency: Annotated[
         float, typer.Option(help='Flicker frequency of the lamp in Hz.', min=1.0, max=1e5)
     ] = DemodulationSettings().frequency,
@@ -39,7 +39,7 @@ def check(
             '--udev', help='Print udev rules that allow access to the devices, and exit.'
         ),
     ] = False,
-    json: Annotated[bool, typer.Option('--json', help='Print JSON instead of tables.')] = False,
+    json: Json = False,
 ) -> None:
     """
     Find radios, drones and light boards, listen to them, and report problems.

@@ -4,6 +4,7 @@ import math
 from pathlib import Path
 from typing import Annotated
 
+from lta_cli.options.common_options import RobotOption, VehicleOption
 from lta_cli.options.study_command import report_command, StudyRun
 from lta_config.errors import BadInput
 from lta_report.report import Report
@@ -47,19 +48,14 @@ def light(
             'subtract it from the bearings.',
         ),
     ] = False,
-    vehicle: Annotated[
-        str, typer.Option(help='Vehicle that carries the photodiodes, name or file.')
-    ] = 'gtmab',
+    vehicle: VehicleOption = 'gtmab',
     frequency: Annotated[
         float, typer.Option(help='Flicker frequency of the lamp in Hz.', min=1.0, max=1e5)
     ] = DemodulationSettings().frequency,
     distance: Annotated[
         float, typer.Option(help='Distance from the photodiodes to the lamp in metres.', min=0.3)
     ] = 3.0,
-    robot: Annotated[
-        str | None,
-        typer.Option(help='Robot namespace; needed if the bag contains several robots.'),
-    ] = None,
+    robot: RobotOption = None,
     *,
     run: StudyRun,
 ) -> Report:

@@ -3,6 +3,7 @@
 import math
 from typing import Annotated
 
+from lta_cli.options.common_options import VehicleOption
 from lta_cli.options.study_command import study_command, StudyRun
 from lta_config.errors import BadInput, unknown_name_error
 from lta_report.report import Report
@@ -17,9 +18,7 @@ ANY = 'any'
 
 @study_command('bearing', quick={'poses': 20})
 def bearing(
-    vehicle: Annotated[
-        str, typer.Option(help='Vehicle that carries the photodiodes, name or file.')
-    ] = 'gtmab',
+    vehicle: VehicleOption = 'gtmab',
     place: Annotated[
         list[str] | None,
         typer.Option(help='Where to simulate: indoor or outdoor; repeat for both; default: both.'),

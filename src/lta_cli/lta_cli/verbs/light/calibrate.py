@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Annotated
 
+from lta_cli.options.common_options import RobotOption, VehicleOption
 from lta_cli.options.study_command import report_command, StudyRun
 from lta_report.report import Report
 from lta_studies.light.turntable.report import build_calibration_report
@@ -20,9 +21,7 @@ import typer
 @report_command('calibrate')
 def calibrate(
     bag: Annotated[Path, typer.Argument(help='Bag of a turn in place in front of the lamp.')],
-    vehicle: Annotated[
-        str, typer.Option(help='Vehicle that carries the photodiodes, name or file.')
-    ] = 'gtmab',
+    vehicle: VehicleOption = 'gtmab',
     frequency: Annotated[
         float, typer.Option(help='Flicker frequency of the lamp in Hz.', min=1.0, max=1e5)
     ] = DemodulationSettings().frequency,
@@ -30,10 +29,7 @@ def calibrate(
     distance: Annotated[
         float, typer.Option(help='Distance from the photodiodes to the lamp in metres.', min=0.3)
     ] = 3.0,
-    robot: Annotated[
-        str | None,
-        typer.Option(help='Robot namespace; needed if the bag contains several robots.'),
-    ] = None,
+    robot: RobotOption = None,
     *,
     run: StudyRun,
 ) -> Report:

@@ -2,6 +2,7 @@
 
 from typing import Annotated
 
+from lta_cli.options.common_options import VehicleOption
 from lta_cli.options.study_command import report_command, StudyRun
 from lta_model.scenario import load_scenario
 from lta_model.vehicle import load_vehicle
@@ -24,9 +25,7 @@ def link(
             'sunny_field.'
         ),
     ] = None,
-    vehicle: Annotated[
-        str, typer.Option(help='Vehicle that carries the photodiodes, name or file.')
-    ] = 'gtmab',
+    vehicle: VehicleOption = 'gtmab',
     distance: Annotated[
         list[float] | None,
         typer.Option(

@@ -3,6 +3,7 @@
 from functools import partial
 from typing import Annotated
 
+from lta_cli.options.common_options import VehicleOption
 from lta_cli.options.study_command import study_command, StudyRun
 from lta_config.command_line import format_lta_command, relative_path
 from lta_report.report import Report
@@ -24,9 +25,7 @@ def plan(
     name: Annotated[
         str, typer.Argument(metavar='PLAN', help='Floor plan: a shipped name or a file.')
     ] = 'warehouse',
-    vehicle: Annotated[
-        str, typer.Option(help='Vehicle that carries the photodiodes, name or file.')
-    ] = 'gtmab',
+    vehicle: VehicleOption = 'gtmab',
     overlap: Annotated[
         int,
         typer.Option(

@@ -5,6 +5,7 @@ from itertools import product
 import math
 from typing import Annotated
 
+from lta_cli.options.common_options import VehicleOption
 from lta_cli.options.study_command import study_command, StudyRun
 from lta_report.report import Report
 from lta_report.study import hash_inputs, Study
@@ -22,9 +23,7 @@ import typer
 
 @study_command('study', quick={'readings': 5})
 def light_study(
-    vehicle: Annotated[
-        str, typer.Option(help='Vehicle that carries the photodiodes, name or file.')
-    ] = 'gtmab',
+    vehicle: VehicleOption = 'gtmab',
     readings: Annotated[
         int,
         typer.Option(help='Number of photodiode readings in each direction.', min=1, max=10_000),

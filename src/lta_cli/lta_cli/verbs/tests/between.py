@@ -2,6 +2,7 @@
 
 from typing import Annotated
 
+from lta_cli.options.common_options import VehicleOption
 from lta_cli.options.study_command import report_command, StudyRun
 from lta_config.command_line import format_lta_command, relative_path
 from lta_discovery.planning.next_flight import FILE, plan_separating_flight, SCENE
@@ -15,7 +16,7 @@ def between(
     run: StudyRun,
     first: Annotated[str, typer.Argument(help='Effect, such as linear_drag.surge.')],
     second: Annotated[str, typer.Argument(help='Another effect.')],
-    vehicle: Annotated[str, typer.Option(help='Vehicle, name or file.')],
+    vehicle: VehicleOption,
     scenario: Annotated[str, typer.Option(help='Scenario to fly in, name or file.')] = SCENE,
 ) -> Report:
     """

@@ -2,6 +2,7 @@
 
 from typing import Annotated
 
+from lta_cli.options.common_options import VehicleName
 from lta_cli.options.study_command import report_command
 from lta_discovery.lab_tests.design import ROOM
 from lta_discovery.lab_tests.plan import plan_lab_tests
@@ -13,7 +14,7 @@ import typer
 
 @report_command('tests-plan')
 def plan(
-    vehicle: Annotated[str, typer.Argument(help='Vehicle, name or file.')],
+    vehicle: VehicleName,
     wrench: Annotated[
         bool,
         typer.Option(

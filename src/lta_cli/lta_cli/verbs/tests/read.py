@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Annotated
 
+from lta_cli.options.common_options import RobotOption
 from lta_cli.options.draft_command import parse_settings
 from lta_cli.options.study_command import report_command, StudyRun
 from lta_discovery.lab_tests.reading import read_lab_tests
@@ -32,9 +33,7 @@ def read(
             help='Decide a question of the draft, such as time.rate=60. Repeatable.',
         ),
     ] = None,
-    robot: Annotated[
-        str | None, typer.Option(help='Robot whose flight is used; needed if a bag has several.')
-    ] = None,
+    robot: RobotOption = None,
 ) -> Report:
     """
     Calibrate a vehicle from the logs of its tests, and say which tests are missing.

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Annotated
 
-from lta_cli.options.common_options import Json, plain_console, print_json
+from lta_cli.options.common_options import Json, plain_console, print_json, RobotOption
 from lta_config.errors import BadInput
 from lta_config.schema.vehicle_file import VehicleFile
 from lta_data.bag.bag_folder import find_bag
@@ -21,9 +21,7 @@ def trim(
     vehicle: Annotated[
         str | None, typer.Option(help="Flown vehicle, name or file; by default the bag's.")
     ] = None,
-    robot: Annotated[
-        str | None, typer.Option(help='Robot whose flight is used; needed if the bag has several.')
-    ] = None,
+    robot: RobotOption = None,
     json: Json = False,
 ) -> None:
     """
