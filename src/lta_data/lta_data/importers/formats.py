@@ -29,6 +29,12 @@ HEAD = 4096  # bytes read to detect the format
 ULOG = b'ULog\x01\x12\x35'
 SQLITE = b'SQLite format 3\0'
 ZSTD = b'\x28\xb5\x2f\xfd'
+# First bytes of what has to be unpacked -> what it is, and the remedy
+PACKAGES = {
+    b'PK': 'a zip archive or a spreadsheet; unpack it, or save the sheet as CSV',
+    b'BZh': 'compressed with bzip2; decompress it with `bunzip2` first',
+    b'\xfd7zXZ': 'compressed with xz; decompress it with `unxz` first',
+}
 PACKED_BAGS = ('.mcap.zstd', '.mcap.zst', '.db3.zstd', '.db3.zst')
 USD = bytes([crazyflie_usd.MAGIC])
 
@@ -132,6 +138,9 @@ def detect_format(path: Path) -> str:
         return 'usd'
     if detect_encoding(head):
         return 'csv'
+    for begin, what in PACKAGES.items():
+        if head.startswith(begin):
+            raise BadInput(f"'{path}' is {what}.")
     formats = '; '.join(f'{name}: {format_.about}' for name, format_ in FORMATS.items())
     raise BadInput(f"'{path}' is not in a known format ({formats}); convert it to one of these.")
 

@@ -25,8 +25,11 @@ class LocalMap:
         """
         Return places east, north and up of the first fix, shape (n, 3). [m]
 
-        `fixes`, shape (n, 3): latitude [deg], longitude [deg], altitude [m].
+        `fixes`, shape (n, 3): latitude [deg], longitude [deg], altitude [m]; NaN without a fix, as
+        in the result, where latitude and longitude are zero.
         """
+        # A receiver without a fix writes zeros
+        fixes = np.where((fixes[:, :2] == 0.0).all(axis=1)[:, None], np.nan, fixes)
         good = np.flatnonzero(np.isfinite(fixes).all(axis=1))
         if self._origin is None and len(good):
             self._origin = fixes[good[0]].copy()

@@ -97,6 +97,7 @@ CASES = {
         "--robot 'a b' is not a valid ROS namespace",
     ),
     'vehicle': ('a.txt', TRACE.encode(), ('--mapping', 'tum', '--vehicle', 'x'), 'known: beavis'),
+    'spreadsheet': ('a.xlsx', b'PK\3\4\0', (), 'a zip archive or a spreadsheet; unpack it, or'),
     'not a gzip': ('a.csv.gz', b'\x1f\x8bnothing', (), 'cannot be read'),
 }
 

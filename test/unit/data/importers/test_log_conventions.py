@@ -144,6 +144,14 @@ FORMS = {
     'x and y beside an altitude': Form(
         lambda f: timed(f, x=f['p'][:, 0], y=f['p'][:, 1], alt=f['p'][:, 2]) | quaternion(f)
     ),
+    'a state vector without names': Form(
+        lambda f: timed(f) | {f'x{k + 1}': one for k, one in enumerate(
+            np.hstack([f['p'], f['rpy'], f['v'], f['w']]).T)}, 'pqvw',
+    ),
+    'xdot, in another order': Form(
+        lambda f: timed(f) | angles(f, scale=1.0) | place(f)
+        | dict(zip(('xdot', 'ydot', 'zdot'), world_velocity(f).T, strict=True)), 'pqv',
+    ),
     # Times
     'seconds and nanoseconds': Form(
         lambda f: whole_and_rest(f, 10**9, ('stamp.sec', 'stamp.nanosec')) | place(f)
@@ -275,24 +283,46 @@ def test_rows_of_several_bodies_that_follow_each_other(
     np.testing.assert_allclose(series.vector('pose.pose.position'), f['p'], atol=1e-3)
 
 
-@pytest.mark.parametrize('factor', [1.0, 1e7])
+def test_all_rows_of_a_body_may_follow_those_of_another(tmp_path: Path) -> None:
+    f = lab_flight()
+    lines = ['t,name,x,y,z,qx,qy,qz,qw']
+    for body, spots in (('rod', np.ones_like(f['p'])), ('ship', f['p'])):
+        rows = zip(f['t'], spots, f['q'], strict=True)
+        lines += [','.join([f'{t:.3f}', body, *(f'{one:.6f}' for one in (*p, *q))])
+                  for t, p, q in rows]  # fmt: skip
+    source = tmp_path / 'log.csv'
+    source.write_text('\n'.join(lines) + '\n')
+    draft = draft_mapping(source, {})
+    assert draft.choices.questions == []
+    series = import_draft(draft, source, tmp_path)
+    np.testing.assert_allclose(series.vector('pose.pose.position'), f['p'], atol=1e-3)
+
+
+@pytest.mark.parametrize('factor', [1.0, 1e7, np.pi / 180.0])
 def test_a_fix_of_a_satellite_becomes_a_place_about_the_first(
     factor: float, tmp_path: Path
 ) -> None:
     """One degree is 111.2 km north, and 75.4 km east at 47.4 degrees."""
     f = lab_flight()
     fix = {
-        'lat': np.round(factor * (47.4 + f['p'][:, 1] / 111_182.0), 9),
-        'lon': np.round(factor * (8.5 + f['p'][:, 0] / 75_489.0), 9),
-        'alt': (f['p'][:, 2] + 400.0) * (1.0 if factor == 1.0 else 1e3),
+        'lat': np.round(factor * (47.4 + f['p'][:, 1] / 111_182.0), 11),
+        'lon': np.round(factor * (8.5 + f['p'][:, 0] / 75_489.0), 11),
+        'alt': (f['p'][:, 2] + 400.0) * (1e3 if factor > 1.0 else 1.0),
     }
+    v = world_velocity(f)
+    fix |= {'vn': v[:, 1], 've': v[:, 0], 'vd': -v[:, 2]}
+    for name in ('lat', 'lon'):
+        fix[name][1:4] = 0.0  # no fix
     source = tmp_path / 'log.csv'
     _, source = write_form(Form(lambda _: timed(f) | fix | quaternion(f)), source)
     draft = draft_mapping(source, {})
     assert draft.choices.questions == []
     series = import_draft(draft, source, tmp_path)
     moved = f['p'] - f['p'][0]
-    np.testing.assert_allclose(series.vector('pose.pose.position'), moved, atol=0.03)
+    places = series.vector('pose.pose.position')
+    assert np.isnan(places[1:4]).all()
+    np.testing.assert_allclose(places[4:], moved[4:], atol=0.03)
+    np.testing.assert_allclose(series.vector('twist.twist.linear'), f['v'], atol=0.01)
 
 
 def test_a_question_about_the_floor_says_what_the_heights_are(tmp_path: Path) -> None:

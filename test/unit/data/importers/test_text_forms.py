@@ -48,6 +48,9 @@ FORMS = {
     'lists in quotes': lambda f: '\n'.join(
         ['t,p,q'] + [f'{t},"{row[:3]}","{row[3:]}"' for t, *row in rows(f)]
     ),
+    'arrays of NumPy': lambda f: '\n'.join(
+        ['t,p,q'] + [f'{t},"array({row[:3]})","array({row[3:]})"' for t, *row in rows(f)]
+    ),
     'lists of NumPy': lambda f: '\n'.join(
         ['t;p;q'] + [f'{t};{row[:3]};{row[3:]}'.replace(', ', ' ') for t, *row in rows(f)]
     ),
@@ -105,8 +108,18 @@ def test_a_second_table_with_other_columns_is_named(tmp_path):
         read_text_file(path)
 
 
+@pytest.mark.parametrize('names', ['', 't,x,y,z\n'])
+def test_a_time_that_begins_anew_is_another_log(names, tmp_path):
+    path = tmp_path / 'log.csv'
+    block = ''.join(f'{0.02 * k:.2f},{0.1 * k},1,2\n' for k in range(100))
+    path.write_text(f't,x,y,z\n{block}{names}{block}')
+    with pytest.raises(BadInput, match=r'begin anew in row 101, at 0 after 1\.98: another log'):
+        draft_mapping(path, {})
+
+
 @pytest.mark.parametrize(('first', 'later'), [
-    ('12:00:00.5', '12:00:01.25'), ('9:59:59,000', '9:59:59,750'),
+    ('01.02.2026 12:00:00.5', '01.02.2026 12:00:01.25'), ('12:00:00.5', '12:00:01.25'),
+    ('9:59:59,000', '9:59:59,750'),
 ])  # fmt: skip
 def test_a_time_of_day_is_a_time(first, later, tmp_path, bring):
     source = tmp_path / 'log.csv'

@@ -16,6 +16,7 @@ HELD: Final = 0.5  # share of repeated values from which a place is a setpoint
 MOST_BODIES: Final = 20
 FEWEST_ROWS: Final = 20  # of a body
 ALTERNATING: Final = 0.2  # share of the rows that are of another body than the row before
+RISES: Final = 0.9  # share of the steps of a time
 FARTHER: Final = 4.0  # times as far from row to row as within a body
 KEY: Final = 'body'
 # Not the name of a body
@@ -82,13 +83,25 @@ def select_body_rows(
             if cells.dtype.kind in 'fiub' and name != label
         })  # fmt: skip
         place = next((group for group in groups if group.kind == 'position'), None)
-        if place is None or not _tells_apart(place.stack(table), table[label], labels):
+        is_stacked = _restarts(table, label, labels)
+        if place is None or not (
+            is_stacked or _tells_apart(place.stack(table), table[label], labels)
+        ):
             continue
         where = _choose_label(label, labels, place.stack(table), table[label], choices)
         rows = table[label] == where
         others = {name: cells[rows] for name, cells in table.items() if name != label}
         return others, {label: where.item()}
     return dict(table), {}
+
+
+def _restarts(table: Mapping[str, Column], label: str, labels: Column) -> bool:
+    """Return whether all rows of a body follow those of another: the time begins anew."""
+    changes = np.flatnonzero(table[label][1:] != table[label][:-1])
+    if len(changes) != len(labels) - 1:
+        return False
+    steps = (np.diff(one) for one in table.values() if one.dtype.kind in 'fiu')
+    return any((one[changes] < 0.0).all() and (one > 0.0).mean() > RISES for one in steps)
 
 
 def _tells_apart(rows: Numbers, cells: Column, labels: Column) -> bool:
@@ -139,7 +152,8 @@ def _list_bodies(groups: Sequence[ColumnGroup], table: Columns) -> list[TrackedB
         if any(_is_same(rows, one.place.stack(table)) for one in bodies):
             continue
         low, high = np.nanpercentile(rows, [2.0, 98.0], axis=0)
-        name = '_'.join(word for word in parse_column_name(place.columns[0]).stem if word in own)
+        words = dict.fromkeys(parse_column_name(place.columns[0]).stem)
+        name = '_'.join(word for word in words if word in own)
         bodies.append(TrackedBody(name, own, place, float((high - low).max())))
     return bodies if all(one.words for one in bodies) else bodies[:1]
 

@@ -44,9 +44,12 @@ ELEMENTS: Final = tuple(
     )
 )  # fmt: skip
 GEODETIC: Final = ('lat', 'lon', 'alt')
+LEAST_FIX: Final = 0.02  # longitude in radians; less is that of a simulator at zero, in degrees
 FULL_TURN: Final = 360.0  # degrees; larger numbers are in 1e-7 degrees, and altitudes in mm
 # Factors of a fix to degrees and metres, by the unit of its altitude
-FIX_SCALES: Final = {'m': (1.0, 1.0, 1.0), 'mm': (1e-7, 1e-7, 1e-3)}
+FIX_SCALES: Final = {
+    'm': (1.0, 1.0, 1.0), 'mm': (1e-7, 1e-7, 1e-3), 'rad': (180.0 / np.pi, 180.0 / np.pi, 1.0),
+}  # fmt: skip
 STEADY: Final = 0.3  # of the length of a specific force; a command varies by more
 COMMON: Final = 0.9  # of the quaternions of a log that have one length
 UNIT_NORM: Final = 0.02  # largest median deviation of the length of a quaternion
@@ -112,8 +115,6 @@ def group_columns(
             if stem_group is not None and not grouped & {*stem_group.columns}:
                 groups.append(stem_group)
                 grouped |= {*stem_group.columns}
-    groups += _group_nameless(table, names, grouped)
-    grouped |= {column for group in groups for column in group.columns}
     rest = [name for name in named if name.column not in grouped]
     # Without a tracker, a quaternion is zero throughout
     groups = [one for one in groups if one.kind != 'quaternion' or one.stack(table).any()]
@@ -195,7 +196,13 @@ def _group_height(
     ]
     if all(len(columns) == 1 for columns in fix):
         columns = (fix[0][0], fix[1][0], heights[0].column)
-        unit = 'm' if np.nanmax(np.abs(table[columns[0]])) < FULL_TURN else 'mm'
+        largest = np.nanmax(np.abs([table[column] for column in columns[:2]]), axis=1)
+        named = next(name.unit for name in names if name.column == columns[0])
+        unit = 'm' if largest.max() < FULL_TURN else 'mm'
+        # In degrees, that is a place in the Gulf of Guinea
+        near_origin = largest[0] < 0.5 * np.pi and LEAST_FIX < largest[1] < np.pi
+        if named == 'rad' or (near_origin and not named):
+            unit = 'rad'
         return ColumnGroup('position', '', columns, GEODETIC, unit, 'latitude and longitude')
     for pair in (('x', 'y'), ('e', 'n')):
         for first in (name for name in names if name.axis == pair[0]):
@@ -375,28 +382,6 @@ def needs_translation(names: Sequence[ColumnName]) -> bool:
     turned = any(match_kind(name.words) == 'quaternion' or name.axis in ANGLE_AXES
                  for name in names if not name.words & KINDS['torque'])  # fmt: skip
     return turned and not places
-
-
-def _group_nameless(
-    table: Columns, names: list[ColumnName], grouped: set[str]
-) -> Iterator[ColumnGroup]:
-    """Yield what the numbers of columns without names say: a unit quaternion, a place."""
-    rest = [n.column for n in names if n.column not in grouped and n.stem == ('column',)]
-    if not rest or any(name.stem != ('column',) for name in names):
-        return
-    # The first column is the time
-    rest = [column for column in rest[1:] if np.isfinite(table[column]).mean() > 0.5]
-    for index in range(len(rest) - 3):
-        four = tuple(rest[index : index + 4])
-        if has_unit_length(np.stack([table[column] for column in four], axis=1)):
-            why = 'four adjacent columns of length one'
-            yield ColumnGroup('quaternion', '', four, ('0', '1', '2', '3'), '', why)
-            rest = [column for column in rest if column not in four]
-            break
-    for kind, start in (('position', 0), ('velocity', 3), ('rates', 6)):
-        three = tuple(rest[start : start + 3])
-        if len(three) == 3:
-            yield ColumnGroup(kind, '', three, ('x', 'y', 'z'), '', 'the usual order of columns')
 
 
 def _build(

@@ -33,6 +33,8 @@ from lta_data.importers.log_table import Numbers
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+NORTH_EAST_DOWN: Final = ('n', 'e', 'd')
+EAST_NORTH_DOWN: Final = ('e', 'n', 'd')
 LENGTHS: Final = {'m': 1.0, 'cm': 0.01, 'mm': 0.001}
 DEGREE: Final = np.pi / 180.0
 RATE_UNITS: Final = {'rad/s': 1.0, 'deg/s': 180.0 / np.pi}
@@ -73,6 +75,14 @@ def draft_motion(
     `sensed` are the rates of an inertial sensor. `turn`: the attitude, where another topic has it.
     """
     seconds, rows = seconds[:LONGEST], {k: v[:LONGEST] for k, v in numbers.items()}
+    if 'velocity' in groups and 'position' in groups and groups['position'].is_geodetic:
+        velocity = groups['velocity']
+        if velocity.axes == NORTH_EAST_DOWN:
+            # A fix becomes a place east, north and up
+            columns = tuple(velocity.columns[k] for k in (1, 0, 2))
+            turned = velocity._replace(columns=columns, axes=EAST_NORTH_DOWN)
+            groups = {**groups, 'velocity': turned}
+            rows['velocity'] = rows['velocity'][:, [1, 0, 2]] * [1.0, 1.0, -1.0]
     parts: dict[str, Any] = {}
     scales = {'acceleration': _draft_acceleration(topic, groups, rows, parts, choices)}
     # Without gravity in it, an acceleration says nothing about the attitude
@@ -186,9 +196,10 @@ def _choose_reading(
 
 
 def _are_named(group: ColumnGroup) -> bool:
-    """Return whether angles, a quaternion or a matrix have names that say what they are."""
-    names = [parse_column_name(column) for column in group.columns]
-    return group.kind != 'euler' or any(name.axis in group.axes for name in names)
+    """Return whether three angles have names, and are not numbers of an array."""
+    are_numbered = all(column.rstrip('])')[-1:].isdigit() for column in group.columns)
+    axes = {parse_column_name(column).axis for column in group.columns}
+    return group.kind != 'euler' or not are_numbered or bool(axes & {*group.axes})
 
 
 def _is_unclear_heading(readings: Sequence[AttitudeReading], numbers: Numbers) -> bool:
@@ -210,6 +221,8 @@ def _named_unit(group: ColumnGroup) -> tuple[str, float] | None:
 
 def _build_vector(group: ColumnGroup, unit: str, scale: float = 1.0) -> dict[str, Any]:
     vector: dict[str, Any] = {'columns': list(group.columns), 'unit': unit}
+    if group.axes == EAST_NORTH_DOWN:
+        return vector | {'scale': [scale, scale, -scale]}
     return vector if scale == 1.0 else vector | {'scale': scale}
 
 
@@ -307,8 +320,8 @@ def _draft_position(
         return 0.0
     if group.is_geodetic:
         parts['position'] = _build_vector(group, 'm') | {'geodetic': True}
-        if group.unit == 'mm':
-            parts['position']['scale'] = [*FIX_SCALES[group.unit]]
+        if group.unit != 'm':
+            parts['position']['scale'] = [*map(float, FIX_SCALES[group.unit])]
         choices.add_reason(f'{topic}: position', group.columns, 'east, north, up',
                            'from the first fix, in m')  # fmt: skip
         return 1.0
@@ -444,6 +457,8 @@ def _draft_velocity(
             options = [('none', 'left out'), *((one, '') for one in fits)]
             question = f'The velocity contradicts the position: {why}.'
             frame = choices.decide(key, options, question)
+        elif frame == 'world' and group.axes in (NORTH_EAST_DOWN, EAST_NORTH_DOWN):
+            why = f'{why}; as its names say'
         elif len(close) > 1 and _differs(turn) and key not in choices.answers:
             options = [(one, f'{100 * fits[one].share:.0f} % explained') for one in close]
             frame = choices.decide(key, options, 'The velocity fits in both frames.')

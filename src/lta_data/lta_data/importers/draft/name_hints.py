@@ -106,7 +106,7 @@ ROLES: Final[dict[str, frozenset[str]]] = {
     name: frozenset(words.split())
     for name, words in {
         'setpoint': 'sp set setpoint ref reference des desired cmd command commanded target goal '
-        'ctrltarget',
+        'ctrltarget controller',
         'estimate': 'est estimate estimated ekf kf kalman estimator odom vio vo filter hat fused '
         'onboard stabilizer',
         'truth': 'vicon mocap opti optitrack motive gt truth ground true tracker qualisys vrpn '

@@ -25,6 +25,7 @@ from lta_data.importers.log_table import Numbers
 import numpy as np
 
 FEWEST: Final = 6  # numbers of a state vector
+MORE: Final = 0.02  # of a share that tells angles from the coordinates of a place
 ELEMENT: Final = re.compile(r'(.*?)[\[(_.]?(\d+)[\])]?')
 Block = tuple[str, ...]
 
@@ -38,26 +39,50 @@ def find_state_vectors(
     blocks = [block for block in blocks if np.isfinite(rows[block]).all() and np.ptp(rows[block])]
     at, kinds = seconds[:LOOKED_AT], dict[Block, tuple[str, str]]()
     turns = {block: _read(block, rows[block]) for block in blocks}
-    for turned, rate in permutations(blocks, 2):
-        if len(rate) == 3 and kinds.keys().isdisjoint({turned, rate}):
-            share = max(explain_changes(rows[rate], body_rates_of(one.turn, at), at)
-                        for one in turns[turned])  # fmt: skip
-            if share > CLEAR:
-                kinds[turned] = _name_attitude(turned), f'{_name(rate)} are its derivative'
-                kinds[rate] = 'rates', f'the derivative of {_name(turned)}'
-    attitudes = [
-        block for block in blocks if len(block) == 4 or kinds.get(block, ('',))[0] == 'euler'
-    ]
-    for place, moved in permutations([block for block in blocks if len(block) == 3], 2):
-        if kinds.keys().isdisjoint({place, moved}):
+    pairs = [(one, other) for one, other in permutations(blocks, 2) if len(other) == 3]
+    for turned, rate in pairs:
+        _pair_turning(kinds, turned, rate, (rows, turns, at), clearly=True)
+    attitudes = [one for one in blocks if len(one) == 4 or kinds.get(one, ('',))[0] == 'euler']
+    for place, moved in pairs:
+        if len(place) == 3 and kinds.keys().isdisjoint({place, moved}):
             speed = differentiate(rows[place], at)
-            turned = [one.turn.inv().apply(speed) for each in attitudes for one in turns[each]]
-            share = max(explain_changes(rows[moved], one, at) for one in (speed, *turned))
+            turned_speeds = [one.turn.inv().apply(speed) for a in attitudes for one in turns[a]]
+            share = max(explain_changes(rows[moved], v, at) for v in (speed, *turned_speeds))
             if share > CLEAR:
                 kinds[place] = 'position', f'{_name(moved)} are its derivative'
                 kinds[moved] = 'velocity', f'the derivative of {_name(place)}'
+                break
+    for turned, rate in pairs:
+        _pair_turning(kinds, turned, rate, (rows, turns, at), clearly=False)
     _add_single(kinds, blocks, rows, at)
     return [_build(block, *kind) for block, kind in kinds.items()]
+
+
+def _pair_turning(
+    kinds: dict[Block, tuple[str, str]],
+    turned: Block,
+    rate: Block,
+    motion: tuple[Mapping[Block, Numbers], Mapping[Block, list[AttitudeReading]], Numbers],
+    *,
+    clearly: bool,
+) -> None:
+    """
+    Add an attitude and its body rates to the kinds, if these explain them.
+
+    `motion`: rows, readings as attitudes, and times. `clearly`: more than a place and a velocity
+    do, which small angles and their rates are alike.
+    """
+    rows, turns, seconds = motion
+    if not kinds.keys().isdisjoint({turned, rate}):
+        return
+    share = max(explain_changes(rows[rate], body_rates_of(one.turn, seconds), seconds)
+                for one in turns[turned])  # fmt: skip
+    plain = 0.0
+    if clearly and len(turned) == 3:
+        plain = explain_changes(rows[rate], differentiate(rows[turned], seconds), seconds)
+    if share > max(CLEAR, plain + MORE if plain > CLEAR else 0.0):
+        kinds[turned] = _name_attitude(turned), f'{_name(rate)} are its derivative'
+        kinds[rate] = 'rates', f'the derivative of {_name(turned)}'
 
 
 def _add_single(
@@ -73,6 +98,8 @@ def _add_single(
         elif feels_gravity(rows[block]):
             kinds.setdefault(block, ('acceleration', 'it feels gravity'))
     rest = [block for block in blocks if block not in kinds]
+    if len(blocks) == 1 and rest:
+        kinds[rest[0]] = 'position', 'the only three numbers'
     is_placed = any(kind == 'position' for kind, _ in kinds.values())
     if any(kind in ('euler', 'quaternion') for kind, _ in kinds.values()):
         # Beside an attitude, one more block is the place
@@ -93,10 +120,12 @@ def _list_arrays(columns: Sequence[str]) -> Iterator[list[str]]:
         match = ELEMENT.fullmatch(column)
         words = parse_column_name(column).words
         if match and not words & (ACTUATORS | COMMANDS | JOYSTICKS):
-            arrays.setdefault(match[1], {})[int(match[2])] = column
-    for array in arrays.values():
+            name = '' if match[1] == 'column' else match[1]
+            arrays.setdefault(name, {})[int(match[2])] = column
+    for name, array in arrays.items():
         first = min(array)
-        if len(array) >= FEWEST and [*sorted(array)] == [*range(first, first + len(array))]:
+        is_long = len(array) >= (FEWEST if name else 3)
+        if is_long and [*sorted(array)] == [*range(first, first + len(array))]:
             yield [array[index] for index in sorted(array)]
 
 

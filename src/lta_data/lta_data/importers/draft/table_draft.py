@@ -76,9 +76,9 @@ def draft_table(
         singles = [single._replace(stem=(*whole.stem, *single.stem)) for single in singles
                    if single.stem] if len(table) > 2 else singles  # fmt: skip
     taken = {column for group in groups for column in group.columns}
-    groups += find_state_vectors(
-        [one for one in numbers if one not in taken], numbers, time.seconds
-    )
+    taken |= {time.entry.get('column'), time.entry.get('fraction')}
+    rest = [column for column in numbers if column not in taken]
+    groups += find_state_vectors(rest, numbers, time.seconds)
     candidates = groups
     groups = choose_body(settle_kinds(groups, numbers, time.seconds), numbers, choices)
     lost = {c for one in candidates for c in one.columns if not one.kind} - {

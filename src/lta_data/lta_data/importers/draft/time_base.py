@@ -16,6 +16,7 @@ EPOCHS: Final = {'s': 1e9, 'ms': 1e12, 'us': 1e15, 'ns': 1e18}  # times since 19
 FRAMES: Final = frozenset(
     ['frame', 'frames', 'index', 'idx', 'row', 'sample', 'samples', 'unnamed']
 )
+RESTART: Final = 0.1  # of what passed; a time that falls back to less of it begins anew
 # Words for the parts of a time: whole seconds, and what is left of a second
 SECONDS: Final = frozenset(['s', 'sec', 'secs', 'second', 'seconds'])
 FRACTIONS: Final = {
@@ -52,6 +53,7 @@ def find_time_base(
                            f'whole seconds, and {split["fraction_unit"]} that begin again with '
                            'each')  # fmt: skip
         whole, rest = (table[split[key]] for key in ('column', 'fraction'))
+        _refuse_second_log(split['column'], whole)
         seconds = (whole - whole[0]) + (rest - rest[0]) * UNITS[split['fraction_unit']][1]
         first = float(whole[0]) + float(rest[0]) * UNITS[split['fraction_unit']][1]
         return TimeBase(np.asarray(seconds, dtype=np.float64), split, first)
@@ -97,6 +99,20 @@ def _find_split_time(table: Columns) -> dict[str, str]:
             if _rises(np.asarray(total, dtype=np.float64)):
                 return {'column': column, 'unit': 's', 'fraction': other, 'fraction_unit': unit}
     return {}
+
+
+def _refuse_second_log(column: str, cells: Numbers) -> None:
+    """Raise BadInput for a time that begins anew: its file holds two logs."""
+    finite = np.flatnonzero(np.isfinite(cells))
+    times = np.asarray(cells, dtype=np.float64)[finite]
+    back = int(np.argmin(np.diff(times))) + 1
+    passed = times[back - 1] - times[0]
+    if passed > 0.0 and len(times) - back > 1 and times[back] - times[0] < RESTART * passed:
+        raise BadInput(
+            f"The times in column '{column}' begin anew in row {finite[back] + 1}, at "
+            f'{times[back]:.10g} after {times[back - 1]:.10g}: another log begins there. Split '
+            'the file, and import each part.'
+        )
 
 
 def _parse_rate(key: str, text: str) -> float:
@@ -188,6 +204,7 @@ def _read_time_column(
         why = choices.explain(key)
     unit = choices.override(key, unit)
     choices.add_reason(f'{prefix}time', [column], unit, why)
+    _refuse_second_log(column, cells)
     first = cells[np.isfinite(cells)][0]
     scale = UNITS[unit][1]
     entry = {'column': column, 'unit': unit}

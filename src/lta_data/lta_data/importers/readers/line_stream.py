@@ -18,7 +18,8 @@ GZIP = b'\x1f\x8b'
 UTF16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 HEAD = 1 << 16  # bytes by which the encoding is detected
 CONTROLS = frozenset(range(32)) - frozenset(b'\t\n\v\f\r\x1b')  # bytes that no text has
-LIST = re.compile(rb'"?[\[(]([^\[\]()"]*)[\])]"?')  # a cell such as "[1.0, 2.0]"
+# A cell such as "[1.0, 2.0]" or "array([1.0, 2.0])"
+LIST = re.compile(rb'"?(?:(?:np\.)?array\()?[\[(]([^\[\]()"]*)[\])](?:\))?"?')
 QUOTED_DECIMAL = re.compile(rb'"([-+]?\d*),(\d+(?:[eE][-+]?\d+)?)"')
 NAMED = {'tab': '\t', 'whitespace': ' '}
 

@@ -23,6 +23,7 @@ DATE: Final = re.compile(
 )
 
 
+DOTTED: Final = re.compile(r'^(\d\d)\.(\d\d)\.(\d{4})(?=[T ])')  # as in 24.12.2026
 # A time of day without a date
 CLOCK_TIME: Final = re.compile(r'(\d\d?:\d\d:\d\d)(?:[.,](\d+))?')
 
@@ -99,9 +100,10 @@ def split_date(text: str) -> tuple[str, str, str] | None:
 
     A time of day is one of the first day of 1970.
     """
-    if match := DATE.fullmatch(text.strip()):
+    text = DOTTED.sub(r'\3-\2-\1', text.strip())
+    if match := DATE.fullmatch(text):
         return match[1], match[2] or '0', match[3]
-    if match := CLOCK_TIME.fullmatch(text.strip()):
+    if match := CLOCK_TIME.fullmatch(text):
         return f'1970-01-01T{match[1].zfill(8)}', match[2] or '0', 'Z'
     return None
 

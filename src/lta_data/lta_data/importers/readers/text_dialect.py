@@ -147,8 +147,8 @@ def _detect_lines(path: Path, lines: Sequence[str]) -> TextFormat:
         )
     if names is None:
         names = TUM if cells == len(TUM) and mark is None else _number_columns(cells)
-        if cells in ECHOED and _is_echoed(split_cells(lines[first], mark)):
-            names = ECHOED[cells]
+        if cells > len(STAMP) and _is_echoed(split_cells(lines[first], mark)):
+            names = ECHOED.get(cells, [*STAMP, *names[len(STAMP) :]])
     return TextFormat(
         delimiter=delimiter, decimal=decimal, comment=comment, skip=len(plain), header=names
     )
