@@ -155,9 +155,7 @@ def study_flights(
         alone = compare_forecasts(vehicle, judged_flights, each, parameters, horizons)
         both = replace(comparison, forecasts={**comparison.forecasts, **alone.forecasts})
         possible = tuple(
-            one
-            for one in possible
-            if both.compare(one.present.names[0], TUNED).ci95[1] < NO_GAIN
+            one for one in possible if both.compare(one.present.names[0], TUNED).ci95[1] < NO_GAIN
         )
     tell('done', 1.0)
     return Discovery(

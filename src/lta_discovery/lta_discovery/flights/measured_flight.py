@@ -77,8 +77,6 @@ class MeasuredFlight:
     voltage: Array  # of the battery, NaN where it is unknown, shape (n,) [V]
     wrench: Stream | None = None
     mass: Stream | None = None
-    # Number of successive poses with correlated errors; `noise` is scaled by its root
-    alike: float = 1.0
     # As recorded, without outliers: position and quaternion; None where the grid has one each
     poses: Stream | None = None
 
@@ -218,8 +216,7 @@ def resample_flight(streams: FlightStreams) -> MeasuredFlight:
     # Interpolated components have lost the unit norm
     quaternion = at[:, 3:7] / np.linalg.norm(at[:, 3:7], axis=1, keepdims=True)
     readings, noise = _resample_readings(grid, streams.others)
-    own, alike = estimate_pose_noise(pose.values)
-    levels = np.concatenate([own, np.maximum(noise, LEAST[6:])])
+    levels = np.concatenate([estimate_pose_noise(pose.values), np.maximum(noise, LEAST[6:])])
     warm = WARM_UP if any(name in streams.others for name in FILTERS) else SETTLED
     valid = np.asarray(np.isfinite(at).all(axis=1))
     usable = _bridge_gaps(valid) & (grid - grid[0] >= warm)
@@ -243,6 +240,5 @@ def resample_flight(streams: FlightStreams) -> MeasuredFlight:
         volts,
         streams.wrench,
         streams.mass,
-        alike,
         pose,
     )

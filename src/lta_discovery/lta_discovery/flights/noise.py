@@ -10,11 +10,6 @@ Array = NDArray[np.float64]
 HALF: Final = 0.6745  # median of the absolute value of white noise, in standard deviations
 # Smallest credible noise by channel: m, rad, rad/s, m/s2, m, Pa.
 LEAST: Final = np.array([5e-4] * 3 + [1e-3] * 3 + [3e-4] * 3 + [3e-3] * 3 + [1e-3, 0.3])
-# A tracker with noise below this factor was filtered. Its error is then what the filter did to
-# motion (assumed: 8 mm, 0.9 degrees), and is correlated over half a second.
-FILTERED: Final = 0.2
-SMOOTH: Final = 16.0  # of LEAST
-ALIKE: Final = 12.5  # poses
 
 
 def estimate_noise(values: Array) -> float:
@@ -31,27 +26,15 @@ def estimate_noise(values: Array) -> float:
     return float(np.median(np.abs(third)) / HALF / np.sqrt(20.0))
 
 
-def estimate_pose_noise(poses: Array) -> tuple[Array, float]:
+def estimate_pose_noise(poses: Array) -> Array:
     """
-    Estimate the noise of a tracker, and the number of poses with correlated errors.
+    Estimate the white noise of a tracker's position and rotation vector, shape (6,). [m, rad]
 
-    Parameters
-    ----------
-    poses : ndarray, shape (n, 7)
-        Position [m] and quaternion x y z w, of one sign.
-
-    Returns
-    -------
-    ndarray, shape (6,), and float
-        Of position and rotation vector [m, rad], scaled by the root of the number; 1.0 for
-        independent poses.
-
+    Outliers are told by it. A fit learns the noise, and what is slow in it, by itself. `poses`,
+    shape (n, 7): position [m] and quaternion x y z w, of one sign.
     """
     own = np.array([estimate_noise(column) for column in poses.T])
     # A small rotation is twice the vector part of its quaternion; 4 components have 3 freedoms.
     turning = np.full(3, 2.0 * np.sqrt(np.mean(own[3:7] ** 2) * 4.0 / 3.0))
-    levels = np.maximum(np.concatenate([own[:3], turning]), LEAST[:6])
-    # An unfiltered tracker: white noise, independent from pose to pose
-    if np.median(own[:3] / LEAST[:3]) >= FILTERED:
-        return levels, 1.0
-    return np.maximum(levels, SMOOTH * LEAST[:6]) * np.sqrt(ALIKE), ALIKE
+    levels: Array = np.maximum(np.concatenate([own[:3], turning]), LEAST[:6])
+    return levels

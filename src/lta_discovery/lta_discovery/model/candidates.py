@@ -5,7 +5,6 @@ A parameter that is not listed here is a candidate of its own, within its bounds
 companions of others (`Parameter.beside`).
 """
 
-from collections.abc import Iterable
 import math
 from typing import Final
 
@@ -64,11 +63,6 @@ _VECTOR_OF: Final = {name: vector for vector in VECTORS for name in vector}
 def vector_components(name: str) -> tuple[str, ...]:
     """Return the components of a candidate's vector; most candidates have one component."""
     return _VECTOR_OF.get(name, (name,))
-
-
-def expand_vectors(names: Iterable[str]) -> set[str]:
-    """Return candidates with all components of each."""
-    return {one for name in names for one in vector_components(name)}
 
 
 def companion_values(effect: str) -> dict[str, float]:

@@ -120,30 +120,9 @@ def test_noise_needs_at_least_eight_third_differences(count: int, known: bool) -
 
 def test_rotation_noise_is_twice_that_of_a_free_quaternion_component() -> None:
     """The four components share the noise of three free ones, each of which is half an angle."""
-    levels, alike = estimate_pose_noise(_shaking([0.01, 0.02, 0.03, 1e-3, 2e-3, 3e-3, 4e-3]))
+    levels = estimate_pose_noise(_shaking([0.01, 0.02, 0.03, 1e-3, 2e-3, 3e-3, 4e-3]))
     turn = 2.0 * np.sqrt((1.0 + 4.0 + 9.0 + 16.0) / 3.0) * 1e-3
     np.testing.assert_allclose(levels, UNIT * np.array([0.01, 0.02, 0.03, turn, turn, turn]))
-    assert alike == 1.0
-
-
-@pytest.mark.parametrize(('middle', 'filtered'), [(0.19, True), (0.21, False)])
-def test_a_tracker_below_a_fifth_of_the_least_noise_counts_as_filtered(
-    middle: float, filtered: bool
-) -> None:
-    """
-    The median over the axes of position decides.
-
-    Filtered poses get at least 8 mm and 16 mrad, times sqrt(12.5) since 12.5 of them say the same.
-    """
-    size = [0.0, middle * 5e-4 / UNIT, 0.1, 0.0, 0.0, 0.0, 0.0]
-    levels, alike = estimate_pose_noise(_shaking(size))
-    largest = 0.1 * UNIT
-    if filtered:
-        expected = np.array([8e-3, 8e-3, largest, 16e-3, 16e-3, 16e-3]) * 12.5**0.5
-    else:
-        expected = np.array([5e-4, 5e-4, largest, 1e-3, 1e-3, 1e-3])
-    np.testing.assert_allclose(levels, expected)
-    assert alike == (12.5 if filtered else 1.0)
 
 
 def test_readings_that_never_change_get_the_least_noise_of_their_sensor() -> None:
